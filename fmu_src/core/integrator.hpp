@@ -1,0 +1,34 @@
+/// What the time integrators share: the state they advance and the task they are given.
+#pragma once
+#include "body.hpp"
+#include "surroundings.hpp"
+
+namespace softffd {
+
+/// Everything that a communication step changes, apart from what it gave back (Exchange).
+struct State {
+  double time = 0;         ///< [s]
+  Points x, v;             ///< positions [m] and velocities [m/s] at `time`, (points, 3)
+  Points spring;           ///< spring forces at x [N]
+  Points previous;         ///< positions one internal step back; central difference only
+  double previous_h = 0;   ///< the step that `previous` belongs to; 0: none
+};
+
+/// `steps` internal steps of size h; number i of them starts at origin + (first + i) h. Times are counted, not summed: cutting a stretch
+/// of time in two gives the same bits.
+struct Task {
+  double origin;
+  long first;
+  double h;
+  long steps;
+  double time(long i) const { return origin + double(first + i) * h; }
+};
+
+/// Internal steps counted from an origin while their size stays the same.
+struct Clock {
+  double origin = 0, h = 0;
+  long count = 0;
+  double time() const { return origin + double(count) * h; }
+};
+
+}  // namespace softffd

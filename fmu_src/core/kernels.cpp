@@ -1,0 +1,136 @@
+#include "kernels.hpp"
+
+#include <cmath>
+
+// One clone per instruction set where the loader can choose between them; elsewhere the baseline alone.
+#if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__) && !defined(SOFTFFD_NO_CLONES)
+#define SOFTFFD_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define SOFTFFD_CLONES
+#endif
+
+namespace softffd::kernels {
+
+// Keeps r = 0 finite: l / 1e-140 times a zero vector is a zero force.
+#define SMALLEST_SQUARE 1e-280
+
+// The inner loops are functions of their own: only there does the compiler believe that the arrays do not overlap.
+#define INNER static inline __attribute__((always_inline))
+using In = const double* __restrict;
+using Out = double* __restrict;
+
+INNER void forces(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In k, In l, Out sx, Out sy, Out sz) {
+  for (int p = 0; p < lanes; ++p) {
+    const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
+    const double r = std::sqrt(dx * dx + dy * dy + dz * dz + SMALLEST_SQUARE);
+    const double s = k[p] * (1.0 - l[p] / r);
+    sx[p] = s * dx;
+    sy[p] = s * dy;
+    sz[p] = s * dz;
+  }
+}
+
+INNER void add(int lanes, In s, Out f) {
+  for (int p = 0; p < lanes; ++p) f[p] += s[p];
+}
+
+INNER void subtract(int lanes, In s, Out f) {
+  for (int p = 0; p < lanes; ++p) f[p] -= s[p];
+}
+
+INNER void add_scaled(int lanes, In c, In s, Out f) {
+  for (int p = 0; p < lanes; ++p) f[p] += c[p] * s[p];
+}
+
+INNER void bounds(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In l, Out xx, Out yy, Out zz, Out xy, Out xz, Out yz) {
+  for (int p = 0; p < lanes; ++p) {
+    const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
+    const double r2 = dx * dx + dy * dy + dz * dz + SMALLEST_SQUARE;
+    const double stretched = 1.0 - l[p] / std::sqrt(r2);
+    const double e = stretched > 0.0 ? stretched : 0.0;
+    const double c = (1.0 - e) / r2;
+    xx[p] = c * dx * dx + e;
+    yy[p] = c * dy * dy + e;
+    zz[p] = c * dz * dz + e;
+    xy[p] = c * dx * dy;
+    xz[p] = c * dx * dz;
+    yz[p] = c * dy * dz;
+  }
+}
+
+INNER void add_square(int lanes, In a0, In a1, In b0, In b1, In k, Out square) {
+  for (int p = 0; p < lanes; ++p) {
+    const double change = (a1[p] - a0[p]) - (b1[p] - b0[p]);
+    square[p] += k[p] > 0.0 ? change * change : 0.0;
+  }
+}
+
+SOFTFFD_CLONES
+void add_spring_forces(const SpringRow& springs, int points, const double* x, double* f, double* scratch) {
+  const int lanes = springs.lanes;
+  const double *a = x + springs.begin, *b = a + springs.offset;
+  forces(lanes, a, a + points, a + 2 * points, b, b + points, b + 2 * points, springs.stiffness, springs.rest_length, scratch,
+         scratch + lanes, scratch + 2 * lanes);
+  for (int axis = 0; axis < 3; ++axis) {
+    double* first = f + axis * points + springs.begin;
+    add(lanes, scratch + axis * lanes, first);
+    subtract(lanes, scratch + axis * lanes, first + springs.offset);
+  }
+}
+
+SOFTFFD_CLONES
+void add_stiffness_bounds(const SpringRow& springs, int points, const double* x, const double* first, const double* second, double* s,
+                          double* scratch) {
+  const int lanes = springs.lanes;
+  const double *a = x + springs.begin, *b = a + springs.offset;
+  const auto part = [&](int c) __attribute__((always_inline)) { return scratch + c * lanes; };
+  bounds(lanes, a, a + points, a + 2 * points, b, b + points, b + 2 * points, springs.rest_length, part(0), part(1), part(2), part(3),
+         part(4), part(5));
+  for (int c = 0; c < 6; ++c) {
+    double* at_first = s + c * points + springs.begin;
+    add_scaled(lanes, first, part(c), at_first);
+    add_scaled(lanes, second, part(c), at_first + springs.offset);
+  }
+}
+
+SOFTFFD_CLONES
+void kick(std::size_t n, const double* a, const double* b, const double* f, const double* g, double* __restrict v) {
+  for (std::size_t i = 0; i < n; ++i) v[i] = a[i] * v[i] + b[i] * (f[i] + g[i]);
+}
+
+SOFTFFD_CLONES
+void kick_undamped(std::size_t n, const double* b, const double* f, const double* g, double* __restrict v) {
+  for (std::size_t i = 0; i < n; ++i) v[i] = v[i] + b[i] * (f[i] + g[i]);
+}
+
+SOFTFFD_CLONES
+void drift(std::size_t n, double h, const double* x, const double* v, double* __restrict y) {
+  for (std::size_t i = 0; i < n; ++i) y[i] = x[i] + h * v[i];
+}
+
+SOFTFFD_CLONES
+bool gaps(int points, const double* x, const double normal[3], double offset, double* __restrict gap) {
+  const double nx = normal[0], ny = normal[1], nz = normal[2];
+  const double *__restrict y = x + points, *__restrict z = y + points;
+  int behind = 0;
+  for (int p = 0; p < points; ++p) {
+    gap[p] = nx * x[p] + ny * y[p] + nz * z[p] - offset;
+    behind |= gap[p] < 0.0;
+  }
+  return behind != 0;
+}
+
+SOFTFFD_CLONES
+double largest_change(const SpringRow& springs, int points, const double* x, const double* y, double* scratch) {
+  const int lanes = springs.lanes, offset = springs.offset;
+  for (int p = 0; p < lanes; ++p) scratch[p] = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double *a = x + axis * points + springs.begin, *b = y + axis * points + springs.begin;
+    add_square(lanes, a, a + offset, b, b + offset, springs.stiffness, scratch);
+  }
+  double largest = 0.0;
+  for (int p = 0; p < lanes; ++p) largest = scratch[p] > largest ? scratch[p] : largest;
+  return largest;
+}
+
+}  // namespace softffd::kernels

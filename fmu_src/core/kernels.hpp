@@ -1,0 +1,39 @@
+/// The loops that a step spends its time in: plain arrays, no branches, nothing that a vectoriser stops at.
+///
+/// Every operation is elementwise and correctly rounded (no contraction, no reassociation), so the vector width that the machine at hand
+/// offers changes the speed and not one bit of the result.
+#pragma once
+#include <cstddef>
+
+namespace softffd::kernels {
+
+/// The springs of one direction: lane p joins points begin + p and begin + p + offset.
+struct SpringRow {
+  int begin, lanes, offset;
+  const double* stiffness;    ///< k [N/m] (lanes); 0 where there is no spring
+  const double* rest_length;  ///< l > 0 [m] (lanes)
+};
+
+/// f += forces of one direction's springs, eq. (6): k (1 - l/r) d on the first point, the opposite on the second; r = 0 gives no force.
+/// x, f: (3 * points) coordinate by coordinate; scratch: (3 * lanes).
+void add_spring_forces(const SpringRow& springs, int points, const double* x, double* f, double* scratch);
+
+/// s += upper bounds of the springs' Hessians, weighted: c (e I + (1 - e) u u^T) with e = max(0, 1 - l/r), as xx yy zz xy xz yz
+/// (6 * points). c: `first` on the first point, `second` on the other (lanes). scratch: (6 * lanes).
+void add_stiffness_bounds(const SpringRow& springs, int points, const double* x, const double* first, const double* second, double* s,
+                          double* scratch);
+
+/// v = a v + b (f + g), n values each.
+void kick(std::size_t n, const double* a, const double* b, const double* f, const double* g, double* v);
+/// v = v + b (f + g), n values each.
+void kick_undamped(std::size_t n, const double* b, const double* f, const double* g, double* v);
+/// y = x + h v, n values each.
+void drift(std::size_t n, double h, const double* x, const double* v, double* y);
+
+/// gap_p = normal . x_p - offset (points). Returns whether any is negative.
+bool gaps(int points, const double* x, const double normal[3], double offset, double* gap);
+
+/// Largest squared change of the spring vectors of one direction between two states, [m2].
+double largest_change(const SpringRow& springs, int points, const double* x, const double* y, double* scratch);
+
+}  // namespace softffd::kernels

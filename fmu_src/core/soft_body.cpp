@@ -1,0 +1,300 @@
+#include "soft_body.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+
+namespace softffd {
+
+namespace {
+
+/// Share of 2 / omega that an automatic step takes, and that a step given by the user may take.
+constexpr double automatic_share = 0.9, given_share = 0.98, any_configuration_share = 0.95;
+/// Spring vectors may change by this share of the shortest edge before the bound is computed anew.
+constexpr double deformation_limit = 0.2;
+/// Internal steps between two looks at the deformation.
+constexpr long look_every = 8;
+
+std::vector<bool> mask(const std::vector<int>& points, int count) {
+  std::vector<bool> selected(count, false);
+  for (int p : points) selected[p] = true;
+  return selected;
+}
+
+std::vector<StiffnessOverride> stiffness_overrides(const Definition& definition) {
+  std::vector<StiffnessOverride> overrides;
+  for (const Region& region : definition.regions)
+    if (region.stiffness) overrides.push_back({mask(region.points, definition.lattice.points()), *region.stiffness});
+  return overrides;
+}
+
+std::vector<bool> pinned_points(const Definition& definition) {
+  std::vector<bool> pinned(definition.lattice.points(), false);
+  for (const PinDefinition& pin : definition.pins)
+    for (int p : pin.points) pinned[p] = true;
+  return pinned;
+}
+
+Pin make_pin(const Definition& definition, const PinDefinition& source, Vec3& origin) {
+  const Points rest = rest_positions(definition.lattice);
+  Pin pin;
+  pin.points = source.points;
+  origin.setZero();
+  for (int p : source.points) origin += row(rest, p) / double(source.points.size());
+  for (int p : source.points) pin.local.push_back(row(rest, p) - origin);
+  return pin;
+}
+
+long divisions(double length, double limit) { return std::max(1L, long(std::ceil(length / limit * (1 - 1e-12)))); }
+
+}  // namespace
+
+SoftBody::SoftBody(Definition definition)
+    : definition_(std::move(definition)),
+      body_{.springs = Springs(definition_.lattice, definition_.topology), .mass = {}, .damping = {}, .pinned = pinned_points(definition_)},
+      overrides_(stiffness_overrides(definition_)),
+      stability_(definition_.lattice.points()),
+      leapfrog_(definition_.lattice.points(), definition_.planes),
+      central_difference_(definition_.lattice.points()),
+      jumps_(definition_.lattice.points(), definition_.planes) {
+  const int n = definition_.lattice.points();
+  body_.length = definition_.lattice.largest_side();
+  pin_origins_.resize(definition_.pins.size());
+  for (std::size_t a = 0; a < definition_.pins.size(); ++a)
+    around_.pins.push_back(make_pin(definition_, definition_.pins[a], pin_origins_[a]));
+  around_.planes.resize(definition_.planes);
+  settings.force = around_.force = Points::Zero(n, 3);
+  settings.planes.resize(definition_.planes);
+  settings.pins.resize(definition_.pins.size());
+  for (std::size_t a = 0; a < pin_origins_.size(); ++a) settings.pins[a].position = pin_origins_[a];
+  now_.exchange.planes.resize(definition_.planes);
+  now_.exchange.pins.resize(definition_.pins.size());
+  for (Points* points : {&now_.motion.x, &now_.motion.v, &now_.motion.spring, &now_.motion.previous, &now_.bound_x, &begin_})
+    points->setZero(n, 3);
+  backup_ = now_;
+}
+
+void SoftBody::refresh_body() {
+  const int n = definition_.lattice.points();
+  const Eigen::Map<const Scalars> shares(definition_.mass.data(), n);
+  body_.mass = shares * (settings.mass / shares.sum());
+  body_.damping = Scalars::Constant(n, settings.damping);
+  for (const Region& region : definition_.regions)
+    if (region.damping)
+      for (int p : region.points) body_.damping[p] = *region.damping;
+  body_.damped = (body_.damping > 0).any();
+  body_.springs.set_stiffness(settings.stiffness, overrides_);
+  stability_.prepare(body_);
+  leapfrog_.body_changed();
+  now_.bound = -1;
+  now_.motion.previous_h = 0;
+}
+
+StepStatus SoftBody::refresh_surroundings() {
+  const double time = now_.motion.time;
+  for (std::size_t q = 0; q < around_.planes.size(); ++q) {
+    const Settings::PlaneInput& input = settings.planes[q];
+    const double size = input.normal.stableNorm();
+    if (!(size > 0)) return StepStatus::zero_normal;
+    around_.planes[q] = {input.point, input.normal / size, input.velocity, input.angular_velocity, input.friction,
+                         input.moved_by_input ? time : start_time_};
+  }
+  for (std::size_t a = 0; a < around_.pins.size(); ++a) {
+    const Settings::PinInput& input = settings.pins[a];
+    const Eigen::Map<const Eigen::Vector4d> q(input.orientation.data());
+    const double size = q.stableNorm();
+    if (!(size > 0)) return StepStatus::zero_orientation;
+    Pin& pin = around_.pins[a];
+    pin.position = input.position;
+    for (int i = 0; i < 4; ++i) pin.orientation[i] = q[i] / size;
+    pin.velocity = input.velocity;
+    pin.angular_velocity = input.angular_velocity;
+    pin.since = time;
+  }
+  for (int axis = 0; axis < 3; ++axis) around_.force.col(axis) = settings.force.col(axis) + settings.gravity[axis] * body_.mass;
+  return StepStatus::ok;
+}
+
+StepStatus SoftBody::clear_jumps() {
+  if (around_.planes.empty() || settings.method == Method::central_difference) return StepStatus::ok;
+  return jumps_.clear_jumps(body_, around_, now_.motion.time, now_.motion.x);
+}
+
+bool SoftBody::place_pins(bool book) {
+  bool moved = false;
+  State& motion = now_.motion;
+  for (std::size_t a = 0; a < around_.pins.size(); ++a) {
+    const Pin& pin = around_.pins[a];
+    for (std::size_t n = 0; n < pin.points.size(); ++n) {
+      const int p = pin.points[n];
+      const Vec3 arm = pin.arm(int(n), motion.time), x = pin.origin(motion.time) + arm, v = pin.material_velocity(arm);
+      if (book) {
+        const Vec3 impulse = body_.mass[p] * (v - row(motion.v, p));
+        now_.exchange.pins[a].add(-impulse, arm);
+        now_.exchange.work += impulse.dot(0.5 * (v + row(motion.v, p)));
+      }
+      moved = moved || x != row(motion.x, p);
+      set_row(motion.x, p, x);
+      set_row(motion.v, p, v);
+    }
+  }
+  return moved;
+}
+
+StepStatus SoftBody::initialize(double t0) {
+  const Lattice& lattice = definition_.lattice;
+  refresh_body();
+  stale_ = false;
+  State& motion = now_.motion;
+  start_time_ = motion.time = t0;
+  const StepStatus status = refresh_surroundings();
+  if (status != StepStatus::ok) return status;
+  const Points rest = rest_positions(lattice);
+  const Vec3 centre = lattice.origin + definition_.stretch.cwiseProduct(0.5 * lattice.size) + definition_.offset;
+  for (int p = 0; p < body_.points(); ++p) {
+    const Vec3 x = lattice.origin + definition_.stretch.cwiseProduct(row(rest, p) - lattice.origin) + definition_.offset;
+    set_row(motion.x, p, x);
+    set_row(motion.v, p, definition_.velocity + definition_.angular_velocity.cross(x - centre));
+  }
+  motion.previous_h = 0;
+  now_.clock = {t0, 0, 0};
+  for (auto* impulses : {&now_.exchange.planes, &now_.exchange.pins}) std::fill(impulses->begin(), impulses->end(), Impulse{});
+  now_.exchange.dissipated = now_.exchange.work = 0;
+  now_.exchange_time = 1;
+  now_.dissipated = now_.work = 0;
+  now_.steps = now_.contacts_resolved = now_.exchange.contacts_resolved = 0;
+  place_pins(false);
+  const StepStatus cleared = clear_jumps();
+  if (cleared != StepStatus::ok) return cleared;
+  body_.springs.force(motion.x, motion.spring);
+  if (definition_.watch_energy) now_.potential = potential_energy();
+  return StepStatus::ok;
+}
+
+StepStatus SoftBody::advance(double H) {
+  backup_ = now_;
+  const StepStatus status = advance_from_here(H);
+  if (status != StepStatus::ok) now_ = backup_;
+  return status;
+}
+
+StepStatus SoftBody::advance_from_here(double H) {
+  State& motion = now_.motion;
+  const bool changed = stale_;
+  if (stale_) refresh_body();
+  stale_ = false;
+  const StepStatus status = refresh_surroundings();
+  if (status != StepStatus::ok) return status;
+  for (auto* impulses : {&now_.exchange.planes, &now_.exchange.pins}) std::fill(impulses->begin(), impulses->end(), Impulse{});
+  now_.exchange.dissipated = now_.exchange.work = 0;
+  now_.exchange.contacts_resolved = 0;
+  now_.exchange_time = H;
+  const bool moved = place_pins(true);
+  const StepStatus cleared = clear_jumps();
+  if (cleared != StepStatus::ok) return cleared;
+  if (changed || moved || !around_.planes.empty()) body_.springs.force(motion.x, motion.spring);
+  if (definition_.watch_energy) {
+    now_.work += potential_energy() - now_.potential;
+    begin_ = motion.x;
+  }
+  const double unit = settings.step, units = unit > 0 ? std::round(H / unit) : 0;
+  const bool counted = units >= 1 && units <= double(most_steps) && std::abs(H - units * unit) <= 1e-9 * H;
+  const StepStatus ran = counted ? run_counted(long(units)) : run_fitted(H);
+  if (ran != StepStatus::ok) return ran;
+  if (!motion.x.allFinite() || !motion.v.allFinite()) return StepStatus::not_finite;
+  motion.time = counted ? now_.clock.time() : motion.time + H;
+  now_.contacts_resolved += now_.exchange.contacts_resolved;
+  if (definition_.watch_energy) {
+    now_.potential = potential_energy();
+    now_.dissipated += now_.exchange.dissipated;
+    now_.work += now_.exchange.work + (settings.force * (motion.x - begin_)).sum();
+  }
+  return StepStatus::ok;
+}
+
+double SoftBody::step_limit(double share) {
+  if (stability_.any_frequency() == 0) return std::numeric_limits<double>::infinity();
+  if (now_.bound < 0 || deformed_since_bound()) {
+    now_.bound = stability_.frequency(body_, now_.motion.x);
+    now_.bound_x = now_.motion.x;
+  }
+  return std::max(share * 2 / now_.bound, any_configuration_share * 2 / stability_.any_frequency());
+}
+
+bool SoftBody::deformed_since_bound() const {
+  for (const Springs::Row& row : body_.springs.rows()) {
+    if (row.direction.kind() != SpringKind::edge) break;
+    const double limit = deformation_limit * row.rest_length[0];
+    const double change = kernels::largest_change(row.view(), body_.points(), now_.motion.x.data(), now_.bound_x.data(),
+                                                  body_.springs.scratch());
+    if (change > limit * limit) return true;
+  }
+  return false;
+}
+
+StepStatus SoftBody::run_counted(long units) {
+  const double unit = settings.step;
+  while (units > 0) {
+    const long parts = divisions(unit, step_limit(given_share));
+    const double h = unit / double(parts);
+    if (double(units) * double(parts) > double(most_steps)) return StepStatus::too_many_steps;
+    if (now_.clock.h != h) now_.clock = {now_.motion.time, h, 0};
+    const long since_look = now_.clock.count / parts % look_every;
+    const long ahead = std::min(units, look_every - since_look);
+    const StepStatus status = run_stretch(h, ahead * parts);
+    if (status != StepStatus::ok) return status;
+    now_.motion.time = now_.clock.time();
+    units -= ahead;
+  }
+  return StepStatus::ok;
+}
+
+StepStatus SoftBody::run_fitted(double H) {
+  double limit = step_limit(automatic_share);
+  if (settings.step > 0) limit = std::min(settings.step, step_limit(given_share));
+  if (H / limit > double(most_steps)) return StepStatus::too_many_steps;
+  long steps = divisions(H, limit);
+  double h = H / double(steps);
+  now_.clock = {now_.motion.time, h, 0};
+  while (steps > 0) {
+    const long ahead = std::min(steps, look_every);
+    const StepStatus status = run_stretch(h, ahead);
+    if (status != StepStatus::ok) return status;
+    steps -= ahead;
+    if (steps == 0 || !deformed_since_bound()) continue;
+    limit = step_limit(settings.step > 0 ? given_share : automatic_share);
+    if (h <= limit) continue;
+    const double left = double(steps) * h;
+    steps = divisions(left, limit);
+    h = left / double(steps);
+    now_.clock = {now_.clock.time(), h, 0};
+  }
+  return StepStatus::ok;
+}
+
+StepStatus SoftBody::run_stretch(double h, long steps) {
+  const Task task{now_.clock.origin, now_.clock.count, h, steps};
+  now_.clock.count += steps;
+  now_.steps += steps;
+  State& motion = now_.motion;
+  if (settings.method == Method::central_difference)
+    return central_difference_.advance(body_, around_, task, definition_.watch_energy, motion, now_.exchange);
+  return leapfrog_.advance(body_, around_, task, definition_.watch_energy, motion, now_.exchange);
+}
+
+int SoftBody::plane_contacts(int q) const { return points_on(around_.planes[q].at(now_.motion.time), body_.length, now_.motion.x); }
+
+double SoftBody::kinetic_energy() const { return 0.5 * (body_.mass * now_.motion.v.square().rowwise().sum()).sum(); }
+
+double SoftBody::gravity_energy() const {
+  double energy = 0;
+  for (int axis = 0; axis < 3; ++axis) energy -= settings.gravity[axis] * (body_.mass * now_.motion.x.col(axis)).sum();
+  return energy;
+}
+
+double SoftBody::stable_step() {  // leaves the bound that steps are chosen by alone: looking must not change what follows
+  if (stability_.any_frequency() == 0) return std::numeric_limits<double>::infinity();
+  return 2 / stability_.frequency(body_, now_.motion.x);
+}
+
+}  // namespace softffd

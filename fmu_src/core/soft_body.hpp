@@ -1,0 +1,140 @@
+/// The soft object: what a scene defines, what a host may change between communication steps, and the step itself.
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "central_difference.hpp"
+#include "leapfrog.hpp"
+#include "stability.hpp"
+
+namespace softffd {
+
+enum class Method { automatic, central_difference, leapfrog };
+
+/// Overrides of a [[region]]; absent ones leave what is there.
+struct Region {
+  std::vector<int> points;
+  std::optional<double> stiffness;  ///< >= 0 [N/m]
+  std::optional<double> damping;    ///< >= 0 [N s/m]
+};
+
+struct PinDefinition {
+  std::vector<int> points;
+};
+
+/// Creation data of a soft object: a resolved scene.
+struct Definition {
+  Lattice lattice;
+  Topology topology = Topology::distinct;
+  std::vector<double> mass;     ///< per control point, > 0 [kg]
+  std::vector<Region> regions;  ///< later ones win
+  std::vector<PinDefinition> pins;
+  int planes = 0;
+  Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();                    ///< x0 = origin + stretch (X - origin) + offset
+  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();         ///< [m/s], [rad/s] about the centre of the box at x0
+  bool watch_energy = false;                                             ///< accumulate dissipated energy and work
+};
+
+/// Values that a host may set between steps. Vectors have the sizes of the definition.
+struct Settings {
+  double mass = 1;  ///< total [kg]
+  Stiffness stiffness;
+  double damping = 0;           ///< per control point [N s/m]
+  Vec3 gravity = Vec3::Zero();  ///< [m/s2]
+  Method method = Method::automatic;
+  double step = 0;       ///< internal step [s]; 0: by stability
+  Points force;          ///< loads and point forces (points, 3) [N]
+  struct PlaneInput {
+    Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
+    double friction = 0;
+    bool moved_by_input = false;  ///< the pose belongs to the communication point; otherwise to the start time
+  };
+  std::vector<PlaneInput> planes;
+  struct PinInput {
+    Vec3 position = Vec3::Zero();
+    std::array<double, 4> orientation{1, 0, 0, 0};
+    Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
+  };
+  std::vector<PinInput> pins;
+};
+
+/// Everything that running changes: its copy is a snapshot.
+struct Progress {
+  State motion;
+  Clock clock;
+  Exchange exchange;         ///< of the last communication step
+  double exchange_time = 1;  ///< its length [s]
+  double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
+  long steps = 0, contacts_resolved = 0;
+  Points bound_x;            ///< configuration that `bound` belongs to
+  double bound = -1;         ///< bound of omega [rad/s]; negative: none yet
+};
+
+class SoftBody {
+ public:
+  /// Internal steps that one call may take; a longer communication step is refused.
+  static constexpr long most_steps = 20'000'000;
+
+  explicit SoftBody(Definition definition);
+
+  Settings settings;                ///< take effect at the next `initialize` or `advance`
+  void settings_changed() { stale_ = true; }  ///< call after changing mass, stiffness or damping
+
+  /// Sets up the initial state at time t0; positions behind planes are moved onto them.
+  StepStatus initialize(double t0);
+  /// One communication step of length H > 0. On failure the state is as before.
+  StepStatus advance(double H);
+
+  const State& state() const { return now_.motion; }
+  const Lattice& lattice() const { return definition_.lattice; }
+  /// Rest centroid of pin a's points: where its frame is at rest [m].
+  Vec3 pin_origin(int a) const { return pin_origins_[a]; }
+
+  Vec3 plane_reaction(int q) const { return now_.exchange.planes[q].force / now_.exchange_time; }
+  Vec3 plane_torque(int q) const { return now_.exchange.planes[q].torque / now_.exchange_time; }
+  int plane_contacts(int q) const;
+  Vec3 pin_reaction(int a) const { return now_.exchange.pins[a].force / now_.exchange_time; }
+  Vec3 pin_torque(int a) const { return now_.exchange.pins[a].torque / now_.exchange_time; }
+  double kinetic_energy() const;
+  double elastic_energy() const { return body_.springs.energy(now_.motion.x); }
+  double gravity_energy() const;
+  double dissipated_energy() const { return now_.dissipated; }
+  double work() const { return now_.work; }
+  long steps() const { return now_.steps; }
+  long contacts_resolved() const { return now_.contacts_resolved; }
+  /// Largest stable internal step of the current state, by bound [s]; infinity without springs.
+  double stable_step();
+  int folded_cells() const { return softffd::folded_cells(definition_.lattice, now_.motion.x); }
+  /// Internal step of the last communication step [s].
+  double internal_step() const { return now_.clock.h; }
+  int spring_count() const { return body_.springs.count(); }
+
+ private:
+  void refresh_body();
+  StepStatus refresh_surroundings();
+  StepStatus clear_jumps();
+  bool place_pins(bool book);
+  double potential_energy() const { return elastic_energy() + gravity_energy(); }
+  double step_limit(double share);
+  bool deformed_since_bound() const;
+  StepStatus advance_from_here(double H);
+  StepStatus run_counted(long units);
+  StepStatus run_fitted(double H);
+  StepStatus run_stretch(double h, long steps);
+
+  Definition definition_;
+  Body body_;
+  Surroundings around_;
+  std::vector<StiffnessOverride> overrides_;
+  std::vector<Vec3> pin_origins_;
+  Stability stability_;
+  Leapfrog leapfrog_;
+  CentralDifference central_difference_;
+  Contact jumps_;
+  Points begin_;       ///< positions at the start of the communication step, energy balance only
+  bool stale_ = true;  ///< mass, stiffness or damping changed
+  double start_time_ = 0;
+  Progress now_, backup_;
+};
+
+}  // namespace softffd

@@ -1,0 +1,35 @@
+/// Bounds on the highest angular frequency of the lattice, and with them the largest stable explicit step 2 / omega.
+///
+/// For a vector x of point displacements the springs' Hessian K satisfies
+///
+///      x'Kx <= sum_e (x_a - x_b)' B_e (x_a - x_b),      B_e = k (u u^T + max(0, 1 - l/r) (I - u u^T)) >= Hessian of spring e,
+///
+/// and, with t = sqrt(m_a / m_b), (p - q)'B(p - q) <= (1 + t) p'Bp + (1 + 1/t) q'Bq. Collected point by point this is block diagonal:
+///
+///      omega^2 <= max_p lambda_max(S_p) / m_p,      S_p = sum over the springs at p of (1 + sqrt(m_p / m_other)) B_e.
+///
+/// A pinned neighbour does not move: its term is B_e alone. Replacing B_e by k I gives a bound that holds in any configuration, because
+/// no eigenvalue of a spring's Hessian exceeds k. A power iteration would approach omega from below, the wrong side.
+#pragma once
+#include "body.hpp"
+
+namespace softffd {
+
+class Stability {
+ public:
+  explicit Stability(int points) : sums_(6 * points) {}
+
+  /// Recomputes what depends on masses and stiffness alone.
+  void prepare(const Body& body);
+  /// Upper bound of omega at configuration x [rad/s].
+  double frequency(const Body& body, const Points& x);
+  /// Upper bound of omega in every configuration [rad/s].
+  double any_frequency() const { return any_frequency_; }
+
+ private:
+  std::vector<Scalars> first_, second_;  ///< k (1 + sqrt(mass ratio)) of each row's lanes, as seen from either end
+  Scalars sums_;                         ///< S_p as xx yy zz xy xz yz, each (points)
+  double any_frequency_ = 0;
+};
+
+}  // namespace softffd

@@ -1,0 +1,18 @@
+/// The few types that every room of the core shares.
+#pragma once
+#include <Eigen/Core>
+
+namespace softffd {
+
+using Vec3 = Eigen::Vector3d;
+using Scalars = Eigen::ArrayXd;
+/// One row per control point, column-major: the x, y and z coordinates are three contiguous runs (structure of arrays).
+using Points = Eigen::Array<double, Eigen::Dynamic, 3>;
+
+inline Vec3 row(const Points& points, int p) { return {points(p, 0), points(p, 1), points(p, 2)}; }
+inline void set_row(Points& points, int p, const Vec3& value) { points.row(p) = value.array().transpose(); }
+
+/// How a step ended. Anything but `ok` leaves the state as it was before the call.
+enum class StepStatus { ok, impossible_planes, pin_behind_plane, zero_normal, zero_orientation, too_many_steps, not_finite };
+
+}  // namespace softffd

@@ -1,0 +1,316 @@
+/// The 34 functions of FMI 2.0 for Co-Simulation. Each passes one guard: live handle, floating-point environment, the standard's table of
+/// states, exceptions. What lies behind is in Instance.
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <new>
+
+extern "C" {
+#include "fmi2Functions.h"
+}
+
+#include "float_environment.hpp"
+#include "live_instances.hpp"
+#include "resource_uri.hpp"
+
+namespace softffd::fmi {
+
+namespace {
+
+constexpr unsigned after_start = initializing | stepping | step_failed | terminated | failed;
+constexpr unsigned settable = instantiated | initializing | stepping;
+constexpr unsigned any_phase = instantiated | after_start;
+
+const char* phase_name(Phase phase) {
+  switch (phase) {
+    case instantiated: return "instantiated";
+    case initializing: return "in initialization mode";
+    case stepping: return "ready for a step";
+    case step_failed: return "after a discarded step";
+    case terminated: return "terminated";
+    case failed: return "in the error state";
+  }
+  return "in no known state";
+}
+
+fmi2Status fail(Instance& instance, const std::string& message) {
+  instance.phase = failed;
+  instance.logger.log(fmi2Error, log_error, message);
+  return fmi2Error;
+}
+
+/// The one way into an instance. `call` returns a status; what it throws becomes fmi2Error with a message.
+template <class Call>
+fmi2Status guarded(fmi2Component component, const char* function, unsigned allowed, Call&& call) noexcept {
+  const FloatEnvironment environment;
+  Instance* instance = nullptr;
+  try {
+    instance = live(component);
+    if (!instance) return fmi2Error;
+    if (!(instance->phase & allowed))
+      return fail(*instance, std::string(function) + ": not allowed " + phase_name(instance->phase));
+    return call(*instance);
+  } catch (const CallError& error) {
+    return fail(*instance, error.what());
+  } catch (const std::exception& error) {
+    if (instance) instance->phase = failed;
+    try {
+      if (instance) instance->logger.log(fmi2Error, log_error, std::string(function) + ": " + error.what());
+    } catch (...) {  // no memory for the message either
+    }
+  } catch (...) {
+    if (instance) instance->phase = failed;
+  }
+  return fmi2Error;
+}
+
+void require(const void* pointer, std::size_t count, const char* function) {
+  if (!pointer && count > 0) throw CallError(std::string(function) + ": got a null array for " + std::to_string(count) + " values");
+}
+
+fmi2Status unavailable(fmi2Component component, const char* function) noexcept {
+  return guarded(component, function, any_phase, [&](Instance&) -> fmi2Status {
+    throw CallError(std::string(function) + ": not available; modelDescription.xml does not claim it");
+  });
+}
+
+fmi2Status no_variables(fmi2Component component, const char* function, unsigned allowed, const char* type, std::size_t count) noexcept {
+  return guarded(component, function, allowed, [&](Instance&) -> fmi2Status {
+    if (count > 0) throw CallError(std::string(function) + ": there are no " + type + " variables");
+    return fmi2OK;
+  });
+}
+
+std::unique_ptr<Instance> instantiate(const Logger& logger, fmi2Type type, const char* guid, const char* resources) {
+  if (type != fmi2CoSimulation) throw CallError("fmi2Instantiate: fmuType: wanted fmi2CoSimulation; model exchange is not available");
+  if (!guid) throw CallError("fmi2Instantiate: fmuGUID: wanted a text, got null");
+  if (!resources || !*resources) throw CallError("fmi2Instantiate: fmuResourceLocation: wanted the URI of the resources folder, got nothing");
+  const auto path = path_from_uri(resources);
+  if (!path) throw CallError(std::string("fmi2Instantiate: fmuResourceLocation: wanted a file: URI, got ") + resources);
+  const bool slash = !path->empty() && path->back() == '/';
+  SceneFile scene = read_scene(*path + (slash ? "scene.txt" : "/scene.txt"));
+  if (scene.guid != guid) throw CallError("fmi2Instantiate: fmuGUID: wanted " + scene.guid + ", got " + guid);
+  return std::make_unique<Instance>(std::move(scene), logger);
+}
+
+}  // namespace
+
+}  // namespace softffd::fmi
+
+using namespace softffd::fmi;
+
+extern "C" {
+
+const char* fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+
+const char* fmi2GetVersion(void) { return "2.0"; }
+
+fmi2Component fmi2Instantiate(fmi2String instance_name, fmi2Type type, fmi2String guid, fmi2String resources,
+                              const fmi2CallbackFunctions* callbacks, fmi2Boolean, fmi2Boolean logging_on) {
+  const FloatEnvironment environment;
+  if (!callbacks) return nullptr;
+  try {
+    const bool named = instance_name && *instance_name;
+    const Logger logger(*callbacks, named ? instance_name : "", logging_on != fmi2False);
+    try {
+      if (!named) throw CallError("fmi2Instantiate: instanceName: wanted a text, got nothing");
+      return adopt(instantiate(logger, type, guid, resources));
+    } catch (const std::exception& error) {
+      logger.log(fmi2Error, log_error, error.what());
+    }
+  } catch (...) {  // no memory for the message either
+  }
+  return nullptr;
+}
+
+void fmi2FreeInstance(fmi2Component component) {
+  const FloatEnvironment environment;
+  release(component);
+}
+
+fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t count, const fmi2String categories[]) {
+  return guarded(component, "fmi2SetDebugLogging", any_phase, [&](Instance& instance) {
+    require(categories, count, "fmi2SetDebugLogging");
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < count; ++i) names.emplace_back(categories[i] ? categories[i] : "(null)");
+    if (!instance.logger.switch_categories(on != fmi2False, names)) {
+      std::string known;
+      for (const char* name : log_categories) known += (known.empty() ? "" : ", ") + std::string(name);
+      throw CallError("fmi2SetDebugLogging: wanted categories of " + known + ", got another");
+    }
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start_time,
+                               fmi2Boolean stop_time_defined, fmi2Real stop_time) {
+  return guarded(component, "fmi2SetupExperiment", instantiated, [&](Instance& instance) {
+    if (!std::isfinite(start_time)) throw CallError("fmi2SetupExperiment: startTime: wanted a finite number");
+    if (tolerance_defined && !(std::isfinite(tolerance) && tolerance > 0))
+      throw CallError("fmi2SetupExperiment: tolerance: wanted a finite number > 0");
+    if (stop_time_defined && !(std::isfinite(stop_time) && stop_time > start_time))
+      throw CallError("fmi2SetupExperiment: stopTime: wanted a finite number above startTime");
+    instance.setup_experiment(start_time, tolerance_defined ? tolerance : 0,
+                              stop_time_defined ? stop_time : std::numeric_limits<double>::infinity());
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2EnterInitializationMode(fmi2Component component) {
+  return guarded(component, "fmi2EnterInitializationMode", instantiated, [](Instance& instance) {
+    instance.enter_initialization();
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2ExitInitializationMode(fmi2Component component) {
+  return guarded(component, "fmi2ExitInitializationMode", initializing, [](Instance& instance) {
+    instance.exit_initialization();
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2Terminate(fmi2Component component) {
+  return guarded(component, "fmi2Terminate", stepping | step_failed, [](Instance& instance) {
+    instance.phase = terminated;
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2Reset(fmi2Component component) {
+  return guarded(component, "fmi2Reset", any_phase, [](Instance& instance) {
+    instance.reset();
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference references[], size_t count, fmi2Real values[]) {
+  return guarded(component, "fmi2GetReal", after_start, [&](Instance& instance) {
+    require(references, count, "fmi2GetReal");
+    require(values, count, "fmi2GetReal");
+    instance.get(Type::Real, references, count, values);
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t count, const fmi2Real values[]) {
+  return guarded(component, "fmi2SetReal", settable, [&](Instance& instance) {
+    require(references, count, "fmi2SetReal");
+    require(values, count, "fmi2SetReal");
+    instance.set(Type::Real, references, count, values);
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference references[], size_t count, fmi2Integer values[]) {
+  return guarded(component, "fmi2GetInteger", after_start, [&](Instance& instance) {
+    require(references, count, "fmi2GetInteger");
+    require(values, count, "fmi2GetInteger");
+    std::vector<double> numbers(count);
+    instance.get(Type::Integer, references, count, numbers.data());
+    constexpr double most = std::numeric_limits<fmi2Integer>::max();
+    for (std::size_t i = 0; i < count; ++i) values[i] = fmi2Integer(std::min(numbers[i], most));
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference references[], size_t count, const fmi2Integer values[]) {
+  return guarded(component, "fmi2SetInteger", settable, [&](Instance& instance) {
+    require(references, count, "fmi2SetInteger");
+    require(values, count, "fmi2SetInteger");
+    const std::vector<double> numbers(values, values + count);
+    instance.set(Type::Integer, references, count, numbers.data());
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2GetBoolean(fmi2Component component, const fmi2ValueReference[], size_t count, fmi2Boolean[]) {
+  return no_variables(component, "fmi2GetBoolean", after_start, "Boolean", count);
+}
+
+fmi2Status fmi2SetBoolean(fmi2Component component, const fmi2ValueReference[], size_t count, const fmi2Boolean[]) {
+  return no_variables(component, "fmi2SetBoolean", settable, "Boolean", count);
+}
+
+fmi2Status fmi2GetString(fmi2Component component, const fmi2ValueReference[], size_t count, fmi2String[]) {
+  return no_variables(component, "fmi2GetString", after_start, "String", count);
+}
+
+fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference[], size_t count, const fmi2String[]) {
+  return no_variables(component, "fmi2SetString", settable, "String", count);
+}
+
+fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi2Boolean) {
+  return guarded(component, "fmi2DoStep", stepping, [&](Instance& instance) { return instance.do_step(time, step); });
+}
+
+fmi2Status fmi2CancelStep(fmi2Component component) {
+  return guarded(component, "fmi2CancelStep", 0, [](Instance&) { return fmi2Error; });  // steps are never pending
+}
+
+fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind, fmi2Status*) {
+  return guarded(component, "fmi2GetStatus", stepping | step_failed | terminated, [](Instance& instance) {
+    instance.logger.log(fmi2Discard, log_warning, "fmi2GetStatus: steps are never pending");
+    return fmi2Discard;
+  });
+}
+
+fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Real* value) {
+  return guarded(component, "fmi2GetRealStatus", stepping | step_failed | terminated, [&](Instance& instance) {
+    require(value, 1, "fmi2GetRealStatus");
+    if (kind != fmi2LastSuccessfulTime) return fmi2Discard;
+    *value = instance.last_successful_time();
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2GetIntegerStatus(fmi2Component component, const fmi2StatusKind, fmi2Integer*) {
+  return guarded(component, "fmi2GetIntegerStatus", stepping | step_failed | terminated, [](Instance&) { return fmi2Discard; });
+}
+
+fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean* value) {
+  return guarded(component, "fmi2GetBooleanStatus", stepping | step_failed | terminated, [&](Instance&) {
+    require(value, 1, "fmi2GetBooleanStatus");
+    if (kind != fmi2Terminated) return fmi2Discard;
+    *value = fmi2False;  // the component never asks to end the simulation
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2GetStringStatus(fmi2Component component, const fmi2StatusKind, fmi2String*) {
+  return guarded(component, "fmi2GetStringStatus", stepping | step_failed | terminated, [](Instance&) { return fmi2Discard; });
+}
+
+fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate*) { return unavailable(component, "fmi2GetFMUstate"); }
+
+fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate) { return unavailable(component, "fmi2SetFMUstate"); }
+
+fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate*) { return unavailable(component, "fmi2FreeFMUstate"); }
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate, size_t*) {
+  return unavailable(component, "fmi2SerializedFMUstateSize");
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate, fmi2Byte[], size_t) {
+  return unavailable(component, "fmi2SerializeFMUstate");
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte[], size_t, fmi2FMUstate*) {
+  return unavailable(component, "fmi2DeSerializeFMUstate");
+}
+
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2ValueReference[], size_t, const fmi2ValueReference[], size_t,
+                                        const fmi2Real[], fmi2Real[]) {
+  return unavailable(component, "fmi2GetDirectionalDerivative");
+}
+
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference[], size_t, const fmi2Integer[],
+                                       const fmi2Real[]) {
+  return unavailable(component, "fmi2SetRealInputDerivatives");
+}
+
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2ValueReference[], size_t, const fmi2Integer[], fmi2Real[]) {
+  return unavailable(component, "fmi2GetRealOutputDerivatives");
+}
+
+}  // extern "C"

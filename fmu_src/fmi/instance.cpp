@@ -1,0 +1,254 @@
+#include "instance.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "bernstein.hpp"
+
+namespace softffd::fmi {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+Method method_of(double value) {
+  switch (MethodValue(int(value))) {
+    case MethodValue::automatic: return Method::automatic;
+    case MethodValue::central_difference: return Method::central_difference;
+    case MethodValue::leapfrog: return Method::leapfrog;
+  }
+  return Method::automatic;
+}
+
+std::string number(double value) {
+  std::array<char, 32> text;
+  const int length = std::snprintf(text.data(), text.size(), "%.9g", value);
+  std::string result(text.data(), length);
+  for (char& c : result)
+    if (c == ',') c = '.';  // whatever the locale's decimal point is
+  return result;
+}
+
+}  // namespace
+
+Instance::Instance(SceneFile scene, Logger log) : logger(std::move(log)), scene_(std::move(scene)), body_(scene_.definition) {
+  for (std::size_t q = 0; q < scene_.planes.size(); ++q) (scene_.planes[q].input ? input_planes_ : fixed_planes_).push_back(int(q));
+  for (std::size_t a = 0; a < scene_.pins.size(); ++a)
+    if (scene_.pins[a].input) input_pins_.push_back(int(a));
+  for (const auto& probe : scene_.probes) probe_weights_.push_back(embedding_weights(body_.lattice(), probe.at));
+  reset();
+}
+
+void Instance::reset() {
+  phase = instantiated;
+  start_time_ = time_ = 0;
+  stop_time_ = infinity;
+  logged_step_ = -1;
+  load_starts();
+  changed_ = material_changed_ = true;
+}
+
+void Instance::start(Family family, std::initializer_list<double> numbers) {
+  values(family).insert(values(family).end(), numbers);
+}
+
+void Instance::load_starts() {
+  for (auto& list : values_) list.clear();
+  values(Family::force).assign(3 * scene_.forces.size(), 0.0);
+  values(Family::load).assign(3 * scene_.loads.size(), 0.0);
+  for (const auto& plane : scene_.planes) {
+    const auto add = [&](Family input, Family fixed, const Vec3& v) { start(plane.input ? input : fixed, {v[0], v[1], v[2]}); };
+    add(Family::plane_point, Family::fixed_plane_point, plane.point);
+    add(Family::plane_normal, Family::fixed_plane_normal, plane.normal);
+    add(Family::plane_velocity, Family::fixed_plane_velocity, plane.velocity);
+    add(Family::plane_angular_velocity, Family::fixed_plane_angular_velocity, plane.angular_velocity);
+    start(Family::plane_friction, {plane.friction});
+  }
+  for (int a : input_pins_) {
+    const Vec3 origin = body_.pin_origin(a);
+    start(Family::pin_position, {origin[0], origin[1], origin[2]});
+    start(Family::pin_orientation, {1, 0, 0, 0});
+    start(Family::pin_velocity, {0, 0, 0});
+    start(Family::pin_angular_velocity, {0, 0, 0});
+  }
+  double mass = 0;
+  for (double m : scene_.definition.mass) mass += m;
+  start(Family::mass, {mass});
+  start(Family::stiffness_edge, {scene_.stiffness.edge});
+  start(Family::stiffness_face, {scene_.stiffness.face});
+  start(Family::stiffness_body, {scene_.stiffness.body});
+  if (scene_.damping) start(Family::damping, {*scene_.damping});
+  if (scene_.gravity) start(Family::gravity, {(*scene_.gravity)[0], (*scene_.gravity)[1], (*scene_.gravity)[2]});
+  start(Family::solver_method, {double(scene_.method)});
+  start(Family::solver_tolerance, {scene_.tolerance});
+  start(Family::solver_step, {scene_.step});
+}
+
+void Instance::setup_experiment(double start_time, double tolerance, double stop_time) {
+  start_time_ = time_ = start_time;
+  stop_time_ = stop_time;
+  if (tolerance > 0) values(Family::solver_tolerance)[0] = tolerance;
+  changed_ = true;
+}
+
+void Instance::enter_initialization() {
+  phase = initializing;
+  changed_ = material_changed_ = true;
+}
+
+void Instance::exit_initialization() {
+  ensure_initial_state();
+  phase = stepping;
+}
+
+void Instance::apply_values() {
+  Settings& s = body_.settings;
+  if (material_changed_) {
+    s.mass = values(Family::mass)[0];
+    s.stiffness = {values(Family::stiffness_edge)[0], values(Family::stiffness_face)[0], values(Family::stiffness_body)[0]};
+    if (scene_.damping) s.damping = values(Family::damping)[0];
+    body_.settings_changed();
+  }
+  if (scene_.gravity) s.gravity = value3(Family::gravity, 0);
+  s.method = method_of(values(Family::solver_method)[0]);
+  s.step = values(Family::solver_step)[0];
+  s.force.setZero();
+  for (std::size_t f = 0; f < scene_.forces.size(); ++f) s.force.row(scene_.forces[f]) += value3(Family::force, int(f)).array().transpose();
+  for (std::size_t l = 0; l < scene_.loads.size(); ++l)
+    for (int p : scene_.loads[l].points)
+      s.force.row(p) += value3(Family::load, int(l)).array().transpose() / double(scene_.loads[l].points.size());
+  for (std::size_t n = 0; n < input_planes_.size(); ++n) {
+    const int i = int(n);
+    s.planes[input_planes_[n]] = {value3(Family::plane_point, i), value3(Family::plane_normal, i), value3(Family::plane_velocity, i),
+                                  value3(Family::plane_angular_velocity, i), 0, true};
+  }
+  for (std::size_t n = 0; n < fixed_planes_.size(); ++n) {
+    const int i = int(n);
+    s.planes[fixed_planes_[n]] = {value3(Family::fixed_plane_point, i), value3(Family::fixed_plane_normal, i),
+                                  value3(Family::fixed_plane_velocity, i), value3(Family::fixed_plane_angular_velocity, i), 0, false};
+  }
+  for (std::size_t q = 0; q < scene_.planes.size(); ++q) s.planes[q].friction = values(Family::plane_friction)[q];
+  for (std::size_t n = 0; n < input_pins_.size(); ++n) {
+    const int i = int(n);
+    const double* q = values(Family::pin_orientation).data() + 4 * n;
+    s.pins[input_pins_[n]] = {value3(Family::pin_position, i), {q[0], q[1], q[2], q[3]}, value3(Family::pin_velocity, i),
+                              value3(Family::pin_angular_velocity, i)};
+  }
+  changed_ = material_changed_ = false;
+}
+
+void Instance::ensure_initial_state() {
+  if (phase != initializing || !changed_) return;
+  apply_values();
+  const StepStatus status = body_.initialize(start_time_);
+  if (status != StepStatus::ok) {
+    changed_ = material_changed_ = true;
+    throw CallError("the initial state: " + describe(status, start_time_, 0));
+  }
+}
+
+std::string Instance::describe(StepStatus status, double time, double step) const {
+  const std::string where = "at time " + number(time) + " s: ";
+  switch (status) {
+    case StepStatus::ok: return "done";
+    case StepStatus::impossible_planes:
+      return where + "the obstacle planes leave a control point no place to go; move or turn the planes so that they do not close on it";
+    case StepStatus::pin_behind_plane:
+      return where + "a pinned control point is behind an obstacle plane; the pin's and the plane's motions contradict each other";
+    case StepStatus::zero_normal: return where + "a plane's normal is the zero vector; wanted any other vector";
+    case StepStatus::zero_orientation: return where + "a pin's orientation is the zero quaternion; wanted any other, e.g. (1, 0, 0, 0)";
+    case StepStatus::too_many_steps:
+      return where + "a communication step of " + number(step) + " s needs more than " + std::to_string(SoftBody::most_steps) +
+             " internal steps; use a shorter communication step, a longer solver.step or less stiffness per mass";
+    case StepStatus::not_finite: return where + "the result of a communication step of " + number(step) + " s is not finite";
+  }
+  return where + "unknown trouble";
+}
+
+fmi2Status Instance::do_step(double time, double step) {
+  if (!std::isfinite(time) || std::abs(time - time_) > 1e-9 * std::max({1.0, std::abs(time_), std::abs(start_time_)}))
+    throw CallError("fmi2DoStep: currentCommunicationPoint: wanted " + number(time_) + " s, got " + number(time));
+  if (!std::isfinite(step) || !(step > 0)) throw CallError("fmi2DoStep: communicationStepSize: wanted > 0 s, got " + number(step));
+  if (time_ + step > stop_time_ + 1e-9 * std::max(1.0, std::abs(stop_time_)))
+    throw CallError("fmi2DoStep: a step to " + number(time_ + step) + " s goes past the stop time " + number(stop_time_) + " s");
+  if (changed_) apply_values();
+  const StepStatus status = body_.advance(step);
+  if (status == StepStatus::too_many_steps || status == StepStatus::not_finite) {
+    phase = step_failed;
+    logger.log(fmi2Discard, log_warning, describe(status, time_, step));
+    return fmi2Discard;
+  }
+  if (status != StepStatus::ok) throw CallError("fmi2DoStep: " + describe(status, time_, step));
+  time_ = time + step;
+  log_solver_choice();
+  return fmi2OK;
+}
+
+void Instance::log_solver_choice() {
+  const double h = body_.internal_step();
+  if (h > 0.5 * logged_step_ && h < 2 * logged_step_) return;
+  logged_step_ = h;
+  const Method method = body_.settings.method;
+  const double asked = body_.settings.step;
+  std::string text = method == Method::central_difference ? "central_difference" : "leapfrog";
+  if (method == Method::automatic) text += " (auto: the only method of this version without penetration)";
+  text += ", internal step " + number(h) + " s: ";
+  if (asked == 0)
+    text += "0.9 of the stability bound at most";
+  else
+    text += h < 0.999 * asked ? "solver.step " + number(asked) + " s is above the stability bound or the communication step"
+                              : "solver.step";
+  const bool shortened = asked > 0 && asked > body_.stable_step();
+  logger.log(shortened ? fmi2Warning : fmi2OK, shortened ? log_warning : log_solver, text);
+}
+
+double Instance::output(Family family, int index) {
+  const int instance = index / 3, axis = index % 3;
+  const State& state = body_.state();
+  switch (family) {
+    case Family::position: return state.x(scene_.positions[instance], axis);
+    case Family::velocity: return state.v(scene_.velocities[instance], axis);
+    case Family::probe: return (probe_weights_[instance] * state.x.col(axis)).sum();
+    case Family::plane_reaction: return body_.plane_reaction(instance)[axis];
+    case Family::plane_torque: return body_.plane_torque(instance)[axis];
+    case Family::plane_contacts: return body_.plane_contacts(index);
+    case Family::pin_reaction: return body_.pin_reaction(instance)[axis];
+    case Family::pin_torque: return body_.pin_torque(instance)[axis];
+    case Family::energy_kinetic: return body_.kinetic_energy();
+    case Family::energy_elastic: return body_.elastic_energy();
+    case Family::energy_gravity: return body_.gravity_energy();
+    case Family::energy_dissipated: return body_.dissipated_energy();
+    case Family::energy_work: return body_.work();
+    case Family::solver_steps: return double(body_.steps());
+    case Family::solver_contacts_resolved: return double(body_.contacts_resolved());
+    case Family::solver_stable_step: return body_.stable_step();
+    case Family::solver_folded_cells: return body_.folded_cells();
+    case Family::force:
+    case Family::load:
+    case Family::plane_point:
+    case Family::plane_normal:
+    case Family::plane_velocity:
+    case Family::plane_angular_velocity:
+    case Family::pin_position:
+    case Family::pin_orientation:
+    case Family::pin_velocity:
+    case Family::pin_angular_velocity:
+    case Family::fixed_plane_point:
+    case Family::fixed_plane_normal:
+    case Family::fixed_plane_velocity:
+    case Family::fixed_plane_angular_velocity:
+    case Family::plane_friction:
+    case Family::mass:
+    case Family::stiffness_edge:
+    case Family::stiffness_face:
+    case Family::stiffness_body:
+    case Family::damping:
+    case Family::gravity:
+    case Family::solver_method:
+    case Family::solver_tolerance:
+    case Family::solver_step: return values(family)[index];
+  }
+  return 0;
+}
+
+}  // namespace softffd::fmi

@@ -1,0 +1,76 @@
+/// One instance of the component: its scene, its values, its place in the standard's life cycle.
+#pragma once
+#include <array>
+#include <memory>
+
+#include "logger.hpp"
+#include "scene_file.hpp"
+#include "soft_body.hpp"
+#include "variable_table.hpp"
+
+namespace softffd::fmi {
+
+/// States of the FMI 2.0 co-simulation state machine, as bits for masks.
+enum Phase : unsigned { instantiated = 1, initializing = 2, stepping = 4, step_failed = 8, terminated = 16, failed = 32 };
+
+/// A call that the host got wrong or that cannot be done; what() is the message for the log.
+struct CallError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class Instance {
+ public:
+  Instance(SceneFile scene, Logger logger);
+
+  Phase phase = instantiated;
+  Logger logger;
+
+  /// Back to the state right after instantiation.
+  void reset();
+  void setup_experiment(double start_time, double tolerance, double stop_time);  ///< tolerance <= 0, stop_time infinite: not given
+  void enter_initialization();
+  void exit_initialization();
+  fmi2Status do_step(double time, double step);
+
+  /// Real, Integer and Enumeration variables share one access path. Throws CallError naming the variable; sets all or nothing.
+  void set(Type type, const fmi2ValueReference* references, std::size_t count, const double* values);
+  void get(Type type, const fmi2ValueReference* references, std::size_t count, double* values);
+
+  double last_successful_time() const { return time_; }
+
+  /// Name of a variable as in modelDescription.xml; the bare number for an unknown one.
+  std::string name(fmi2ValueReference reference) const;
+
+ private:
+  struct Variable {
+    const FamilyInfo* info;
+    int index;
+  };
+  std::size_t part_count(Part part) const;
+  std::string instance_name_of(Part part, int instance) const;
+  int control_point_of(Part part, int instance) const;
+  std::optional<Variable> find(fmi2ValueReference reference) const;
+  Variable checked(fmi2ValueReference reference, Type type) const;
+  void check_settable(const Variable& variable, fmi2ValueReference reference, double value) const;
+  double output(Family family, int index);
+  std::vector<double>& values(Family family) { return values_[std::size_t(family)]; }
+  Vec3 value3(Family family, int instance) { return Eigen::Map<const Vec3>(values(family).data() + 3 * instance); }
+  void load_starts();
+  void start(Family family, std::initializer_list<double> numbers);
+  void apply_values();
+  void ensure_initial_state();
+  std::string describe(StepStatus status, double time, double step) const;
+  void log_solver_choice();
+
+  SceneFile scene_;
+  std::vector<int> input_planes_, fixed_planes_, input_pins_;  ///< indices into scene_.planes and scene_.pins
+  std::vector<Scalars> probe_weights_;
+  std::array<std::vector<double>, 128> values_;                ///< settings by family id
+  SoftBody body_;
+  bool changed_ = true;          ///< values differ from what the body has
+  bool material_changed_ = true; ///< among them mass, stiffness or damping
+  double start_time_ = 0, time_ = 0, stop_time_;
+  double logged_step_ = -1;
+};
+
+}  // namespace softffd::fmi

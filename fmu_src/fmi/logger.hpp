@@ -1,0 +1,29 @@
+/// Messages to the host, by the rules of FMI 2.0: declared categories only, `%` and `#` doubled, UTF-8, no line break at the end.
+#pragma once
+#include <string>
+#include <vector>
+
+extern "C" {
+#include "fmi2FunctionTypes.h"
+}
+
+namespace softffd::fmi {
+
+class Logger {
+ public:
+  Logger(const fmi2CallbackFunctions& callbacks, std::string instance_name, bool logging_on);
+
+  /// Switches all categories (empty list) or the named ones. Returns false, changing nothing, if one is not declared.
+  bool switch_categories(bool on, const std::vector<std::string>& names);
+
+  /// Errors are always handed over; anything else only where its category is on.
+  void log(fmi2Status status, const char* category, const std::string& message) const;
+
+ private:
+  fmi2CallbackLogger callback_;
+  fmi2ComponentEnvironment environment_;
+  std::string instance_name_;
+  std::vector<bool> enabled_;
+};
+
+}  // namespace softffd::fmi

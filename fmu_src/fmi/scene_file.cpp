@@ -1,0 +1,235 @@
+#include "scene_file.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <sstream>
+
+namespace softffd::fmi {
+
+namespace {
+
+std::uint64_t fnv1a(std::string_view text) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (unsigned char c : text) hash = (hash ^ c) * 1099511628211u;
+  return hash;
+}
+
+/// The words of one record, taken one by one.
+class Record {
+ public:
+  Record(std::string_view line, int number) : rest_(line), number_(number) {}
+
+  std::string_view word() {
+    const std::size_t begin = rest_.find_first_not_of(' ');
+    if (begin == rest_.npos) fail("a value is missing");
+    rest_.remove_prefix(begin);
+    const std::size_t end = std::min(rest_.find(' '), rest_.size());
+    const std::string_view word = rest_.substr(0, end);
+    rest_.remove_prefix(end);
+    return word;
+  }
+  bool more() const { return rest_.find_first_not_of(' ') != rest_.npos; }
+
+  double number() {
+    const std::string_view text = word();
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) fail("wanted a finite number");
+    return value;
+  }
+  double at_least(double least) {
+    const double value = number();
+    if (value < least) fail("a number is below its least value");
+    return value;
+  }
+  double positive() {
+    const double value = number();
+    if (!(value > 0)) fail("wanted a number above 0");
+    return value;
+  }
+  int integer(int least, int most) {
+    const double value = number();
+    if (!(value >= least && value <= most) || value != std::floor(value)) fail("an integer is out of range");
+    return int(value);
+  }
+  Vec3 vector() {
+    Vec3 v;
+    for (int a = 0; a < 3; ++a) v[a] = number();
+    return v;
+  }
+  std::vector<int> points(int count) {
+    std::vector<int> list;
+    while (more()) list.push_back(integer(0, count - 1));
+    return list;
+  }
+  template <class T>
+  T choice(const std::map<std::string_view, T>& choices) {
+    const auto found = choices.find(word());
+    if (found == choices.end()) fail("an unknown word");
+    return found->second;
+  }
+  [[noreturn]] void fail(const std::string& what) const {
+    throw SceneFileError("resources/scene.txt, line " + std::to_string(number_) + ": " + what);
+  }
+
+ private:
+  std::string_view rest_;
+  int number_;
+};
+
+using Reader = std::function<void(Record&, SceneFile&)>;
+
+int count(const SceneFile& s) { return s.definition.lattice.points(); }
+
+void read_counts(Record& r, SceneFile& s) {
+  for (int& n : s.definition.lattice.counts) n = r.integer(2, 32);
+}
+void read_size(Record& r, SceneFile& s) {
+  for (int a = 0; a < 3; ++a) s.definition.lattice.size[a] = r.positive();
+}
+void read_mass(Record& r, SceneFile& s) {
+  while (r.more()) s.definition.mass.push_back(r.positive());
+  if (int(s.definition.mass.size()) != count(s)) r.fail("wanted one mass per control point");
+}
+void read_region_stiffness(Record& r, SceneFile& s) {
+  Region region;
+  region.stiffness = r.at_least(0);
+  region.points = r.points(count(s));
+  s.definition.regions.push_back(region);
+}
+void read_region_damping(Record& r, SceneFile& s) {
+  Region region;
+  region.damping = r.at_least(0);
+  region.points = r.points(count(s));
+  s.definition.regions.push_back(region);
+}
+void read_plane(Record& r, SceneFile& s) {
+  SceneFile::Plane plane;
+  plane.name = r.word();
+  plane.input = r.choice<bool>({{"input", true}, {"fixed", false}});
+  plane.point = r.vector();
+  plane.normal = r.vector();
+  if (plane.normal.isZero(0)) r.fail("a plane's normal is zero");
+  plane.velocity = r.vector();
+  plane.angular_velocity = r.vector();
+  plane.friction = r.at_least(0);
+  s.planes.push_back(plane);
+  s.definition.planes = int(s.planes.size());
+}
+void read_pin(Record& r, SceneFile& s) {
+  SceneFile::Pin pin;
+  pin.name = r.word();
+  pin.input = r.choice<bool>({{"input", true}, {"fixed", false}});
+  s.pins.push_back(pin);
+  s.definition.pins.push_back({r.points(count(s))});
+  if (s.definition.pins.back().points.empty()) r.fail("a pin without points");
+}
+void read_load(Record& r, SceneFile& s) {
+  SceneFile::Load load;
+  load.name = r.word();
+  load.points = r.points(count(s));
+  if (load.points.empty()) r.fail("a load without points");
+  s.loads.push_back(load);
+}
+void read_initial(Record& r, SceneFile& s) {
+  Definition& d = s.definition;
+  d.stretch = r.vector();
+  d.offset = r.vector();
+  d.velocity = r.vector();
+  d.angular_velocity = r.vector();
+}
+void read_stiffness(Record& r, SceneFile& s) {
+  for (double* k : {&s.stiffness.edge, &s.stiffness.face, &s.stiffness.body}) *k = r.at_least(0);
+}
+
+/// Every record's key and how it is read.
+const std::map<std::string_view, Reader>& readers() {
+  static const std::map<std::string_view, Reader> table{
+      {"guid", [](Record& r, SceneFile& s) { s.guid = r.word(); }},
+      {"counts", read_counts},
+      {"origin", [](Record& r, SceneFile& s) { s.definition.lattice.origin = r.vector(); }},
+      {"size", read_size},
+      {"topology", [](Record& r, SceneFile& s) {
+         s.definition.topology = r.choice<Topology>({{"distinct", Topology::distinct}, {"paper", Topology::paper}});
+       }},
+      {"mass", read_mass},
+      {"stiffness", read_stiffness},
+      {"damping", [](Record& r, SceneFile& s) { s.damping = r.at_least(0); }},
+      {"gravity", [](Record& r, SceneFile& s) { s.gravity = r.vector(); }},
+      {"region_stiffness", read_region_stiffness},
+      {"region_damping", read_region_damping},
+      {"plane", read_plane},
+      {"pin", read_pin},
+      {"load", read_load},
+      {"probe", [](Record& r, SceneFile& s) {
+         const std::string name(r.word());
+         s.probes.push_back({name, r.vector()});
+       }},
+      {"forces", [](Record& r, SceneFile& s) { s.forces = r.points(count(s)); }},
+      {"positions", [](Record& r, SceneFile& s) { s.positions = r.points(count(s)); }},
+      {"velocities", [](Record& r, SceneFile& s) { s.velocities = r.points(count(s)); }},
+      {"initial", read_initial},
+      {"reactions", [](Record&, SceneFile& s) { s.reactions = true; }},
+      {"energy", [](Record&, SceneFile& s) { s.energy = s.definition.watch_energy = true; }},
+      {"solver", [](Record&, SceneFile& s) { s.solver = true; }},
+      {"method", [](Record& r, SceneFile& s) { s.method = r.integer(1, 127); }},
+      {"tolerance", [](Record& r, SceneFile& s) { s.tolerance = r.positive(); }},
+      {"step", [](Record& r, SceneFile& s) { s.step = r.at_least(0); }},
+  };
+  return table;
+}
+
+/// Checks the first line and returns what follows it.
+std::string_view checked_body(std::string_view text) {
+  const std::size_t end = text.find('\n');
+  Record head(text.substr(0, end), 1);
+  if (end == text.npos || head.word() != "softffd-scene") head.fail("not a softffd scene");
+  if (head.word() != "1") head.fail("another version of the format");
+  const std::string_view body = text.substr(end + 1), digits = head.word();
+  std::uint64_t wanted = 0;
+  const auto [last, error] = std::from_chars(digits.data(), digits.data() + digits.size(), wanted, 16);
+  if (error != std::errc() || last != digits.data() + digits.size() || wanted != fnv1a(body))
+    head.fail("the checksum does not fit: the file is damaged");
+  return body;
+}
+
+void check_complete(const SceneFile& s) {
+  if (s.guid.empty()) throw SceneFileError("resources/scene.txt: the guid is missing");
+  if (s.definition.mass.empty()) throw SceneFileError("resources/scene.txt: the masses are missing");
+}
+
+}  // namespace
+
+SceneFile parse_scene(std::string_view text) {
+  std::string_view body = checked_body(text);
+  SceneFile scene;
+  for (int number = 2; !body.empty(); ++number) {
+    const std::size_t end = std::min(body.find('\n'), body.size());
+    Record record(body.substr(0, end), number);
+    body.remove_prefix(std::min(end + 1, body.size()));
+    const auto reader = readers().find(record.word());
+    if (reader == readers().end()) record.fail("an unknown record");
+    reader->second(record, scene);
+    if (record.more()) record.fail("more values than the record takes");
+  }
+  check_complete(scene);
+  return scene;
+}
+
+SceneFile read_scene(const std::string& path) {
+#ifdef _WIN32
+  std::ifstream file(std::filesystem::u8path(path), std::ios::binary);
+#else
+  std::ifstream file(path, std::ios::binary);
+#endif
+  std::stringstream text;
+  if (!file || !(text << file.rdbuf())) throw SceneFileError("cannot read " + path);
+  return parse_scene(std::move(text).str());
+}
+
+}  // namespace softffd::fmi

@@ -1,0 +1,61 @@
+/// The resolved scene in the FMU's resources: a flat, versioned, checksummed text that the Python package writes.
+///
+/// First line `softffd-scene 1 CHECKSUM`, the FNV-1a hash (64 bits, hexadecimal) of everything after that line; then one record per line: a
+/// key and its values, separated by blanks. Numbers are read without the locale. A record that the scene does not need is absent.
+#pragma once
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "soft_body.hpp"
+
+namespace softffd::fmi {
+
+/// A resources file that cannot be used; what() says where and why.
+struct SceneFileError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct SceneFile {
+  struct Plane {
+    std::string name;
+    bool input = false;
+    Vec3 point, normal, velocity, angular_velocity;
+    double friction = 0;
+  };
+  struct Pin {
+    std::string name;
+    bool input = false;
+  };
+  struct Load {
+    std::string name;
+    std::vector<int> points;
+  };
+  struct Probe {
+    std::string name;
+    Vec3 at;
+  };
+
+  std::string guid;
+  Definition definition;
+  Stiffness stiffness;
+  std::optional<double> damping;
+  std::optional<Vec3> gravity;
+  std::vector<Plane> planes;
+  std::vector<Pin> pins;
+  std::vector<Load> loads;
+  std::vector<Probe> probes;
+  std::vector<int> forces, positions, velocities;  ///< control points with a variable
+  bool reactions = false, energy = false, solver = false;
+  int method = 1;
+  double tolerance = 1e-4, step = 0;
+};
+
+/// Parses the text of a resources file. Throws SceneFileError.
+SceneFile parse_scene(std::string_view text);
+
+/// Reads and parses a file. Throws SceneFileError.
+SceneFile read_scene(const std::string& path);
+
+}  // namespace softffd::fmi

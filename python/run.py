@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Sets everything up in this folder and runs the program: needs Python 3.11 with venv, nothing else.
+
+    python3 python/run.py demo                the car, with pictures
+    python3 python/run.py test [ARGUMENTS]    the test suite (pytest's arguments)
+    python3 python/run.py build SCENE ...     any other command of softffd
+
+Makes .venv, builds the C++ library into it (with the machine's compiler, else with the one in the package `ziglang`), and hands over.
+"""
+
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+VENV = ROOT / ".venv"
+PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+STAMP = VENV / "softffd-built"
+BUILT_FROM = ("pyproject.toml", "CMakeLists.txt", "LICENSE", "fmu_src", "modelDescription")
+LEAST_PYTHON = (3, 11)
+
+
+def stop(message):
+    sys.exit(f"run.py: {message}")
+
+
+def pip(*arguments, env=None):
+    command = [PYTHON, "-m", "pip", "--disable-pip-version-check", "-q", *arguments]
+    if subprocess.call(command, env=env) != 0:
+        stop("pip failed (see above). It needs the Python package index, or a mirror of it, in reach.")
+
+
+def make_venv():
+    if PYTHON.exists() and subprocess.call([PYTHON, "-c", "import pip"], stderr=subprocess.DEVNULL) == 0:
+        return
+    try:
+        import ensurepip  # noqa: F401
+        import venv
+    except ImportError:
+        stop("this Python cannot make virtual environments. On Debian and Ubuntu: sudo apt-get install -y python3-venv")
+    print("run.py: making .venv", flush=True)
+    venv.create(VENV, with_pip=True, clear=VENV.exists())
+
+
+def compiler_environment():
+    """The environment to build in: the machine's C++ compiler, else zig's."""
+    env = dict(os.environ)
+    if env.get("CXX") or os.name == "nt" or any(shutil.which(name) for name in ("c++", "g++", "clang++")):
+        return env
+    print("run.py: no C++ compiler here; taking the one in the package ziglang (about 100 MB, once)", flush=True)
+    if subprocess.call([PYTHON, "-m", "pip", "--disable-pip-version-check", "-q", "install", "ziglang"]) != 0:
+        stop("there is no C++ compiler and none for this machine on the package index. On Debian: sudo apt-get install -y g++")
+    where = "import ziglang, os; print(os.path.join(os.path.dirname(ziglang.__file__), 'zig'))"
+    zig = subprocess.check_output([PYTHON, "-c", where], text=True).strip()
+    machine = platform.machine().replace("arm64", "aarch64")
+    target = f" -target {machine}-linux-gnu.2.17" if sys.platform == "linux" else ""
+    env["CXX"] = f"{zig} c++{target}"
+    return env
+
+
+def fingerprint():
+    digest = hashlib.sha256(str(PYTHON).encode())
+    for name in BUILT_FROM:
+        path = ROOT / name
+        for file in [path] if path.is_file() else sorted(f for f in path.rglob("*") if f.is_file()):
+            if "__pycache__" not in file.parts:
+                digest.update(str(file.relative_to(ROOT)).encode() + b"\0" + file.read_bytes())
+    return digest.hexdigest()
+
+
+def set_up():
+    if sys.version_info < LEAST_PYTHON:
+        stop(f"wanted Python {'.'.join(map(str, LEAST_PYTHON))} or newer, this is {platform.python_version()}")
+    print_once = fingerprint()
+    if PYTHON.exists() and STAMP.exists() and STAMP.read_text() == print_once:
+        return
+    make_venv()
+    print("run.py: building and installing into .venv (a minute or two, once)", flush=True)
+    pip("install", "-e", f"{ROOT}[test]", env=compiler_environment())
+    STAMP.write_text(print_once)
+
+
+def main():
+    arguments = sys.argv[1:]
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print(__doc__)
+        return 0
+    set_up()
+    if arguments[0] == "test":
+        return subprocess.call([PYTHON, "-m", "pytest", *arguments[1:]], cwd=ROOT, env=compiler_environment())
+    return subprocess.call([PYTHON, "-m", "softffd", *arguments])
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit(130)

@@ -1,0 +1,35 @@
+"""What the build puts beside the Python files: the library, the table of variables, the documentation that goes into every FMU."""
+
+from importlib.resources import files
+from pathlib import Path
+
+from softffd.errors import SoftffdError
+
+LIBRARY_NAME = {"linux64": "softffd.so", "aarch64-linux": "softffd.so", "win64": "softffd.dll", "darwin64": "softffd.dylib"}
+
+
+def data_folder() -> Path:
+    """The folder `data` of the installed package."""
+    folder = Path(str(files("softffd").joinpath("data")))
+    if not (folder / "variables.toml").is_file():
+        raise SoftffdError(
+            "the package is not built: its library and tables are missing. Install it (pip install . in the project's folder), "
+            "or run it as: python3 python/run.py"
+        )
+    return folder
+
+
+def libraries(platforms: list[str] | None = None) -> dict[str, Path]:
+    """The built libraries by FMI platform name, all of them or the ones asked for; SoftffdError names what is there instead."""
+    found = {
+        folder.name: folder / LIBRARY_NAME[folder.name]
+        for folder in sorted((data_folder() / "binaries").iterdir())
+        if (folder / LIBRARY_NAME.get(folder.name, "-")).is_file()
+    }
+    for platform in platforms or []:
+        if platform not in found:
+            raise SoftffdError(
+                f"--platform {platform}: this installation has no library for it; it has {', '.join(found)}. "
+                "Build softffd on that platform, or install a release that carries it."
+            )
+    return {name: path for name, path in found.items() if not platforms or name in platforms}

@@ -1,0 +1,21 @@
+"""The errors that a user sees: each one's text is a clear paragraph, printed without a traceback."""
+
+
+class SoftffdError(Exception):
+    """Base of every error that comes from the user's input or surroundings rather than from a fault of the program."""
+
+
+class SceneError(SoftffdError):
+    """A scene file that cannot be used; `problems` lists every fault found, each with its path in the file."""
+
+    def __init__(self, where: str, problems: list[str]):
+        self.problems = problems
+        super().__init__("\n".join([f"{where}: {len(problems)} problem{'s' * (len(problems) > 1)}", *(f"  {p}" for p in problems)]))
+
+
+class MeshError(SoftffdError):
+    """A mesh file that cannot be read or does not fit its use."""
+
+
+class FmuError(SoftffdError):
+    """An FMU, one of its variables or one of its steps that cannot be used as asked."""

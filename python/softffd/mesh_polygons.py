@@ -1,0 +1,70 @@
+"""What a mesh file holds, polygons with their texture coordinates apart, and how triangles are made of it."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from PIL import Image
+
+from softffd.errors import MeshError
+
+
+class Triangles(NamedTuple):
+    """What every reader returns: `vertices` (V, 3), `faces` (F, 3), `uv` (V, 2) or None, `texture` image or
+    None."""
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    uv: np.ndarray | None = None
+    texture: Image.Image | None = None
+
+
+def assemble(positions, corners, counts, *, texels=None, texel_corners=None, texture=None) -> Triangles:
+    """Return triangles that share a vertex where position and texture coordinate are the same.
+
+    positions: (P, 3). corners: (C,) positions' indices, all polygons one after another. counts: (F,) corners
+    of each, >= 3.
+    texels: (Q, 2) texture coordinates with texel_corners (C,) indices into them, or both None.
+    A polygon of c corners becomes a fan of c - 2 triangles about its first. The vertices keep the order of
+    `positions`.
+    """
+    fans = _fans(np.asarray(counts, dtype=np.int64))
+    if texels is None:
+        return Triangles(positions, np.asarray(corners, dtype=np.int64)[fans], None, texture)
+    pairs = np.asarray(corners, dtype=np.int64) * len(texels) + np.asarray(texel_corners, dtype=np.int64)
+    pairs, vertex_of_corner = np.unique(pairs, return_inverse=True)
+    return Triangles(
+        positions[pairs // len(texels)], vertex_of_corner[fans], texels[pairs % len(texels)], texture
+    )
+
+
+def open_texture(file: Path) -> Image.Image | None:
+    """Return the image, or None where it is missing or damaged: a mesh without its picture still deforms."""
+    try:
+        with Image.open(file) as image:
+            image.load()
+            return image.copy()
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
+        return None
+
+
+def first_outside(indices: np.ndarray, count: int) -> int:
+    """Return the place of the first index that is not one of `count`, or -1."""
+    wrong = (indices < 0) | (indices >= count)
+    return int(wrong.argmax()) if wrong.any() else -1
+
+
+def damaged(path: Path, fault: str) -> MeshError:
+    """Return the error for a file that contradicts itself; `fault` says where and how."""
+    return MeshError(
+        f"{path}: damaged or cut off: {fault}. Wanted a complete {path.suffix[1:].upper()} file; export it "
+        "again."
+    )
+
+
+def _fans(counts: np.ndarray) -> np.ndarray:
+    """Corner numbers of the triangles of all polygons, shape (T, 3)."""
+    each = counts - 2
+    first = np.repeat(np.cumsum(counts) - counts, each)
+    step = np.arange(len(first)) - np.repeat(np.cumsum(each) - each, each)
+    return np.stack([first, first + step + 1, first + step + 2], axis=1)

@@ -1,0 +1,179 @@
+"""A small picture machine in numpy: shaded triangles, lines and balls with a depth buffer.
+
+Pictures are drawn twice as large in each direction and averaged. Depth is 1 / distance along the view, which is linear on
+the screen; the largest is the nearest, and 0 is infinitely far.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+FACES = 1 << 16
+FRAGMENTS = 1 << 20
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A view from `eye` to `target` (3,) [m] with `up` (3,) upwards; `field` is half the view's height over its distance."""
+
+    eye: np.ndarray
+    target: np.ndarray
+    up: np.ndarray
+    field: float = 0.29
+
+    @cached_property
+    def axes(self):
+        """Rows right, above, back: an orthonormal frame, back pointing from target to eye."""
+        back = (self.eye - self.target) / np.linalg.norm(self.eye - self.target)
+        right = np.cross(self.up, back)
+        right /= np.linalg.norm(right)
+        return np.stack([right, np.cross(back, right), back])
+
+
+class Canvas:
+    """A picture of `width` x `height` pixels seen by `camera`, on a vertical gradient between two colours.
+
+    `width`, `height`, `focal` [fine pixels] and `depth` (height * width,) are those of the fine picture.
+    """
+
+    def __init__(self, camera, width, height, *, top=(0.985, 0.99, 1.0), bottom=(0.88, 0.90, 0.93)):
+        self.camera, self.width, self.height = camera, 2 * width, 2 * height
+        share = np.linspace(0.0, 1.0, self.height, dtype=np.float32)[:, None, None]
+        rows = (1 - share) * np.float32(top) + share * np.float32(bottom)
+        self._colour = np.broadcast_to(rows, (self.height, self.width, 3)).reshape(-1, 3).copy()
+        self.depth = np.zeros(self.width * self.height, dtype=np.float32)
+        self.focal = self.height / (2 * camera.field)
+        self._key = _unit(camera.axes.T @ [-0.45, 0.35, 0.55] + 0.6 * np.asarray(camera.up))
+
+    def image(self):
+        """The picture (height, width, 3), 0 .. 1."""
+        fine = self._colour.reshape(self.height // 2, 2, self.width // 2, 2, 3)
+        return fine.mean(axis=(1, 3)).clip(0, 1)
+
+    def project(self, points):
+        """Screen positions (N, 3) of points (N, 3) [m]: x, y in fine pixels from the upper left, and depth."""
+        seen = (points - self.camera.eye) @ self.camera.axes.T
+        depth = 1.0 / np.maximum(-seen[:, 2], 1e-9)
+        x = self.width / 2 + self.focal * seen[:, 0] * depth
+        return np.stack([x, self.height / 2 - self.focal * seen[:, 1] * depth, depth], axis=1)
+
+    def triangles(self, points, faces, normals, colour):
+        """Triangles `faces` (F, 3) of `points` (V, 3) [m], lit by corner normals (F, 3, 3); linear colour (3,) or per face (F, 3)."""
+        a, b, c = (points[faces[:, k]] for k in range(3))
+        facets = np.cross(b - a, c - a)
+        facets *= np.where(np.einsum("fa,fa->f", facets, self.camera.eye - a) < 0, -1.0, 1.0)[:, None]
+        colours = np.broadcast_to(np.asarray(colour, np.float32), (len(faces), 3))
+        for pixel, face, share, depth in fragments(self.project(points), faces, self.width, self.height):
+            np.maximum.at(self.depth, pixel, depth)
+            won = depth == self.depth[pixel]
+            pixel, face, share = pixel[won], face[won], share[won]
+            normal = _unit(np.einsum("pk,pka->pa", share, normals[face]))
+            normal *= np.where(np.einsum("pa,pa->p", normal, facets[face]) < 0, -1.0, 1.0)[:, None]
+            self._colour[pixel] = self._lit(normal, colours[face])
+
+    def _lit(self, normal, colour):
+        diffuse = ((normal @ self._key + 0.15) / 1.15).clip(0, None)[:, None]
+        sky = 0.5 + 0.5 * (normal @ np.asarray(self.camera.up))[:, None]
+        back = self.camera.axes[2]
+        gloss = (normal @ _unit(self._key + back)).clip(0, None)[:, None] ** 70
+        rim = (1 - (normal @ back).clip(0, 1))[:, None] ** 4
+        light = colour * (0.12 + 0.26 * sky + 0.80 * diffuse) + 0.28 * gloss + 0.14 * rim * sky
+        return light.clip(0, 1) ** (1 / 2.2)
+
+    def lines(self, points, ends, *, width=1.0, colour=(0.1, 0.12, 0.16), opacity=0.75, hidden=0.12):
+        """Segments between points[ends] (E, 2), `width` pixels wide; `hidden`: the opacity of what lies behind something."""
+        screen = self.project(points)
+        a, b = screen[ends[:, 0]], screen[ends[:, 1]]
+        along = _unit((b - a)[:, :2] + [1e-9, 0.0])
+        side = np.hstack([along[:, 1:], -along[:, :1], np.zeros((len(a), 1))]) * width
+        corners = np.stack([a - side, a + side, b - side, b + side], axis=1).reshape(-1, 3)
+        quads = 4 * np.arange(len(a))[:, None, None] + np.array([[0, 1, 2], [1, 3, 2]])
+        for pixel, _, _, depth in fragments(corners, quads.reshape(-1, 3), self.width, self.height):
+            self.blend(pixel, colour, np.where(depth >= 0.999 * self.depth[pixel], opacity, hidden))
+
+    def balls(self, points, *, radius, colours, hidden=0.12):
+        """Balls of `radius` pixels in front of everything they touch; colours (N, 3); hidden ones show through faintly."""
+        screen, reach = self.project(points), 2 * radius
+        for (x, y, depth), colour in sorted(zip(screen, colours, strict=True), key=lambda ball: ball[0][2]):
+            columns = np.arange(max(0, int(x - reach)), min(self.width, int(x + reach) + 2))
+            rows = np.arange(max(0, int(y - reach)), min(self.height, int(y + reach) + 2))[:, None]
+            right, above = (columns + 0.5 - x) / reach, (y - rows - 0.5) / reach
+            inside = right**2 + above**2 < 1
+            pixel = (rows * self.width + columns)[inside]
+            right, above = (np.broadcast_to(v, inside.shape)[inside] for v in (right, above))
+            front = np.sqrt(1 - right**2 - above**2)
+            light = 0.55 + 0.5 * (-0.4 * right + 0.7 * above + 0.6 * front).clip(0)
+            seen = depth >= 0.99 * self.depth[pixel]
+            self.depth[pixel[seen]] = depth
+            self.blend(pixel, np.asarray(colour) * light[:, None], np.where(seen, 1.0, hidden))
+
+    def distances(self, point, normal):
+        """How far along the view the fine pixels' rays meet the plane, (height * width,) [m]; negative or infinite: nowhere."""
+        right, above, back = self.camera.axes @ normal
+        x, y = self._sight(np.arange(self.width), np.arange(self.height)[:, None])
+        with np.errstate(divide="ignore"):
+            return (normal @ (point - self.camera.eye) / (x * right + y * above - back)).ravel()
+
+    def rays(self, pixel):
+        """Directions (P, 3) from `camera.eye` through fine pixels (P,), of length 1 along the view."""
+        x, y = self._sight(pixel % self.width, pixel // self.width)
+        return np.stack([x, y, np.full(len(pixel), -1.0)], axis=1) @ self.camera.axes
+
+    def _sight(self, column, row):
+        return (column + 0.5 - self.width / 2) / self.focal, (self.height / 2 - row - 0.5) / self.focal
+
+    def blend(self, pixel, colour, opacity):
+        """Lay `colour` (3,) or (P, 3) over the fine pixels `pixel` (P,) with `opacity` (P,)."""
+        opacity = np.asarray(opacity, dtype=np.float32)[:, None]
+        self._colour[pixel] += opacity * (np.asarray(colour, dtype=np.float32) - self._colour[pixel])
+
+
+def fragments(screen, faces, width, height):
+    """What triangles cover of a picture: yields pixel (P,), face (P,), barycentric shares (P, 3) and depth (P,) in blocks.
+
+    screen: (V, 3) as from `Canvas.project`. A pixel counts where its centre is inside or on the edge.
+    """
+    for start in range(0, len(faces), FACES):
+        block = faces[start : start + FACES]
+        edge, row, face = _rows(screen[block], height)
+        constant = edge[face, :, 1] * (row[:, None] + 0.5) + edge[face, :, 2]
+        first, last = _span(edge[face, :, 0], constant, width)
+        count = np.maximum(last - first + 1, 0)
+        ends = np.cumsum(count)
+        cuts = np.searchsorted(ends, np.arange(FRAGMENTS, ends[-1] + FRAGMENTS, FRAGMENTS)) + 1 if len(ends) else []
+        for low, high in zip([0, *cuts[:-1]], cuts, strict=False):
+            n = count[low:high]
+            x = np.repeat(first[low:high] - np.cumsum(n) + n, n) + np.arange(n.sum())
+            line = np.repeat(np.arange(low, low + len(n)), n)
+            share = edge[face[line], :, 0] * (x[:, None] + 0.5) + constant[line]
+            depth = np.einsum("pk,pk->p", share, screen[block, 2][face[line]]).astype(np.float32)
+            yield row[line] * width + x, start + face[line], share, depth
+
+
+def _rows(corners, height):
+    """Edge functions (F, 3, 3) whose values at (x, y, 1) are the barycentric shares; and all (row, face) that a face may touch."""
+    x, y = corners[:, :, 0], corners[:, :, 1]
+    nx, ny, px, py = np.roll(x, -1, 1), np.roll(y, -1, 1), np.roll(x, 1, 1), np.roll(y, 1, 1)
+    edge = np.stack([ny - py, px - nx, nx * py - px * ny], axis=2)
+    area = edge[:, :, 2].sum(axis=1)
+    edge /= np.where(area == 0, np.inf, area)[:, None, None]
+    low = np.ceil(y.min(axis=1) - 0.5).clip(0, height).astype(np.int64)
+    high = np.floor(y.max(axis=1) - 0.5).clip(-1, height - 1).astype(np.int64)
+    count = np.where(area == 0, 0, np.maximum(high - low + 1, 0))
+    face = np.repeat(np.arange(len(corners)), count)
+    return edge, np.repeat(low - np.cumsum(count) + count, count) + np.arange(count.sum()), face
+
+
+def _span(slope, constant, width):
+    """First and last column of each row whose centre has slope * x + constant >= 0 for all three edges."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bound = -constant / slope
+    low = np.where(slope > 0, bound, np.where((slope == 0) & (constant < 0), np.inf, -np.inf)).max(axis=1)
+    high = np.where(slope < 0, bound, np.inf).min(axis=1)
+    return np.ceil(low - 0.5).clip(0, width).astype(np.int64), np.floor(high - 0.5).clip(-1, width - 1).astype(np.int64)
+
+
+def _unit(vectors):
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.where(length > 0, length, 1.0)

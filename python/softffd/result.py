@@ -1,0 +1,87 @@
+"""What a run gives back, and the files it is kept in."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from softffd.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A run, one row per communication point."""
+
+    time: np.ndarray
+    """(T,) s"""
+    positions: np.ndarray
+    """(T, nx, ny, nz, 3) m; NaN for control points that are not among the outputs"""
+    outputs: dict[str, np.ndarray]
+    """The other outputs by variable name, (T,) each"""
+    inputs: dict[str, np.ndarray]
+    """Inputs by variable name as held over the step that begins at each time, (T,) each"""
+    parameters: dict[str, float]
+    """Parameters by variable name"""
+    summary: dict[str, Any]
+    """title, simulated_time_s, run_time_s, real_time_factor, communication_steps, warnings, ..."""
+    scene: Scene | None = field(default=None, repr=False)
+    """The scene, where the run started from one"""
+
+    def plane_names(self) -> list[str]:
+        """Names of the obstacle planes, in the order of the scene."""
+        known = [*self.parameters, *self.inputs]
+        return list(dict.fromkeys(name.split(".")[1] for name in known if name.startswith("plane.")))
+
+    def plane(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Points (T, 3) [m] and normals (T, 3) of a plane over time."""
+
+        def vector(what: str) -> np.ndarray:
+            columns = []
+            for c in "xyz":
+                key = f"plane.{name}.{what}.{c}"
+                value = self.inputs[key] if key in self.inputs else self.parameters[key]
+                columns.append(np.broadcast_to(value, self.time.shape))
+            return np.stack(columns, axis=1)
+
+        fixed = f"plane.{name}.point.x" in self.parameters
+        travelled = (self.time - self.time[0])[:, None] * vector("velocity") if fixed else 0.0
+        return vector("point") + travelled, vector("normal")
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Writes result.npz, result.csv and summary.json; each appears whole or not at all. Returns their paths."""
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        files = {"result.npz": self._write_npz, "result.csv": self._write_csv, "summary.json": self._write_summary}
+        for name, write in files.items():
+            partial = folder / f".{name}.partial"
+            with partial.open("wb") as stream:
+                write(stream)
+            os.replace(partial, folder / name)
+        return [folder / name for name in files]
+
+    def _write_npz(self, stream: Any) -> None:
+        np.savez_compressed(stream, time=self.time, positions=self.positions, **self.outputs)
+
+    def _write_csv(self, stream: Any) -> None:
+        columns = {"time": self.time, **self.outputs, **self._position_columns()}
+        header = ",".join(f'"{name}"' if "," in name else name for name in columns)
+        np.savetxt(stream, np.stack(list(columns.values()), axis=1), fmt="%.17g", delimiter=",", header=header, comments="")
+
+    def _position_columns(self) -> dict[str, np.ndarray]:
+        _, nx, ny, nz, _ = self.positions.shape
+        return {
+            f"position[{i},{j},{k}].{axis}": self.positions[:, i, j, k, a]
+            for k in range(nz)
+            for j in range(ny)
+            for i in range(nx)
+            if not np.isnan(self.positions[0, i, j, k, 0])
+            for a, axis in enumerate("xyz")
+        }
+
+    def _write_summary(self, stream: Any) -> None:
+        stream.write((json.dumps(self.summary, indent=2) + "\n").encode())

@@ -1,0 +1,167 @@
+"""Runs a scene or an FMU through fmpy's library handle, with kept buffers."""
+
+from __future__ import annotations
+
+import math
+import re
+import tempfile
+import time as clock
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from softffd.component import Block, Component
+from softffd.errors import FmuError
+from softffd.inputs import Inputs, Source
+from softffd.package import package_fmu
+from softffd.result import Result
+from softffd.scene import Scene
+
+Progress = Callable[[float, float], None]
+POSITION = re.compile(r"position\[(\d+),(\d+),(\d+)\]\.([xyz])")
+
+
+def simulate(
+    scene_or_fmu: Scene | str | Path,
+    *,
+    stop_time: float | None = None,
+    step: float | None = None,
+    start_values: Mapping[str, Any] | None = None,
+    inputs: Source | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """Runs a scene (packaged on the way) or an FMU from time 0 and returns all its outputs.
+
+    stop_time, step: end and communication step [s], > 0; the scene's or FMU's own by default. A last step that is left over is shorter.
+    start_values: parameters and inputs by variable name. inputs: values over time (see softffd.inputs.Inputs).
+    progress: called as progress(share of the run in 0..1, simulated time [s]).
+    Raises FmuError where a name, a value or a step is refused.
+    """
+    if isinstance(scene_or_fmu, Scene):
+        with tempfile.TemporaryDirectory(prefix="softffd-") as folder:
+            fmu = package_fmu(scene_or_fmu, Path(folder) / f"{scene_or_fmu.name}.fmu")
+            return _run(fmu, scene_or_fmu, stop_time, step, start_values, inputs, progress)
+    return _run(Path(scene_or_fmu), None, stop_time, step, start_values, inputs, progress)
+
+
+def _run(fmu, scene, stop_time, step, start_values, inputs, progress) -> Result:
+    with Component(fmu) as component:
+        experiment = component.description.defaultExperiment
+        stop_time = _positive("stop time", stop_time, experiment and experiment.stopTime)
+        step = _positive("communication step", step, experiment and experiment.stepSize)
+        source = Inputs(inputs)
+        start_values = dict(start_values or {})
+        component.initialize(start_values, stop_time=stop_time)
+        recorder = _Recorder.of(component, source, _times(stop_time, step))
+        recorder.apply_inputs(component, 0)
+        component.exit_initialization()
+        began, began_cpu = clock.perf_counter(), clock.process_time()
+        recorder.run(component, progress)
+        elapsed, elapsed_cpu = clock.perf_counter() - began, clock.process_time() - began_cpu
+        title = component.description.description or component.description.modelName
+        summary = {
+            "title": title,
+            "simulated_time_s": stop_time,
+            "run_time_s": elapsed,
+            "cpu_time_s": elapsed_cpu,
+            "real_time_factor": stop_time / elapsed if elapsed > 0 else math.inf,
+            "communication_step_s": step,
+            "communication_steps": len(recorder.times) - 1,
+            "warnings": component.warnings(),
+        }
+        return recorder.result(component, start_values, summary, scene)
+
+
+def _positive(what: str, given: float | None, default: Any) -> float:
+    value = float(given if given is not None else default or 0)
+    if not (math.isfinite(value) and value > 0):
+        source = "given" if given is not None else "in the FMU's default experiment"
+        raise FmuError(f"{what}: wanted > 0 s, got {value:g} ({source})")
+    return value
+
+
+def _times(stop_time: float, step: float) -> np.ndarray:
+    """Communication points: multiples of step, and the stop time."""
+    count = math.ceil(stop_time / step * (1 - 1e-9))
+    return np.append(step * np.arange(count), stop_time)
+
+
+@dataclass
+class _Recorder:
+    """Buffers of a run: what is set and got at each communication point."""
+
+    times: np.ndarray
+    source: Inputs
+    inputs: Block
+    reals: Block
+    integers: Block
+    input_rows: np.ndarray
+    real_rows: np.ndarray
+    integer_rows: np.ndarray
+
+    @classmethod
+    def of(cls, component: Component, source: Inputs, times: np.ndarray) -> _Recorder:
+        for name in source.names:
+            if component.variable(name).causality != "input":
+                raise FmuError(f"{name}: is no input of the FMU but a {component.variable(name).causality}")
+        rows = len(times)
+        inputs = Block.of([component.variable(name) for name in [*source.names, *source.derived_names]], True)
+        reals = Block.of(component.variables("output"), True)
+        integers = Block.of(component.variables("output", real=False), False)
+        return cls(
+            times, source, inputs, reals, integers,
+            np.zeros((rows, len(inputs.names))), np.zeros((rows, len(reals.names))), np.zeros((rows, len(integers.names)), np.int64),
+        )  # fmt: skip
+
+    def apply_inputs(self, component: Component, row: int) -> None:
+        if not self.inputs.names:
+            return
+        following = self.times[row + 1] if row + 1 < len(self.times) else self.times[row]
+        self.inputs.values[:] = self.source.values(self.times[row], following - self.times[row])
+        self.input_rows[row] = self.inputs.values
+        component.set(self.inputs)
+
+    def record(self, component: Component, row: int) -> None:
+        component.get(self.reals)
+        self.real_rows[row] = self.reals.values
+        if self.integers.names:
+            component.get(self.integers)
+            self.integer_rows[row] = self.integers.values
+
+    def run(self, component: Component, progress: Progress | None) -> None:
+        last, times = len(self.times) - 1, self.times.tolist()
+        self.record(component, 0)
+        report_every = max(1, last // 200)
+        for row in range(last):
+            if row > 0:
+                self.apply_inputs(component, row)
+            component.do_step(times[row], times[row + 1] - times[row])
+            self.record(component, row + 1)
+            if progress and (row + 1) % report_every == 0:
+                progress((row + 1) / last, times[row + 1])
+        self.apply_inputs(component, last)
+
+    def result(self, component: Component, start_values: dict[str, Any], summary: dict[str, Any], scene: Scene | None) -> Result:
+        columns = dict(zip(self.reals.names, self.real_rows.T, strict=True))
+        positions = _positions(columns, len(self.times), scene)
+        others = {name: column for name, column in columns.items() if not POSITION.fullmatch(name)}
+        others |= dict(zip(self.integers.names, self.integer_rows.T, strict=True))
+        held = {v.name: np.full(len(self.times), float(start_values.get(v.name, v.start))) for v in component.variables("input")}
+        held |= dict(zip(self.inputs.names, self.input_rows.T, strict=True))
+        parameters = {v.name: float(start_values.get(v.name, v.start)) for v in component.variables("parameter")}
+        return Result(self.times, positions, others, held, parameters, summary, scene)
+
+
+def _positions(columns: dict[str, np.ndarray], rows: int, scene: Scene | None) -> np.ndarray:
+    """(T, nx, ny, nz, 3) from the columns position[i,j,k].c; NaN where there is none."""
+    found = {name: match for name in columns if (match := POSITION.fullmatch(name))}
+    indices = [tuple(map(int, match.groups()[:3])) for match in found.values()]
+    counts = scene.lattice.points if scene else tuple(np.max(indices, axis=0) + 1 if indices else (0, 0, 0))
+    positions = np.full((rows, *counts, 3), np.nan)
+    for name, match in found.items():
+        i, j, k = map(int, match.groups()[:3])
+        positions[:, i, j, k, "xyz".index(match.group(4))] = columns[name]
+    return positions

@@ -1,0 +1,216 @@
+// Shaders of the interactive page, one after the other; a line "//// name" begins each. The page puts "#version 300 es" before
+// them, and before every vertex shader NX, NY, NZ, MOST (control points per axis, the largest of them) and "volume".
+
+//// volume
+precision highp float;
+precision highp int;
+uniform highp sampler2D points;                       // p_ijk at texel (i + NX j, k), relative to the scene's centre
+vec3 point(int i, int j, int k) { return texelFetch(points, ivec2(i + NX * j, k), 0).xyz; }
+vec3 point(int p) { return texelFetch(points, ivec2(p % (NX * NY), p / (NX * NY)), 0).xyz; }
+
+// Bernstein polynomials of degree n - 1 at t and their derivatives, by raising the degree (Xia & Wang 2009, eq. (2)).
+void bernstein(float t, int n, out float b[MOST], out float d[MOST]) {
+  b[0] = 1.0;
+  for (int m = 1; m < n; m++) {
+    if (m == n - 1) for (int i = 0; i < n; i++) d[i] = float(m) * ((i > 0 ? b[i - 1] : 0.0) - (i < m ? b[i] : 0.0));
+    float carried = 0.0;
+    for (int i = 0; i < m; i++) { float old = b[i]; b[i] = carried + (1.0 - t) * old; carried = t * old; }
+    b[m] = carried;
+  }
+}
+
+// Q(u,v,w) of eq. (1); the columns of the second are its derivatives by u, v and w.
+vec3 evaluate(vec3 u, out mat3 derivative) {
+  float bx[MOST], by[MOST], bz[MOST], dx[MOST], dy[MOST], dz[MOST];
+  bernstein(u.x, NX, bx, dx); bernstein(u.y, NY, by, dy); bernstein(u.z, NZ, bz, dz);
+  vec3 q = vec3(0);
+  derivative = mat3(0);
+  for (int k = 0; k < NZ; k++) for (int j = 0; j < NY; j++) {
+    vec3 line = vec3(0), slope = vec3(0);
+    for (int i = 0; i < NX; i++) { vec3 p = point(i, j, k); line += bx[i] * p; slope += dx[i] * p; }
+    q += by[j] * bz[k] * line;
+    derivative += mat3(by[j] * bz[k] * slope, dy[j] * bz[k] * line, by[j] * dz[k] * line);
+  }
+  return q;
+}
+
+//// object-vertex
+layout(location = 0) in vec3 coordinates;             // (u,v,w) of the vertex at rest
+layout(location = 1) in vec3 normal;                  // of the surface at rest
+uniform mat4 camera;
+uniform vec3 origin, size;
+out vec3 world, shading, cell;
+out float displacement, strain;
+void main() {
+  mat3 derivative;
+  world = evaluate(coordinates, derivative);
+  mat3 F = mat3(derivative[0] / size.x, derivative[1] / size.y, derivative[2] / size.z);
+  shading = mat3(cross(F[1], F[2]), cross(F[2], F[0]), cross(F[0], F[1])) * normal;   // areas deform by the cofactors of F
+  mat3 green = 0.5 * (transpose(F) * F - mat3(1));
+  strain = sqrt(dot(green[0], green[0]) + dot(green[1], green[1]) + dot(green[2], green[2]));
+  displacement = distance(world, origin + size * coordinates);
+  cell = coordinates * vec3(NX - 1, NY - 1, NZ - 1);
+  gl_Position = camera * vec4(world, 1);
+}
+
+//// object-fragment
+precision highp float;
+in vec3 world, shading, cell;
+in float displacement, strain;
+uniform vec3 eye, up, key, paint;
+uniform float colouring, largest, cage;               // colouring 0: paint, 1: displacement, 2: strain
+uniform sampler2D ramp;
+out vec4 colour;
+float cell_lines() {
+  vec3 width = max(fwidth(cell), 1e-6), near = abs(fract(cell - 0.5) - 0.5) / width;
+  vec3 inside = step(1e-4, width);                    // the coordinate that is constant on a face draws no line
+  vec3 line = (1.0 - smoothstep(0.4, 1.4, near)) * inside;
+  return max(line.x, max(line.y, line.z));
+}
+void main() {
+  vec3 view = normalize(eye - world), facet = cross(dFdx(world), dFdy(world));
+  facet *= sign(dot(facet, view));
+  vec3 n = normalize(shading);
+  n = dot(n, facet) < 0.0 ? -n : n;                   // a surface seen from its back is lit like its front
+  float value = colouring < 1.5 ? displacement : strain;
+  bool painted = colouring < 0.5;
+  vec3 base = painted ? paint : pow(texture(ramp, vec2(clamp(value / largest, 0.0, 1.0), 0.5)).rgb, vec3(2.2));
+  if (cage > 0.5) base *= 1.0 - 0.45 * cell_lines();
+  float diffuse = max((dot(n, key) + 0.15) / 1.15, 0.0), sky = 0.5 + 0.5 * dot(n, up);
+  float gloss = pow(max(dot(n, normalize(key + view)), 0.0), 70.0), rim = pow(1.0 - max(dot(n, view), 0.0), 4.0);
+  vec3 light = base * (mix(vec3(0.12, 0.115, 0.11), vec3(0.34, 0.37, 0.42), sky) + 0.80 * diffuse);
+  light += (painted ? 1.0 : 0.35) * (0.30 * gloss + 0.16 * rim * sky);
+  colour = vec4(pow(min(light, 1.0), vec3(1.0 / 2.2)), 1);
+}
+
+//// height-vertex
+// Shadow on a plane: the object's height above the patch, then the share of the sky that it hides from each texel.
+layout(location = 0) in vec3 coordinates;
+uniform vec3 centre, normal, tangent;
+uniform float reach;
+out float height;
+void main() {
+  mat3 derivative;
+  vec3 offset = (evaluate(coordinates, derivative) - centre) / reach;
+  height = max(dot(offset, normal), 0.0);
+  gl_Position = vec4(dot(offset, tangent), dot(offset, cross(normal, tangent)), 0, 1);
+}
+
+//// height-fragment
+precision highp float;
+in float height;
+out vec4 colour;
+void main() { colour = vec4(min(height, 1.0)); }
+
+//// cover-vertex
+out vec2 place;
+void main() { place = vec2(gl_VertexID & 1, gl_VertexID >> 1); gl_Position = vec4(2.0 * place - 1.0, 0, 1); }
+
+//// occlusion-fragment
+precision highp float;
+in vec2 place;
+uniform sampler2D heights;
+out vec4 colour;
+const int TAPS = 96;
+const float REACH = 0.5;                              // how far a shadow spreads, in patch radii
+void main() {
+  ivec2 texel = ivec2(gl_FragCoord.xy) % 4;           // 16 turns of the spiral, averaged over 4 x 4 texels when the plane is drawn
+  float hidden = 0.0, turn = float(texel.x + 4 * texel.y) / 16.0;
+  for (int i = 0; i < TAPS; i++) {                    // a spiral, denser near the middle; each tap stands for its share of area
+    float r = REACH * (float(i) + turn) / float(TAPS), angle = 2.399963 * float(i) + 6.283185 * fract(turn * 7.0);
+    float h = texture(heights, place + 0.5 * r * vec2(cos(angle), sin(angle))).r;
+    float floored = max(h, 2.0 * REACH / float(TAPS)), reach2 = floored * floored + r * r;
+    if (h < 0.999) hidden += 2.0 * r * REACH / float(TAPS) * floored * floored / (reach2 * reach2);
+  }
+  colour = vec4(min(hidden, 1.0));
+}
+
+//// plane-vertex
+uniform mat4 camera;
+uniform vec3 centre, normal, tangent;
+uniform float reach;
+out vec3 world;
+out vec2 patch_place;
+void main() {
+  patch_place = 2.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) - 1.0;
+  world = centre + reach * (patch_place.x * tangent + patch_place.y * cross(normal, tangent));
+  gl_Position = camera * vec4(world, 1);
+}
+
+//// plane-fragment
+precision highp float;
+in vec3 world;
+in vec2 patch_place;
+uniform vec3 anchor, normal, tangent, tint, eye;
+uniform float spacing, solid;
+uniform sampler2D shadow;
+out vec4 colour;
+float grid(float step_width) {
+  vec2 at = vec2(dot(world - anchor, tangent), dot(world - anchor, cross(normal, tangent))) / step_width;
+  vec2 width = fwidth(at), line = 1.0 - smoothstep(0.5 * width, 1.5 * width, abs(fract(at - 0.5) - 0.5));
+  return max(line.x, line.y) * (1.0 - smoothstep(0.2, 0.7, max(width.x, width.y)));
+}
+float shade(vec2 at, vec2 texel) {
+  return 0.25 * (texture(shadow, at + texel).r + texture(shadow, at - texel).r
+    + texture(shadow, at + vec2(texel.x, -texel.y)).r + texture(shadow, at + vec2(-texel.x, texel.y)).r);
+}
+void main() {
+  float fade = 1.0 - smoothstep(0.55, 1.0, length(patch_place));
+  bool front = dot(eye - world, normal) > 0.0;
+  float hidden = front ? 0.8 * shade(0.5 * patch_place + 0.5, 1.0 / vec2(textureSize(shadow, 0))) : 0.0;
+  float lines = 0.28 * grid(spacing) + 0.22 * grid(5.0 * spacing);
+  vec3 base = mix(tint, tint * 0.45, lines);
+  float cover = (front ? solid : 0.16) + (1.0 - solid) * lines * (front ? 1.0 : 0.5);
+  colour = vec4(base * (1.0 - hidden), fade * (cover + (1.0 - cover) * hidden));
+}
+
+//// line-vertex
+layout(location = 0) in ivec2 ends;
+uniform mat4 camera;
+uniform vec2 viewport;
+uniform float width;
+out float side;
+void main() {
+  vec4 a = camera * vec4(point(ends.x), 1), b = camera * vec4(point(ends.y), 1);
+  if (a.w < 1e-3) a = mix(b, a, (b.w - 1e-3) / (b.w - a.w));
+  if (b.w < 1e-3) b = mix(a, b, (a.w - 1e-3) / (a.w - b.w));
+  vec2 along = normalize((b.xy / b.w - a.xy / a.w) * viewport + vec2(1e-6, 0));
+  vec4 end = gl_VertexID < 2 ? a : b;
+  side = float(2 * (gl_VertexID & 1) - 1) * (width + 1.0);
+  end.xy += side * vec2(-along.y, along.x) / viewport * end.w;
+  gl_Position = end;
+}
+
+//// line-fragment
+precision highp float;
+in float side;
+uniform vec4 ink;
+uniform float width;
+out vec4 colour;
+void main() { colour = vec4(ink.rgb, ink.a * clamp(width + 0.5 - abs(side), 0.0, 1.0)); }
+
+//// ball-vertex
+layout(location = 0) in float pinned;
+uniform mat4 camera;
+uniform vec3 free_colour, pinned_colour;
+uniform float diameter, least, most;
+out vec3 base;
+void main() {
+  base = pinned > 0.5 ? pinned_colour : free_colour;
+  gl_Position = camera * vec4(point(gl_VertexID), 1);
+  gl_PointSize = clamp(diameter / gl_Position.w, least, most);
+}
+
+//// ball-fragment
+precision highp float;
+in vec3 base;
+uniform float opacity;
+out vec4 colour;
+void main() {
+  vec2 at = 2.0 * gl_PointCoord - 1.0;
+  float r = length(at), edge = fwidth(r);
+  if (r > 1.0) discard;
+  vec3 n = vec3(at.x, -at.y, sqrt(max(1.0 - r * r, 0.0)));
+  float light = 0.55 + 0.5 * max(dot(n, normalize(vec3(-0.4, 0.7, 0.6))), 0.0);
+  colour = vec4(base * light + 0.25 * pow(max(n.z * 0.75 + n.y * 0.45 - n.x * 0.25, 0.0), 20.0), opacity * (1.0 - smoothstep(1.0 - edge, 1.0, r)));
+}
