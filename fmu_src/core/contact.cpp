@@ -24,14 +24,6 @@ Vec3 after_friction(double limit, const Vec3& slip_before, const Vec3& slip_afte
   return length > 0 ? Vec3(slip_after - limit / length * mean) : Vec3((1 - limit / size) * slip_after);
 }
 
-/// Books an impulse (per velocity change `after - before` times `mass`) on the obstacle and in the energy balance.
-void book(Impulse& received, const Vec3& impulse, const Vec3& arm, const Vec3& mean_velocity, const Vec3& surface, Exchange& exchange) {
-  received.add(-impulse, arm);
-  exchange.work += impulse.dot(surface);
-  exchange.dissipated -= impulse.dot(mean_velocity - surface);
-  ++exchange.contacts_resolved;
-}
-
 }  // namespace
 
 Contact::Contact(int points, int planes)
@@ -77,7 +69,7 @@ StepStatus Contact::drift(const StepView& step, const Points& before, Points& v,
     end_[q] = plane.at(step.t1);
     if (!kernels::gaps(n, x1.data(), end_[q].normal.data(), end_[q].offset, gap_.data())) continue;
     for (int p = 0; p < n; ++p)
-      if (gap_[p] < 0 && !marked_[p]) marked_[p] = 1, touched_.push_back(p);
+      if (gap_[p] < 0 && !marked_[p]) marked_[p] = 1, touched_.push_back({p, row(before, p)});
   }
   if (touched_.empty()) return StepStatus::ok;
   for (std::size_t q = 0; q < step.around.planes.size(); ++q) {
@@ -85,15 +77,22 @@ StepStatus Contact::drift(const StepView& step, const Points& before, Points& v,
     middle_[q] = step.around.planes[q].at(0.5 * (step.t0 + step.t1));
   }
   StepStatus status = StepStatus::ok;
-  for (int p : touched_) {
+  for (Touch& touch : touched_) {
+    const int p = touch.point;
     marked_[p] = 0;
     if (status != StepStatus::ok) continue;
     Change change{row(x1, p), row(v, p)};
-    status = drift_point(step, p, row(before, p), change, exchange);
+    status = drift_point(step, touch, change, exchange);
     set_row(x1, p, change.x1);
     set_row(v, p, change.v);
   }
   return status;
+}
+
+void Contact::book(const StepView& step, Touch& touch, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const {
+  exchange.planes[plane].add(-impulse, x1 - end_[plane].point);
+  touch.impulse += impulse;
+  touch.surface_work += impulse.dot(step.around.planes[plane].material_velocity(end_[plane], x1));
 }
 
 int Contact::deepest(const Vec3& x1) const {
@@ -103,19 +102,19 @@ int Contact::deepest(const Vec3& x1) const {
   return deepest;
 }
 
-StepStatus Contact::drift_point(const StepView& step, int p, const Vec3& before, Change& change, Exchange& exchange) {
+StepStatus Contact::drift_point(const StepView& step, Touch& touch, Change& change, Exchange& exchange) {
+  const int p = touch.point;
   const int plane = deepest(change.x1);
   if (step.body.pinned[p])
     return end_[plane].gap(change.x1) < -pin_slack * step.body.length ? StepStatus::pin_behind_plane : StepStatus::ok;
   const Change free = change;
   Vec3 impulse;
-  change = first_contact(step, p, plane, before, free, impulse);
+  change = first_contact(step, p, plane, touch.velocity, free, impulse);
   const bool alone = std::all_of(end_.begin(), end_.end(), [&](const HalfSpace& other) {
     return &other == &end_[plane] || other.gap(change.x1) >= 0;
   });
-  if (!alone) return several_contacts(step, p, free, change, exchange);
-  const Vec3 surface = step.around.planes[plane].material_velocity(end_[plane], change.x1);
-  book(exchange.planes[plane], impulse, change.x1 - end_[plane].point, 0.5 * (free.v + change.v), surface, exchange);
+  if (!alone) return several_contacts(step, touch, free, change, exchange);
+  book(step, touch, plane, impulse, change.x1, exchange);
   return StepStatus::ok;
 }
 
@@ -153,8 +152,8 @@ Contact::Change Contact::first_contact(const StepView& step, int p, int plane, c
   return {x1, v};
 }
 
-StepStatus Contact::several_contacts(const StepView& step, int p, const Change& free, Change& change, Exchange& exchange) {
-  const Vec3 x0 = row(step.x0, p);
+StepStatus Contact::several_contacts(const StepView& step, Touch& touch, const Change& free, Change& change, Exchange& exchange) {
+  const Vec3 x0 = row(step.x0, touch.point);
   const double h = step.h, length = step.body.length;
   constraints_.clear();
   for (std::size_t q = 0; q < end_.size(); ++q) {
@@ -171,29 +170,30 @@ StepStatus Contact::several_contacts(const StepView& step, int p, const Change& 
   for (int sweep = 0; sweep < 3; ++sweep)
     for (const HalfSpace& plane : end_)
       if (plane.gap(change.x1) < 0) snap(plane, change.x1);
-  const Vec3 mean = 0.5 * (free.v + change.v);
   for (std::size_t q = 0; q < end_.size(); ++q) {
     const Constraint& c = constraints_[q];
     if (c.normal_impulse == 0 && c.friction_impulse.isZero(0)) continue;
-    const Vec3 impulse = step.kicks.opening_mass(p) * (c.normal_impulse * c.normal + c.friction_impulse);
-    const Vec3 surface = step.around.planes[q].material_velocity(end_[q], change.x1);
-    book(exchange.planes[q], impulse, change.x1 - end_[q].point, mean, surface, exchange);
+    book(step, touch, int(q), step.kicks.opening_mass(touch.point) * (c.normal_impulse * c.normal + c.friction_impulse), change.x1, exchange);
   }
   return StepStatus::ok;
 }
 
 StepStatus Contact::close(const StepView& step, const Points& before, const Points& x1, Points& v, Exchange& exchange) {
-  for (int p : touched_) {
+  for (Touch& touch : touched_) {
+    const int p = touch.point;
     if (step.body.pinned[p]) continue;
     Vec3 velocity = row(v, p);
-    const StepStatus status = close_point(step, p, row(before, p), row(x1, p), velocity, exchange);
+    const StepStatus status = close_point(step, touch, row(before, p), row(x1, p), velocity, exchange);
     if (status != StepStatus::ok) return status;
     set_row(v, p, velocity);
+    ++exchange.contacts_resolved;
+    exchange.work += touch.surface_work;
+    exchange.dissipated += touch.surface_work - touch.impulse.dot(0.5 * (touch.velocity + velocity));
   }
   return StepStatus::ok;
 }
 
-StepStatus Contact::close_point(const StepView& step, int p, const Vec3& before, const Vec3& x1, Vec3& v, Exchange& exchange) {
+StepStatus Contact::close_point(const StepView& step, Touch& touch, const Vec3& before, const Vec3& x1, Vec3& v, Exchange& exchange) {
   constraints_.clear();
   active_.clear();
   for (std::size_t q = 0; q < end_.size(); ++q) {
@@ -204,7 +204,6 @@ StepStatus Contact::close_point(const StepView& step, int p, const Vec3& before,
     active_.push_back(int(q));
   }
   if (constraints_.empty()) return StepStatus::ok;
-  const Vec3 free = v;
   if (constraints_.size() == 1) {
     Constraint& c = constraints_[0];
     c.normal_impulse = std::max(0.0, c.bound - c.normal.dot(v));
@@ -217,8 +216,7 @@ StepStatus Contact::close_point(const StepView& step, int p, const Vec3& before,
   }
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const Constraint& c = constraints_[i];
-    const Vec3 impulse = step.kicks.closing_mass(p) * (c.normal_impulse * c.normal + c.friction_impulse);
-    book(exchange.planes[active_[i]], impulse, x1 - end_[active_[i]].point, 0.5 * (free + v), c.surface, exchange);
+    book(step, touch, active_[i], step.kicks.closing_mass(touch.point) * (c.normal_impulse * c.normal + c.friction_impulse), x1, exchange);
   }
   return StepStatus::ok;
 }

@@ -57,14 +57,23 @@ class Contact {
   struct Change {
     Vec3 x1, v;
   };
-  StepStatus drift_point(const StepView& step, int p, const Vec3& before, Change& change, Exchange& exchange);
+  /// A point corrected by the last drift. The kinetic energy that its contacts took over the whole step is exactly their impulse times
+  /// the mean of the velocities at both ends of the step.
+  struct Touch {
+    int point;
+    Vec3 velocity;                 ///< at t0 [m/s]
+    Vec3 impulse = Vec3::Zero();   ///< of all obstacles on the point [N s]
+    double surface_work = 0;       ///< of which the obstacles' own motion did [J]
+  };
+  StepStatus drift_point(const StepView& step, Touch& touch, Change& change, Exchange& exchange);
   Change first_contact(const StepView& step, int p, int plane, const Vec3& before, const Change& free, Vec3& impulse) const;
-  StepStatus several_contacts(const StepView& step, int p, const Change& free, Change& change, Exchange& exchange);
-  StepStatus close_point(const StepView& step, int p, const Vec3& before, const Vec3& x1, Vec3& v, Exchange& exchange);
+  StepStatus several_contacts(const StepView& step, Touch& touch, const Change& free, Change& change, Exchange& exchange);
+  StepStatus close_point(const StepView& step, Touch& touch, const Vec3& before, const Vec3& x1, Vec3& v, Exchange& exchange);
+  void book(const StepView& step, Touch& touch, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const;
   int deepest(const Vec3& x1) const;
 
   std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at t0, t0 + h/2 and t1
-  std::vector<int> touched_;                     ///< points corrected by the last drift
+  std::vector<Touch> touched_;
   std::vector<Constraint> constraints_;
   std::vector<int> active_;                      ///< plane of each constraint
   FeasibleSet feasible_;

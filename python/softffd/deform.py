@@ -20,8 +20,8 @@ from softffd.mesh import Mesh
 OUTSIDE_ALLOWED = 1e-6
 """How far outside the box a point may lie, as a share of the side: room for a box typed with six digits."""
 
-_BLOCK = 1 << 22
-"""Numbers held at a time while deforming: 32 MB."""
+_KEPT, _BLOCK = 1 << 22, 1 << 19
+"""Weights that an embedding keeps, if no more (32 MB); numbers worked on at a time otherwise (4 MB)."""
 
 
 def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=None) -> np.ndarray:
@@ -35,9 +35,7 @@ def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=
     vertices = mesh.vertices if isinstance(mesh, Mesh) else np.asarray(mesh, dtype=float)
     positions = np.asarray(positions, dtype=float)
     if positions.ndim not in (4, 5):
-        raise ValueError(
-            f"positions: wanted the shape (nx, ny, nz, 3) or (T, nx, ny, nz, 3), got {positions.shape}"
-        )
+        raise ValueError(f"positions: wanted the shape (nx, ny, nz, 3) or (T, nx, ny, nz, 3), got {positions.shape}")
     origin = vertices.min(axis=0) if origin is None else origin
     size = vertices.max(axis=0) - origin if size is None else size
     return Embedding(vertices, origin, size, positions.shape[-4:-1]).deform(positions)
@@ -54,7 +52,7 @@ class Embedding:
         self.counts = _checked_counts(counts)
         self.coordinates = lattice_coordinates(vertices, origin, size)
         points = int(np.prod(self.counts))
-        small = points * len(self.coordinates) <= _BLOCK
+        small = points * len(self.coordinates) <= _KEPT
         self._kept = self._products(slice(None)) if small else None
 
     def deform(self, positions: np.ndarray) -> np.ndarray:
@@ -62,8 +60,7 @@ class Embedding:
         positions = np.asarray(positions, dtype=float)
         if positions.shape[-4:] != (*self.counts, 3) or positions.ndim > 5:
             raise ValueError(
-                f"positions: wanted the shape {(*self.counts, 3)}, or one axis of time before, got "
-                f"{positions.shape}"
+                f"positions: wanted the shape {(*self.counts, 3)}, or one axis of time before, got {positions.shape}"
             )
         frames = positions.reshape(-1, *self.counts, 3)
         control = frames.transpose(0, 4, 3, 2, 1).reshape(3 * len(frames), -1)
@@ -75,7 +72,7 @@ class Embedding:
 
     def _parts(self, frames: int):
         """Slices of the vertices, so short that a block's weights and results fit the memory set aside."""
-        step = max(1, _BLOCK // (8 * (int(np.prod(self.counts)) + 3 * frames)))
+        step = max(1, _BLOCK // (int(np.prod(self.counts)) + 3 * frames))
         return (slice(start, start + step) for start in range(0, len(self.coordinates), step))
 
     def _products(self, part: slice) -> np.ndarray:
@@ -95,9 +92,7 @@ def lattice_coordinates(points: np.ndarray, origin, size) -> np.ndarray:
     if points.ndim != 2 or points.shape[1] != 3:
         raise ValueError(f"points: wanted the shape (m, 3), got {points.shape}")
     if origin.shape != (3,) or size.shape != (3,) or not np.isfinite([origin, size]).all():
-        raise ValueError(
-            f"lattice box: wanted three finite numbers each, got origin {origin} and size {size}"
-        )
+        raise ValueError(f"lattice box: wanted three finite numbers each, got origin {origin} and size {size}")
     if not (size > 0).all():
         raise MeshError(f"lattice.size: wanted three sides > 0 m, got {_triple(size)}")
     coordinates = (points - origin) / size
@@ -105,9 +100,7 @@ def lattice_coordinates(points: np.ndarray, origin, size) -> np.ndarray:
     return coordinates
 
 
-def _require_inside(
-    coordinates: np.ndarray, points: np.ndarray, origin: np.ndarray, size: np.ndarray
-) -> None:
+def _require_inside(coordinates: np.ndarray, points: np.ndarray, origin: np.ndarray, size: np.ndarray) -> None:
     outside = ~((coordinates >= -OUTSIDE_ALLOWED) & (coordinates <= 1 + OUTSIDE_ALLOWED)).all(axis=1)
     if not outside.any():
         return

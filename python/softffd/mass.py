@@ -92,19 +92,14 @@ def enclosed_volume(mesh: Mesh) -> float:
 
 def _require_values(distribution, mesh, total, density, uniform_share) -> None:
     if distribution not in DISTRIBUTIONS:
-        raise SoftffdError(
-            f"mass.distribution: wanted one of {', '.join(DISTRIBUTIONS)}, got {distribution!r}"
-        )
+        raise SoftffdError(f"mass.distribution: wanted one of {', '.join(DISTRIBUTIONS)}, got {distribution!r}")
     if mesh is None and (distribution != "uniform" or density is not None):
         key = "mass.density" if distribution == "uniform" else f"mass.distribution = '{distribution}'"
         raise SoftffdError(
-            f"{key}: needs a mesh and the scene has none; add [mesh], or use mass.total with the "
-            "distribution 'uniform'"
+            f"{key}: needs a mesh and the scene has none; add [mesh], or use mass.total with the distribution 'uniform'"
         )
     if (total is None) == (density is None):
-        raise SoftffdError(
-            f"mass: wanted either total or density, got {'neither' if total is None else 'both'}"
-        )
+        raise SoftffdError(f"mass: wanted either total or density, got {'neither' if total is None else 'both'}")
     for key, value in (("total", total), ("density", density)):
         if value is not None and not (np.isfinite(value) and value > 0):
             raise SoftffdError(f"mass.{key}: wanted a number > 0, got {value}")
@@ -206,10 +201,10 @@ def _sufficient_degrees(corners: np.ndarray, counts, exact: int) -> np.ndarray:
     """Degree of quadrature per triangle: `exact`, or less where the triangle is so small that less is exact
     to rounding.
 
-    A product of Bernstein polynomials grows, away from the box in the complex plane, no faster than exp(2 N
-    d), with N their degree and d the distance. With S = sum over axes of (degree of the axis) x (extent of
-    the triangle), that bounds the error of q Gauss points by (e S / 4 q)^(2q), the best ellipse taken
-    (Trefethen 2008, "Is Gauss quadrature better than Clenshaw-Curtis?", theorem 4.5). One point more pays for the bound's factor.
+    A product of Bernstein polynomials grows, away from the box in the complex plane, no faster than exp(2 N d), with
+    N their degree and d the distance. With S = sum over axes of (degree of the axis) x (extent of the triangle), the
+    best ellipse bounds the error of q Gauss points by (e S / 4 q)^(2q); one point more pays for the bound's factor
+    (Trefethen 2008, "Is Gauss quadrature better than Clenshaw-Curtis?", theorem 4.5).
     """
     reach = np.ptp(corners, axis=1) @ (np.array(counts) - 1.0)
     degrees = np.full(len(corners), exact)

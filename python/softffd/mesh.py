@@ -49,9 +49,7 @@ class Mesh:
             ("uv", self.uv, (len(self.vertices), 2)),
         ]
         for what, array, (rows, columns) in shapes:
-            if array is not None and (
-                array.ndim != 2 or array.shape[1] != columns or rows not in (None, len(array))
-            ):
+            if array is not None and (array.ndim != 2 or array.shape[1] != columns or rows not in (None, len(array))):
                 raise ValueError(f"{what}: wanted the shape ({rows or 'any'}, {columns}), got {array.shape}")
 
     @property

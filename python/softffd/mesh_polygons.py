@@ -10,8 +10,7 @@ from softffd.errors import MeshError
 
 
 class Triangles(NamedTuple):
-    """What every reader returns: `vertices` (V, 3), `faces` (F, 3), `uv` (V, 2) or None, `texture` image or
-    None."""
+    """What every reader returns: vertices (V, 3), faces (F, 3), uv (V, 2) or None, texture or None."""
 
     vertices: np.ndarray
     faces: np.ndarray
@@ -22,20 +21,18 @@ class Triangles(NamedTuple):
 def assemble(positions, corners, counts, *, texels=None, texel_corners=None, texture=None) -> Triangles:
     """Return triangles that share a vertex where position and texture coordinate are the same.
 
-    positions: (P, 3). corners: (C,) positions' indices, all polygons one after another. counts: (F,) corners
-    of each, >= 3.
-    texels: (Q, 2) texture coordinates with texel_corners (C,) indices into them, or both None.
-    A polygon of c corners becomes a fan of c - 2 triangles about its first. The vertices keep the order of
-    `positions`.
+    positions: (P, 3). corners: (C,) indices of positions, one polygon after another. counts: (F,) corners of
+    each, >= 3. texels: (Q, 2) texture coordinates and texel_corners: (C,) indices of them, or both None.
+    A polygon of c corners becomes a fan of c - 2 triangles about its first corner, which is right for convex ones.
+    The vertices keep the order of `positions`.
     """
     fans = _fans(np.asarray(counts, dtype=np.int64))
     if texels is None:
         return Triangles(positions, np.asarray(corners, dtype=np.int64)[fans], None, texture)
     pairs = np.asarray(corners, dtype=np.int64) * len(texels) + np.asarray(texel_corners, dtype=np.int64)
     pairs, vertex_of_corner = np.unique(pairs, return_inverse=True)
-    return Triangles(
-        positions[pairs // len(texels)], vertex_of_corner[fans], texels[pairs % len(texels)], texture
-    )
+    vertices, uv = positions[pairs // len(texels)], texels[pairs % len(texels)]
+    return Triangles(vertices, vertex_of_corner[fans], uv, texture)
 
 
 def open_texture(file: Path) -> Image.Image | None:
@@ -56,10 +53,8 @@ def first_outside(indices: np.ndarray, count: int) -> int:
 
 def damaged(path: Path, fault: str) -> MeshError:
     """Return the error for a file that contradicts itself; `fault` says where and how."""
-    return MeshError(
-        f"{path}: damaged or cut off: {fault}. Wanted a complete {path.suffix[1:].upper()} file; export it "
-        "again."
-    )
+    kind = path.suffix[1:].upper()
+    return MeshError(f"{path}: damaged or cut off: {fault}. Wanted a complete {kind} file; export it again.")
 
 
 def _fans(counts: np.ndarray) -> np.ndarray:

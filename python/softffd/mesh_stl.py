@@ -11,23 +11,20 @@ _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribut
 
 
 def read_stl(path: Path, data: bytes) -> Triangles:
-    """Return the triangles of an STL file, three vertices each. Raises MeshError where length or records do
-    not agree."""
+    """Return the triangles of an STL file, three vertices each.
+
+    Raises MeshError where the length is not the promised one, or a text's facets are not whole.
+    """
     promised = int.from_bytes(data[80:_HEAD], "little") if len(data) >= _HEAD else None
     if promised is not None and len(data) == _HEAD + promised * _RECORD.itemsize:
         return _soup(np.frombuffer(data, _RECORD, offset=_HEAD)["corners"])
     if data[:5].lower() == b"solid" and b"\0" not in data:
         return _soup(_text_corners(path, data))
     if promised is None:
-        raise damaged(
-            path, f"it has {len(data)} bytes, fewer than the {_HEAD} bytes that begin every binary STL file"
-        )
-    raise damaged(
-        path,
-        f"its header promises {promised} triangles, which makes a file of "
-        f"{_HEAD + promised * _RECORD.itemsize} bytes, "
-        f"but it has {len(data)} bytes",
-    )
+        raise damaged(path, f"it has {len(data)} bytes, and every binary STL file begins with {_HEAD}")
+    size = _HEAD + promised * _RECORD.itemsize
+    fault = f"its header promises {promised} triangles, which makes {size} bytes, but it has {len(data)} bytes"
+    raise damaged(path, fault)
 
 
 def _soup(corners: np.ndarray) -> Triangles:
@@ -44,10 +41,9 @@ def _text_corners(path: Path, data: bytes) -> np.ndarray:
     if keys.count(b"endsolid") != keys.count(b"solid"):
         raise damaged(path, "a solid is not closed by the line 'endsolid'")
     if facets != ends or len(corners) != 3 * facets:
-        raise damaged(
-            path, f"{facets} facets begin and {ends} end, with {len(corners)} vertices; each facet has 3"
-        )
+        fault = f"{facets} facets begin and {ends} end, with {len(corners)} vertices; each facet has 3"
+        raise damaged(path, fault)
     try:
-        return np.array([[float(word) for word in words] for words in corners]).reshape(-1, 3, 3)
+        return np.array([(float(x), float(y), float(z)) for x, y, z in corners]).reshape(-1, 3, 3)
     except ValueError:
         raise damaged(path, "a vertex is not three numbers") from None

@@ -108,20 +108,11 @@ class Canvas:
             self.depth[pixel[seen]] = depth
             self.blend(pixel, np.asarray(colour) * light[:, None], np.where(seen, 1.0, hidden))
 
-    def distances(self, point, normal):
-        """How far along the view the fine pixels' rays meet the plane, (height * width,) [m]; negative or infinite: nowhere."""
-        right, above, back = self.camera.axes @ normal
-        x, y = self._sight(np.arange(self.width), np.arange(self.height)[:, None])
-        with np.errstate(divide="ignore"):
-            return (normal @ (point - self.camera.eye) / (x * right + y * above - back)).ravel()
-
-    def rays(self, pixel):
-        """Directions (P, 3) from `camera.eye` through fine pixels (P,), of length 1 along the view."""
-        x, y = self._sight(pixel % self.width, pixel // self.width)
-        return np.stack([x, y, np.full(len(pixel), -1.0)], axis=1) @ self.camera.axes
-
-    def _sight(self, column, row):
-        return (column + 0.5 - self.width / 2) / self.focal, (self.height / 2 - row - 0.5) / self.focal
+    def sight(self):
+        """Slopes of the rays through the fine pixels, rightwards (width,) and upwards (height,), for a length of 1 along the view."""
+        x = np.arange(self.width) + 0.5 - self.width / 2
+        y = self.height / 2 - np.arange(self.height) - 0.5
+        return x / self.focal, y / self.focal
 
     def blend(self, pixel, colour, opacity):
         """Lay `colour` (3,) or (P, 3) over the fine pixels `pixel` (P,) with `opacity` (P,)."""

@@ -16,49 +16,51 @@ def draw_plane(canvas, point, normal, tangent, *, centre, reach, spacing, tint, 
     of the object that darkens the patch. The back of the plane is nearly clear, so that it hides nothing.
     """
     foot = centre - normal * (normal @ (centre - point))
-    frame = np.stack([tangent, np.cross(normal, tangent)])
-    pixel, place, footprint = _patch(canvas, foot, normal, frame, reach)
-    offset = (place - foot) @ frame.T / reach
+    frame = np.stack([tangent, np.cross(normal, tangent), normal])
     front = normal @ (canvas.camera.eye - foot) > 0
-    at = (place - point) @ frame.T
-    line = 0.26 * _grid(at, footprint, spacing) + 0.2 * _grid(at, footprint, 5 * spacing)
+    pixel, place, footprint = _patch(canvas, foot, frame, reach)
+    anchored = place + (frame[:2] @ (foot - point))[:, None]
+    line = 0.26 * _grid(anchored, footprint, spacing) + 0.2 * _grid(anchored, footprint, 5 * spacing)
     cover = (opacity if front else 0.14) + (1 - opacity) * line * (1.0 if front else 0.5)
     colour = np.asarray(tint) * (1 - 0.55 * line)[:, None]
     if surface is not None and front:
-        dark = 0.8 * _sampled(_occlusion(*surface, foot, normal, frame, reach), offset)
+        dark = 0.8 * _sampled(_occlusion(*surface, foot, frame, reach), place / reach)
         colour, cover = colour * (1 - dark)[:, None], cover + (1 - cover) * dark
-    fade = 1 - _smooth((np.linalg.norm(offset, axis=1) - 0.55) / 0.45)
+    fade = 1 - _smooth((np.hypot(*place) / reach - 0.55) / 0.45)
     canvas.blend(pixel, colour, cover * fade)
 
 
-def _patch(canvas, foot, normal, frame, reach):
-    """Fine pixels (P,) in which the patch is nearest, its points (P, 3) there, and a pixel's size (P, 2) on it along `frame`."""
-    distance = canvas.distances(foot, normal)
+def _patch(canvas, foot, frame, reach):
+    """Fine pixels (P,) in which the patch is nearest, and on its two axes their places (2, P) and sizes (2, P) [m]."""
+    right, above, back = canvas.camera.axes @ frame.T
+    x, y = canvas.sight()
+    away = frame @ (canvas.camera.eye - foot)
+    with np.errstate(divide="ignore"):
+        distance = (-away[2] / (x * right[2] + y[:, None] * above[2] - back[2])).ravel()
     pixel = np.flatnonzero((distance > 0) & (distance * canvas.depth <= 1.0005))
-    rays = canvas.rays(pixel)
-    place = canvas.camera.eye + rays * distance[pixel, None]
-    near = np.einsum("pa,pa->p", place - foot, place - foot) < reach**2
-    pixel, rays, place = pixel[near], rays[near], place[near]
-    footprint = np.zeros((len(pixel), 2))
-    for step in canvas.camera.axes[:2] / canvas.focal:
-        moved = step @ frame.T - (rays @ frame.T) * (step @ normal / (rays @ normal))[:, None]
-        footprint += np.abs(moved * distance[pixel, None])
-    return pixel, place, footprint
+    x, y, distance = x[pixel % canvas.width], y[pixel // canvas.width], distance[pixel]
+    place = [away[a] + distance * (x * right[a] + y * above[a] - back[a]) for a in (0, 1)]
+    near = np.hypot(*place) < reach
+    size = [  # |d place / d column| + |d place / d row|, where place = away - away_2 slope_a / slope_2
+        sum(np.abs(step[a] + (p - away[a]) * step[2] / away[2]) for step in (right, above)) * distance / canvas.focal
+        for a, p in enumerate(place)
+    ]
+    return pixel[near], np.stack(place)[:, near], np.stack(size)[:, near]
 
 
 def _grid(at, footprint, spacing):
     """How much of a pixel the lines at multiples of `spacing` cover; none where they crowd."""
     distance = np.abs(at - spacing * np.round(at / spacing))
     line = (1.0 - _smooth(distance / footprint - 0.7)) * (1 - _smooth((footprint / spacing - 0.15) / 0.3))
-    return line.max(axis=1)
+    return line.max(axis=0)
 
 
-def _occlusion(vertices, faces, foot, normal, frame, reach):
+def _occlusion(vertices, faces, foot, frame, reach):
     """Share of the sky that the object hides from each texel of the patch, (TEXELS, TEXELS).
 
     A piece dA of the object's underside at height h and lateral distance r hides h^2 / (pi (h^2 + r^2)^2) dA of it.
     """
-    height = _heights(vertices, faces, foot, normal, frame, reach)
+    height = _heights(vertices, faces, foot, frame, reach)
     hidden = np.zeros_like(height)
     least = 2 * SPREAD / TAPS
     for tap in range(TAPS):
@@ -71,11 +73,11 @@ def _occlusion(vertices, faces, foot, normal, frame, reach):
     return hidden.clip(0, 1)
 
 
-def _heights(vertices, faces, foot, normal, frame, reach):
+def _heights(vertices, faces, foot, frame, reach):
     """Height of the object's underside above each texel in patch radii, (TEXELS, TEXELS); 1 where there is none."""
     offset = (vertices - foot) / reach
-    height = (offset @ normal).clip(0, 1)
-    screen = np.column_stack([(offset @ frame.T + 1) * TEXELS / 2, 1 - height])
+    along, across, height = (offset @ frame.T).T
+    screen = np.column_stack([(along + 1) * TEXELS / 2, (across + 1) * TEXELS / 2, 1 - height.clip(0, 1)])
     nearest = np.zeros(TEXELS * TEXELS, dtype=np.float32)
     for pixel, _, _, depth in fragments(screen, faces, TEXELS, TEXELS):
         np.maximum.at(nearest, pixel, depth)
@@ -83,8 +85,8 @@ def _heights(vertices, faces, foot, normal, frame, reach):
 
 
 def _sampled(image, offset):
-    """`image` (TEXELS, TEXELS) at `offset` (P, 2), -1 .. 1, between the texels."""
-    x, y = ((offset + 1) * TEXELS / 2 - 0.5).clip(0, TEXELS - 1.001).T
+    """`image` (TEXELS, TEXELS) at `offset` (2, P), -1 .. 1, between the texels."""
+    x, y = ((offset + 1) * TEXELS / 2 - 0.5).clip(0, TEXELS - 1.001)
     i, j = x.astype(int), y.astype(int)
     a, b = x - i, y - j
     rows = [image[j + k, i] * (1 - a) + image[j + k, i + 1] * a for k in (0, 1)]

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from softffd.scene_draft import Draft
-from softffd.scene_errors import Fault, Path, path_text, toml_text
+from softffd.scene_errors import Fault, KeyPath, path_text, toml_text
+from softffd.scene_sections import Lattice
 from softffd.selection import flat_indices
 
 
@@ -38,8 +39,9 @@ LIMITS = (
 
 def cross_check(draft: Draft) -> list[Fault]:
     """The problems between the sound values of a draft whose box and mesh are settled."""
-    checks = (_not_yet, _names, _selections, _pinned_twice, _mass, _box, _control_points, _probes)
-    return [fault for check in checks for fault in check(draft)]
+    checks = (_not_yet, _names, _selections, _mass, _margin, _box, _control_points, _probes)
+    with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
+        return [fault for check in checks for fault in check(draft)]
 
 
 def _not_yet(draft: Draft) -> Iterator[Fault]:
@@ -61,17 +63,22 @@ def _names(draft: Draft) -> Iterator[Fault]:
 
 
 def _selections(draft: Draft) -> Iterator[Fault]:
+    counts = draft.scene.lattice.points
+    pinned = {}
     for path, selection in _all_selections(draft):
         try:
-            chosen = flat_indices(selection, draft.scene.lattice.points)
+            chosen = flat_indices(selection, counts)
         except ValueError as error:
             yield Fault(path, str(error))
             continue
         if len(chosen) == 0 and path[0] in ("pin", "load"):
             yield Fault(path, f"wanted at least one control point, got {toml_text(selection)}")
+        if path[0] == "pin":
+            pinned[path] = chosen
+    yield from _pinned_twice(pinned, counts)
 
 
-def _all_selections(draft: Draft) -> Iterator[tuple[Path, Any]]:
+def _all_selections(draft: Draft) -> Iterator[tuple[KeyPath, Any]]:
     scene = draft.scene
     single = (("inputs", "forces"), ("outputs", "positions"), ("outputs", "velocities"))
     found = [(path, getattr(getattr(scene, path[0]), path[1])) for path in single]
@@ -81,15 +88,7 @@ def _all_selections(draft: Draft) -> Iterator[tuple[Path, Any]]:
         yield from ((path, selection) for path, selection in found if draft.sound(*path))
 
 
-def _pinned_twice(draft: Draft) -> Iterator[Fault]:
-    counts = draft.scene.lattice.points
-    pinned = {}
-    for path, selection in _all_selections(draft):
-        if path[0] == "pin":
-            try:
-                pinned[path] = flat_indices(selection, counts)
-            except ValueError:
-                continue
+def _pinned_twice(pinned: dict[KeyPath, np.ndarray], counts: tuple[int, int, int]) -> Iterator[Fault]:
     for (first, ours), (second, theirs) in itertools.combinations(pinned.items(), 2):
         common = np.intersect1d(ours, theirs)
         if len(common):
@@ -103,13 +102,11 @@ def _mass(draft: Draft) -> Iterator[Fault]:
     mass = draft.scene.mass
     both = draft.sound("mass", "total") and draft.sound("mass", "density")
     if both and None not in (mass.total, mass.density):
-        yield Fault(
-            ("mass",), f"wanted total or density, got total = {mass.total:g} and density = {mass.density:g}"
-        )
+        got = f"total = {mass.total:g} and density = {mass.density:g}"
+        yield Fault(("mass",), f"wanted total or density, got {got}")
     if draft.sound("mass", "distribution") and mass.distribution != "uniform":
-        yield from _needs_mesh(
-            draft, "distribution", closed=mass.distribution == "volume", instead='take "surface"'
-        )
+        inside = mass.distribution == "volume"
+        yield from _needs_mesh(draft, "distribution", closed=inside, instead='take "surface"')
     if draft.sound("mass", "density") and mass.density is not None:
         yield from _needs_mesh(draft, "density", closed=True, instead='give "total"')
 
@@ -119,39 +116,34 @@ def _needs_mesh(draft: Draft, key: str, *, closed: bool, instead: str) -> Iterat
     if draft.scene.mesh is None and draft.sound("mesh"):
         yield Fault(("mass", key), f"{given} needs a {'closed ' * closed}mesh, but the scene has no [mesh]")
     elif closed and draft.mesh is not None and not draft.mesh.closed:
-        why = (
-            f"{draft.scene.mesh.file.name} is open (its surface has holes, or faces that disagree on outside)"
-        )
+        why = f"{draft.scene.mesh.file.name} is open (holes in its surface, or faces turned inside out)"
         yield Fault(("mass", key), f"{given} needs a closed mesh, but {why}; {instead} instead")
+
+
+def _margin(draft: Draft) -> Iterator[Fault]:
+    lattice = draft.scene.lattice
+    idle = "origin and size are both given" if _box_is_given(lattice) else None
+    idle = "there is no [mesh] whose box it would grow" if draft.scene.mesh is None else idle
+    if lattice.margin > 0 and idle and draft.sound("mesh"):
+        yield Fault(("lattice", "margin"), f"wanted 0, for {idle}, got {lattice.margin:g}")
 
 
 def _box(draft: Draft) -> Iterator[Fault]:
     lattice, mesh = draft.scene.lattice, draft.mesh
-    given = lattice.model_fields_set
-    if lattice.margin > 0 and draft.sound("mesh"):
-        idle = "origin and size are both given" if {"origin", "size"} <= given else None
-        idle = "there is no [mesh] whose box it would grow" if draft.scene.mesh is None else idle
-        if idle:
-            yield Fault(("lattice", "margin"), f"wanted 0, for {idle}, got {lattice.margin:g}")
-    if mesh is None or not _box_is_sound(draft):
-        return
-    if outside := _not_in_box(mesh.bounds, lattice):
+    if mesh is not None and _box_is_sound(draft) and (outside := _not_in_box(mesh.bounds, lattice)):
         got = f"got {_box_span(lattice)}, which does not along {' and '.join(outside)}"
         text = f"wanted a box that holds the mesh ({_span(*mesh.bounds)}), {got}"
-        yield Fault(("lattice", "size" if "size" in given else "origin"), text)
+        yield Fault(("lattice", "size" if "size" in lattice.model_fields_set else "origin"), text)
 
 
 def _control_points(draft: Draft) -> Iterator[Fault]:
     lattice = draft.scene.lattice
-    if not _box_is_sound(draft) or not draft.sound("lattice", "points") or min(lattice.size) <= 0:
+    if not _box_is_sound(draft) or not draft.sound("lattice", "points"):
         return
     for axis, count, origin, size in zip("xyz", lattice.points, lattice.origin, lattice.size, strict=True):
-        with np.errstate(over="ignore", invalid="ignore"):
-            at = origin + size * np.linspace(0.0, 1.0, count)
+        at = origin + size * np.linspace(0.0, 1.0, count)
         if not np.all(np.isfinite(at)) or not np.all(np.diff(at) > 0):
-            got = (
-                f"got origin {origin:g} m and size {size:g} m, too large or too unequal for double precision"
-            )
+            got = f"got origin {origin:g} m and size {size:g} m, too large or unequal for double precision"
             yield Fault(("lattice",), f"wanted control points that differ along {axis}, {got}")
 
 
@@ -168,10 +160,14 @@ def _probes(draft: Draft) -> Iterator[Fault]:
 def _box_is_sound(draft: Draft) -> bool:
     """Whether the box is the one that is meant: its own keys hold, and the mesh that it follows was read."""
     own = all(draft.sound("lattice", key) for key in ("origin", "size", "margin"))
-    return own and (draft.sound("mesh") or {"origin", "size"} <= draft.scene.lattice.model_fields_set)
+    return own and (draft.sound("mesh") or _box_is_given(draft.scene.lattice))
 
 
-def _not_in_box(bounds: np.ndarray, lattice: Any) -> list[str]:
+def _box_is_given(lattice: Lattice) -> bool:
+    return {"origin", "size"} <= lattice.model_fields_set
+
+
+def _not_in_box(bounds: np.ndarray, lattice: Lattice) -> list[str]:
     """The axes along which `bounds` (2, 3) leave the box by more than rounding (1e-9 of its edge)."""
     lower, size = np.array(lattice.origin), np.array(lattice.size)
     slack = 1e-9 * size
@@ -179,7 +175,7 @@ def _not_in_box(bounds: np.ndarray, lattice: Any) -> list[str]:
     return [axis for axis, out in zip("xyz", outside, strict=True) if out]
 
 
-def _box_span(lattice: Any) -> str:
+def _box_span(lattice: Lattice) -> str:
     return _span(lattice.origin, np.add(lattice.origin, lattice.size))
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from softffd.scene_errors import Fault, Path, faults_of, field_at
+from softffd.scene_errors import Fault, KeyPath, faults_of, field_at
 
 if TYPE_CHECKING:
     from softffd.mesh import Mesh
@@ -51,7 +51,7 @@ def read_draft(document: dict, model: type[BaseModel]) -> Draft:
     return draft
 
 
-def _overlap(one: Path, other: Path) -> bool:
+def _overlap(one: KeyPath, other: KeyPath) -> bool:
     shorter = min(len(one), len(other))
     return one[:shorter] == other[:shorter]
 
@@ -72,12 +72,12 @@ def _take_out(document: dict, fault: Fault, model: type[BaseModel]) -> None:
         table[key] = field.examples[0]
 
 
-def _required(model: type[BaseModel], path: Path) -> FieldInfo | None:
+def _required(model: type[BaseModel], path: KeyPath) -> FieldInfo | None:
     field = field_at(model, path)
     return field if field and field.is_required() else None
 
 
-def _key_around(document: dict, path: Path) -> tuple[dict | list, str | int, int]:
+def _key_around(document: dict, path: KeyPath) -> tuple[dict | list, str | int, int]:
     """The table, the key in it (of a list of tables: the position), and the path's length up to it."""
     node, place = document, (document, path[0], 1)
     for length, part in enumerate(path, start=1):

@@ -8,14 +8,14 @@ import json
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from softffd.quantity import SIGNS
 
-Path = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 
 KINDS = {
     "float_type": "a number",
@@ -30,20 +30,20 @@ KINDS = {
 class Fault:
     """One problem of a scene and its place in the file."""
 
-    path: Path
+    path: KeyPath
     text: str
-    meant: Path | None = None  # of an unknown key: the path that was probably meant
+    meant: KeyPath | None = None  # of an unknown key: the path that was probably meant
 
     def __str__(self) -> str:
-        return f"{path_text(self.path)}: {self.text}" if self.path else self.text
+        return f"{path_text(self.path)}: {self.text}"
 
 
 def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
     """The problems that pydantic found in a document for `model`, in our words."""
     found, missing = [], set()
     for entry in error.errors():
-        path = file_path(entry["loc"])
         unknown = entry["type"] == "extra_forbidden"
+        path = _without_tags(entry["loc"], spare_last=unknown)
         found.append(_unknown_key(path, model) if unknown else Fault(path, _explain(entry, path, model)))
         missing |= {path} if entry["type"] == "missing" else set()
     misspelt = missing & {fault.meant for fault in found}
@@ -61,12 +61,13 @@ def in_file_order(faults: list[Fault], document: dict) -> list[Fault]:
     return sorted(faults, key=place)
 
 
-def file_path(location: tuple) -> Path:
-    """Pydantic's location without the tags of unions (`<number>`), which do not stand in the file."""
-    return tuple(part for part in location if not str(part).startswith("<"))
+def _without_tags(location: tuple, *, spare_last: bool) -> KeyPath:
+    """Pydantic's location without the tags of unions (`<number>`); an unknown key may look like one."""
+    last = len(location) - 1 if spare_last else None
+    return tuple(part for n, part in enumerate(location) if n == last or not str(part).startswith("<"))
 
 
-def path_text(path: Path) -> str:
+def path_text(path: KeyPath) -> str:
     """plane[1].normal for ("plane", 1, "normal"); keys that TOML wants quoted are quoted."""
     text = ""
     for part in path:
@@ -103,7 +104,7 @@ def did_you_mean(nearest: str | None) -> str:
     return f', did you mean "{nearest}"?' if nearest else ""
 
 
-def field_at(model: type[BaseModel], path: Path) -> FieldInfo | None:
+def field_at(model: type[BaseModel], path: KeyPath) -> FieldInfo | None:
     """The field that the last key of `path` names, None where there is no such key."""
     field = None
     for key in (part for part in path if isinstance(part, str)):
@@ -118,38 +119,34 @@ def _table_in(annotation: Any) -> type[BaseModel] | None:
     return next((table for part in get_args(annotation) if (table := _table_in(part))), None)
 
 
-def _explain(entry: dict, path: Path, model: type[BaseModel]) -> str:
+def _explain(entry: dict, path: KeyPath, model: type[BaseModel]) -> str:
     field = field_at(model, path)
     got = "nothing" if entry["type"] == "missing" else toml_text(entry["input"])
     return f"wanted {_wanted(entry, field, path)}, got {got}{_nearest(entry, field)}"
 
 
-def _unknown_key(path: Path, model: type[BaseModel]) -> Fault:
+def _unknown_key(path: KeyPath, model: type[BaseModel]) -> Fault:
     if nearest := nearest_of(path[-1], _keys_at(model, path[:-1])):
         return Fault(path, f"unknown key{did_you_mean(nearest)}", meant=(*path[:-1], nearest))
-    homes = [section_text(name, model) for name in model.model_fields if path[-1] in _keys_at(model, (name,))]
+    homes = [_head(name, model) for name in model.model_fields if path[-1] in _keys_at(model, (name,))]
     if homes:
         return Fault(path, f"unknown key here; it belongs in {' or '.join(homes)}")
     return Fault(path, f"unknown key, wanted {_either(_keys_at(model, path[:-1]))}")
 
 
-def _keys_at(model: type[BaseModel], path: Path) -> list[str]:
+def _keys_at(model: type[BaseModel], path: KeyPath) -> list[str]:
     """The keys of the table at `path`; none where there is no table."""
     field = field_at(model, path)
     table = _table_in(field.annotation) if field else model
     return list(table.model_fields) if table else []
 
 
-def section_text(name: str, model: type[BaseModel]) -> str:
+def _head(name: str, model: type[BaseModel]) -> str:
     """How a section's head is written: [lattice], [[plane]]."""
-    return f"[[{name}]]" if _is_array(model.model_fields[name]) else f"[{name}]"
+    return f"[[{name}]]" if get_origin(model.model_fields[name].annotation) is tuple else f"[{name}]"
 
 
-def _is_array(field: FieldInfo) -> bool:
-    return getattr(field.annotation, "__origin__", None) is tuple
-
-
-def _wanted(entry: dict, field: FieldInfo | None, path: Path) -> str:
+def _wanted(entry: dict, field: FieldInfo | None, path: KeyPath) -> str:
     kind, context = entry["type"], entry.get("ctx", {})
     if kind == "missing":
         return field.description
@@ -163,7 +160,7 @@ def _wanted(entry: dict, field: FieldInfo | None, path: Path) -> str:
     return KINDS.get(kind, entry["msg"]) + (f" ({unit})" if unit else "")
 
 
-def _table_form(entry: dict, path: Path) -> str:
+def _table_form(entry: dict, path: KeyPath) -> str:
     """What to write where a table is wanted: the single and the double brackets are easily confused."""
     if entry["type"] == "tuple_type":
         return f"tables, each under a head [[{path_text(path)}]] in double brackets"
@@ -172,11 +169,9 @@ def _table_form(entry: dict, path: Path) -> str:
 
 def _words(annotation: Any) -> list[str]:
     """The words that a type takes, also where they are one arm of a union."""
-    return (
-        [annotation]
-        if isinstance(annotation, str)
-        else [w for part in get_args(annotation) for w in _words(part)]
-    )
+    if isinstance(annotation, str):
+        return [annotation]
+    return [word for part in get_args(annotation) for word in _words(part)]
 
 
 def _either(words: list[str]) -> str:

@@ -60,6 +60,14 @@ class Stage:
         return self.origin + self.size * np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
 
     @cached_property
+    def edges(self):
+        """Neighbours along the axes, (E, 2) flat indices: the lines of the lattice."""
+        nx, ny, nz = self.counts
+        index = np.arange(nx * ny * nz).reshape(nz, ny, nx)
+        pairs = [(index[:, :, :-1], index[:, :, 1:]), (index[:, :-1], index[:, 1:]), (index[:-1], index[1:])]
+        return np.concatenate([np.stack([a.ravel(), b.ravel()], axis=1) for a, b in pairs])
+
+    @cached_property
     def _embedding(self):
         return Embedding(self.vertices, self.origin, self.size, self.counts)
 
@@ -134,3 +142,9 @@ def _up(scene):
     gravity = None if scene is None else scene.environment.gravity
     pull = 0.0 if gravity is None else np.linalg.norm(gravity)
     return np.array([0.0, 0.0, 1.0]) if pull == 0 else -np.asarray(gravity, float) / pull
+
+
+def round_length(length):
+    """The largest of 1, 2, 5, 10, ... [m] not above `length`: a spacing for grids."""
+    power = 10.0 ** np.floor(np.log10(length))
+    return float(max(f * power for f in (1, 2, 5) if f * power <= length * (1 + 1e-9)))

@@ -16,7 +16,7 @@ from matplotlib import colormaps
 
 from softffd.deform import deform
 from softffd.history import energies, reactions
-from softffd.stage import stage_of
+from softffd.stage import round_length, stage_of
 from softffd.surface import split_at_creases
 
 MOST_FRAMES = 600
@@ -43,7 +43,7 @@ def write_view(result, path, *, mesh=None, origin=None, size=None):
         "time": _text(stage.time[frames], "<f8"), "positions": _text(_flat(stage.positions[frames]) - stage.centre, "<f4"),
         "coordinates": coordinates, "normals": normals, "triangles": triangles, "pinned": _list(stage.pinned),
         "planes": _planes(stage, frames), "rows": _rows(result, stage, frames),
-        "radius": stage.radius, "half": _list(stage.half), "up": _list(stage.up), "view": FIRST_VIEW, "spacing": _round_length(stage.radius / 2.5),
+        "radius": stage.radius, "half": _list(stage.half), "up": _list(stage.up), "view": FIRST_VIEW, "spacing": round_length(stage.radius / 2.5),
         "largest": _largest(stage, frames), "ramp": (colormaps["YlGnBu"](np.linspace(0.1, 1, 64))[:, :3] * 255).astype(int).ravel().tolist(),
     }  # fmt: skip
     Path(path).write_text(_page(run), encoding="utf-8")
@@ -135,12 +135,6 @@ def _largest(stage, frames):
     strain = np.linalg.norm(np.einsum("tvab,tvac->tvbc", gradient, gradient) - np.eye(3), axis=(2, 3)) / 2
     displacement = np.linalg.norm(moved - samples, axis=2)
     return {name: float(np.quantile(v, 0.99, axis=1).max()) for name, v in (("displacement", displacement), ("strain", strain))}
-
-
-def _round_length(length):
-    """The largest of 1, 2, 5, 10, ... not above `length`."""
-    power = 10.0 ** np.floor(np.log10(length))
-    return float(max(f * power for f in (1, 2, 5) if f * power <= length * (1 + 1e-9)))
 
 
 def _flat(positions):

@@ -229,3 +229,11 @@ def test_an_unreadable_scene_is_a_scene_error_with_its_problems():
         scene_from({"material": {"stiffness": -5}}, path="bad.toml")
     assert caught.value.problems == ["material.stiffness: wanted >= 0 N/m, got -5"]
     assert str(caught.value) == "bad.toml: 1 problem\n  material.stiffness: wanted >= 0 N/m, got -5"
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_a_dumped_scene_is_the_same_scene_again(name):
+    scene = load_scene(name)
+    dumped = json.loads(scene.model_dump_json(exclude_none=True, exclude_unset=True))
+    again = scene_from(dumped, path=scene.path)
+    assert again.model_dump() == scene.model_dump()

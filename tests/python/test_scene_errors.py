@@ -2,11 +2,13 @@
 
 import datetime
 import math
+import re
 
+import numpy as np
 import pytest
 
 from softffd.errors import SceneError
-from softffd.scene import scene_from
+from softffd.scene import scene_from, schema
 
 PLANE = {"name": "ground"}
 TWENTY = "a" * 200
@@ -54,7 +56,8 @@ CASES = [
     ({"plane": [PLANE | {"friction": -0.1}]}, "plane[0].friction: wanted >= 0, got -0.1"),
     (
         {"plane": [PLANE, {"name": "b", "normal": [0, 0, 0]}]},
-        "plane[1].normal: wanted a vector of length > 0 (in double precision: 1e-100 to 1e100), got [0, 0, 0]",
+        "plane[1].normal: wanted a vector of length > 0 (in double precision: 1e-100 to 1e100), "
+        "got [0, 0, 0]",
     ),
     (
         {"plane": [PLANE | {"point": [0, math.inf, 0]}]},
@@ -62,8 +65,8 @@ CASES = [
     ),
     (
         {"plane": [{"name": "my plane"}]},
-        'plane[0].name: wanted a name of letters A-Z a-z, digits and underscores, no digit first, got "my plane", '
-        'did you mean "my_plane"?',
+        "plane[0].name: wanted a name of letters A-Z a-z, digits and underscores, no digit first, "
+        'got "my plane", did you mean "my_plane"?',
     ),
     (
         {"plane": [{}]},
@@ -86,11 +89,13 @@ CASES = [
     ({"outputs": {"energy": 1}}, "outputs.energy: wanted true or false, got 1"),
     (
         {"outputs": {"positions": "X+"}},
-        'outputs.positions: wanted "all", "none", "x-", "x+", "y-", "y+", "z-" or "z+", got "X+", did you mean "x+"?',
+        'outputs.positions: wanted "all", "none", "x-", "x+", "y-", "y+", "z-" or "z+", '
+        'got "X+", did you mean "x+"?',
     ),
     (
         {"inputs": {"forces": 3}},
-        'inputs.forces: wanted "all", "none", a face such as "z-", [[i, j, k], ...] or { i = [first, last] }, got 3',
+        'inputs.forces: wanted "all", "none", a face such as "z-", [[i, j, k], ...] or '
+        "{ i = [first, last] }, got 3",
     ),
     ({"inputs": {"forces": [[0, 0]]}}, "inputs.forces[0]: wanted 3 whole numbers [i, j, k], got [0, 0]"),
     (
@@ -137,3 +142,50 @@ def test_problems_come_in_the_order_of_the_file():
     }
     places = [line.split(":")[0] for line in problems(document)]
     assert places == ["solver.step", "plane[0].friction", "plane[1].friction", "plane[1].name", "mass.total"]
+
+
+def test_a_key_that_looks_like_a_union_tag_is_an_unknown_key():
+    assert problems({"<table>": 1})[0].startswith('"<table>": unknown key, wanted "title", ')
+    assert problems({"material": {"<number>": 1}})[0].startswith('material."<number>": unknown key, wanted ')
+
+
+VALUES = [
+    None,
+    True,
+    -1,
+    3,
+    1e308,
+    math.nan,
+    "x-",
+    "a",
+    "",
+    [],
+    {},
+    [3],
+    [0, 0, 1],
+    [[0, 0, 9]],
+    {"i": [0, 9]},
+    [{}],
+]
+
+
+def any_table(rng, keys):
+    value = {key: VALUES[rng.integers(len(VALUES))] for key in keys if rng.random() < 0.4}
+    return {key: entry for key, entry in value.items() if entry is not None}
+
+
+@pytest.mark.parametrize("seed", range(3000))
+def test_any_document_gives_a_scene_or_problems_in_words(seed):
+    rng = np.random.default_rng(seed)
+    definition = schema()
+    document = any_table(rng, ["title", "<list>", "lattice", "plane", "mesh", "solver"])
+    for section, entry in definition["properties"].items():
+        table = (entry.get("items") or entry).get("$ref", "").rpartition("/")[2]
+        if table and section != "mesh" and rng.random() < 0.5:
+            keys = [*definition["$defs"][table]["properties"], "nam", "<table>"]
+            tables = [any_table(rng, keys) for _ in range(3)]
+            document[section] = tables if "items" in entry else tables[0]
+    try:
+        scene_from(document)
+    except SceneError as error:
+        assert all(re.match(r"[\w\"<\[].*: .+", line) for line in error.problems)

@@ -1,0 +1,8 @@
+"""python -m softffd"""
+
+import sys
+
+from softffd.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

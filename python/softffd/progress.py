@@ -1,0 +1,29 @@
+"""A progress line on stderr, where somebody is there to see it."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+
+class ProgressLine:
+    """Shows share and simulated time of a run; silent where stderr is no terminal. Use as a context manager and as a callback."""
+
+    def __init__(self, what: str):
+        self._what = what
+        self._shown = 0.0
+        self._visible = sys.stderr.isatty()
+
+    def __enter__(self) -> ProgressLine:
+        return self
+
+    def __call__(self, share: float, simulated: float) -> None:
+        """share in 0..1, simulated time [s]."""
+        now = time.monotonic()
+        if self._visible and (now - self._shown > 0.1 or share >= 1):
+            self._shown = now
+            print(f"\r{self._what}: {share:4.0%}, {simulated:.3g} s", end="", file=sys.stderr, flush=True)
+
+    def __exit__(self, *_exception) -> None:
+        if self._visible and self._shown:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,66 @@
+"""`softffd run`: from a name to a result, its findings, and the files it is kept in."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from softffd.deform import deform
+from softffd.findings import findings
+from softffd.inputs import Source
+from softffd.mesh import save_mesh
+from softffd.result import Result
+from softffd.scene import Scene, load_scene
+from softffd.simulate import Progress, simulate
+
+
+def run_scene_or_fmu(
+    what: str | Path,
+    *,
+    stop_time: float | None = None,
+    step: float | None = None,
+    settings: dict[str, Any] | None = None,
+    inputs: Source | None = None,
+    progress: Progress | None = None,
+) -> Result:
+    """Runs a scene file, a shipped scene or an FMU; a scene's own inputs (NAME.csv beside it) drive it unless others are given."""
+    fmu = str(what).endswith(".fmu")
+    scene_or_fmu: Scene | Path = Path(what) if fmu else load_scene(what)
+    if inputs is None and isinstance(scene_or_fmu, Scene):
+        inputs = scene_or_fmu.default_inputs
+    result = simulate(
+        scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs, progress=progress
+    )
+    return replace(result, summary=result.summary | findings(result))
+
+
+def keep_run(result: Result, folder: Path) -> list[Path]:
+    """Writes results, picture, interactive page and, with a mesh, its last shape; returns the files."""
+    from softffd.picture import draw_run
+    from softffd.view import write_view
+
+    files = result.save(folder)
+    if np.isnan(result.positions).any() or not result.positions.size:
+        result.summary["findings"].append('no pictures: they need outputs.positions = "all"')
+        return files
+    look = surroundings(result)
+    draw_run(result, folder / "picture.png", **look)
+    write_view(result, folder / "view.html", **look)
+    files += [folder / "picture.png", folder / "view.html"]
+    if mesh := look["mesh"]:
+        shape = deform(mesh, result.positions[-1], origin=look["origin"], size=look["size"])
+        path = folder / f"deformed{result.scene.mesh.file.suffix.lower()}"
+        save_mesh(mesh, path, vertices=shape)
+        files.append(path)
+    return files
+
+
+def surroundings(result: Result) -> dict[str, Any]:
+    """Mesh and lattice box of a result, as the pictures take them."""
+    scene = result.scene
+    if scene is None:
+        return {"mesh": None, "origin": None, "size": None}
+    return {"mesh": scene.loaded_mesh, "origin": scene.lattice.origin, "size": scene.lattice.size}
