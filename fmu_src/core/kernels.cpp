@@ -30,12 +30,20 @@ INNER void forces(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In k, In 
   }
 }
 
-INNER void add(int lanes, In s, Out f) {
-  for (int p = 0; p < lanes; ++p) f[p] += s[p];
+INNER void add(int lanes, In sx, In sy, In sz, Out fx, Out fy, Out fz) {
+  for (int p = 0; p < lanes; ++p) {
+    fx[p] += sx[p];
+    fy[p] += sy[p];
+    fz[p] += sz[p];
+  }
 }
 
-INNER void subtract(int lanes, In s, Out f) {
-  for (int p = 0; p < lanes; ++p) f[p] -= s[p];
+INNER void subtract(int lanes, In sx, In sy, In sz, Out fx, Out fy, Out fz) {
+  for (int p = 0; p < lanes; ++p) {
+    fx[p] -= sx[p];
+    fy[p] -= sy[p];
+    fz[p] -= sz[p];
+  }
 }
 
 INNER void add_scaled(int lanes, In c, In s, Out f) {
@@ -69,13 +77,11 @@ SOFTFFD_CLONES
 void add_spring_forces(const SpringRow& springs, int points, const double* x, double* f, double* scratch) {
   const int lanes = springs.lanes;
   const double *a = x + springs.begin, *b = a + springs.offset;
-  forces(lanes, a, a + points, a + 2 * points, b, b + points, b + 2 * points, springs.stiffness, springs.rest_length, scratch,
-         scratch + lanes, scratch + 2 * lanes);
-  for (int axis = 0; axis < 3; ++axis) {
-    double* first = f + axis * points + springs.begin;
-    add(lanes, scratch + axis * lanes, first);
-    subtract(lanes, scratch + axis * lanes, first + springs.offset);
-  }
+  double *sx = scratch, *sy = scratch + lanes, *sz = scratch + 2 * lanes;
+  forces(lanes, a, a + points, a + 2 * points, b, b + points, b + 2 * points, springs.stiffness, springs.rest_length, sx, sy, sz);
+  double *first = f + springs.begin, *second = first + springs.offset;
+  add(lanes, sx, sy, sz, first, first + points, first + 2 * points);
+  subtract(lanes, sx, sy, sz, second, second + points, second + 2 * points);
 }
 
 SOFTFFD_CLONES

@@ -128,7 +128,7 @@ void Instance::check_settable(const Variable& variable, fmi2ValueReference refer
   const FamilyInfo& info = *variable.info;
   if (!(settable_in(info) & phase))
     throw CallError(name(reference) + ": cannot be set " + (info.causality == Causality::output ? "(it is an output)" : "after initialization"));
-  const std::string unit = info.unit.empty() || info.unit == "1" ? "" : " " + std::string(info.unit);
+  const std::string unit = info.unit.empty() || info.unit == "1" ? std::string() : std::string(" ").append(info.unit);
   if (!std::isfinite(value)) throw CallError(name(reference) + ": wanted a finite number, got " + shortest(value));
   if (value < info.min) throw CallError(name(reference) + ": wanted >= " + shortest(info.min) + unit + ", got " + shortest(value));
   if (value <= info.above) throw CallError(name(reference) + ": wanted > " + shortest(info.above) + unit + ", got " + shortest(value));

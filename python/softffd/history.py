@@ -1,4 +1,4 @@
-"""The numbers of a run that are worth a curve: reactions of planes and pins, energies, and the object's extent."""
+"""The numbers of a run that are worth a curve: reactions of planes and pins, energies, and the lattice's height."""
 
 import re
 
@@ -18,6 +18,7 @@ def energies(result):
     return {kind: result.outputs[f"energy.{kind}"] for kind in ENERGIES if f"energy.{kind}" in result.outputs}
 
 
-def extents(result):
-    """Bounds of the control points over time: lowest and highest, each (T, 3) [m]."""
-    return result.positions.min(axis=(1, 2, 3)), result.positions.max(axis=(1, 2, 3))
+def heights(result, up):
+    """The lattice's highest and lowest place along `up` (3,): words -> (T,) [m]."""
+    along = result.positions @ np.asarray(up)
+    return {"highest point": along.max(axis=(1, 2, 3)), "lowest point": along.min(axis=(1, 2, 3))}

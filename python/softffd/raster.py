@@ -1,7 +1,7 @@
 """A small picture machine in numpy: shaded triangles, lines and balls with a depth buffer.
 
-Pictures are drawn twice as large in each direction and averaged. Depth is 1 / distance along the view, which is linear on
-the screen; the largest is the nearest, and 0 is infinitely far.
+Pictures are drawn twice as large in each direction and averaged. Depth is 1 / distance along the view, which is
+linear on the screen; the largest is the nearest, and 0 is infinitely far.
 """
 
 from dataclasses import dataclass
@@ -9,18 +9,18 @@ from functools import cached_property
 
 import numpy as np
 
+FIELD = 0.29
 FACES = 1 << 16
 FRAGMENTS = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A view from `eye` to `target` (3,) [m] with `up` (3,) upwards; `field` is half the view's height over its distance."""
+    """A view from `eye` to `target` (3,) [m] with `up` (3,) upwards; half its height is FIELD times its distance."""
 
     eye: np.ndarray
     target: np.ndarray
     up: np.ndarray
-    field: float = 0.29
 
     @cached_property
     def axes(self):
@@ -43,13 +43,13 @@ class Canvas:
         rows = (1 - share) * np.float32(top) + share * np.float32(bottom)
         self._colour = np.broadcast_to(rows, (self.height, self.width, 3)).reshape(-1, 3).copy()
         self.depth = np.zeros(self.width * self.height, dtype=np.float32)
-        self.focal = self.height / (2 * camera.field)
+        self.focal = self.height / (2 * FIELD)
         self._key = _unit(camera.axes.T @ [-0.45, 0.35, 0.55] + 0.6 * np.asarray(camera.up))
 
     def image(self):
         """The picture (height, width, 3), 0 .. 1."""
         fine = self._colour.reshape(self.height // 2, 2, self.width // 2, 2, 3)
-        return fine.mean(axis=(1, 3)).clip(0, 1)
+        return ((fine[:, 0, :, 0] + fine[:, 0, :, 1] + fine[:, 1, :, 0] + fine[:, 1, :, 1]) / 4).clip(0, 1)
 
     def project(self, points):
         """Screen positions (N, 3) of points (N, 3) [m]: x, y in fine pixels from the upper left, and depth."""
@@ -59,11 +59,14 @@ class Canvas:
         return np.stack([x, self.height / 2 - self.focal * seen[:, 1] * depth, depth], axis=1)
 
     def triangles(self, points, faces, normals, colour):
-        """Triangles `faces` (F, 3) of `points` (V, 3) [m], lit by corner normals (F, 3, 3); linear colour (3,) or per face (F, 3)."""
+        """Draw `faces` (F, 3) of `points` (V, 3) [m].
+
+        normals: of the corners, (F, 3, 3), either way round. colour: (3,), or per face (F, 3), 0 .. 1.
+        """
         a, b, c = (points[faces[:, k]] for k in range(3))
         facets = np.cross(b - a, c - a)
         facets *= np.where(np.einsum("fa,fa->f", facets, self.camera.eye - a) < 0, -1.0, 1.0)[:, None]
-        colours = np.broadcast_to(np.asarray(colour, np.float32), (len(faces), 3))
+        colours = np.broadcast_to(np.asarray(colour, np.float32) ** 2.2, (len(faces), 3))
         for pixel, face, share, depth in fragments(self.project(points), faces, self.width, self.height):
             np.maximum.at(self.depth, pixel, depth)
             won = depth == self.depth[pixel]
@@ -82,7 +85,7 @@ class Canvas:
         return light.clip(0, 1) ** (1 / 2.2)
 
     def lines(self, points, ends, *, width=1.0, colour=(0.1, 0.12, 0.16), opacity=0.75, hidden=0.12):
-        """Segments between points[ends] (E, 2), `width` pixels wide; `hidden`: the opacity of what lies behind something."""
+        """Draw segments points[ends], ends (E, 2), `width` pixels wide; `hidden`: opacity behind other things."""
         screen = self.project(points)
         a, b = screen[ends[:, 0]], screen[ends[:, 1]]
         along = _unit((b - a)[:, :2] + [1e-9, 0.0])
@@ -93,7 +96,7 @@ class Canvas:
             self.blend(pixel, colour, np.where(depth >= 0.999 * self.depth[pixel], opacity, hidden))
 
     def balls(self, points, *, radius, colours, hidden=0.12):
-        """Balls of `radius` pixels in front of everything they touch; colours (N, 3); hidden ones show through faintly."""
+        """Draw balls of `radius` pixels, colours (N, 3), in front of what they touch; hidden ones show faintly."""
         screen, reach = self.project(points), 2 * radius
         for (x, y, depth), colour in sorted(zip(screen, colours, strict=True), key=lambda ball: ball[0][2]):
             columns = np.arange(max(0, int(x - reach)), min(self.width, int(x + reach) + 2))
@@ -109,9 +112,9 @@ class Canvas:
             self.blend(pixel, np.asarray(colour) * light[:, None], np.where(seen, 1.0, hidden))
 
     def sight(self):
-        """Slopes of the rays through the fine pixels, rightwards (width,) and upwards (height,), for a length of 1 along the view."""
-        x = np.arange(self.width) + 0.5 - self.width / 2
-        y = self.height / 2 - np.arange(self.height) - 0.5
+        """Slopes of the rays through the fine pixels against the view: rightwards (width,), upwards (height,)."""
+        x = np.arange(self.width, dtype=np.float32) + 0.5 - self.width / 2
+        y = self.height / 2 - np.arange(self.height, dtype=np.float32) - 0.5
         return x / self.focal, y / self.focal
 
     def blend(self, pixel, colour, opacity):
@@ -121,7 +124,7 @@ class Canvas:
 
 
 def fragments(screen, faces, width, height):
-    """What triangles cover of a picture: yields pixel (P,), face (P,), barycentric shares (P, 3) and depth (P,) in blocks.
+    """What triangles cover: yields pixel (P,), face (P,), barycentric shares (P, 3) and depth (P,) in blocks.
 
     screen: (V, 3) as from `Canvas.project`. A pixel counts where its centre is inside or on the edge.
     """
@@ -143,7 +146,10 @@ def fragments(screen, faces, width, height):
 
 
 def _rows(corners, height):
-    """Edge functions (F, 3, 3) whose values at (x, y, 1) are the barycentric shares; and all (row, face) that a face may touch."""
+    """Edge functions (F, 3, 3), and all pairs row (R,), face (R,) that may touch.
+
+    The values of a face's edge functions at (x, y, 1) are the barycentric shares of its corners.
+    """
     x, y = corners[:, :, 0], corners[:, :, 1]
     nx, ny, px, py = np.roll(x, -1, 1), np.roll(y, -1, 1), np.roll(x, 1, 1), np.roll(y, 1, 1)
     edge = np.stack([ny - py, px - nx, nx * py - px * ny], axis=2)

@@ -12,17 +12,17 @@ SPREAD = 0.5
 def draw_plane(canvas, point, normal, tangent, *, centre, reach, spacing, tint, surface=None, opacity=0.62):
     """Lay over `canvas` the patch of `reach` [m] about the foot of `centre` (3,) on the plane through `point`.
 
-    normal, tangent: unit and orthogonal; the grid of `spacing` [m] is anchored at `point`. surface: vertices (V, 3) [m] and faces
-    of the object that darkens the patch. The back of the plane is nearly clear, so that it hides nothing.
+    normal, tangent: unit and orthogonal; the grid of `spacing` [m] is anchored at `point`. surface: vertices (V, 3)
+    [m] and faces of the object that darkens the patch. The plane's back is nearly clear, so that it hides nothing.
     """
     foot = centre - normal * (normal @ (centre - point))
     frame = np.stack([tangent, np.cross(normal, tangent), normal])
     front = normal @ (canvas.camera.eye - foot) > 0
     pixel, place, footprint = _patch(canvas, foot, frame, reach)
-    anchored = place + (frame[:2] @ (foot - point))[:, None]
+    anchored = place + np.float32(frame[:2] @ (foot - point) % (5 * spacing))[:, None]
     line = 0.26 * _grid(anchored, footprint, spacing) + 0.2 * _grid(anchored, footprint, 5 * spacing)
-    cover = (opacity if front else 0.14) + (1 - opacity) * line * (1.0 if front else 0.5)
-    colour = np.asarray(tint) * (1 - 0.55 * line)[:, None]
+    cover = (opacity if front else 0.10) + (1 - opacity) * line * (1.0 if front else 0.5)
+    colour = np.float32(tint) * (1 - 0.55 * line)[:, None]
     if surface is not None and front:
         dark = 0.8 * _sampled(_occlusion(*surface, foot, frame, reach), place / reach)
         colour, cover = colour * (1 - dark)[:, None], cover + (1 - cover) * dark
@@ -32,12 +32,12 @@ def draw_plane(canvas, point, normal, tangent, *, centre, reach, spacing, tint, 
 
 def _patch(canvas, foot, frame, reach):
     """Fine pixels (P,) in which the patch is nearest, and on its two axes their places (2, P) and sizes (2, P) [m]."""
-    right, above, back = canvas.camera.axes @ frame.T
+    right, above, back = np.float32(canvas.camera.axes @ frame.T)
     x, y = canvas.sight()
-    away = frame @ (canvas.camera.eye - foot)
-    with np.errstate(divide="ignore"):
+    away = np.float32(frame @ (canvas.camera.eye - foot))
+    with np.errstate(divide="ignore", invalid="ignore"):
         distance = (-away[2] / (x * right[2] + y[:, None] * above[2] - back[2])).ravel()
-    pixel = np.flatnonzero((distance > 0) & (distance * canvas.depth <= 1.0005))
+        pixel = np.flatnonzero((distance > 0) & (distance * canvas.depth <= 1.0005))
     x, y, distance = x[pixel % canvas.width], y[pixel // canvas.width], distance[pixel]
     place = [away[a] + distance * (x * right[a] + y * above[a] - back[a]) for a in (0, 1)]
     near = np.hypot(*place) < reach
@@ -52,7 +52,7 @@ def _grid(at, footprint, spacing):
     """How much of a pixel the lines at multiples of `spacing` cover; none where they crowd."""
     distance = np.abs(at - spacing * np.round(at / spacing))
     line = (1.0 - _smooth(distance / footprint - 0.7)) * (1 - _smooth((footprint / spacing - 0.15) / 0.3))
-    return line.max(axis=0)
+    return np.maximum(*line)
 
 
 def _occlusion(vertices, faces, foot, frame, reach):
@@ -70,7 +70,7 @@ def _occlusion(vertices, faces, foot, frame, reach):
         hidden += np.where(h < 1, 2 * r * SPREAD / TAPS * h**2 / (h**2 + r**2) ** 2, 0.0)
     for axis in (0, 1, 0, 1):
         hidden = (np.roll(hidden, 1, axis) + hidden + np.roll(hidden, -1, axis)) / 3
-    return hidden.clip(0, 1)
+    return np.float32(hidden.clip(0, 1))
 
 
 def _heights(vertices, faces, foot, frame, reach):

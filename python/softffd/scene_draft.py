@@ -6,7 +6,6 @@ the key must be given). The rest is a complete scene, on which the cross checks 
 first whether the values that it reads are the user's own.
 """
 
-import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -38,7 +37,7 @@ class Draft:
 
 def read_draft(document: dict, model: type[BaseModel]) -> Draft:
     """The draft of `model` from a parsed TOML file."""
-    document = copy.deepcopy(document)
+    document = _unshared(document)
     draft = Draft(None)
     while draft.scene is None:
         try:
@@ -49,6 +48,13 @@ def read_draft(document: dict, model: type[BaseModel]) -> Draft:
                 _take_out(document, fault, model)
             draft.faults += [fault for fault in new if draft.sound(*fault.path)]
     return draft
+
+
+def _unshared(value: Any) -> Any:
+    """A copy in which no two places hold the same table, so that one can be mended without the other."""
+    if isinstance(value, dict):
+        return {key: _unshared(entry) for key, entry in value.items()}
+    return [_unshared(entry) for entry in value] if isinstance(value, list | tuple) else value
 
 
 def _overlap(one: KeyPath, other: KeyPath) -> bool:

@@ -4,17 +4,30 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from PIL import Image
 
 from softffd.deform import Embedding
 from softffd.errors import SoftffdError
 from softffd.surface import cage_surface
 
+PAINT = (0.15, 0.45, 0.68)
+FREE, PINNED = (0.90, 0.42, 0.05), (0.10, 0.10, 0.12)
+OBSTACLES = ((0.63, 0.67, 0.73), (0.34, 0.71, 0.91), (0.80, 0.47, 0.65), (0.0, 0.62, 0.45), (0.90, 0.62, 0.0))
+"""Colours that remain apart for the colour-blind: the object, its control points, the planes in turn."""
+
+VIEW = (-1.0, 0.27)
+"""From where one looks first, rad: about the up direction, and above the horizon."""
+
 
 @dataclass(frozen=True, eq=False)
 class PlaneTrack:
-    """An obstacle plane over time: `points` (T, 3) [m], unit `normals` (T, 3) and, in the plane, unit `tangents` (T, 3)."""
+    """An obstacle plane over time.
+
+    `points` (T, 3) [m], unit `normals` (T, 3) and, in the plane, unit `tangents` (T, 3); `tint` its colour.
+    """
 
     name: str
+    tint: tuple[float, float, float]
     points: np.ndarray
     normals: np.ndarray
     tangents: np.ndarray
@@ -24,10 +37,11 @@ class PlaneTrack:
 class Stage:
     """A run as pictures see it.
 
-    `time` (T,) [s]; `positions` (T, nx, ny, nz, 3) [m], all finite; `origin`, `size` (3,) [m] of the box in which the surface
-    is embedded; `vertices` (V, 3) [m] and `faces` (F, 3) of the surface at rest; `is_cage`: the surface is the boundary of the
-    volume itself; `pinned` flat indices of attached control points; `up` (3,) unit; `centre` and `half` (3,) [m]:
-    middle and half the sides of the box of all that the lattice ever covers.
+    `time` (T,) [s]; `positions` (T, nx, ny, nz, 3) [m], all finite. `origin`, `size` (3,) [m]: the box in which the
+    surface is embedded. `vertices` (V, 3) [m] and `faces` (F, 3): the surface at rest; `uv` (V, 2) and `texture`: its
+    image, or both None. `is_cage`: the surface is the boundary of the volume itself. `pinned`: flat indices of
+    attached control points. `up` (3,): unit. `centre`, `half` (3,) [m]: middle and half the sides of the box of all
+    that the lattice ever covers.
     """
 
     title: str
@@ -37,6 +51,8 @@ class Stage:
     size: np.ndarray
     vertices: np.ndarray
     faces: np.ndarray
+    uv: np.ndarray | None
+    texture: Image.Image | None
     is_cage: bool
     planes: tuple[PlaneTrack, ...]
     pinned: np.ndarray
@@ -77,23 +93,49 @@ class Stage:
 
 
 def stage_of(result, *, mesh=None, origin=None, size=None):
-    """The stage of a `Result`; `mesh`, `origin`, `size` as in `softffd.deform.deform`, without a mesh the volume's boundary.
+    """The stage of a `Result` with `mesh` as its object, or without one the boundary of the volume.
 
-    The box is, in this order: the one given, the scene's, the mesh's bounds, the bounds of the first frame.
-    Raises SoftffdError when positions of control points were not recorded.
+    origin, size: the box (3,) [m]; by default the scene's, else the mesh's bounds, else those of the first frame.
+    Raises SoftffdError when positions of control points were not recorded, or the volume is not a Bezier volume.
     """
     positions = _recorded(result)
+    _require_bezier(result.scene)
     origin, size = _box(result, mesh, origin, size)
     vertices, faces = (mesh.vertices, mesh.faces) if mesh is not None else cage_surface(origin, size)
+    textured = mesh is not None and mesh.uv is not None and mesh.texture is not None
     low, high = positions.min(axis=(0, 1, 2, 3)), positions.max(axis=(0, 1, 2, 3))
     return Stage(
-        title=result.scene.title if result.scene is not None else result.summary.get("title", ""),
-        time=np.asarray(result.time, dtype=float), positions=positions, origin=origin, size=size,
-        vertices=np.asarray(vertices, dtype=float), faces=np.asarray(faces, dtype=np.int64), is_cage=mesh is None,
-        planes=tuple(_track(name, *result.plane(name)) for name in result.plane_names()),
-        pinned=_pinned(result.scene), up=_up(result.scene),
-        centre=(low + high) / 2, half=(high - low) / 2,
-    )  # fmt: skip
+        title=result.scene.title if result.scene is not None else str(result.summary.get("title", "")),
+        time=np.asarray(result.time, dtype=float),
+        positions=positions,
+        origin=origin,
+        size=size,
+        vertices=np.asarray(vertices, dtype=float),
+        faces=np.asarray(faces, dtype=np.int64),
+        uv=mesh.uv if textured else None,
+        texture=mesh.texture if textured else None,
+        is_cage=mesh is None,
+        planes=tuple(_track(i, name, *result.plane(name)) for i, name in enumerate(result.plane_names())),
+        pinned=_pinned(result.scene),
+        up=up_direction(result.scene),
+        centre=(low + high) / 2,
+        half=(high - low) / 2,
+    )
+
+
+def up_direction(scene):
+    """Unit vector (3,) against gravity; +z without a scene or without gravity."""
+    gravity = None if scene is None else scene.environment.gravity
+    pull = 0.0 if gravity is None else np.linalg.norm(gravity)
+    return np.array([0.0, 0.0, 1.0]) if pull == 0 else -np.asarray(gravity, float) / pull
+
+
+def _require_bezier(scene):
+    if scene is not None and scene.lattice.basis != "bezier":
+        raise SoftffdError(
+            f'The run cannot be shown: pictures and pages evaluate a Bezier volume. Wanted lattice.basis = "bezier", '
+            f'got "{scene.lattice.basis}".'
+        )
 
 
 def _recorded(result):
@@ -119,13 +161,14 @@ def _box(result, mesh, origin, size):
     return np.array(low if origin is None else origin, float), np.array(extent if size is None else size, float)
 
 
-def _track(name, points, normals):
+def _track(number, name, points, normals):
     """The tangents follow one world axis through the run, the one that the normal comes least close to."""
     normals = _unit(normals)
     axis, spare = np.eye(3)[np.abs(normals).max(axis=0).argsort()[:2]]
     axes = np.where(np.abs(normals @ axis)[:, None] < 0.999, axis, spare)
     tangents = axes - normals * np.einsum("ta,ta->t", normals, axes)[:, None]
-    return PlaneTrack(name, np.asarray(points, dtype=float), normals, _unit(tangents))
+    tint = OBSTACLES[number % len(OBSTACLES)]
+    return PlaneTrack(name, tint, np.asarray(points, dtype=float), normals, _unit(tangents))
 
 
 def _unit(vectors):
@@ -136,12 +179,6 @@ def _pinned(scene):
     if scene is None or not scene.pin:
         return np.zeros(0, dtype=np.int64)
     return np.unique(np.concatenate([scene.select(pin.points) for pin in scene.pin]))
-
-
-def _up(scene):
-    gravity = None if scene is None else scene.environment.gravity
-    pull = 0.0 if gravity is None else np.linalg.norm(gravity)
-    return np.array([0.0, 0.0, 1.0]) if pull == 0 else -np.asarray(gravity, float) / pull
 
 
 def round_length(length):

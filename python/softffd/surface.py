@@ -1,4 +1,4 @@
-"""The surface that pictures show: the boundary of the Bezier volume where there is no mesh, and normals that shade it well."""
+"""The surface that pictures show: without a mesh the boundary of the volume; and normals that shade it well."""
 
 import numpy as np
 
@@ -33,7 +33,7 @@ def cage_surface(origin, size, *, divisions=24):
 class ShadingNormals:
     """Normals per face corner: smooth across gentle edges, sharp across creases of more than 40 degrees.
 
-    Which faces a corner averages over is decided once, at rest, so that shading does not flicker while the object bends.
+    Which faces a corner averages over is decided once, at rest: shading does not flicker while the object bends.
     Vertices at equal positions count as one, and a neighbour wound the other way round counts with its sign turned.
     """
 
@@ -53,12 +53,15 @@ class ShadingNormals:
 
 
 def split_at_creases(vertices, faces):
-    """An indexed surface whose vertices each have one normal: vertices (W, 3), normals (W, 3), faces (F, 3), W >= V."""
+    """An indexed surface whose vertices each have one normal.
+
+    Returns for its W >= V vertices the vertex that each copies (W,) and the unit normal (W, 3); and its faces (F, 3).
+    """
     normals = ShadingNormals(vertices, faces).corners(vertices).reshape(-1, 3)
     grid = np.round(normals * 500.0).astype(np.int64) + 512
     key = (((faces.ravel() << 10 | grid[:, 0]) << 10) | grid[:, 1]) << 10 | grid[:, 2]
     _, first, index = np.unique(key, return_index=True, return_inverse=True)
-    return vertices[faces.ravel()[first]], normals[first], index.reshape(-1, 3)
+    return faces.ravel()[first], normals[first], index.reshape(-1, 3)
 
 
 def face_normals(vertices, faces):
@@ -94,7 +97,8 @@ def _neighbouring_corners(faces):
 
 
 def _gentle(corner, other, direction):
-    """Of the pairs those without a crease between their faces: corner, face of the other corner, sign of its winding."""
+    """Of the pairs those without a crease between: corner, face of the other corner, sign of its winding."""
     cosine = np.einsum("pa,pa->p", direction[corner // 3], direction[other // 3])
     kept = (np.abs(cosine) > CREASE) | (corner == other)
-    return corner[kept].astype(np.int32), (other[kept] // 3).astype(np.int32), np.where(cosine[kept] < 0, -1, 1).astype(np.int8)
+    sign = np.where(cosine[kept] < 0, -1, 1).astype(np.int8)
+    return corner[kept].astype(np.int32), (other[kept] // 3).astype(np.int32), sign

@@ -37,9 +37,11 @@ vec3 evaluate(vec3 u, out mat3 derivative) {
 //// object-vertex
 layout(location = 0) in vec3 coordinates;             // (u,v,w) of the vertex at rest
 layout(location = 1) in vec3 normal;                  // of the surface at rest
+layout(location = 2) in vec2 uv;
 uniform mat4 camera;
 uniform vec3 origin, size;
 out vec3 world, shading, cell;
+out vec2 skin_place;
 out float displacement, strain;
 void main() {
   mat3 derivative;
@@ -49,6 +51,7 @@ void main() {
   mat3 green = 0.5 * (transpose(F) * F - mat3(1));
   strain = sqrt(dot(green[0], green[0]) + dot(green[1], green[1]) + dot(green[2], green[2]));
   displacement = distance(world, origin + size * coordinates);
+  skin_place = uv;
   cell = coordinates * vec3(NX - 1, NY - 1, NZ - 1);
   gl_Position = camera * vec4(world, 1);
 }
@@ -56,10 +59,11 @@ void main() {
 //// object-fragment
 precision highp float;
 in vec3 world, shading, cell;
+in vec2 skin_place;
 in float displacement, strain;
-uniform vec3 eye, up, key, paint;
+uniform vec3 eye, up, key;
 uniform float colouring, largest, cage;               // colouring 0: paint, 1: displacement, 2: strain
-uniform sampler2D ramp;
+uniform sampler2D ramp, skin;
 out vec4 colour;
 float cell_lines() {
   vec3 width = max(fwidth(cell), 1e-6), near = abs(fract(cell - 0.5) - 0.5) / width;
@@ -74,7 +78,8 @@ void main() {
   n = dot(n, facet) < 0.0 ? -n : n;                   // a surface seen from its back is lit like its front
   float value = colouring < 1.5 ? displacement : strain;
   bool painted = colouring < 0.5;
-  vec3 base = painted ? paint : pow(texture(ramp, vec2(clamp(value / largest, 0.0, 1.0), 0.5)).rgb, vec3(2.2));
+  vec3 ramped = texture(ramp, vec2(clamp(value / largest, 0.0, 1.0), 0.5)).rgb;
+  vec3 base = pow(painted ? texture(skin, skin_place).rgb : ramped, vec3(2.2));
   if (cage > 0.5) base *= 1.0 - 0.45 * cell_lines();
   float diffuse = max((dot(n, key) + 0.15) / 1.15, 0.0), sky = 0.5 + 0.5 * dot(n, up);
   float gloss = pow(max(dot(n, normalize(key + view)), 0.0), 70.0), rim = pow(1.0 - max(dot(n, view), 0.0), 4.0);
@@ -160,7 +165,7 @@ void main() {
   float hidden = front ? 0.8 * shade(0.5 * patch_place + 0.5, 1.0 / vec2(textureSize(shadow, 0))) : 0.0;
   float lines = 0.28 * grid(spacing) + 0.22 * grid(5.0 * spacing);
   vec3 base = mix(tint, tint * 0.45, lines);
-  float cover = (front ? solid : 0.16) + (1.0 - solid) * lines * (front ? 1.0 : 0.5);
+  float cover = (front ? solid : 0.12) + (1.0 - solid) * lines * (front ? 1.0 : 0.5);
   colour = vec4(base * (1.0 - hidden), fade * (cover + (1.0 - cover) * hidden));
 }
 

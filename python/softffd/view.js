@@ -80,7 +80,7 @@ const SOURCES = Object.fromEntries(element("shaders").textContent.split(/^\/{4} 
   const end = text.indexOf("\n");
   return [text.slice(0, end), text.slice(end)];
 }));
-let object, lines, balls, points, ramp, heights, planes;
+let object, lines, balls, points, ramp, skin, heights, planes;
 
 function shader(type, source) {
   const made = gl.createShader(type);
@@ -156,15 +156,37 @@ function build() {
   for (const p of run.pinned) pinned[p] = 1;
   object = { program: program("object-vertex", "object-fragment"), shadow: program("height-vertex", "height-fragment"), count: triangles.length,
     array: vertices([{ data: decode(run.coordinates, Float32Array), width: 3, type: gl.FLOAT },
-      { data: decode(run.normals, Int16Array), width: 3, type: gl.SHORT, stride: 8, normalised: true }], triangles) };
+      { data: decode(run.normals, Int16Array), width: 3, type: gl.SHORT, stride: 8, normalised: true },
+      { data: decode(run.uv, Float32Array), width: 2, type: gl.FLOAT }], triangles) };
   lines = { program: program("line-vertex", "line-fragment"), count: edges.length / 2,
     array: vertices([{ data: edges, width: 2, type: gl.INT, integer: true, each: 1 }]) };
   balls = { program: program("ball-vertex", "ball-fragment"), array: vertices([{ data: pinned, width: 1, type: gl.FLOAT }]) };
   points = texture(gl.RGBA32F, NX * NY, NZ, gl.RGBA, gl.FLOAT, null, gl.NEAREST);
   ramp = texture(gl.RGB8, run.ramp.length / 3, 1, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array(run.ramp), gl.LINEAR);
+  skin = texture(gl.RGB8, 1, 1, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array(run.paint.map(c => 255 * c)), gl.LINEAR);
+  if (run.texture) load_skin();
   heights = drawing_surface();
   planes = { program: program("plane-vertex", "plane-fragment"), occlusion: program("cover-vertex", "occlusion-fragment"),
     array: gl.createVertexArray(), surfaces: run.planes.map(drawing_surface) };
+}
+
+// A palette's few texels must not mix, so only pictures get smaller copies of themselves for the distance.
+function load_skin() {
+  const image = new Image();
+  image.onload = () => {
+    gl.bindTexture(gl.TEXTURE_2D, skin);
+    gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, true);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB8, gl.RGB, gl.UNSIGNED_BYTE, image);
+    gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.REPEAT);
+    if (Math.min(image.width, image.height) > 64) {
+      gl.generateMipmap(gl.TEXTURE_2D);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
+    }
+    show();
+  };
+  image.src = run.texture;
 }
 
 // ---- drawing -----------------------------------------------------------------------------------------------------
@@ -245,7 +267,8 @@ function draw_object(common) {
   const colouring = ["paint", "displacement", "strain"].indexOf(state.colour);
   bind(0, points);
   bind(1, ramp);
-  use(object.program, { ...common, origin: run.origin, size: run.size, paint: [0.02, 0.17, 0.42], ramp: 1, cage: run.cage,
+  bind(2, skin);
+  use(object.program, { ...common, origin: run.origin, size: run.size, ramp: 1, skin: 2, cage: run.cage,
     colouring, largest: run.largest[state.colour] || 1 });
   gl.bindVertexArray(object.array);
   gl.drawElements(gl.TRIANGLES, object.count, gl.UNSIGNED_INT, 0);
@@ -273,7 +296,7 @@ function draw_lattice(common) {
     gl.bindVertexArray(lines.array);
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, lines.count);
     use(balls.program, { ...common, diameter, least: 4 * ratio, most: 18 * ratio, opacity: ball,
-      free_colour: [0.90, 0.42, 0.05], pinned_colour: [0.10, 0.10, 0.12] });
+      free_colour: run.free, pinned_colour: run.fixed });
     gl.bindVertexArray(balls.array);
     gl.drawArrays(gl.POINTS, 0, POINTS);
   }

@@ -1,7 +1,8 @@
 """The interactive page of a run: one HTML file that needs nothing else.
 
-The page carries the surface at rest and the control points of every frame; its vertex shader evaluates the volume, so a frame
-costs the control points whatever the size of the mesh. `view.html` is the page, `view.js` its script, `view.glsl` its shaders.
+The page carries the surface at rest and the control points of every frame; its vertex shader evaluates the volume,
+so a frame costs the control points whatever the size of the mesh. `view.html` is the page, `view.js` its script,
+`view.glsl` its shaders.
 """
 
 import base64
@@ -9,6 +10,7 @@ import html
 import json
 import re
 from importlib import resources
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -16,36 +18,46 @@ from matplotlib import colormaps
 
 from softffd.deform import deform
 from softffd.history import energies, reactions
-from softffd.stage import round_length, stage_of
+from softffd.stage import FREE, PAINT, PINNED, VIEW, round_length, stage_of
 from softffd.surface import split_at_creases
 
 MOST_FRAMES = 600
 MOST_POINT_BYTES = 24e6
+"""Of the control points of all frames, before they become text: 600 frames of up to 3300 points."""
+
+MOST_TEXELS = 1024
 SAMPLES = 1000
-FIRST_VIEW = (-1.0, 0.27)
-TINTS = ((0.63, 0.67, 0.73), (0.34, 0.71, 0.91), (0.80, 0.47, 0.65), (0.0, 0.62, 0.45), (0.90, 0.62, 0.0), (0.94, 0.89, 0.26))
-MARKS = {"kinetic": "#0072b2", "elastic": "#d55e00", "gravity": "#009e73", "dissipated": "#8c6d00", "work": "#b0548a"}
+ENERGY_MARKS = {
+    "kinetic": "#0072b2",
+    "elastic": "#d55e00",
+    "gravity": "#009e73",
+    "dissipated": "#8c6d00",
+    "work": "#b0548a",
+}
 
 
 def write_view(result, path, *, mesh=None, origin=None, size=None):
     """Write the page that plays `result` to `path`; returns the path.
 
-    mesh: the object at rest, or None for the boundary of the Bezier volume. origin, size: its box (3,) [m] if not the scene's.
+    mesh: the object at rest, or None for the boundary of the volume. origin, size: its box (3,) [m] if not the scene's.
     A run of more than 600 frames is thinned evenly, keeping the first and the last, and the page says so.
     Raises SoftffdError when positions of control points were not recorded.
     """
     stage = stage_of(result, mesh=mesh, origin=origin, size=size)
     frames = _frames(stage.positions)
-    coordinates, normals, triangles = _surface(stage)
     run = {
-        "title": stage.title, "subtitle": _subtitle(stage, mesh), "note": _note(len(frames), len(stage.time)),
-        "counts": stage.counts, "origin": _list(stage.origin - stage.centre), "size": _list(stage.size), "cage": int(stage.is_cage),
-        "time": _text(stage.time[frames], "<f8"), "positions": _text(_flat(stage.positions[frames]) - stage.centre, "<f4"),
-        "coordinates": coordinates, "normals": normals, "triangles": triangles, "pinned": _list(stage.pinned),
-        "planes": _planes(stage, frames), "rows": _rows(result, stage, frames),
-        "radius": stage.radius, "half": _list(stage.half), "up": _list(stage.up), "view": FIRST_VIEW, "spacing": round_length(stage.radius / 2.5),
-        "largest": _largest(stage, frames), "ramp": (colormaps["YlGnBu"](np.linspace(0.1, 1, 64))[:, :3] * 255).astype(int).ravel().tolist(),
-    }  # fmt: skip
+        **_words(stage, frames, mesh),
+        **_surface(stage),
+        **_colours(stage),
+        **_sights(stage),
+        "counts": stage.counts,
+        "time": _text(stage.time[frames], "<f8"),
+        "positions": _text(_flat(stage.positions[frames]) - stage.centre, "<f4"),
+        "pinned": stage.pinned.tolist(),
+        "planes": _planes(stage, frames),
+        "rows": _rows(result, stage, frames),
+        "largest": _largest(stage, frames),
+    }
     Path(path).write_text(_page(run), encoding="utf-8")
     return Path(path)
 
@@ -58,62 +70,96 @@ def _page(run):
         "script": parts.joinpath("view.js").read_text(encoding="utf-8"),
         "run": json.dumps(run, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
     }
-    return re.sub(r"{{(\w+)}}", lambda place: texts[place[1]], parts.joinpath("view.html").read_text(encoding="utf-8"))
+    page = parts.joinpath("view.html").read_text(encoding="utf-8")
+    return re.sub(r"{{(\w+)}}", lambda place: texts[place[1]], page)
 
 
 def _frames(positions):
     """Which frames the page holds: all, or evenly chosen ones with the first and the last."""
-    points = int(np.prod(positions.shape[1:4]))
+    count, points = len(positions), int(np.prod(positions.shape[1:4]))
     most = max(2, min(MOST_FRAMES, int(MOST_POINT_BYTES / (12 * points))))
-    count = len(positions)
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
 
 
-def _note(shown, recorded):
-    return "" if shown == recorded else f"{shown:,} of {recorded:,} recorded frames are shown"
-
-
-def _subtitle(stage, mesh):
-    lattice = " × ".join(str(n) for n in stage.counts) + " control points"
-    return lattice if mesh is None else f"{lattice} · {mesh.name}: {len(stage.vertices):,} vertices, {len(stage.faces):,} triangles"
+def _words(stage, frames, mesh):
+    subtitle = " × ".join(str(n) for n in stage.counts) + " control points"
+    if mesh is not None:
+        subtitle += f" · {mesh.name}: {len(stage.vertices):,} vertices, {len(stage.faces):,} triangles"
+    thinned = len(frames) < len(stage.time)
+    note = f"{len(frames):,} of {len(stage.time):,} recorded frames are shown" if thinned else ""
+    return {"title": stage.title, "subtitle": subtitle, "note": note}
 
 
 def _surface(stage):
-    """Box coordinates (V, 3) float32, normals (V, 4) int16 of which three count, triangles (F, 3) uint32, as text."""
-    vertices, normals, faces = split_at_creases(stage.vertices, stage.faces)
-    padded = np.pad(normals * 32767.0, ((0, 0), (0, 1))).round()
-    return _text((vertices - stage.origin) / stage.size, "<f4"), _text(padded, "<i2"), _text(faces, "<u4")
+    """Box coordinates (W, 3), normals (W, 4) of which three count, texture coordinates (W, 2), triangles (F, 3)."""
+    source, normals, faces = split_at_creases(stage.vertices, stage.faces)
+    uv = np.zeros((len(source), 2)) if stage.uv is None else stage.uv[source]
+    return {
+        "cage": int(stage.is_cage),
+        "coordinates": _text((stage.vertices[source] - stage.origin) / stage.size, "<f4"),
+        "normals": _text(np.pad(normals * 32767.0, ((0, 0), (0, 1))).round(), "<i2"),
+        "uv": _text(uv, "<f4"),
+        "triangles": _text(faces, "<u4"),
+    }
+
+
+def _colours(stage):
+    ramp = colormaps["YlGnBu"](np.linspace(0.1, 1.0, 64))[:, :3]
+    return {
+        "paint": PAINT,
+        "free": FREE,
+        "fixed": PINNED,
+        "texture": None if stage.texture is None else _image(stage.texture),
+        "ramp": (255 * ramp).astype(int).ravel().tolist(),
+    }
+
+
+def _image(texture):
+    """A texture as a PNG inside the page, at most 1024 pixels wide and high."""
+    small = texture.convert("RGB")
+    small.thumbnail((MOST_TEXELS, MOST_TEXELS))
+    stream = BytesIO()
+    small.save(stream, "PNG", optimize=True)
+    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode("ascii")
+
+
+def _sights(stage):
+    """Where things are, relative to the stage's centre, so that single precision is enough anywhere in the world."""
+    return {
+        "origin": (stage.origin - stage.centre).tolist(),
+        "size": stage.size.tolist(),
+        "half": stage.half.tolist(),
+        "radius": stage.radius,
+        "up": stage.up.tolist(),
+        "view": VIEW,
+        "spacing": round_length(stage.radius / 2.5),
+    }
 
 
 def _planes(stage, frames):
     """Poses (T, 9): a point relative to the stage's centre [m], the unit normal, a unit tangent."""
+    poses = [np.hstack([p.points - stage.centre, p.normals, p.tangents])[frames] for p in stage.planes]
     return [
-        {
-            "name": plane.name,
-            "tint": tint,
-            "poses": _text(np.hstack([plane.points - stage.centre, plane.normals, plane.tangents])[frames], "<f4"),
-        }
-        for plane, tint in zip(stage.planes, _tints(stage), strict=True)
+        {"name": plane.name, "tint": plane.tint, "poses": _text(pose, "<f4")}
+        for plane, pose in zip(stage.planes, poses, strict=True)
     ]
 
 
 def _rows(result, stage, frames):
-    """The curves of the readout: magnitudes of the reactions [N] with their vectors, and energies [J]."""
-    tints = {f"plane.{plane.name}": tint for plane, tint in zip(stage.planes, _tints(stage), strict=True)}
-    rows = [
-        _row(f"{name.split('.')[1]} reaction", "N", _hex(tints.get(name, (0.1, 0.1, 0.12))), np.linalg.norm(force, axis=1), frames, force)
-        for name, force in reactions(result).items()
-    ]
-    return rows + [_row(f"{kind} energy", "J", MARKS[kind], energy, frames) for kind, energy in energies(result).items()]
+    """The curves of the readout: sizes of the reactions [N] with their vectors, and energies [J]."""
+    marks = {f"plane.{plane.name}": _hex(plane.tint) for plane in stage.planes}
+    rows = []
+    for name, force in reactions(result).items():
+        label, mark = f"{name.split('.')[1]} reaction", marks.get(name, _hex(PINNED))
+        rows.append(_row(label, "N", mark, np.linalg.norm(force, axis=1)[frames], force[frames]))
+    for kind, energy in energies(result).items():
+        rows.append(_row(f"{kind} energy", "J", ENERGY_MARKS[kind], energy[frames]))
+    return rows
 
 
-def _row(label, unit, mark, values, frames, vectors=None):
-    vectors = None if vectors is None else _text(vectors[frames], "<f4")
-    return {"label": label, "unit": unit, "mark": mark, "values": _text(values[frames], "<f4"), "vectors": vectors}
-
-
-def _tints(stage):
-    return [TINTS[i] if i < len(TINTS) else TINTS[0] for i in range(len(stage.planes))]
+def _row(label, unit, mark, values, vectors=None):
+    vectors = None if vectors is None else _text(vectors, "<f4")
+    return {"label": label, "unit": unit, "mark": mark, "values": _text(values, "<f4"), "vectors": vectors}
 
 
 def _hex(tint):
@@ -121,29 +167,23 @@ def _hex(tint):
 
 
 def _largest(stage, frames):
-    """Ends of the colour scales: displacement [m] and strain (size of the Green strain tensor) that 1 % of a frame's samples exceed."""
+    """Ends of the colour scales, which 1 % of the worst frame's samples exceed: displacement [m], Green strain."""
     chosen = np.linspace(0, len(stage.vertices) - 1, min(len(stage.vertices), SAMPLES)).astype(int)
     samples = stage.vertices[chosen]
     few = stage.positions[frames[:: max(1, len(frames) // 100)]]
-    middle = stage.origin + stage.size / 2
-    moved = deform(samples, few, origin=stage.origin, size=stage.size)
-    nudge = 1e-4 * stage.size * np.where(samples > middle, -1.0, 1.0)
-    columns = [
-        (deform(samples + nudge * axis, few, origin=stage.origin, size=stage.size) - moved) / nudge[:, axis == 1] for axis in np.eye(3)
-    ]
-    gradient = np.stack(columns, axis=-1)
-    strain = np.linalg.norm(np.einsum("tvab,tvac->tvbc", gradient, gradient) - np.eye(3), axis=(2, 3)) / 2
-    displacement = np.linalg.norm(moved - samples, axis=2)
-    return {name: float(np.quantile(v, 0.99, axis=1).max()) for name, v in (("displacement", displacement), ("strain", strain))}
+    box = {"origin": stage.origin, "size": stage.size}
+    moved = deform(samples, few, **box)
+    nudge = 1e-4 * stage.size * np.where(samples > stage.origin + stage.size / 2, -1.0, 1.0)
+    nudged = [deform(samples + nudge * axis, few, **box) for axis in np.eye(3)]
+    gradient = np.stack([(n - moved) / nudge[:, [a]] for a, n in enumerate(nudged)], axis=-1)
+    green = (np.einsum("tvab,tvac->tvbc", gradient, gradient) - np.eye(3)) / 2
+    sizes = {"displacement": np.linalg.norm(moved - samples, axis=2), "strain": np.linalg.norm(green, axis=(2, 3))}
+    return {name: float(np.quantile(size, 0.99, axis=1).max()) for name, size in sizes.items()}
 
 
 def _flat(positions):
     """(T, nx, ny, nz, 3) to (T, n, 3) with the x index fastest."""
     return positions.transpose(0, 3, 2, 1, 4).reshape(len(positions), -1, 3)
-
-
-def _list(values):
-    return np.asarray(values).tolist()
 
 
 def _text(values, kind):

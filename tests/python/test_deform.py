@@ -1,9 +1,10 @@
 """Facts about the free-form deformation, Xia & Wang 2009, eq. (1)."""
 
+from importlib import import_module
+
 import numpy as np
 import pytest
 
-from softffd import deform as deform_module
 from softffd.bernstein import weights
 from softffd.deform import Embedding, deform
 from softffd.errors import MeshError
@@ -98,8 +99,9 @@ def test_many_instants_are_deformed_at_once():
 def test_working_in_small_blocks_changes_nothing(monkeypatch):
     points, positions = cloud(), moved_grid((4, 4, 4))
     whole = deform(points, positions, origin=ORIGIN, size=SIZE)
-    monkeypatch.setattr(deform_module, "_KEPT", 0)
-    monkeypatch.setattr(deform_module, "_BLOCK", 500)
+    module = import_module("softffd.deform")  # the package's attribute of this name is the function
+    monkeypatch.setattr(module, "_KEPT", 0)
+    monkeypatch.setattr(module, "_BLOCK", 500)
     np.testing.assert_allclose(deform(points, positions, origin=ORIGIN, size=SIZE), whole, atol=1e-14)
 
 

@@ -1,5 +1,6 @@
 """Facts about the masses of the control points."""
 
+from importlib import import_module
 from math import factorial
 from pathlib import Path
 
@@ -7,11 +8,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from softffd import mass as mass_module
+from softffd.bernstein import weights
 from softffd.errors import SoftffdError
 from softffd.mass import DISTRIBUTIONS, enclosed_volume, point_masses, triangle_rule
 from softffd.mesh import Mesh, load_mesh
 
+mass_module = import_module("softffd.mass")
 SHARED = Path(__file__).resolve().parents[2].parent / "shared" / "data"
 COUNTS = [(2, 2, 2), (4, 4, 4), (3, 6, 2), (9, 4, 12)]
 
@@ -148,7 +150,7 @@ def test_the_volume_distribution_is_that_of_random_points_in_the_solid():
     mesh = wedge()
     points = np.random.default_rng(5).dirichlet(np.ones(4), 200_000) @ mesh.vertices
     low, high = mesh.bounds
-    u, v, w = (mass_module.weights(t, 4) for t in ((points - low) / (high - low)).T)
+    u, v, w = (weights(t, 4) for t in ((points - low) / (high - low)).T)
     samples = (w[:, :, None, None] * v[:, None, :, None] * u[:, None, None, :]).reshape(len(points), -1)
     error = samples.std(axis=0) / np.sqrt(len(points))
     assert (np.abs(masses("volume", mesh).mass - samples.mean(axis=0)) < 5 * error).all()
@@ -159,7 +161,7 @@ def test_the_surface_distribution_is_that_of_random_points_on_it():
     body = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     points, _ = trimesh.sample.sample_surface(body, 200_000, seed=6)
     low, high = mesh.bounds
-    u, v, w = (mass_module.weights(t, 4) for t in ((points - low) / (high - low)).T)
+    u, v, w = (weights(t, 4) for t in ((points - low) / (high - low)).T)
     samples = (w[:, :, None, None] * v[:, None, :, None] * u[:, None, None, :]).reshape(len(points), -1)
     error = samples.std(axis=0) / np.sqrt(len(points))
     assert (np.abs(masses("surface", mesh).mass - samples.mean(axis=0)) < 5 * error).all()
@@ -279,7 +281,9 @@ def test_values_out_of_range_are_refused(keys, fault):
         masses(keys.pop("distribution"), wedge(), **keys)
 
 
-@pytest.mark.parametrize("keys", [{"distribution": "surface", "total": 1.0}, {"distribution": "uniform", "density": 1.0}])
+@pytest.mark.parametrize(
+    "keys", [{"distribution": "surface", "total": 1.0}, {"distribution": "uniform", "density": 1.0}]
+)
 def test_what_needs_a_mesh_says_so(keys):
     with pytest.raises(SoftffdError, match=r"needs a mesh and the scene has none; add \[mesh\]"):
         point_masses(**keys, counts=(4, 4, 4), origin=[0, 0, 0], size=[1, 1, 1], mesh=None)

@@ -1,0 +1,105 @@
+#include "check.hpp"
+#include "soft_body.hpp"
+
+using namespace softffd;
+
+namespace {
+
+SoftBody box(int planes, Vec3 offset, Vec3 velocity, double k = 0) {
+  Definition definition;
+  definition.lattice.counts = {2, 2, 2};
+  definition.mass.assign(8, 0.125);
+  definition.planes = planes;
+  definition.offset = offset;
+  definition.velocity = velocity;
+  SoftBody body(definition);
+  body.settings.stiffness = {k, k, k};
+  return body;
+}
+
+double lowest_gap(const SoftBody& body, const HalfSpace& plane) {
+  double gap = 1e300;
+  for (int p = 0; p < 8; ++p) gap = std::min(gap, plane.gap(row(body.state().x, p)));
+  return gap;
+}
+
+}  // namespace
+
+TEST(a_point_stops_on_the_plane_and_stays) {
+  SoftBody body = box(1, {0, 0, 0.1}, {0, 0, -1});
+  body.settings.gravity = {0, 0, -9.81};
+  CHECK(body.initialize(0) == StepStatus::ok);
+  for (int i = 0; i < 50; ++i) {
+    CHECK(body.advance(0.01) == StepStatus::ok);
+    CHECK(body.state().x(0, 2) >= 0);
+  }
+  CHECK(body.state().x(0, 2) == 0 && body.state().v(0, 2) == 0);
+  CHECK_NEAR(body.plane_reaction(0).z(), -9.81, 1e-12);
+}
+
+TEST(momentum_of_an_impact_goes_to_the_plane_exactly) {
+  SoftBody body = box(1, {0, 0, 0.005}, {0, 0, -1});
+  body.initialize(0);
+  CHECK(body.advance(0.01) == StepStatus::ok);
+  CHECK_NEAR(body.plane_reaction(0).z() * 0.01, -0.5, 1e-15);  // the four lower points of 1 kg in all
+}
+
+TEST(friction_stops_a_slide_after_v_squared_over_two_mu_g) {
+  SoftBody body = box(1, {0, 0, 0}, {2, 0, 0});
+  body.settings.gravity = {0, 0, -10};
+  body.settings.planes[0].friction = 0.4;
+  body.settings.step = 1e-3;
+  body.initialize(0);
+  for (int i = 0; i < 100; ++i) body.advance(0.01);
+  CHECK_NEAR(body.state().x(0, 0), 2.0 * 2 / (2 * 0.4 * 10), 1e-6);
+  CHECK(body.state().v(0, 0) == 0);
+}
+
+TEST(a_fast_plane_does_not_tunnel) {
+  SoftBody body = box(1, {0, 0, 0}, {0, 0, 0});
+  body.settings.planes[0] = {{0, 0, -5}, {0, 0, 1}, {0, 0, 1000}, {0, 0, 0}, 0, false};
+  body.initialize(0);
+  CHECK(body.advance(0.1) == StepStatus::ok);
+  CHECK(lowest_gap(body, {{0, 0, 95}, {0, 0, 1}, 95}) >= 0);
+  CHECK_NEAR(body.state().v(0, 2), 1000.0, 1e-9);
+}
+
+TEST(a_jumping_plane_gives_no_velocity) {
+  SoftBody body = box(1, {0, 0, 0}, {0, 0, 0});
+  body.settings.planes[0].moved_by_input = true;
+  body.settings.planes[0].point.z() = -1;
+  body.initialize(0);
+  body.settings.planes[0].point.z() = 0.25;
+  CHECK(body.advance(0.01) == StepStatus::ok);
+  CHECK_NEAR(body.state().x(0, 2), 0.25, 1e-15);
+  CHECK(body.state().v.isZero(0));
+  CHECK(body.plane_reaction(0).isZero(0));
+}
+
+TEST(a_closing_gap_without_room_is_an_error_and_leaves_the_state) {
+  SoftBody body = box(2, {0, 0, 0}, {0, 0, 0});
+  body.settings.planes[0] = {{0, 0, -0.1}, {0, 0, 1}, {0, 0, 20}, {0, 0, 0}, 0, false};
+  body.settings.planes[1] = {{0, 0, 1.1}, {0, 0, -1}, {0, 0, -20}, {0, 0, 0}, 0, false};
+  body.initialize(0);
+  const Points before = body.state().x;
+  CHECK(body.advance(0.1) == StepStatus::impossible_planes);
+  CHECK((body.state().x == before).all());
+  CHECK(body.advance(0.01) == StepStatus::ok);
+}
+
+TEST(three_planes_catch_a_point_in_their_corner) {
+  SoftBody body = box(3, {0.1, 0.1, 0.1}, {-1, -2, -3});
+  body.settings.planes[0] = {{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0.3, false};
+  body.settings.planes[1] = {{0, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 0, 0}, 0.3, false};
+  body.settings.planes[2] = {{0, 0, 0}, {1, 1, 5}, {0, 0, 0}, {0, 0, 0}, 0.3, false};
+  body.settings.gravity = {0, 0, -9.81};
+  body.settings.stiffness = {1e3, 1e3, 1e3};
+  body.initialize(0);
+  for (int i = 0; i < 200; ++i) {
+    CHECK(body.advance(0.01) == StepStatus::ok);
+    for (const auto& plane : body.settings.planes) {
+      const Vec3 n = plane.normal.normalized();
+      CHECK(lowest_gap(body, {plane.point, n, n.dot(plane.point)}) >= -1e-15);
+    }
+  }
+}

@@ -1,0 +1,85 @@
+#include "soft_body.hpp"
+
+#include <Eigen/Geometry>
+
+#include "check.hpp"
+
+using namespace softffd;
+
+namespace {
+
+Definition stretched() {
+  Definition definition;
+  definition.mass.assign(64, 1.0 / 64);
+  definition.stretch = {1.1, 1, 1};
+  return definition;
+}
+
+}  // namespace
+
+TEST(cutting_a_step_with_fixed_internal_steps_changes_no_bit) {
+  Definition definition = stretched();
+  definition.planes = 1;
+  definition.offset = {0, 0, 0.02};
+  std::vector<Points> ends;
+  for (int parts : {1, 2, 5}) {
+    SoftBody body(definition);
+    body.settings.stiffness = {1e3, 1e3, 1e3};
+    body.settings.damping = 0.02;
+    body.settings.gravity = {0, 0, -9.81};
+    body.settings.planes[0] = {{0, 0, 0}, {0.1, 0, 1}, {0.1, 0, 0.2}, {0, 0.3, 0}, 0.3, false};
+    body.settings.step = 1e-3;
+    body.initialize(0.7);
+    for (int i = 0; i < 20 * parts; ++i) CHECK(body.advance(0.05 / parts) == StepStatus::ok);
+    ends.push_back(body.state().x);
+  }
+  CHECK((ends[0] == ends[1]).all());
+  CHECK((ends[0] == ends[2]).all());
+}
+
+TEST(a_step_above_the_stability_bound_is_divided) {
+  SoftBody body(stretched());
+  body.settings.stiffness = {1e3, 1e3, 1e3};
+  body.settings.step = 0.01;
+  body.initialize(0);
+  for (int i = 0; i < 1000; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+  CHECK(body.internal_step() < 2.2e-3);
+  CHECK(body.state().x.abs().maxCoeff() < 2);
+}
+
+TEST(too_many_internal_steps_are_refused_at_once) {
+  SoftBody body(stretched());
+  body.settings.stiffness = {1e15, 1e15, 1e15};
+  body.initialize(0);
+  CHECK(body.advance(1) == StepStatus::too_many_steps);
+  CHECK(body.state().time == 0);
+}
+
+TEST(a_moved_pin_carries_its_points_and_gets_their_momentum) {
+  Definition definition;
+  definition.mass.assign(64, 1.0 / 64);
+  std::vector<int> lower;
+  for (int p = 0; p < 16; ++p) lower.push_back(p);
+  definition.pins.push_back({lower});
+  SoftBody body(definition);
+  body.settings.stiffness = {1e4, 1e4, 1e4};
+  body.initialize(0);
+  const auto momentum = [&] { return Vec3((body.state().v / 64).colwise().sum().matrix().transpose()); };
+  const Vec3 before = momentum();
+  body.settings.pins[0].velocity = {0.3, 0, 0};
+  body.settings.pins[0].angular_velocity = {0, 0, 1};
+  CHECK(body.advance(0.01) == StepStatus::ok);
+  CHECK_NEAR((momentum() - before + 0.01 * body.pin_reaction(0)).norm(), 0.0, 1e-14);
+  const Vec3 origin = body.pin_origin(0) + Vec3(0.003, 0, 0);
+  const Vec3 corner = origin + rotated(Vec3(0, 0, 0.01), Vec3(-0.5, -0.5, 0));
+  CHECK_NEAR((row(body.state().x, 0) - corner).norm(), 0.0, 1e-15);
+}
+
+TEST(mass_scales_every_point) {
+  SoftBody body(stretched());
+  body.settings.mass = 8;
+  body.settings.force(3, 0) = 1;
+  body.initialize(0);
+  body.advance(0.01);
+  CHECK_NEAR(body.state().v(3, 0), 0.01 / (8.0 / 64), 1e-12);
+}
