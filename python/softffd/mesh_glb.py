@@ -40,13 +40,14 @@ def read_glb(path: Path, data: bytes) -> Triangles:
 def quiet_trimesh():
     """Keep trimesh's log and warnings to itself: what matters is said by an error."""
     logger = logging.getLogger("trimesh")
-    was, logger.disabled = logger.disabled, True
+    level = logger.level
+    logger.setLevel(logging.CRITICAL + 1)  # its modules' loggers inherit the level
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             yield
     finally:
-        logger.disabled = was
+        logger.setLevel(level)
 
 
 def _read_json(path: Path, data: bytes) -> dict:

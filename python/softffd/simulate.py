@@ -55,7 +55,7 @@ def _run(fmu, scene, stop_time, step, start_values, inputs, progress) -> Result:
         source = Inputs(inputs)
         start_values = dict(start_values or {})
         component.initialize(start_values, stop_time=stop_time)
-        recorder = _Recorder.of(component, source, _times(stop_time, step))
+        recorder = _Recorder.of(component, source, _times(stop_time, step), step)
         recorder.apply_inputs(component, 0)
         component.exit_initialization()
         began, began_cpu = clock.perf_counter(), clock.process_time()
@@ -89,11 +89,18 @@ def _times(stop_time: float, step: float) -> np.ndarray:
     return np.append(step * np.arange(count), stop_time)
 
 
+def _steps(times: np.ndarray, step: float) -> list[float]:
+    """Lengths between the times: the same double for all but a shorter last one."""
+    last = float(times[-1] - times[-2])
+    return [step] * (len(times) - 2) + [step if math.isclose(last, step, rel_tol=1e-9) else last]
+
+
 @dataclass
 class _Recorder:
     """Buffers of a run: what is set and got at each communication point."""
 
     times: np.ndarray
+    steps: list[float]
     source: Inputs
     inputs: Block
     reals: Block
@@ -103,7 +110,7 @@ class _Recorder:
     integer_rows: np.ndarray
 
     @classmethod
-    def of(cls, component: Component, source: Inputs, times: np.ndarray) -> _Recorder:
+    def of(cls, component: Component, source: Inputs, times: np.ndarray, step: float) -> _Recorder:
         for name in source.names:
             if component.variable(name).causality != "input":
                 raise FmuError(f"{name}: is no input of the FMU but a {component.variable(name).causality}")
@@ -112,15 +119,15 @@ class _Recorder:
         reals = Block.of(component.variables("output"), True)
         integers = Block.of(component.variables("output", real=False), False)
         return cls(
-            times, source, inputs, reals, integers,
+            times, _steps(times, step), source, inputs, reals, integers,
             np.zeros((rows, len(inputs.names))), np.zeros((rows, len(reals.names))), np.zeros((rows, len(integers.names)), np.int64),
         )  # fmt: skip
 
     def apply_inputs(self, component: Component, row: int) -> None:
         if not self.inputs.names:
             return
-        following = self.times[row + 1] if row + 1 < len(self.times) else self.times[row]
-        self.inputs.values[:] = self.source.values(self.times[row], following - self.times[row])
+        ahead = self.steps[row] if row < len(self.steps) else 0.0
+        self.inputs.values[:] = self.source.values(self.times[row], ahead)
         self.input_rows[row] = self.inputs.values
         component.set(self.inputs)
 
@@ -138,7 +145,7 @@ class _Recorder:
         for row in range(last):
             if row > 0:
                 self.apply_inputs(component, row)
-            component.do_step(times[row], times[row + 1] - times[row])
+            component.do_step(times[row], self.steps[row])
             self.record(component, row + 1)
             if progress and (row + 1) % report_every == 0:
                 progress((row + 1) / last, times[row + 1])

@@ -19,7 +19,7 @@ std::string write_scene() {
   std::string body = "guid {g}\ncounts 4 4 4\nmass";
   for (int p = 0; p < 64; ++p) body += " 0.015625";
   body += "\nstiffness 1000 1000 1000\ndamping 0.01\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0 0 1 0 0 0 0 0 0 0.4\npositions";
-  for (int p = 0; p < 64; ++p) body += " " + std::to_string(p);
+  for (int p = 0; p < 64; ++p) body.append(" ").append(std::to_string(p));
   body += "\ninitial 1 1 1 0 0 0.1 1 0 0 0 0 0\nreactions\nenergy\nsolver\n";
   std::uint64_t hash = 14695981039346656037u;
   for (unsigned char c : body) hash = (hash ^ c) * 1099511628211u;

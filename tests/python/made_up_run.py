@@ -14,10 +14,11 @@ def made_up_run(*, counts=(4, 4, 4), frames=41, title="A soft box under a press"
     """A Result of 2 s with the planes "ground" (fixed) and "press" (moving), reactions, energies and a scene."""
     time = np.linspace(0.0, 2.0, frames)
     squash = np.sin(np.pi * (time - 0.8).clip(0, 0.8) / 0.8) ** 2
-    positions = np.stack([squashed(rest_points(counts), s, drop) for s, drop in zip(squash, (0.8 - time).clip(0), strict=True)])
+    drops = (0.8 - time).clip(0)
+    positions = [squashed(rest_points(counts), s, drop) for s, drop in zip(squash, drops, strict=True)]
     return Result(
         time=time,
-        positions=positions,
+        positions=np.stack(positions),
         outputs=_outputs(squash),
         inputs=_vectors("plane.press", PRESS) | _point("press", 1.6 - 0.6 * squash),
         parameters=_vectors("plane.ground", {"velocity": (0, 0, 0), "normal": (0, 0, 2.0), "point": (0, 0, 0.2)}),
@@ -48,7 +49,7 @@ def _outputs(squash):
 
 
 def _vectors(name, values):
-    return {f"{name}.{what}.{a}": float(v) for what, vector in values.items() for a, v in zip("xyz", vector, strict=True)}
+    return {f"{name}.{what}.{a}": float(vector["xyz".index(a)]) for what, vector in values.items() for a in "xyz"}
 
 
 def _point(name, height):

@@ -227,7 +227,7 @@ def test_a_mesh_inside_out_has_the_same_masses():
 def test_a_body_inside_out_among_others_is_refused():
     ball = sphere()
     both = Mesh(
-        np.vstack([ball.vertices, ball.vertices + [5, 0, 0]]),
+        np.vstack([ball.vertices, ball.vertices + np.array([5, 0, 0])]),
         np.vstack([ball.faces, ball.faces[:, ::-1] + len(ball.vertices)]),
         name="pair",
     )

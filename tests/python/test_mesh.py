@@ -60,6 +60,13 @@ def ply(vertices=4, faces=4, format="ascii"):
     return PLY_HEAD.format(vertices=vertices, faces=faces, format=format)
 
 
+def binary_ply(faces=((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)), order="little"):
+    mark = {"little": "<", "big": ">"}[order]
+    lists = b"".join(struct.pack(f"{mark}B{len(face)}i", len(face), *face) for face in faces)
+    head = ply(faces=len(faces), format=f"binary_{order}_endian").encode()
+    return head + CORNERS.astype(mark + "f4").tobytes() + lists
+
+
 def text_stl():
     return trimesh.Trimesh(CORNERS, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).export(file_type="stl_ascii")
 
@@ -156,6 +163,7 @@ def faults():
             ply(format="binary_little_endian").encode() + CORNERS.tobytes(),
             "promises 4 records 'face'",
         ),
+        "ply binary too long": ("a.ply", binary_ply() + b"\0\0", "2 bytes follow after all that the header describes"),
         "glb magic": (
             "a.glb",
             b"glTX" + glb_with(lambda h: None)[4:],
@@ -297,8 +305,8 @@ def test_obj_is_written_with_the_decimals_asked_for(tmp_path):
 def test_obj_reads_what_exporters_write(tmp_path):
     """Tabs, indentation, comments, continued lines, weights, relative indices, normals, vendors' records, CRLF."""
     text = (
-        "mtllib none.mtl\no part\n  v\t0 0 0 1.0\nv 1 0 0 0.5 0.5 0.5 # red\nv 0 1 \\\n 0\nv 0 0 1e0\nvn 0 0 1\nvp 0.1\n"
-        "usemtl none\ns off\nf -4//1 -2//1 -3//1\nf 1//1 2//1 4//1\nf 2 3 4\nf 3 1 4\nv 7 7 7\n"
+        "mtllib none.mtl\no part\n  v\t0 0 0 1.0\nv 1 0 0 0.5 0.5 0.5 # red\nv 0 1 \\\n 0\nv 0 0 1e0\nvn 0 0 1\n"
+        "vp 0.1\nusemtl none\ns off\nf -4//1 -2//1 -3//1\nf 1//1 2//1 4//1\nf 2 3 4\nf 3 1 4\nv 7 7 7\n"
     ).replace("\n", "\r\n")
     mesh = loaded(tmp_path, "a.obj", text)
     np.testing.assert_array_equal(mesh.vertices, CORNERS)
@@ -313,8 +321,9 @@ def test_relative_indices_count_from_the_record_they_stand_in(tmp_path):
 
 
 def test_normals_do_not_split_vertices_but_texture_seams_do(tmp_path):
-    seam = "vt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nvn 1 0 0\nf 1/1/1 3/3/2 2/2/1\nf 1/2/2 2/2/1 4/3/1\nf 2/2/2 3/3/1 4/3/1\nf 3/3/1 1/1/1 4/3/2\n"
-    mesh = loaded(tmp_path, "a.obj", TETRAHEDRON + seam)
+    records = "vt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nvn 1 0 0\n"
+    faces = "f 1/1/1 3/3/2 2/2/1\nf 1/2/2 2/2/1 4/3/1\nf 2/2/2 3/3/1 4/3/1\nf 3/3/1 1/1/1 4/3/2\n"
+    mesh = loaded(tmp_path, "a.obj", TETRAHEDRON + records + faces)
     assert len(mesh.vertices) == 5 and mesh.closed
     assert {tuple(uv) for uv in mesh.uv[(mesh.vertices == 0).all(axis=1)]} == {(0.0, 0.0), (1.0, 0.0)}
 
@@ -339,11 +348,10 @@ def test_polygons_become_triangles_that_cover_them(corners, tmp_path):
     assert np.linalg.det(mesh.vertices[mesh.faces]).sum() / 6 == pytest.approx(area, rel=1e-12)
 
 
-@pytest.mark.parametrize(("order", "mark"), [("little", "<"), ("big", ">")])
-def test_binary_ply_may_mix_triangles_and_polygons(order, mark, tmp_path):
+@pytest.mark.parametrize("order", ["little", "big"])
+def test_binary_ply_may_mix_triangles_and_polygons(order, tmp_path):
     faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 1, 2, 3]]
-    body = CORNERS.astype(mark + "f4").tobytes() + b"".join(struct.pack(f"{mark}B{len(f)}i", len(f), *f) for f in faces)
-    mesh = loaded(tmp_path, "a.ply", ply(faces=5, format=f"binary_{order}_endian").encode() + body)
+    mesh = loaded(tmp_path, "a.ply", binary_ply(faces, order))
     np.testing.assert_array_equal(mesh.vertices, CORNERS)
     np.testing.assert_array_equal(mesh.faces, [*faces[:4], [0, 1, 2], [0, 2, 3]])
 
@@ -439,12 +447,15 @@ def test_a_mesh_refuses_arrays_of_other_shapes():
 
 
 def test_trimesh_keeps_quiet_and_its_log_is_left_as_it_was(tmp_path, capsys, caplog):
-    file = written(tmp_path, "a.glb", glb_with(lambda h: h["accessors"][0].update(count=10**6)))
-    with caplog.at_level(logging.DEBUG), pytest.raises(MeshError):
-        load_mesh(file)
-    loaded(tmp_path, "b.glb", saved(tmp_path, "glb"))
+    level = logging.getLogger("trimesh").level
+    loud = glb_with(lambda h: h.update(images=[{"uri": "none.png"}]))
+    damaged = glb_with(lambda h: h["accessors"][0].update(count=10**6))
+    with caplog.at_level(logging.DEBUG):
+        with pytest.raises(MeshError):
+            loaded(tmp_path, "a.glb", damaged)
+        loaded(tmp_path, "b.glb", loud)
     assert capsys.readouterr() == ("", "") and not caplog.records
-    assert not logging.getLogger("trimesh").disabled
+    assert logging.getLogger("trimesh").level == level
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason=f"the folder of real meshes, {SHARED}, is absent")

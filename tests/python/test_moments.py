@@ -1,8 +1,8 @@
 from dataclasses import replace
 
 import numpy as np
-
 from made_up_run import made_up_run, rest_points
+
 from softffd.moments import deformation, first_contact, telling_moments
 from softffd.stage import stage_of
 
@@ -10,7 +10,8 @@ from softffd.stage import stage_of
 def rigid_run():
     result = made_up_run(frames=9)
     turns = [np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]]) for a in result.time]
-    return replace(result, positions=np.stack([rest_points((4, 4, 4)) @ r.T + [3, 4, a] for r, a in zip(turns, result.time)]))
+    moved = [rest_points((4, 4, 4)) @ turn.T + [3, 4, height] for height, turn in enumerate(turns)]
+    return replace(result, positions=np.stack(moved))
 
 
 def test_a_rigid_motion_is_no_deformation():

@@ -2,8 +2,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from made_up_run import ORIGIN, SIZE, made_up_run, rest_points
+
 from softffd.errors import SoftffdError
 from softffd.history import energies, heights, reactions
 from softffd.mesh import Mesh
@@ -14,7 +14,8 @@ TRIANGLE = Mesh(ORIGIN + SIZE * np.array([[0.1, 0.2, 0.3], [0.9, 0.2, 0.4], [0.5
 
 def test_box_of_the_scene_comes_before_the_bounds_of_the_mesh():
     assert stage_of(made_up_run(), mesh=TRIANGLE).origin.tolist() == ORIGIN.tolist()
-    assert stage_of(replace(made_up_run(), scene=None), mesh=TRIANGLE).size.tolist() == np.ptp(TRIANGLE.vertices, 0).tolist()
+    without_scene = replace(made_up_run(), scene=None)
+    assert np.allclose(stage_of(without_scene, mesh=TRIANGLE).size, np.ptp(TRIANGLE.vertices, axis=0))
 
 
 def test_box_without_scene_and_mesh_is_that_of_the_first_frame():
@@ -40,7 +41,7 @@ def test_edges_join_neighbours_along_the_axes():
 def test_normals_and_tangents_of_planes_are_orthonormal_while_a_plane_tumbles():
     result = made_up_run()
     turn = 5 * result.time
-    swing = {"plane.press.normal.x": np.cos(turn), "plane.press.normal.y": np.sin(turn), "plane.press.normal.z": 0 * turn}
+    swing = {f"plane.press.normal.{a}": v for a, v in zip("xyz", (np.cos(turn), np.sin(turn), 0 * turn), strict=True)}
     press = stage_of(replace(result, inputs=result.inputs | swing)).planes[1]
     assert np.allclose(np.linalg.norm(press.tangents, axis=1), 1)
     assert np.allclose(np.einsum("ta,ta->t", press.normals, press.tangents), 0)

@@ -1,0 +1,90 @@
+"""What each part of a scene costs: variables, and time per internal step against the bare scene in the same run.
+
+    python3 python/run.py bench
+
+Every scene is the same 4 x 4 x 4 box with a fixed internal step; the bare one has no plane, damping, gravity, load or energy. Each is run
+in turn with the bare one, several times over, and the smallest time of each counts; the ratio is what to read.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from pathlib import Path
+
+from softffd.component import Component
+from softffd.package import package_fmu, scene_masses
+from softffd.scene import load_scene
+from softffd.variables import variables
+
+STEP, INTERVAL, INTERVALS, REPEATS = 1e-4, 0.1, 20, 7
+BARE = """
+[material]
+stiffness = 1e3
+damping = {damping}
+[initial]
+stretch = [1.02, 1.0, 1.0]
+[outputs]
+reactions = {reactions}
+energy = {energy}
+[solver]
+method = "leapfrog"
+step = 1e-4
+"""
+DEFAULTS = {"damping": 0.0, "reactions": "false", "energy": "false"}
+GRAVITY = "[environment]\ngravity = [0.0, 0.0, -9.81]\n"
+PLANE = '[[plane]]\nname = "ground"\npoint = [0.0, 0.0, {height}]\nnormal = [0.0, 0.0, 1.0]\nfriction = 0.4\n'
+SCENES = {
+    "bare: springs alone": ({}, ""),
+    "damping": ({"damping": 0.01}, ""),
+    "gravity": ({}, GRAVITY),
+    "load": ({}, '[[load]]\nname = "push"\npoints = "x+"\n'),
+    "64 force inputs": ({}, '[inputs]\nforces = "all"\n'),
+    "energy outputs": ({"energy": "true"}, ""),
+    "a plane out of reach": ({"reactions": "true"}, PLANE.format(height=-9.0)),
+    "16 points resting on a plane": ({"reactions": "true"}, GRAVITY + PLANE.format(height=0.0)),
+    "a pinned face": ({"reactions": "true"}, '[[pin]]\nname = "base"\npoints = "z-"\n'),
+}
+
+
+def main() -> None:
+    """Prints the table."""
+    with tempfile.TemporaryDirectory() as folder:
+        built = {name: _build(Path(folder), number, *parts) for number, (name, parts) in enumerate(SCENES.items())}
+        bare = next(iter(built.values()))[0]
+        print(f"{'scene':32} variables  us/step  ratio to bare")
+        for name, (fmu, count) in built.items():
+            own, base = _race(fmu, bare)
+            print(f"{name:32} {count:9} {own * 1e6:8.2f} {own / base:8.2f}")
+
+
+def _build(folder: Path, number: int, values: dict[str, object], text: str) -> tuple[Path, int]:
+    source = folder / f"scene_{number}.toml"
+    source.write_text(BARE.format(**DEFAULTS | values) + text)
+    scene = load_scene(source)
+    fmu = package_fmu(scene, folder / f"scene_{number}.fmu")
+    return fmu, len(variables(scene, scene_masses(scene).mass))
+
+
+def _race(fmu: Path, bare: Path) -> tuple[float, float]:
+    times: dict[int, list[float]] = {0: [], 1: []}
+    with Component(fmu) as own, Component(bare) as base:
+        for _ in range(REPEATS):
+            for which, component in enumerate((own, base)):
+                times[which].append(_time_per_step(component))
+    return min(times[0]), min(times[1])
+
+
+def _time_per_step(component: Component) -> float:
+    component.reset()
+    component.initialize({})
+    component.exit_initialization()
+    component.do_step(0.0, INTERVAL)
+    began = time.process_time()
+    for i in range(1, INTERVALS + 1):
+        component.do_step(i * INTERVAL, INTERVAL)
+    return (time.process_time() - began) / (INTERVALS * INTERVAL / STEP)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,89 @@
+"""The FMU as an archive and a library: what importers and checkers look at before they run it."""
+
+import re
+import shutil
+import subprocess
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import fmpy
+import pytest
+from fmpy.validation import validate_fmu
+
+from softffd import load_scene, package_fmu
+from softffd.scene import shipped_scenes
+
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+
+
+@pytest.fixture(scope="module")
+def standard(tmp_path_factory) -> Path:
+    return package_fmu(load_scene("standard"), tmp_path_factory.mktemp("fmu") / "standard.fmu")
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_validation_finds_nothing(name, tmp_path):
+    assert validate_fmu(str(package_fmu(load_scene(name), tmp_path / f"{name}.fmu"))) == []
+
+
+def test_two_builds_are_byte_identical(standard, tmp_path):
+    again = package_fmu(load_scene("standard"), tmp_path / "again.fmu")
+    assert again.read_bytes() == standard.read_bytes()
+
+
+def test_entries_are_where_the_standard_wants_them(standard):
+    names = zipfile.ZipFile(standard).namelist()
+    assert names[0] == "modelDescription.xml"
+    for wanted in ("model.png", "documentation/index.html", "documentation/licenses/softffd.txt", "resources/scene.txt"):
+        assert wanted in names
+    assert any(name.startswith("binaries/") for name in names)
+
+
+def test_the_library_exports_the_standards_functions_and_nothing_else(standard, tmp_path):
+    if not shutil.which("nm"):
+        pytest.skip("nm is not on this machine")
+    with zipfile.ZipFile(standard) as archive:
+        library = archive.extract("binaries/linux64/softffd.so", tmp_path)
+    listed = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True).stdout
+    exported = {line.split()[-1] for line in listed.splitlines()}
+    assert exported == declared_functions()
+    assert len(exported) == 34
+
+
+def declared_functions() -> set[str]:
+    """The co-simulation functions that the standard's header declares."""
+    text = (HEADERS / "fmi2Functions.h").read_text()
+    names = set(re.findall(r"FMI2_Export (fmi2\w+)TYPE\s+fmi2\w+;", text))
+    model_exchange = {
+        "fmi2EnterEventMode", "fmi2NewDiscreteStates", "fmi2EnterContinuousTimeMode", "fmi2CompletedIntegratorStep", "fmi2SetTime",
+        "fmi2SetContinuousStates", "fmi2GetDerivatives", "fmi2GetEventIndicators", "fmi2GetContinuousStates",
+        "fmi2GetNominalsOfContinuousStates",
+    }  # fmt: skip
+    return names - model_exchange
+
+
+def test_every_output_is_listed_with_its_dependencies(standard):
+    root = ElementTree.fromstring(zipfile.ZipFile(standard).read("modelDescription.xml"))
+    variables = root.find("ModelVariables")
+    outputs = [index for index, v in enumerate(variables, start=1) if v.get("causality") == "output"]
+    for section in ("Outputs", "InitialUnknowns"):
+        unknowns = root.find(f"ModelStructure/{section}")
+        assert [int(u.get("index")) for u in unknowns] == outputs
+        assert all(u.get("dependencies") is not None for u in unknowns)
+    first = root.find("ModelStructure/InitialUnknowns")[0].get("dependencies").split()
+    names = {variables[int(index) - 1].get("name").rsplit(".", 1)[0] for index in first}
+    assert names == {f"plane.{plane}.{what}" for plane in ("lower", "upper") for what in ("point", "normal")}
+
+
+def test_units_names_and_references_are_sound(standard):
+    root = ElementTree.fromstring(zipfile.ZipFile(standard).read("modelDescription.xml"))
+    units = {unit.get("name") for unit in root.find("UnitDefinitions")}
+    variables = list(root.find("ModelVariables"))
+    assert len({v.get("name") for v in variables}) == len(variables)
+    assert len({v.get("valueReference") for v in variables}) == len(variables)
+    assert all(int(v.get("valueReference")) < 2**31 for v in variables)
+    assert all(v[0].get("unit") in units for v in variables if v[0].get("unit"))
+    for v in variables:
+        assert re.fullmatch(r"[A-Za-z0-9_.,\[\]]+", v.get("name"))
+        assert (v[0].get("start") is not None) == (v.get("causality") != "output")

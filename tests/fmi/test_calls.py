@@ -1,0 +1,195 @@
+"""The C interface through fmpy: messages, states, refusals."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi2 import FMU2Slave
+
+from softffd import FmuError, load_scene, package_fmu, simulate
+from softffd.component import Component
+
+SCENE = """
+[material]
+damping = 0.05
+[environment]
+gravity = [0.0, 0.0, -9.81]
+[[plane]]
+name = "ground"
+point = [0.0, 0.0, 0.0]
+normal = [0.0, 0.0, 1.0]
+friction = 0.4
+motion = "input"
+[initial]
+offset = [0.0, 0.0, 0.1]
+[experiment]
+stop_time = 0.5
+"""
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("calls")
+    (folder / "box.toml").write_text(SCENE)
+    return package_fmu(load_scene(folder / "box.toml"), folder / "box.fmu")
+
+
+def started(fmu, **values) -> Component:
+    component = Component(fmu)
+    component.initialize({name.replace("__", "."): value for name, value in values.items()})
+    component.exit_initialization()
+    return component
+
+
+@pytest.mark.parametrize(
+    "name, value, message",
+    [
+        ("mass", -1.0, "mass: wanted > 0 kg, got -1"),
+        ("mass", 0.0, "mass: wanted > 0 kg, got 0"),
+        ("stiffness.edge", -2.0, "stiffness.edge: wanted >= 0 N/m, got -2"),
+        ("plane.ground.point.z", float("nan"), "plane.ground.point.z: wanted a finite number, got nan"),
+        ("plane.ground.normal.x", float("inf"), "plane.ground.normal.x: wanted a finite number, got inf"),
+        ("solver.method", 9, "solver.method: wanted 1 to 3, got 9"),
+        ("position[0,0,0].x", 1.0, "position[0,0,0].x: cannot be set (it is an output)"),
+    ],
+)
+def test_a_refused_value_is_named_with_what_was_wanted(fmu, name, value, message):
+    with Component(fmu) as component, pytest.raises(FmuError) as error:
+        component.set_start_values({name: value})
+    assert message in str(error.value)
+
+
+def test_a_fixed_parameter_cannot_be_set_after_initialization(fmu):
+    with started(fmu) as component, pytest.raises(FmuError, match="mass: cannot be set after initialization"):
+        component.set_start_values({"mass": 2.0})
+
+
+def test_a_zero_normal_is_refused_by_the_step(fmu):
+    with started(fmu) as component:
+        component.set_start_values({"plane.ground.normal.z": 0.0})
+        with pytest.raises(FmuError, match="normal is the zero vector"):
+            component.do_step(0.0, 0.01)
+
+
+@pytest.mark.parametrize("time, step", [(0.0, 0.0), (0.0, -1.0), (0.0, float("nan")), (0.5, 0.01), (float("inf"), 0.01)])
+def test_an_impossible_step_is_refused(fmu, time, step):
+    with started(fmu) as component, pytest.raises(FmuError, match="fmi2DoStep"):
+        component.do_step(time, step)
+
+
+def test_a_step_past_the_stop_time_is_refused(fmu):
+    with Component(fmu) as component:
+        component.initialize({}, stop_time=0.02)
+        component.exit_initialization()
+        component.do_step(0.0, 0.02)
+        with pytest.raises(FmuError, match="past the stop time"):
+            component.do_step(0.02, 0.01)
+
+
+def test_too_much_work_is_discarded_with_the_state_kept(fmu):
+    with started(fmu, stiffness__edge=1e18) as component:
+        block = component.block(["position[0,0,0].z"])
+        component.get(block)
+        before = block.values[0]
+        with pytest.raises(FmuError, match=r"discarded the step.*internal steps"):
+            component.do_step(0.0, 1.0)
+        component.get(block)
+        assert block.values[0] == before
+
+
+def test_reset_after_an_error_runs_as_new(fmu):
+    fresh = simulate(fmu, step=0.01).positions
+    with Component(fmu) as component:
+        with pytest.raises(FmuError):
+            component.set_start_values({"mass": -1.0})
+        component.reset()
+        component.initialize({})
+        component.exit_initialization()
+        block = component.block(["position[3,3,3].z"])
+        for row in range(50):
+            component.do_step(row * 0.01, 0.01)
+        component.get(block)
+    assert block.values[0] == fresh[-1, 3, 3, 3, 2]
+
+
+def test_unclaimed_functions_answer_with_an_error(fmu, tmp_path):
+    fmpy.extract(str(fmu), unzipdir=str(tmp_path))
+    description = fmpy.read_model_description(str(fmu), validate=False)
+    simulation = description.coSimulation
+    assert not simulation.canGetAndSetFMUstate and not simulation.providesDirectionalDerivative
+    slave = FMU2Slave(
+        guid=description.guid, unzipDirectory=str(tmp_path), modelIdentifier="softffd", instanceName="x"
+    )
+    slave.instantiate()
+    with pytest.raises(Exception, match="fmi2GetFMUstate"):
+        slave.getFMUstate()
+    slave.freeInstance()
+
+
+def test_a_foreign_guid_is_refused_with_a_message(fmu, tmp_path, capfd):
+    fmpy.extract(str(fmu), unzipdir=str(tmp_path))
+    slave = FMU2Slave(guid="{no}", unzipDirectory=str(tmp_path), modelIdentifier="softffd", instanceName="x")
+    with pytest.raises(Exception, match="instantiate"):
+        slave.instantiate()
+    slave.freeLibrary()
+    assert "fmuGUID: wanted {" in capfd.readouterr().out
+
+
+def test_a_damaged_resource_is_refused(fmu, tmp_path):
+    fmpy.extract(str(fmu), unzipdir=str(tmp_path))
+    resource = tmp_path / "resources" / "scene.txt"
+    resource.write_text(resource.read_text().replace("friction", "frictio") + "step 0.0\n")
+    description = fmpy.read_model_description(str(fmu), validate=False)
+    slave = FMU2Slave(guid=description.guid, unzipDirectory=str(tmp_path), modelIdentifier="softffd", instanceName="x")
+    with pytest.raises(Exception, match="instantiate"):
+        slave.instantiate()
+    slave.freeLibrary()
+
+
+def test_two_scenes_run_side_by_side_in_one_process(fmu):
+    other = load_scene("free_vibration")
+    alone = simulate(fmu).positions
+    with Component(fmu) as box:
+        box.initialize({})
+        box.exit_initialization()
+        simulate(other)
+        for row in range(50):
+            box.do_step(row * 0.01, 0.01)
+        block = box.block(["position[0,3,3].z"])
+        box.get(block)
+    assert block.values[0] == alone[-1, 0, 3, 3, 2]
+
+
+def test_fmpys_own_loop_agrees_with_ours(fmu):
+    values = {"solver.step": 1e-3}  # counted internal steps: rounding in the host's step lengths does not matter
+    ours = simulate(fmu, step=0.01, start_values=values)
+    theirs = fmpy.simulate_fmu(str(fmu), output_interval=0.01, step_size=0.01, stop_time=0.5, start_values=values)
+    np.testing.assert_array_equal(theirs["position[3,3,3].z"], ours.positions[:, 3, 3, 3, 2])
+    np.testing.assert_allclose(theirs["plane.ground.reaction.z"], ours.outputs["plane.ground.reaction.z"], rtol=1e-13)
+
+
+def test_hundreds_of_instances_leave_memory_as_it_was(fmu, tmp_path):
+    script = """
+import resource, sys
+import fmpy
+from fmpy.fmi2 import FMU2Slave
+folder = fmpy.extract(sys.argv[1], unzipdir=sys.argv[2])
+guid = fmpy.read_model_description(sys.argv[1], validate=False).guid
+slave = FMU2Slave(guid=guid, unzipDirectory=folder, modelIdentifier="softffd", instanceName="x")
+def cycle(times):
+    for _ in range(times):
+        slave.instantiate()
+        slave.setupExperiment()
+        slave.enterInitializationMode()
+        slave.exitInitializationMode()
+        slave.doStep(0.0, 0.01)
+        slave.fmi2FreeInstance(slave.component)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+first = cycle(300)
+print(cycle(700) - first)
+"""
+    done = subprocess.run([sys.executable, "-c", script, fmu, tmp_path], capture_output=True, text=True, check=True)
+    assert int(done.stdout.splitlines()[-1]) < 1000, "kB grown over 700 instances of some 60 kB each"

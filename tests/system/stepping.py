@@ -1,0 +1,80 @@
+"""An FMU driven step by step, for tests that change something on the way."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from softffd import Scene, package_fmu
+from softffd.component import Component
+
+
+class Stepper:
+    """One instance of a scene's FMU between initialization and the end; use as a context manager."""
+
+    def __init__(self, scene: Scene, *, start_values: dict[str, Any] | None = None, start_time: float = 0.0):
+        with TemporaryDirectory(prefix="softffd-") as folder:
+            self._component = Component(package_fmu(scene, Path(folder) / "scene.fmu"))
+        nx, ny, nz = scene.lattice.points
+        self._grid = [f"[{i},{j},{k}].{axis}" for k in range(nz) for j in range(ny) for i in range(nx) for axis in "xyz"]
+        self.begin(start_values or {}, start_time)
+
+    def begin(self, start_values: dict[str, Any], start_time: float = 0.0) -> None:
+        """Initializes."""
+        self.time = start_time
+        self._component.initialize(start_values, start_time=start_time)
+        self._component.exit_initialization()
+
+    def restart(self, start_values: dict[str, Any], start_time: float = 0.0) -> None:
+        """Resets and initializes once more."""
+        self._component.reset()
+        self.begin(start_values, start_time)
+
+    def set(self, values: dict[str, float]) -> None:
+        """Sets Real inputs or tunable parameters by name."""
+        block = self._component.block(list(values))
+        block.values[:] = list(values.values())
+        self._component.set(block)
+
+    def step(self, length: float, *, times: int = 1) -> None:
+        """Communication steps of this length [s]."""
+        for _ in range(times):
+            self._component.do_step(self.time, length)
+            self.time += length
+
+    def read(self, *names: str) -> np.ndarray:
+        """Values of Real variables by name."""
+        block = self._component.block(list(names))
+        self._component.get(block)
+        return block.values.copy()
+
+    def integer(self, name: str) -> int:
+        """The value of an Integer variable."""
+        block = self._component.block([name], real=False)
+        self._component.get(block)
+        return int(block.values[0])
+
+    def vector(self, name: str) -> np.ndarray:
+        """The components .x .y .z of a variable."""
+        return self.read(*(f"{name}.{axis}" for axis in "xyz"))
+
+    def positions(self) -> np.ndarray:
+        """(n, 3) m, flat order."""
+        return self.read(*(f"position{place}" for place in self._grid)).reshape(-1, 3)
+
+    def velocities(self) -> np.ndarray:
+        """(n, 3) m/s, flat order."""
+        return self.read(*(f"velocity{place}" for place in self._grid)).reshape(-1, 3)
+
+    def set_forces(self, forces: np.ndarray) -> None:
+        """Sets the force inputs of all control points, (n, 3) N, flat order."""
+        self.set(dict(zip((f"force{place}" for place in self._grid), forces.ravel().tolist(), strict=True)))
+
+    def __enter__(self) -> Stepper:
+        return self
+
+    def __exit__(self, *_exception) -> None:
+        self._component.close()

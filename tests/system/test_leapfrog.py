@@ -1,0 +1,150 @@
+"""Free motion of the lattice: order, equality with the published recurrence, long-time behaviour."""
+
+import numpy as np
+import pytest
+import reference
+from readings import points, velocities
+from stepping import Stepper
+
+from softffd import FmuError, simulate
+
+STRETCHED = """
+[material]
+stiffness = 1e3
+damping = 0.0
+[initial]
+stretch = [1.1, 1.0, 1.0]
+[outputs]
+velocities = "all"
+energy = true
+solver = true
+[solver]
+method = "leapfrog"
+[experiment]
+stop_time = 1.0
+communication_step = 0.1
+"""
+
+DAMPED_AND_MOVING = """
+[material]
+stiffness = { edge = 1e3, face = 700.0, body = 400.0 }
+damping = 0.05
+[environment]
+gravity = [1.0, -2.0, -9.81]
+[initial]
+stretch = [1.1, 0.95, 1.0]
+offset = [0.3, 0.2, 0.1]
+velocity = [1.0, 0.0, -0.5]
+angular_velocity = [2.0, -1.0, 3.0]
+[outputs]
+velocities = "all"
+[experiment]
+stop_time = 0.2
+communication_step = 0.05
+"""
+
+
+def reference_of_damped_and_moving():
+    """The model, its state at the start and its external force, assembled here from the text above."""
+    model = reference.cube(damping=0.05)
+    length = np.linalg.norm(model.rest[model.springs[:, 0]] - model.rest[model.springs[:, 1]], axis=1)
+    kind = np.rint((length * 3) ** 2).astype(int)  # 1, 2, 3: edge, face diagonal, body diagonal
+    model = reference.Model(model.rest, model.springs, np.array([0, 1e3, 700.0, 400.0])[kind], model.mass, model.damping)
+    x = model.rest * [1.1, 0.95, 1.0] + [0.3, 0.2, 0.1]
+    middle = np.array([0.5, 0.5, 0.5]) * [1.1, 0.95, 1.0] + [0.3, 0.2, 0.1]
+    v = np.array([1.0, 0.0, -0.5]) + np.cross([2.0, -1.0, 3.0], x - middle)
+    return model, x, v, model.mass[:, None] * np.array([1.0, -2.0, -9.81])
+
+
+def stretched(scene, h, **settings):
+    return simulate(scene(STRETCHED), start_values={"solver.step": h, **settings})
+
+
+def test_order_is_two_on_the_stretched_box(scene, golden):
+    stored, steps = golden("S1")["x"], [2.5e-4 / 2**n for n in range(5)]
+    errors = [np.linalg.norm(points(stretched(scene, h))[1:] - stored, axis=2).max() for h in steps]
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert orders == pytest.approx([2.0] * 4, abs=0.1)
+    assert errors[0] == pytest.approx(9.357e-3, rel=1e-3)  # of the scheme itself: the numpy reference has it too
+
+
+def test_free_vibration_is_the_references_to_rounding(scene):
+    result, model = stretched(scene, 2.5e-4), reference.cube()
+    x, v = model.rest * [1.1, 1.0, 1.0], np.zeros_like(model.rest)
+    for row in range(1, 11):
+        x, v = reference.leapfrog(model, x, v, 2.5e-4, 400)
+        # 4000 steps, each with some 1e-16 m of rounding, which grows by a small factor in ten oscillations
+        assert points(result)[row] == pytest.approx(x, abs=1e-12)
+        assert velocities(result)[row] == pytest.approx(v, abs=1e-10)
+
+
+@pytest.mark.parametrize("method", ["leapfrog", "auto"])
+def test_damping_gravity_and_initial_motion_are_the_references_to_rounding(scene, method):
+    result = simulate(scene(DAMPED_AND_MOVING), start_values={"solver.step": 5e-4, "solver.method": method})
+    model, x, v, external = reference_of_damped_and_moving()
+    x, v = reference.leapfrog(model, x, v, 5e-4, 400, external=external)
+    assert points(result)[-1] == pytest.approx(x, abs=1e-12)
+    assert velocities(result)[-1] == pytest.approx(v, abs=1e-10)
+
+
+def test_central_difference_is_the_published_recurrence(scene):
+    settings = {"solver.step": 5e-4, "solver.method": "central_difference"}
+    result = simulate(scene(DAMPED_AND_MOVING), start_values=settings)
+    model, x, v, external = reference_of_damped_and_moving()
+    course = reference.central_difference(model, x, v, 5e-4, 401, external=external)
+    # rounding of a position, 1e-16, enters the recurrence as a velocity, 1e-16 / h; some hundreds of such add up
+    assert points(result)[-1] == pytest.approx(course[400], abs=1e-11)
+    assert velocities(result)[-1] == pytest.approx((course[401] - course[399]) / 1e-3, abs=1e-8)
+
+
+@pytest.mark.parametrize("text", [STRETCHED, DAMPED_AND_MOVING], ids=["undamped", "damped"])
+def test_central_difference_agrees_with_leapfrog_on_smooth_motion(scene, text):
+    runs = [
+        simulate(scene(text), start_values={"solver.step": 2.5e-4, "solver.method": method})
+        for method in ("leapfrog", "central_difference")
+    ]
+    assert points(runs[0]) == pytest.approx(points(runs[1]), abs=1e-10)  # round-off of the recurrence, as above
+    assert velocities(runs[0]) == pytest.approx(velocities(runs[1]), abs=1e-8)
+
+
+def test_a_run_taken_back_by_the_reference_returns_to_its_start(scene):
+    result, model = stretched(scene, 1e-3), reference.cube()
+    x, v = reference.leapfrog(model, points(result)[-1], -velocities(result)[-1], 1e-3, 1000)
+    assert x == pytest.approx(points(result)[0], abs=1e-12)
+    assert v == pytest.approx(np.zeros_like(v), abs=1e-10)
+
+
+def test_a_million_steps_at_nine_tenths_of_the_bound_stay_bounded(scene):
+    text = STRETCHED.replace('velocities = "all"', 'positions = "none"')
+    with Stepper(scene(text)) as stepper:
+        step = 0.9 * stepper.read("solver.stable_step")[0]
+    with Stepper(scene(text), start_values={"solver.step": step}) as stepper:
+        start = stepper.read("energy.kinetic", "energy.elastic").sum()
+        totals = []
+        for _ in range(200):
+            stepper.step(5000 * step)
+            totals.append(stepper.read("energy.kinetic", "energy.elastic").sum())
+        steps = stepper.integer("solver.steps")
+    assert steps == 1_000_000  # none was shortened
+    assert np.max(totals) < 1.1 * start  # the energy of the scheme's own motion differs by (h omega)^2
+    assert np.min(totals) > 0.75 * start
+    assert np.mean(totals[100:]) == pytest.approx(np.mean(totals[:100]), rel=0.02)  # no drift
+
+
+def test_the_stable_step_is_a_bound_and_no_more_than_a_fifth_too_short(scene):
+    with Stepper(scene(STRETCHED.replace("1.1, 1.0, 1.0", "1.0, 1.0, 1.0"))) as stepper:
+        bound = stepper.read("solver.stable_step")[0]
+    exact = 2 / reference.cube().eigenmodes()[0][-1]
+    assert exact / 1.2 < bound <= exact
+
+
+def test_a_given_step_beyond_stability_is_shortened_and_said_so(scene):
+    result = stretched(scene, 5e-3)
+    assert np.abs(points(result)).max() < 2
+    assert result.outputs["solver.steps"][-1] > 400
+    assert any("solver.step" in warning for warning in result.summary["warnings"])
+
+
+def test_more_internal_steps_than_allowed_are_refused(scene):
+    with pytest.raises(FmuError, match="internal steps"):
+        simulate(scene(STRETCHED), start_values={"solver.step": 1e-9})
