@@ -99,9 +99,7 @@ def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
     return Mesh(vertices, faces, None if uv is None else uv[used], path.stem, texture)
 
 
-def save_mesh(
-    mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = None, up: str = "z", decimals: int = 9
-) -> None:
+def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = None, up: str = "z", decimals: int = 9) -> None:
     """Write `mesh` as OBJ, STL, PLY or GLB, with its texture coordinates in all but STL, which has none.
 
     vertices: (V, 3) m, written in place of the mesh's own, as deform returns them. up: the axis of the file
@@ -185,9 +183,7 @@ def _require_faces(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
     if not len(vertices):
         raise MeshError(f"{path}: holds no vertices; wanted a surface of triangles or polygons")
     if not len(faces):
-        raise MeshError(
-            f"{path}: holds {len(vertices)} vertices but no faces (a point cloud or lines); wanted a surface"
-        )
+        raise MeshError(f"{path}: holds {len(vertices)} vertices but no faces (a point cloud or lines); wanted a surface")
 
 
 def _require_finite(path: Path, vertices: np.ndarray) -> None:
@@ -218,9 +214,7 @@ def _require_body(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
         )
     a, b, c = (vertices[faces] / extent.max()).transpose(1, 0, 2)
     if np.linalg.norm(np.cross(b - a, c - a), axis=1).max() <= 1e-14:
-        raise MeshError(
-            f"{path}: none of its {len(faces)} faces has an area (all are points or lines); wanted a surface"
-        )
+        raise MeshError(f"{path}: none of its {len(faces)} faces has an area (all are points or lines); wanted a surface")
 
 
 def _exported(mesh: Mesh, vertices: np.ndarray, kind: str) -> bytes:

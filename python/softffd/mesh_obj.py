@@ -25,9 +25,7 @@ def read_obj(path: Path, data: bytes) -> Triangles:
     return records.triangles()
 
 
-def write_obj(
-    path: Path, vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray | None, *, texture, decimals: int
-) -> None:
+def write_obj(path: Path, vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray | None, *, texture, decimals: int) -> None:
     """Write an OBJ file; a texture goes beside it, as NAME.mtl and NAME.png."""
     lines = []
     if texture is not None:

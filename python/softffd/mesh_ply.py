@@ -156,9 +156,7 @@ def _read_element(reader, element: _Element) -> dict[str, np.ndarray | _Lists]:
     if element.count == 0 or not element.properties:
         return {}
     if element.count > reader.room(element.properties):
-        raise ValueError(
-            f"the header promises {element.count} records '{element.name}', more than the file has room for"
-        )
+        raise ValueError(f"the header promises {element.count} records '{element.name}', more than the file has room for")
     if all(p.count_type is None for p in element.properties):
         types = [p.type for p in element.properties]
         columns = reader.take_table(types, [1] * len(types), element.count)

@@ -281,9 +281,7 @@ def test_values_out_of_range_are_refused(keys, fault):
         masses(keys.pop("distribution"), wedge(), **keys)
 
 
-@pytest.mark.parametrize(
-    "keys", [{"distribution": "surface", "total": 1.0}, {"distribution": "uniform", "density": 1.0}]
-)
+@pytest.mark.parametrize("keys", [{"distribution": "surface", "total": 1.0}, {"distribution": "uniform", "density": 1.0}])
 def test_what_needs_a_mesh_says_so(keys):
     with pytest.raises(SoftffdError, match=r"needs a mesh and the scene has none; add \[mesh\]"):
         point_masses(**keys, counts=(4, 4, 4), origin=[0, 0, 0], size=[1, 1, 1], mesh=None)

@@ -339,8 +339,7 @@ def test_polygons_become_triangles_that_cover_them(corners, tmp_path):
     ring = "".join(f"v {np.cos(a)} {np.sin(a)} {z}\n" for z in (0, 1) for a in angles)
     low, high = " ".join(map(str, range(corners, 0, -1))), " ".join(map(str, range(corners + 1, 2 * corners + 1)))
     sides = "".join(
-        f"f {i + 1} {(i + 1) % corners + 1} {(i + 1) % corners + corners + 1} {i + corners + 1}\n"
-        for i in range(corners)
+        f"f {i + 1} {(i + 1) % corners + 1} {(i + 1) % corners + corners + 1} {i + corners + 1}\n" for i in range(corners)
     )
     mesh = loaded(tmp_path, "a.obj", ring + f"f {low}\nf {high}\n" + sides)
     assert mesh.closed and len(mesh.faces) == 2 * (corners - 2) + 2 * corners
@@ -357,9 +356,7 @@ def test_binary_ply_may_mix_triangles_and_polygons(order, tmp_path):
 
 
 def test_text_ply_has_other_elements_and_the_faces_own_texture_coordinates(tmp_path):
-    head = ply().replace(
-        "end_header\n", "property list uchar float texcoord\nelement edge 1\nproperty int a\nend_header\n"
-    )
+    head = ply().replace("end_header\n", "property list uchar float texcoord\nelement edge 1\nproperty int a\nend_header\n")
     lines = PLY_TEXT.splitlines()
     body = lines[:4] + [f"{line} 6 0 0 1 0 0 1" for line in lines[4:]] + ["7"]
     mesh = loaded(tmp_path, "a.ply", head.replace("ascii 1.0", "ascii 1.0\ncomment made by hand") + "\n".join(body))
@@ -398,9 +395,7 @@ def test_bodies_of_an_obj_become_one_mesh(tmp_path):
 
 
 def test_unused_vertices_are_left_out_and_the_others_keep_their_order(tmp_path):
-    mesh = loaded(
-        tmp_path, "a.obj", "v 99 99 99\n" + TETRAHEDRON + "v nan 0 0\n" + "f 2 4 3\nf 2 3 5\nf 3 4 5\nf 4 2 5\n"
-    )
+    mesh = loaded(tmp_path, "a.obj", "v 99 99 99\n" + TETRAHEDRON + "v nan 0 0\n" + "f 2 4 3\nf 2 3 5\nf 3 4 5\nf 4 2 5\n")
     np.testing.assert_array_equal(mesh.vertices, CORNERS)
 
 
