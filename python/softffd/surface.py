@@ -6,7 +6,7 @@ from softffd.mesh import merge_by_position
 
 CREASE = np.cos(np.radians(40.0))
 FAN_LIMIT = 256
-BLOCK = 1 << 18
+BLOCK = 1 << 15
 
 
 def cage_surface(origin, size, *, divisions=24):

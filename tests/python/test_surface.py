@@ -1,6 +1,6 @@
 import numpy as np
 
-from softffd.surface import ShadingNormals, cage_surface, face_normals, split_at_creases
+from softffd.surface import ShadingNormals, _neighbouring_corners, cage_surface, face_normals, split_at_creases
 
 
 def sphere(rings=24):
@@ -54,5 +54,6 @@ def test_the_corners_of_a_huge_fan_are_not_paired():
     turn = np.linspace(0, 2 * np.pi, 20_001)[:-1]
     vertices = np.vstack([[0, 0, 0.1], np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)])
     rim = 1 + np.arange(len(turn))
-    normals = ShadingNormals(vertices, np.stack([0 * rim, rim, np.roll(rim, -1)], axis=1)).corners(vertices)
-    assert (normals[..., 2] > 0.99).all()
+    faces = np.stack([0 * rim, rim, np.roll(rim, -1)], axis=1)
+    assert sum(len(corner) for corner, _ in _neighbouring_corners(faces)) < 10 * len(faces)
+    assert (ShadingNormals(vertices, faces).corners(vertices)[..., 2] > 0.99).all()

@@ -68,6 +68,42 @@ document.getElementById("answer").textContent = JSON.stringify(answers);
 """
 
 
+USE_THE_CONTROLS = """
+<pre id="answer"></pre><script>
+function after(key, what) {
+  document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+  return what();
+}
+function pointer(type, x) {
+  canvas.dispatchEvent(new PointerEvent(type, { pointerId: 1, clientX: x, clientY: 9, buttons: 1 }));
+}
+canvas.setPointerCapture = () => {};
+const seconds_shown = () => +state.time.toFixed(6), before = { ...camera };
+const answer = { space: [state.playing, after(" ", () => state.playing), element("play").getAttribute("aria-label")] };
+set_playing(false);
+go_to(1);
+answer.frames = [".", ",", "Home", "End"].map(key => after(key, seconds_shown));
+Object.assign(element("slider"), { value: 0.5 }).dispatchEvent(new Event("input"));
+answer.slider = seconds_shown();
+answer.lattice = [after("l", () => state.lattice), element("lattice").getAttribute("aria-pressed")];
+element("lattice").click();
+answer.lattice.push(state.lattice);
+set_colour("strain");
+answer.colours = ["c", "c", "c"].map(key => after(key, () => element("colour").value));
+answer.speed = [after("[", () => state.speed), after("]", () => state.speed)];
+pointer("pointerdown", 10);
+pointer("pointermove", 60);
+pointer("pointerup", 60);
+answer.dragged = camera.yaw < before.yaw;
+canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: -100 }));
+answer.zoomed = camera.distance < before.distance;
+element("reset").click();
+answer.reset = camera.yaw === before.yaw && Math.abs(camera.distance - before.distance) < 1e-9;
+document.getElementById("answer").textContent = JSON.stringify(answer);
+</script>
+"""
+
+
 def chromium(page, folder, *arguments, without_3d=False):
     flags = [*FLAGS, f"--user-data-dir={folder / 'profile'}", *(["--disable-3d-apis"] if without_3d else [])]
     done = subprocess.run([CHROMIUM, *flags, *arguments, page], capture_output=True, text=True, timeout=120)
@@ -215,6 +251,24 @@ def test_browser_shows_object_lattice_and_ground_and_no_error(tmp_path):
     assert len(np.unique((scene[300:] * 255).reshape(-1, 3).astype(int), axis=0)) > 200
     lit = chromium(f"file://{page}#t=1.2", tmp_path, "--dump-dom")
     assert re.search(r'id="message"[^>]* hidden', lit) and "1.20" in re.search(r'<b id="now">(.*?)</b>', lit)[1]
+
+
+@needs_browser
+def test_keys_buttons_and_pointers_do_what_they_say(tmp_path):
+    page = write_view(made_up_run(), tmp_path / "view.html")
+    page.write_text(page.read_text("utf-8").replace("</body>", USE_THE_CONTROLS + "</body>"), "utf-8")
+    shown = chromium(f"file://{page}#t=1", tmp_path, "--dump-dom")
+    assert json.loads(re.search(r'<pre id="answer">(.*?)</pre>', shown)[1]) == {
+        "space": [False, True, "Pause"],
+        "frames": [1.05, 1.0, 0.0, 2.0],
+        "slider": 0.5,
+        "lattice": [False, "false", True],
+        "colours": ["paint", "displacement", "strain"],
+        "speed": [0.5, 1],
+        "dragged": True,
+        "zoomed": True,
+        "reset": True,
+    }
 
 
 @needs_browser
