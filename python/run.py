@@ -3,6 +3,7 @@
 
     python3 python/run.py demo                the car, with pictures
     python3 python/run.py test [ARGUMENTS]    the test suite (pytest's arguments)
+    python3 python/run.py bench               what each part of a scene costs
     python3 python/run.py build SCENE ...     any other command of softffd
 
 Makes .venv, builds the C++ library into it (with the machine's compiler, else with the one in the package `ziglang`), and hands over.
@@ -92,7 +93,8 @@ def main():
     set_up()
     if arguments[0] == "test":
         return subprocess.call([PYTHON, "-m", "pytest", *arguments[1:]], cwd=ROOT, env=compiler_environment())
-    return subprocess.call([PYTHON, "-m", "softffd", *arguments])
+    program = [ROOT / "benchmarks" / "feature_cost.py"] if arguments[0] == "bench" else ["-m", "softffd", *arguments]
+    return subprocess.call([PYTHON, *program])
 
 
 if __name__ == "__main__":

@@ -1,12 +1,12 @@
 """The object in one frame, or at rest, as an image: its surface, its lattice and the obstacles, from the usual side."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from softffd.raster import FIELD, Camera, Canvas
-from softffd.raster_plane import draw_plane
+from softffd.raster_plane import Patch, draw_plane
 from softffd.stage import FREE, PAINT, PINNED, VIEW, Stage, round_length
 from softffd.surface import ShadingNormals, face_normals
 
@@ -32,8 +32,7 @@ class Shape:
     @property
     def middle(self):
         """Middle of the lattice's bounding box, (3,) [m]."""
-        flat = self.points.reshape(-1, 3)
-        return (flat.min(axis=0) + flat.max(axis=0)) / 2
+        return _middle(self.points.reshape(-1, 3))
 
 
 class Panels:
@@ -48,8 +47,9 @@ class Panels:
         small = len(stage.faces) <= SMOOTH_FACES
         self._normals = ShadingNormals(stage.vertices, stage.faces) if small else None
         self._paint = face_colours(stage)
-        bounds = [shape.points.reshape(-1, 3) for shape in shapes if shape.frame is not None]
-        self._centre = _middle(np.concatenate(bounds)) if bounds else shapes[0].middle
+        moving = [shape.points.reshape(-1, 3) for shape in shapes if shape.frame is not None]
+        points = np.concatenate(moving or [shapes[0].points.reshape(-1, 3)])
+        self._centre, self._half = _middle(points), np.ptp(points, axis=0) / 2
         self._distance = max(self._needed(shape) for shape in shapes)
 
     def image(self, shape):
@@ -79,10 +79,14 @@ class Panels:
 
     def _draw_obstacles(self, canvas, frame, surface):
         reach, spacing = 0.8 * self._distance, round_length(0.15 * self._distance)
+        floors = [(p.points[frame], p.normals[frame]) for p in self._stage.planes if p.is_floor]
         for plane in self._stage.planes:
             pose = plane.points[frame], plane.normals[frame], plane.tangents[frame]
-            patch = {"centre": self._centre, "reach": reach, "spacing": spacing}
-            draw_plane(canvas, *pose, **patch, tint=plane.tint, surface=surface)
+            patch = Patch(*pose, self._centre, reach, spacing, plane.tint)
+            if not plane.is_floor:
+                plate = np.abs(patch.frame[:2]) @ self._half + 0.2 * np.linalg.norm(self._half)
+                patch = replace(patch, plate=plate, reach=plate.max(), floors=floors)
+            draw_plane(canvas, patch, surface=surface)
 
     def _draw_lattice(self, canvas, points):
         flat = points.transpose(2, 1, 0, 3).reshape(-1, 3)

@@ -31,7 +31,7 @@ def draw_run(result, path, *, mesh=None, origin=None, size=None):
     figure.text(0.02, 0.965, stage.title, fontsize=15, fontweight="bold", color=INK, va="center")
     captions = [f"{what}, t = {stage.time[frame]:.4g} s" for frame, what in moments.items()]
     _draw_panels(figure, stage, list(moments), captions, box=(0.02, 0.42, 0.96, 0.51))
-    for axes in _draw_curves(figure, result, bottom=0.085, top=0.355):
+    for axes in _draw_curves(figure, result, bottom=0.085, top=0.345):
         for frame in moments:
             axes.axvline(stage.time[frame], color=SOFT, linewidth=0.8, linestyle=(0, (2, 3)), zorder=0)
     return _save(figure, path)
@@ -59,7 +59,7 @@ def draw_strip(result, path, *, mesh=None, moments=None, labels=None, origin=Non
 def draw_history(result, path):
     """Draw the curves alone to `path` (PNG): reactions [N] and energies [J]; without either the lattice's height."""
     figure = _figure(11.0, 3.6, dpi=130)
-    _draw_curves(figure, result, bottom=0.15, top=0.93)
+    _draw_curves(figure, result, bottom=0.15, top=0.89)
     return _save(figure, path)
 
 
@@ -107,7 +107,7 @@ def _dress(axes, time, label, unit):
     if time[-1] > time[0]:
         axes.set_xlim(time[0], time[-1])
     axes.grid(color="#e3e7ed", linewidth=0.8)
-    axes.legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=9.5, loc="best")
+    axes.legend(loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=5, frameon=False, fontsize=9.5, borderpad=0.2)
     axes.spines[["top", "right"]].set_visible(False)
     axes.yaxis.set_major_formatter(EngFormatter(unit=unit, sep=" "))
 

@@ -1,5 +1,8 @@
 """An obstacle plane in a picture: a translucent patch with a grid and the soft shadow of what is above it."""
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 
 from softffd.raster import fragments
@@ -9,43 +12,93 @@ TAPS = 128
 SPREAD = 0.5
 
 
-def draw_plane(canvas, point, normal, tangent, *, centre, reach, spacing, tint, surface=None, opacity=0.62):
-    """Lay over `canvas` the patch of `reach` [m] about the foot of `centre` (3,) on the plane through `point`.
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """What is drawn of the plane through `point` (3,) [m]: its part about the foot of `centre` (3,) [m].
 
-    normal, tangent: unit and orthogonal; the grid of `spacing` [m] is anchored at `point`. surface: vertices (V, 3)
-    [m] and faces of the object that darkens the patch. The plane's back is nearly clear, so that it hides nothing.
+    `normal` and `tangent`: unit and orthogonal. The grid of `spacing` [m] is anchored at `point`. The patch fades out
+    towards `reach` [m]; with `plate` (2,) [m] it is a rectangle of these half sides along tangent and normal x tangent,
+    with an edge, and stops at `floors`, pairs of point and normal.
     """
-    foot = centre - normal * (normal @ (centre - point))
-    frame = np.stack([tangent, np.cross(normal, tangent), normal])
-    front = normal @ (canvas.camera.eye - foot) > 0
-    pixel, place, footprint = _patch(canvas, foot, frame, reach)
-    anchored = place + np.float32(frame[:2] @ (foot - point) % (5 * spacing))[:, None]
-    line = 0.26 * _grid(anchored, footprint, spacing) + 0.2 * _grid(anchored, footprint, 5 * spacing)
+
+    point: np.ndarray
+    normal: np.ndarray
+    tangent: np.ndarray
+    centre: np.ndarray
+    reach: float
+    spacing: float
+    tint: tuple[float, float, float]
+    plate: np.ndarray | None = None
+    floors: tuple = ()
+
+    @cached_property
+    def foot(self):
+        """Where the patch has its middle, (3,) [m]."""
+        return self.centre - self.normal * (self.normal @ (self.centre - self.point))
+
+    @cached_property
+    def frame(self):
+        """Rows tangent, normal x tangent, normal."""
+        return np.stack([self.tangent, np.cross(self.normal, self.tangent), self.normal])
+
+    def holds(self, place):
+        """Which of the places (2, P) [m] from the foot, along the frame's first axes, belong to the patch."""
+        if self.plate is None:
+            return np.hypot(*place) < self.reach
+        held = (np.abs(place) < np.float32(self.plate)[:, None]).all(axis=0)
+        for point, normal in self.floors:
+            along, across = np.float32(self.frame[:2] @ normal)
+            held &= place[0] * along + place[1] * across > np.float32(normal @ (point - self.foot))
+        return held
+
+    def lines(self, place, size):
+        """How dark the grid and the edge are at the places (2, P) where pixels have the sizes (2, P) [m]."""
+        shift = np.float32(self.frame[:2] @ (self.foot - self.point) % (5 * self.spacing))
+        anchored = place + shift[:, None]
+        line = 0.26 * _grid(anchored, size, self.spacing) + 0.2 * _grid(anchored, size, 5 * self.spacing)
+        if self.plate is None:
+            return line
+        inside = np.minimum(*((np.float32(self.plate)[:, None] - np.abs(place)) / size))
+        return line + 0.6 * (1 - _smooth(inside / 2 - 1))
+
+    def fade(self, place):
+        """Opacity at the places (2, P), as a share."""
+        return 1.0 if self.plate is not None else 1 - _smooth((np.hypot(*place) / self.reach - 0.55) / 0.45)
+
+
+def draw_plane(canvas, patch, *, surface=None):
+    """Lay `patch` over `canvas`; surface: vertices (V, 3) [m] and faces of the object that darkens it.
+
+    The plane's back is nearly clear, so that it hides nothing.
+    """
+    front = patch.normal @ (canvas.camera.eye - patch.foot) > 0
+    opacity = 0.62 if patch.plate is None else 0.45
+    pixel, place, size = _seen(canvas, patch)
+    line = patch.lines(place, size)
     cover = (opacity if front else 0.10) + (1 - opacity) * line * (1.0 if front else 0.5)
-    colour = np.float32(tint) * (1 - 0.55 * line)[:, None]
+    colour = np.float32(patch.tint) * (1 - 0.55 * line)[:, None]
     if surface is not None and front:
-        dark = 0.8 * _sampled(_occlusion(*surface, foot, frame, reach), place / reach)
+        dark = 0.8 * _sampled(_occlusion(*surface, patch.foot, patch.frame, patch.reach), place / patch.reach)
         colour, cover = colour * (1 - dark)[:, None], cover + (1 - cover) * dark
-    fade = 1 - _smooth((np.hypot(*place) / reach - 0.55) / 0.45)
-    canvas.blend(pixel, colour, cover * fade)
+    canvas.blend(pixel, colour, cover * patch.fade(place))
 
 
-def _patch(canvas, foot, frame, reach):
+def _seen(canvas, patch):
     """Fine pixels (P,) in which the patch is nearest, and on its two axes their places (2, P) and sizes (2, P) [m]."""
-    right, above, back = np.float32(canvas.camera.axes @ frame.T)
+    right, above, back = np.float32(canvas.camera.axes @ patch.frame.T)
     x, y = canvas.sight()
-    away = np.float32(frame @ (canvas.camera.eye - foot))
+    away = np.float32(patch.frame @ (canvas.camera.eye - patch.foot))
     with np.errstate(divide="ignore", invalid="ignore"):
         distance = (-away[2] / (x * right[2] + y[:, None] * above[2] - back[2])).ravel()
         pixel = np.flatnonzero((distance > 0) & (distance * canvas.depth <= 1.0005))
     x, y, distance = x[pixel % canvas.width], y[pixel // canvas.width], distance[pixel]
-    place = [away[a] + distance * (x * right[a] + y * above[a] - back[a]) for a in (0, 1)]
-    near = np.hypot(*place) < reach
+    place = np.stack([away[a] + distance * (x * right[a] + y * above[a] - back[a]) for a in (0, 1)])
+    held = patch.holds(place)
+    pixel, place, distance = pixel[held], place[:, held], distance[held]
     size = [  # |d place / d column| + |d place / d row|, where place = away - away_2 slope_a / slope_2
-        sum(np.abs(step[a] + (p - away[a]) * step[2] / away[2]) for step in (right, above)) * distance / canvas.focal
-        for a, p in enumerate(place)
+        sum(np.abs(step[a] + (place[a] - away[a]) * step[2] / away[2]) for step in (right, above)) * distance for a in (0, 1)
     ]
-    return pixel[near], np.stack(place)[:, near], np.stack(size)[:, near]
+    return pixel, place, np.stack(size) / canvas.focal
 
 
 def _grid(at, footprint, spacing):

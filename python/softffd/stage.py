@@ -23,11 +23,14 @@ VIEW = (-1.0, 0.27)
 class PlaneTrack:
     """An obstacle plane over time.
 
-    `points` (T, 3) [m], unit `normals` (T, 3) and, in the plane, unit `tangents` (T, 3); `tint` its colour.
+    `points` (T, 3) [m], unit `normals` (T, 3) and, in the plane, unit `tangents` (T, 3); `tint` its colour. `is_floor`:
+    one could stand on it all the time; it is drawn as a floor without an edge, which hides what is below, and
+    every other plane as a plate as large as the scene.
     """
 
     name: str
     tint: tuple[float, float, float]
+    is_floor: bool
     points: np.ndarray
     normals: np.ndarray
     tangents: np.ndarray
@@ -102,6 +105,7 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
     _require_bezier(result.scene)
     origin, size = _box(result, mesh, origin, size)
     vertices, faces = (mesh.vertices, mesh.faces) if mesh is not None else cage_surface(origin, size)
+    up = up_direction(result.scene)
     textured = mesh is not None and mesh.uv is not None and mesh.texture is not None
     low, high = positions.min(axis=(0, 1, 2, 3)), positions.max(axis=(0, 1, 2, 3))
     return Stage(
@@ -115,9 +119,9 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
         uv=mesh.uv if textured else None,
         texture=mesh.texture if textured else None,
         is_cage=mesh is None,
-        planes=tuple(_track(i, name, *result.plane(name)) for i, name in enumerate(result.plane_names())),
+        planes=tuple(_track(i, name, up, *result.plane(name)) for i, name in enumerate(result.plane_names())),
         pinned=_pinned(result.scene),
-        up=up_direction(result.scene),
+        up=up,
         centre=(low + high) / 2,
         half=(high - low) / 2,
     )
@@ -161,14 +165,15 @@ def _box(result, mesh, origin, size):
     return np.array(low if origin is None else origin, float), np.array(extent if size is None else size, float)
 
 
-def _track(number, name, points, normals):
+def _track(number, name, up, points, normals):
     """The tangents follow one world axis through the run, the one that the normal comes least close to."""
     normals = _unit(normals)
     axis, spare = np.eye(3)[np.abs(normals).max(axis=0).argsort()[:2]]
     axes = np.where(np.abs(normals @ axis)[:, None] < 0.999, axis, spare)
     tangents = axes - normals * np.einsum("ta,ta->t", normals, axes)[:, None]
     tint = OBSTACLES[number % len(OBSTACLES)]
-    return PlaneTrack(name, tint, np.asarray(points, dtype=float), normals, _unit(tangents))
+    is_floor = bool((normals @ up > 0.7).all())
+    return PlaneTrack(name, tint, is_floor, np.asarray(points, dtype=float), normals, _unit(tangents))
 
 
 def _unit(vectors):

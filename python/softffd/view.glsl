@@ -133,11 +133,12 @@ void main() {
 //// plane-vertex
 uniform mat4 camera;
 uniform vec3 centre, normal, tangent;
+uniform vec2 extent;                                  // of the patch, in units of reach
 uniform float reach;
 out vec3 world;
 out vec2 patch_place;
 void main() {
-  patch_place = 2.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) - 1.0;
+  patch_place = extent * (2.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) - 1.0);
   world = centre + reach * (patch_place.x * tangent + patch_place.y * cross(normal, tangent));
   gl_Position = camera * vec4(world, 1);
 }
@@ -147,7 +148,9 @@ precision highp float;
 in vec3 world;
 in vec2 patch_place;
 uniform vec3 anchor, normal, tangent, tint, eye;
-uniform float spacing, solid;
+uniform vec4 floors[4];                               // normal and distance; of a plate nothing is drawn below them
+uniform vec2 extent;
+uniform float spacing, plate;
 uniform sampler2D shadow;
 out vec4 colour;
 float grid(float step_width) {
@@ -160,10 +163,14 @@ float shade(vec2 at, vec2 texel) {
     + texture(shadow, at + vec2(texel.x, -texel.y)).r + texture(shadow, at + vec2(-texel.x, texel.y)).r);
 }
 void main() {
-  float fade = 1.0 - smoothstep(0.55, 1.0, length(patch_place));
+  for (int i = 0; i < 4; i++) if (plate > 0.5 && dot(world, floors[i].xyz) < floors[i].w) discard;
+  vec2 inside = extent - abs(patch_place), pixel = fwidth(patch_place);
+  float rim = 1.0 - smoothstep(1.0, 2.0, min(inside.x / pixel.x, inside.y / pixel.y));
+  float fade = plate > 0.5 ? 1.0 : 1.0 - smoothstep(0.55, 1.0, length(patch_place));
+  float solid = plate > 0.5 ? 0.45 : 0.62;
   bool front = dot(eye - world, normal) > 0.0;
   float hidden = front ? 0.8 * shade(0.5 * patch_place + 0.5, 1.0 / vec2(textureSize(shadow, 0))) : 0.0;
-  float lines = 0.28 * grid(spacing) + 0.22 * grid(5.0 * spacing);
+  float lines = 0.28 * grid(spacing) + 0.22 * grid(5.0 * spacing) + 0.6 * rim * plate;
   vec3 base = mix(tint, tint * 0.45, lines);
   float cover = (front ? solid : 0.12) + (1.0 - solid) * lines * (front ? 1.0 : 0.5);
   colour = vec4(base * (1.0 - hidden), fade * (cover + (1.0 - cover) * hidden));

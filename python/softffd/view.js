@@ -231,12 +231,16 @@ function load_points() {
   gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, NX * NY, NZ, gl.RGBA, gl.FLOAT, texels);
   for (const plane of run.planes) place_plane(plane);
 }
-// The patch drawn of a plane lies under the scene's centre; its grid is anchored to the obstacle's own point.
+// The patch drawn of a plane lies under the scene's centre; its grid is anchored to the obstacle's own point. A floor fades
+// out; any other plane is a plate with an edge, large enough for the scene, whose part below the floors is not drawn.
 function place_plane(plane) {
   const pose = between(plane.poses, 9, frame_at(state.time)), normal = unit(pose.subarray(3, 6)), raw = pose.subarray(6, 9);
   const anchor = [...pose.subarray(0, 3)], tangent = unit(plus(raw, -dot(raw, normal), normal));
-  plane.now = { anchor, normal, tangent, centre: plus([0, 0, 0], dot(anchor, normal), normal), reach: 1.9 * run.radius };
+  const sides = [tangent, cross(normal, tangent)].map(side => Math.abs(side[0]) * run.half[0] + Math.abs(side[1]) * run.half[1] + Math.abs(side[2]) * run.half[2] + 0.2 * run.radius);
+  const reach = plane.floor ? 1.9 * run.radius : Math.max(...sides), extent = plane.floor ? [1, 1] : sides.map(side => side / reach);
+  plane.now = { anchor, normal, tangent, centre: plus([0, 0, 0], dot(anchor, normal), normal), reach, extent, plate: plane.floor ? 0 : 1 };
 }
+const floors = () => run.planes.filter(plane => plane.floor).slice(0, 4).map(({ now }) => [...now.normal, dot(now.anchor, now.normal)]);
 function cast_shadows() {
   gl.viewport(0, 0, SHADOW, SHADOW);
   gl.disable(gl.DEPTH_TEST);
@@ -275,12 +279,13 @@ function draw_object(common) {
 }
 function draw_planes(common) {
   const order = run.planes.map((plane, i) => [Math.hypot(...plus(plane.now.centre, -1, common.eye)), plane, i]).sort((a, b) => b[0] - a[0]);
+  const below = [...floors(), ...Array(4).fill([0, 0, 0, -1])].slice(0, 4).flat();
   gl.enable(gl.POLYGON_OFFSET_FILL);
   gl.polygonOffset(1, 2);
   gl.bindVertexArray(planes.array);
   for (const [, plane, i] of order) {
     bind(1, planes.surfaces[i].image);
-    use(planes.program, { ...common, ...plane.now, tint: plane.tint, spacing: run.spacing, solid: 0.62, shadow: 1 });
+    use(planes.program, { ...common, ...plane.now, tint: plane.tint, spacing: run.spacing, shadow: 1, "floors[0]": below });
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   }
   gl.disable(gl.POLYGON_OFFSET_FILL);
@@ -352,7 +357,7 @@ function make_rows() {
     box.style.setProperty("--mark", row.mark);
     box.innerHTML = `<div><span class="label"></span><span class="value"></span></div><div class="vector"></div>
       <svg viewBox="0 0 100 26" preserveAspectRatio="none" aria-hidden="true"><path d="${path}"/><line y1="0" y2="26"/></svg>`;
-    box.querySelector(".label").textContent = row.label;
+    box.querySelector(".label").append(row.label, Object.assign(document.createElement("span"), { textContent: ` ${row.kind}` }));
     const curve = box.querySelector("svg"), seek = e => { const r = curve.getBoundingClientRect(); go_to(times[0] + (times[LAST] - times[0]) * (e.clientX - r.left) / r.width); };
     curve.addEventListener("pointerdown", e => { curve.setPointerCapture(e.pointerId); set_playing(false); seek(e); });
     curve.addEventListener("pointermove", e => { if (e.buttons) seek(e); });

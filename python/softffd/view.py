@@ -27,13 +27,7 @@ MOST_POINT_BYTES = 24e6
 
 MOST_TEXELS = 1024
 SAMPLES = 1000
-ENERGY_MARKS = {
-    "kinetic": "#0072b2",
-    "elastic": "#d55e00",
-    "gravity": "#009e73",
-    "dissipated": "#8c6d00",
-    "work": "#b0548a",
-}
+ENERGY_MARKS = {"kinetic": "#0072b2", "elastic": "#d55e00"}
 
 
 def write_view(result, path, *, mesh=None, origin=None, size=None):
@@ -140,26 +134,29 @@ def _planes(stage, frames):
     """Poses (T, 9): a point relative to the stage's centre [m], the unit normal, a unit tangent."""
     poses = [np.hstack([p.points - stage.centre, p.normals, p.tangents])[frames] for p in stage.planes]
     return [
-        {"name": plane.name, "tint": plane.tint, "poses": _text(pose, "<f4")}
+        {"name": plane.name, "tint": plane.tint, "floor": plane.is_floor, "poses": _text(pose, "<f4")}
         for plane, pose in zip(stage.planes, poses, strict=True)
     ]
 
 
 def _rows(result, stage, frames):
-    """The curves of the readout: sizes of the reactions [N] with their vectors, and energies [J]."""
+    """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J]."""
     marks = {f"plane.{plane.name}": _hex(plane.tint) for plane in stage.planes}
     rows = []
     for name, force in reactions(result).items():
-        label, mark = f"{name.split('.')[1]} reaction", marks.get(name, _hex(PINNED))
-        rows.append(_row(label, "N", mark, np.linalg.norm(force, axis=1)[frames], force[frames]))
-    for kind, energy in energies(result).items():
-        rows.append(_row(f"{kind} energy", "J", ENERGY_MARKS[kind], energy[frames]))
+        mark = marks.get(name, _hex(PINNED))
+        rows.append(_row(name.split(".")[1], "reaction", "N", mark, np.linalg.norm(force, axis=1)[frames], force[frames]))
+    recorded = energies(result)
+    for name, mark in ENERGY_MARKS.items():
+        if name in recorded:
+            rows.append(_row(name, "energy", "J", mark, recorded[name][frames]))
     return rows
 
 
-def _row(label, unit, mark, values, vectors=None):
+def _row(label, kind, unit, mark, values, vectors=None):
     vectors = None if vectors is None else _text(vectors, "<f4")
-    return {"label": label, "unit": unit, "mark": mark, "values": _text(values, "<f4"), "vectors": vectors}
+    texts = {"label": label, "kind": kind, "unit": unit, "mark": mark}
+    return texts | {"values": _text(values, "<f4"), "vectors": vectors}
 
 
 def _hex(tint):

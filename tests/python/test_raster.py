@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from softffd.raster import Camera, Canvas, fragments
-from softffd.raster_plane import draw_plane
+from softffd.raster_plane import Patch, draw_plane
 
-UP = np.array([0.0, 0.0, 1.0])
+EAST, NORTH, UP = np.eye(3)
 
 
 def canvas(*, eye=(0.0, -10.0, 0.0), size=100):
@@ -71,8 +71,8 @@ def test_lines_behind_something_are_fainter():
 def test_a_plane_darkens_under_the_object_and_not_far_from_it():
     drawn = canvas(eye=(0.0, -10.0, 6.0))
     box = np.array([[-1, -1, 0.2], [1, -1, 0.2], [1, 1, 0.2], [-1, 1, 0.2]], float), np.array([[0, 1, 2], [0, 2, 3]])
-    ground = {"centre": np.zeros(3), "reach": 6.0, "spacing": 100.0, "tint": (0.6, 0.6, 0.6)}
-    draw_plane(drawn, np.array([50.0, 50.0, 0]), UP, np.array([1.0, 0, 0]), **ground, surface=box)
+    ground = Patch(np.array([50.0, 50.0, 0]), UP, EAST, np.zeros(3), 6.0, 100.0, (0.6, 0.6, 0.6))
+    draw_plane(drawn, ground, surface=box)
     places = np.array([[0.0, 0.0, 0.0], [2.5, 0.0, 0.0]])
     under, beside = (drawn.image()[int(y) // 2, int(x) // 2].mean() for x, y, _ in drawn.project(places))
     assert under < 0.7 * beside
@@ -82,7 +82,18 @@ def test_an_object_before_a_plane_is_not_tinted():
     drawn = canvas()
     drawn.triangles(*square(-1.0), (0.1, 0.5, 0.1))
     before = drawn.image()[50, 50]
-    wall = {"centre": np.zeros(3), "reach": 5.0, "spacing": 1.0, "tint": (1, 0, 0)}
-    draw_plane(drawn, np.zeros(3), np.array([0.0, -1.0, 0]), np.array([1.0, 0, 0]), **wall)
+    draw_plane(drawn, Patch(np.zeros(3), -NORTH, EAST, np.zeros(3), 5.0, 1.0, (1, 0, 0)))
     assert np.array_equal(drawn.image()[50, 50], before)
     assert not np.allclose(drawn.image()[20, 50], 1.0)
+
+
+def test_a_plate_ends_at_its_edge_and_at_the_floor():
+    drawn = canvas(size=200)
+    floor = (np.array([0.0, 0.0, -0.5]), UP)
+    plate = Patch(np.zeros(3), -NORTH, EAST, np.zeros(3), 2.0, 9.0, (1, 0, 0), np.array([2.0, 1.0]), (floor,))
+    draw_plane(drawn, plate)
+    rows, columns = np.nonzero(drawn.image()[..., 1] < 0.95)
+    pixels_per_metre = 200 / (2 * 0.29 * 10)
+    assert np.isclose(np.ptp(columns), 4.0 * pixels_per_metre, atol=2)
+    assert np.isclose(rows.min(), 100 - 1.0 * pixels_per_metre, atol=2)
+    assert np.isclose(rows.max(), 100 + 0.5 * pixels_per_metre, atol=2)
