@@ -6,11 +6,11 @@ namespace softffd {
 
 struct Body {
   Springs springs;
-  Scalars mass;               ///< (points) [kg], > 0
-  Scalars damping;            ///< (points) [N s/m], >= 0
-  std::vector<bool> pinned;   ///< (points) moved by a pin, not by forces
-  bool damped = false;        ///< any damping > 0
-  double length = 1;          ///< largest side of the box [m]: the scale of every tolerance on positions
+  Scalars mass;              ///< (points) [kg], > 0
+  Scalars damping;           ///< (points) [N s/m], >= 0
+  std::vector<bool> pinned;  ///< (points) moved by a pin, not by forces
+  bool damped = false;       ///< any damping > 0
+  double length = 1;         ///< largest side of the box [m]: the scale of every tolerance on positions
   int points() const { return int(mass.size()); }
 };
 

@@ -36,8 +36,9 @@ void CentralDifference::step(const Body& body, const Surroundings& around, doubl
                              Exchange* exchange) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto inertia = body.mass / (h * h), drag = body.damping / (2 * h);
-    next_.col(axis) = (2 * inertia * state.x.col(axis) - (inertia - drag) * state.previous.col(axis) + state.spring.col(axis) +
-                       around.force.col(axis)) / (inertia + drag);
+    next_.col(axis) =
+        (2 * inertia * state.x.col(axis) - (inertia - drag) * state.previous.col(axis) + state.spring.col(axis) + around.force.col(axis)) /
+        (inertia + drag);
   }
   for (std::size_t q = 0; q < around.planes.size(); ++q) {
     const HalfSpace now = around.planes[q].at(t);

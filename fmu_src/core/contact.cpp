@@ -110,9 +110,8 @@ StepStatus Contact::drift_point(const StepView& step, Touch& touch, Change& chan
   const Change free = change;
   Vec3 impulse;
   change = first_contact(step, p, plane, touch.velocity, free, impulse);
-  const bool alone = std::all_of(end_.begin(), end_.end(), [&](const HalfSpace& other) {
-    return &other == &end_[plane] || other.gap(change.x1) >= 0;
-  });
+  const bool alone =
+      std::all_of(end_.begin(), end_.end(), [&](const HalfSpace& other) { return &other == &end_[plane] || other.gap(change.x1) >= 0; });
   if (!alone) return several_contacts(step, touch, free, change, exchange);
   book(step, touch, plane, impulse, change.x1, exchange);
   return StepStatus::ok;
@@ -173,7 +172,8 @@ StepStatus Contact::several_contacts(const StepView& step, Touch& touch, const C
   for (std::size_t q = 0; q < end_.size(); ++q) {
     const Constraint& c = constraints_[q];
     if (c.normal_impulse == 0 && c.friction_impulse.isZero(0)) continue;
-    book(step, touch, int(q), step.kicks.opening_mass(touch.point) * (c.normal_impulse * c.normal + c.friction_impulse), change.x1, exchange);
+    book(step, touch, int(q), step.kicks.opening_mass(touch.point) * (c.normal_impulse * c.normal + c.friction_impulse), change.x1,
+         exchange);
   }
   return StepStatus::ok;
 }

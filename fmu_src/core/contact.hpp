@@ -61,9 +61,9 @@ class Contact {
   /// the mean of the velocities at both ends of the step.
   struct Touch {
     int point;
-    Vec3 velocity;                 ///< at t0 [m/s]
-    Vec3 impulse = Vec3::Zero();   ///< of all obstacles on the point [N s]
-    double surface_work = 0;       ///< of which the obstacles' own motion did [J]
+    Vec3 velocity;                ///< at t0 [m/s]
+    Vec3 impulse = Vec3::Zero();  ///< of all obstacles on the point [N s]
+    double surface_work = 0;      ///< of which the obstacles' own motion did [J]
   };
   StepStatus drift_point(const StepView& step, Touch& touch, Change& change, Exchange& exchange);
   Change first_contact(const StepView& step, int p, int plane, const Vec3& before, const Change& free, Vec3& impulse) const;
@@ -75,7 +75,7 @@ class Contact {
   std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at t0, t0 + h/2 and t1
   std::vector<Touch> touched_;
   std::vector<Constraint> constraints_;
-  std::vector<int> active_;                      ///< plane of each constraint
+  std::vector<int> active_;  ///< plane of each constraint
   FeasibleSet feasible_;
   Scalars gap_;
   std::vector<char> marked_;

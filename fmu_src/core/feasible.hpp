@@ -12,11 +12,11 @@ namespace softffd {
 
 /// One plane's demand on the velocity (or position) v of a point: normal . v >= bound.
 struct Constraint {
-  Vec3 normal = Vec3::UnitZ();     ///< unit vector
-  double bound = 0;                ///< [m/s] (or [m])
-  double friction = 0;             ///< Coulomb coefficient
-  Vec3 surface = Vec3::Zero();     ///< velocity of the obstacle's material [m/s]
-  double normal_impulse = 0;       ///< result: multiplier, >= 0, per unit mass [m/s]
+  Vec3 normal = Vec3::UnitZ();           ///< unit vector
+  double bound = 0;                      ///< [m/s] (or [m])
+  double friction = 0;                   ///< Coulomb coefficient
+  Vec3 surface = Vec3::Zero();           ///< velocity of the obstacle's material [m/s]
+  double normal_impulse = 0;             ///< result: multiplier, >= 0, per unit mass [m/s]
   Vec3 friction_impulse = Vec3::Zero();  ///< result: tangential, |.| <= friction * normal_impulse [m/s]
 };
 

@@ -7,11 +7,11 @@ namespace softffd {
 
 /// Everything that a communication step changes, apart from what it gave back (Exchange).
 struct State {
-  double time = 0;         ///< [s]
-  Points x, v;             ///< positions [m] and velocities [m/s] at `time`, (points, 3)
-  Points spring;           ///< spring forces at x [N]
-  Points previous;         ///< positions one internal step back; central difference only
-  double previous_h = 0;   ///< the step that `previous` belongs to; 0: none
+  double time = 0;        ///< [s]
+  Points x, v;            ///< positions [m] and velocities [m/s] at `time`, (points, 3)
+  Points spring;          ///< spring forces at x [N]
+  Points previous;        ///< positions one internal step back; central difference only
+  double previous_h = 0;  ///< the step that `previous` belongs to; 0: none
 };
 
 /// `steps` internal steps of size h; number i of them starts at origin + (first + i) h. Times are counted, not summed: cutting a stretch

@@ -117,7 +117,7 @@ void drift(std::size_t n, double h, const double* x, const double* v, double* __
 SOFTFFD_CLONES
 bool gaps(int points, const double* x, const double normal[3], double offset, double* __restrict gap) {
   const double nx = normal[0], ny = normal[1], nz = normal[2];
-  const double *__restrict y = x + points, *__restrict z = y + points;
+  const double* __restrict y = x + points, * __restrict z = y + points;
   int behind = 0;
   for (int p = 0; p < points; ++p) {
     gap[p] = nx * x[p] + ny * y[p] + nz * z[p] - offset;

@@ -41,8 +41,19 @@ struct Direction {
 };
 
 /// Edges first, then face diagonals, then body diagonals.
-inline constexpr std::array<Direction, 13> directions{{{1, 0, 0},   {0, 1, 0},  {0, 0, 1},  {1, 1, 0},  {-1, 1, 0}, {1, 0, 1},   {-1, 0, 1},
-                                                       {0, 1, 1},   {0, -1, 1}, {1, 1, 1},  {-1, 1, 1}, {1, -1, 1}, {-1, -1, 1}}};
+inline constexpr std::array<Direction, 13> directions{{{1, 0, 0},
+                                                       {0, 1, 0},
+                                                       {0, 0, 1},
+                                                       {1, 1, 0},
+                                                       {-1, 1, 0},
+                                                       {1, 0, 1},
+                                                       {-1, 0, 1},
+                                                       {0, 1, 1},
+                                                       {0, -1, 1},
+                                                       {1, 1, 1},
+                                                       {-1, 1, 1},
+                                                       {1, -1, 1},
+                                                       {-1, -1, 1}}};
 
 /// Number of cells with a corner whose three edges no longer form a right-handed frame: the cell is turned inside out there.
 int folded_cells(const Lattice& lattice, const Points& x);

@@ -96,8 +96,9 @@ StepStatus SoftBody::refresh_surroundings() {
     const Settings::PlaneInput& input = settings.planes[q];
     const double size = input.normal.stableNorm();
     if (!(size > 0)) return StepStatus::zero_normal;
-    around_.planes[q] = {input.point, input.normal / size, input.velocity, input.angular_velocity, input.friction,
-                         input.moved_by_input ? time : start_time_};
+    around_.planes[q] = {input.point,    input.normal / size,
+                         input.velocity, input.angular_velocity,
+                         input.friction, input.moved_by_input ? time : start_time_};
   }
   for (std::size_t a = 0; a < around_.pins.size(); ++a) {
     const Settings::PinInput& input = settings.pins[a];
@@ -225,8 +226,8 @@ bool SoftBody::deformed_since_bound() const {
   for (const Springs::Row& row : body_.springs.rows()) {
     if (row.direction.kind() != SpringKind::edge) break;
     const double limit = deformation_limit * row.rest_length[0];
-    const double change = kernels::largest_change(row.view(), body_.points(), now_.motion.x.data(), now_.bound_x.data(),
-                                                  body_.springs.scratch());
+    const double change =
+        kernels::largest_change(row.view(), body_.points(), now_.motion.x.data(), now_.bound_x.data(), body_.springs.scratch());
     if (change > limit * limit) return true;
   }
   return false;

@@ -30,9 +30,9 @@ struct Definition {
   std::vector<Region> regions;  ///< later ones win
   std::vector<PinDefinition> pins;
   int planes = 0;
-  Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();                    ///< x0 = origin + stretch (X - origin) + offset
-  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();         ///< [m/s], [rad/s] about the centre of the box at x0
-  bool watch_energy = false;                                             ///< accumulate dissipated energy and work
+  Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();             ///< x0 = origin + stretch (X - origin) + offset
+  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< [m/s], [rad/s] about the centre of the box at x0
+  bool watch_energy = false;                                      ///< accumulate dissipated energy and work
 };
 
 /// Values that a host may set between steps. Vectors have the sizes of the definition.
@@ -42,8 +42,8 @@ struct Settings {
   double damping = 0;           ///< per control point [N s/m]
   Vec3 gravity = Vec3::Zero();  ///< [m/s2]
   Method method = Method::automatic;
-  double step = 0;       ///< internal step [s]; 0: by stability
-  Points force;          ///< loads and point forces (points, 3) [N]
+  double step = 0;  ///< internal step [s]; 0: by stability
+  Points force;     ///< loads and point forces (points, 3) [N]
   struct PlaneInput {
     Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
     double friction = 0;
@@ -62,12 +62,12 @@ struct Settings {
 struct Progress {
   State motion;
   Clock clock;
-  Exchange exchange;         ///< of the last communication step
-  double exchange_time = 1;  ///< its length [s]
+  Exchange exchange;                               ///< of the last communication step
+  double exchange_time = 1;                        ///< its length [s]
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
   long steps = 0, contacts_resolved = 0;
-  Points bound_x;            ///< configuration that `bound` belongs to
-  double bound = -1;         ///< bound of omega [rad/s]; negative: none yet
+  Points bound_x;     ///< configuration that `bound` belongs to
+  double bound = -1;  ///< bound of omega [rad/s]; negative: none yet
 };
 
 class SoftBody {
@@ -77,7 +77,7 @@ class SoftBody {
 
   explicit SoftBody(Definition definition);
 
-  Settings settings;                ///< take effect at the next `initialize` or `advance`
+  Settings settings;                          ///< take effect at the next `initialize` or `advance`
   void settings_changed() { stale_ = true; }  ///< call after changing mass, stiffness or damping
 
   /// Sets up the initial state at time t0; positions behind planes are moved onto them.

@@ -47,8 +47,7 @@ fmi2Status guarded(fmi2Component component, const char* function, unsigned allow
   try {
     instance = live(component);
     if (!instance) return fmi2Error;
-    if (!(instance->phase & allowed))
-      return fail(*instance, std::string(function) + ": not allowed " + phase_name(instance->phase));
+    if (!(instance->phase & allowed)) return fail(*instance, std::string(function) + ": not allowed " + phase_name(instance->phase));
     return call(*instance);
   } catch (const CallError& error) {
     return fail(*instance, error.what());
@@ -84,7 +83,8 @@ fmi2Status no_variables(fmi2Component component, const char* function, unsigned 
 std::unique_ptr<Instance> instantiate(const Logger& logger, fmi2Type type, const char* guid, const char* resources) {
   if (type != fmi2CoSimulation) throw CallError("fmi2Instantiate: fmuType: wanted fmi2CoSimulation; model exchange is not available");
   if (!guid) throw CallError("fmi2Instantiate: fmuGUID: wanted a text, got null");
-  if (!resources || !*resources) throw CallError("fmi2Instantiate: fmuResourceLocation: wanted the URI of the resources folder, got nothing");
+  if (!resources || !*resources)
+    throw CallError("fmi2Instantiate: fmuResourceLocation: wanted the URI of the resources folder, got nothing");
   const auto path = path_from_uri(resources);
   if (!path) throw CallError(std::string("fmi2Instantiate: fmuResourceLocation: wanted a file: URI, got ") + resources);
   const bool slash = !path->empty() && path->back() == '/';
@@ -304,8 +304,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2Value
   return unavailable(component, "fmi2GetDirectionalDerivative");
 }
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference[], size_t, const fmi2Integer[],
-                                       const fmi2Real[]) {
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference[], size_t, const fmi2Integer[], const fmi2Real[]) {
   return unavailable(component, "fmi2SetRealInputDerivatives");
 }
 

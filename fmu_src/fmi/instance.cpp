@@ -48,9 +48,7 @@ void Instance::reset() {
   changed_ = material_changed_ = true;
 }
 
-void Instance::start(Family family, std::initializer_list<double> numbers) {
-  values(family).insert(values(family).end(), numbers);
-}
+void Instance::start(Family family, std::initializer_list<double> numbers) { values(family).insert(values(family).end(), numbers); }
 
 void Instance::load_starts() {
   for (auto& list : values_) list.clear();
@@ -119,19 +117,29 @@ void Instance::apply_values() {
       s.force.row(p) += value3(Family::load, int(l)).array().transpose() / double(scene_.loads[l].points.size());
   for (std::size_t n = 0; n < input_planes_.size(); ++n) {
     const int i = int(n);
-    s.planes[input_planes_[n]] = {value3(Family::plane_point, i), value3(Family::plane_normal, i), value3(Family::plane_velocity, i),
-                                  value3(Family::plane_angular_velocity, i), 0, true};
+    s.planes[input_planes_[n]] = {value3(Family::plane_point, i),
+                                  value3(Family::plane_normal, i),
+                                  value3(Family::plane_velocity, i),
+                                  value3(Family::plane_angular_velocity, i),
+                                  0,
+                                  true};
   }
   for (std::size_t n = 0; n < fixed_planes_.size(); ++n) {
     const int i = int(n);
-    s.planes[fixed_planes_[n]] = {value3(Family::fixed_plane_point, i), value3(Family::fixed_plane_normal, i),
-                                  value3(Family::fixed_plane_velocity, i), value3(Family::fixed_plane_angular_velocity, i), 0, false};
+    s.planes[fixed_planes_[n]] = {value3(Family::fixed_plane_point, i),
+                                  value3(Family::fixed_plane_normal, i),
+                                  value3(Family::fixed_plane_velocity, i),
+                                  value3(Family::fixed_plane_angular_velocity, i),
+                                  0,
+                                  false};
   }
   for (std::size_t q = 0; q < scene_.planes.size(); ++q) s.planes[q].friction = values(Family::plane_friction)[q];
   for (std::size_t n = 0; n < input_pins_.size(); ++n) {
     const int i = int(n);
     const double* q = values(Family::pin_orientation).data() + 4 * n;
-    s.pins[input_pins_[n]] = {value3(Family::pin_position, i), {q[0], q[1], q[2], q[3]}, value3(Family::pin_velocity, i),
+    s.pins[input_pins_[n]] = {value3(Family::pin_position, i),
+                              {q[0], q[1], q[2], q[3]},
+                              value3(Family::pin_velocity, i),
                               value3(Family::pin_angular_velocity, i)};
   }
   changed_ = material_changed_ = false;
@@ -196,8 +204,8 @@ void Instance::log_solver_choice() {
   if (asked == 0)
     text += "0.9 of the stability bound at most";
   else
-    text += h < 0.999 * asked ? "solver.step " + number(asked) + " s is above the stability bound or the communication step"
-                              : "solver.step";
+    text +=
+        h < 0.999 * asked ? "solver.step " + number(asked) + " s is above the stability bound or the communication step" : "solver.step";
   const bool shortened = asked > 0 && asked > body_.stable_step();
   logger.log(shortened ? fmi2Warning : fmi2OK, shortened ? log_warning : log_solver, text);
 }

@@ -65,10 +65,10 @@ class Instance {
   SceneFile scene_;
   std::vector<int> input_planes_, fixed_planes_, input_pins_;  ///< indices into scene_.planes and scene_.pins
   std::vector<Scalars> probe_weights_;
-  std::array<std::vector<double>, 128> values_;                ///< settings by family id
+  std::array<std::vector<double>, 128> values_;  ///< settings by family id
   SoftBody body_;
-  bool changed_ = true;          ///< values differ from what the body has
-  bool material_changed_ = true; ///< among them mass, stiffness or damping
+  bool changed_ = true;           ///< values differ from what the body has
+  bool material_changed_ = true;  ///< among them mass, stiffness or damping
   double start_time_ = 0, time_ = 0, stop_time_;
   double logged_step_ = -1;
 };

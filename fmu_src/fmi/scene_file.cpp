@@ -154,7 +154,8 @@ const std::map<std::string_view, Reader>& readers() {
       {"counts", read_counts},
       {"origin", [](Record& r, SceneFile& s) { s.definition.lattice.origin = r.vector(); }},
       {"size", read_size},
-      {"topology", [](Record& r, SceneFile& s) {
+      {"topology",
+       [](Record& r, SceneFile& s) {
          s.definition.topology = r.choice<Topology>({{"distinct", Topology::distinct}, {"paper", Topology::paper}});
        }},
       {"mass", read_mass},
@@ -166,7 +167,8 @@ const std::map<std::string_view, Reader>& readers() {
       {"plane", read_plane},
       {"pin", read_pin},
       {"load", read_load},
-      {"probe", [](Record& r, SceneFile& s) {
+      {"probe",
+       [](Record& r, SceneFile& s) {
          const std::string name(r.word());
          s.probes.push_back({name, r.vector()});
        }},

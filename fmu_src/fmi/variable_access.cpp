@@ -127,7 +127,8 @@ Instance::Variable Instance::checked(fmi2ValueReference reference, Type type) co
 void Instance::check_settable(const Variable& variable, fmi2ValueReference reference, double value) const {
   const FamilyInfo& info = *variable.info;
   if (!(settable_in(info) & phase))
-    throw CallError(name(reference) + ": cannot be set " + (info.causality == Causality::output ? "(it is an output)" : "after initialization"));
+    throw CallError(name(reference) + ": cannot be set " +
+                    (info.causality == Causality::output ? "(it is an output)" : "after initialization"));
   const std::string unit = info.unit.empty() || info.unit == "1" ? std::string() : std::string(" ").append(info.unit);
   if (!std::isfinite(value)) throw CallError(name(reference) + ": wanted a finite number, got " + shortest(value));
   if (value < info.min) throw CallError(name(reference) + ": wanted >= " + shortest(info.min) + unit + ", got " + shortest(value));

@@ -6,12 +6,15 @@ from softffd.history import reactions
 
 
 def telling_moments(result, stage):
-    """Start, first contact, largest deformation and end, in the order of time: {frame: words}."""
+    """Start, first contact, largest deformation and end, in the order of time: {frame: words}.
+
+    A first contact that is hardly apart from another of them is left out.
+    """
     found = {0: "start", len(stage.time) - 1: "end"}
-    contact = first_contact(result)
-    if contact is not None:
-        found.setdefault(contact, "first contact")
     found.setdefault(largest_deformation(stage), "largest deformation")
+    contact = first_contact(result)
+    if contact is not None and min(abs(contact - frame) for frame in found) > 0.02 * len(stage.time):
+        found[contact] = "first contact"
     return dict(sorted(found.items()))
 
 

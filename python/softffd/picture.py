@@ -17,6 +17,10 @@ CURVES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#56b4e9")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
 INK, SOFT = "#1b2430", "#5b6675"
 GAP = 0.004
+"""Between images, as a share of the figure's width."""
+
+CAPTION = 0.32
+"""Height of the line below the images, inches."""
 
 
 def draw_run(result, path, *, mesh=None, origin=None, size=None):
@@ -30,7 +34,7 @@ def draw_run(result, path, *, mesh=None, origin=None, size=None):
     figure = _figure(13.0, 7.6, dpi=130)
     figure.text(0.02, 0.965, stage.title, fontsize=15, fontweight="bold", color=INK, va="center")
     captions = [f"{what}, t = {stage.time[frame]:.4g} s" for frame, what in moments.items()]
-    _draw_panels(figure, stage, list(moments), captions, box=(0.02, 0.42, 0.96, 0.51))
+    _draw_panels(figure, stage, list(moments), captions, box=(0.02, 0.40, 0.96, 0.53))
     for axes in _draw_curves(figure, result, bottom=0.085, top=0.345):
         for frame in moments:
             axes.axvline(stage.time[frame], color=SOFT, linewidth=0.8, linestyle=(0, (2, 3)), zorder=0)
@@ -51,7 +55,7 @@ def draw_strip(result, path, *, mesh=None, moments=None, labels=None, origin=Non
         frames = [None if t is None else int(np.abs(stage.time - t).argmin()) for t in moments]
     if labels is None:
         labels = ["at rest" if frame is None else f"t = {stage.time[frame]:.4g} s" for frame in frames]
-    figure = _figure(3.6 * len(frames), 3.1, dpi=170)
+    figure = _figure(3.6 * len(frames), 3.2, dpi=170)
     _draw_panels(figure, stage, frames, labels, box=(0.0, 0.0, 1.0, 1.0))
     return _save(figure, path)
 
@@ -71,16 +75,18 @@ def _four_frames(result, stage):
 
 
 def _draw_panels(figure, stage, frames, captions, *, box):
-    """Images side by side in `box` (left, bottom, width, height; shares of the figure), placed to the pixel."""
+    """Images side by side, their captions below, in `box` (left, bottom, width, height; shares of the figure)."""
     left, bottom, width, height = box
     pitch = (width + GAP) / len(frames)
     across, up = figure.get_size_inches() * figure.dpi
+    caption_height = CAPTION * figure.dpi / up
+    bottom, height = bottom + caption_height, height - caption_height
     shapes = [Shape(stage, frame) for frame in frames]
     panels = Panels(stage, shapes, round((pitch - GAP) * across), round(height * up))
     for i, (shape, caption) in enumerate(zip(shapes, captions, strict=True)):
         figure.figimage(panels.image(shape), round((left + i * pitch) * across), round(bottom * up), origin="upper")
         middle = left + i * pitch + (pitch - GAP) / 2
-        figure.text(middle, bottom + 0.04 * height, caption, ha="center", va="bottom", fontsize=11.5, color=INK)
+        figure.text(middle, bottom - caption_height / 2, caption, ha="center", va="center", fontsize=11.5, color=INK)
 
 
 def _draw_curves(figure, result, *, bottom, top):

@@ -10,6 +10,8 @@ from softffd.raster import fragments
 TEXELS = 192
 TAPS = 128
 SPREAD = 0.5
+DENSE = 100_000
+"""Faces of a mesh that casts its shadow by its vertices alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,9 +134,18 @@ def _heights(vertices, faces, foot, frame, reach):
     along, across, height = (offset @ frame.T).T
     screen = np.column_stack([(along + 1) * TEXELS / 2, (across + 1) * TEXELS / 2, 1 - height.clip(0, 1)])
     nearest = np.zeros(TEXELS * TEXELS, dtype=np.float32)
-    for pixel, _, _, depth in fragments(screen, faces, TEXELS, TEXELS):
+    for pixel, depth in _covered(screen, faces):
         np.maximum.at(nearest, pixel, depth)
     return 1.0 - nearest.reshape(TEXELS, TEXELS)
+
+
+def _covered(screen, faces):
+    """Texels and depths of the triangles, or, where these are hardly larger than a texel, of their vertices."""
+    if len(faces) <= DENSE:
+        return ((pixel, depth) for pixel, _, _, depth in fragments(screen, faces, TEXELS, TEXELS))
+    column, row = np.floor(screen[:, :2]).astype(np.int64).T
+    within = (column >= 0) & (column < TEXELS) & (row >= 0) & (row < TEXELS)
+    return [((row * TEXELS + column)[within], screen[within, 2].astype(np.float32))]
 
 
 def _sampled(image, offset):

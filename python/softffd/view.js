@@ -345,6 +345,11 @@ function quantity(value, unit_name) {
   const scaled = value / factor;
   return `${(Math.abs(scaled) < 1e-9 ? 0 : scaled).toPrecision(4).replace(/^0\.000$/, "0")} ${prefix}${unit_name}`;
 }
+// Three significant digits of the largest component for all.
+function rounded(vector) {
+  const largest = Math.max(...vector.map(Math.abs)), digits = largest > 0 ? 2 - Math.floor(Math.log10(largest)) : 0;
+  return Array.from(vector, v => NUMBERS.format(+(Math.round(v * 10 ** digits) / 10 ** digits || 0).toPrecision(4)));
+}
 const decimals = Math.min(Math.max(2 - Math.floor(Math.log10((times[LAST] - times[0]) / 100 || 1)) - 1, 1), 6);
 const seconds = t => `${t.toFixed(decimals)} s`;
 
@@ -374,7 +379,7 @@ function write_readout() {
   const x = 100 * (state.time - times[0]) / (times[LAST] - times[0] || 1);
   for (const { parts, values, vectors, unit } of run.rows) {
     parts.value.textContent = quantity(values[frame], unit);
-    if (vectors) parts.vector.textContent = `(${Array.from(vectors.subarray(3 * frame, 3 * frame + 3), v => NUMBERS.format(+v.toPrecision(3))).join(", ")}) ${unit}`;
+    if (vectors) parts.vector.textContent = `(${rounded(vectors.subarray(3 * frame, 3 * frame + 3)).join(", ")}) ${unit}`;
     parts.cursor.setAttribute("x1", x);
     parts.cursor.setAttribute("x2", x);
   }

@@ -31,8 +31,8 @@ inline bool near(double a, double b, double tolerance, const char* file, int lin
 
 }  // namespace check
 
-#define TEST(name)                                       \
-  static void name();                                    \
+#define TEST(name)                                           \
+  static void name();                                        \
   static const check::Register register_##name(#name, name); \
   static void name()
 #define CHECK(condition) \

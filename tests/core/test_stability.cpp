@@ -31,8 +31,7 @@ double true_frequency(const Body& body, const Points& x) {
     body.springs.force(y, below);
     y.data()[c] = x.data()[c];
     for (int r = 0; r < 3 * n; ++r)
-      if (!body.pinned[r % n])
-        h(r, c) = (below.data()[r] - above.data()[r]) / (2 * d) / std::sqrt(body.mass[r % n] * body.mass[c % n]);
+      if (!body.pinned[r % n]) h(r, c) = (below.data()[r] - above.data()[r]) / (2 * d) / std::sqrt(body.mass[r % n] * body.mass[c % n]);
   }
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (h + h.transpose())).eigenvalues().maxCoeff());
 }

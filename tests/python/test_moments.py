@@ -41,5 +41,15 @@ def test_telling_moments_are_start_contact_largest_deformation_and_end():
     }
 
 
+def test_a_contact_from_the_start_needs_no_picture_of_its_own():
+    result = made_up_run(frames=201)
+    touching = {name: np.where(result.time > 0, 1.0, 0.0) for name in result.outputs if "reaction" in name}
+    assert list(telling_moments(replace(result, outputs=touching), stage_of(result)).values()) == [
+        "start",
+        "largest deformation",
+        "end",
+    ]
+
+
 def test_without_planes_there_is_no_contact():
     assert first_contact(replace(made_up_run(), outputs={})) is None

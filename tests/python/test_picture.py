@@ -45,7 +45,7 @@ def test_strip_is_wide_and_shows_the_shape_at_rest_without_obstacles(tmp_path):
     image = pixels(draw_strip(made_up_run(), tmp_path / "strip.png"))
     height, width, _ = image.shape
     assert width > 4 * height
-    corners = [quarter[int(0.9 * height), 20] for quarter in np.array_split(image, 4, axis=1)]
+    corners = [quarter[int(0.8 * height), 20] for quarter in np.array_split(image, 4, axis=1)]
     assert corners[0].mean() > max(c.mean() for c in corners[1:])
 
 

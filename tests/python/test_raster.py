@@ -78,6 +78,19 @@ def test_a_plane_darkens_under_the_object_and_not_far_from_it():
     assert under < 0.7 * beside
 
 
+def test_a_very_fine_mesh_casts_the_shadow_of_a_coarse_one():
+    images = []
+    for cells in (4, 300):
+        x, y = (v.ravel() for v in np.meshgrid(*[np.linspace(-1, 1, cells + 1)] * 2, indexing="ij"))
+        corner = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
+        faces = np.concatenate([corner[:, None] + step for step in ([0, cells + 1, 1], [1, cells + 1, cells + 2])])
+        drawn = canvas(eye=(0.0, -10.0, 6.0))
+        ground = Patch(np.zeros(3), UP, EAST, np.zeros(3), 6.0, 100.0, (0.6, 0.6, 0.6))
+        draw_plane(drawn, ground, surface=(np.stack([x, y, 0 * x + 0.5], axis=1), faces))
+        images.append(drawn.image())
+    assert np.abs(images[0] - images[1]).max() < 0.05
+
+
 def test_an_object_before_a_plane_is_not_tinted():
     drawn = canvas()
     drawn.triangles(*square(-1.0), (0.1, 0.5, 0.1))
