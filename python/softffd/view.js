@@ -1,313 +1,3 @@
-"use strict";
-// ---- the run -------------------------------------------------------------------------------------------------
-const element = id => document.getElementById(id);
-const run = JSON.parse(element("run").textContent);
-const decode = (text, Type) => new Type(Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer);
-const [NX, NY, NZ] = run.counts, POINTS = NX * NY * NZ;
-const times = decode(run.time, Float64Array), LAST = times.length - 1;
-const history = decode(run.positions, Float32Array);
-for (const plane of run.planes) plane.poses = decode(plane.poses, Float32Array);
-for (const row of run.rows) {
-  row.values = decode(row.values, Float32Array);
-  row.vectors = row.vectors && decode(row.vectors, Float32Array);
-}
-const state = { time: times[0], playing: false, speed: 1, colour: run.cage ? "displacement" : "paint", lattice: true, obstacles: true, follow: false };
-
-// Index of the last recorded frame at or before t, and the share of the way to the next.
-function frame_at(t) {
-  let low = 0, high = LAST;
-  while (low < high) { const middle = (low + high + 1) >> 1; if (times[middle] <= t) low = middle; else high = middle - 1; }
-  const next = Math.min(low + 1, LAST), gap = times[next] - times[low];
-  return [low, next, gap > 0 ? Math.min(Math.max((t - times[low]) / gap, 0), 1) : 0];
-}
-function between(data, width, [a, b, share]) {
-  const out = new Float32Array(width);
-  for (let i = 0; i < width; i++) out[i] = data[a * width + i] * (1 - share) + data[b * width + i] * share;
-  return out;
-}
-
-// ---- vectors ---------------------------------------------------------------------------------------------------
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const plus = (a, s, b) => [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
-const unit = a => { const l = Math.hypot(...a) || 1; return [a[0] / l, a[1] / l, a[2] / l]; };
-
-// ---- camera: orbits about `target`, with the run's up direction as its pole --------------------------------------
-const FOV = 0.56, UP = run.up, EAST = unit(cross(Math.abs(UP[1]) < 0.9 ? [0, 1, 0] : [0, 0, 1], UP)), NORTH = cross(UP, EAST);
-const camera = {};
-function reset_view() {
-  Object.assign(camera, { yaw: run.view[0], pitch: run.view[1], distance: 1, shift: [0, 0, 0], home: true });
-  camera.distance = fitting_distance();
-  show();
-}
-// So far away that the box of all that the lattice ever covers is in the picture.
-function fitting_distance() {
-  const { back, right, above } = camera_frame(), tall = 0.82 * Math.tan(FOV / 2), wide = tall * canvas.clientWidth / canvas.clientHeight;
-  let distance = 0.5 * run.radius;
-  for (let corner = 0; corner < 8; corner++) {
-    const c = run.half.map((h, a) => corner >> a & 1 ? h : -h);
-    distance = Math.max(distance, dot(c, back) + Math.abs(dot(c, right)) / wide, dot(c, back) + Math.abs(dot(c, above)) / tall);
-  }
-  return distance;
-}
-function camera_frame() {
-  const c = Math.cos(camera.pitch), s = Math.sin(camera.pitch);
-  const back = [0, 1, 2].map(a => c * (Math.cos(camera.yaw) * EAST[a] + Math.sin(camera.yaw) * NORTH[a]) + s * UP[a]);
-  const right = unit(cross(UP, back)), above = cross(back, right);
-  const target = state.follow ? plus(camera.shift, 1, middle_of_object()) : camera.shift;
-  return { back, right, above, eye: plus(target, camera.distance, back) };
-}
-function camera_matrix({ back, right, above, eye }) {
-  const f = 1 / Math.tan(FOV / 2), aspect = canvas.width / canvas.height;
-  const near = Math.max(camera.distance - 6 * run.radius, camera.distance * 0.02), far = camera.distance + 12 * run.radius;
-  const a = (near + far) / (near - far), b = 2 * near * far / (near - far), m = [];
-  for (let i = 0; i < 3; i++) m.push(f / aspect * right[i], f * above[i], a * back[i], -back[i]);
-  m.push(-f / aspect * dot(right, eye), -f * dot(above, eye), -a * dot(back, eye) + b, dot(back, eye));
-  return new Float32Array(m);
-}
-function middle_of_object() {
-  const sum = [0, 0, 0];
-  for (let p = 0; p < POINTS; p++) for (let a = 0; a < 3; a++) sum[a] += texels[4 * p + a] / POINTS;
-  return sum;
-}
-
-// ---- WebGL -------------------------------------------------------------------------------------------------------
-const canvas = element("canvas");
-const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, powerPreference: "high-performance" });
-const HEADING = `#version 300 es\n#define NX ${NX}\n#define NY ${NY}\n#define NZ ${NZ}\n#define MOST ${Math.max(NX, NY, NZ)}\n`;
-const SHADOW = 256, texels = new Float32Array(4 * POINTS);
-const SOURCES = Object.fromEntries(element("shaders").textContent.split(/^\/{4} /m).slice(1).map(text => {
-  const end = text.indexOf("\n");
-  return [text.slice(0, end), text.slice(end)];
-}));
-let object, lines, balls, points, ramp, skin, heights, planes;
-
-function shader(type, source) {
-  const made = gl.createShader(type);
-  gl.shaderSource(made, source);
-  gl.compileShader(made);
-  if (!gl.getShaderParameter(made, gl.COMPILE_STATUS) && !gl.isContextLost()) throw new Error(gl.getShaderInfoLog(made));
-  return made;
-}
-function program(vertex, fragment) {
-  const made = gl.createProgram();
-  gl.attachShader(made, shader(gl.VERTEX_SHADER, HEADING + SOURCES.volume + SOURCES[vertex]));
-  gl.attachShader(made, shader(gl.FRAGMENT_SHADER, "#version 300 es" + SOURCES[fragment]));
-  gl.linkProgram(made);
-  if (!gl.getProgramParameter(made, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(made));
-  const places = {}, count = gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS) || 0;
-  for (let i = 0; i < count; i++) { const { name, type } = gl.getActiveUniform(made, i); places[name] = [gl.getUniformLocation(made, name), type]; }
-  return { made, places };
-}
-function use({ made, places }, values) {
-  gl.useProgram(made);
-  for (const [name, value] of Object.entries(values)) {
-    if (!places[name]) continue;
-    const [place, type] = places[name];
-    if (type === gl.FLOAT) gl.uniform1f(place, value);
-    else if (type === gl.FLOAT_VEC2) gl.uniform2fv(place, value);
-    else if (type === gl.FLOAT_VEC3) gl.uniform3fv(place, value);
-    else if (type === gl.FLOAT_VEC4) gl.uniform4fv(place, value);
-    else if (type === gl.FLOAT_MAT4) gl.uniformMatrix4fv(place, false, value);
-    else gl.uniform1i(place, value);
-  }
-}
-function vertices(attributes, triangles) {
-  const array = gl.createVertexArray();
-  gl.bindVertexArray(array);
-  attributes.forEach(({ data, width, type, stride = 0, normalised = false, integer = false, each = 0 }, place) => {
-    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
-    gl.enableVertexAttribArray(place);
-    if (integer) gl.vertexAttribIPointer(place, width, type, stride, 0);
-    else gl.vertexAttribPointer(place, width, type, normalised, stride, 0);
-    gl.vertexAttribDivisor(place, each);
-  });
-  if (triangles) { gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer()); gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STATIC_DRAW); }
-  gl.bindVertexArray(null);
-  return array;
-}
-function texture(format, width, height, from, type, data, filter) {
-  const made = gl.createTexture();
-  gl.bindTexture(gl.TEXTURE_2D, made);
-  gl.texImage2D(gl.TEXTURE_2D, 0, format, width, height, 0, from, type, data);
-  for (const [key, value] of [[gl.TEXTURE_MIN_FILTER, filter], [gl.TEXTURE_MAG_FILTER, filter],
-    [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) gl.texParameteri(gl.TEXTURE_2D, key, value);
-  return made;
-}
-function drawing_surface() {
-  const image = texture(gl.R8, SHADOW, SHADOW, gl.RED, gl.UNSIGNED_BYTE, null, gl.LINEAR), frame = gl.createFramebuffer();
-  gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-  gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, image, 0);
-  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  return { image, frame };
-}
-function lattice_edges() {
-  const ends = [], at = (i, j, k) => i + NX * (j + NY * k);
-  for (let k = 0; k < NZ; k++) for (let j = 0; j < NY; j++) for (let i = 0; i < NX; i++) {
-    if (i + 1 < NX) ends.push(at(i, j, k), at(i + 1, j, k));
-    if (j + 1 < NY) ends.push(at(i, j, k), at(i, j + 1, k));
-    if (k + 1 < NZ) ends.push(at(i, j, k), at(i, j, k + 1));
-  }
-  return new Int32Array(ends);
-}
-function build() {
-  const triangles = decode(run.triangles, Uint32Array), edges = lattice_edges(), pinned = new Float32Array(POINTS);
-  for (const p of run.pinned) pinned[p] = 1;
-  object = { program: program("object-vertex", "object-fragment"), shadow: program("height-vertex", "height-fragment"), count: triangles.length,
-    array: vertices([{ data: decode(run.coordinates, Float32Array), width: 3, type: gl.FLOAT },
-      { data: decode(run.normals, Int16Array), width: 3, type: gl.SHORT, stride: 8, normalised: true },
-      { data: decode(run.uv, Float32Array), width: 2, type: gl.FLOAT }], triangles) };
-  lines = { program: program("line-vertex", "line-fragment"), count: edges.length / 2,
-    array: vertices([{ data: edges, width: 2, type: gl.INT, integer: true, each: 1 }]) };
-  balls = { program: program("ball-vertex", "ball-fragment"), array: vertices([{ data: pinned, width: 1, type: gl.FLOAT }]) };
-  points = texture(gl.RGBA32F, NX * NY, NZ, gl.RGBA, gl.FLOAT, null, gl.NEAREST);
-  ramp = texture(gl.RGB8, run.ramp.length / 3, 1, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array(run.ramp), gl.LINEAR);
-  skin = texture(gl.RGB8, 1, 1, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array(run.paint.map(c => 255 * c)), gl.LINEAR);
-  if (run.texture) load_skin();
-  heights = drawing_surface();
-  planes = { program: program("plane-vertex", "plane-fragment"), occlusion: program("cover-vertex", "occlusion-fragment"),
-    array: gl.createVertexArray(), surfaces: run.planes.map(drawing_surface) };
-}
-
-// A palette's few texels must not mix, so only pictures get smaller copies of themselves for the distance.
-function load_skin() {
-  const image = new Image();
-  image.onload = () => {
-    gl.bindTexture(gl.TEXTURE_2D, skin);
-    gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, true);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB8, gl.RGB, gl.UNSIGNED_BYTE, image);
-    gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, false);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.REPEAT);
-    if (Math.min(image.width, image.height) > 64) {
-      gl.generateMipmap(gl.TEXTURE_2D);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
-    }
-    show();
-  };
-  image.src = run.texture;
-}
-
-// ---- drawing -----------------------------------------------------------------------------------------------------
-let shown = null, waiting = false;                       // the time whose control points and shadows the GPU holds
-
-function show() { if (!waiting) { waiting = true; requestAnimationFrame(draw); } }
-function draw(clock) {
-  waiting = false;
-  if (gl.isContextLost()) return;
-  advance(clock);
-  fit_canvas();
-  if (shown !== state.time) { load_points(); cast_shadows(); shown = state.time; write_readout(); }
-  const frame = camera_frame();
-  const common = { camera: camera_matrix(frame), eye: frame.eye, up: UP, points: 0, viewport: [canvas.width, canvas.height],
-    key: unit([0, 1, 2].map(a => -0.45 * frame.right[a] + 0.75 * UP[a] + 0.55 * frame.back[a])) };
-  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl.viewport(0, 0, canvas.width, canvas.height);
-  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  gl.enable(gl.DEPTH_TEST);
-  draw_object(common);
-  gl.enable(gl.BLEND);
-  gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-  gl.depthMask(false);
-  if (state.obstacles) draw_planes(common);
-  if (state.lattice) draw_lattice(common);
-  gl.depthMask(true);
-  gl.disable(gl.BLEND);
-  if (state.playing) show();
-}
-function fit_canvas() {
-  const scale = Math.min(window.devicePixelRatio || 1, 2), w = Math.round(canvas.clientWidth * scale), h = Math.round(canvas.clientHeight * scale);
-  if (canvas.width === w && canvas.height === h) return;
-  canvas.width = w;
-  canvas.height = h;
-  if (camera.home) camera.distance = fitting_distance();   // not once somebody has zoomed or moved
-}
-function load_points() {
-  const now = between(history, 3 * POINTS, frame_at(state.time));
-  for (let p = 0; p < POINTS; p++) texels.set(now.subarray(3 * p, 3 * p + 3), 4 * p);
-  gl.activeTexture(gl.TEXTURE0);
-  gl.bindTexture(gl.TEXTURE_2D, points);
-  gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, NX * NY, NZ, gl.RGBA, gl.FLOAT, texels);
-  for (const plane of run.planes) place_plane(plane);
-}
-// The patch drawn of a plane lies under the scene's centre; its grid is anchored to the obstacle's own point. A floor fades
-// out; any other plane is a plate with an edge, large enough for the scene, whose part below the floors is not drawn.
-function place_plane(plane) {
-  const pose = between(plane.poses, 9, frame_at(state.time)), normal = unit(pose.subarray(3, 6)), raw = pose.subarray(6, 9);
-  const anchor = [...pose.subarray(0, 3)], tangent = unit(plus(raw, -dot(raw, normal), normal));
-  const sides = [tangent, cross(normal, tangent)].map(side => Math.abs(side[0]) * run.half[0] + Math.abs(side[1]) * run.half[1] + Math.abs(side[2]) * run.half[2] + 0.2 * run.radius);
-  const reach = plane.floor ? 1.9 * run.radius : Math.max(...sides), extent = plane.floor ? [1, 1] : sides.map(side => side / reach);
-  plane.now = { anchor, normal, tangent, centre: plus([0, 0, 0], dot(anchor, normal), normal), reach, extent, plate: plane.floor ? 0 : 1 };
-}
-const floors = () => run.planes.filter(plane => plane.floor).slice(0, 4).map(({ now }) => [...now.normal, dot(now.anchor, now.normal)]);
-function cast_shadows() {
-  gl.viewport(0, 0, SHADOW, SHADOW);
-  gl.disable(gl.DEPTH_TEST);
-  run.planes.slice(0, 6).forEach((plane, i) => {
-    gl.bindFramebuffer(gl.FRAMEBUFFER, heights.frame);
-    gl.clearColor(1, 1, 1, 1);
-    gl.clear(gl.COLOR_BUFFER_BIT);
-    gl.enable(gl.BLEND);
-    gl.blendEquation(gl.MIN);
-    use(object.shadow, { ...plane.now, points: 0 });
-    gl.bindVertexArray(object.array);
-    gl.drawElements(gl.TRIANGLES, object.count, gl.UNSIGNED_INT, 0);
-    gl.blendEquation(gl.FUNC_ADD);
-    gl.disable(gl.BLEND);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, planes.surfaces[i].frame);
-    bind(1, heights.image);
-    use(planes.occlusion, { heights: 1 });
-    gl.bindVertexArray(planes.array);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
-  });
-  gl.clearColor(0, 0, 0, 0);
-}
-function bind(unit_number, image) {
-  gl.activeTexture(gl.TEXTURE0 + unit_number);
-  gl.bindTexture(gl.TEXTURE_2D, image);
-}
-function draw_object(common) {
-  const colouring = ["paint", "displacement", "strain"].indexOf(state.colour);
-  bind(0, points);
-  bind(1, ramp);
-  bind(2, skin);
-  use(object.program, { ...common, origin: run.origin, size: run.size, ramp: 1, skin: 2, cage: run.cage,
-    colouring, largest: run.largest[state.colour] || 1 });
-  gl.bindVertexArray(object.array);
-  gl.drawElements(gl.TRIANGLES, object.count, gl.UNSIGNED_INT, 0);
-}
-function draw_planes(common) {
-  const order = run.planes.map((plane, i) => [Math.hypot(...plus(plane.now.centre, -1, common.eye)), plane, i]).sort((a, b) => b[0] - a[0]);
-  const below = [...floors(), ...Array(4).fill([0, 0, 0, -1])].slice(0, 4).flat();
-  gl.enable(gl.POLYGON_OFFSET_FILL);
-  gl.polygonOffset(1, 2);
-  gl.bindVertexArray(planes.array);
-  for (const [, plane, i] of order) {
-    bind(1, planes.surfaces[i].image);
-    use(planes.program, { ...common, ...plane.now, tint: plane.tint, spacing: run.spacing, shadow: 1, "floors[0]": below });
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
-  }
-  gl.disable(gl.POLYGON_OFFSET_FILL);
-}
-// Twice: what the surface hides shows through it faintly.
-function draw_lattice(common) {
-  const ratio = canvas.width / canvas.clientWidth, dark = matchMedia("(prefers-color-scheme: dark)").matches;
-  const ink = dark ? [0.93, 0.95, 0.98] : [0.10, 0.13, 0.18];
-  const diameter = 0.028 * run.radius * canvas.height / Math.tan(FOV / 2) * Math.min(1, 4 / Math.max(NX, NY, NZ)) ** 1.4;
-  for (const [depth, line, ball] of [[gl.GREATER, 0.14, 0.15], [gl.LEQUAL, 0.75, 1]]) {
-    gl.depthFunc(depth);
-    use(lines.program, { ...common, width: 0.7 * ratio, ink: [...ink, line] });
-    gl.bindVertexArray(lines.array);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, lines.count);
-    use(balls.program, { ...common, diameter, least: 4 * ratio, most: 18 * ratio, opacity: ball,
-      free_colour: run.free, pinned_colour: run.fixed });
-    gl.bindVertexArray(balls.array);
-    gl.drawArrays(gl.POINTS, 0, POINTS);
-  }
-  gl.depthFunc(gl.LEQUAL);
-}
-
 // ---- playback ----------------------------------------------------------------------------------------------------
 const HOLD = 0.7;                                        // s that the last frame stays before the run starts again
 let last_clock = null, held = 0;
@@ -363,12 +53,18 @@ function make_rows() {
     box.innerHTML = `<div><span class="label"></span><span class="value"></span></div><div class="vector"></div>
       <svg viewBox="0 0 100 26" preserveAspectRatio="none" aria-hidden="true"><path d="${path}"/><line y1="0" y2="26"/></svg>`;
     box.querySelector(".label").append(row.label, Object.assign(document.createElement("span"), { textContent: ` ${row.kind}` }));
-    const curve = box.querySelector("svg"), seek = e => { const r = curve.getBoundingClientRect(); go_to(times[0] + (times[LAST] - times[0]) * (e.clientX - r.left) / r.width); };
-    curve.addEventListener("pointerdown", e => { curve.setPointerCapture(e.pointerId); set_playing(false); seek(e); });
-    curve.addEventListener("pointermove", e => { if (e.buttons) seek(e); });
+    seek_along(box.querySelector("svg"));
     row.parts = { value: box.querySelector(".value"), vector: box.querySelector(".vector"), cursor: box.querySelector("line") };
     element("readout").append(box);
   }
+}
+function seek_along(curve) {
+  const seek = e => {
+    const { left, width } = curve.getBoundingClientRect();
+    go_to(times[0] + (times[LAST] - times[0]) * (e.clientX - left) / width);
+  };
+  curve.addEventListener("pointerdown", e => { curve.setPointerCapture(e.pointerId); set_playing(false); seek(e); });
+  curve.addEventListener("pointermove", e => { if (e.buttons) seek(e); });
 }
 function write_readout() {
   const [low, next, share] = frame_at(state.time), frame = share > 0.999 ? next : low;
@@ -477,6 +173,9 @@ function listen() {
 }
 
 // ---- start -------------------------------------------------------------------------------------------------------
+const NO_WEBGL = "This page draws with WebGL 2, which this browser does not offer. It may be switched off in its settings, " +
+  "or the browser may be old: a current Firefox, Chrome, Edge or Safari shows the run.";
+const LOST = "The browser took the 3D view away, perhaps for lack of memory. Load the page again to go on.";
 function say_instead(text) {
   for (const id of ["bar", "legend", "clock"]) element(id).hidden = true;
   say(text);
@@ -501,8 +200,8 @@ function start() {
   const wanted = new URLSearchParams(location.hash.slice(1)), still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   write_page();
   make_rows();
-  if (!gl) return say_instead("This page draws with WebGL 2, which this browser does not offer. It may be switched off in its settings, or the browser may be old: a current Firefox, Chrome, Edge or Safari shows the run.");
-  canvas.addEventListener("webglcontextlost", () => say_instead("The browser took the 3D view away, perhaps for lack of memory. Load the page again to go on."));
+  if (!gl) return say_instead(NO_WEBGL);
+  canvas.addEventListener("webglcontextlost", () => say_instead(LOST));
   build();
   gl.depthFunc(gl.LEQUAL);
   listen();

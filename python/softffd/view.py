@@ -1,8 +1,8 @@
 """The interactive page of a run: one HTML file that needs nothing else.
 
 The page carries the surface at rest and the control points of every frame; its vertex shader evaluates the volume,
-so a frame costs the control points whatever the size of the mesh. `view.html` is the page, `view.js` its script,
-`view.glsl` its shaders.
+so a frame costs the control points whatever the size of the mesh. `view.html` is the page with its style,
+`view_drawing.js` and `view.glsl` draw, `view.js` listens and tells.
 """
 
 import base64
@@ -61,7 +61,8 @@ def _page(run):
     texts = {
         "title": html.escape(run["title"]),
         "shaders": parts.joinpath("view.glsl").read_text(encoding="utf-8"),
-        "script": parts.joinpath("view.js").read_text(encoding="utf-8"),
+        "drawing": parts.joinpath("view_drawing.js").read_text(encoding="utf-8"),
+        "controls": parts.joinpath("view.js").read_text(encoding="utf-8"),
         "run": json.dumps(run, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
     }
     page = parts.joinpath("view.html").read_text(encoding="utf-8")
