@@ -7,24 +7,24 @@ namespace softffd {
 namespace {
 
 /// Eq. (11): the position one step back that gives the velocity and acceleration at hand.
-void start(const Body& body, const Surroundings& around, double h, State& state) {
+void start(const Body& body, const Points& force, double h, State& state) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto v = state.v.col(axis);
-    const auto acceleration = (state.spring.col(axis) + around.force.col(axis) - body.damping * v) / body.mass;
+    const auto acceleration = (state.spring.col(axis) + force.col(axis) - body.damping * v) / body.mass;
     state.previous.col(axis) = state.x.col(axis) - h * v + 0.5 * h * h * acceleration;
   }
   state.previous_h = h;
 }
 
 /// Eq. (14) to (17) for one point and plane at time t: returns the impulse on the point, zero if there is no contact.
-Vec3 collide(const Plane& plane, const HalfSpace& now, double inertia, double h, const Vec3& x, const Vec3& previous, Vec3& next) {
+Vec3 collide(double friction, const HalfSpace& now, double inertia, double h, const Vec3& x, const Vec3& previous, Vec3& next) {
   if (now.gap(x) >= 0) return Vec3::Zero();
   const Vec3& n = now.normal;
-  const Vec3 surface = plane.material_velocity(now, x), free = next;
+  const Vec3 surface = now.material_velocity(x), free = next;
   const double pushed = n.dot(previous - next) + 2 * h * n.dot(surface);  // contact acceleration times h^2
   if (pushed <= 0) return Vec3::Zero();
   const Vec3 travel = next - x - h * surface, slip = travel - n.dot(travel) * n;
-  const double size = slip.norm(), limit = plane.friction * pushed;
+  const double size = slip.norm(), limit = friction * pushed;
   next += pushed * n;
   if (size > 0) next -= std::min(1.0, limit / size) * slip;
   return inertia * h * (next - free);
@@ -34,10 +34,12 @@ Vec3 collide(const Plane& plane, const HalfSpace& now, double inertia, double h,
 
 void CentralDifference::step(const Body& body, const Surroundings& around, double t, double h, bool watch, const State& state,
                              Exchange* exchange) {
+  force_ = around.force;
+  if (around.ramped) force_ += (t - around.since) * around.force_rate;
   for (int axis = 0; axis < 3; ++axis) {
     const auto inertia = body.mass / (h * h), drag = body.damping / (2 * h);
     next_.col(axis) =
-        (2 * inertia * state.x.col(axis) - (inertia - drag) * state.previous.col(axis) + state.spring.col(axis) + around.force.col(axis)) /
+        (2 * inertia * state.x.col(axis) - (inertia - drag) * state.previous.col(axis) + state.spring.col(axis) + force_.col(axis)) /
         (inertia + drag);
   }
   for (std::size_t q = 0; q < around.planes.size(); ++q) {
@@ -47,11 +49,11 @@ void CentralDifference::step(const Body& body, const Surroundings& around, doubl
       Vec3 next = row(next_, p);
       const Vec3 x = row(state.x, p), previous = row(state.previous, p), free = next;
       const double inertia = body.mass[p] / (h * h) + body.damping[p] / (2 * h);
-      const Vec3 impulse = collide(around.planes[q], now, inertia, h, x, previous, next);
+      const Vec3 impulse = collide(around.planes[q].friction, now, inertia, h, x, previous, next);
       if (impulse.isZero(0)) continue;
       set_row(next_, p, next);
       if (!exchange) continue;
-      const Vec3 surface = around.planes[q].material_velocity(now, x), mean = (0.5 * (free + next) - previous) / (2 * h);
+      const Vec3 surface = now.material_velocity(x), mean = (0.5 * (free + next) - previous) / (2 * h);
       exchange->planes[q].add(-impulse, x - now.point);
       exchange->work += impulse.dot(surface);
       exchange->dissipated -= impulse.dot(mean - surface);
@@ -60,15 +62,16 @@ void CentralDifference::step(const Body& body, const Surroundings& around, doubl
   }
   for (std::size_t a = 0; a < around.pins.size(); ++a) {
     const Pin& pin = around.pins[a];
+    const Frame frame = pin.at(t + h);
     for (std::size_t n = 0; n < pin.points.size(); ++n) {
       const int p = pin.points[n];
-      const Vec3 arm = pin.arm(int(n), t + h), here = pin.origin(t + h) + arm;
+      const Vec3 arm = frame.arm(pin.local[n]), here = frame.origin + arm;
       const double inertia = body.mass[p] / (h * h) + body.damping[p] / (2 * h);
       const Vec3 impulse = inertia * h * (here - row(next_, p));
       set_row(next_, p, here);
       if (!exchange) continue;
       exchange->pins[a].add(-impulse, arm);
-      exchange->work += impulse.dot(pin.material_velocity(arm));
+      exchange->work += impulse.dot(frame.material_velocity(arm));
     }
   }
   if (watch && exchange && body.damped) {
@@ -79,7 +82,7 @@ void CentralDifference::step(const Body& body, const Surroundings& around, doubl
 
 StepStatus CentralDifference::advance(const Body& body, const Surroundings& around, const Task& task, bool watch, State& state,
                                       Exchange& exchange) {
-  if (state.previous_h != task.h) start(body, around, task.h, state);
+  if (state.previous_h != task.h) start(body, around.force, task.h, state);
   for (long i = 0; i < task.steps; ++i) {
     step(body, around, task.time(i), task.h, watch, state, &exchange);
     state.previous.swap(state.x);

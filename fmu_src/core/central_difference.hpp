@@ -11,13 +11,13 @@ namespace softffd {
 
 class CentralDifference {
  public:
-  explicit CentralDifference(int points) : next_(points, 3) {}
+  explicit CentralDifference(int points) : next_(points, 3), force_(points, 3) {}
   /// As Leapfrog::advance. Velocities at the end are eq. (10) with one more step looked ahead.
   StepStatus advance(const Body& body, const Surroundings& around, const Task& task, bool watch, State& state, Exchange& exchange);
 
  private:
   void step(const Body& body, const Surroundings& around, double t, double h, bool watch, const State& state, Exchange* exchange);
-  Points next_;
+  Points next_, force_;
 };
 
 }  // namespace softffd

@@ -89,10 +89,10 @@ StepStatus Contact::drift(const StepView& step, const Points& before, Points& v,
   return status;
 }
 
-void Contact::book(const StepView& step, Touch& touch, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const {
+void Contact::book(Touch& touch, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const {
   exchange.planes[plane].add(-impulse, x1 - end_[plane].point);
   touch.impulse += impulse;
-  touch.surface_work += impulse.dot(step.around.planes[plane].material_velocity(end_[plane], x1));
+  touch.surface_work += impulse.dot(end_[plane].material_velocity(x1));
 }
 
 int Contact::deepest(const Vec3& x1) const {
@@ -113,7 +113,7 @@ StepStatus Contact::drift_point(const StepView& step, Touch& touch, Change& chan
   const bool alone =
       std::all_of(end_.begin(), end_.end(), [&](const HalfSpace& other) { return &other == &end_[plane] || other.gap(change.x1) >= 0; });
   if (!alone) return several_contacts(step, touch, free, change, exchange);
-  book(step, touch, plane, impulse, change.x1, exchange);
+  book(touch, plane, impulse, change.x1, exchange);
   return StepStatus::ok;
 }
 
@@ -125,10 +125,10 @@ Contact::Change Contact::first_contact(const StepView& step, int p, int plane, c
   const double h = step.h, gap0 = start_[plane].gap(x0), gap1 = end.gap(free.x1), mu = step.around.planes[plane].friction;
   const double mass = step.kicks.opening_mass(p);
   const double wall = n.dot(free.v) - (gap1 - gap0) / h;  // normal velocity of the plane where the point is
-  const Vec3 wall_t = tangential(n, step.around.planes[plane].material_velocity(middle_[plane], x0 + 0.5 * h * free.v));
+  const Vec3 wall_t = tangential(n, middle_[plane].material_velocity(x0 + 0.5 * h * free.v));
   if (gap0 > touching * step.body.length) {
     const double theta = gap0 / (gap0 - gap1);
-    const Vec3 acceleration = (row(step.spring, p) + row(step.around.force, p) - step.body.damping[p] * free.v) / step.body.mass[p];
+    const Vec3 acceleration = (row(step.spring, p) + row(step.force, p) - step.body.damping[p] * free.v) / step.body.mass[p];
     const Vec3 ahead = (theta - 0.5) * h * acceleration;
     const Vec3 u = free.v + ahead;
     const double reaction = std::max(0.0, wall - n.dot(u));
@@ -161,7 +161,7 @@ StepStatus Contact::several_contacts(const StepView& step, Touch& touch, const C
     constraints_.push_back({.normal = end_[q].normal,
                             .bound = end_[q].normal.dot(free.v) - (end_[q].gap(free.x1) - room) / h,
                             .friction = plane.friction,
-                            .surface = plane.material_velocity(middle_[q], x0 + 0.5 * h * free.v)});
+                            .surface = middle_[q].material_velocity(x0 + 0.5 * h * free.v)});
   }
   change.v = free.v;
   if (!feasible_.resolve(constraints_, 1e-13 * (length + x0.norm()) / h, change.v)) return StepStatus::impossible_planes;
@@ -172,8 +172,7 @@ StepStatus Contact::several_contacts(const StepView& step, Touch& touch, const C
   for (std::size_t q = 0; q < end_.size(); ++q) {
     const Constraint& c = constraints_[q];
     if (c.normal_impulse == 0 && c.friction_impulse.isZero(0)) continue;
-    book(step, touch, int(q), step.kicks.opening_mass(touch.point) * (c.normal_impulse * c.normal + c.friction_impulse), change.x1,
-         exchange);
+    book(touch, int(q), step.kicks.opening_mass(touch.point) * (c.normal_impulse * c.normal + c.friction_impulse), change.x1, exchange);
   }
   return StepStatus::ok;
 }
@@ -198,7 +197,7 @@ StepStatus Contact::close_point(const StepView& step, Touch& touch, const Vec3& 
   active_.clear();
   for (std::size_t q = 0; q < end_.size(); ++q) {
     if (end_[q].gap(x1) > touching * step.body.length) continue;
-    const Vec3 surface = step.around.planes[q].material_velocity(end_[q], x1);
+    const Vec3 surface = end_[q].material_velocity(x1);
     const Vec3& n = end_[q].normal;
     constraints_.push_back({.normal = n, .bound = n.dot(surface), .friction = step.around.planes[q].friction, .surface = surface});
     active_.push_back(int(q));
@@ -216,13 +215,13 @@ StepStatus Contact::close_point(const StepView& step, Touch& touch, const Vec3& 
   }
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const Constraint& c = constraints_[i];
-    book(step, touch, active_[i], step.kicks.closing_mass(touch.point) * (c.normal_impulse * c.normal + c.friction_impulse), x1, exchange);
+    book(touch, active_[i], step.kicks.closing_mass(touch.point) * (c.normal_impulse * c.normal + c.friction_impulse), x1, exchange);
   }
   return StepStatus::ok;
 }
 
-int points_on(const HalfSpace& obstacle, double length, const Points& x) {
-  int count = 0;
+long points_on(const HalfSpace& obstacle, double length, const Points& x) {
+  long count = 0;
   for (int p = 0; p < x.rows(); ++p) count += obstacle.gap(row(x, p)) <= touching * length;
   return count;
 }

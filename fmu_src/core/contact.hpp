@@ -28,12 +28,13 @@
 
 namespace softffd {
 
-/// One internal step as the contact rules see it.
+/// One internal step as pins and contacts see it; forces are those of the half kick at hand.
 struct StepView {
   const Body& body;
   const HalfKicks& kicks;
   const Surroundings& around;
-  const Points& spring;  ///< spring forces at t0 [N]
+  const Points& spring;  ///< spring forces [N]
+  const Points& force;   ///< outside forces [N]
   const Points& x0;      ///< positions at t0 [m]
   double t0, t1, h;
 };
@@ -69,7 +70,7 @@ class Contact {
   Change first_contact(const StepView& step, int p, int plane, const Vec3& before, const Change& free, Vec3& impulse) const;
   StepStatus several_contacts(const StepView& step, Touch& touch, const Change& free, Change& change, Exchange& exchange);
   StepStatus close_point(const StepView& step, Touch& touch, const Vec3& before, const Vec3& x1, Vec3& v, Exchange& exchange);
-  void book(const StepView& step, Touch& touch, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const;
+  void book(Touch& touch, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const;
   int deepest(const Vec3& x1) const;
 
   std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at t0, t0 + h/2 and t1
@@ -82,6 +83,6 @@ class Contact {
 };
 
 /// Number of control points on a half-space.
-int points_on(const HalfSpace& obstacle, double length, const Points& x);
+long points_on(const HalfSpace& obstacle, double length, const Points& x);
 
 }  // namespace softffd

@@ -63,12 +63,13 @@ SoftBody::SoftBody(Definition definition)
   for (std::size_t a = 0; a < definition_.pins.size(); ++a)
     around_.pins.push_back(make_pin(definition_, definition_.pins[a], pin_origins_[a]));
   around_.planes.resize(definition_.planes);
-  settings.force = around_.force = Points::Zero(n, 3);
+  settings.force = settings.force_rate = around_.force = around_.force_rate = Points::Zero(n, 3);
   settings.planes.resize(definition_.planes);
   settings.pins.resize(definition_.pins.size());
   for (std::size_t a = 0; a < pin_origins_.size(); ++a) settings.pins[a].position = pin_origins_[a];
   now_.exchange.planes.resize(definition_.planes);
   now_.exchange.pins.resize(definition_.pins.size());
+  now_.contacts.resize(definition_.planes);
   for (Points* points : {&now_.motion.x, &now_.motion.v, &now_.motion.spring, &now_.motion.previous, &now_.bound_x, &begin_})
     points->setZero(n, 3);
   backup_ = now_;
@@ -96,9 +97,15 @@ StepStatus SoftBody::refresh_surroundings() {
     const Settings::PlaneInput& input = settings.planes[q];
     const double size = input.normal.stableNorm();
     if (!(size > 0)) return StepStatus::zero_normal;
-    around_.planes[q] = {input.point,    input.normal / size,
-                         input.velocity, input.angular_velocity,
-                         input.friction, input.moved_by_input ? time : start_time_};
+    around_.planes[q] = {.point = input.point,
+                         .normal = input.normal / size,
+                         .velocity = input.velocity,
+                         .angular_velocity = input.angular_velocity,
+                         .acceleration = input.acceleration,
+                         .angular_acceleration = input.angular_acceleration,
+                         .normal_rate = input.normal_rate / size,
+                         .friction = input.friction,
+                         .since = input.moved_by_input ? time : start_time_};
   }
   for (std::size_t a = 0; a < around_.pins.size(); ++a) {
     const Settings::PinInput& input = settings.pins[a];
@@ -108,11 +115,17 @@ StepStatus SoftBody::refresh_surroundings() {
     Pin& pin = around_.pins[a];
     pin.position = input.position;
     for (int i = 0; i < 4; ++i) pin.orientation[i] = q[i] / size;
+    for (int i = 0; i < 4; ++i) pin.orientation_rate[i] = input.orientation_rate[i] / size;
     pin.velocity = input.velocity;
     pin.angular_velocity = input.angular_velocity;
+    pin.acceleration = input.acceleration;
+    pin.angular_acceleration = input.angular_acceleration;
     pin.since = time;
   }
   for (int axis = 0; axis < 3; ++axis) around_.force.col(axis) = settings.force.col(axis) + settings.gravity[axis] * body_.mass;
+  around_.force_rate = settings.force_rate;
+  around_.ramped = !settings.force_rate.isZero(0);
+  around_.since = time;
   return StepStatus::ok;
 }
 
@@ -126,9 +139,10 @@ bool SoftBody::place_pins(bool book) {
   State& motion = now_.motion;
   for (std::size_t a = 0; a < around_.pins.size(); ++a) {
     const Pin& pin = around_.pins[a];
+    const Frame frame = pin.at(motion.time);
     for (std::size_t n = 0; n < pin.points.size(); ++n) {
       const int p = pin.points[n];
-      const Vec3 arm = pin.arm(int(n), motion.time), x = pin.origin(motion.time) + arm, v = pin.material_velocity(arm);
+      const Vec3 arm = frame.arm(pin.local[n]), x = frame.origin + arm, v = frame.material_velocity(arm);
       if (book) {
         const Vec3 impulse = body_.mass[p] * (v - row(motion.v, p));
         now_.exchange.pins[a].add(-impulse, arm);
@@ -167,6 +181,7 @@ StepStatus SoftBody::initialize(double t0) {
   place_pins(false);
   const StepStatus cleared = clear_jumps();
   if (cleared != StepStatus::ok) return cleared;
+  count_contacts();
   body_.springs.force(motion.x, motion.spring);
   if (definition_.watch_energy) now_.potential = potential_energy();
   return StepStatus::ok;
@@ -204,6 +219,7 @@ StepStatus SoftBody::advance_from_here(double H) {
   if (ran != StepStatus::ok) return ran;
   if (!motion.x.allFinite() || !motion.v.allFinite()) return StepStatus::not_finite;
   motion.time = counted ? now_.clock.time() : motion.time + H;
+  count_contacts();
   now_.contacts_resolved += now_.exchange.contacts_resolved;
   if (definition_.watch_energy) {
     now_.potential = potential_energy();
@@ -273,6 +289,18 @@ StepStatus SoftBody::run_fitted(double H) {
   return StepStatus::ok;
 }
 
+void SoftBody::count_contacts() {
+  for (std::size_t q = 0; q < around_.planes.size(); ++q)
+    now_.contacts[q] = points_on(around_.planes[q].at(now_.motion.time), body_.length, now_.motion.x);
+}
+
+void SoftBody::restore(const Progress& progress, double start_time) {
+  refresh_body();
+  stale_ = false;
+  start_time_ = start_time;
+  now_ = progress;
+}
+
 StepStatus SoftBody::run_stretch(double h, long steps) {
   const Task task{now_.clock.origin, now_.clock.count, h, steps};
   now_.clock.count += steps;
@@ -282,8 +310,6 @@ StepStatus SoftBody::run_stretch(double h, long steps) {
     return central_difference_.advance(body_, around_, task, definition_.watch_energy, motion, now_.exchange);
   return leapfrog_.advance(body_, around_, task, definition_.watch_energy, motion, now_.exchange);
 }
-
-int SoftBody::plane_contacts(int q) const { return points_on(around_.planes[q].at(now_.motion.time), body_.length, now_.motion.x); }
 
 double SoftBody::kinetic_energy() const { return 0.5 * (body_.mass * now_.motion.v.square().rowwise().sum()).sum(); }
 

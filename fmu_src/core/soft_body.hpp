@@ -42,18 +42,22 @@ struct Settings {
   double damping = 0;           ///< per control point [N s/m]
   Vec3 gravity = Vec3::Zero();  ///< [m/s2]
   Method method = Method::automatic;
-  double step = 0;  ///< internal step [s]; 0: by stability
-  Points force;     ///< loads and point forces (points, 3) [N]
+  double step = 0;    ///< internal step [s]; 0: by stability
+  Points force;       ///< loads and point forces at the communication point (points, 3) [N]
+  Points force_rate;  ///< their time derivative [N/s]
   struct PlaneInput {
     Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
     double friction = 0;
     bool moved_by_input = false;  ///< the pose belongs to the communication point; otherwise to the start time
+    Vec3 acceleration = Vec3::Zero(), angular_acceleration = Vec3::Zero(), normal_rate = Vec3::Zero();
   };
   std::vector<PlaneInput> planes;
   struct PinInput {
     Vec3 position = Vec3::Zero();
     std::array<double, 4> orientation{1, 0, 0, 0};
     Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
+    Vec3 acceleration = Vec3::Zero(), angular_acceleration = Vec3::Zero();
+    std::array<double, 4> orientation_rate{};
   };
   std::vector<PinInput> pins;
 };
@@ -66,8 +70,9 @@ struct Progress {
   double exchange_time = 1;                        ///< its length [s]
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
   long steps = 0, contacts_resolved = 0;
-  Points bound_x;     ///< configuration that `bound` belongs to
-  double bound = -1;  ///< bound of omega [rad/s]; negative: none yet
+  std::vector<long> contacts;  ///< control points on each plane at the communication point
+  Points bound_x;              ///< configuration that `bound` belongs to
+  double bound = -1;           ///< bound of omega [rad/s]; negative: none yet
 };
 
 class SoftBody {
@@ -86,13 +91,18 @@ class SoftBody {
   StepStatus advance(double H);
 
   const State& state() const { return now_.motion; }
+  /// A snapshot to read or copy.
+  const Progress& progress() const { return now_; }
+  /// Continues from a snapshot of the same definition. `settings` must be those of the snapshot's moment: the start time and all values
+  /// that had taken effect.
+  void restore(const Progress& progress, double start_time);
   const Lattice& lattice() const { return definition_.lattice; }
   /// Rest centroid of pin a's points: where its frame is at rest [m].
   Vec3 pin_origin(int a) const { return pin_origins_[a]; }
 
   Vec3 plane_reaction(int q) const { return now_.exchange.planes[q].force / now_.exchange_time; }
   Vec3 plane_torque(int q) const { return now_.exchange.planes[q].torque / now_.exchange_time; }
-  int plane_contacts(int q) const;
+  long plane_contacts(int q) const { return now_.contacts[q]; }
   Vec3 pin_reaction(int a) const { return now_.exchange.pins[a].force / now_.exchange_time; }
   Vec3 pin_torque(int a) const { return now_.exchange.pins[a].torque / now_.exchange_time; }
   double kinetic_energy() const;
@@ -113,6 +123,7 @@ class SoftBody {
   void refresh_body();
   StepStatus refresh_surroundings();
   StepStatus clear_jumps();
+  void count_contacts();
   bool place_pins(bool book);
   double potential_energy() const { return elastic_energy() + gravity_energy(); }
   double step_limit(double share);

@@ -11,7 +11,10 @@ namespace softffd {
 struct Surroundings {
   std::vector<Plane> planes;
   std::vector<Pin> pins;
-  Points force;  ///< gravity, loads and point forces, held over the step (points, 3) [N]
+  Points force;         ///< gravity, loads and point forces at time `since` (points, 3) [N]
+  Points force_rate;    ///< their time derivative over the step [N/s]; used only if `ramped`
+  bool ramped = false;  ///< any rate is not zero
+  double since = 0;     ///< start of the communication step [s]
 };
 
 /// Time integral of a force and of its torque.

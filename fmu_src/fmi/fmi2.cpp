@@ -10,12 +10,22 @@ extern "C" {
 }
 
 #include "float_environment.hpp"
-#include "live_instances.hpp"
+#include "instance.hpp"
+#include "registry.hpp"
 #include "resource_uri.hpp"
 
 namespace softffd::fmi {
 
 namespace {
+
+Registry<Instance> instances;
+
+/// A state that a host holds: bytes, and the scene that they belong to.
+struct SavedState {
+  std::string guid;
+  Bytes bytes;
+};
+Registry<SavedState> states;
 
 constexpr unsigned after_start = initializing | stepping | step_failed | terminated | failed;
 constexpr unsigned settable = instantiated | initializing | stepping;
@@ -45,12 +55,15 @@ fmi2Status guarded(fmi2Component component, const char* function, unsigned allow
   const FloatEnvironment environment;
   Instance* instance = nullptr;
   try {
-    instance = live(component);
+    instance = instances.live(component);
     if (!instance) return fmi2Error;
     if (!(instance->phase & allowed)) return fail(*instance, std::string(function) + ": not allowed " + phase_name(instance->phase));
     return call(*instance);
   } catch (const CallError& error) {
     return fail(*instance, error.what());
+  } catch (const StateError& error) {  // foreign bytes refused: the instance is as it was
+    instance->logger.log(fmi2Error, log_error, std::string(function) + ": " + error.what());
+    return fmi2Error;
   } catch (const std::exception& error) {
     if (instance) instance->phase = failed;
     try {
@@ -78,6 +91,22 @@ fmi2Status no_variables(fmi2Component component, const char* function, unsigned 
     if (count > 0) throw CallError(std::string(function) + ": there are no " + type + " variables");
     return fmi2OK;
   });
+}
+
+const SavedState& saved(fmi2FMUstate handle) {
+  const SavedState* state = states.live(handle);
+  if (!state) throw StateError("FMUstate: wanted a state that fmi2GetFMUstate or fmi2DeSerializeFMUstate gave");
+  return *state;
+}
+
+/// Puts bytes into the state behind *handle, or into a new one where *handle is null.
+void keep(fmi2FMUstate* handle, SavedState state) {
+  if (!*handle) {
+    *handle = states.adopt(std::make_unique<SavedState>(std::move(state)));
+    return;
+  }
+  saved(*handle);
+  *states.live(*handle) = std::move(state);
 }
 
 std::unique_ptr<Instance> instantiate(const Logger& logger, fmi2Type type, const char* guid, const char* resources) {
@@ -114,7 +143,7 @@ fmi2Component fmi2Instantiate(fmi2String instance_name, fmi2Type type, fmi2Strin
     const Logger logger(*callbacks, named ? instance_name : "", logging_on != fmi2False);
     try {
       if (!named) throw CallError("fmi2Instantiate: instanceName: wanted a text, got nothing");
-      return adopt(instantiate(logger, type, guid, resources));
+      return instances.adopt(instantiate(logger, type, guid, resources));
     } catch (const std::exception& error) {
       logger.log(fmi2Error, log_error, error.what());
     }
@@ -125,7 +154,7 @@ fmi2Component fmi2Instantiate(fmi2String instance_name, fmi2Type type, fmi2Strin
 
 void fmi2FreeInstance(fmi2Component component) {
   const FloatEnvironment environment;
-  release(component);
+  instances.release(component);
 }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t count, const fmi2String categories[]) {
@@ -281,22 +310,61 @@ fmi2Status fmi2GetStringStatus(fmi2Component component, const fmi2StatusKind, fm
   return guarded(component, "fmi2GetStringStatus", stepping | step_failed | terminated, [](Instance&) { return fmi2Discard; });
 }
 
-fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate*) { return unavailable(component, "fmi2GetFMUstate"); }
-
-fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate) { return unavailable(component, "fmi2SetFMUstate"); }
-
-fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate*) { return unavailable(component, "fmi2FreeFMUstate"); }
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate, size_t*) {
-  return unavailable(component, "fmi2SerializedFMUstateSize");
+fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate* state) {
+  return guarded(component, "fmi2GetFMUstate", any_phase, [&](Instance& instance) {
+    require(state, 1, "fmi2GetFMUstate");
+    keep(state, {instance.guid(), instance.save_state()});
+    return fmi2OK;
+  });
 }
 
-fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate, fmi2Byte[], size_t) {
-  return unavailable(component, "fmi2SerializeFMUstate");
+fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state) {
+  return guarded(component, "fmi2SetFMUstate", any_phase, [&](Instance& instance) {
+    const SavedState& wanted = saved(state);
+    if (wanted.guid != instance.guid()) throw StateError("the state belongs to another scene");
+    instance.load_state(wanted.bytes);
+    return fmi2OK;
+  });
 }
 
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte[], size_t, fmi2FMUstate*) {
-  return unavailable(component, "fmi2DeSerializeFMUstate");
+fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate* state) {
+  return guarded(component, "fmi2FreeFMUstate", any_phase, [&](Instance&) {
+    if (!state || !*state) return fmi2OK;
+    saved(*state);
+    states.release(*state);
+    *state = nullptr;
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t* size) {
+  return guarded(component, "fmi2SerializedFMUstateSize", any_phase, [&](Instance&) {
+    require(size, 1, "fmi2SerializedFMUstateSize");
+    *size = head_size + saved(state).bytes.size();
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
+  return guarded(component, "fmi2SerializeFMUstate", any_phase, [&](Instance&) {
+    require(bytes, size, "fmi2SerializeFMUstate");
+    const SavedState& wanted = saved(state);
+    const Bytes whole = with_head(wanted.guid, wanted.bytes);
+    if (size < whole.size())
+      throw CallError("fmi2SerializeFMUstate: size: wanted " + std::to_string(whole.size()) + " bytes, got " + std::to_string(size));
+    std::memcpy(bytes, whole.data(), whole.size());
+    return fmi2OK;
+  });
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes[], size_t size, fmi2FMUstate* state) {
+  return guarded(component, "fmi2DeSerializeFMUstate", any_phase, [&](Instance& instance) {
+    require(bytes, size, "fmi2DeSerializeFMUstate");
+    require(state, 1, "fmi2DeSerializeFMUstate");
+    const std::span serialized(reinterpret_cast<const unsigned char*>(bytes), size);
+    keep(state, {instance.guid(), without_head(instance.guid(), serialized)});
+    return fmi2OK;
+  });
 }
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2ValueReference[], size_t, const fmi2ValueReference[], size_t,
@@ -304,12 +372,24 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2Value
   return unavailable(component, "fmi2GetDirectionalDerivative");
 }
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference[], size_t, const fmi2Integer[], const fmi2Real[]) {
-  return unavailable(component, "fmi2SetRealInputDerivatives");
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                                       const fmi2Integer orders[], const fmi2Real values[]) {
+  return guarded(component, "fmi2SetRealInputDerivatives", settable, [&](Instance& instance) {
+    for (const void* array : {static_cast<const void*>(references), static_cast<const void*>(orders), static_cast<const void*>(values)})
+      require(array, count, "fmi2SetRealInputDerivatives");
+    instance.set_input_derivatives(references, count, orders, values);
+    return fmi2OK;
+  });
 }
 
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2ValueReference[], size_t, const fmi2Integer[], fmi2Real[]) {
-  return unavailable(component, "fmi2GetRealOutputDerivatives");
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2ValueReference references[], size_t count,
+                                        const fmi2Integer orders[], fmi2Real values[]) {
+  return guarded(component, "fmi2GetRealOutputDerivatives", stepping | step_failed | terminated | failed, [&](Instance& instance) {
+    for (const void* array : {static_cast<const void*>(references), static_cast<const void*>(orders), static_cast<const void*>(values)})
+      require(array, count, "fmi2GetRealOutputDerivatives");
+    instance.get_output_derivatives(references, count, orders, values);
+    return fmi2OK;
+  });
 }
 
 }  // extern "C"

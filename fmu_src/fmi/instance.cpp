@@ -80,6 +80,8 @@ void Instance::load_starts() {
   start(Family::solver_method, {double(scene_.method)});
   start(Family::solver_tolerance, {scene_.tolerance});
   start(Family::solver_step, {scene_.step});
+  for (std::size_t family = 0; family < values_.size(); ++family) rates_[family].assign(values_[family].size(), 0.0);
+  rated_ = false;
 }
 
 void Instance::setup_experiment(double start_time, double tolerance, double stop_time) {
@@ -111,6 +113,7 @@ void Instance::apply_values() {
   s.method = method_of(values(Family::solver_method)[0]);
   s.step = values(Family::solver_step)[0];
   s.force.setZero();
+  s.force_rate.setZero();
   for (std::size_t f = 0; f < scene_.forces.size(); ++f) s.force.row(scene_.forces[f]) += value3(Family::force, int(f)).array().transpose();
   for (std::size_t l = 0; l < scene_.loads.size(); ++l)
     for (int p : scene_.loads[l].points)
@@ -142,7 +145,42 @@ void Instance::apply_values() {
                               value3(Family::pin_velocity, i),
                               value3(Family::pin_angular_velocity, i)};
   }
+  if (rated_) apply_rates();
   changed_ = material_changed_ = false;
+}
+
+void Instance::apply_rates() {
+  Settings& s = body_.settings;
+  const auto given = [](const Vec3& rate) { return !rate.isZero(0); };
+  for (std::size_t f = 0; f < scene_.forces.size(); ++f)
+    s.force_rate.row(scene_.forces[f]) += rate3(Family::force, int(f)).array().transpose();
+  for (std::size_t l = 0; l < scene_.loads.size(); ++l)
+    for (int p : scene_.loads[l].points)
+      s.force_rate.row(p) += rate3(Family::load, int(l)).array().transpose() / double(scene_.loads[l].points.size());
+  for (std::size_t n = 0; n < input_planes_.size(); ++n) {
+    const int i = int(n);
+    Settings::PlaneInput& plane = s.planes[input_planes_[n]];
+    plane.acceleration = rate3(Family::plane_velocity, i);
+    plane.angular_acceleration = rate3(Family::plane_angular_velocity, i);
+    plane.normal_rate = rate3(Family::plane_normal, i);
+    if (const Vec3 rate = rate3(Family::plane_point, i); given(rate)) plane.velocity = rate, plane.acceleration.setZero();
+  }
+  for (std::size_t n = 0; n < input_pins_.size(); ++n) {
+    const int i = int(n);
+    Settings::PinInput& pin = s.pins[input_pins_[n]];
+    pin.acceleration = rate3(Family::pin_velocity, i);
+    pin.angular_acceleration = rate3(Family::pin_angular_velocity, i);
+    const double* rate = rates_[std::size_t(Family::pin_orientation)].data() + 4 * n;
+    pin.orientation_rate = {rate[0], rate[1], rate[2], rate[3]};
+    if (const Vec3 way = rate3(Family::pin_position, i); given(way)) pin.velocity = way, pin.acceleration.setZero();
+  }
+}
+
+void Instance::forget_rates() {
+  if (!rated_) return;
+  for (auto& list : rates_) std::fill(list.begin(), list.end(), 0.0);
+  rated_ = false;
+  changed_ = true;
 }
 
 void Instance::ensure_initial_state() {
@@ -188,6 +226,7 @@ fmi2Status Instance::do_step(double time, double step) {
   }
   if (status != StepStatus::ok) throw CallError("fmi2DoStep: " + describe(status, time_, step));
   time_ = time + step;
+  forget_rates();
   log_solver_choice();
   return fmi2OK;
 }

@@ -6,6 +6,7 @@
 #include "logger.hpp"
 #include "scene_file.hpp"
 #include "soft_body.hpp"
+#include "state_blob.hpp"
 #include "variable_table.hpp"
 
 namespace softffd::fmi {
@@ -36,6 +37,17 @@ class Instance {
   void set(Type type, const fmi2ValueReference* references, std::size_t count, const double* values);
   void get(Type type, const fmi2ValueReference* references, std::size_t count, double* values);
 
+  /// First time derivatives of Real inputs; they hold for the next step only.
+  void set_input_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, const double* values);
+  /// First time derivatives of positions and probes.
+  void get_output_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, double* values);
+
+  /// Everything that makes the instance continue as it would have, as flat bytes.
+  Bytes save_state();
+  /// Continues from saved bytes. Throws StateError, changing nothing, if they are none of this scene.
+  void load_state(const Bytes& bytes);
+  const std::string& guid() const { return scene_.guid; }
+
   double last_successful_time() const { return time_; }
 
   /// Name of a variable as in modelDescription.xml; the bare number for an unknown one.
@@ -54,10 +66,13 @@ class Instance {
   void check_settable(const Variable& variable, fmi2ValueReference reference, double value) const;
   double output(Family family, int index);
   std::vector<double>& values(Family family) { return values_[std::size_t(family)]; }
+  Vec3 rate3(Family family, int instance) { return Eigen::Map<const Vec3>(rates_[std::size_t(family)].data() + 3 * instance); }
   Vec3 value3(Family family, int instance) { return Eigen::Map<const Vec3>(values(family).data() + 3 * instance); }
   void load_starts();
   void start(Family family, std::initializer_list<double> numbers);
   void apply_values();
+  void apply_rates();
+  void forget_rates();
   void ensure_initial_state();
   std::string describe(StepStatus status, double time, double step) const;
   void log_solver_choice();
@@ -65,6 +80,8 @@ class Instance {
   SceneFile scene_;
   std::vector<int> input_planes_, fixed_planes_, input_pins_;  ///< indices into scene_.planes and scene_.pins
   std::vector<Scalars> probe_weights_;
+  std::array<std::vector<double>, 128> rates_;   ///< time derivatives of inputs by family id, for the next step
+  bool rated_ = false;                           ///< any rate was set
   std::array<std::vector<double>, 128> values_;  ///< settings by family id
   SoftBody body_;
   bool changed_ = true;           ///< values differ from what the body has

@@ -157,4 +157,34 @@ void Instance::get(Type type, const fmi2ValueReference* references, std::size_t 
   }
 }
 
+void Instance::set_input_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders,
+                                     const double* numbers) {
+  for (std::size_t n = 0; n < count; ++n) {
+    const Variable variable = checked(references[n], Type::Real);
+    if (variable.info->causality != Causality::input) throw CallError(name(references[n]) + ": is no input, it has no input derivative");
+    if (orders[n] != 1) throw CallError(name(references[n]) + ": wanted a derivative of order 1, got " + std::to_string(orders[n]));
+    if (!std::isfinite(numbers[n])) throw CallError(name(references[n]) + ": wanted a finite derivative, got " + shortest(numbers[n]));
+  }
+  for (std::size_t n = 0; n < count; ++n) {
+    const Variable variable = *find(references[n]);
+    rates_[std::size_t(variable.info->family)][variable.index] = numbers[n];
+    changed_ = rated_ = true;
+  }
+}
+
+void Instance::get_output_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, double* numbers) {
+  for (std::size_t n = 0; n < count; ++n) {
+    const Family family = checked(references[n], Type::Real).info->family;
+    if (family != Family::position && family != Family::probe)
+      throw CallError(name(references[n]) + ": has no output derivative; positions and probes have");
+    if (orders[n] != 1) throw CallError(name(references[n]) + ": wanted a derivative of order 1, got " + std::to_string(orders[n]));
+  }
+  for (std::size_t n = 0; n < count; ++n) {
+    const Variable variable = *find(references[n]);
+    const int instance = variable.index / 3, axis = variable.index % 3;
+    const auto v = body_.state().v.col(axis);
+    numbers[n] = variable.info->family == Family::position ? v[scene_.positions[instance]] : (probe_weights_[instance] * v).sum();
+  }
+}
+
 }  // namespace softffd::fmi

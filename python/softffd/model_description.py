@@ -30,7 +30,11 @@ def model_description(scene: Scene, variables: list[Variable]) -> str:
         "CoSimulation",
         modelIdentifier="softffd",
         canHandleVariableCommunicationStepSize="true",
+        canInterpolateInputs="true",
+        maxOutputDerivativeOrder="1",
         canNotUseMemoryManagementFunctions="true",
+        canGetAndSetFMUstate="true",
+        canSerializeFMUstate="true",
     )
     used = {variable.family.get("unit") for variable in variables}
     _units(Xml.SubElement(root, "UnitDefinitions"), used)

@@ -119,13 +119,13 @@ def test_unclaimed_functions_answer_with_an_error(fmu, tmp_path):
     fmpy.extract(str(fmu), unzipdir=str(tmp_path))
     description = fmpy.read_model_description(str(fmu), validate=False)
     simulation = description.coSimulation
-    assert not simulation.canGetAndSetFMUstate and not simulation.providesDirectionalDerivative
+    assert not simulation.providesDirectionalDerivative
     slave = FMU2Slave(
         guid=description.guid, unzipDirectory=str(tmp_path), modelIdentifier="softffd", instanceName="x"
     )
     slave.instantiate()
-    with pytest.raises(Exception, match="fmi2GetFMUstate"):
-        slave.getFMUstate()
+    with pytest.raises(Exception, match="fmi2GetDirectionalDerivative"):
+        slave.getDirectionalDerivative([1006632960], [16777216], [1.0])
     slave.freeInstance()
 
 

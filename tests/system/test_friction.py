@@ -119,13 +119,13 @@ def test_a_stiff_box_slides_to_a_stop_within_the_rigid_distance_and_time(scene):
     distance, duration = 1.5**2 / (2 * 0.3 * G), 1.5 / (0.3 * G)
     way, speed = centre(points(result))[:, 0] - 0.5, centre(velocities(result))[:, 0]
     assert way[-1] == pytest.approx(distance, rel=0.01)
-    assert np.interp(0.95 * duration, result.time, speed) == pytest.approx(0.05 * 1.5, rel=0.2)
+    assert np.interp(0.5 * duration, result.time, speed) == pytest.approx(0.75, rel=0.02)
     assert np.abs(speed[result.time > 1.2 * duration]).max() < 0.02  # the lattice rocks on
     assert_friction_is_in_coulombs_disk(result, "floor", 0.3)
 
 
 def test_friction_takes_the_kinetic_energy_of_a_box_that_stops(scene):
-    result = on_level(scene, speed=1.5)
+    result = on_level(scene, speed=1.5, start_values={"solver.step": 5e-5})  # resolves the ringing of the lattice
     assert result.outputs["energy.dissipated"][-1] == pytest.approx(0.5 * 1.5**2, rel=0.01)
     assert result.outputs["energy.work"][-1] == pytest.approx(0, abs=1e-12)  # a plane at rest does no work
 
@@ -138,7 +138,7 @@ def test_a_belt_drags_the_box_to_its_speed(scene):
 
 
 def test_a_belt_does_twice_the_work_that_the_box_keeps(scene):
-    result = on_level(scene, motion="velocity = [0.8, 0.0, 0.0]")
+    result = on_level(scene, motion="velocity = [0.8, 0.0, 0.0]", start_values={"solver.step": 5e-5})
     assert result.outputs["energy.work"][-1] == pytest.approx(0.8**2, rel=0.02)
     assert result.outputs["energy.dissipated"][-1] == pytest.approx(0.5 * 0.8**2, rel=0.02)
 

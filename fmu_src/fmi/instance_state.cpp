@@ -1,0 +1,101 @@
+/// Saving and restoring an instance: the part of Instance that knows what a state consists of.
+#include "instance.hpp"
+
+namespace softffd::fmi {
+
+namespace {
+
+/// What of the settings had taken effect; values set since then may still wait for the next step.
+struct InEffect {
+  double mass, edge, face, body, damping;
+  Vec3 gravity;
+};
+
+template <class Archive>
+void pass(Archive& archive, InEffect& s) {
+  for (double* value : {&s.mass, &s.edge, &s.face, &s.body, &s.damping}) archive.number(*value);
+  archive.numbers(s.gravity.data(), 3);
+}
+
+struct Place {
+  long phase, changed, material_changed, rated;
+  double start_time, time, stop_time;
+};
+
+template <class Archive>
+void pass(Archive& archive, Place& place) {
+  for (long* value : {&place.phase, &place.changed, &place.material_changed, &place.rated}) archive.integer(*value);
+  for (double* value : {&place.start_time, &place.time, &place.stop_time}) archive.number(*value);
+}
+
+template <class Archive, class Values>
+void pass_values(Archive& archive, Values& values) {
+  for (auto& list : values) archive.numbers(list.data(), list.size());
+}
+
+bool sound(const Place& place) {
+  const long phase = place.phase;
+  const bool known =
+      phase == instantiated || phase == initializing || phase == stepping || phase == step_failed || phase == terminated || phase == failed;
+  const auto flag = [](long value) { return value == 0 || value == 1; };
+  return known && flag(place.changed) && flag(place.material_changed) && flag(place.rated) && std::isfinite(place.time) &&
+         std::isfinite(place.start_time);
+}
+
+bool sound(const Progress& progress) {
+  return progress.motion.x.allFinite() && progress.motion.v.allFinite() && progress.exchange_time > 0 && progress.clock.count >= 0 &&
+         progress.steps >= 0;
+}
+
+}  // namespace
+
+Bytes Instance::save_state() {
+  Bytes bytes;
+  StateWriter writer(bytes);
+  Place place{phase, changed_, material_changed_, rated_, start_time_, time_, stop_time_};
+  const Settings& s = body_.settings;
+  InEffect in_effect{s.mass, s.stiffness.edge, s.stiffness.face, s.stiffness.body, s.damping, s.gravity};
+  Progress progress = body_.progress();
+  pass(writer, place);
+  pass_values(writer, values_);
+  pass_values(writer, rates_);
+  pass(writer, in_effect);
+  pass(writer, progress);
+  return bytes;
+}
+
+void Instance::load_state(const Bytes& bytes) {
+  StateReader reader(bytes);
+  Place place{};
+  InEffect in_effect{};
+  auto values = values_, rates = rates_;
+  Progress progress = body_.progress();
+  pass(reader, place);
+  pass_values(reader, values);
+  pass_values(reader, rates);
+  pass(reader, in_effect);
+  pass(reader, progress);
+  if (!reader.at_end()) throw StateError("the state is too long");
+  const double method = values[std::size_t(Family::solver_method)][0];
+  if (!sound(place) || !sound(progress) || !(method >= 1 && method <= method_count))
+    throw StateError("the state holds values that no run gives");
+
+  values_ = std::move(values);
+  rates_ = std::move(rates);
+  rated_ = place.rated;
+  phase = Phase(place.phase);
+  start_time_ = place.start_time;
+  time_ = place.time;
+  stop_time_ = place.stop_time;
+  apply_values();
+  Settings& s = body_.settings;
+  s.mass = in_effect.mass;
+  s.stiffness = {in_effect.edge, in_effect.face, in_effect.body};
+  s.damping = in_effect.damping;
+  s.gravity = in_effect.gravity;
+  body_.restore(progress, start_time_);
+  changed_ = place.changed;
+  material_changed_ = place.material_changed;
+}
+
+}  // namespace softffd::fmi

@@ -1,0 +1,102 @@
+/// An FMU state as bytes: flat, no pointers, little-endian, no padding.
+///
+/// In memory it is the payload alone; serialized it has a head of 40 bytes: magic, format version, hash of the scene's guid, payload size,
+/// FNV-1a checksum of the payload. The same bits come back in another instance or process of the same scene; anything else is refused.
+#pragma once
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "soft_body.hpp"
+
+namespace softffd::fmi {
+
+using Bytes = std::vector<unsigned char>;
+
+/// A blob that is no state of this scene; what() says why.
+struct StateError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+Bytes with_head(const std::string& guid, const Bytes& payload);
+/// The payload of a serialized state. Throws StateError.
+Bytes without_head(const std::string& guid, std::span<const unsigned char> serialized);
+constexpr std::size_t head_size = 40;
+
+inline std::uint64_t little_endian(std::uint64_t word) {
+  if constexpr (std::endian::native == std::endian::little) return word;
+  std::uint64_t turned = 0;
+  for (int i = 0; i < 8; ++i) turned |= (word >> 8 * i & 0xff) << 8 * (7 - i);
+  return turned;
+}
+
+/// Appends values, eight bytes each.
+class StateWriter {
+ public:
+  explicit StateWriter(Bytes& bytes) : bytes_(bytes) {}
+  void number(double& value) { word(std::bit_cast<std::uint64_t>(value)); }
+  void integer(long& value) { word(std::uint64_t(std::int64_t(value))); }
+  void numbers(double* values, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) number(values[i]);
+  }
+
+ private:
+  void word(std::uint64_t value) {
+    const std::uint64_t stored = little_endian(value);
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + 8);
+    std::memcpy(bytes_.data() + at, &stored, 8);
+  }
+  Bytes& bytes_;
+};
+
+/// Takes values in the same order. Throws StateError at the end of the bytes and for numbers that are no numbers.
+class StateReader {
+ public:
+  explicit StateReader(std::span<const unsigned char> bytes) : rest_(bytes) {}
+  void number(double& value) {
+    value = std::bit_cast<double>(word());
+    if (value != value) throw StateError("a value of the state is not a number");
+  }
+  void integer(long& value) { value = long(std::int64_t(word())); }
+  void numbers(double* values, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) number(values[i]);
+  }
+  bool at_end() const { return rest_.empty(); }
+
+ private:
+  std::uint64_t word() {
+    if (rest_.size() < 8) throw StateError("the state is too short");
+    std::uint64_t stored = 0;
+    std::memcpy(&stored, rest_.data(), 8);
+    rest_ = rest_.subspan(8);
+    return little_endian(stored);
+  }
+  std::span<const unsigned char> rest_;
+};
+
+/// Passes every value of a Progress to a StateWriter or StateReader, in one order for both.
+template <class Archive>
+void pass(Archive& archive, Progress& progress) {
+  State& motion = progress.motion;
+  for (double* value :
+       {&motion.time, &motion.previous_h, &progress.clock.origin, &progress.clock.h, &progress.exchange_time, &progress.dissipated,
+        &progress.work, &progress.potential, &progress.bound, &progress.exchange.dissipated, &progress.exchange.work})
+    archive.number(*value);
+  for (long* value : {&progress.clock.count, &progress.steps, &progress.contacts_resolved, &progress.exchange.contacts_resolved})
+    archive.integer(*value);
+  for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous, &progress.bound_x})
+    archive.numbers(points->data(), points->size());
+  for (auto* impulses : {&progress.exchange.planes, &progress.exchange.pins})
+    for (Impulse& impulse : *impulses) {
+      archive.numbers(impulse.force.data(), 3);
+      archive.numbers(impulse.torque.data(), 3);
+    }
+  for (long& count : progress.contacts) archive.integer(count);
+}
+
+}  // namespace softffd::fmi

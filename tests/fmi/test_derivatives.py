@@ -1,0 +1,166 @@
+"""Derivatives of inputs (they act inside the step) and of outputs."""
+
+from ctypes import byref, c_double, c_int, c_uint, c_void_p
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from softffd import load_scene, package_fmu
+from softffd.component import Component
+
+SCENE = """
+[material]
+stiffness = 1e3
+damping = 0.0
+[[plane]]
+name = "piston"
+point = [0.0, 0.0, 1.0]
+normal = [0.0, 0.0, -1.0]
+motion = "input"
+[[plane]]
+name = "floor"
+[[pin]]
+name = "grip"
+points = [[0, 0, 0], [3, 0, 0], [0, 3, 0]]
+motion = "input"
+[[load]]
+name = "push"
+points = "all"
+[inputs]
+forces = [[3, 3, 3]]
+[[probe]]
+name = "centre"
+at = [0.5, 0.5, 0.5]
+[outputs]
+velocities = "all"
+energy = true
+"""
+FREE = SCENE.replace('points = [[0, 0, 0], [3, 0, 0], [0, 3, 0]]\nmotion = "input"', "").replace('[[pin]]\nname = "grip"\n', "")
+
+
+class Driven(Component):
+    """A component whose input and output derivatives can be reached."""
+
+    def __init__(self, text: str, folder: Path, **start_values):
+        (folder / "box.toml").write_text(text)
+        super().__init__(package_fmu(load_scene(folder / "box.toml"), folder / "box.fmu"))
+        self.initialize({name: value for name, value in start_values.items()})
+        self.exit_initialization()
+
+    def set_rates(self, rates: dict[str, float], order: int = 1) -> int:
+        names = list(rates)
+        references = (c_uint * len(names))(*(self.variable(name).valueReference for name in names))
+        orders = (c_int * len(names))(*[order] * len(names))
+        values = (c_double * len(names))(*rates.values())
+        return self._library.fmi2SetRealInputDerivatives(c_void_p(self._slave.component), references, len(names), orders, values)
+
+    def rate(self, name: str, order: int = 1) -> float | int:
+        value, reference, number = c_double(), c_uint(self.variable(name).valueReference), c_int(order)
+        call = self._library.fmi2GetRealOutputDerivatives
+        status = call(c_void_p(self._slave.component), byref(reference), 1, byref(number), byref(value))
+        return value.value if status == 0 else -status
+
+    def get_values(self, *names: str) -> np.ndarray:
+        block = self.block(list(names))
+        self.get(block)
+        return block.values.copy()
+
+
+def test_a_ramped_load_gives_the_parabola_of_its_velocity(tmp_path):
+    with Driven(FREE.replace('name = "floor"', 'name = "floor"\npoint = [0.0, 0.0, -9.0]'), tmp_path) as box:
+        assert box.set_rates({"load.push.x": 6.0}) == 0
+        box.do_step(0.0, 0.5)
+        assert box.get_values("velocity[1,2,0].x")[0] == pytest.approx(0.5 * 6.0 * 0.25, rel=1e-12)
+        box.do_step(0.5, 0.5)  # the derivative held for one step only, the load's value is 0 again
+        assert box.get_values("velocity[1,2,0].x")[0] == pytest.approx(0.75, rel=1e-12)
+
+
+def test_interpolated_inputs_are_second_order_and_held_ones_first(tmp_path):
+    def error(steps: int, interpolate: bool) -> float:
+        with Driven(FREE, tmp_path, **{"solver.step": 1e-4, "plane.piston.point.z": 9.0}) as box:
+            force = box.block(["force[3,3,3].x"])
+            length = 0.4 / steps
+            for n in range(steps):
+                t = n * length
+                force.values[0] = np.sin(20 * t)
+                box.set(force)
+                if interpolate:
+                    box.set_rates({"force[3,3,3].x": (np.sin(20 * (t + length)) - np.sin(20 * t)) / length})
+                box.do_step(t, length)
+            return box.get_values("position[3,3,3].x")[0]
+
+    exact = error(4000, True)
+    held = [abs(error(n, False) - exact) for n in (20, 40)]
+    ramped = [abs(error(n, True) - exact) for n in (20, 40)]
+    assert 1.6 < held[0] / held[1] < 2.6
+    assert 3.2 < ramped[0] / ramped[1] < 5.0
+
+
+def test_a_derivative_of_the_point_moves_the_plane_instead_of_its_velocity(tmp_path):
+    with Driven(FREE, tmp_path, **{"plane.piston.velocity.z": 5.0}) as box:
+        box.set_rates({"plane.piston.point.z": -0.5})
+        box.do_step(0.0, 0.1)
+        z = box.get_values("position[1,1,3].z", "velocity[1,1,3].z")
+        np.testing.assert_allclose(z, [0.95, -0.5], atol=1e-12)
+
+
+def test_without_one_the_velocity_moves_it(tmp_path):
+    with Driven(FREE, tmp_path, **{"plane.piston.velocity.z": -0.5}) as box:
+        box.do_step(0.0, 0.1)
+        np.testing.assert_allclose(box.get_values("position[1,1,3].z"), [0.95], atol=1e-12)
+
+
+def test_a_derivative_of_the_normal_ends_at_the_interpolated_normal(tmp_path):
+    with Driven(FREE, tmp_path, **{"plane.piston.point.x": 0.5}) as box:
+        box.set_rates({"plane.piston.normal.x": 2.0})
+        box.do_step(0.0, 0.1)
+        normal = np.array([0.2, 0.0, -1.0]) / np.hypot(0.2, 1.0)
+        corners = [[f"position[{i},{j},3].{c}" for c in "xyz"] for i in (0, 3) for j in (0, 3)]
+        gaps = [normal @ (box.get_values(*names) - [0.5, 0.0, 1.0]) for names in corners]
+        assert min(gaps) == pytest.approx(0.0, abs=1e-14)
+
+
+def test_derivatives_of_a_pins_pose_take_it_to_the_interpolated_pose(tmp_path):
+    with Driven(SCENE, tmp_path, **{"pin.grip.velocity.x": 9.0, "plane.piston.point.z": 9.0}) as box:
+        box.set_rates({"pin.grip.position.x": 1.0, "pin.grip.orientation.z": 0.5})
+        before = box.get_values("position[3,0,0].x", "position[3,0,0].y")
+        box.do_step(0.0, 0.1)
+        after = box.get_values("position[3,0,0].x", "position[3,0,0].y")
+        origin = np.array([1 / 3, 1 / 3])
+        angle = 2 * np.arctan2(0.05, 1.0)
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        np.testing.assert_allclose(after, origin + [0.1, 0.0] + turn @ (before - origin), atol=1e-14)
+
+
+def test_the_energy_balance_holds_with_ramped_forces(tmp_path):
+    with Driven(FREE, tmp_path, **{"solver.step": 1e-4, "plane.piston.point.z": 9.0}) as box:
+        for n in range(20):
+            box.set_rates({"force[3,3,3].x": 50.0 * (-1) ** n, "load.push.z": 3.0})
+            box.do_step(n * 0.01, 0.01)
+        kinetic, elastic, lost, work = box.get_values(*(f"energy.{kind}" for kind in ("kinetic", "elastic", "dissipated", "work")))
+        assert kinetic + elastic + lost == pytest.approx(work, rel=1e-3)
+        assert work > 1e-4
+
+
+def test_output_derivatives_are_velocities(tmp_path):
+    with Driven(FREE, tmp_path, **{"load.push.x": 1.0, "force[3,3,3].y": 2.0}) as box:
+        box.do_step(0.0, 0.05)
+        assert box.rate("position[3,3,3].y") == box.get_values("velocity[3,3,3].y")[0]
+        before = box.get_values("probe.centre.y")[0]
+        rate = box.rate("probe.centre.y")
+        box.do_step(0.05, 1e-6)
+        assert (box.get_values("probe.centre.y")[0] - before) / 1e-6 == pytest.approx(rate, rel=1e-3)
+
+
+def test_other_orders_and_variables_are_refused(tmp_path):
+    with Driven(FREE, tmp_path) as box:
+        assert box.rate("velocity[0,0,0].x") == -3
+    with Driven(FREE, tmp_path) as box:
+        assert box.rate("position[0,0,0].x", order=2) == -3
+    with Driven(FREE, tmp_path) as box:
+        assert box.set_rates({"load.push.x": 1.0}, order=2) == 3
+    with Driven(FREE, tmp_path) as box:
+        assert box.set_rates({"mass": 1.0}) == 3
+    with Driven(FREE, tmp_path) as box:
+        assert box.set_rates({"load.push.x": float("nan")}) == 3

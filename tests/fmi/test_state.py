@@ -1,0 +1,236 @@
+"""FMU states: rolled back, moved to other instances and processes, refused when damaged."""
+
+import subprocess
+import sys
+from ctypes import byref, c_char, c_double, c_size_t, c_void_p
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi2 import FMU2Slave
+
+from softffd import load_scene, package_fmu
+
+SCENE = """
+[material]
+stiffness = 2e3
+damping = 0.05
+[environment]
+gravity = [0.0, 0.0, -9.81]
+[[plane]]
+name = "ground"
+normal = [0.0, 0.1, 1.0]
+friction = 0.4
+motion = "input"
+[[pin]]
+name = "grip"
+points = [[0, 0, 3]]
+motion = "input"
+[[load]]
+name = "push"
+points = "x+"
+[initial]
+offset = [0.0, 0.0, 0.1]
+velocity = [1.0, 0.0, 0.0]
+[outputs]
+velocities = "all"
+energy = true
+solver = true
+[solver]
+method = "{method}"
+"""
+
+
+@pytest.fixture(scope="module", params=["leapfrog", "central_difference"])
+def fmu(request, tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("state")
+    (folder / "box.toml").write_text(SCENE.format(method=request.param))
+    return package_fmu(load_scene(folder / "box.toml"), folder / "box.fmu")
+
+
+class Slave:
+    """fmpy's slave and the few calls that the tests repeat."""
+
+    def __init__(self, fmu: Path, folder: Path):
+        fmpy.extract(str(fmu), unzipdir=str(folder))
+        self.description = fmpy.read_model_description(str(fmu), validate=False)
+        self.fmi = FMU2Slave(
+            guid=self.description.guid, unzipDirectory=str(folder), modelIdentifier="softffd", instanceName="box"
+        )
+        self.names = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.reals = [
+            v.valueReference for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"
+        ]
+        self.instantiate()
+        self.begin()
+
+    def __getattr__(self, name: str):
+        return getattr(self.fmi, name)
+
+    def begin(self) -> None:
+        self.setupExperiment()
+        self.enterInitializationMode()
+        self.exitInitializationMode()
+
+    def set(self, name: str, value: float) -> None:
+        self.setReal([self.names[name]], [value])
+
+    def advance(self, first: int, last: int) -> None:
+        """Steps number first to last - 1 of 10 ms, with inputs that move."""
+        for n in range(first, last):
+            self.set("load.push.y", 3.0 * np.sin(n))
+            self.set("pin.grip.velocity.x", 0.2 + 0.01 * n)
+            self.set("plane.ground.point.z", 0.001 * n)
+            self.doStep(n * 0.01, 0.01)
+
+    def outputs(self) -> list[float]:
+        return self.getReal(self.reals)
+
+
+@pytest.fixture
+def slave(fmu, tmp_path):
+    slave = Slave(fmu, tmp_path / "fmu")
+    yield slave
+    slave.freeInstance()
+
+
+def test_a_rolled_back_run_continues_with_the_same_bits(slave):
+    slave.advance(0, 20)
+    state = slave.getFMUstate()
+    slave.advance(20, 50)
+    straight = slave.outputs()
+    slave.setFMUstate(state)
+    slave.advance(20, 50)
+    assert slave.outputs() == straight
+    slave.freeFMUstate(state)
+
+
+def test_outputs_right_after_rolling_back_are_those_of_the_saved_moment(slave):
+    slave.advance(0, 20)
+    before, state = slave.outputs(), slave.getFMUstate()
+    slave.set("stiffness.edge", 9e3)
+    slave.advance(20, 25)
+    slave.setFMUstate(state)
+    assert slave.outputs() == before
+
+
+def test_a_pending_parameter_change_is_part_of_the_state(slave):
+    slave.advance(0, 10)
+    slave.set("stiffness.edge", 5e3)
+    before, state = slave.outputs(), slave.getFMUstate()
+    slave.advance(10, 20)
+    straight = slave.outputs()
+    slave.setFMUstate(state)
+    assert slave.outputs() == before
+    slave.advance(10, 20)
+    assert slave.outputs() == straight
+
+
+def test_a_serialized_state_continues_in_another_instance(fmu, slave, tmp_path):
+    slave.advance(0, 20)
+    blob = bytes(slave.serializeFMUstate(slave.getFMUstate()))
+    slave.advance(20, 50)
+    other = Slave(fmu, tmp_path / "other")
+    other.setFMUstate(other.deSerializeFMUstate(blob))
+    other.advance(20, 50)
+    assert other.outputs() == slave.outputs()
+    other.freeInstance()
+
+
+def test_a_serialized_state_continues_in_another_process(fmu, slave, tmp_path):
+    slave.advance(0, 20)
+    (tmp_path / "blob").write_bytes(bytes(slave.serializeFMUstate(slave.getFMUstate())))
+    slave.advance(20, 50)
+    script = f"""
+import sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+from pathlib import Path
+from test_state import Slave
+slave = Slave(Path({str(fmu)!r}), Path({str(tmp_path / "process")!r}))
+slave.setFMUstate(slave.deSerializeFMUstate(Path({str(tmp_path / "blob")!r}).read_bytes()))
+slave.advance(20, 50)
+print(repr(slave.outputs()))
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert eval(done.stdout.splitlines()[-1]) == slave.outputs()
+
+
+def test_a_state_taken_in_initialization_mode_starts_the_same_run(fmu, slave, tmp_path):
+    slave.reset()
+    slave.setupExperiment()
+    slave.enterInitializationMode()
+    slave.set("plane.ground.point.z", -0.01)
+    state = slave.getFMUstate()
+    slave.exitInitializationMode()
+    slave.advance(0, 20)
+    straight = slave.outputs()
+    slave.setFMUstate(state)
+    slave.exitInitializationMode()
+    slave.advance(0, 20)
+    assert slave.outputs() == straight
+
+
+def refused(slave: Slave, blob: bytes) -> bool:
+    """Deserializing raises and the instance goes on as if nothing had been tried."""
+    try:
+        slave.deSerializeFMUstate(blob)
+    except Exception:
+        return True
+    return False
+
+
+def test_every_damaged_truncated_or_foreign_state_is_refused_and_harmless(slave):
+    slave.advance(0, 5)
+    blob, before = bytes(slave.serializeFMUstate(slave.getFMUstate())), slave.outputs()
+    random = np.random.default_rng(1)
+    places = [*range(0, 48), *random.integers(0, len(blob), 200)]
+    assert all(refused(slave, blob[:at] + bytes([blob[at] ^ 0x10]) + blob[at + 1 :]) for at in places)
+    assert all(refused(slave, blob[:size]) for size in (0, 1, 39, 40, len(blob) - 1))
+    assert refused(slave, blob + b"\0") and refused(slave, bytes(len(blob)))
+    assert slave.outputs() == before
+    slave.advance(5, 6)
+
+
+def test_a_foreign_pointer_is_refused(slave):
+    number = c_double(1.0)
+    assert slave.dll.fmi2SetFMUstate(c_void_p(slave.component), byref(number)) == 3
+    wild = c_void_p(12345)
+    assert slave.dll.fmi2FreeFMUstate(c_void_p(slave.component), byref(wild)) == 3
+    slave.advance(0, 1)
+
+
+def test_a_state_of_another_scene_is_refused(slave, tmp_path):
+    other_fmu = package_fmu(load_scene("free_vibration"), tmp_path / "other.fmu")
+    other = Slave(other_fmu, tmp_path / "other")
+    blob = bytes(other.serializeFMUstate(other.getFMUstate()))
+    assert refused(slave, blob)
+    other.freeInstance()
+
+
+def test_too_small_a_buffer_is_refused(slave):
+    state = slave.getFMUstate()
+    size = c_size_t()
+    assert slave.dll.fmi2SerializedFMUstateSize(c_void_p(slave.component), state, byref(size)) == 0
+    buffer = (c_char * size.value)()
+    call = slave.dll.fmi2SerializeFMUstate
+    assert call(c_void_p(slave.component), state, buffer, c_size_t(size.value)) == 0
+
+
+def test_a_state_leads_out_of_the_error_state(slave):
+    slave.advance(0, 3)
+    state = slave.getFMUstate()
+    with pytest.raises(Exception, match="fmi2DoStep"):
+        slave.doStep(99.0, 0.01)
+    with pytest.raises(Exception, match="fmi2DoStep"):
+        slave.doStep(0.03, 0.01)
+    slave.setFMUstate(state)
+    slave.advance(3, 4)
+
+
+def test_saving_thousands_of_states_leaves_no_trace(slave):
+    for _ in range(3000):
+        slave.freeFMUstate(slave.getFMUstate())
+    state = slave.getFMUstate()
+    for _ in range(3000):
+        assert slave.dll.fmi2GetFMUstate(c_void_p(slave.component), byref(state)) == 0
