@@ -1,0 +1,124 @@
+"""Parameters and inputs that are set between two steps act from the next step on; time may start anywhere."""
+
+import numpy as np
+import pytest
+import reference
+from readings import points
+from stepping import Stepper
+
+from softffd import FmuError, simulate
+
+SWINGING = """
+[material]
+stiffness = 1e3
+damping = 0.02
+[environment]
+gravity = [0.0, 0.0, -1.0]
+[initial]
+stretch = [1.1, 1.0, 1.0]
+[outputs]
+velocities = "all"
+energy = true
+[inputs]
+forces = [[0, 0, 0]]
+[solver]
+method = "METHOD"
+step = 5e-4
+"""
+
+SLIDING = """
+[lattice]
+points = [2, 2, 2]
+[mass]
+total = 0.8
+[material]
+stiffness = 0.0
+damping = 0.0
+[environment]
+gravity = [0.0, 0.0, -10.0]
+[[plane]]
+name = "floor"
+friction = 0.1
+[initial]
+velocity = [2.0, 0.0, 0.0]
+[outputs]
+velocities = "all"
+[solver]
+step = 1e-3
+"""
+
+
+@pytest.mark.parametrize("method", ["leapfrog", "auto"])
+@pytest.mark.parametrize(
+    ("change", "stiffness", "damping", "gravity", "force"),
+    [
+        ({"stiffness.edge": 500.0, "stiffness.face": 500.0, "stiffness.body": 500.0}, 500.0, 0.02, -1.0, 0.0),
+        ({"damping": 0.4}, 1e3, 0.4, -1.0, 0.0),
+        ({"gravity.z": 4.0}, 1e3, 0.02, 4.0, 0.0),
+        ({"force[0,0,0].y": 3.0}, 1e3, 0.02, -1.0, 3.0),
+    ],
+    ids=["stiffness", "damping", "gravity", "force"],
+)
+def test_a_change_acts_from_the_next_step_on(scene, method, change, stiffness, damping, gravity, force):
+    def external(pull, push):
+        values = np.tile([0.0, 0.0, pull / 64], (64, 1))
+        values[0, 1] += push
+        return values
+
+    before, after = reference.cube(damping=0.02), reference.cube(stiffness=stiffness, damping=damping)
+    x, v = before.rest * [1.1, 1.0, 1.0], np.zeros_like(before.rest)
+    x, v = reference.leapfrog(before, x, v, 5e-4, 40, external=external(-1.0, 0.0))
+    with Stepper(scene(SWINGING.replace("METHOD", method))) as stepper:
+        stepper.step(0.02)
+        stepper.set(change)
+        assert stepper.positions() == pytest.approx(x, abs=1e-13)  # setting alone moves nothing
+        stepper.step(0.02)
+        x, v = reference.leapfrog(after, x, v, 5e-4, 40, external=external(gravity, force))
+        assert stepper.positions() == pytest.approx(x, abs=1e-12)
+        assert stepper.velocities() == pytest.approx(v, abs=1e-10)
+
+
+def test_a_change_of_stiffness_is_work(scene):
+    with Stepper(scene(SWINGING.replace("METHOD", "leapfrog").replace("damping = 0.02", "damping = 0.0"))) as stepper:
+        stored = stepper.read("energy.elastic")[0]
+        stepper.set({f"stiffness.{kind}": 2e3 for kind in ("edge", "face", "body")})
+        stepper.step(5e-4)
+        assert stepper.read("energy.work")[0] == pytest.approx(stored, rel=1e-9)
+
+
+def test_a_change_of_friction_acts_from_the_next_step_on(scene):
+    with Stepper(scene(SLIDING)) as stepper:
+        stepper.step(0.1)
+        assert stepper.velocities()[:4, 0] == pytest.approx(2.0 - 0.1 * 10 * 0.1, abs=1e-13)
+        stepper.set({"plane.floor.friction": 0.5})
+        stepper.step(0.1)
+        assert stepper.velocities()[:4, 0] == pytest.approx(1.9 - 0.5 * 10 * 0.1, abs=1e-12)
+        stepper.set({"plane.floor.friction": 0.0})
+        stepper.step(0.1)
+        assert stepper.velocities()[:4, 0] == pytest.approx(1.4, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["mass", "solver.step", "plane.floor.point.z"])
+def test_fixed_parameters_cannot_be_changed_on_the_way(scene, name):
+    with Stepper(scene(SLIDING)) as stepper:
+        stepper.step(0.1)
+        with pytest.raises(FmuError, match=r"cannot be set after initialization"):
+            stepper.set({name: 0.5})
+
+
+@pytest.mark.parametrize("start", [1000.0, -7.25])
+def test_time_may_start_anywhere(scene, start):
+    """A plane of the scene stands where it says at the start time, whatever that is."""
+    text = SLIDING.replace("stiffness = 0.0", "stiffness = 50.0").replace('name = "floor"', 'name = "floor"\nvelocity = [0.0, 0.0, 0.3]')
+    expected = points(simulate(scene(text), stop_time=0.5, step=0.01))
+    with Stepper(scene(text), start_time=start) as stepper:
+        assert np.array_equal(stepper.positions(), expected[0])
+        stepper.step(0.01, times=50)
+        assert stepper.positions() == pytest.approx(expected[-1], abs=1e-11)  # times near 1000 s are rounded to 1e-13 s
+
+
+def test_without_moving_planes_the_start_time_changes_no_bit(scene):
+    with Stepper(scene(SLIDING)) as early, Stepper(scene(SLIDING), start_time=123.456) as late:
+        early.step(0.01, times=20)
+        late.step(0.01, times=20)
+        assert np.array_equal(early.positions(), late.positions())

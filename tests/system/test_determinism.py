@@ -1,0 +1,148 @@
+"""The same inputs give the same bits, however the run is cut and whatever runs beside it."""
+
+import numpy as np
+import pytest
+from readings import points, vector
+from stepping import Stepper
+
+from softffd import simulate
+
+LIVELY = """
+[material]
+stiffness = 2e3
+damping = 0.05
+[environment]
+gravity = [0.0, 0.0, -9.81]
+[[plane]]
+name = "ground"
+velocity = [0.1, 0.0, 0.05]
+angular_velocity = [0.02, 0.01, 0.3]
+friction = 0.4
+[[plane]]
+name = "wall"
+point = [1.3, 0.0, 0.0]
+normal = [-1.0, 0.0, 0.2]
+velocity = [-0.3, 0.0, 0.0]
+friction = 0.2
+[[pin]]
+name = "corner"
+points = [[0, 0, 3]]
+[[load]]
+name = "push"
+points = "y+"
+[initial]
+offset = [0.0, 0.0, 0.1]
+velocity = [0.8, 0.3, 0.0]
+[outputs]
+velocities = "all"
+energy = true
+solver = true
+[solver]
+method = "METHOD"
+STEP
+[experiment]
+stop_time = 0.6
+communication_step = 0.01
+"""
+
+METHODS = ["leapfrog", "auto", "central_difference"]
+
+
+def lively(scene, *, method="leapfrog", internal="step = 2.5e-4", without=(), name="scene"):
+    text = LIVELY.replace("METHOD", method).replace("STEP", internal)
+    sections = text.split("\n[")
+    return scene("\n[".join(part for part in sections if not any(word in part for word in without)), name)
+
+
+def assert_same(one, other):
+    assert np.array_equal(one.positions, other.positions)
+    assert one.outputs.keys() == other.outputs.keys()
+    for name, values in one.outputs.items():
+        assert np.array_equal(values, other.outputs[name]), name
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("internal", ["step = 2.5e-4", ""], ids=["fixed step", "automatic step"])
+def test_a_run_repeats_to_the_bit(scene, method, internal):
+    body = lively(scene, method=method, internal=internal, without=('"corner"',))
+    assert_same(simulate(body), simulate(body))
+
+
+def test_two_instances_in_turn_are_two_runs(scene):
+    one, other = lively(scene, name="one"), lively(scene, method="auto", internal="", without=('"wall"', '"corner"'), name="other")
+    alone = [points(simulate(body, stop_time=0.2)) for body in (one, other)]
+    with Stepper(one) as first, Stepper(other) as second:
+        for row in range(1, 21):
+            first.step(0.01)
+            second.step(0.01)
+            assert np.array_equal(first.positions(), alone[0][row])
+            assert np.array_equal(second.positions(), alone[1][row])
+
+
+def test_a_reset_instance_runs_as_a_new_one(scene):
+    with Stepper(lively(scene)) as stepper:
+        stepper.step(0.01, times=20)
+        once = stepper.positions()
+        stepper.set({"load.push.y": 5.0})
+        stepper.step(0.01)
+        stepper.restart({})
+        stepper.step(0.01, times=20)
+        assert np.array_equal(stepper.positions(), once)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("without", [("[plane]", "[pin]"), ("[pin]",), ("[plane]",)], ids=["free", "contact", "pinned"])
+def test_cutting_the_communication_step_changes_no_bit_with_a_fixed_step(scene, method, without):
+    body = lively(scene, method=method, without=without)
+    coarse, middle, fine = (points(simulate(body, step=length, start_values={"load.push.y": 3.0})) for length in (0.02, 0.01, 0.005))
+    assert np.array_equal(coarse, middle[::2])
+    assert np.array_equal(middle, fine[::2])
+
+
+def test_uneven_communication_steps_change_no_bit_with_a_fixed_step(scene):
+    body = lively(scene)
+    expected = points(simulate(body))[-1]
+    with Stepper(body) as stepper:
+        for count in (1, 7, 300, 2, 90, 800, 1200):
+            stepper.step(count * 2.5e-4)
+        assert np.array_equal(stepper.positions(), expected)
+
+
+def test_cutting_changes_no_bit_where_stability_shortens_the_given_step(scene):
+    """A step just below the limit at rest is too long for the stretched box, which goes to and fro between both."""
+    text = """
+[material]
+stiffness = 1e3
+damping = 0.0
+[initial]
+stretch = [1.3, 1.0, 1.0]
+[outputs]
+solver = true
+[solver]
+step = 1.85e-3
+[experiment]
+stop_time = 0.888
+"""
+    coarse, fine = (simulate(scene(text), step=length) for length in (0.0222, 0.00185))
+    assert fine.outputs["solver.steps"][-1] > 480  # shortened at times
+    assert np.array_equal(points(coarse), points(fine)[::12])
+
+
+def test_reactions_and_energies_do_not_depend_on_how_the_run_is_cut(scene):
+    body = lively(scene)
+    coarse, fine = simulate(body, step=0.02), simulate(body, step=0.005)
+    for name in ("plane.ground.reaction", "plane.ground.torque", "plane.wall.reaction", "pin.corner.reaction"):
+        mean = vector(fine, name)[1:].reshape(-1, 4, 3).mean(axis=1)
+        assert vector(coarse, name)[1:] == pytest.approx(mean, abs=1e-9), name
+    for name in ("energy.kinetic", "energy.elastic", "energy.gravity", "energy.dissipated", "energy.work"):
+        assert coarse.outputs[name] == pytest.approx(fine.outputs[name][::4], abs=1e-9), name
+
+
+def test_looking_at_outputs_changes_nothing(scene):
+    body = lively(scene, internal="", without=('"corner"',))
+    with Stepper(body) as looked, Stepper(body) as alone:
+        for _ in range(30):
+            looked.step(0.01)
+            looked.read("solver.stable_step", "energy.elastic", "plane.ground.reaction.z")
+            alone.step(0.01)
+        assert np.array_equal(looked.positions(), alone.positions())
