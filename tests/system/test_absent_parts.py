@@ -87,7 +87,8 @@ def test_each_part_brings_its_own_variables_and_records_and_no_others(scene, tmp
 
 
 def test_reactions_that_are_not_wanted_are_absent(scene, tmp_path):
-    names, records = contents(scene, tmp_path, PLAIN.replace("reactions = true", 'reactions = false\n[[plane]]\nname = "q"\n[[pin]]\nname = "a"\npoints = "z-"'))
+    obstacle_and_pin = '[[plane]]\nname = "q"\n[[pin]]\nname = "a"\npoints = "z+"\n'
+    names, records = contents(scene, tmp_path, PLAIN.replace("reactions = true", "reactions = false") + obstacle_and_pin)
     assert not any("reaction" in name or "torque" in name or "contacts" in name for name in names)
     assert "reactions" not in records
 
