@@ -2,8 +2,9 @@
 
 #include <cmath>
 
-// One clone per instruction set where the loader can choose between them; elsewhere the baseline alone.
-#if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__) && !defined(SOFTFFD_NO_CLONES)
+// One clone per instruction set where the loader can choose between them; elsewhere the baseline alone. Clang's choice needs a run-time
+// library that not every toolchain built on it brings.
+#if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__) && !defined(__clang__) && !defined(SOFTFFD_NO_CLONES)
 #define SOFTFFD_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define SOFTFFD_CLONES
