@@ -33,7 +33,7 @@ Contact::Contact(int points, int planes)
   active_.reserve(planes);
 }
 
-StepStatus Contact::clear_jumps(const Body& body, const Surroundings& around, double time, Points& x) {
+StepStatus Contact::clear_jumps(const Body& body, const Surroundings& around, double time, Points& x, bool& moved) {
   const int n = body.points();
   bool any = false;
   for (std::size_t q = 0; q < around.planes.size(); ++q) {
@@ -42,21 +42,22 @@ StepStatus Contact::clear_jumps(const Body& body, const Surroundings& around, do
   }
   if (!any) return StepStatus::ok;
   for (int p = 0; p < n; ++p) {
-    Vec3 moved = row(x, p);
+    Vec3 here = row(x, p);
     constraints_.clear();
     double least = 0;
     for (const HalfSpace& plane : start_) {
       constraints_.push_back({.normal = plane.normal, .bound = plane.offset});
-      least = std::min(least, plane.gap(moved));
+      least = std::min(least, plane.gap(here));
     }
     if (least >= 0) continue;
     if (body.pinned[p]) {
       if (least < -pin_slack * body.length) return StepStatus::pin_behind_plane;
       continue;
     }
-    const double slack = 1e-14 * (body.length + moved.norm());
-    if (!feasible_.project(constraints_, slack, moved)) return StepStatus::impossible_planes;
-    set_row(x, p, moved);
+    const double slack = 1e-14 * (body.length + here.norm());
+    if (!feasible_.project(constraints_, slack, here)) return StepStatus::impossible_planes;
+    set_row(x, p, here);
+    moved = true;
   }
   return StepStatus::ok;
 }

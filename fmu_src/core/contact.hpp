@@ -43,8 +43,8 @@ class Contact {
  public:
   Contact(int points, int planes);
 
-  /// Moves points out of planes at a communication point; velocities stay.
-  StepStatus clear_jumps(const Body& body, const Surroundings& around, double time, Points& x);
+  /// Moves points out of planes at a communication point; velocities stay. Sets `moved` if there was any.
+  StepStatus clear_jumps(const Body& body, const Surroundings& around, double time, Points& x, bool& moved);
 
   /// After the free drift x1 = x0 + h v: corrects x1 and v of the points that would be behind a plane. `before`: v before the kick.
   StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, Exchange& exchange);

@@ -129,9 +129,9 @@ StepStatus SoftBody::refresh_surroundings() {
   return StepStatus::ok;
 }
 
-StepStatus SoftBody::clear_jumps() {
+StepStatus SoftBody::clear_jumps(bool& moved) {
   if (around_.planes.empty() || settings.method == Method::central_difference) return StepStatus::ok;
-  return jumps_.clear_jumps(body_, around_, now_.motion.time, now_.motion.x);
+  return jumps_.clear_jumps(body_, around_, now_.motion.time, now_.motion.x, moved);
 }
 
 bool SoftBody::place_pins(bool book) {
@@ -178,8 +178,8 @@ StepStatus SoftBody::initialize(double t0) {
   now_.exchange_time = 1;
   now_.dissipated = now_.work = 0;
   now_.steps = now_.contacts_resolved = now_.exchange.contacts_resolved = 0;
-  place_pins(false);
-  const StepStatus cleared = clear_jumps();
+  bool moved = place_pins(false);
+  const StepStatus cleared = clear_jumps(moved);
   if (cleared != StepStatus::ok) return cleared;
   count_contacts();
   body_.springs.force(motion.x, motion.spring);
@@ -205,10 +205,10 @@ StepStatus SoftBody::advance_from_here(double H) {
   now_.exchange.dissipated = now_.exchange.work = 0;
   now_.exchange.contacts_resolved = 0;
   now_.exchange_time = H;
-  const bool moved = place_pins(true);
-  const StepStatus cleared = clear_jumps();
+  bool moved = place_pins(true);
+  const StepStatus cleared = clear_jumps(moved);
   if (cleared != StepStatus::ok) return cleared;
-  if (changed || moved || !around_.planes.empty()) body_.springs.force(motion.x, motion.spring);
+  if (changed || moved) body_.springs.force(motion.x, motion.spring);
   if (definition_.watch_energy) {
     now_.work += potential_energy() - now_.potential;
     begin_ = motion.x;
@@ -320,7 +320,7 @@ double SoftBody::gravity_energy() const {
 }
 
 double SoftBody::stable_step() {  // leaves the bound that steps are chosen by alone: looking must not change what follows
-  if (stability_.any_frequency() == 0) return std::numeric_limits<double>::infinity();
+  if (stability_.any_frequency() == 0) return std::numeric_limits<double>::max();
   return 2 / stability_.frequency(body_, now_.motion.x);
 }
 

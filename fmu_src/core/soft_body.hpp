@@ -112,7 +112,7 @@ class SoftBody {
   double work() const { return now_.work; }
   long steps() const { return now_.steps; }
   long contacts_resolved() const { return now_.contacts_resolved; }
-  /// Largest stable internal step of the current state, by bound [s]; infinity without springs.
+  /// Largest stable internal step of the current state, by bound [s]; the largest finite number without springs.
   double stable_step();
   int folded_cells() const { return softffd::folded_cells(definition_.lattice, now_.motion.x); }
   /// Internal step of the last communication step [s].
@@ -122,7 +122,7 @@ class SoftBody {
  private:
   void refresh_body();
   StepStatus refresh_surroundings();
-  StepStatus clear_jumps();
+  StepStatus clear_jumps(bool& moved);
   void count_contacts();
   bool place_pins(bool book);
   double potential_energy() const { return elastic_energy() + gravity_energy(); }

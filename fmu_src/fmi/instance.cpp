@@ -36,6 +36,7 @@ Instance::Instance(SceneFile scene, Logger log) : logger(std::move(log)), scene_
   for (std::size_t a = 0; a < scene_.pins.size(); ++a)
     if (scene_.pins[a].input) input_pins_.push_back(int(a));
   for (const auto& probe : scene_.probes) probe_weights_.push_back(embedding_weights(body_.lattice(), probe.at));
+  count_variables();
   reset();
 }
 

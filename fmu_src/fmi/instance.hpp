@@ -61,6 +61,7 @@ class Instance {
   std::size_t part_count(Part part) const;
   std::string instance_name_of(Part part, int instance) const;
   int control_point_of(Part part, int instance) const;
+  void count_variables();
   std::optional<Variable> find(fmi2ValueReference reference) const;
   Variable checked(fmi2ValueReference reference, Type type) const;
   void check_settable(const Variable& variable, fmi2ValueReference reference, double value) const;
@@ -80,6 +81,7 @@ class Instance {
   SceneFile scene_;
   std::vector<int> input_planes_, fixed_planes_, input_pins_;  ///< indices into scene_.planes and scene_.pins
   std::vector<Scalars> probe_weights_;
+  std::array<std::size_t, 128> counts_{};        ///< variables by family id
   std::array<std::vector<double>, 128> rates_;   ///< time derivatives of inputs by family id, for the next step
   bool rated_ = false;                           ///< any rate was set
   std::array<std::vector<double>, 128> values_;  ///< settings by family id

@@ -94,11 +94,15 @@ int Instance::control_point_of(Part part, int instance) const {
   return part == Part::velocities ? scene_.velocities[instance] : 0;
 }
 
+void Instance::count_variables() {
+  for (const FamilyInfo& info : families) counts_[std::size_t(info.family)] = part_count(info.part) * components(info);
+}
+
 std::optional<Instance::Variable> Instance::find(fmi2ValueReference reference) const {
-  const FamilyInfo* info = family_info(reference >> 24);
+  const unsigned id = reference >> 24;
   const std::size_t index = reference & 0xffffff;
-  if (!info || index >= part_count(info->part) * components(*info)) return std::nullopt;
-  return Variable{info, int(index)};
+  if (id >= counts_.size() || index >= counts_[id]) return std::nullopt;
+  return Variable{family_info(id), int(index)};
 }
 
 std::string Instance::name(fmi2ValueReference reference) const {
@@ -129,10 +133,13 @@ void Instance::check_settable(const Variable& variable, fmi2ValueReference refer
   if (!(settable_in(info) & phase))
     throw CallError(name(reference) + ": cannot be set " +
                     (info.causality == Causality::output ? "(it is an output)" : "after initialization"));
-  const std::string unit = info.unit.empty() || info.unit == "1" ? std::string() : std::string(" ").append(info.unit);
+  const auto wanted = [&](const std::string& what) {
+    const std::string unit = info.unit.empty() || info.unit == "1" ? std::string() : std::string(" ").append(info.unit);
+    return CallError(name(reference) + ": wanted " + what + unit + ", got " + shortest(value));
+  };
   if (!std::isfinite(value)) throw CallError(name(reference) + ": wanted a finite number, got " + shortest(value));
-  if (value < info.min) throw CallError(name(reference) + ": wanted >= " + shortest(info.min) + unit + ", got " + shortest(value));
-  if (value <= info.above) throw CallError(name(reference) + ": wanted > " + shortest(info.above) + unit + ", got " + shortest(value));
+  if (value < info.min) throw wanted(">= " + shortest(info.min));
+  if (value <= info.above) throw wanted("> " + shortest(info.above));
   if (info.type == Type::Enumeration && !(value >= 1 && value <= method_count))
     throw CallError(name(reference) + ": wanted 1 to " + std::to_string(method_count) + ", got " + shortest(value));
 }
@@ -140,11 +147,10 @@ void Instance::check_settable(const Variable& variable, fmi2ValueReference refer
 void Instance::set(Type type, const fmi2ValueReference* references, std::size_t count, const double* numbers) {
   for (std::size_t n = 0; n < count; ++n) check_settable(checked(references[n], type), references[n], numbers[n]);
   for (std::size_t n = 0; n < count; ++n) {
-    const Variable variable = *find(references[n]);
-    const Family family = variable.info->family;
-    values(family)[variable.index] = numbers[n];
+    const unsigned id = references[n] >> 24;
+    values_[id][references[n] & 0xffffff] = numbers[n];
     changed_ = true;
-    material_changed_ = material_changed_ || variable.info->material;
+    material_changed_ = material_changed_ || family_info(id)->material;
   }
 }
 
