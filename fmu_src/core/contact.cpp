@@ -70,7 +70,8 @@ StepStatus Contact::drift(const StepView& step, const Points& before, Points& v,
     end_[q] = plane.at(step.t1);
     if (!kernels::gaps(n, x1.data(), end_[q].normal.data(), end_[q].offset, gap_.data())) continue;
     for (int p = 0; p < n; ++p)
-      if (gap_[p] < 0 && !marked_[p]) marked_[p] = 1, touched_.push_back({p, row(before, p)});
+      if (gap_[p] < 0 && !marked_[p])
+        marked_[p] = 1, touched_.push_back({p, row(step.x0, p), row(before, p), row(step.spring, p) + row(step.force, p)});
   }
   if (touched_.empty()) return StepStatus::ok;
   for (std::size_t q = 0; q < step.around.planes.size(); ++q) {
@@ -188,7 +189,9 @@ StepStatus Contact::close(const StepView& step, const Points& before, const Poin
     set_row(v, p, velocity);
     ++exchange.contacts_resolved;
     exchange.work += touch.surface_work;
-    exchange.dissipated += touch.surface_work - touch.impulse.dot(0.5 * (touch.velocity + velocity));
+    const Vec3 mean_force = 0.5 * (touch.force + row(step.spring, p) + row(step.force, p)), mean = 0.5 * (touch.velocity + velocity);
+    const Vec3 travel = row(x1, p) - touch.x;
+    exchange.dissipated += touch.surface_work - touch.impulse.dot(mean) - mean_force.dot(step.h * mean - travel);
   }
   return StepStatus::ok;
 }

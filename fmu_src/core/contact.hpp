@@ -58,11 +58,12 @@ class Contact {
   struct Change {
     Vec3 x1, v;
   };
-  /// A point corrected by the last drift. The kinetic energy that its contacts took over the whole step is exactly their impulse times
-  /// the mean of the velocities at both ends of the step.
+  /// A point corrected by the last drift. Over the whole step its kinetic energy changes by (J + h F) . w, where J is the impulse of its
+  /// contacts, F the mean of the forces and w of the velocities at both ends; the forces' own work is F . (x1 - x0). What contact took
+  /// from the energy is the difference.
   struct Touch {
     int point;
-    Vec3 velocity;                ///< at t0 [m/s]
+    Vec3 x, velocity, force;      ///< at t0 [m], [m/s], [N]
     Vec3 impulse = Vec3::Zero();  ///< of all obstacles on the point [N s]
     double surface_work = 0;      ///< of which the obstacles' own motion did [J]
   };

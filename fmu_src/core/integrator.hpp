@@ -28,6 +28,8 @@ struct Task {
 struct Clock {
   double origin = 0, h = 0;
   long count = 0;
+  double unit = 0;  ///< the given step that h divides; 0: none was given
+  long parts = 1;   ///< internal steps per unit
   double time() const { return origin + double(count) * h; }
 };
 

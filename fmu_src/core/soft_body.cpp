@@ -8,8 +8,11 @@ namespace softffd {
 
 namespace {
 
-/// Share of 2 / omega that an automatic step takes, and that a step given by the user may take.
-constexpr double automatic_share = 0.9, given_share = 0.98, any_configuration_share = 0.95;
+/// Share of 2 / omega that a step given by the user may take. Linear theory allows all of it.
+constexpr double given_share = 0.98;
+/// Share that an automatic step takes: omega h <= 1.36, clear of sqrt(3) and sqrt(2), where an undamped mode comes back in phase with the
+/// springs' own nonlinearity every third or fourth step and gains energy without limit.
+constexpr double automatic_share = 0.68;
 /// Spring vectors may change by this share of the shortest edge before the bound is computed anew.
 constexpr double deformation_limit = 0.2;
 /// Internal steps between two looks at the deformation.
@@ -235,7 +238,7 @@ double SoftBody::step_limit(double share) {
     now_.bound = stability_.frequency(body_, now_.motion.x);
     now_.bound_x = now_.motion.x;
   }
-  return std::max(share * 2 / now_.bound, any_configuration_share * 2 / stability_.any_frequency());
+  return share * 2 / now_.bound;
 }
 
 bool SoftBody::deformed_since_bound() const {
@@ -250,17 +253,19 @@ bool SoftBody::deformed_since_bound() const {
 }
 
 StepStatus SoftBody::run_counted(long units) {
+  Clock& clock = now_.clock;
   const double unit = settings.step;
   while (units > 0) {
-    const long parts = divisions(unit, step_limit(given_share));
-    const double h = unit / double(parts);
-    if (double(units) * double(parts) > double(most_steps)) return StepStatus::too_many_steps;
-    if (now_.clock.h != h) now_.clock = {now_.motion.time, h, 0};
-    const long since_look = now_.clock.count / parts % look_every;
-    const long ahead = std::min(units, look_every - since_look);
-    const StepStatus status = run_stretch(h, ahead * parts);
+    // Looks are counted too, so that they fall on the same moments however the time is cut.
+    if (clock.unit != unit || now_.bound < 0 || clock.count / clock.parts % look_every == 0) {
+      const long parts = divisions(unit, step_limit(given_share));
+      if (clock.unit != unit || clock.parts != parts) clock = {now_.motion.time, unit / double(parts), 0, unit, parts};
+    }
+    if (double(units) * double(clock.parts) > double(most_steps)) return StepStatus::too_many_steps;
+    const long ahead = std::min(units, look_every - clock.count / clock.parts % look_every);
+    const StepStatus status = run_stretch(clock.h, ahead * clock.parts);
     if (status != StepStatus::ok) return status;
-    now_.motion.time = now_.clock.time();
+    now_.motion.time = clock.time();
     units -= ahead;
   }
   return StepStatus::ok;

@@ -44,7 +44,7 @@ bool sound(const Place& place) {
 
 bool sound(const Progress& progress) {
   return progress.motion.x.allFinite() && progress.motion.v.allFinite() && progress.exchange_time > 0 && progress.clock.count >= 0 &&
-         progress.steps >= 0;
+         progress.clock.parts > 0 && progress.steps >= 0;
 }
 
 }  // namespace

@@ -84,10 +84,11 @@ template <class Archive>
 void pass(Archive& archive, Progress& progress) {
   State& motion = progress.motion;
   for (double* value :
-       {&motion.time, &motion.previous_h, &progress.clock.origin, &progress.clock.h, &progress.exchange_time, &progress.dissipated,
-        &progress.work, &progress.potential, &progress.bound, &progress.exchange.dissipated, &progress.exchange.work})
+       {&motion.time, &motion.previous_h, &progress.clock.origin, &progress.clock.h, &progress.clock.unit, &progress.exchange_time,
+        &progress.dissipated, &progress.work, &progress.potential, &progress.bound, &progress.exchange.dissipated, &progress.exchange.work})
     archive.number(*value);
-  for (long* value : {&progress.clock.count, &progress.steps, &progress.contacts_resolved, &progress.exchange.contacts_resolved})
+  for (long* value :
+       {&progress.clock.count, &progress.clock.parts, &progress.steps, &progress.contacts_resolved, &progress.exchange.contacts_resolved})
     archive.integer(*value);
   for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous, &progress.bound_x})
     archive.numbers(points->data(), points->size());
