@@ -48,9 +48,12 @@ class Result:
                 columns.append(np.broadcast_to(value, self.time.shape))
             return np.stack(columns, axis=1)
 
-        fixed = f"plane.{name}.point.x" in self.parameters
-        travelled = (self.time - self.time[0])[:, None] * vector("velocity") if fixed else 0.0
-        return vector("point") + travelled, vector("normal")
+        points, normals = vector("point"), vector("normal")
+        if f"plane.{name}.point.x" in self.parameters:  # the pose is that of the start time, moved on since
+            age = (self.time - self.time[0])[:, None]
+            points = points + age * vector("velocity")
+            normals = _turned(age * vector("angular_velocity"), normals)
+        return points, normals
 
     def save(self, folder: str | Path) -> list[Path]:
         """Writes result.npz, result.csv and summary.json; each appears whole or not at all. Returns their paths."""
@@ -85,3 +88,11 @@ class Result:
 
     def _write_summary(self, stream: Any) -> None:
         stream.write((json.dumps(self.summary, indent=2) + "\n").encode())
+
+
+def _turned(rotations: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """vectors (T, 3) turned by rotation vectors (T, 3) [rad] (Rodrigues)."""
+    angle = np.linalg.norm(rotations, axis=1, keepdims=True)
+    axis = np.divide(rotations, angle, out=np.zeros_like(rotations), where=angle > 0)
+    along = (axis * vectors).sum(axis=1, keepdims=True) * axis
+    return along + np.cos(angle) * (vectors - along) + np.sin(angle) * np.cross(axis, vectors)

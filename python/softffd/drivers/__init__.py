@@ -1,0 +1,56 @@
+"""Driver FMUs made with pythonfmu, to couple with a scene's FMU: a rigid plate, a prescribed load or motion.
+
+They are Python: a host needs a Python interpreter in its process. pythonfmu goes into each FMU and need not be installed where it runs; its
+library names no libpython and takes the interpreter's symbols from the process. Hosts that are Python (fmpy, libcosimpy, ecospy,
+OMSimulator's package) have them; another host must be linked with libpython or started with LD_PRELOAD=libpython3.N.so. On Linux it
+needs glibc 2.32 and a C++ runtime of GCC 12; libraries for linux64 and win64 are in the FMU.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from softffd.errors import SoftffdError
+
+DRIVERS = ("plate", "actuator")
+HERE = Path(__file__).parent
+
+
+def build_drivers(folder: str | Path) -> list[Path]:
+    """Builds plate.fmu and actuator.fmu into a folder (made where absent) and returns their paths. SoftffdError without pythonfmu."""
+    return [build_driver(name, folder) for name in DRIVERS]
+
+
+def build_driver(name: str, folder: str | Path, *, start_values: Mapping[str, Any] | None = None) -> Path:
+    """Builds one driver, `name`.fmu, into a folder.
+
+    start_values: parameters by name, vectors ("initial.point") as three numbers; they become the FMU's start values.
+    """
+    if name not in DRIVERS:
+        raise SoftffdError(f"driver: wanted one of {', '.join(DRIVERS)}, got {name!r}")
+    if find_spec("pythonfmu") is None:
+        raise SoftffdError("the driver FMUs are made with pythonfmu, which is not installed: pip install pythonfmu")
+    path = Path(folder) / f"{name}.fmu"
+    with TemporaryDirectory(prefix="softffd-") as scratch:
+        files = [HERE / "softffd_driver.py"]
+        if start_values:
+            files.append(Path(scratch) / "start.json")
+            files[-1].write_text(json.dumps({key: _plain(value) for key, value in start_values.items()}))
+        command = [sys.executable, "-m", "pythonfmu", "build", "-f", HERE / f"{name}.py", "-d", scratch, "--handle-state", "--serialize-state"]
+        done = subprocess.run([*map(str, command), *map(str, files)], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise SoftffdError(f"{path}: pythonfmu could not build it: {done.stderr.strip() or done.stdout.strip()}")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes((Path(scratch) / f"{name.capitalize()}.fmu").read_bytes())
+    return path
+
+
+def _plain(value: Any) -> Any:
+    return [float(part) for part in value] if isinstance(value, list | tuple) else value

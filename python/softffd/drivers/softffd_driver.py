@@ -1,0 +1,104 @@
+"""What the driver FMUs have in common: variables from a table, units, a complete model structure, states that restore exactly.
+
+It goes into each driver FMU beside its source, hence the module's name of its own.
+"""
+
+import json
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement
+
+from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Integer, Real
+
+AXES = "xyz"
+UNITS = {
+    "1": {},
+    "m": {"m": 1},
+    "s": {"s": 1},
+    "kg": {"kg": 1},
+    "m/s": {"m": 1, "s": -1},
+    "m/s2": {"m": 1, "s": -2},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "N.s": {"kg": 1, "m": 1, "s": -1},
+}
+"""Powers of the base units."""
+
+
+class Driver(Fmi2Slave):
+    """A driver's variables are the rows of `table`: name, causality, unit, start, description.
+
+    A start of three numbers makes three variables NAME.x .y .z; a whole number as start makes an Integer. `values` holds the whole state
+    by name, vectors as lists; names in it that are not in the table are kept with the state and not put out. Start values of parameters
+    are replaced by those in resources/start.json where that file exists.
+    """
+
+    table = ()
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.values = {"steps": 0}
+        self.unit_of = {}
+        for name, causality, unit, start, text in self.table:
+            self.values[name] = list(start) if isinstance(start, tuple) else start
+            for axis in AXES if isinstance(start, tuple) else ("",):
+                self._register(name, axis, causality, unit, text)
+        given = Path(self.resources or ".") / "start.json"
+        if given.is_file():
+            self.values.update(json.loads(given.read_text()))
+        self.begin()
+
+    def begin(self):
+        """Outputs and hidden state from the parameters; called whenever a parameter changed before the first step."""
+
+    def _register(self, name, axis, causality, unit, text):
+        full = f"{name}.{axis}" if axis else name
+        self.unit_of[full] = unit
+
+        def get():
+            return self.values[name][AXES.index(axis)] if axis else self.values[name]
+
+        def put(value):
+            if axis:
+                self.values[name][AXES.index(axis)] = value
+            else:
+                self.values[name] = value
+            if causality == "parameter" and self.values["steps"] == 0:
+                self.begin()
+
+        kind = Integer if isinstance(self.values[name], int) else Real
+        self.register_variable(
+            kind(
+                full,
+                causality=Fmi2Causality[causality],
+                variability=Fmi2Variability.fixed if causality == "parameter" else Fmi2Variability.continuous,
+                description=f"{text}, {axis}" if axis else text,
+                getter=get,
+                setter=put,
+            ),
+            nested=False,
+        )
+
+    def to_xml(self, model_options=None):
+        root = super().to_xml(model_options or {})
+        root.set("generationDateAndTime", root.get("generationDateAndTime").replace("+00:00", "Z"))
+        units = Element("UnitDefinitions")
+        for unit in sorted({unit for unit in self.unit_of.values() if unit}):
+            powers = {base: str(power) for base, power in UNITS[unit].items()}
+            SubElement(SubElement(units, "Unit", name=unit), "BaseUnit", powers)
+        root.insert(1, units)
+        for variable in root.find("ModelVariables"):
+            if unit := self.unit_of[variable.get("name")]:
+                variable[0].set("unit", unit)
+            if variable.get("causality") == "output":
+                variable.set("initial", "calculated")
+        outputs = root.find("ModelStructure/Outputs")
+        initial = SubElement(root.find("ModelStructure"), "InitialUnknowns")
+        for unknown in outputs:
+            SubElement(initial, "Unknown", index=unknown.get("index"))
+            unknown.set("dependencies", "")
+        return root
+
+    def _get_fmu_state(self):
+        return json.loads(json.dumps(self.values))
+
+    def _set_fmu_state(self, state):
+        self.values = json.loads(json.dumps(state))

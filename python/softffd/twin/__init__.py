@@ -1,0 +1,133 @@
+"""An independent twin of a scene's component: the same variables, the same model written once more in numpy, packaged with pythonfmu.
+
+Run the two side by side and compare: where they part, one of them is wrong, or the motion is chaotic. The twin is some hundred times slower,
+needs a host with Python and numpy, and has neither pins nor points held by two planes at a time.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from shutil import copy
+from tempfile import TemporaryDirectory
+from xml.etree import ElementTree as Xml
+
+import numpy as np
+
+from softffd.errors import SoftffdError
+from softffd.model_description import GUID_PLACE, model_description
+from softffd.package import scene_masses
+from softffd.scene import Scene
+from softffd.variables import table, variables
+
+__all__ = ["build_twin", "resolved_scene"]
+
+PACKAGE, SCRIPT = "softffd_twin", "softffd_twin_slave"
+"""Names of the twin's own package and of pythonfmu's script inside the FMU, which does not need softffd."""
+
+
+def build_twin(scene: Scene, path: str | Path) -> Path:
+    """Writes the twin of a scene as an FMU and returns its path.
+
+    Its variables are those of the component, references, units and starts included, but for the outputs energy.* and solver.*. With solver.step
+    = 0 it takes a step that is stable in any configuration; a solver.step that is given is taken as it is. Raises SoftffdError for a scene with
+    pins, and where pythonfmu is not installed.
+    """
+    builder = _pythonfmu().FmuBuilder
+    path = Path(path)
+    if path.suffix != ".fmu":
+        raise SoftffdError(f"{path}: wanted a file name that ends in .fmu")
+    scene = _without_balances(scene)
+    mass = scene_masses(scene).mass
+    content = resolved_scene(scene, mass)
+    text = json.dumps(content)
+    with TemporaryDirectory(prefix="softffd-") as name, _imports_undone():
+        folder = Path(name)
+        package, script = folder / PACKAGE, folder / f"{SCRIPT}.py"
+        package.mkdir()
+        (package / "__init__.py").touch()
+        for part in ("model.py", "slave.py"):
+            copy(Path(__file__).parent / part, package)
+        script.write_text(f"from {PACKAGE}.slave import TwinSlave  # noqa: F401\n", encoding="utf-8")
+        files = {"scene.json": text, "description.xml": _description(scene, mass, text)}
+        for file, words in files.items():
+            (folder / file).write_text(words, encoding="utf-8")
+        builder.build_FMU(script, path, project_files=[package, *(folder / file for file in files)])
+    return path
+
+
+def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
+    """What softffd.twin.model.Model needs of a scene, as it stands in the FMU's resources. mass: (n,) kg, region overrides included."""
+    if scene.pin:
+        raise SoftffdError(f"the twin has no pins; wanted a scene without [[pin]], got pin {scene.pin[0].name!r}")
+
+    def points(selection) -> list[int]:
+        return scene.select(selection).tolist()
+
+    return {
+        "counts": scene.lattice.points,
+        "origin": scene.lattice.origin,
+        "size": scene.lattice.size,
+        "topology": scene.lattice.springs,
+        "mass": mass.tolist(),
+        "regions": [{"points": points(r.points), "stiffness": r.stiffness, "damping": r.damping} for r in scene.region],
+        "planes": [{"name": plane.name, "motion": plane.motion} for plane in scene.plane],
+        "loads": {load.name: points(load.points) for load in scene.load},
+        "probes": {probe.name: probe.at for probe in scene.probe},
+        "forces": points(scene.inputs.forces),
+        "position": points(scene.outputs.positions),
+        "velocity": points(scene.outputs.velocities),
+        "reactions": scene.outputs.reactions,
+        "initial": scene.initial.model_dump(),
+        "methods": {str(method["value"]): method["key"] for method in table()["method"]},
+        "variables": [{"name": v.name, "reference": v.reference, "start": v.start} for v in variables(scene, mass)],
+    }
+
+
+def _without_balances(scene: Scene) -> Scene:
+    return scene.model_copy(update={"outputs": scene.outputs.model_copy(update={"energy": False, "solver": False})})
+
+
+def _description(scene: Scene, mass: np.ndarray, content: str) -> str:
+    """The component's own description with what pythonfmu does otherwise: binary, capabilities, log categories."""
+    text = model_description(scene, variables(scene, mass))
+    guid = hashlib.sha256((text + content).encode()).hexdigest()[:32]
+    root = Xml.fromstring(text.replace(GUID_PLACE, guid))
+    root.set("generationTool", f"{root.get('generationTool')}, twin in numpy")
+    simulation = root.find("CoSimulation")
+    simulation.attrib.clear()
+    simulation.attrib |= {
+        "modelIdentifier": PACKAGE,
+        "needsExecutionTool": "true",
+        "canHandleVariableCommunicationStepSize": "true",
+        "canNotUseMemoryManagementFunctions": "true",
+    }
+    categories = root.find("LogCategories")
+    categories.clear()
+    for category, words in _pythonfmu().Fmi2Slave.log_categories.items():
+        Xml.SubElement(categories, "Category", name=category, description=words)
+    return Xml.tostring(root, encoding="unicode")
+
+
+def _pythonfmu():
+    try:
+        return importlib.import_module("pythonfmu")
+    except ImportError:
+        raise SoftffdError("the twin is packaged with pythonfmu, which is not installed here: pip install pythonfmu") from None
+
+
+@contextmanager
+def _imports_undone() -> Iterator[None]:
+    """The builder imports the script by name, from a folder that it leaves on the path; a running twin leaves an empty module of that name."""
+    path = list(sys.path)
+    sys.modules.pop(SCRIPT, None)
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        sys.modules.pop(SCRIPT, None)

@@ -1,0 +1,69 @@
+"""The twin as an FMI slave: what pythonfmu calls."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree as Xml
+
+from pythonfmu import Fmi2Slave
+
+from .model import Model
+
+SCENE, DESCRIPTION = "scene.json", "description.xml"
+"""Files of the resources: the resolved scene with its table of variables, and modelDescription.xml as the package writes it."""
+
+
+class TwinSlave(Fmi2Slave):
+    """Variables by the references of the component's own table; the values held between the calls, the outputs calculated when asked for."""
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.modelName = "softffd_twin"  # pythonfmu's word for the model identifier
+        folder = Path(self.resources)
+        scene = json.loads((folder / SCENE).read_text(encoding="utf-8"))
+        self._description = folder / DESCRIPTION
+        self._names = {variable["reference"]: variable["name"] for variable in scene["variables"]}
+        self._values = {variable["name"]: variable["start"] for variable in scene["variables"] if variable["start"] is not None}
+        self._model, self._outputs = Model(scene), None
+        self._start_time, self._initialized = 0.0, False
+
+    def to_xml(self, model_options=None) -> Xml.Element:
+        """The description that was made from the component's table."""
+        return Xml.fromstring(self._description.read_text(encoding="utf-8"))
+
+    def setup_experiment(self, start_time, stop_time, tolerance):
+        self._start_time = start_time
+
+    def exit_initialization_mode(self):
+        self._read_outputs()
+        self._initialized = True
+
+    def do_step(self, current_time, step_size):
+        self._model.advance(self._values, step_size)
+        self._outputs = None
+        return True
+
+    def get_real(self, vrs):
+        return [float(self._value(reference)) for reference in vrs]
+
+    def get_integer(self, vrs):
+        return [int(self._value(reference)) for reference in vrs]
+
+    def set_real(self, vrs, values):
+        self._values.update(zip((self._names[reference] for reference in vrs), values, strict=True))
+        if not self._initialized:
+            self._outputs = None
+
+    set_integer = set_real
+
+    def _value(self, reference):
+        name = self._names[reference]
+        return self._values[name] if name in self._values else self._read_outputs()[name]
+
+    def _read_outputs(self):
+        if self._outputs is None:
+            if not self._initialized:
+                self._model.initialize(self._values, self._start_time)
+            self._outputs = self._model.outputs()
+        return self._outputs
