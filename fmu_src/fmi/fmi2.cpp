@@ -18,14 +18,14 @@ namespace softffd::fmi {
 
 namespace {
 
-Registry<Instance> instances;
+constinit Registry<Instance> instances;
 
 /// A state that a host holds: bytes, and the scene that they belong to.
 struct SavedState {
   std::string guid;
   Bytes bytes;
 };
-Registry<SavedState> states;
+constinit Registry<SavedState> states;
 
 constexpr unsigned after_start = initializing | stepping | step_failed | terminated | failed;
 constexpr unsigned settable = instantiated | initializing | stepping;

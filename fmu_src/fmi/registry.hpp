@@ -1,8 +1,10 @@
 /// The objects that a host holds handles to: a handle that is not among them is refused without being looked into.
+///
+/// Trivially destructible on purpose: a library may be unloaded at any time, and not every toolchain runs what would be left to do then.
+/// The table goes with the last object.
 #pragma once
+#include <atomic>
 #include <memory>
-#include <mutex>
-#include <shared_mutex>
 #include <unordered_map>
 
 namespace softffd::fmi {
@@ -12,31 +14,62 @@ class Registry {
  public:
   /// Takes ownership; the pointer is the handle.
   Object* adopt(std::unique_ptr<Object> object) {
+    const Lock lock(busy_);
+    if (!objects_) objects_ = new Table;
     Object* handle = object.get();
-    const std::unique_lock lock(mutex_);
-    objects_.emplace(handle, std::move(object));
+    try {
+      objects_->emplace(handle, std::move(object));
+    } catch (...) {
+      drop_empty_table();
+      throw;
+    }
     return handle;
   }
   /// The object behind a handle, or null.
-  Object* live(const void* handle) const {
-    const std::shared_lock lock(mutex_);
-    const auto found = objects_.find(handle);
-    return found == objects_.end() ? nullptr : found->second.get();
+  Object* live(const void* handle) {
+    const Lock lock(busy_);
+    if (!objects_) return nullptr;
+    const auto found = objects_->find(handle);
+    return found == objects_->end() ? nullptr : found->second.get();
   }
-  /// Destroys the object behind a handle; false for any other value.
-  bool release(const void* handle) {
-    std::unique_ptr<Object> last;
-    const std::unique_lock lock(mutex_);
-    const auto found = objects_.find(handle);
-    if (found == objects_.end()) return false;
+  /// Destroys the object behind a handle; nothing happens for any other value.
+  void release(const void* handle) {
+    std::unique_ptr<Object> last;  // destroyed after the lock is gone
+    const Lock lock(busy_);
+    if (!objects_) return;
+    const auto found = objects_->find(handle);
+    if (found == objects_->end()) return;
     last = std::move(found->second);
-    objects_.erase(found);
-    return true;
+    objects_->erase(found);
+    drop_empty_table();
   }
 
  private:
-  mutable std::shared_mutex mutex_;
-  std::unordered_map<const void*, std::unique_ptr<Object>> objects_;
+  using Table = std::unordered_map<const void*, std::unique_ptr<Object>>;
+
+  /// Held for a look-up only: waiting threads spin.
+  class Lock {
+   public:
+    explicit Lock(std::atomic_flag& busy) : busy_(busy) {
+      while (busy_.test_and_set(std::memory_order_acquire)) {
+      }
+    }
+    ~Lock() { busy_.clear(std::memory_order_release); }
+    Lock(const Lock&) = delete;
+    Lock& operator=(const Lock&) = delete;
+
+   private:
+    std::atomic_flag& busy_;
+  };
+
+  void drop_empty_table() {
+    if (!objects_->empty()) return;
+    delete objects_;
+    objects_ = nullptr;
+  }
+
+  std::atomic_flag busy_;
+  Table* objects_ = nullptr;
 };
 
 }  // namespace softffd::fmi

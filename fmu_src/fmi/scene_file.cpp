@@ -1,13 +1,14 @@
 #include "scene_file.hpp"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <functional>
 #include <map>
-#include <sstream>
+#include <memory>
 
 namespace softffd::fmi {
 
@@ -82,7 +83,10 @@ class Record {
   int number_;
 };
 
-using Reader = std::function<void(Record&, SceneFile&)>;
+struct Reader {
+  std::string_view key;
+  void (*read)(Record&, SceneFile&);
+};
 
 int count(const SceneFile& s) { return s.definition.lattice.points(); }
 
@@ -148,43 +152,40 @@ void read_stiffness(Record& r, SceneFile& s) {
 }
 
 /// Every record's key and how it is read.
-const std::map<std::string_view, Reader>& readers() {
-  static const std::map<std::string_view, Reader> table{
-      {"guid", [](Record& r, SceneFile& s) { s.guid = r.word(); }},
-      {"counts", read_counts},
-      {"origin", [](Record& r, SceneFile& s) { s.definition.lattice.origin = r.vector(); }},
-      {"size", read_size},
-      {"topology",
-       [](Record& r, SceneFile& s) {
-         s.definition.topology = r.choice<Topology>({{"distinct", Topology::distinct}, {"paper", Topology::paper}});
-       }},
-      {"mass", read_mass},
-      {"stiffness", read_stiffness},
-      {"damping", [](Record& r, SceneFile& s) { s.damping = r.at_least(0); }},
-      {"gravity", [](Record& r, SceneFile& s) { s.gravity = r.vector(); }},
-      {"region_stiffness", read_region_stiffness},
-      {"region_damping", read_region_damping},
-      {"plane", read_plane},
-      {"pin", read_pin},
-      {"load", read_load},
-      {"probe",
-       [](Record& r, SceneFile& s) {
-         const std::string name(r.word());
-         s.probes.push_back({name, r.vector()});
-       }},
-      {"forces", [](Record& r, SceneFile& s) { s.forces = r.points(count(s)); }},
-      {"positions", [](Record& r, SceneFile& s) { s.positions = r.points(count(s)); }},
-      {"velocities", [](Record& r, SceneFile& s) { s.velocities = r.points(count(s)); }},
-      {"initial", read_initial},
-      {"reactions", [](Record&, SceneFile& s) { s.reactions = true; }},
-      {"energy", [](Record&, SceneFile& s) { s.energy = s.definition.watch_energy = true; }},
-      {"solver", [](Record&, SceneFile& s) { s.solver = true; }},
-      {"method", [](Record& r, SceneFile& s) { s.method = r.integer(1, 127); }},
-      {"tolerance", [](Record& r, SceneFile& s) { s.tolerance = r.positive(); }},
-      {"step", [](Record& r, SceneFile& s) { s.step = r.at_least(0); }},
-  };
-  return table;
-}
+constexpr Reader readers[] = {
+    {"guid", [](Record& r, SceneFile& s) { s.guid = r.word(); }},
+    {"counts", read_counts},
+    {"origin", [](Record& r, SceneFile& s) { s.definition.lattice.origin = r.vector(); }},
+    {"size", read_size},
+    {"topology",
+     [](Record& r, SceneFile& s) {
+       s.definition.topology = r.choice<Topology>({{"distinct", Topology::distinct}, {"paper", Topology::paper}});
+     }},
+    {"mass", read_mass},
+    {"stiffness", read_stiffness},
+    {"damping", [](Record& r, SceneFile& s) { s.damping = r.at_least(0); }},
+    {"gravity", [](Record& r, SceneFile& s) { s.gravity = r.vector(); }},
+    {"region_stiffness", read_region_stiffness},
+    {"region_damping", read_region_damping},
+    {"plane", read_plane},
+    {"pin", read_pin},
+    {"load", read_load},
+    {"probe",
+     [](Record& r, SceneFile& s) {
+       const std::string name(r.word());
+       s.probes.push_back({name, r.vector()});
+     }},
+    {"forces", [](Record& r, SceneFile& s) { s.forces = r.points(count(s)); }},
+    {"positions", [](Record& r, SceneFile& s) { s.positions = r.points(count(s)); }},
+    {"velocities", [](Record& r, SceneFile& s) { s.velocities = r.points(count(s)); }},
+    {"initial", read_initial},
+    {"reactions", [](Record&, SceneFile& s) { s.reactions = true; }},
+    {"energy", [](Record&, SceneFile& s) { s.energy = s.definition.watch_energy = true; }},
+    {"solver", [](Record&, SceneFile& s) { s.solver = true; }},
+    {"method", [](Record& r, SceneFile& s) { s.method = r.integer(1, 127); }},
+    {"tolerance", [](Record& r, SceneFile& s) { s.tolerance = r.positive(); }},
+    {"step", [](Record& r, SceneFile& s) { s.step = r.at_least(0); }},
+};
 
 /// Checks the first line and returns what follows it.
 std::string_view checked_body(std::string_view text) {
@@ -214,9 +215,10 @@ SceneFile parse_scene(std::string_view text) {
     const std::size_t end = std::min(body.find('\n'), body.size());
     Record record(body.substr(0, end), number);
     body.remove_prefix(std::min(end + 1, body.size()));
-    const auto reader = readers().find(record.word());
-    if (reader == readers().end()) record.fail("an unknown record");
-    reader->second(record, scene);
+    const std::string_view key = record.word();
+    const auto reader = std::find_if(std::begin(readers), std::end(readers), [&](const Reader& r) { return r.key == key; });
+    if (reader == std::end(readers)) record.fail("an unknown record");
+    reader->read(record, scene);
     if (record.more()) record.fail("more values than the record takes");
   }
   check_complete(scene);
@@ -225,13 +227,17 @@ SceneFile parse_scene(std::string_view text) {
 
 SceneFile read_scene(const std::string& path) {
 #ifdef _WIN32
-  std::ifstream file(std::filesystem::u8path(path), std::ios::binary);
+  std::FILE* file = _wfopen(std::filesystem::u8path(path).c_str(), L"rb");
 #else
-  std::ifstream file(path, std::ios::binary);
+  std::FILE* file = std::fopen(path.c_str(), "rb");
 #endif
-  std::stringstream text;
-  if (!file || !(text << file.rdbuf())) throw SceneFileError("cannot read " + path);
-  return parse_scene(std::move(text).str());
+  if (!file) throw SceneFileError("cannot read " + path);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> closed(file, std::fclose);
+  std::string text;
+  std::array<char, 16384> piece;
+  while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file)) text.append(piece.data(), count);
+  if (std::ferror(file)) throw SceneFileError("cannot read " + path);
+  return parse_scene(text);
 }
 
 }  // namespace softffd::fmi
