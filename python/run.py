@@ -64,7 +64,8 @@ def compiler_environment():
 
 
 def fingerprint():
-    digest = hashlib.sha256(str(PYTHON).encode())
+    modules = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "python" / "softffd").rglob("*.py"))
+    digest = hashlib.sha256("\n".join([str(PYTHON), *modules]).encode())  # an editable install knows the modules there are
     for name in BUILT_FROM:
         path = ROOT / name
         for file in [path] if path.is_file() else sorted(f for f in path.rglob("*") if f.is_file()):

@@ -1,5 +1,7 @@
 #include "resource_uri.hpp"
 
+#include <algorithm>
+
 namespace softffd::fmi {
 
 namespace {
@@ -44,7 +46,7 @@ std::optional<std::string> path_from_uri(std::string_view uri) {
   if (starts_with_any_case(uri, "//localhost/"))
     uri.remove_prefix(11);
   else if (starts_with_any_case(uri, "///"))
-    uri.remove_prefix(2);
+    uri.remove_prefix(std::min(uri.find_first_not_of('/', 2), uri.size()) - 1);
   if (uri.empty() || uri[0] != '/' || (uri.size() > 1 && uri[1] == '/')) return std::nullopt;
   auto path = percent_decoded(uri);
 #ifdef _WIN32

@@ -1,4 +1,4 @@
-"""The command line: softffd demo | build | run | scenes | new | schema."""
+"""The command line: softffd demo | build | run | drivers | scenes | new | schema."""
 
 from __future__ import annotations
 
@@ -57,6 +57,10 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-NAME here")
     run.add_argument("--view", action="store_true", help="open the interactive page when done")
     run.set_defaults(command=_run)
+
+    drivers = commands.add_parser("drivers", help="make driver FMUs (plate, actuator) and a coupled system (SSP)")
+    drivers.add_argument("-o", "--output", type=Path, default=Path("."), metavar="DIR")
+    drivers.set_defaults(command=_drivers)
 
     scenes = commands.add_parser("scenes", help="list the shipped scenes")
     scenes.set_defaults(command=_scenes)
@@ -124,6 +128,14 @@ def _print_summary(summary: dict[str, Any]) -> None:
         print(f"  {line}")
     for warning in summary["warnings"]:
         print(f"  warning: {warning}")
+
+
+def _drivers(options: argparse.Namespace) -> None:
+    from softffd.drivers import build_drivers
+    from softffd.drivers.coupled import write_ssp
+
+    for path in [*build_drivers(options.output), write_ssp(options.output / "plate_on_box.ssp")]:
+        print(path)
 
 
 def _scenes(_options: argparse.Namespace) -> None:

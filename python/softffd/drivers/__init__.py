@@ -1,9 +1,9 @@
 """Driver FMUs made with pythonfmu, to couple with a scene's FMU: a rigid plate, a prescribed load or motion.
 
 They are Python: a host needs a Python interpreter in its process. pythonfmu goes into each FMU and need not be installed where it runs; its
-library names no libpython and takes the interpreter's symbols from the process. Hosts that are Python (fmpy, libcosimpy, ecospy,
-OMSimulator's package) have them; another host must be linked with libpython or started with LD_PRELOAD=libpython3.N.so. On Linux it
-needs glibc 2.32 and a C++ runtime of GCC 12; libraries for linux64 and win64 are in the FMU.
+library names no libpython and takes the interpreter's symbols from the process. Hosts that are Python (fmpy, libcosimpy, ecospy) have them;
+another host must be linked with libpython or started with LD_PRELOAD=libpython3.N.so. On Linux it needs glibc 2.32 and a C++ runtime of
+GCC 12; libraries for linux64 and win64 are in the FMU. One process holds one version of the drivers: Python loads their modules once.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ def build_driver(name: str, folder: str | Path, *, start_values: Mapping[str, An
         if start_values:
             files.append(Path(scratch) / "start.json")
             files[-1].write_text(json.dumps({key: _plain(value) for key, value in start_values.items()}))
-        command = [sys.executable, "-m", "pythonfmu", "build", "-f", HERE / f"{name}.py", "-d", scratch, "--handle-state", "--serialize-state"]
-        done = subprocess.run([*map(str, command), *map(str, files)], capture_output=True, text=True)
+        build = ["-m", "pythonfmu", "build", "--handle-state", "--serialize-state", "-d", scratch, "-f", str(HERE / f"{name}.py")]
+        done = subprocess.run([sys.executable, *build, *map(str, files)], cwd=scratch, capture_output=True, text=True)
         if done.returncode != 0:
             raise SoftffdError(f"{path}: pythonfmu could not build it: {done.stderr.strip() or done.stdout.strip()}")
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -88,7 +88,8 @@ def _structure(scene: Scene, plane: str) -> str:
 
 
 def _component(parent: Xml.Element, name: str, connectors: dict[str, str]) -> None:
-    component = Xml.SubElement(parent, f"{{{SSD}}}Component", name=name, type="application/x-fmu-sharedlibrary", source=f"resources/{name}.fmu")
+    source = {"type": "application/x-fmu-sharedlibrary", "source": f"resources/{name}.fmu"}
+    component = Xml.SubElement(parent, f"{{{SSD}}}Component", {"name": name, **source})
     listed = Xml.SubElement(component, f"{{{SSD}}}Connectors")
     for variable, kind in connectors.items():
         connector = Xml.SubElement(listed, f"{{{SSD}}}Connector", name=variable, kind=kind)

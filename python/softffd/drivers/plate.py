@@ -21,9 +21,10 @@ going to be, so poses do not jump, and the energy error of the coupling falls wi
 Balance at every exchange, to rounding: momentum (as put out) + momentum of the body + step length * reaction (delay = 1: it is under
 way) = momentum at the start + impulse of weight and of other forces. With delay = 1 `momentum` is that at the start of the step done last.
 
-Limits: the coupling is explicit. The plane is as heavy as anything to the body during a step: a plate lighter than the control points
-that it touches, or on a contact of frequency omega with omega * step above about 1, needs an iterating master (the plate gives and takes
-FMU states).
+Limits of an explicit coupling. A contact of frequency omega (rad/s, of the plate on the body's stiffness) needs step * omega < 0.67. And to
+the body the plane is as heavy as anything during a step: the plate should weigh four times the control points that it touches or more; at
+twice their weight it chatters, below their weight it diverges. A lighter one needs a master that iterates (delay = 0; the plate gives and
+takes FMU states).
 """
 
 from softffd_driver import Driver

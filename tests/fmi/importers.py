@@ -1,0 +1,174 @@
+"""Other people's importers and checkers of FMUs: fetched once into build/importers, run as processes.
+
+The versions are fixed, so that what a tool says changes only when this file does. A tool that cannot be had
+(no network, no wheel for this Python, no Java) raises Missing with the reason.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import venv
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+FOLDER = HERE.parents[1] / "build" / "importers"
+PYTHON_PACKAGES = {
+    "fmutool": ("fmu-manipulation-toolbox==2.0",),
+    "libcosim": ("libcosimpy==0.0.6",),
+    "ecos": ("ecospy==0.7.2", "tbb==2023.2.0"),
+}
+VDMCHECK_VERSION = "1.1.3"
+COPY_DEPENDENCIES = "org.apache.maven.plugins:maven-dependency-plugin:3.6.1:copy-dependencies"
+POM = f"""<project xmlns="http://maven.apache.org/POM/4.0.0">
+  <modelVersion>4.0.0</modelVersion>
+  <groupId>softffd</groupId> <artifactId>importers</artifactId> <version>1</version>
+  <dependencies>
+    <dependency>
+      <groupId>org.into-cps.vdmcheck.fmi2</groupId> <artifactId>vdmcheck2</artifactId>
+      <version>{VDMCHECK_VERSION}</version>
+    </dependency>
+  </dependencies>
+</project>
+"""
+
+
+class Missing(Exception):
+    """A tool cannot be had on this machine; the text says what was missing."""
+
+
+@dataclass(frozen=True)
+class Tool:
+    """A tool that can be run; `command` is followed by its arguments."""
+
+    command: tuple[str, ...]
+    environment: tuple[tuple[str, str], ...] = ()
+
+    def run(self, *arguments: str | Path) -> list[str]:
+        """The lines that the tool prints, without empty ones; a last one tells a failing exit status."""
+        done = subprocess.run(
+            [*self.command, *map(str, arguments)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env={**os.environ, **dict(self.environment)},
+            text=True,
+            errors="replace",
+            timeout=300,
+        )
+        lines = [line.rstrip() for line in done.stdout.splitlines() if line.strip()]
+        return lines + ([f"exit status {done.returncode}"] if done.returncode else [])
+
+
+@dataclass(frozen=True)
+class Run:
+    """What a co-simulation master does with one FMU; handed to its driver as a JSON file.
+
+    step [s]; start: parameters by name. inputs: for each input variable its values at communication points,
+    one per step. outputs, counts: names of the Real and of the Integer variables that are read after steps.
+    """
+
+    fmu: str
+    step: float
+    steps: int
+    start: dict[str, float]
+    inputs: dict[str, list[float]]
+    outputs: list[str]
+    counts: list[str]
+
+
+def drive(tool: Tool, run: Run, folder: Path) -> tuple[list[str], dict[str, list[list[float]]]]:
+    """What the master printed, and rows (one per step) of `outputs` and `counts`; none where it failed."""
+    job, result = folder / "job.json", folder / "result.json"
+    result.unlink(missing_ok=True)
+    job.write_text(json.dumps(run.__dict__))
+    printed = tool.run(job, result)
+    return printed, json.loads(result.read_text()) if result.is_file() else {"outputs": [], "counts": []}
+
+
+def fmutool() -> Tool:
+    return Tool((str(_installed("fmutool").with_name("fmutool")),))
+
+
+def libcosim() -> Tool:
+    return Tool((str(_installed("libcosim")), "-I", str(HERE / "drive_libcosim.py")))
+
+
+def ecos() -> Tool:
+    return Tool((str(_installed("ecos")), "-I", str(HERE / "drive_ecos.py")))
+
+
+def _installed(name: str) -> Path:
+    """Python of the importers' own environment, with the packages of a tool in it."""
+    packages = PYTHON_PACKAGES[name]
+    python = _environment()
+    stamp = FOLDER / "venv" / f"{name}.installed"
+    if not stamp.is_file() or stamp.read_text() != " ".join(packages):
+        install = (str(python), "-I", "-m", "pip", "install", "--only-binary=:all:", "--timeout=15")
+        _fetch(f"pip could not install {' '.join(packages)}", [*install, "--retries=1", "--quiet", *packages])
+        stamp.write_text(" ".join(packages))
+    return python
+
+
+def _environment() -> Path:
+    folder, stamp = FOLDER / "venv", FOLDER / "venv" / "python.made"
+    if not stamp.is_file() or stamp.read_text() != f"{sys.base_prefix} {sys.version}":
+        try:
+            venv.create(folder, clear=True, with_pip=True, symlinks=os.name != "nt")
+        except (OSError, subprocess.CalledProcessError) as error:
+            raise Missing(f"no virtual environment could be made: {error}") from None
+        stamp.write_text(f"{sys.base_prefix} {sys.version}")
+    return folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+
+
+def vdmcheck(main_class: str) -> Tool:
+    """VDMCheck2: main class VDMCheck checks against a model of the standard, VDMCheckPlus against rules."""
+    folder = FOLDER / f"vdmcheck2-{VDMCHECK_VERSION}"
+    if not shutil.which("java"):
+        raise Missing("java is not on this machine")
+    if not (folder / "vdmcheck2.jar").is_file():
+        _arrange_vdmcheck(_vdmcheck_jars(), folder)
+    options = "-XX:TieredStopAtLevel=1 -XX:+UseSerialGC"  # for runs of seconds: half the time
+    return Tool(("java", "-cp", str(folder / "vdmcheck2.jar"), main_class), (("JDK_JAVA_OPTIONS", options),))
+
+
+def _vdmcheck_jars() -> list[Path]:
+    maven = shutil.which("mvn")
+    if not maven:
+        raise Missing("mvn, which fetches VDMCheck2 from Maven Central, is not on this machine")
+    folder = FOLDER / "maven"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "pom.xml").write_text(POM)
+    command = [
+        *(maven, "-q", "-B", "-f", str(folder / "pom.xml"), COPY_DEPENDENCIES),
+        f"-Dmaven.repo.local={folder / 'repository'}",
+        f"-DoutputDirectory={folder / 'jars'}",
+        "-DincludeScope=runtime",
+    ]
+    _fetch("mvn could not fetch VDMCheck2", command)
+    return list((folder / "jars").glob("*.jar"))
+
+
+def _arrange_vdmcheck(jars: list[Path], folder: Path) -> None:
+    """Its distribution's layout: jars named without versions, folders with models and schema unpacked."""
+    partial = folder.with_name(folder.name + ".partial")
+    shutil.rmtree(partial, ignore_errors=True)
+    partial.mkdir(parents=True)
+    for jar in jars:
+        shutil.copy(jar, partial / f"{jar.stem.rsplit('-', 1)[0]}.jar")
+        with zipfile.ZipFile(jar) as archive:
+            archive.extractall(partial, [name for name in archive.namelist() if name.startswith("fmi2")])
+    shutil.rmtree(folder, ignore_errors=True)
+    partial.rename(folder)
+
+
+def _fetch(failure: str, command: list[str]) -> None:
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=300)
+    except subprocess.TimeoutExpired:
+        raise Missing(f"{failure} within 300 s") from None
+    if done.returncode:
+        said = [line for line in (done.stderr + done.stdout).splitlines() if "ERROR" in line]
+        raise Missing(f"{failure}: {said[0] if said else f'exit status {done.returncode}'}")
