@@ -3,7 +3,8 @@
 ///
 /// A recurrence in positions, so refining the step costs digits to round-off. A point found behind a plane at time t gets the acceleration
 /// that makes its normal velocity relative to the plane zero, which by eq. (17) is x_{t+h} . n = x_{t-h} . n: the step is retraced. That
-/// is an elastic bounce, and the point is inside the obstacle by up to one step's travel at every contact. Use leapfrog for anything else.
+/// is an elastic bounce, and the point is inside the obstacle by up to one step's travel at every contact. Friction takes from the slip
+/// x_{t+h} - x_t relative to the surface at most mu times the normal correction. Use leapfrog for anything else.
 #pragma once
 #include "integrator.hpp"
 

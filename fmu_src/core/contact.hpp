@@ -11,6 +11,9 @@
 ///           t0      th  \       t1                    the point lies exactly on the plane at t1
 ///                        gap1
 ///
+/// The plane's normal velocity w where the point is follows from the gaps, w = n.v - (gap1 - gap0) / h; the velocity of its surface is
+/// taken at mid-step, at x0 + h/2 v. A gap below 1e-12 of the largest side of the box counts as contact.
+///
 /// A point that was on the plane already (gap0 = 0) gets R that keeps it there; friction opposes the mean of the slip before and after
 /// the kick, and holds the point if it can. At t1 the closing half kick is followed by the same rule on velocities. Each half kick thus
 /// has its own reaction, so cutting a communication step in two changes nothing, and a plane that is withdrawn between two steps takes

@@ -1,7 +1,8 @@
-"""An independent twin of a scene's component: the same variables, the same model written once more in numpy, packaged with pythonfmu.
+"""An independent twin of a scene's component: the same variables, the same model written once more in numpy.
 
-Run the two side by side and compare: where they part, one of them is wrong, or the motion is chaotic. The twin is some hundred times slower,
-needs a host with Python and numpy, and has neither pins nor points held by two planes at a time.
+Run the two side by side and compare: where they part, one of them is wrong, or the motion is chaotic. The
+twin is packaged with pythonfmu, is some fifty times slower, needs a host with Python and numpy, and has
+neither pins nor points that two planes hold at a time.
 """
 
 from __future__ import annotations
@@ -30,13 +31,22 @@ __all__ = ["build_twin", "resolved_scene"]
 PACKAGE, SCRIPT = "softffd_twin", "softffd_twin_slave"
 """Names of the twin's own package and of pythonfmu's script inside the FMU, which does not need softffd."""
 
+SCRIPT_TEXT = f"""import ctypes
+
+from {PACKAGE}.slave import TwinSlave  # noqa: F401
+
+# pythonfmu 0.7 runs this for every instance and then drops a reference to these globals that it never took
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+"""
+
 
 def build_twin(scene: Scene, path: str | Path) -> Path:
     """Writes the twin of a scene as an FMU and returns its path.
 
-    Its variables are those of the component, references, units and starts included, but for the outputs energy.* and solver.*. With solver.step
-    = 0 it takes a step that is stable in any configuration; a solver.step that is given is taken as it is. Raises SoftffdError for a scene with
-    pins, and where pythonfmu is not installed.
+    Its variables are those of the component, references, units and starts included, but for the outputs
+    energy.* and solver.*. With solver.step = 0 it takes a step that is stable in any configuration; a
+    solver.step that is given is taken as it is, where the component shortens one above its bound.
+    Raises SoftffdError for a scene with pins, and where pythonfmu is not installed.
     """
     builder = _pythonfmu().FmuBuilder
     path = Path(path)
@@ -51,9 +61,9 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
         package, script = folder / PACKAGE, folder / f"{SCRIPT}.py"
         package.mkdir()
         (package / "__init__.py").touch()
-        for part in ("model.py", "slave.py"):
+        for part in ("body.py", "methods.py", "model.py", "slave.py"):
             copy(Path(__file__).parent / part, package)
-        script.write_text(f"from {PACKAGE}.slave import TwinSlave  # noqa: F401\n", encoding="utf-8")
+        script.write_text(SCRIPT_TEXT, encoding="utf-8")
         files = {"scene.json": text, "description.xml": _description(scene, mass, text)}
         for file, words in files.items():
             (folder / file).write_text(words, encoding="utf-8")
@@ -62,9 +72,14 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
 
 
 def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
-    """What softffd.twin.model.Model needs of a scene, as it stands in the FMU's resources. mass: (n,) kg, region overrides included."""
+    """What softffd.twin.model.Model needs of a scene, as it stands in the FMU's resources.
+
+    mass: (n,) kg, region overrides included. Raises SoftffdError for a scene with pins.
+    """
     if scene.pin:
-        raise SoftffdError(f"the twin has no pins; wanted a scene without [[pin]], got pin {scene.pin[0].name!r}")
+        raise SoftffdError(
+            f"the twin has no pins; wanted a scene without [[pin]], got pin {scene.pin[0].name!r}"
+        )
 
     def points(selection) -> list[int]:
         return scene.select(selection).tolist()
@@ -75,7 +90,9 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
         "size": scene.lattice.size,
         "topology": scene.lattice.springs,
         "mass": mass.tolist(),
-        "regions": [{"points": points(r.points), "stiffness": r.stiffness, "damping": r.damping} for r in scene.region],
+        "regions": [
+            {"points": points(r.points), "stiffness": r.stiffness, "damping": r.damping} for r in scene.region
+        ],
         "planes": [{"name": plane.name, "motion": plane.motion} for plane in scene.plane],
         "loads": {load.name: points(load.points) for load in scene.load},
         "probes": {probe.name: probe.at for probe in scene.probe},
@@ -85,16 +102,20 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
         "reactions": scene.outputs.reactions,
         "initial": scene.initial.model_dump(),
         "methods": {str(method["value"]): method["key"] for method in table()["method"]},
-        "variables": [{"name": v.name, "reference": v.reference, "start": v.start} for v in variables(scene, mass)],
+        "variables": [
+            {"name": v.name, "reference": v.reference, "start": v.start} for v in variables(scene, mass)
+        ],
     }
 
 
 def _without_balances(scene: Scene) -> Scene:
-    return scene.model_copy(update={"outputs": scene.outputs.model_copy(update={"energy": False, "solver": False})})
+    return scene.model_copy(
+        update={"outputs": scene.outputs.model_copy(update={"energy": False, "solver": False})}
+    )
 
 
 def _description(scene: Scene, mass: np.ndarray, content: str) -> str:
-    """The component's own description with what pythonfmu does otherwise: binary, capabilities, log categories."""
+    """The component's own description, but for pythonfmu's binary, capabilities and log categories."""
     text = model_description(scene, variables(scene, mass))
     guid = hashlib.sha256((text + content).encode()).hexdigest()[:32]
     root = Xml.fromstring(text.replace(GUID_PLACE, guid))
@@ -118,12 +139,14 @@ def _pythonfmu():
     try:
         return importlib.import_module("pythonfmu")
     except ImportError:
-        raise SoftffdError("the twin is packaged with pythonfmu, which is not installed here: pip install pythonfmu") from None
+        raise SoftffdError(
+            "the twin is packaged with pythonfmu, which is not installed here: pip install pythonfmu"
+        ) from None
 
 
 @contextmanager
 def _imports_undone() -> Iterator[None]:
-    """The builder imports the script by name, from a folder that it leaves on the path; a running twin leaves an empty module of that name."""
+    """The builder imports the script by name from a folder that it leaves on the path; so does a run."""
     path = list(sys.path)
     sys.modules.pop(SCRIPT, None)
     try:

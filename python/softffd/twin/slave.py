@@ -11,11 +11,11 @@ from pythonfmu import Fmi2Slave
 from .model import Model
 
 SCENE, DESCRIPTION = "scene.json", "description.xml"
-"""Files of the resources: the resolved scene with its table of variables, and modelDescription.xml as the package writes it."""
+"""Files of the resources: the resolved scene with its table of variables, and modelDescription.xml to be."""
 
 
 class TwinSlave(Fmi2Slave):
-    """Variables by the references of the component's own table; the values held between the calls, the outputs calculated when asked for."""
+    """Variables by the references of the component's table; outputs are calculated when asked for."""
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
@@ -24,7 +24,11 @@ class TwinSlave(Fmi2Slave):
         scene = json.loads((folder / SCENE).read_text(encoding="utf-8"))
         self._description = folder / DESCRIPTION
         self._names = {variable["reference"]: variable["name"] for variable in scene["variables"]}
-        self._values = {variable["name"]: variable["start"] for variable in scene["variables"] if variable["start"] is not None}
+        self._values = {
+            variable["name"]: variable["start"]
+            for variable in scene["variables"]
+            if variable["start"] is not None
+        }
         self._model, self._outputs = Model(scene), None
         self._start_time, self._initialized = 0.0, False
 
@@ -32,7 +36,7 @@ class TwinSlave(Fmi2Slave):
         """The description that was made from the component's table."""
         return Xml.fromstring(self._description.read_text(encoding="utf-8"))
 
-    def setup_experiment(self, start_time, stop_time, tolerance):
+    def setup_experiment(self, start_time, *_):
         self._start_time = start_time
 
     def exit_initialization_mode(self):

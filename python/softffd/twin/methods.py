@@ -1,0 +1,277 @@
+"""How the twin moves: leapfrog with contact by local restart, central difference as published, obstacles.
+
+Contact follows the essays of the component (fmu_src/core/contact.hpp, kick.hpp, central_difference.hpp) and
+takes all points that meet a plane at once. A point that two planes hold at a time is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .body import Body
+
+TOUCHING = 1e-12
+"""A gap below this share of the box's largest side is contact."""
+TWO_PLANES = "two planes hold one control point: the twin has one plane per point"
+
+
+class TwinError(Exception):
+    """What the twin does not do, or could not do."""
+
+
+@dataclass(frozen=True, eq=False)
+class HalfSpace:
+    """An obstacle at one moment: solid behind the plane. Vectors (3,), SI units."""
+
+    point: np.ndarray
+    normal: np.ndarray
+    velocity: np.ndarray
+    spin: np.ndarray
+
+    def gap(self, x: np.ndarray) -> np.ndarray:
+        """Distance of points (n, 3) from the plane, negative behind it (n,) [m]."""
+        return (x - self.point) @ self.normal
+
+    def surface(self, x: np.ndarray) -> np.ndarray:
+        """Velocity of the obstacle's material at points (n, 3) [m/s]."""
+        return self.velocity + (x - self.point) @ cross_product_with(self.spin).T
+
+    def snapped(self, x: np.ndarray) -> np.ndarray:
+        """The points' feet on the plane (n, 3) [m]."""
+        return x - self.gap(x)[:, None] * self.normal
+
+    def along(self, v: np.ndarray) -> np.ndarray:
+        """The tangential part of vectors (n, 3)."""
+        return v - (v @ self.normal)[:, None] * self.normal
+
+
+@dataclass(eq=False)
+class Obstacle:
+    """A plane in uniform rigid motion since a time, and what it received during the communication step."""
+
+    start: HalfSpace
+    friction: float
+    since: float
+    impulse: np.ndarray = field(default_factory=lambda: np.zeros(3))  # N s
+    moment: np.ndarray = field(default_factory=lambda: np.zeros(3))  # N m s about the point
+
+    def at(self, time: float) -> HalfSpace:
+        """The half-space at a time [s]: the point moves on, the normal turns."""
+        age, s = time - self.since, self.start
+        return HalfSpace(s.point + age * s.velocity, rotated(s.normal, age * s.spin), s.velocity, s.spin)
+
+    def receive(self, on_points: np.ndarray, arms: np.ndarray) -> None:
+        """Books the reaction to impulses on points (m, 3) [N s] at arms (m, 3) [m] from the plane's point."""
+        dyad = arms.T @ on_points
+        self.impulse = self.impulse - on_points.sum(axis=0)
+        self.moment = self.moment - np.array(
+            [dyad[1, 2] - dyad[2, 1], dyad[2, 0] - dyad[0, 2], dyad[0, 1] - dyad[1, 0]]
+        )
+
+
+def rotated(v: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """v (3,) turned by a rotation vector (3,) [rad] (Rodrigues)."""
+    angle = np.linalg.norm(turn)
+    if angle == 0:
+        return v
+    across = cross_product_with(turn / angle)
+    return v + np.sin(angle) * across @ v + (1 - np.cos(angle)) * across @ across @ v
+
+
+def cross_product_with(w: np.ndarray) -> np.ndarray:
+    """The matrix (3, 3) of the cross product w x."""
+    return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
+
+
+@dataclass(eq=False)
+class Motion:
+    """Positions [m] and velocities [m/s] (n, 3) at a time [s]; for the recurrence, x a step back."""
+
+    time: float
+    x: np.ndarray
+    v: np.ndarray
+    previous: np.ndarray | None = None
+    previous_step: float = 0.0
+
+
+def size_of(vectors: np.ndarray) -> np.ndarray:
+    """Lengths (m, 1) of vectors (m, 3)."""
+    return np.linalg.norm(vectors, axis=1, keepdims=True)
+
+
+def quotient(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a / b, and 0 where b is 0."""
+    a, b = np.broadcast_arrays(a, b)
+    return np.divide(a, b, out=np.zeros(b.shape), where=b > 0)
+
+
+def coulomb(limit: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """The slip (m, 3) that friction leaves: none if it can hold, else `limit` (m, 1) less along the mean."""
+    mean = before + after
+    mean = np.where(size_of(mean) > 0, mean, after)
+    return np.where(size_of(after) <= limit, 0.0, after - limit * quotient(mean, size_of(mean)))
+
+
+@dataclass(frozen=True, eq=False)
+class Meeting:
+    """Points (m,) that the free drift of a step takes behind a plane; vectors are (m, 3)."""
+
+    points: np.ndarray
+    begin: HalfSpace
+    end: HalfSpace
+    friction: float
+    x0: np.ndarray  # m, at the start of the step
+    before: np.ndarray  # m/s, at the start of the step
+    free: np.ndarray  # m/s, after the opening half kick
+    wall: np.ndarray  # m/s (m, 1), the plane's own normal velocity where the point is
+    surface: np.ndarray  # m/s, tangential velocity of the obstacle's material at mid-step
+
+
+class Leapfrog:
+    """Half kick, drift, half kick; contact by local restart, no point behind a plane after a step."""
+
+    def __init__(
+        self, body: Body, obstacles: list[Obstacle], force: np.ndarray, h: float, largest_side: float
+    ):
+        self.body, self.obstacles, self.force, self.h = body, obstacles, force, h
+        self.touching = TOUCHING * largest_side
+        mass, damping, half = body.mass[:, None], body.damping[:, None], h / 2
+        g = damping * half / mass
+        e = 1 / (1 + g + g**2 / 2)  # strong damping: both halves decay towards the terminal velocity f / d
+        strong, by_drag = g > 1, quotient(1 - e, damping)
+        self.open_a, self.open_b = np.where(strong, e, 1 - g), np.where(strong, by_drag, half / mass)
+        self.close_a, self.close_b = (
+            np.where(strong, e, 1 / (1 + g)),
+            np.where(strong, by_drag, half / mass / (1 + g)),
+        )
+
+    def run(self, motion: Motion, steps: int) -> None:
+        """`steps` internal steps."""
+        begin, force = motion.time, self.body.spring_force(motion.x) + self.force
+        for n in range(steps):
+            t0, t1 = begin + n * self.h, begin + (n + 1) * self.h
+            v = self.open_a * motion.v + self.open_b * force
+            x = motion.x + self.h * v
+            ends = [obstacle.at(t1) for obstacle in self.obstacles]
+            gaps = np.array([end.gap(x) for end in ends]).reshape(-1, len(x))
+            touched = np.flatnonzero((gaps < 0).any(axis=0))
+            if len(touched):
+                self._drift_onto(ends, touched, gaps[:, touched].argmin(axis=0), t0, motion, force, x, v)
+            force = self.body.spring_force(x) + self.force
+            kicked = self.close_a * v + self.close_b * force
+            if len(touched):
+                self._close_on(ends, touched, x, v, kicked)
+            motion.x, motion.v, motion.time = x, kicked, t1
+
+    def _drift_onto(self, ends, touched, deepest, t0, motion, force, x, v) -> None:
+        """Each touched point meets the plane that it would be deepest behind; corrects x and v."""
+        for q, (obstacle, end) in enumerate(zip(self.obstacles, ends, strict=True)):
+            points = touched[deepest == q]
+            begin, middle = obstacle.at(t0), obstacle.at(t0 + self.h / 2)
+            landing = begin.gap(motion.x[points]) > self.touching
+            for correct, chosen in ((self._land, points[landing]), (self._stay, points[~landing])):
+                if not len(chosen):
+                    continue
+                x0, free = motion.x[chosen], v[chosen]
+                wall = free @ end.normal - (end.gap(x[chosen]) - begin.gap(x0)) / self.h
+                surface = end.along(middle.surface(x0 + self.h / 2 * free))
+                meeting = Meeting(
+                    chosen, begin, end, obstacle.friction, x0, motion.v[chosen], free, wall[:, None], surface
+                )
+                x[chosen], v[chosen], gained = correct(meeting, force[chosen])
+                obstacle.receive(self.h / 2 / self.open_b[chosen] * gained, x[chosen] - end.point)
+            if any(np.any(other.gap(x[points]) < 0) for other in ends if other is not end):
+                raise TwinError(TWO_PLANES)
+
+    def _land(self, meeting: Meeting, force: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """An impact at the share theta of the step: x1, v at mid-step, and the velocity gained."""
+        m, n, h = meeting, meeting.end.normal, self.h
+        gap0, gap1 = m.begin.gap(m.x0)[:, None], m.end.gap(m.x0 + h * m.free)[:, None]
+        theta = gap0 / (gap0 - gap1)
+        acceleration = (force - self.body.damping[m.points, None] * m.free) / self.body.mass[m.points, None]
+        ahead = (theta - 0.5) * h * acceleration  # from mid-step to the impact
+        arriving = m.free + ahead
+        normal = (arriving @ n)[:, None]
+        reaction = np.maximum(0.0, m.wall - normal)
+        slip = m.end.along(arriving) - m.surface
+        slip = slip * np.maximum(0.0, 1 - m.friction * quotient(reaction, size_of(slip)))
+        leaving = np.maximum(m.wall, normal) * n + m.surface + slip
+        x1 = m.x0 + theta * h * m.free + (1 - theta) * h * (m.surface + slip)
+        return m.end.snapped(x1), leaving - ahead, leaving - arriving
+
+    def _stay(self, meeting: Meeting, _force: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Points that were on the plane stay on it. Returns as _land."""
+        m, n = meeting, meeting.end.normal
+        reaction = np.maximum(0.0, m.wall - (m.free @ n)[:, None])
+        slip = m.end.along(m.free) - m.surface
+        left = coulomb(m.friction * reaction, m.end.along(m.before) - m.surface, slip)
+        v = m.free + reaction * n + left - slip
+        return m.end.snapped(m.x0 + self.h * v), v, v - m.free
+
+    def _close_on(self, ends, touched, x, v, kicked) -> None:
+        """The closing half kick leaves touched points on their planes; corrects `kicked`."""
+        on = np.array([end.gap(x[touched]) <= self.touching for end in ends])
+        if np.any(on.sum(axis=0) > 1):
+            raise TwinError(TWO_PLANES)
+        for obstacle, end, here in zip(self.obstacles, ends, on, strict=True):
+            points = touched[here]
+            if not len(points):
+                continue
+            surface, free = end.surface(x[points]), kicked[points]
+            reaction = np.maximum(0.0, (surface - free) @ end.normal)[:, None]
+            slip = end.along(free - surface)
+            left = coulomb(obstacle.friction * reaction, end.along(v[points] - surface), slip)
+            gained = reaction * end.normal + left - slip
+            kicked[points] = free + gained
+            obstacle.receive(self.h / 2 / self.close_b[points] * gained, x[points] - end.point)
+
+
+class CentralDifference:
+    """The recurrence (13) in positions, started by (11); collisions by (14) to (17), the sign corrected."""
+
+    def __init__(
+        self, body: Body, obstacles: list[Obstacle], force: np.ndarray, h: float, _largest_side: float
+    ):
+        self.body, self.obstacles, self.force, self.h = body, obstacles, force, h
+        inertia, drag = body.mass[:, None] / h**2, body.damping[:, None] / (2 * h)
+        self.ahead, self.now, self.back = inertia + drag, 2 * inertia, inertia - drag
+
+    def run(self, motion: Motion, steps: int) -> None:
+        """`steps` internal steps, and one looked ahead for the velocity, eq. (10)."""
+        h, begin = self.h, motion.time
+        if motion.previous_step != h:
+            force = self.body.spring_force(motion.x) + self.force - self.body.damping[:, None] * motion.v
+            motion.previous = motion.x - h * motion.v + h**2 / 2 * force / self.body.mass[:, None]
+            motion.previous_step = h
+        for n in range(steps):
+            following = self._following(motion, begin + n * h, book=True)
+            motion.previous, motion.x = motion.x, following
+        motion.time = begin + steps * h
+        motion.v = (self._following(motion, motion.time, book=False) - motion.previous) / (2 * h)
+
+    def _following(self, motion: Motion, time: float, *, book: bool) -> np.ndarray:
+        x, previous = motion.x, motion.previous
+        force = self.body.spring_force(x) + self.force
+        following = (self.now * x - self.back * previous + force) / self.ahead
+        for obstacle in self.obstacles:
+            now = obstacle.at(time)
+            surface = now.surface(x)
+            pushed = (
+                previous - following + 2 * self.h * surface
+            ) @ now.normal  # contact acceleration times h^2
+            hit = np.flatnonzero((now.gap(x) < 0) & (pushed > 0))
+            if not len(hit):
+                continue
+            slip = now.along(following[hit] - x[hit] - self.h * surface[hit])
+            push = pushed[hit, None]
+            held = np.minimum(1.0, quotient(obstacle.friction * push, size_of(slip)))
+            change = push * now.normal - held * slip
+            following[hit] += change
+            if book:
+                obstacle.receive(self.ahead[hit] * self.h * change, x[hit] - now.point)
+        return following
+
+
+METHODS = {"auto": Leapfrog, "leapfrog": Leapfrog, "central_difference": CentralDifference}
