@@ -67,7 +67,7 @@ def read_csv(path: Path) -> np.ndarray:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise FmuError(f"{path}: cannot be read: {error}") from None
-    rows = [row for row in csv.reader(line for line in text.splitlines() if line.strip() and not line.startswith("#"))]
+    rows = list(csv.reader(line for line in text.splitlines() if line.strip() and not line.startswith("#")))
     if len(rows) < 2:
         raise FmuError(f"{path}: wanted a header line (time, names of inputs) and at least one row of numbers")
     names = [name.strip() for name in rows[0]]

@@ -45,7 +45,7 @@ class Driven(Component):
     def __init__(self, text: str, folder: Path, **start_values):
         (folder / "box.toml").write_text(text)
         super().__init__(package_fmu(load_scene(folder / "box.toml"), folder / "box.fmu"))
-        self.initialize({name: value for name, value in start_values.items()})
+        self.initialize(start_values)
         self.exit_initialization()
 
     def set_rates(self, rates: dict[str, float], order: int = 1) -> int:
