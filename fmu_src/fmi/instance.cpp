@@ -236,18 +236,21 @@ void Instance::log_solver_choice() {
   const double h = body_.internal_step();
   if (h > 0.5 * logged_step_ && h < 2 * logged_step_) return;
   logged_step_ = h;
-  const Method method = body_.settings.method;
   const double asked = body_.settings.step;
+  const bool divided = asked > body_.stable_step();
+  const char* category = divided ? log_warning : log_solver;
+  if (!logger.on(category)) return;
+  const Method method = body_.settings.method;
   std::string text = method == Method::central_difference ? "central_difference" : "leapfrog";
   if (method == Method::automatic) text += " (auto: the only method of this version without penetration)";
   text += ", internal step " + number(h) + " s: ";
   if (asked == 0)
-    text += "0.9 of the stability bound at most";
+    text += "chosen by the stability bound " + number(body_.stable_step()) + " s";
   else
-    text +=
-        h < 0.999 * asked ? "solver.step " + number(asked) + " s is above the stability bound or the communication step" : "solver.step";
-  const bool shortened = asked > 0 && asked > body_.stable_step();
-  logger.log(shortened ? fmi2Warning : fmi2OK, shortened ? log_warning : log_solver, text);
+    text += (divided ? "a part of solver.step, which is above the stability bound: "
+                     : "solver.step, or what fits into the communication step: ") +
+            number(asked) + " s";
+  logger.log(divided ? fmi2Warning : fmi2OK, category, text);
 }
 
 double Instance::output(Family family, int index) {

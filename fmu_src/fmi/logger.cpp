@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string_view>
 
 #include "variable_table.hpp"
 
@@ -9,7 +10,7 @@ namespace softffd::fmi {
 
 namespace {
 
-std::ptrdiff_t category_index(const std::string& name) {
+std::ptrdiff_t category_index(std::string_view name) {
   const auto found = std::find(std::begin(log_categories), std::end(log_categories), name);
   return found == std::end(log_categories) ? -1 : found - std::begin(log_categories);
 }
@@ -36,8 +37,10 @@ bool Logger::switch_categories(bool on, const std::vector<std::string>& names) {
   return true;
 }
 
+bool Logger::on(const char* category) const { return callback_ && enabled_[category_index(category)]; }
+
 void Logger::log(fmi2Status status, const char* category, const std::string& message) const {
-  if (!callback_ || (status < fmi2Error && !enabled_[category_index(category)])) return;
+  if (!callback_ || (status < fmi2Error && !on(category))) return;
   callback_(environment_, instance_name_.c_str(), status, category, escaped(message).c_str());
 }
 

@@ -16,6 +16,8 @@ class Logger {
   /// Switches all categories (empty list) or the named ones. Returns false, changing nothing, if one is not declared.
   bool switch_categories(bool on, const std::vector<std::string>& names);
 
+  /// Is a message of this category handed over? Saves composing it.
+  bool on(const char* category) const;
   /// Errors are always handed over; anything else only where its category is on.
   void log(fmi2Status status, const char* category, const std::string& message) const;
 
