@@ -97,6 +97,8 @@ def libcosim() -> Tool:
 
 
 def ecos() -> Tool:
+    if not shutil.which("unzip"):
+        raise Missing("Ecos unpacks FMUs with the program unzip, which is not on this machine")
     return Tool((str(_installed("ecos")), "-I", str(HERE / "drive_ecos.py")))
 
 
