@@ -75,8 +75,9 @@ void CentralDifference::step(const Body& body, const Surroundings& around, doubl
     }
   }
   if (watch && exchange && body.damped) {
-    const Points velocity = (next_ - state.previous) / (2 * h);
-    exchange->dissipated += h * (body.damping * velocity.square().rowwise().sum()).sum();
+    double power = 0;
+    for (int axis = 0; axis < 3; ++axis) power += (body.damping * ((next_.col(axis) - state.previous.col(axis)) / (2 * h)).square()).sum();
+    exchange->dissipated += h * power;
   }
 }
 

@@ -1,6 +1,7 @@
 #include "soft_body.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -48,6 +49,17 @@ Pin make_pin(const Definition& definition, const PinDefinition& source, Vec3& or
   return pin;
 }
 
+bool finite(const Progress& progress) {
+  const State& motion = progress.motion;
+  const auto sound = [](const Impulse& impulse) { return impulse.force.allFinite() && impulse.torque.allFinite(); };
+  const auto& exchange = progress.exchange;
+  return motion.x.allFinite() && motion.v.allFinite() && motion.spring.allFinite() && std::isfinite(progress.potential) &&
+         std::isfinite(progress.work) && std::isfinite(progress.dissipated) && !std::isnan(progress.bound) &&
+         std::isfinite(exchange.work) && std::isfinite(exchange.dissipated) &&
+         std::all_of(exchange.planes.begin(), exchange.planes.end(), sound) &&
+         std::all_of(exchange.pins.begin(), exchange.pins.end(), sound);
+}
+
 long divisions(double length, double limit) { return std::max(1L, long(std::ceil(length / limit * (1 - 1e-12)))); }
 
 }  // namespace
@@ -61,6 +73,8 @@ SoftBody::SoftBody(Definition definition)
       central_difference_(definition_.lattice.points()),
       jumps_(definition_.lattice.points(), definition_.planes) {
   const int n = definition_.lattice.points();
+  body_.mass = Eigen::Map<const Scalars>(definition_.mass.data(), n);
+  body_.damping = Scalars::Zero(n);
   body_.length = definition_.lattice.largest_side();
   pin_origins_.resize(definition_.pins.size());
   for (std::size_t a = 0; a < definition_.pins.size(); ++a)
@@ -187,7 +201,7 @@ StepStatus SoftBody::initialize(double t0) {
   count_contacts();
   body_.springs.force(motion.x, motion.spring);
   if (definition_.watch_energy) now_.potential = potential_energy();
-  return StepStatus::ok;
+  return finite(now_) ? StepStatus::ok : StepStatus::not_finite;
 }
 
 StepStatus SoftBody::advance(double H) {
@@ -220,7 +234,6 @@ StepStatus SoftBody::advance_from_here(double H) {
   const bool counted = units >= 1 && units <= double(most_steps) && std::abs(H - units * unit) <= 1e-9 * H;
   const StepStatus ran = counted ? run_counted(long(units)) : run_fitted(H);
   if (ran != StepStatus::ok) return ran;
-  if (!motion.x.allFinite() || !motion.v.allFinite()) return StepStatus::not_finite;
   motion.time = counted ? now_.clock.time() : motion.time + H;
   count_contacts();
   now_.contacts_resolved += now_.exchange.contacts_resolved;
@@ -229,7 +242,7 @@ StepStatus SoftBody::advance_from_here(double H) {
     now_.dissipated += now_.exchange.dissipated;
     now_.work += now_.exchange.work + (settings.force * (motion.x - begin_)).sum();
   }
-  return StepStatus::ok;
+  return finite(now_) ? StepStatus::ok : StepStatus::not_finite;
 }
 
 double SoftBody::step_limit(double share) {
@@ -258,7 +271,9 @@ StepStatus SoftBody::run_counted(long units) {
   while (units > 0) {
     // Looks are counted too, so that they fall on the same moments however the time is cut.
     if (clock.unit != unit || now_.bound < 0 || clock.count / clock.parts % look_every == 0) {
-      const long parts = divisions(unit, step_limit(given_share));
+      const double limit = step_limit(given_share);
+      if (!(unit / limit <= double(most_steps))) return StepStatus::too_many_steps;
+      const long parts = divisions(unit, limit);
       if (clock.unit != unit || clock.parts != parts) clock = {now_.motion.time, unit / double(parts), 0, unit, parts};
     }
     if (double(units) * double(clock.parts) > double(most_steps)) return StepStatus::too_many_steps;
@@ -274,7 +289,7 @@ StepStatus SoftBody::run_counted(long units) {
 StepStatus SoftBody::run_fitted(double H) {
   double limit = step_limit(automatic_share);
   if (settings.step > 0) limit = std::min(settings.step, step_limit(given_share));
-  if (H / limit > double(most_steps)) return StepStatus::too_many_steps;
+  if (!(H / limit <= double(most_steps))) return StepStatus::too_many_steps;
   long steps = divisions(H, limit);
   double h = H / double(steps);
   now_.clock = {now_.motion.time, h, 0};
@@ -287,6 +302,7 @@ StepStatus SoftBody::run_fitted(double H) {
     limit = step_limit(settings.step > 0 ? given_share : automatic_share);
     if (h <= limit) continue;
     const double left = double(steps) * h;
+    if (!(left / limit <= double(most_steps))) return StepStatus::too_many_steps;
     steps = divisions(left, limit);
     h = left / double(steps);
     now_.clock = {now_.clock.time(), h, 0};

@@ -19,7 +19,9 @@ void Stability::prepare(const Body& body) {
   const auto& rows = body.springs.rows();
   first_.resize(rows.size());
   second_.resize(rows.size());
-  Scalars plain = Scalars::Zero(body.points()), weighted = plain;
+  Scalars &plain = mean_, &weighted = spread_;
+  plain.setZero();
+  weighted.setZero();
   for (std::size_t d = 0; d < rows.size(); ++d) {
     const auto& row = rows[d];
     first_[d].resize(row.lanes());
@@ -46,10 +48,10 @@ double Stability::frequency(const Body& body, const Points& x) {
     kernels::add_stiffness_bounds(rows[d].view(), n, x.data(), first_[d].data(), second_[d].data(), sums_.data(), body.springs.scratch());
   const auto part = [&](int c) { return sums_.segment(c * n, n); };
   // lambda_max <= mean + 2 sqrt(|S - mean I|^2 / 6), with equality where the two smaller eigenvalues agree
-  const Scalars mean = (part(0) + part(1) + part(2)) / 3;
-  const Scalars off = part(3).square() + part(4).square() + part(5).square();
-  const Scalars spread = (part(0) - mean).square() + (part(1) - mean).square() + (part(2) - mean).square() + 2 * off;
-  const double squared = ((mean + 2 * (spread / 6).sqrt()) / body.mass).maxCoeff();
+  mean_ = (part(0) + part(1) + part(2)) / 3;
+  spread_ = (part(0) - mean_).square() + (part(1) - mean_).square() + (part(2) - mean_).square() +
+            2 * (part(3).square() + part(4).square() + part(5).square());
+  const double squared = ((mean_ + 2 * (spread_ / 6).sqrt()) / body.mass).maxCoeff();
   return std::min(std::sqrt(squared), any_frequency_);
 }
 

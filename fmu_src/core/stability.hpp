@@ -17,7 +17,7 @@ namespace softffd {
 
 class Stability {
  public:
-  explicit Stability(int points) : sums_(6 * points) {}
+  explicit Stability(int points) : sums_(6 * points), mean_(points), spread_(points) {}
 
   /// Recomputes what depends on masses and stiffness alone.
   void prepare(const Body& body);
@@ -29,6 +29,7 @@ class Stability {
  private:
   std::vector<Scalars> first_, second_;  ///< k (1 + sqrt(mass ratio)) of each row's lanes, as seen from either end
   Scalars sums_;                         ///< S_p as xx yy zz xy xz yz, each (points)
+  Scalars mean_, spread_;                ///< workspace (points)
   double any_frequency_ = 0;
 };
 

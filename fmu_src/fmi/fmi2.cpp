@@ -22,6 +22,7 @@ constinit Registry<Instance> instances;
 
 /// A state that a host holds: bytes, and the scene that they belong to.
 struct SavedState {
+  const Instance* owner;
   std::string guid;
   Bytes bytes;
 };
@@ -43,7 +44,7 @@ const char* phase_name(Phase phase) {
   return "in no known state";
 }
 
-fmi2Status fail(Instance& instance, const std::string& message) {
+fmi2Status fail(Instance& instance, std::string_view message) {
   instance.phase = failed;
   instance.logger.log(fmi2Error, log_error, message);
   return fmi2Error;
@@ -53,25 +54,21 @@ fmi2Status fail(Instance& instance, const std::string& message) {
 template <class Call>
 fmi2Status guarded(fmi2Component component, const char* function, unsigned allowed, Call&& call) noexcept {
   const FloatEnvironment environment;
-  Instance* instance = nullptr;
   try {
-    instance = instances.live(component);
+    Instance* instance = instances.live(component);
     if (!instance) return fmi2Error;
-    if (!(instance->phase & allowed)) return fail(*instance, std::string(function) + ": not allowed " + phase_name(instance->phase));
-    return call(*instance);
-  } catch (const CallError& error) {
-    return fail(*instance, error.what());
-  } catch (const StateError& error) {  // foreign bytes refused: the instance is as it was
-    instance->logger.log(fmi2Error, log_error, std::string(function) + ": " + error.what());
-    return fmi2Error;
-  } catch (const std::exception& error) {
-    if (instance) instance->phase = failed;
     try {
-      if (instance) instance->logger.log(fmi2Error, log_error, std::string(function) + ": " + error.what());
-    } catch (...) {  // no memory for the message either
+      if (!(instance->phase & allowed)) throw CallError(std::string(function) + ": not allowed " + phase_name(instance->phase));
+      return call(*instance);
+    } catch (const CallError& error) {
+      return fail(*instance, error.what());
+    } catch (const StateError& error) {  // foreign bytes refused: the instance is as it was
+      instance->logger.log(fmi2Error, log_error, std::string(function) + ": " + error.what());
+    } catch (const std::exception& error) {
+      instance->phase = failed;
+      return fail(*instance, std::string(function) + ": " + error.what());
     }
-  } catch (...) {
-    if (instance) instance->phase = failed;
+  } catch (...) {  // no memory for the message either
   }
   return fmi2Error;
 }
@@ -154,6 +151,7 @@ fmi2Component fmi2Instantiate(fmi2String instance_name, fmi2Type type, fmi2Strin
 
 void fmi2FreeInstance(fmi2Component component) {
   const FloatEnvironment environment;
+  states.release_if([&](const SavedState& state) { return state.owner == component; });
   instances.release(component);
 }
 
@@ -313,7 +311,7 @@ fmi2Status fmi2GetStringStatus(fmi2Component component, const fmi2StatusKind, fm
 fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate* state) {
   return guarded(component, "fmi2GetFMUstate", any_phase, [&](Instance& instance) {
     require(state, 1, "fmi2GetFMUstate");
-    keep(state, {instance.guid(), instance.save_state()});
+    keep(state, {&instance, instance.guid(), instance.save_state()});
     return fmi2OK;
   });
 }
@@ -362,7 +360,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
     require(bytes, size, "fmi2DeSerializeFMUstate");
     require(state, 1, "fmi2DeSerializeFMUstate");
     const std::span serialized(reinterpret_cast<const unsigned char*>(bytes), size);
-    keep(state, {instance.guid(), without_head(instance.guid(), serialized)});
+    keep(state, {&instance, instance.guid(), without_head(instance.guid(), serialized)});
     return fmi2OK;
   });
 }

@@ -1,5 +1,6 @@
 #include "instance.hpp"
 
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -22,11 +23,7 @@ Method method_of(double value) {
 
 std::string number(double value) {
   std::array<char, 32> text;
-  const int length = std::snprintf(text.data(), text.size(), "%.9g", value);
-  std::string result(text.data(), length);
-  for (char& c : result)
-    if (c == ',') c = '.';  // whatever the locale's decimal point is
-  return result;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 9).ptr};
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 /// Saving and restoring an instance: the part of Instance that knows what a state consists of.
+#include <algorithm>
+
 #include "instance.hpp"
 
 namespace softffd::fmi {
@@ -43,8 +45,11 @@ bool sound(const Place& place) {
 }
 
 bool sound(const Progress& progress) {
-  return progress.motion.x.allFinite() && progress.motion.v.allFinite() && progress.exchange_time > 0 && progress.clock.count >= 0 &&
-         progress.clock.parts > 0 && progress.steps >= 0;
+  const auto counter = [](long value) { return value >= 0 && value <= 1L << 53; };
+  return progress.motion.x.allFinite() && progress.motion.v.allFinite() && progress.exchange_time > 0 && counter(progress.clock.count) &&
+         progress.clock.parts > 0 && progress.clock.parts <= SoftBody::most_steps && counter(progress.steps) &&
+         counter(progress.contacts_resolved) && counter(progress.exchange.contacts_resolved) &&
+         std::all_of(progress.contacts.begin(), progress.contacts.end(), counter);
 }
 
 }  // namespace

@@ -15,9 +15,28 @@ std::ptrdiff_t category_index(std::string_view name) {
   return found == std::end(log_categories) ? -1 : found - std::begin(log_categories);
 }
 
-std::string escaped(const std::string& message) {
+/// Length of the well-formed UTF-8 sequence that the text begins with; 0: none, or a control character.
+std::size_t character_length(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const auto follows = [&](std::size_t i, unsigned low = 0x80, unsigned high = 0xbf) { return byte(i) >= low && byte(i) <= high; };
+  const unsigned first = byte(0);
+  if (first < 0x80) return first >= 0x20 && first != 0x7f;
+  if (first >= 0xc2 && first <= 0xdf) return follows(1) ? 2 : 0;
+  if (first >= 0xe0 && first <= 0xef) return follows(1, first == 0xe0 ? 0xa0 : 0x80, first == 0xed ? 0x9f : 0xbf) && follows(2) ? 3 : 0;
+  if (first >= 0xf0 && first <= 0xf4)
+    return follows(1, first == 0xf0 ? 0x90 : 0x80, first == 0xf4 ? 0x8f : 0xbf) && follows(2) && follows(3) ? 4 : 0;
+  return 0;
+}
+
+/// What a host gave and a message repeats may hold anything: only whole characters pass, the rest becomes `?`.
+std::string escaped(std::string_view message) {
   std::string text;
-  for (char c : message) text.append(c == '%' || c == '#' ? 2 : 1, c);
+  while (!message.empty()) {
+    const std::size_t length = character_length(message);
+    if (length == 1 && (message[0] == '%' || message[0] == '#')) text += message[0];
+    text.append(length ? message.substr(0, length) : "?");
+    message.remove_prefix(std::max<std::size_t>(length, 1));
+  }
   return text;
 }
 
@@ -39,7 +58,7 @@ bool Logger::switch_categories(bool on, const std::vector<std::string>& names) {
 
 bool Logger::on(const char* category) const { return callback_ && enabled_[category_index(category)]; }
 
-void Logger::log(fmi2Status status, const char* category, const std::string& message) const {
+void Logger::log(fmi2Status status, const char* category, std::string_view message) const {
   if (!callback_ || (status < fmi2Error && !on(category))) return;
   callback_(environment_, instance_name_.c_str(), status, category, escaped(message).c_str());
 }

@@ -1,6 +1,7 @@
 /// Messages to the host, by the rules of FMI 2.0: declared categories only, `%` and `#` doubled, UTF-8, no line break at the end.
 #pragma once
 #include <string>
+#include <string_view>
 #include <vector>
 
 extern "C" {
@@ -19,7 +20,7 @@ class Logger {
   /// Is a message of this category handed over? Saves composing it.
   bool on(const char* category) const;
   /// Errors are always handed over; anything else only where its category is on.
-  void log(fmi2Status status, const char* category, const std::string& message) const;
+  void log(fmi2Status status, const char* category, std::string_view message) const;
 
  private:
   fmi2CallbackLogger callback_;

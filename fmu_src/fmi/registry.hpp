@@ -43,6 +43,14 @@ class Registry {
     objects_->erase(found);
     drop_empty_table();
   }
+  /// Destroys the objects that fulfil a condition.
+  template <class Condition>
+  void release_if(Condition&& condition) {
+    const Lock lock(busy_);
+    if (!objects_) return;
+    std::erase_if(*objects_, [&](const auto& entry) { return condition(*entry.second); });
+    drop_empty_table();
+  }
 
  private:
   using Table = std::unordered_map<const void*, std::unique_ptr<Object>>;

@@ -6,7 +6,8 @@
 
 namespace softffd::fmi {
 
-/// file:/x, file:///x, file:////x (as some hosts write it), file://localhost/x, scheme in any case, percent-encoded UTF-8. Empty optional: not such a URI.
+/// file:/x, file:///x, file:////x (as some hosts write it), file://localhost/x, scheme in any case, percent-encoded UTF-8. Empty optional:
+/// not such a URI.
 std::optional<std::string> path_from_uri(std::string_view uri);
 
 }  // namespace softffd::fmi

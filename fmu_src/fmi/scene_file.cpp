@@ -10,6 +10,8 @@
 #include <map>
 #include <memory>
 
+#include "variable_table.hpp"
+
 namespace softffd::fmi {
 
 namespace {
@@ -91,6 +93,10 @@ struct Reader {
 int count(const SceneFile& s) { return s.definition.lattice.points(); }
 
 void read_counts(Record& r, SceneFile& s) {
+  const Definition& d = s.definition;
+  if (!(d.mass.empty() && d.regions.empty() && d.pins.empty() && s.loads.empty() && s.forces.empty() && s.positions.empty() &&
+        s.velocities.empty()))
+    r.fail("the counts come after records that depend on them");
   for (int& n : s.definition.lattice.counts) n = r.integer(2, 32);
 }
 void read_size(Record& r, SceneFile& s) {
@@ -182,7 +188,7 @@ constexpr Reader readers[] = {
     {"reactions", [](Record&, SceneFile& s) { s.reactions = true; }},
     {"energy", [](Record&, SceneFile& s) { s.energy = s.definition.watch_energy = true; }},
     {"solver", [](Record&, SceneFile& s) { s.solver = true; }},
-    {"method", [](Record& r, SceneFile& s) { s.method = r.integer(1, 127); }},
+    {"method", [](Record& r, SceneFile& s) { s.method = r.integer(1, method_count); }},
     {"tolerance", [](Record& r, SceneFile& s) { s.tolerance = r.positive(); }},
     {"step", [](Record& r, SceneFile& s) { s.step = r.at_least(0); }},
 };
