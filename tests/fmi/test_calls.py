@@ -7,6 +7,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from callbacks import own_callbacks
 from fmpy.fmi2 import FMU2Slave
 
 from softffd import FmuError, load_scene, package_fmu, simulate
@@ -123,19 +124,20 @@ def test_unclaimed_functions_answer_with_an_error(fmu, tmp_path):
     slave = FMU2Slave(
         guid=description.guid, unzipDirectory=str(tmp_path), modelIdentifier="softffd", instanceName="x"
     )
-    slave.instantiate()
+    slave.instantiate(callbacks=own_callbacks([]))
     with pytest.raises(Exception, match="fmi2GetDirectionalDerivative"):
         slave.getDirectionalDerivative([1006632960], [16777216], [1.0])
     slave.freeInstance()
 
 
-def test_a_foreign_guid_is_refused_with_a_message(fmu, tmp_path, capfd):
+def test_a_foreign_guid_is_refused_with_a_message(fmu, tmp_path):
     fmpy.extract(str(fmu), unzipdir=str(tmp_path))
     slave = FMU2Slave(guid="{no}", unzipDirectory=str(tmp_path), modelIdentifier="softffd", instanceName="x")
+    messages: list[str] = []
     with pytest.raises(Exception, match="instantiate"):
-        slave.instantiate()
+        slave.instantiate(callbacks=own_callbacks(messages))
     slave.freeLibrary()
-    assert "fmuGUID: wanted {" in capfd.readouterr().out
+    assert "fmuGUID: wanted {" in messages[0]
 
 
 def test_a_damaged_resource_is_refused(fmu, tmp_path):
@@ -144,9 +146,11 @@ def test_a_damaged_resource_is_refused(fmu, tmp_path):
     resource.write_text(resource.read_text().replace("friction", "frictio") + "step 0.0\n")
     description = fmpy.read_model_description(str(fmu), validate=False)
     slave = FMU2Slave(guid=description.guid, unzipDirectory=str(tmp_path), modelIdentifier="softffd", instanceName="x")
+    messages: list[str] = []
     with pytest.raises(Exception, match="instantiate"):
-        slave.instantiate()
+        slave.instantiate(callbacks=own_callbacks(messages))
     slave.freeLibrary()
+    assert "checksum" in messages[0]
 
 
 def test_two_scenes_run_side_by_side_in_one_process(fmu):

@@ -8,6 +8,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from callbacks import own_callbacks
 from fmpy.fmi2 import FMU2Slave
 
 from softffd import load_scene, package_fmu
@@ -62,7 +63,8 @@ class Slave:
         self.reals = [
             v.valueReference for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"
         ]
-        self.instantiate()
+        self.messages: list[str] = []
+        self.instantiate(callbacks=own_callbacks(self.messages))
         self.begin()
 
     def __getattr__(self, name: str):
