@@ -21,6 +21,7 @@ from softffd.drivers.coupled import SCENE, write_ssp
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "fmi"))
 import importers
+from callbacks import own_callbacks
 
 PLANE = "plane.plate."
 MOTION = [f"{family}.{axis}" for family in ("point", "velocity") for axis in "xyz"]
@@ -149,7 +150,7 @@ class Part:
         self.variables = {variable.name: variable for variable in description.modelVariables}
         identifier = description.coSimulation.modelIdentifier
         self.fmu = FMU2Slave(guid=description.guid, unzipDirectory=unpacked, modelIdentifier=identifier, instanceName=path.stem)
-        self.fmu.instantiate()
+        self.fmu.instantiate(callbacks=own_callbacks([]))
         self.fmu.setupExperiment()
         self.set(start)
         self.fmu.enterInitializationMode()
