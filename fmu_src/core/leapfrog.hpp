@@ -16,8 +16,8 @@ class Leapfrog {
  private:
   HalfKicks kicks_;
   Contact contact_;
-  Points before_, next_;  ///< velocities before a half kick, positions after the drift
-  Points force_;          ///< outside forces now, where they ramp
+  Points before_, start_, next_;  ///< velocities before a half kick and before the step, positions after the drift
+  Points force_;                  ///< outside forces now, where they ramp
 };
 
 }  // namespace softffd

@@ -18,8 +18,8 @@ Source = Callable[[float], Mapping[str, float]] | np.ndarray | str | Path
 class Inputs:
     """Values of some input variables at any time.
 
-    Arrays and CSV files hold a first column `time` [s], not decreasing, and one column per variable; between rows values are linear, before
-    the first and after the last row they are held. A plane or pin whose pose is given but whose velocity is not gets the velocity that takes
+    Arrays and CSV files hold a first column `time` [s], not decreasing, and one column per variable; between rows values are linear,
+    before the first and after the last row they are held. A plane or pin whose pose is given but whose velocity is not gets the velocity that takes
     it to the pose of the next communication point.
     """
 

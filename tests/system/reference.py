@@ -1,4 +1,4 @@
-"""The published model in numpy, written from Xia & Wang 2009 and not from the component: a plain list of springs, plain loops over steps.
+"""The published model in numpy, written from Xia & Wang 2009 and not from the component: a list of springs, loops over steps.
 
 Control points are in flat order, p = i + nx (j + ny k); arrays of them are (n, 3), SI units.
 """
@@ -24,7 +24,7 @@ def rest_lattice(counts=(4, 4, 4), *, origin=(0.0, 0.0, 0.0), size=(1.0, 1.0, 1.
 
 
 def spring_list(counts=(4, 4, 4), *, topology="distinct") -> np.ndarray:
-    """Pairs of control points (s, 2); "paper" makes the edge springs face by face, so that those on the box's edges come twice."""
+    """Pairs of control points (s, 2); "paper" makes edge springs face by face, so that those on the box's edges come twice."""
     nx, ny, nz = counts
     pairs = []
     for i, j, k in product(range(nx), range(ny), range(nz)):
@@ -75,7 +75,7 @@ class Model:
         return float(0.5 * (self.stiffness * stretch**2).sum())
 
     def eigenmodes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Angular frequencies (3n,) [rad/s], ascending, and mass-orthonormal shapes (3n, 3n), columns, of small vibrations about rest.
+        """Small vibrations about rest: frequencies (3n,) [rad/s], ascending, and mass-orthonormal shapes (3n, 3n), columns.
 
         Degree of freedom 3 p + axis.
         """
@@ -98,25 +98,23 @@ def cube(*, stiffness=1e3, damping=0.0, topology="distinct", counts=(4, 4, 4), t
 def leapfrog(model: Model, x: np.ndarray, v: np.ndarray, h: float, steps: int, *, external=0.0) -> tuple[np.ndarray, np.ndarray]:
     """Positions and velocities (n, 3) after `steps` steps h [s] from x, v with a constant external force (n, 3) [N].
 
-    The central difference (13) in velocities: v(1/2) from v by half a step, then v <- ((1-g) v + h f/m)/(1+g) with g = d h / 2m and
-    x <- x + h v. The velocity that goes with x in the end is that of eq. (10), the mean of the two half-step velocities around it.
+    The central difference (13) in velocities: v(1/2) from v by half a step, then v <- ((1-g) v + h f/m)/(1+g), g = d h / 2m, and
+    x <- x + h v. The velocity that goes with x in the end is that of eq. (10): the mean of the half-step velocities around it.
     """
     mass, g = model.mass[:, None], (model.damping * h / (2 * model.mass))[:, None]
     half = (1 - g) * v + 0.5 * h * (model.spring_force(x) + external) / mass
-    for n in range(steps):
+    for _ in range(steps):
         x = x + h * half
         force = model.spring_force(x) + external
         before, half = half, ((1 - g) * half + h * force / mass) / (1 + g)
     return x, 0.5 * (before + half) if steps else v
 
 
-def central_difference(
-    model: Model, x: np.ndarray, v: np.ndarray, h: float, steps: int, *, external=0.0, plane=None
-) -> np.ndarray:
+def central_difference(model: Model, x: np.ndarray, v: np.ndarray, h: float, steps: int, *, external=0.0, plane=None) -> np.ndarray:
     """Positions (steps + 1, n, 3) by eq. (13), started by eq. (11), with the published collision rule, its sign corrected.
 
-    plane: (point, unit normal) of an obstacle at rest without friction. A point behind it at time t gets the normal acceleration that
-    makes its normal velocity (x_{t+h} - x_{t-h}) . n / 2h zero, (14) and (15), unless it already leaves: (17).
+    plane: (point, unit normal) of an obstacle at rest without friction. A point behind it at time t gets the normal acceleration
+    that makes its normal velocity (x_{t+h} - x_{t-h}) . n / 2h zero, (14) and (15), unless it already leaves: (17).
     """
     mass, damping = model.mass[:, None], model.damping[:, None]
     inertia, drag = mass / h**2, damping / (2 * h)

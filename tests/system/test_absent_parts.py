@@ -20,16 +20,19 @@ solver = false
 """
 
 ALWAYS = {"mass", "stiffness.edge", "stiffness.face", "stiffness.body", "solver.method", "solver.tolerance", "solver.step"}
-ALWAYS_RECORDS = {"guid", "counts", "origin", "size", "topology", "mass", "stiffness", "positions", "initial", "reactions", "method", "tolerance", "step"}
+ALWAYS_RECORDS = {"guid", "counts", "origin", "size", "topology", "mass", "stiffness", "positions", "initial", "reactions"}
+ALWAYS_RECORDS |= {"method", "tolerance", "step"}
+
+PLANE = ("point", "normal", "velocity", "angular_velocity", "reaction", "torque")
+PIN = ("position", "orientation", "velocity", "angular_velocity", "reaction", "torque")
 
 PARTS = {
     "damping": ("damping = 0.0", "damping = 0.1", {"damping"}, {"damping"}),
-    "gravity": ("[outputs]", "[environment]\ngravity = [0.0, 0.0, -9.81]\n[outputs]", {f"gravity.{c}" for c in "xyz"}, {"gravity"}),
+    "gravity": ("[outputs]", "[environment]\ngravity = [0, 0, -9]\n[outputs]", {f"gravity.{c}" for c in "xyz"}, {"gravity"}),
     "plane": (
         "[outputs]",
         '[[plane]]\nname = "q"\n[outputs]',
-        {f"plane.q.{what}.{c}" for what in ("point", "normal", "velocity", "angular_velocity", "reaction", "torque") for c in "xyz"}
-        | {"plane.q.friction", "plane.q.contacts"},
+        {f"plane.q.{what}.{c}" for what in PLANE for c in "xyz"} | {"plane.q.friction", "plane.q.contacts"},
         {"plane"},
     ),
     "pin": (
@@ -41,15 +44,19 @@ PARTS = {
     "pin moved by input": (
         "[outputs]",
         '[[pin]]\nname = "a"\npoints = "z-"\nmotion = "input"\n[outputs]',
-        {f"pin.a.{what}.{c}" for what in ("position", "orientation", "velocity", "angular_velocity", "reaction", "torque") for c in "xyz"}
-        | {"pin.a.orientation.w"},
+        {f"pin.a.{what}.{c}" for what in PIN for c in "xyz"} | {"pin.a.orientation.w"},
         {"pin"},
     ),
     "load": ("[outputs]", '[[load]]\nname = "l"\npoints = "z-"\n[outputs]', {f"load.l.{c}" for c in "xyz"}, {"load"}),
     "forces": ("[outputs]", "[inputs]\nforces = [[1, 2, 3]]\n[outputs]", {f"force[1,2,3].{c}" for c in "xyz"}, {"forces"}),
     "probe": ("[outputs]", '[[probe]]\nname = "o"\nat = [0.5, 0.5, 0.5]\n[outputs]', {f"probe.o.{c}" for c in "xyz"}, {"probe"}),
     "velocities": ('velocities = "none"', "velocities = [[1, 2, 3]]", {f"velocity[1,2,3].{c}" for c in "xyz"}, {"velocities"}),
-    "energy": ("energy = false", "energy = true", {f"energy.{what}" for what in ("kinetic", "elastic", "dissipated", "work")}, {"energy"}),
+    "energy": (
+        "energy = false",
+        "energy = true",
+        {"energy.kinetic", "energy.elastic", "energy.dissipated", "energy.work"},
+        {"energy"},
+    ),
     "solver": (
         "solver = false",
         "solver = true",

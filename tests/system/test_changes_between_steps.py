@@ -109,7 +109,7 @@ def test_fixed_parameters_cannot_be_changed_on_the_way(scene, name):
 @pytest.mark.parametrize("start", [1000.0, -7.25])
 def test_time_may_start_anywhere(scene, start):
     """A plane of the scene stands where it says at the start time, whatever that is."""
-    text = SLIDING.replace("stiffness = 0.0", "stiffness = 50.0").replace('name = "floor"', 'name = "floor"\nvelocity = [0.0, 0.0, 0.3]')
+    text = SLIDING.replace("stiffness = 0.0", "stiffness = 50.0").replace("friction", "velocity = [0.0, 0.0, 0.3]\nfriction")
     expected = points(simulate(scene(text), stop_time=0.5, step=0.01))
     with Stepper(scene(text), start_time=start) as stepper:
         assert np.array_equal(stepper.positions(), expected[0])

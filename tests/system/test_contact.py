@@ -131,7 +131,7 @@ def test_no_point_is_behind_the_ground_at_any_internal_step(scene, method):
 
 def test_a_box_at_rest_presses_with_its_weight(scene):
     result = bouncing(scene, damping=3.0, stop_time=5.0)
-    assert vector(result, "plane.ground.reaction")[-1] == pytest.approx([0, 0, -9.81], abs=1e-6)  # some contacts stick with friction left
+    assert vector(result, "plane.ground.reaction")[-1] == pytest.approx([0, 0, -9.81], abs=1e-6)
     assert result.outputs["plane.ground.contacts"][-1] == 16
 
 
@@ -146,9 +146,10 @@ def test_the_impulses_on_the_plane_are_the_momentum_that_the_body_lost(scene):
 
 
 def test_the_torque_impulses_are_the_angular_momentum_that_the_body_lost(scene):
-    """About the world's origin, where the plane has its point; gravity's own torque is summed at every internal step."""
-    result = bouncing(scene, internal=2e-4, step=2e-4, stop_time=0.4)
-    x, v = points(result), velocities(result)
+    """About the plane's point; gravity's own torque is summed at every internal step."""
+    place = {"plane.ground.point.x": 0.7, "plane.ground.point.y": -0.3}
+    result = bouncing(scene, internal=2e-4, step=2e-4, stop_time=0.4, start_values=place)
+    x, v = points(result) - np.array([0.7, -0.3, 0.0]), velocities(result)
     turning = np.cross(x, v).sum(axis=1) / 64
     by_gravity = np.cross(x.mean(axis=1), [0.0, 0.0, -9.81])
     by_gravity = np.cumsum(1e-4 * (by_gravity + np.roll(by_gravity, 1, axis=0)), axis=0)
@@ -165,7 +166,8 @@ def test_the_balance_of_momentum_holds_with_damping_at_every_internal_step(scene
     result = bouncing(scene, damping=d, internal=h, step=h)
     total = velocities(result).sum(axis=1)
     gained = (total[1:] - total[:-1]) / 64
-    expected = h * np.array([0.0, 0.0, -9.81]) - h * d * (total[1:] + total[:-1]) / 2 - h * vector(result, "plane.ground.reaction")[1:]
+    drag = d * (total[1:] + total[:-1]) / 2
+    expected = h * (np.array([0.0, 0.0, -9.81]) - drag - vector(result, "plane.ground.reaction")[1:])
     assert gained == pytest.approx(expected, abs=1e-13)
 
 
@@ -177,7 +179,11 @@ def test_reactions_are_means_over_the_communication_step(scene):
 
 @pytest.mark.parametrize(
     "motion",
-    ["velocity = [0.2, 0.0, 0.4]", "angular_velocity = [0.0, -0.8, 0.0]", "velocity = [0.0, 0.1, 0.3]\nangular_velocity = [0.3, -0.4, 0.5]"],
+    [
+        "velocity = [0.2, 0.0, 0.4]",
+        "angular_velocity = [0.0, -0.8, 0.0]",
+        "velocity = [0.0, 0.1, 0.3]\nangular_velocity = [0.3, -0.4, 0.5]",
+    ],
     ids=["lift", "tilt", "screw"],
 )
 def test_points_in_contact_have_the_velocity_of_the_plane(scene, motion):
@@ -200,7 +206,7 @@ def test_a_plane_moved_by_input_is_the_plane_of_the_scene(scene):
     moved = simulate(
         scene(LIFTED.replace("MOTION", 'motion = "input"')),
         step=5e-3,
-        inputs=lambda time: {"plane.lift.point.x": 0.2 * time, "plane.lift.point.y": 0.0, "plane.lift.point.z": -0.05 + 0.4 * time},
+        inputs=lambda time: {"plane.lift.point.x": 0.2 * time, "plane.lift.point.z": 0.4 * time - 0.05},
     )
     assert_nothing_is_behind(moved)
     assert points(moved) == pytest.approx(points(fixed), abs=1e-11)  # poses differ by the rounding of their sums
@@ -210,8 +216,8 @@ def test_a_plane_moved_by_input_is_the_plane_of_the_scene(scene):
 def test_a_plane_turned_by_input_is_the_plane_of_the_scene(scene):
     def turned(time):
         normal = rotation(np.array([0.3, -0.4, 0.5]) * time) @ [0.0, 0.0, 1.0]
-        pose = {f"plane.lift.normal.{axis}": value for axis, value in zip("xyz", normal, strict=True)}
-        return pose | {"plane.lift.angular_velocity.x": 0.3, "plane.lift.angular_velocity.y": -0.4, "plane.lift.angular_velocity.z": 0.5}
+        named = {"normal": normal, "angular_velocity": (0.3, -0.4, 0.5)}
+        return {f"plane.lift.{what}.{c}": v for what, values in named.items() for c, v in zip("xyz", values, strict=True)}
 
     fixed = simulate(scene(LIFTED.replace("MOTION", "angular_velocity = [0.3, -0.4, 0.5]")), step=5e-3)
     moved = simulate(scene(LIFTED.replace("MOTION", 'motion = "input"')), step=5e-3, inputs=turned)
@@ -289,8 +295,9 @@ def test_points_meeting_three_orthogonal_planes_lose_exactly_the_three_approachi
 @pytest.mark.parametrize("half_angle", [20.0, 45.0, 70.0])
 def test_a_groove_of_any_angle_holds_the_box_without_penetration(scene, half_angle):
     c, s = np.cos(np.radians(half_angle)), np.sin(np.radians(half_angle))
+    bottom = 0.75 - 0.5 * c / s
     sides = "".join(
-        f'[[plane]]\nname = "{name}"\npoint = [0.5, 0.0, {0.75 - 0.5 * c / s}]\nnormal = [{sign * c}, 0.05, {s}]\nfriction = 0.2\n'
+        f'[[plane]]\nname = "{name}"\npoint = [0.5, 0.0, {bottom}]\nnormal = [{sign * c}, 0.05, {s}]\nfriction = 0.2\n'
         for name, sign in (("left", 1), ("right", -1))
     )
     text = CORNER[CORNER.index("[initial]") :].replace("offset = [0.05, 0.03, 0.1]", "offset = [0.02, 0.0, 0.8]")
@@ -316,7 +323,7 @@ def test_a_refused_step_leaves_the_component_where_it_was(scene):
     with Stepper(scene(SQUEEZED)) as stepper:
         stepper.step(0.01, times=199)
         before = stepper.positions()
-        with pytest.raises(FmuError, match="at time 1.99"):
+        with pytest.raises(FmuError, match=r"at time 1\.99 s"):
             stepper.step(0.05)
         assert np.array_equal(stepper.positions(), before)
 
@@ -336,8 +343,9 @@ def test_nothing_is_ever_behind_planes_in_any_motion(scene, seed):
             f"velocity = {(0.3 * draw.normal(size=3)).tolist()}\nangular_velocity = {(0.3 * draw.normal(size=3)).tolist()}\n"
             f"friction = {draw.choice([0.0, 0.3, 0.6])}\n"
         )
-    head = f"[material]\nstiffness = {draw.choice([0.0, 100.0, 2e3])}\ndamping = 0.05\n[environment]\ngravity = {gravity.tolist()}\n"
-    throw = f"[initial]\nvelocity = {(1 * draw.normal(size=3)).tolist()}\nangular_velocity = {(3 * draw.normal(size=3)).tolist()}\n"
+    head = f"[material]\nstiffness = {draw.choice([0.0, 100.0, 2e3])}\ndamping = 0.05\n"
+    head += f"[environment]\ngravity = {gravity.tolist()}\n"
+    throw = f"[initial]\nvelocity = {draw.normal(size=3).tolist()}\nangular_velocity = {(3 * draw.normal(size=3)).tolist()}\n"
     tail = '[solver]\nmethod = "leapfrog"\nstep = 5e-4\n[experiment]\nstop_time = 1.2\ncommunication_step = 5e-4\n'
     result = simulate(scene(head + planes + throw + tail))
     assert_nothing_is_behind(result)

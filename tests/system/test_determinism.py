@@ -69,7 +69,8 @@ def test_a_run_repeats_to_the_bit(scene, method, internal):
 
 
 def test_two_instances_in_turn_are_two_runs(scene):
-    one, other = lively(scene, name="one"), lively(scene, method="auto", internal="", without=('"wall"', '"corner"'), name="other")
+    one = lively(scene, name="one")
+    other = lively(scene, method="auto", internal="", without=('"wall"', '"corner"'), name="other")
     alone = [points(simulate(body, stop_time=0.2)) for body in (one, other)]
     with Stepper(one) as first, Stepper(other) as second:
         for row in range(1, 21):
@@ -94,7 +95,8 @@ def test_a_reset_instance_runs_as_a_new_one(scene):
 @pytest.mark.parametrize("without", [("[plane]", "[pin]"), ("[pin]",), ("[plane]",)], ids=["free", "contact", "pinned"])
 def test_cutting_the_communication_step_changes_no_bit_with_a_fixed_step(scene, method, without):
     body = lively(scene, method=method, without=without)
-    coarse, middle, fine = (points(simulate(body, step=length, start_values={"load.push.y": 3.0})) for length in (0.02, 0.01, 0.005))
+    push = {"load.push.y": 3.0}
+    coarse, middle, fine = (points(simulate(body, step=length, start_values=push)) for length in (0.02, 0.01, 0.005))
     assert np.array_equal(coarse, middle[::2])
     assert np.array_equal(middle, fine[::2])
 
@@ -115,16 +117,17 @@ def test_cutting_changes_no_bit_where_stability_shortens_the_given_step(scene):
 stiffness = 1e3
 damping = 0.0
 [initial]
-stretch = [1.3, 1.0, 1.0]
+stretch = [1.2, 1.0, 1.0]
 [outputs]
 solver = true
 [solver]
-step = 1.85e-3
+step = 1.7e-3
 [experiment]
-stop_time = 0.888
+stop_time = 0.816
 """
-    coarse, fine = (simulate(scene(text), step=length) for length in (0.0222, 0.00185))
-    assert fine.outputs["solver.steps"][-1] > 480  # shortened at times
+    coarse, fine = (simulate(scene(text), step=length) for length in (0.0204, 0.0017))
+    assert fine.outputs["solver.steps"][-1] > 480  # shortened at times, not always
+    assert fine.outputs["solver.steps"][-1] < 960
     assert np.array_equal(points(coarse), points(fine)[::12])
 
 

@@ -15,6 +15,9 @@ damping = 0.5
 gravity = [0.0, 0.0, -9.81]
 [inputs]
 forces = "all"
+[solver]
+method = "leapfrog"
+step = 1.25e-5
 [experiment]
 stop_time = 1.0
 """
@@ -61,12 +64,12 @@ def largest_error(result, stored):
 
 
 def test_a_stiff_box_under_a_slow_load_follows_the_stored_trajectory(scene, golden):
-    """Inputs are held over a communication step H. A force taken from its middle is right on average, which leaves H^2 and the ringing
-    of those modes that are faster than the steps, some 1e-8 m; one taken from its beginning lags by H / 2: 0.03 m * 3.75/s * H / 2."""
+    """Inputs are held over a communication step H. A force taken from its middle is right on average, which leaves H^2 and the
+    ringing of modes that are faster than the steps, some 1e-7 m; one taken from its beginning lags by 0.03 m * 3.75/s * H / 2."""
     h = 1.25e-4
     stiff, stored = scene(STIFF), golden("S2")["x"]
     middle = simulate(stiff, step=h, inputs=lambda time: pull(time + h / 2))
-    assert largest_error(middle, stored) < 1e-7
+    assert largest_error(middle, stored) < 5e-7
     late = simulate(stiff, step=5e-4, inputs=pull)
     assert 1e-6 < largest_error(late, stored) < 0.03 * 3.75 * 2.5e-4
 

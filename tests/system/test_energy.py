@@ -26,16 +26,24 @@ communication_step = 0.01
 
 FLOOR = '[[plane]]\nname = "floor"\nfriction = 0.1\n'
 
-SMOOTH = {
+HAND = [f"pin.hand.position.{axis}" for axis in "xyz"]
+
+CASES = {
     "damped flight": ("0.2", "[initial]\nstretch = [1.1, 1.0, 0.95]\nangular_velocity = [3.0, 4.0, 5.0]\n", None),
     "heavily damped flight": ("5.0", "[initial]\nstretch = [1.1, 1.0, 0.95]\nvelocity = [3.0, 4.0, 5.0]\n", None),
     "sliding with friction": ("0.0", FLOOR + "[initial]\nvelocity = [1.0, 0.2, 0.0]\n", None),
     "sliding with friction and damping": ("0.3", FLOOR + "[initial]\nvelocity = [1.0, 0.2, 0.0]\n", None),
+    "pressed by a plane that starts at once": (
+        "0.3",
+        FLOOR + '[[plane]]\nname = "press"\npoint = [0, 0, 1]\nnormal = [0, 0, -1]\nvelocity = [0, 0, -0.2]\n',
+        None,
+    ),
+    "dragged by a belt": ("0.05", FLOOR.replace("friction", "velocity = [0.5, 0.0, 0.0]\nfriction"), None),
     "hanging": ("0.1", '[[pin]]\nname = "hook"\npoints = "z+"\n[initial]\nstretch = [1.05, 1.0, 1.0]\n', None),
     "led": (
         "0.1",
         '[[pin]]\nname = "hand"\npoints = "z+"\nmotion = "input"\n',
-        lambda time: {"pin.hand.position.x": 0.5 + 0.2 * np.sin(6 * time), "pin.hand.position.y": 0.5, "pin.hand.position.z": 1.0},
+        lambda time: dict(zip(HAND, (0.5 + 0.2 * np.sin(6 * time), 0.5, 1.0), strict=True)),
     ),
     "pushed": (
         "0.1",
@@ -52,12 +60,13 @@ def energy_gap(result):
 
 
 def gap_of(scene, damping, extra, inputs, h, **arguments):
-    return energy_gap(simulate(scene(BASE.replace("DAMPING", damping) + extra), start_values={"solver.step": h}, inputs=inputs, **arguments))
+    body = scene(BASE.replace("DAMPING", damping) + extra)
+    return energy_gap(simulate(body, start_values={"solver.step": h}, inputs=inputs, **arguments))
 
 
-@pytest.mark.parametrize("case", SMOOTH)
-def test_the_balance_of_smooth_motion_closes_to_second_order(scene, case):
-    gaps = [gap_of(scene, *SMOOTH[case], h) for h in STEPS]
+@pytest.mark.parametrize("case", CASES)
+def test_the_balance_closes_to_second_order(scene, case):
+    gaps = [gap_of(scene, *CASES[case], h) for h in STEPS]
     assert np.log2(np.array(gaps[:-1]) / gaps[1:]) == pytest.approx([2.0, 2.0], abs=0.3)
 
 
@@ -65,7 +74,7 @@ def test_the_balance_of_smooth_motion_closes_to_second_order(scene, case):
 def test_an_impact_costs_exactly_the_energy_of_the_approach(scene, theta):
     """Points without springs or friction land after a share theta of a step; what they had is what is lost, up to rounding."""
     h, speed = 1e-3, 2.0
-    text = BASE.replace("DAMPING", "0.0").replace("stiffness = 2e3", "stiffness = 0.0").replace("gravity = [0.0, 0.0, -9.81]", "gravity = [0.0, 0.0, 0.0]")
+    text = BASE.replace("DAMPING", "0.0").replace("stiffness = 2e3", "stiffness = 0.0").replace("-9.81", "0.0")
     fall = f"[initial]\noffset = [0.0, 0.0, {speed * h * (20 + theta)}]\nvelocity = [0.0, 0.0, {-speed}]\n"
     result = simulate(scene(text + FLOOR + fall), start_values={"solver.step": h}, stop_time=0.1)
     assert result.outputs["energy.dissipated"][-1] == pytest.approx(0.5 * 16 / 64 * speed**2, rel=1e-12)
@@ -82,16 +91,19 @@ def test_an_impact_under_gravity_is_booked_to_second_order(scene, theta):
     assert energy_gap(result) < 1e-5
 
 
-def test_the_balance_of_a_bouncing_rubbing_box_closes_to_second_order(scene):
-    """Some hundred impacts, whose errors scatter: a bound with second order, not a slope."""
-    extra = FLOOR.replace("0.1", "0.4") + "[initial]\noffset = [0.0, 0.0, 0.2]\nvelocity = [1.0, 0.0, 0.0]\nangular_velocity = [1.0, 2.0, 0.0]\n"
-    for h in (1e-4, 2.5e-5):
-        assert gap_of(scene, "0.1", extra, None, h, stop_time=2.0) < 4e-5 * (h / 1e-4) ** 2
+@pytest.mark.parametrize("damping", ["0.0", "0.1"])
+def test_the_balance_of_a_bouncing_rubbing_box_closes_to_second_order(scene, damping):
+    """Some hundred impacts with friction; damping counts the velocities before and after an impact for their own times."""
+    throw = "[initial]\noffset = [0.0, 0.0, 0.2]\nvelocity = [1.0, 0.0, 0.0]\nangular_velocity = [1.0, 2.0, 0.0]\n"
+    extra = FLOOR.replace("0.1", "0.4") + throw
+    gaps = [gap_of(scene, damping, extra, None, h, stop_time=2.0) for h in (1e-4, 5e-5, 2.5e-5)]
+    assert np.log2(np.array(gaps[:-1]) / gaps[1:]) == pytest.approx([2.0, 2.0], abs=0.25)
 
 
 def test_a_piston_that_presses_does_the_work_that_is_stored_and_lost(scene):
-    text = BASE.replace("gravity = [0.0, 0.0, -9.81]", "gravity = [0.0, 0.0, 0.0]")
-    piston = FLOOR + '[[plane]]\nname = "piston"\npoint = [0.0, 0.0, 1.01]\nnormal = [0.0, 0.0, -1.0]\nvelocity = [0.0, 0.0, -0.4]\nfriction = 0.2\n'
+    text = BASE.replace("-9.81", "0.0")
+    motion = "point = [0.0, 0.0, 1.01]\nnormal = [0.0, 0.0, -1.0]\nvelocity = [0.0, 0.0, -0.4]\n"
+    piston = FLOOR + f'[[plane]]\nname = "piston"\n{motion}friction = 0.2\n'
     result = simulate(scene(text.replace("DAMPING", "0.3") + piston), start_values={"solver.step": 5e-5})
     by_force = np.cumsum(0.01 * -0.4 * -vector(result, "plane.piston.reaction")[:, 2])
     assert result.outputs["energy.work"] == pytest.approx(by_force, rel=1e-9, abs=1e-12)  # reaction times velocity
@@ -100,9 +112,11 @@ def test_a_piston_that_presses_does_the_work_that_is_stored_and_lost(scene):
 
 
 def test_damping_dissipates_d_v_squared(scene):
-    result = simulate(scene(BASE.replace("DAMPING", "0.2") + SMOOTH["damped flight"][1]), step=1e-4, start_values={"solver.step": 1e-4})
-    power = 0.2 * (velocities(result) ** 2).sum(axis=(1, 2))
-    lost = np.concatenate([[0.0], np.cumsum(0.5e-4 * (power[1:] + power[:-1]))])
+    flight = scene(BASE.replace("DAMPING", "0.2") + CASES["damped flight"][1])
+    result = simulate(flight, step=1e-4, start_values={"solver.step": 1e-4})
+    v = velocities(result)
+    power = 0.2 * (((v[1:] + v[:-1]) / 2) ** 2).sum(axis=(1, 2))
+    lost = np.concatenate([[0.0], np.cumsum(1e-4 * power)])
     assert result.outputs["energy.dissipated"] == pytest.approx(lost, rel=1e-10, abs=1e-12)
 
 
@@ -112,6 +126,7 @@ def test_gravity_energy_is_that_of_the_centre_of_mass(scene):
 
 
 def test_work_of_forces_is_force_times_way(scene):
-    result = simulate(scene(BASE.replace("DAMPING", "0.2") + '[[load]]\nname = "push"\npoints = "x-"\n'), start_values={"load.push.x": 20.0})
-    way = points(result)[:, ::4, 0].mean(axis=1) - 0.0
+    pushed = scene(BASE.replace("DAMPING", "0.2") + '[[load]]\nname = "push"\npoints = "x-"\n')
+    result = simulate(pushed, start_values={"load.push.x": 20.0})
+    way = points(result)[:, ::4, 0].mean(axis=1)
     assert result.outputs["energy.work"] == pytest.approx(20.0 * way, abs=1e-11)

@@ -131,6 +131,30 @@ def test_a_million_steps_at_nine_tenths_of_the_bound_stay_bounded(scene):
     assert np.mean(totals[100:]) == pytest.approx(np.mean(totals[:100]), rel=0.02)  # no drift
 
 
+@pytest.mark.parametrize("counts", [2, 4])
+def test_the_automatic_step_does_not_feed_a_light_undamped_point(scene, counts):
+    """The bound is tight for a light point, and stable by the linear bound is not enough: near h omega = sqrt 3 and sqrt 2 every
+    third or fourth step comes back in phase with the nonlinear part of the springs, and energy grows without limit."""
+    text = f"""
+[lattice]
+points = [{counts}, {counts}, {counts}]
+[material]
+stiffness = 1e3
+damping = 0.0
+[[region]]
+points = [[0, 0, 0]]
+mass = 1e-5
+[initial]
+stretch = [1.1, 1.0, 1.0]
+[outputs]
+positions = "none"
+energy = true
+"""
+    energy = simulate(scene(text)).outputs
+    total = energy["energy.kinetic"] + energy["energy.elastic"]
+    assert total.max() < 2 * total[0]
+
+
 def test_the_stable_step_is_a_bound_and_no_more_than_a_fifth_too_short(scene):
     with Stepper(scene(STRETCHED.replace("1.1, 1.0, 1.0", "1.0, 1.0, 1.0"))) as stepper:
         bound = stepper.read("solver.stable_step")[0]

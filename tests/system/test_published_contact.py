@@ -67,7 +67,7 @@ def test_the_bouncing_lattice_is_the_references(scene):
     external = np.tile([0.0, 0.0, -0.981], (8, 1))
     ground = (np.zeros(3), np.array([0.0, 0.0, 1.0]))
     course = reference.central_difference(
-        model, rest + [0.0, 0.0, 0.2], np.zeros((8, 3)), 1e-4, 3000, external=external, plane=ground
+        model, rest + np.array([0.0, 0.0, 0.2]), np.zeros((8, 3)), 1e-4, 3000, external=external, plane=ground
     )
     # round-off in positions is multiplied at every bounce, so that agreement is followed over the first of them
     assert points(result)[:3000] == pytest.approx(course[:3000], abs=1e-9)
