@@ -19,8 +19,8 @@ class Inputs:
     """Values of some input variables at any time.
 
     Arrays and CSV files hold a first column `time` [s], not decreasing, and one column per variable; between rows values are linear,
-    before the first and after the last row they are held. A plane or pin whose pose is given but whose velocity is not gets the velocity that takes
-    it to the pose of the next communication point.
+    before the first and after the last row they are held. A plane or pin whose pose is given but whose
+    velocity is not gets the velocity that takes it to the pose of the next communication point.
     """
 
     def __init__(self, source: Source | None):

@@ -172,12 +172,7 @@ stop_time = 2.6
 
 def pull(time):
     sides = ((0, -1e4), (3, 1e4))
-    return {
-        f"force[{i},{j},{k}].x": f * (1 + j / 3) * time / 0.03
-        for i, f in sides
-        for j in range(4)
-        for k in range(4)
-    }
+    return {f"force[{i},{j},{k}].x": f * (1 + j / 3) * time / 0.03 for i, f in sides for j in range(4) for k in range(4)}
 
 
 def push(time):
@@ -253,9 +248,7 @@ def described(description):
 
 
 def test_the_twin_has_the_components_variables(scene, tmp_path):
-    loaded = scene(
-        PRESS + "\n[inputs]\nforces = 'x+'\n[outputs]\nenergy = true\nsolver = true\nvelocities = 'all'\n"
-    )
+    loaded = scene(PRESS + "\n[inputs]\nforces = 'x+'\n[outputs]\nenergy = true\nsolver = true\nvelocities = 'all'\n")
     own, twins = package_fmu(loaded, tmp_path / "component.fmu"), build_twin(loaded, tmp_path / "twin.fmu")
     with Component(own) as component, Component(twins) as twin:
         assert described(twin.description) == described(component.description)
@@ -316,9 +309,7 @@ def test_motions_in_contact_agree_to_the_end(both, name):
         for output in (f"plane.{plane}.reaction", f"plane.{plane}.torque"):
             assert np.abs(vector(component, output)).max() > 1
             assert vector(twin, output) == pytest.approx(vector(component, output), abs=1e-6), output
-        assert np.array_equal(
-            twin.outputs[f"plane.{plane}.contacts"], component.outputs[f"plane.{plane}.contacts"]
-        )
+        assert np.array_equal(twin.outputs[f"plane.{plane}.contacts"], component.outputs[f"plane.{plane}.contacts"])
 
 
 def test_a_fast_tumble_parts_them_no_sooner_than_rounding_parts_the_component_from_itself(both, scene):
