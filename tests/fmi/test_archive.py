@@ -44,6 +44,18 @@ def test_the_library_exports_the_standards_functions_and_nothing_else(standard, 
     assert len(exported) == 34
 
 
+def test_the_library_needs_the_c_library_alone_and_names_no_path(standard, tmp_path):
+    if not shutil.which("readelf"):
+        pytest.skip("readelf is not on this machine")
+    with zipfile.ZipFile(standard) as archive:
+        library = Path(archive.extract("binaries/linux64/softffd.so", tmp_path))
+    listed = subprocess.run(["readelf", "-d", library], capture_output=True, text=True, check=True).stdout
+    needed = set(re.findall(r"NEEDED.*\[(.*?)\.so", listed))
+    assert needed <= {"libm", "libc", "ld-linux-x86-64", "ld-linux-aarch64", "libpthread", "libdl"}
+    assert "RPATH" not in listed and "RUNPATH" not in listed and "BIND_NOW" in listed
+    assert str(Path(__file__).resolve().parents[2]).encode() not in library.read_bytes()
+
+
 def declared_functions() -> set[str]:
     """The co-simulation functions that the standard's header declares."""
     text = (HEADERS / "fmi2Functions.h").read_text()

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from ctypes import byref, c_double, c_void_p
 from pathlib import Path
 
 import fmpy
@@ -99,6 +100,17 @@ def test_too_much_work_is_discarded_with_the_state_kept(fmu):
             component.do_step(0.0, 1.0)
         component.get(block)
         assert block.values[0] == before
+
+
+def test_a_discarded_step_tells_the_last_successful_time(fmu):
+    with started(fmu) as component:
+        component.do_step(0.0, 0.25)
+        component.set_start_values({"stiffness.edge": 1e18})
+        with pytest.raises(FmuError, match="discarded"):
+            component.do_step(0.25, 0.25)
+        last, instance = c_double(), c_void_p(component._slave.component)
+        assert component._library.fmi2GetRealStatus(instance, 2, byref(last)) == 0
+        assert last.value == 0.25
 
 
 def test_reset_after_an_error_runs_as_new(fmu):
