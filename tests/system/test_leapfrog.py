@@ -162,13 +162,13 @@ def test_the_stable_step_is_a_bound_and_no_more_than_a_fifth_too_short(scene):
     assert exact / 1.2 < bound <= exact
 
 
-@pytest.mark.parametrize("stretch", [[1.1, 1.0, 1.0], [1.5, 1.3, 1.2], [2.0, 0.7, 1.0]])
+@pytest.mark.parametrize("stretch", [[1.1, 1.0, 1.0], [2.0, 0.7, 1.0], [3.0, 3.0, 3.0]])
 def test_the_stable_step_is_a_bound_of_the_stretched_box_too(scene, stretch):
     """A stretched spring is stiff across its length as well, by k (1 - l / r)."""
     with Stepper(scene(STRETCHED.replace("[1.1, 1.0, 1.0]", str(stretch)))) as stepper:
         bound = stepper.read("solver.stable_step")[0]
     exact = 2 / reference.cube().highest_frequency(reference.rest_lattice() * stretch)
-    assert exact / 1.3 < bound <= exact
+    assert exact / 1.4 < bound <= exact
 
 
 def test_a_given_step_beyond_stability_is_shortened_and_said_so(scene):
