@@ -1076,6 +1076,8 @@ def test_the_hosts_locale_neither_matters_nor_changes(tmp_path, name):
         f"{name}.UTF-8",
     ]
     done = subprocess.run(arguments, capture_output=True, env=os.environ | {"LOCPATH": str(tmp_path)})
+    if b"unsupported locale setting" in done.stderr:
+        pytest.skip(f"localedef could not make {name} here: the sources of locales are not on this machine")
     assert done.returncode == 0, done.stderr.decode()
     text = done.stdout.decode("utf-8").strip()
     assert re.search(r"wanted 0 s, got 0\.125$", text), text
