@@ -62,7 +62,7 @@ def draw_strip(result, path, *, mesh=None, moments=None, labels=None, origin=Non
 
 def draw_history(result, path):
     """Draw the curves alone to `path` (PNG): reactions [N] and energies [J]; without either the lattice's height."""
-    figure = _figure(11.0, 3.6, dpi=130)
+    figure = _figure(13.0, 4.0, dpi=110)
     _draw_curves(figure, result, bottom=0.15, top=0.89)
     return _save(figure, path)
 
@@ -113,7 +113,7 @@ def _dress(axes, time, label, unit):
     if time[-1] > time[0]:
         axes.set_xlim(time[0], time[-1])
     axes.grid(color="#e3e7ed", linewidth=0.8)
-    axes.legend(loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=5, frameon=False, fontsize=9.5, borderpad=0.2)
+    axes.legend(loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=5, frameon=False, fontsize=9.5, borderpad=0.2, columnspacing=1.2)
     axes.spines[["top", "right"]].set_visible(False)
     axes.yaxis.set_major_formatter(EngFormatter(unit=unit, sep=" "))
 
