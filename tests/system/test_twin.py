@@ -391,14 +391,17 @@ def test_a_motion_that_blows_up_is_reported(both):
         both(text.replace("5e-4", "1e-2").replace("stop_time = 0.5", "stop_time = 5.0"))
 
 
+# The process leaves without taking the interpreter down: once in many runs, after all results were there, pythonfmu 0.7 FMUs left a heap on
+# which the interpreter's own end aborted. What is tested is the twelve runs.
 ALONE = """
-import gc, sys
+import gc, os, sys
 sys.modules["softffd"] = None
 import fmpy
 for _ in range(12):
     result = fmpy.simulate_fmu(sys.argv[1], stop_time=0.05, output=["position[0,0,0].z"])
     gc.collect()
-print(len(result), result["position[0,0,0].z"][-1])
+print(len(result), result["position[0,0,0].z"][-1], flush=True)
+os._exit(0)
 """
 
 
