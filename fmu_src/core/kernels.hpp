@@ -30,10 +30,37 @@ void kick_undamped(std::size_t n, const double* b, const double* f, const double
 /// y = x + h v, n values each.
 void drift(std::size_t n, double h, const double* x, const double* v, double* y);
 
+/// a = m (f + g) with inverse masses m, n values each.
+void accelerate(std::size_t n, const double* m, const double* f, const double* g, double* a);
+/// a = m (f + g) - r v with damping rates r, n values each.
+void accelerate_damped(std::size_t n, const double* m, const double* r, const double* f, const double* g, const double* v, double* a);
+/// y = x + sum of w_j a_j over `count` arrays of n values each.
+void combine(std::size_t n, const double* x, int count, const double* w, const double* const* a, double* y);
+/// Largest |x_i|; NaN if any is NaN or infinite.
+double largest(std::size_t n, const double* x);
+/// Largest |w_i x_i|; NaN if any is NaN or infinite.
+double largest_weighted(std::size_t n, const double* w, const double* x);
+
 /// gap_p = normal . x_p - offset (points). Returns whether any is negative.
 bool gaps(int points, const double* x, const double normal[3], double offset, double* gap);
 
 /// Largest squared change of the spring vectors of one direction between two states, [m2].
 double largest_change(const SpringRow& springs, int points, const double* x, const double* y, double* scratch);
+
+/// f += forces that springs would exert if their ends moved by u and their stiffness matrix were the bound of `add_stiffness_bounds`:
+/// f -= K u. x, u, f: (3 * points); scratch: (3 * lanes).
+void subtract_stiffness_product(const SpringRow& springs, int points, const double* x, const double* u, double* f, double* scratch);
+
+/// Columns and rows of the matrices below come in blocks of this many; columns are `stride` apart.
+inline constexpr int block = 8;
+/// Eight columns c -= sum over `count` columns a_k of a_k times the first eight values of a_k; 8 `blocks` rows, `count` a multiple of 4.
+void subtract_products(int blocks, int count, std::size_t stride, const double* a, double* c);
+/// Cholesky factor of eight columns c with 8 `blocks` rows, the first eight of which are the diagonal block; above its diagonal nothing is
+/// left that has a meaning. inverse (8): 1 / diagonal of the factor.
+void factor_panel(int blocks, std::size_t stride, double* c, double* inverse);
+/// y <- L^-1 y for `columns` columns of a factor with `rows` >= `columns` rows: solves for the first values and subtracts them from the rest.
+void solve_lower(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y);
+/// The first `columns` values y <- L^-T y, the rest of the `rows` being solved for.
+void solve_upper(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y);
 
 }  // namespace softffd::kernels

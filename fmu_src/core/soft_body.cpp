@@ -3,21 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace softffd {
 
 namespace {
-
-/// Share of 2 / omega that a step given by the user may take. Linear theory allows all of it.
-constexpr double given_share = 0.98;
-/// Share that an automatic step takes: omega h <= 1.36, clear of sqrt(3) and sqrt(2), where an undamped mode comes back in phase with the
-/// springs' own nonlinearity every third or fourth step and gains energy without limit.
-constexpr double automatic_share = 0.68;
-/// Spring vectors may change by this share of the shortest edge before the bound is computed anew.
-constexpr double deformation_limit = 0.2;
-/// Internal steps between two looks at the deformation.
-constexpr long look_every = 8;
 
 std::vector<bool> mask(const std::vector<int>& points, int count) {
   std::vector<bool> selected(count, false);
@@ -54,13 +43,11 @@ bool finite(const Progress& progress) {
   const auto sound = [](const Impulse& impulse) { return impulse.force.allFinite() && impulse.torque.allFinite(); };
   const auto& exchange = progress.exchange;
   return motion.x.allFinite() && motion.v.allFinite() && motion.spring.allFinite() && std::isfinite(progress.potential) &&
-         std::isfinite(progress.work) && std::isfinite(progress.dissipated) && !std::isnan(progress.bound) &&
+         std::isfinite(progress.work) && std::isfinite(progress.dissipated) && !std::isnan(progress.course.bound) &&
          std::isfinite(exchange.work) && std::isfinite(exchange.dissipated) &&
          std::all_of(exchange.planes.begin(), exchange.planes.end(), sound) &&
          std::all_of(exchange.pins.begin(), exchange.pins.end(), sound);
 }
-
-long divisions(double length, double limit) { return std::max(1L, long(std::ceil(length / limit * (1 - 1e-12)))); }
 
 }  // namespace
 
@@ -68,9 +55,7 @@ SoftBody::SoftBody(Definition definition)
     : definition_(std::move(definition)),
       body_{.springs = Springs(definition_.lattice, definition_.topology), .mass = {}, .damping = {}, .pinned = pinned_points(definition_)},
       overrides_(stiffness_overrides(definition_)),
-      stability_(definition_.lattice.points()),
-      leapfrog_(definition_.lattice.points(), definition_.planes),
-      central_difference_(definition_.lattice.points()),
+      propagator_(definition_.lattice.points(), definition_.planes, int(definition_.pins.size())),
       jumps_(definition_.lattice.points(), definition_.planes) {
   const int n = definition_.lattice.points();
   body_.mass = Eigen::Map<const Scalars>(definition_.mass.data(), n);
@@ -87,7 +72,8 @@ SoftBody::SoftBody(Definition definition)
   now_.exchange.planes.resize(definition_.planes);
   now_.exchange.pins.resize(definition_.pins.size());
   now_.contacts.resize(definition_.planes);
-  for (Points* points : {&now_.motion.x, &now_.motion.v, &now_.motion.spring, &now_.motion.previous, &now_.bound_x, &begin_})
+  for (Points* points :
+       {&now_.motion.x, &now_.motion.v, &now_.motion.spring, &now_.motion.previous, &now_.course.bound_x, &now_.course.factored.x, &begin_})
     points->setZero(n, 3);
   backup_ = now_;
 }
@@ -102,9 +88,14 @@ void SoftBody::refresh_body() {
       for (int p : region.points) body_.damping[p] = *region.damping;
   body_.damped = (body_.damping > 0).any();
   body_.springs.set_stiffness(settings.stiffness, overrides_);
-  stability_.prepare(body_);
-  leapfrog_.body_changed();
-  now_.bound = -1;
+  body_.inverse_mass.resize(3 * n);
+  body_.damping_rate.resize(3 * n);
+  for (int i = 0; i < 3 * n; ++i) {
+    const int p = i % n;
+    body_.inverse_mass[i] = body_.pinned[p] ? 0 : 1 / body_.mass[p];
+    body_.damping_rate[i] = body_.pinned[p] ? 0 : body_.damping[p] / body_.mass[p];
+  }
+  propagator_.body_changed(body_, now_.course);
   now_.motion.previous_h = 0;
 }
 
@@ -189,12 +180,16 @@ StepStatus SoftBody::initialize(double t0) {
     set_row(motion.v, p, definition_.velocity + definition_.angular_velocity.cross(x - centre));
   }
   motion.previous_h = 0;
-  now_.clock = {t0, 0, 0};
+  Points bound_x = std::move(now_.course.bound_x), factored_x = std::move(now_.course.factored.x);
+  now_.course = {};
+  now_.course.clock.origin = t0;
+  now_.course.bound_x = std::move(bound_x);
+  now_.course.factored.x = std::move(factored_x);
   for (auto* impulses : {&now_.exchange.planes, &now_.exchange.pins}) std::fill(impulses->begin(), impulses->end(), Impulse{});
   now_.exchange.dissipated = now_.exchange.work = 0;
   now_.exchange_time = 1;
   now_.dissipated = now_.work = 0;
-  now_.steps = now_.contacts_resolved = now_.exchange.contacts_resolved = 0;
+  now_.contacts_resolved = now_.exchange.contacts_resolved = 0;
   bool moved = place_pins(false);
   const StepStatus cleared = clear_jumps(moved);
   if (cleared != StepStatus::ok) return cleared;
@@ -230,11 +225,9 @@ StepStatus SoftBody::advance_from_here(double H) {
     now_.work += potential_energy() - now_.potential;
     begin_ = motion.x;
   }
-  const double unit = settings.step, units = unit > 0 ? std::round(H / unit) : 0;
-  const bool counted = units >= 1 && units <= double(most_steps) && std::abs(H - units * unit) <= 1e-9 * H;
-  const StepStatus ran = counted ? run_counted(long(units)) : run_fitted(H);
+  const Request request{settings.method, settings.tolerance * body_.length, settings.step, settings.horizon, definition_.watch_energy};
+  const StepStatus ran = propagator_.advance({body_, around_}, request, H, motion, now_.course, now_.exchange);
   if (ran != StepStatus::ok) return ran;
-  motion.time = counted ? now_.clock.time() : motion.time + H;
   count_contacts();
   now_.contacts_resolved += now_.exchange.contacts_resolved;
   if (definition_.watch_energy) {
@@ -243,71 +236,6 @@ StepStatus SoftBody::advance_from_here(double H) {
     now_.work += now_.exchange.work + (settings.force * (motion.x - begin_)).sum();
   }
   return finite(now_) ? StepStatus::ok : StepStatus::not_finite;
-}
-
-double SoftBody::step_limit(double share) {
-  if (stability_.any_frequency() == 0) return std::numeric_limits<double>::infinity();
-  if (now_.bound < 0 || deformed_since_bound()) {
-    now_.bound = stability_.frequency(body_, now_.motion.x);
-    now_.bound_x = now_.motion.x;
-  }
-  return share * 2 / now_.bound;
-}
-
-bool SoftBody::deformed_since_bound() const {
-  for (const Springs::Row& row : body_.springs.rows()) {
-    if (row.direction.kind() != SpringKind::edge) break;
-    const double limit = deformation_limit * row.rest_length[0];
-    const double change =
-        kernels::largest_change(row.view(), body_.points(), now_.motion.x.data(), now_.bound_x.data(), body_.springs.scratch());
-    if (change > limit * limit) return true;
-  }
-  return false;
-}
-
-StepStatus SoftBody::run_counted(long units) {
-  Clock& clock = now_.clock;
-  const double unit = settings.step;
-  while (units > 0) {
-    // Looks are counted too, so that they fall on the same moments however the time is cut.
-    if (clock.unit != unit || now_.bound < 0 || clock.count / clock.parts % look_every == 0) {
-      const double limit = step_limit(given_share);
-      if (!(unit / limit <= double(most_steps))) return StepStatus::too_many_steps;
-      const long parts = divisions(unit, limit);
-      if (clock.unit != unit || clock.parts != parts) clock = {now_.motion.time, unit / double(parts), 0, unit, parts};
-    }
-    if (double(units) * double(clock.parts) > double(most_steps)) return StepStatus::too_many_steps;
-    const long ahead = std::min(units, look_every - clock.count / clock.parts % look_every);
-    const StepStatus status = run_stretch(clock.h, ahead * clock.parts);
-    if (status != StepStatus::ok) return status;
-    now_.motion.time = clock.time();
-    units -= ahead;
-  }
-  return StepStatus::ok;
-}
-
-StepStatus SoftBody::run_fitted(double H) {
-  double limit = step_limit(automatic_share);
-  if (settings.step > 0) limit = std::min(settings.step, step_limit(given_share));
-  if (!(H / limit <= double(most_steps))) return StepStatus::too_many_steps;
-  long steps = divisions(H, limit);
-  double h = H / double(steps);
-  now_.clock = {now_.motion.time, h, 0};
-  while (steps > 0) {
-    const long ahead = std::min(steps, look_every);
-    const StepStatus status = run_stretch(h, ahead);
-    if (status != StepStatus::ok) return status;
-    steps -= ahead;
-    if (steps == 0 || !deformed_since_bound()) continue;
-    limit = step_limit(settings.step > 0 ? given_share : automatic_share);
-    if (h <= limit) continue;
-    const double left = double(steps) * h;
-    if (!(left / limit <= double(most_steps))) return StepStatus::too_many_steps;
-    steps = divisions(left, limit);
-    h = left / double(steps);
-    now_.clock = {now_.clock.time(), h, 0};
-  }
-  return StepStatus::ok;
 }
 
 void SoftBody::count_contacts() {
@@ -322,27 +250,12 @@ void SoftBody::restore(const Progress& progress, double start_time) {
   now_ = progress;
 }
 
-StepStatus SoftBody::run_stretch(double h, long steps) {
-  const Task task{now_.clock.origin, now_.clock.count, h, steps};
-  now_.clock.count += steps;
-  now_.steps += steps;
-  State& motion = now_.motion;
-  if (settings.method == Method::central_difference)
-    return central_difference_.advance(body_, around_, task, definition_.watch_energy, motion, now_.exchange);
-  return leapfrog_.advance(body_, around_, task, definition_.watch_energy, motion, now_.exchange);
-}
-
 double SoftBody::kinetic_energy() const { return 0.5 * (body_.mass * now_.motion.v.square().rowwise().sum()).sum(); }
 
 double SoftBody::gravity_energy() const {
   double energy = 0;
   for (int axis = 0; axis < 3; ++axis) energy -= settings.gravity[axis] * (body_.mass * now_.motion.x.col(axis)).sum();
   return energy;
-}
-
-double SoftBody::stable_step() {  // leaves the bound that steps are chosen by alone: looking must not change what follows
-  if (stability_.any_frequency() == 0) return std::numeric_limits<double>::max();
-  return 2 / stability_.frequency(body_, now_.motion.x);
 }
 
 }  // namespace softffd

@@ -3,13 +3,9 @@
 #include <memory>
 #include <optional>
 
-#include "central_difference.hpp"
-#include "leapfrog.hpp"
-#include "stability.hpp"
+#include "propagator.hpp"
 
 namespace softffd {
-
-enum class Method { automatic, central_difference, leapfrog };
 
 /// Overrides of a [[region]]; absent ones leave what is there.
 struct Region {
@@ -42,9 +38,11 @@ struct Settings {
   double damping = 0;           ///< per control point [N s/m]
   Vec3 gravity = Vec3::Zero();  ///< [m/s2]
   Method method = Method::automatic;
-  double step = 0;    ///< internal step [s]; 0: by stability
-  Points force;       ///< loads and point forces at the communication point (points, 3) [N]
-  Points force_rate;  ///< their time derivative [N/s]
+  double tolerance = 1e-4;  ///< error aimed at, relative to the largest side of the box
+  double step = 0;          ///< internal step [s]; 0: by stability and tolerance
+  double horizon = 1;       ///< length of the run [s]
+  Points force;             ///< loads and point forces at the communication point (points, 3) [N]
+  Points force_rate;        ///< their time derivative [N/s]
   struct PlaneInput {
     Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
     double friction = 0;
@@ -65,21 +63,16 @@ struct Settings {
 /// Everything that running changes: its copy is a snapshot.
 struct Progress {
   State motion;
-  Clock clock;
+  Course course;
   Exchange exchange;                               ///< of the last communication step
   double exchange_time = 1;                        ///< its length [s]
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
-  long steps = 0, contacts_resolved = 0;
+  long contacts_resolved = 0;
   std::vector<long> contacts;  ///< control points on each plane at the communication point
-  Points bound_x;              ///< configuration that `bound` belongs to
-  double bound = -1;           ///< bound of omega [rad/s]; negative: none yet
 };
 
 class SoftBody {
  public:
-  /// Internal steps that one call may take; a longer communication step is refused.
-  static constexpr long most_steps = 20'000'000;
-
   explicit SoftBody(Definition definition);
 
   Settings settings;                          ///< take effect at the next `initialize` or `advance`
@@ -110,13 +103,17 @@ class SoftBody {
   double gravity_energy() const;
   double dissipated_energy() const { return now_.dissipated; }
   double work() const { return now_.work; }
-  long steps() const { return now_.steps; }
+  long steps() const { return now_.course.steps; }
+  long rejected() const { return now_.course.rejected; }
   long contacts_resolved() const { return now_.contacts_resolved; }
   /// Largest stable internal step of the current state, by bound [s]; the largest finite number without springs.
-  double stable_step();
+  double stable_step() { return propagator_.stable_step(body_, now_.motion.x); }
   int folded_cells() const { return softffd::folded_cells(definition_.lattice, now_.motion.x); }
   /// Internal step of the last communication step [s].
-  double internal_step() const { return now_.clock.h; }
+  double internal_step() const { return now_.course.clock.h; }
+  /// The method that took the last communication step, and why.
+  Method method() const { return now_.course.method; }
+  Reason reason() const { return now_.course.reason; }
   int spring_count() const { return body_.springs.count(); }
 
  private:
@@ -126,21 +123,14 @@ class SoftBody {
   void count_contacts();
   bool place_pins(bool book);
   double potential_energy() const { return elastic_energy() + gravity_energy(); }
-  double step_limit(double share);
-  bool deformed_since_bound() const;
   StepStatus advance_from_here(double H);
-  StepStatus run_counted(long units);
-  StepStatus run_fitted(double H);
-  StepStatus run_stretch(double h, long steps);
 
   Definition definition_;
   Body body_;
   Surroundings around_;
   std::vector<StiffnessOverride> overrides_;
   std::vector<Vec3> pin_origins_;
-  Stability stability_;
-  Leapfrog leapfrog_;
-  CentralDifference central_difference_;
+  Propagator propagator_;
   Contact jumps_;
   Points begin_;       ///< positions at the start of the communication step, energy balance only
   bool stale_ = true;  ///< mass, stiffness or damping changed

@@ -37,7 +37,13 @@ void Stability::prepare(const Body& body) {
       plain[q] += body.pinned[q] ? 0 : 2 * k;
     }
   }
+  any_squared_ = weighted / body.mass;
   any_frequency_ = std::sqrt(std::min((weighted / body.mass).maxCoeff(), (plain / body.mass).maxCoeff()));
+}
+
+void Stability::time_scales(const Body& body, Scalars& scales) const {
+  const int n = body.points();
+  for (int i = 0; i < 3 * n; ++i) scales[i] = std::min(4.3 / std::sqrt(std::max(any_squared_[i % n], 1e-300)), 1.0);
 }
 
 double Stability::frequency(const Body& body, const Points& x) {

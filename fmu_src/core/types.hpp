@@ -12,7 +12,8 @@ using Points = Eigen::Array<double, Eigen::Dynamic, 3>;
 inline Vec3 row(const Points& points, int p) { return {points(p, 0), points(p, 1), points(p, 2)}; }
 inline void set_row(Points& points, int p, const Vec3& value) { points.row(p) = value.array().transpose(); }
 
-/// How a step ended. Anything but `ok` leaves the state as it was before the call.
-enum class StepStatus { ok, impossible_planes, pin_behind_plane, zero_normal, zero_orientation, too_many_steps, not_finite };
+/// How a step ended. Anything but `ok` leaves the state as it was before the call. `contact_ahead` is between the methods and the
+/// propagator: a method without contact came upon an obstacle.
+enum class StepStatus { ok, contact_ahead, impossible_planes, pin_behind_plane, zero_normal, zero_orientation, too_many_steps, not_finite };
 
 }  // namespace softffd

@@ -17,8 +17,37 @@ Method method_of(double value) {
     case MethodValue::automatic: return Method::automatic;
     case MethodValue::central_difference: return Method::central_difference;
     case MethodValue::leapfrog: return Method::leapfrog;
+    case MethodValue::bm4: return Method::bm4;
+    case MethodValue::rkn12: return Method::rkn12;
+    case MethodValue::dop853: return Method::dop853;
   }
   return Method::automatic;
+}
+
+std::string method_name(Method method) {
+  switch (method) {
+    case Method::automatic: return "auto";
+    case Method::central_difference: return "central_difference";
+    case Method::leapfrog: return "leapfrog";
+    case Method::bm4: return "bm4";
+    case Method::rkn12: return "rkn12";
+    case Method::dop853: return "dop853";
+    case Method::ros34pw2: return "ros34pw2";
+  }
+  return "unknown";
+}
+
+std::string reason_text(Reason reason) {
+  switch (reason) {
+    case Reason::asked: return "as asked";
+    case Reason::contact: return "an obstacle is within reach";
+    case Reason::damping: return "rkn12 was asked for, but the body is damped";
+    case Reason::given_step: return "auto with a given solver.step";
+    case Reason::stability: return "auto: the largest stable step is accurate enough, and nothing explicit costs less";
+    case Reason::least_work: return "auto: least work for the tolerance";
+    case Reason::quiet_stiffness: return "auto: stiff, with quiet fast modes, which implicit steps pass over";
+  }
+  return "unknown";
 }
 
 std::string number(double value) {
@@ -41,6 +70,7 @@ void Instance::reset() {
   phase = instantiated;
   start_time_ = time_ = 0;
   stop_time_ = infinity;
+  logged_method_ = -1;
   logged_step_ = -1;
   load_starts();
   changed_ = material_changed_ = true;
@@ -109,7 +139,9 @@ void Instance::apply_values() {
   }
   if (scene_.gravity) s.gravity = value3(Family::gravity, 0);
   s.method = method_of(values(Family::solver_method)[0]);
+  s.tolerance = values(Family::solver_tolerance)[0];
   s.step = values(Family::solver_step)[0];
+  s.horizon = std::isfinite(stop_time_) && stop_time_ > start_time_ ? stop_time_ - start_time_ : 1.0;
   s.force.setZero();
   s.force_rate.setZero();
   for (std::size_t f = 0; f < scene_.forces.size(); ++f) s.force.row(scene_.forces[f]) += value3(Family::force, int(f)).array().transpose();
@@ -194,7 +226,8 @@ void Instance::ensure_initial_state() {
 std::string Instance::describe(StepStatus status, double time, double step) const {
   const std::string where = "at time " + number(time) + " s: ";
   switch (status) {
-    case StepStatus::ok: return "done";
+    case StepStatus::ok:
+    case StepStatus::contact_ahead: return "done";
     case StepStatus::impossible_planes:
       return where + "the obstacle planes leave a control point no place to go; move or turn the planes so that they do not close on it";
     case StepStatus::pin_behind_plane:
@@ -202,7 +235,7 @@ std::string Instance::describe(StepStatus status, double time, double step) cons
     case StepStatus::zero_normal: return where + "a plane's normal is the zero vector; wanted any other vector";
     case StepStatus::zero_orientation: return where + "a pin's orientation is the zero quaternion; wanted any other, e.g. (1, 0, 0, 0)";
     case StepStatus::too_many_steps:
-      return where + "a communication step of " + number(step) + " s needs more than " + std::to_string(SoftBody::most_steps) +
+      return where + "a communication step of " + number(step) + " s needs more than " + std::to_string(Propagator::most_steps) +
              " internal steps; use a shorter communication step, a longer solver.step or less stiffness per mass";
     case StepStatus::not_finite: return where + "the result of a communication step of " + number(step) + " s is not finite";
   }
@@ -230,23 +263,21 @@ fmi2Status Instance::do_step(double time, double step) {
 }
 
 void Instance::log_solver_choice() {
-  const double h = body_.internal_step();
-  if (h > 0.5 * logged_step_ && h < 2 * logged_step_) return;
+  const Method method = body_.method();
+  const double h = body_.internal_step(), asked = body_.settings.step;
+  const bool divided = asked > h * (1 + 1e-9) && asked > body_.stable_step();
+  if (int(method) == logged_method_ && body_.reason() == logged_reason_ && !(divided && h < 0.5 * logged_step_)) return;
+  logged_method_ = int(method);
+  logged_reason_ = body_.reason();
   logged_step_ = h;
-  const double asked = body_.settings.step;
-  const bool divided = asked > body_.stable_step();
   const char* category = divided ? log_warning : log_solver;
   if (!logger.on(category)) return;
-  const Method method = body_.settings.method;
-  std::string text = method == Method::central_difference ? "central_difference" : "leapfrog";
-  if (method == Method::automatic) text += " (auto: the only method of this version without penetration)";
-  text += ", internal step " + number(h) + " s: ";
-  if (asked == 0)
-    text += "chosen by the stability bound " + number(body_.stable_step()) + " s";
+  std::string text = method_name(method) + ": " + reason_text(body_.reason());
+  if (divided)
+    text += "; internal step " + number(h) + " s, a part of solver.step = " + number(asked) + " s, which is above the stability bound " +
+            number(body_.stable_step()) + " s";
   else
-    text += (divided ? "a part of solver.step, which is above the stability bound: "
-                     : "solver.step, or what fits into the communication step: ") +
-            number(asked) + " s";
+    text += "; internal step of this communication step " + number(h) + " s";
   logger.log(divided ? fmi2Warning : fmi2OK, category, text);
 }
 
@@ -268,6 +299,7 @@ double Instance::output(Family family, int index) {
     case Family::energy_dissipated: return body_.dissipated_energy();
     case Family::energy_work: return body_.work();
     case Family::solver_steps: return double(body_.steps());
+    case Family::solver_rejected: return double(body_.rejected());
     case Family::solver_contacts_resolved: return double(body_.contacts_resolved());
     case Family::solver_stable_step: return body_.stable_step();
     case Family::solver_folded_cells: return body_.folded_cells();

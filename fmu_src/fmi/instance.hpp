@@ -89,6 +89,8 @@ class Instance {
   bool changed_ = true;           ///< values differ from what the body has
   bool material_changed_ = true;  ///< among them mass, stiffness or damping
   double start_time_ = 0, time_ = 0, stop_time_;
+  int logged_method_ = -1;
+  Reason logged_reason_ = Reason::asked;
   double logged_step_ = -1;
 };
 

@@ -44,10 +44,18 @@ bool sound(const Place& place) {
          std::isfinite(place.start_time);
 }
 
+bool counter(long value) { return value >= 0 && value <= 1L << 53; }
+
+bool sound(const Course& course) {
+  const auto known = [](auto value, auto last) { return long(value) >= 0 && value <= last; };
+  return counter(course.clock.count) && course.clock.parts > 0 && course.clock.parts <= Propagator::most_steps && counter(course.steps) &&
+         counter(course.rejected) && counter(course.factored.uses) && known(course.method, Method::ros34pw2) &&
+         known(course.favourite, Method::ros34pw2) && known(course.reason, Reason::quiet_stiffness) &&
+         known(course.favourite_reason, Reason::quiet_stiffness);
+}
+
 bool sound(const Progress& progress) {
-  const auto counter = [](long value) { return value >= 0 && value <= 1L << 53; };
-  return progress.motion.x.allFinite() && progress.motion.v.allFinite() && progress.exchange_time > 0 && counter(progress.clock.count) &&
-         progress.clock.parts > 0 && progress.clock.parts <= SoftBody::most_steps && counter(progress.steps) &&
+  return sound(progress.course) && progress.motion.x.allFinite() && progress.motion.v.allFinite() && progress.exchange_time > 0 &&
          counter(progress.contacts_resolved) && counter(progress.exchange.contacts_resolved) &&
          std::all_of(progress.contacts.begin(), progress.contacts.end(), counter);
 }

@@ -79,25 +79,41 @@ class StateReader {
   std::span<const unsigned char> rest_;
 };
 
-/// Passes every value of a Progress to a StateWriter or StateReader, in one order for both.
+/// Passes every value of a Course to a StateWriter or StateReader, in one order for both.
+template <class Archive>
+void pass(Archive& archive, Course& course) {
+  for (double* value : {&course.clock.origin, &course.clock.h, &course.clock.unit, &course.bound, &course.leapfrog.h, &course.leapfrog.due,
+                        &course.bm4.h, &course.bm4.due, &course.rkn12, &course.dop853, &course.ros34pw2, &course.factored.h, &course.work,
+                        &course.race_due, &course.race_pause})
+    archive.number(*value);
+  long method = long(course.method), reason = long(course.reason), favourite = long(course.favourite);
+  long favourite_reason = long(course.favourite_reason);
+  for (long* value : {&course.clock.count, &course.clock.parts, &course.factored.uses, &course.steps, &course.rejected, &method, &reason,
+                      &favourite, &favourite_reason})
+    archive.integer(*value);
+  course.method = Method(method);
+  course.reason = Reason(reason);
+  course.favourite = Method(favourite);
+  course.favourite_reason = Reason(favourite_reason);
+  for (Points* points : {&course.bound_x, &course.factored.x}) archive.numbers(points->data(), points->size());
+}
+
+/// The same for a Progress.
 template <class Archive>
 void pass(Archive& archive, Progress& progress) {
   State& motion = progress.motion;
-  for (double* value :
-       {&motion.time, &motion.previous_h, &progress.clock.origin, &progress.clock.h, &progress.clock.unit, &progress.exchange_time,
-        &progress.dissipated, &progress.work, &progress.potential, &progress.bound, &progress.exchange.dissipated, &progress.exchange.work})
+  for (double* value : {&motion.time, &motion.previous_h, &progress.exchange_time, &progress.dissipated, &progress.work,
+                        &progress.potential, &progress.exchange.dissipated, &progress.exchange.work})
     archive.number(*value);
-  for (long* value :
-       {&progress.clock.count, &progress.clock.parts, &progress.steps, &progress.contacts_resolved, &progress.exchange.contacts_resolved})
-    archive.integer(*value);
-  for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous, &progress.bound_x})
-    archive.numbers(points->data(), points->size());
+  for (long* value : {&progress.contacts_resolved, &progress.exchange.contacts_resolved}) archive.integer(*value);
+  for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous}) archive.numbers(points->data(), points->size());
   for (auto* impulses : {&progress.exchange.planes, &progress.exchange.pins})
     for (Impulse& impulse : *impulses) {
       archive.numbers(impulse.force.data(), 3);
       archive.numbers(impulse.torque.data(), 3);
     }
   for (long& count : progress.contacts) archive.integer(count);
+  pass(archive, progress.course);
 }
 
 }  // namespace softffd::fmi

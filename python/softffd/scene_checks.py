@@ -30,8 +30,8 @@ LIMITS = (
     Limit(
         "solver",
         "method",
-        lambda method: method in ("auto", "central_difference", "leapfrog"),
-        '"auto", "central_difference", "leapfrog"',
+        lambda method: method != "ros34pw2",
+        '"auto", "central_difference", "leapfrog", "bm4", "rkn12", "dop853"',
     ),
     Limit("solver", "error_estimate", lambda wanted: not wanted, "false"),
 )

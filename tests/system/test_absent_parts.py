@@ -60,7 +60,7 @@ PARTS = {
     "solver": (
         "solver = false",
         "solver = true",
-        {f"solver.{what}" for what in ("steps", "contacts_resolved", "stable_step", "folded_cells")},
+        {f"solver.{what}" for what in ("steps", "rejected", "contacts_resolved", "stable_step", "folded_cells")},
         {"solver"},
     ),
     "stiffness of a region": ("[outputs]", '[[region]]\npoints = "z-"\nstiffness = 5.0\n[outputs]', set(), {"region_stiffness"}),

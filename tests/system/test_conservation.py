@@ -60,24 +60,27 @@ def masses_of_tumbling():
     return mass.reshape(-1, 1)
 
 
-@pytest.mark.parametrize("method", ["leapfrog", "auto"])
+@pytest.mark.parametrize("method", ["leapfrog", "bm4", "rkn12", "dop853", "auto"])
 def test_momentum_is_kept(scene, method):
     momentum = (masses_of_tumbling() * velocities(simulate(scene(TUMBLING.replace("METHOD", method))))).sum(axis=1)
     size = (masses_of_tumbling() * np.abs(velocities(simulate(scene(TUMBLING.replace("METHOD", method)))))).sum(axis=1).max()
     assert np.abs(momentum - momentum[0]).max() < 1e-12 * size
 
 
-@pytest.mark.parametrize("method", ["leapfrog", "auto"])
-def test_angular_momentum_is_kept(scene, method):
+@pytest.mark.parametrize(
+    ("method", "share"), [("leapfrog", 1e-12), ("bm4", 1e-12), ("rkn12", 1e-8), ("dop853", 1e-7), ("auto", 1e-8)]
+)
+def test_angular_momentum_is_kept(scene, method, share):
+    """By the splittings to rounding, by the methods with error control (auto may take one) to a small part of the tolerance of 1e-4."""
     result = simulate(scene(TUMBLING.replace("METHOD", method)))
     x, v, mass = points(result), velocities(result), masses_of_tumbling()
     turning = (mass * np.cross(x, v)).sum(axis=1)
     size = (mass * np.abs(np.cross(x, v))).sum(axis=(1, 2)).max()
-    assert np.abs(turning - turning[0]).max() < 1e-12 * size
+    assert np.abs(turning - turning[0]).max() < share * size
 
 
 def test_central_difference_keeps_both_to_its_round_off(scene):
-    result = simulate(scene(TUMBLING.replace("METHOD", "central_difference")))
+    result = simulate(scene(TUMBLING.replace('"METHOD"', '"central_difference"\nstep = 1e-3')))
     x, v, mass = points(result), velocities(result), masses_of_tumbling()
     momentum, turning = (mass * v).sum(axis=1), (mass * np.cross(x, v)).sum(axis=1)
     assert np.abs(momentum - momentum[0]).max() < 1e-10

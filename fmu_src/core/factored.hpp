@@ -1,0 +1,13 @@
+/// What a frozen factor was made from: enough to make the same bits again.
+#pragma once
+#include "types.hpp"
+
+namespace softffd {
+
+struct Factored {
+  Points x;       ///< configuration that the stiffness matrix belongs to [m]
+  double h = 0;   ///< step that the factor belongs to [s]; 0: there is none
+  long uses = 0;  ///< steps tried with it
+};
+
+}  // namespace softffd

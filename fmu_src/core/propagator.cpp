@@ -1,0 +1,268 @@
+#include "propagator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "traits.hpp"
+
+namespace softffd {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Spring vectors may change by this share of the shortest edge before the bound is computed anew.
+constexpr double deformation_limit = 0.2;
+/// Internal steps between two looks at the deformation.
+constexpr long look_every = 8;
+
+}  // namespace
+
+Propagator::Propagator(int points, int planes, int pins)
+    : stability_(points),
+      leapfrog_(points, planes),
+      central_difference_(points),
+      bm4_(points, pins),
+      rkn12_(points, pins),
+      dop853_(points, pins),
+      reach_(points),
+      time_scale_(3 * points),
+      memory_(3 * points),
+      x0_(points, 3),
+      v0_(points, 3) {
+  start_exchange_.planes.resize(planes);
+  start_exchange_.pins.resize(pins);
+  scratch_ = start_exchange_;
+  for (State* state : {&start_, &coarse_, &fine_})
+    for (Points* values : {&state->x, &state->v, &state->spring, &state->previous}) values->setZero(points, 3);
+  trial_course_.bound_x.setZero(points, 3);
+  trial_course_.factored.x.setZero(points, 3);
+}
+
+void Propagator::body_changed(const Body& body, Course& course) {
+  stability_.prepare(body);
+  leapfrog_.body_changed();
+  bm4_.body_changed();
+  fastest_damping_ = body.damping_rate.maxCoeff();
+  for (int i = 0; i < memory_.size(); ++i) memory_[i] = body.damping_rate[i] > 0 ? 2 / body.damping_rate[i] : infinity;
+  stability_.time_scales(body, time_scale_);
+  rkn12_.time_scale = dop853_.time_scale = time_scale_;
+  course.bound = -1;
+  course.leapfrog = course.bm4 = {};
+  course.favourite = Method::automatic;
+}
+
+StepStatus Propagator::advance(const Equations& equations, const Request& request, double H, State& state, Course& course,
+                               Exchange& exchange) {
+  const Job job{equations, request, state, course, exchange};
+  Method method = request.method;
+  course.reason = Reason::asked;
+  if (method == Method::rkn12 && equations.body.damped) method = Method::dop853, course.reason = Reason::damping;
+  const bool planes = !equations.around.planes.empty();
+  const bool smooth = method != Method::leapfrog && method != Method::central_difference;
+  if (planes && smooth && reach_.may_touch(equations, state, H)) return advance_in_contact(job, H);
+  if (!planes || !smooth) return advance_with(job, method, H);
+  start_ = state;
+  start_exchange_ = exchange;
+  const Clock clock = course.clock;
+  const long steps = course.steps;
+  const StepStatus status = advance_with(job, method, H);
+  if (status != StepStatus::contact_ahead) return status;
+  state = start_;
+  exchange = start_exchange_;
+  course.clock = clock;
+  course.rejected += course.steps - steps;
+  course.steps = steps;
+  return advance_in_contact(job, H);
+}
+
+StepStatus Propagator::advance_in_contact(const Job& job, double H) {
+  job.course.reason = Reason::contact;
+  return advance_with(job, Method::leapfrog, H);
+}
+
+StepStatus Propagator::advance_with(const Job& job, Method asked, double H) {
+  const auto& [equations, request, state, course, exchange] = job;
+  const double unit = request.step, units = unit > 0 ? std::round(H / unit) : 0, end = state.time + H;
+  const bool automatic = asked == Method::automatic;
+  if (automatic && unit > 0) course.reason = Reason::given_step;
+  course.method = automatic && unit > 0 ? Method::leapfrog : asked;
+  if (units >= 1 && units <= double(most_steps) && std::abs(H - units * unit) <= 1e-9 * H)
+    return run_counted(job, course.method, long(units));
+  while (state.time < end) {
+    if (automatic && unit == 0) choose(job, end - state.time);
+    const double pause_at = automatic && unit == 0 ? course.race_due : infinity;
+    const StepStatus status = traits(course.method).error_control() && unit == 0 ? run_controlled(job, course.method, end, pause_at)
+                                                                                 : run_fitted(job, course.method, end, pause_at);
+    if (status != StepStatus::ok) return status;
+  }
+  return StepStatus::ok;
+}
+
+double Propagator::bound(const Job& job) {
+  Course& course = job.course;
+  if (course.bound < 0 || deformed_since_bound(job)) {
+    course.bound = stability_.frequency(job.equations.body, job.state.x);
+    course.bound_x = job.state.x;
+  }
+  return course.bound;
+}
+
+double Propagator::step_limit(const Job& job, Method method, bool given) {
+  double limit = infinity;
+  const Traits t = traits(method);
+  if (stability_.any_frequency() > 0) limit = (given ? t.given : t.automatic) * 2 / bound(job);
+  if (method == Method::bm4) limit = std::min(limit, 10 / fastest_damping_);
+  if (method == Method::dop853) limit = std::min(limit, 5 / fastest_damping_);
+  return limit;
+}
+
+bool Propagator::deformed_since_bound(const Job& job) const {
+  const Body& body = job.equations.body;
+  for (const Springs::Row& row : body.springs.rows()) {
+    if (row.direction.kind() != SpringKind::edge) break;
+    const double limit = deformation_limit * row.rest_length[0];
+    const double change =
+        kernels::largest_change(row.view(), body.points(), job.state.x.data(), job.course.bound_x.data(), body.springs.scratch());
+    if (change > limit * limit) return true;
+  }
+  return false;
+}
+
+StepStatus Propagator::run_counted(const Job& job, Method method, long units) {
+  Clock& clock = job.course.clock;
+  const double unit = job.request.step;
+  while (units > 0) {
+    // Looks are counted too, so that they fall on the same moments however the time is cut.
+    if (clock.unit != unit || job.course.bound < 0 || clock.count / clock.parts % look_every == 0) {
+      const double limit = step_limit(job, method, true);
+      if (!(unit / limit <= double(most_steps))) return StepStatus::too_many_steps;
+      const long parts = divisions(unit, limit);
+      if (clock.unit != unit || clock.parts != parts) clock = {job.state.time, unit / double(parts), 0, unit, parts};
+    }
+    if (double(units) * double(clock.parts) > double(most_steps)) return StepStatus::too_many_steps;
+    const long ahead = std::min(units, look_every - clock.count / clock.parts % look_every);
+    const StepStatus status = run_stretch(job, method, clock.h, ahead * clock.parts);
+    if (status != StepStatus::ok) return status;
+    job.state.time = clock.time();
+    units -= ahead;
+  }
+  return StepStatus::ok;
+}
+
+StepStatus Propagator::run_fitted(const Job& job, Method method, double end, double pause_at) {
+  const auto& [equations, request, state, course, exchange] = job;
+  const bool given = request.step > 0;
+  const bool stable_only = method == Method::central_difference && !equations.around.planes.empty();  // its contact does not converge
+  Calibration& calibration = method == Method::bm4 ? course.bm4 : course.leapfrog;
+  Clock& clock = course.clock;
+  long steps = 0;
+  while (true) {
+    if (stable_only)
+      calibration.h = infinity;
+    else if (!given && (calibration.h == 0 || course.work >= calibration.due))
+      calibrate(job, method, end - state.time, 4);
+    const double limit = std::min(step_limit(job, method, given), given ? request.step : calibration.h);
+    if (steps == 0 || clock.h > limit || limit > 1.25 * clock.h) {
+      const double left = end - state.time;
+      if (!(left / limit <= double(most_steps))) return StepStatus::too_many_steps;
+      steps = divisions(left, limit);
+      clock = {state.time, left / double(steps), 0};
+    }
+    const long ahead = std::min(steps, look_every);
+    const StepStatus status = run_stretch(job, method, clock.h, ahead);
+    if (status != StepStatus::ok) return status;
+    steps -= ahead;
+    state.time = steps == 0 ? end : clock.time();
+    if (steps == 0 || course.work >= pause_at) return StepStatus::ok;
+  }
+}
+
+StepStatus Propagator::run_stretch(const Job& job, Method method, double h, long steps) {
+  const Task task{job.course.clock.origin, job.course.clock.count, h, steps};
+  job.course.clock.count += steps;
+  job.course.steps += steps;
+  job.course.work += double(steps) * traits(method).work;
+  return take_steps(job, method, task, job.state, job.exchange);
+}
+
+StepStatus Propagator::take_steps(const Job& job, Method method, const Task& task, State& state, Exchange& exchange) {
+  const Equations& equations = job.equations;
+  const auto& [body, around] = equations;
+  const bool watch = job.request.watch, planes = !around.planes.empty();
+  if (method == Method::central_difference) return central_difference_.advance(body, around, task, watch, state, exchange);
+  if (method == Method::leapfrog) return leapfrog_.advance(body, around, task, watch, state, exchange);
+  for (long i = 0; i < task.steps; ++i) {
+    const double t = task.time(i);
+    if (planes) x0_ = state.x, v0_ = state.v;
+    if (method == Method::bm4) {
+      bm4_.step(equations, t, task.h, watch, state, exchange);
+    } else {
+      OneStep& trial = controlled(method);
+      trial.ledger.open(equations, watch);
+      trial.attempt(equations, t, task.h, state);
+      accept(trial, equations, state, exchange);
+    }
+    if (planes && reach_.passed(around, t, t + task.h, x0_, v0_, state.x, state.v)) return StepStatus::contact_ahead;
+  }
+  return StepStatus::ok;
+}
+
+void Propagator::accept(OneStep& trial, const Equations& equations, State& state, Exchange& exchange) {
+  state.x.swap(trial.x);
+  state.v.swap(trial.v);
+  equations.body.springs.force(state.x, state.spring);
+  if (trial.ledger.recording()) trial.ledger.settle(exchange);
+}
+
+OneStep& Propagator::controlled(Method method) { return method == Method::rkn12 ? static_cast<OneStep&>(rkn12_) : dop853_; }
+
+double& Propagator::controlled_step(Course& course, Method method) {
+  return method == Method::rkn12 ? course.rkn12 : method == Method::dop853 ? course.dop853 : course.ros34pw2;
+}
+
+StepStatus Propagator::run_controlled(const Job& job, Method method, double end, double pause_at) {
+  const auto& [equations, request, state, course, exchange] = job;
+  OneStep& trial = controlled(method);
+  double& h = controlled_step(course, method);
+  const bool planes = !equations.around.planes.empty();
+  const double tolerance = traits(method).local_share * request.tolerance, least = 1e-14 * std::max(std::abs(end), end - state.time);
+  double limit = step_limit(job, method, false);
+  if (!(h > 0)) h = std::min(end - state.time, stability_.any_frequency() > 0 ? 3 / bound(job) : infinity);
+  course.clock = {state.time, h, 0};
+  for (long tries = 1; state.time < end; ++tries) {
+    if (tries > most_steps / 10) return StepStatus::too_many_steps;
+    const double left = end - state.time;
+    const long ahead = divisions(left, std::min(h, limit));  // equal parts, so that no sliver is left at the end
+    const double step = ahead == 1 ? left : left / double(ahead);
+    if (!(step > least)) return StepStatus::not_finite;
+    trial.ledger.open(equations, request.watch);
+    const double error = trial.attempt(equations, state.time, step, state) / tolerance;
+    course.work += traits(method).work;
+    const double factor = error > 0 ? 0.9 * root(1 / error, trial.exponent, 0.1, 6) : error == 0 ? 5 : 0.1;
+    if (!(error <= 1)) {
+      ++course.rejected;
+      h = step * std::min(factor, 0.9);
+      continue;
+    }
+    // A step that the communication point has cut short says that it can be longer only as far as it was tried.
+    if (factor * step > h || factor < 5) h = step * factor;
+    if (planes && reach_.passed(equations.around, state.time, state.time + step, state.x, state.v, trial.x, trial.v))
+      return StepStatus::contact_ahead;
+    accept(trial, equations, state, exchange);
+    ++course.steps;
+    course.clock.h = step;
+    state.time = ahead == 1 ? end : state.time + step;
+    if (course.work >= pause_at) return StepStatus::ok;
+    if (tries % look_every == 0 && deformed_since_bound(job)) limit = step_limit(job, method, false);
+  }
+  return StepStatus::ok;
+}
+
+double Propagator::stable_step(const Body& body,
+                               const Points& x) {  // leaves the bound of the course alone: looking must not change what follows
+  if (stability_.any_frequency() == 0) return std::numeric_limits<double>::max();
+  return 2 / stability_.frequency(body, x);
+}
+
+}  // namespace softffd

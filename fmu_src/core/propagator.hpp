@@ -1,0 +1,82 @@
+/// Takes a soft body through one communication step: the method asked for, or the one that costs least; steps that are stable and keep
+/// the tolerance; contact wherever an obstacle is within reach.
+///
+/// A fixed-step method follows the tolerance by calibration: every now and then a short stretch is run twice, with h and h / 2. What they
+/// differ by, D, grows with the length of the run, so that the step that ends within the tolerance is
+///
+///      h (share tolerance / (c D T / stretch))^(1/p),      c = 2^p / (2^p - 1),
+///
+/// where T is the rest of the run or the time in which damping forgets, whichever is shorter. Methods with error control adapt at every
+/// step. The automatic choice is a race: each candidate is tried on a short stretch and the least work for the communication step wins.
+#pragma once
+#include "bm4.hpp"
+#include "central_difference.hpp"
+#include "course.hpp"
+#include "dop853.hpp"
+#include "leapfrog.hpp"
+#include "reach.hpp"
+#include "rkn12.hpp"
+#include "stability.hpp"
+
+namespace softffd {
+
+class Propagator {
+ public:
+  /// Internal steps that one call may take; a longer communication step is refused.
+  static constexpr long most_steps = 20'000'000;
+
+  Propagator(int points, int planes, int pins);
+  /// Call when masses, stiffness or damping change.
+  void body_changed(const Body& body, Course& course);
+  /// From state.time to state.time + H. On failure state, course and exchange are spoilt and the caller restores them.
+  StepStatus advance(const Equations& equations, const Request& request, double H, State& state, Course& course, Exchange& exchange);
+  /// Largest stable leapfrog step at x, by bound [s]; the largest finite number without springs.
+  double stable_step(const Body& body, const Points& x);
+
+ private:
+  /// The communication step at hand.
+  struct Job {
+    const Equations& equations;
+    const Request& request;
+    State& state;
+    Course& course;
+    Exchange& exchange;
+  };
+  StepStatus advance_in_contact(const Job& job, double H);
+  StepStatus advance_with(const Job& job, Method asked, double H);
+  StepStatus run_counted(const Job& job, Method method, long units);
+  StepStatus run_fitted(const Job& job, Method method, double end, double pause_at);
+  StepStatus run_controlled(const Job& job, Method method, double end, double pause_at);
+  StepStatus run_stretch(const Job& job, Method method, double h, long steps);
+  StepStatus take_steps(const Job& job, Method method, const Task& task, State& state, Exchange& exchange);
+  double step_limit(const Job& job, Method method, bool given);
+  double bound(const Job& job);
+  bool deformed_since_bound(const Job& job) const;
+
+  double calibrate(const Job& job, Method method, double H, int rounds);
+  double trial_error(const Job& job, Method method, double h, long steps);
+  void choose(const Job& job, double H);
+  void race(const Job& job, double H);
+  double controlled_work(const Job& job, Method method, double H, double& spent);
+
+  OneStep& controlled(Method method);
+  double& controlled_step(Course& course, Method method);
+  static void accept(OneStep& trial, const Equations& equations, State& state, Exchange& exchange);
+
+  Stability stability_;
+  Leapfrog leapfrog_;
+  CentralDifference central_difference_;
+  Bm4 bm4_;
+  Rkn12 rkn12_;
+  Dop853 dop853_;
+  Reach reach_;
+  double fastest_damping_ = 0;   ///< largest damping / mass [1/s]
+  Scalars time_scale_;           ///< (3 * points) position error that a velocity error amounts to [s]
+  Scalars memory_;               ///< (3 * points) in which damping forgets an error [s]; infinite without damping
+  State start_, coarse_, fine_;  ///< of the communication step; of trials
+  Exchange start_exchange_, scratch_;
+  Course trial_course_;
+  Points x0_, v0_;
+};
+
+}  // namespace softffd

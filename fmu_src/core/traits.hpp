@@ -1,0 +1,36 @@
+/// The methods' own numbers.
+#pragma once
+#include <limits>
+
+#include "course.hpp"
+
+namespace softffd {
+
+struct Traits {
+  int order;
+  double work;              ///< of a step, in evaluations of the spring forces
+  double given, automatic;  ///< largest step in units of 2 / omega: that a user may give, that is chosen
+  double local_share;       ///< share of the tolerance that one step may err by; 0: fixed steps
+  bool error_control() const { return local_share > 0; }
+};
+
+/// Linear theory allows leapfrog 1. An automatic step keeps omega h <= 1.36, clear of sqrt(3) and sqrt(2), where an undamped mode comes
+/// back in phase with the springs' own nonlinearity every third or fourth step and gains energy without limit. The Runge-Kutta methods'
+/// intervals on the imaginary axis are 8.3 (rkn12) and 5.9 (dop853).
+inline Traits traits(Method method) {
+  constexpr double any = std::numeric_limits<double>::infinity();
+  switch (method) {
+    case Method::bm4: return {4, 6.6, 1.96, 1.6, 0};
+    case Method::rkn12: return {12, 20, 4.1, 3.9, 1};
+    case Method::dop853: return {8, 17, 2.9, 2.8, 0.03};
+    case Method::ros34pw2: return {3, 28, any, any, 0.3};
+    default: return {2, 1.15, 0.98, 0.68, 0};
+  }
+}
+
+/// Equal parts of a length that are not longer than the limit.
+long divisions(double length, double limit);
+/// The root x of x^exponent = value, between low and high. Bisection: the C library's power differs in the last bit between processors.
+double root(double value, int exponent, double low, double high);
+
+}  // namespace softffd

@@ -1,0 +1,29 @@
+#include "vibration.hpp"
+
+#include <algorithm>
+
+namespace softffd {
+
+double vibration(const Equations& equations, const State& state, const Scalars& time_scale) {
+  constexpr double times = 2.5;
+  const Body& body = equations.body;
+  double amplitude = 0;
+  for (const Springs::Row& springs : body.springs.rows())
+    for (int lane = 0; lane < springs.lanes(); ++lane) {
+      if (springs.stiffness[lane] == 0) continue;
+      const int p = springs.begin + lane, q = p + springs.offset;
+      const Vec3 d = row(state.x, q) - row(state.x, p);
+      const double r = d.norm(), rate = r > 0 ? d.dot(row(state.v, q) - row(state.v, p)) / r : 0;
+      amplitude =
+          std::max({amplitude, std::abs(r - springs.rest_length[lane]), std::abs(rate) * times * std::min(time_scale[p], time_scale[q])});
+    }
+  const double age = equations.around.ramped ? state.time - equations.around.since : 0;
+  for (int i = 0; i < time_scale.size(); ++i) {
+    const double time = times * time_scale[i], outside = equations.around.force.data()[i] + age * equations.around.force_rate.data()[i];
+    const double a = body.inverse_mass[i] * (state.spring.data()[i] + outside) - body.damping_rate[i] * state.v.data()[i];
+    amplitude = std::max(amplitude, std::abs(a) * time * time);
+  }
+  return 2 * amplitude;
+}
+
+}  // namespace softffd
