@@ -62,6 +62,7 @@ Instance::Instance(SceneFile scene, Logger log) : logger(std::move(log)), scene_
   for (std::size_t a = 0; a < scene_.pins.size(); ++a)
     if (scene_.pins[a].input) input_pins_.push_back(int(a));
   for (const auto& probe : scene_.probes) probe_weights_.push_back(embedding_weights(body_.lattice(), probe.at));
+  if (scene_.error_estimate) error_estimate_.emplace(scene_.definition);
   count_variables();
   reset();
 }
@@ -221,6 +222,7 @@ void Instance::ensure_initial_state() {
     changed_ = material_changed_ = true;
     throw CallError("the initial state: " + describe(status, start_time_, 0));
   }
+  if (error_estimate_) error_estimate_->initialize(body_, start_time_);
 }
 
 std::string Instance::describe(StepStatus status, double time, double step) const {
@@ -256,6 +258,7 @@ fmi2Status Instance::do_step(double time, double step) {
     return fmi2Discard;
   }
   if (status != StepStatus::ok) throw CallError("fmi2DoStep: " + describe(status, time_, step));
+  if (error_estimate_) error_estimate_->follow(body_, step);
   time_ = time + step;
   forget_rates();
   log_solver_choice();
@@ -299,6 +302,7 @@ double Instance::output(Family family, int index) {
     case Family::energy_dissipated: return body_.dissipated_energy();
     case Family::energy_work: return body_.work();
     case Family::solver_steps: return double(body_.steps());
+    case Family::solver_error_estimate: return error_estimate_->value();
     case Family::solver_rejected: return double(body_.rejected());
     case Family::solver_contacts_resolved: return double(body_.contacts_resolved());
     case Family::solver_stable_step: return body_.stable_step();

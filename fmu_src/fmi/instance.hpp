@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 
+#include "error_estimate.hpp"
 #include "logger.hpp"
 #include "scene_file.hpp"
 #include "soft_body.hpp"
@@ -86,8 +87,9 @@ class Instance {
   bool rated_ = false;                           ///< any rate was set
   std::array<std::vector<double>, 128> values_;  ///< settings by family id
   SoftBody body_;
-  bool changed_ = true;           ///< values differ from what the body has
-  bool material_changed_ = true;  ///< among them mass, stiffness or damping
+  std::optional<ErrorEstimate> error_estimate_;  ///< only if the scene asks for it
+  bool changed_ = true;                          ///< values differ from what the body has
+  bool material_changed_ = true;                 ///< among them mass, stiffness or damping
   double start_time_ = 0, time_ = 0, stop_time_;
   int logged_method_ = -1;
   Reason logged_reason_ = Reason::asked;

@@ -1,5 +1,6 @@
 /// Saving and restoring an instance: the part of Instance that knows what a state consists of.
 #include <algorithm>
+#include <iterator>
 
 #include "instance.hpp"
 
@@ -33,6 +34,20 @@ void pass(Archive& archive, Place& place) {
 template <class Archive, class Values>
 void pass_values(Archive& archive, Values& values) {
   for (auto& list : values) archive.numbers(list.data(), list.size());
+}
+
+bool sound(const InEffect& s) {
+  const auto weight = [](double value) { return std::isfinite(value) && value >= 0; };
+  return weight(s.mass) && s.mass > 0 && weight(s.edge) && weight(s.face) && weight(s.body) && weight(s.damping) && s.gravity.allFinite();
+}
+
+/// Whether all values are such as the setters take.
+template <class Values>
+bool in_range(const Values& values) {
+  return std::all_of(std::begin(families), std::end(families), [&](const FamilyInfo& info) {
+    const auto& list = values[std::size_t(info.family)];
+    return std::all_of(list.begin(), list.end(), [&](double v) { return std::isfinite(v) && v >= info.min && v > info.above; });
+  });
 }
 
 bool sound(const Place& place) {
@@ -74,6 +89,10 @@ Bytes Instance::save_state() {
   pass_values(writer, rates_);
   pass(writer, in_effect);
   pass(writer, progress);
+  if (error_estimate_) {
+    ErrorEstimate::Memory memory = error_estimate_->memory();
+    pass(writer, memory);
+  }
   return bytes;
 }
 
@@ -88,9 +107,12 @@ void Instance::load_state(const Bytes& bytes) {
   pass_values(reader, rates);
   pass(reader, in_effect);
   pass(reader, progress);
+  std::optional<ErrorEstimate::Memory> memory;
+  if (error_estimate_) pass(reader, memory.emplace(error_estimate_->memory()));
   if (!reader.at_end()) throw StateError("the state is too long");
   const double method = values[std::size_t(Family::solver_method)][0];
-  if (!sound(place) || !sound(progress) || !(method >= 1 && method <= method_count))
+  if (!sound(place) || !sound(in_effect) || !sound(progress) || (memory && !sound(memory->shadow)) || !in_range(values) ||
+      !(method >= 1 && method <= method_count))
     throw StateError("the state holds values that no run gives");
 
   values_ = std::move(values);
@@ -107,6 +129,7 @@ void Instance::load_state(const Bytes& bytes) {
   s.damping = in_effect.damping;
   s.gravity = in_effect.gravity;
   body_.restore(progress, start_time_);
+  if (memory) error_estimate_->restore(*memory, s, start_time_);
   changed_ = place.changed;
   material_changed_ = place.material_changed;
 }

@@ -47,7 +47,7 @@ struct SceneFile {
   std::vector<Load> loads;
   std::vector<Probe> probes;
   std::vector<int> forces, positions, velocities;  ///< control points with a variable
-  bool reactions = false, energy = false, solver = false;
+  bool reactions = false, energy = false, solver = false, error_estimate = false;
   int method = 1;
   double tolerance = 1e-4, step = 0;
 };

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "soft_body.hpp"
+#include "error_estimate.hpp"
 
 namespace softffd::fmi {
 
@@ -114,6 +114,16 @@ void pass(Archive& archive, Progress& progress) {
     }
   for (long& count : progress.contacts) archive.integer(count);
   pass(archive, progress.course);
+}
+
+/// The same for the memory of an error estimate.
+template <class Archive>
+void pass(Archive& archive, ErrorEstimate::Memory& memory) {
+  pass(archive, memory.shadow);
+  for (double* value : {&memory.time, &memory.ratio_time, &memory.value}) archive.number(*value);
+  long lost = memory.lost;
+  archive.integer(lost);
+  memory.lost = lost != 0;
 }
 
 }  // namespace softffd::fmi

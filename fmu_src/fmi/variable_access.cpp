@@ -61,6 +61,7 @@ std::size_t Instance::part_count(Part part) const {
     case Part::energy: return scene_.energy;
     case Part::energy_gravity: return scene_.energy && scene_.gravity;
     case Part::solver: return scene_.solver;
+    case Part::error_estimate: return scene_.error_estimate;
   }
   return 0;
 }
@@ -83,7 +84,8 @@ std::string Instance::instance_name_of(Part part, int instance) const {
     case Part::gravity:
     case Part::energy:
     case Part::energy_gravity:
-    case Part::solver: return {};
+    case Part::solver:
+    case Part::error_estimate: return {};
   }
   return {};
 }

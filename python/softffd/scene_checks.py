@@ -33,7 +33,6 @@ LIMITS = (
         lambda method: method != "ros34pw2",
         '"auto", "central_difference", "leapfrog", "bm4", "rkn12", "dop853"',
     ),
-    Limit("solver", "error_estimate", lambda wanted: not wanted, "false"),
 )
 
 

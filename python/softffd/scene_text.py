@@ -52,6 +52,8 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
     lines.append(["initial", *initial.stretch, *initial.offset, *initial.velocity, *initial.angular_velocity])
     lines += [[key] for key in ("reactions", "energy", "solver") if getattr(outputs, key)]
     solver = scene.solver
+    if solver.error_estimate:
+        lines.append(["error_estimate"])
     lines += [["method", method_value(solver.method)], ["tolerance", solver.tolerance], ["step", solver.step]]
     return "".join(_line(line) for line in lines)
 

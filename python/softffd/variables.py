@@ -102,6 +102,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "energy": when(scene.outputs.energy),
         "energy_gravity": when(scene.outputs.energy and gravity is not None),
         "solver": when(scene.outputs.solver),
+        "error_estimate": when(scene.solver.error_estimate),
     }
 
 
