@@ -62,6 +62,7 @@ void Bm4::kick(const Equations& equations, int k, double t, State& state) {
       kernels::kick_undamped(n, c.b.data(), state.spring.data(), force.data(), v.data());
   };
   if (!ledger_.recording()) return apply(kicks_[k], state.v);
+  equations.place_pins(t, state.x, state.v);  // damping takes from the pinned points' present motion too
   const double tau = kick_shares[k] * h_;
   ledger_.stage(equations, tau, t, state.x, state.spring);
   ledger_.damp(equations, tau / 6, state.v);
@@ -85,7 +86,7 @@ void Bm4::step(const Equations& equations, double t, double h, bool watch, State
     kernels::drift(state.x.size(), drift_shares[i] * h, state.x.data(), state.v.data(), next_.data());
     state.x.swap(next_);
     if (pins) equations.place_pins(at, state.x);
-    equations.body.springs.force(state.x, state.spring);
+    equations.body.internal_force(state.x, state.spring);
     kick(equations, order[i + 1], at, state);
   }
   if (pins) equations.place_pins(t + h, state.x, state.v);

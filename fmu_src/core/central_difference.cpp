@@ -86,9 +86,11 @@ StepStatus CentralDifference::advance(const Body& body, const Surroundings& arou
   if (state.previous_h != task.h) start(body, around.force, task.h, state);
   for (long i = 0; i < task.steps; ++i) {
     step(body, around, task.time(i), task.h, watch, state, &exchange);
+    if (watch && around.ramped)
+      exchange.work += (task.time(i) + 0.5 * task.h - around.since) * (around.force_rate * (next_ - state.x)).sum();
     state.previous.swap(state.x);
     state.x.swap(next_);
-    body.springs.force(state.x, state.spring);
+    body.internal_force(state.x, state.spring);
   }
   step(body, around, task.time(task.steps), task.h, watch, state, nullptr);
   state.v = (next_ - state.previous) / (2 * task.h);

@@ -119,8 +119,7 @@ StepStatus Contact::drift_point(const StepView& step, Touch& touch, Change& chan
   return StepStatus::ok;
 }
 
-Contact::Change Contact::first_contact(const StepView& step, int p, int plane, const Vec3& before, const Change& free,
-                                       Vec3& impulse) const {
+Contact::Change Contact::first_contact(const StepView& step, int p, int plane, const Vec3& before, const Change& free, Vec3& impulse) {
   const HalfSpace& end = end_[plane];
   const Vec3& n = end.normal;
   const Vec3 x0 = row(step.x0, p);
@@ -129,6 +128,7 @@ Contact::Change Contact::first_contact(const StepView& step, int p, int plane, c
   const double wall = n.dot(free.v) - (gap1 - gap0) / h;  // normal velocity of the plane where the point is
   const Vec3 wall_t = tangential(n, middle_[plane].material_velocity(x0 + 0.5 * h * free.v));
   if (gap0 > touching * step.body.length) {
+    ++impacts_;
     const double theta = gap0 / (gap0 - gap1);
     const Vec3 acceleration = (row(step.spring, p) + row(step.force, p) - step.body.damping[p] * free.v) / step.body.mass[p];
     const Vec3 ahead = (theta - 0.5) * h * acceleration;

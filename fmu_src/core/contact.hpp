@@ -56,6 +56,8 @@ class Contact {
   StepStatus close(const StepView& step, const Points& before, const Points& x1, Points& v, Exchange& exchange);
 
   bool touched() const { return !touched_.empty(); }
+  /// Impacts so far: points that came onto a plane, not those that stayed on one.
+  long impacts() const { return impacts_; }
 
  private:
   struct Change {
@@ -71,7 +73,7 @@ class Contact {
     double surface_work = 0;      ///< of which the obstacles' own motion did [J]
   };
   StepStatus drift_point(const StepView& step, Touch& touch, Change& change, Exchange& exchange);
-  Change first_contact(const StepView& step, int p, int plane, const Vec3& before, const Change& free, Vec3& impulse) const;
+  Change first_contact(const StepView& step, int p, int plane, const Vec3& before, const Change& free, Vec3& impulse);
   StepStatus several_contacts(const StepView& step, Touch& touch, const Change& free, Change& change, Exchange& exchange);
   StepStatus close_point(const StepView& step, Touch& touch, const Vec3& before, const Vec3& x1, Vec3& v, Exchange& exchange);
   void book(Touch& touch, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const;
@@ -84,6 +86,7 @@ class Contact {
   FeasibleSet feasible_;
   Scalars gap_;
   std::vector<char> marked_;
+  long impacts_ = 0;
 };
 
 /// Number of control points on a half-space.

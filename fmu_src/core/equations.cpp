@@ -27,7 +27,7 @@ const Points& Equations::outside(double t, Points& scratch) const {
 }
 
 void Equations::acceleration(double t, const Points& x, const Points& v, Points& scratch, Points& spring, Points& a) const {
-  body.springs.force(x, spring);
+  body.internal_force(x, spring);
   acceleration(t, v, spring, scratch, a);
 }
 

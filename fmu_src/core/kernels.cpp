@@ -2,23 +2,12 @@
 
 #include <cmath>
 
-// One clone per instruction set where the loader can choose between them; elsewhere the baseline alone. Clang's choice needs a run-time
-// library that not every toolchain built on it brings.
-#if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__) && !defined(__clang__) && !defined(SOFTFFD_NO_CLONES)
-#define SOFTFFD_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define SOFTFFD_CLONES
-#endif
+#include "clones.hpp"
 
 namespace softffd::kernels {
 
 // Keeps r = 0 finite: l / 1e-140 times a zero vector is a zero force.
 #define SMALLEST_SQUARE 1e-280
-
-// The inner loops are functions of their own: only there does the compiler believe that the arrays do not overlap.
-#define INNER static inline __attribute__((always_inline))
-using In = const double* __restrict;
-using Out = double* __restrict;
 
 INNER void forces(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In k, In l, Out sx, Out sy, Out sz) {
   for (int p = 0; p < lanes; ++p) {

@@ -55,7 +55,4 @@ inline constexpr std::array<Direction, 13> directions{{{1, 0, 0},
                                                        {1, -1, 1},
                                                        {-1, -1, 1}}};
 
-/// Number of cells with a corner whose three edges no longer form a right-handed frame: the cell is turned inside out there.
-int folded_cells(const Lattice& lattice, const Points& x);
-
 }  // namespace softffd

@@ -16,12 +16,12 @@ void book(const StepView& step, int pin, int p, const Vec3& old, const Vec3& now
 void drift_pins(const StepView& step, const Points& before, Points& v, Points& x1, Exchange& exchange) {
   for (std::size_t a = 0; a < step.around.pins.size(); ++a) {
     const Pin& pin = step.around.pins[a];
-    const Frame frame = pin.at(step.t1);
+    const Frame start = pin.at(step.t0), end = pin.at(step.t1);
     for (std::size_t n = 0; n < pin.points.size(); ++n) {
       const int p = pin.points[n];
-      const Vec3 arm = frame.arm(pin.local[n]), here = frame.origin + arm;
+      const Vec3 here = end.origin + end.arm(pin.local[n]);
       const Vec3 old = row(before, p), velocity = (here - row(step.x0, p)) / step.h;
-      book(step, int(a), p, old, velocity, old, arm, exchange);
+      book(step, int(a), p, old, velocity, old, start.arm(pin.local[n]), exchange);
       set_row(x1, p, here);
       set_row(v, p, velocity);
     }
@@ -80,7 +80,7 @@ StepStatus Leapfrog::advance(const Body& body, const Surroundings& around, const
     }
     if (watch && around.ramped) exchange.work += ramp_work(around, 0.5 * (t0 + t1), state.x, next_);
     state.x.swap(next_);
-    body.springs.force(state.x, state.spring);
+    body.internal_force(state.x, state.spring);
     if (around.ramped) force_ = around.force + (t1 - around.since) * around.force_rate;
     const bool touched = planes && contact_.touched();
     if (touched || pins) before_ = state.v;

@@ -12,6 +12,8 @@ class Leapfrog {
   void body_changed() { kicks_.invalidate(); }
   /// Advances the state; on failure the state is spoilt and the caller restores it. `watch`: accumulate dissipated energy and work.
   StepStatus advance(const Body& body, const Surroundings& around, const Task& task, bool watch, State& state, Exchange& exchange);
+  /// Impacts so far (Contact::impacts).
+  long impacts() const { return contact_.impacts(); }
 
  private:
   HalfKicks kicks_;

@@ -13,23 +13,28 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Spring vectors may change by this share of the shortest edge before the bound is computed anew.
 constexpr double deformation_limit = 0.2;
+/// The same with a volume stiffness, which grows fast once a corner begins to fold.
+constexpr double deformation_limit_with_volume = 0.05;
 /// Internal steps between two looks at the deformation.
 constexpr long look_every = 8;
 
 }  // namespace
 
-Propagator::Propagator(int points, int planes, int pins)
-    : stability_(points),
-      leapfrog_(points, planes),
-      central_difference_(points),
-      bm4_(points, pins),
-      rkn12_(points, pins),
-      dop853_(points, pins),
-      reach_(points),
-      time_scale_(3 * points),
-      memory_(3 * points),
-      x0_(points, 3),
-      v0_(points, 3) {
+Propagator::Propagator(const Lattice& lattice, int planes, int pins)
+    : stability_(lattice.points()),
+      leapfrog_(lattice.points(), planes),
+      central_difference_(lattice.points()),
+      bm4_(lattice.points(), pins),
+      rkn12_(lattice.points(), pins),
+      dop853_(lattice.points(), pins),
+      ros34pw2_(lattice, pins),
+      implicit_(lattice),
+      reach_(lattice.points()),
+      time_scale_(3 * lattice.points()),
+      memory_(3 * lattice.points()),
+      x0_(lattice.points(), 3),
+      v0_(lattice.points(), 3) {
+  const int points = lattice.points();
   start_exchange_.planes.resize(planes);
   start_exchange_.pins.resize(pins);
   scratch_ = start_exchange_;
@@ -46,9 +51,11 @@ void Propagator::body_changed(const Body& body, Course& course) {
   fastest_damping_ = body.damping_rate.maxCoeff();
   for (int i = 0; i < memory_.size(); ++i) memory_[i] = body.damping_rate[i] > 0 ? 2 / body.damping_rate[i] : infinity;
   stability_.time_scales(body, time_scale_);
-  rkn12_.time_scale = dop853_.time_scale = time_scale_;
+  rkn12_.time_scale = dop853_.time_scale = ros34pw2_.time_scale = time_scale_;
+  ros34pw2_.body_changed();
   course.bound = -1;
   course.leapfrog = course.bm4 = {};
+  course.factored.h = 0;
   course.favourite = Method::automatic;
 }
 
@@ -57,11 +64,12 @@ StepStatus Propagator::advance(const Equations& equations, const Request& reques
   const Job job{equations, request, state, course, exchange};
   Method method = request.method;
   course.reason = Reason::asked;
+  course.usual = std::max(H, 0.8 * course.usual);
   if (method == Method::rkn12 && equations.body.damped) method = Method::dop853, course.reason = Reason::damping;
-  const bool planes = !equations.around.planes.empty();
-  const bool smooth = method != Method::leapfrog && method != Method::central_difference;
-  if (planes && smooth && reach_.may_touch(equations, state, H)) return advance_in_contact(job, H);
-  if (!planes || !smooth) return advance_with(job, method, H);
+  const bool resolves_contact = method == Method::leapfrog || method == Method::central_difference;
+  if (equations.around.planes.empty() || method == Method::central_difference) return advance_with(job, method, H);
+  if (reach_.may_touch(equations, state, H)) return advance_in_contact(job, method, H);
+  if (resolves_contact) return advance_with(job, method, H);
   start_ = state;
   start_exchange_ = exchange;
   const Clock clock = course.clock;
@@ -73,28 +81,33 @@ StepStatus Propagator::advance(const Equations& equations, const Request& reques
   course.clock = clock;
   course.rejected += course.steps - steps;
   course.steps = steps;
-  return advance_in_contact(job, H);
+  return advance_in_contact(job, method, H);
 }
 
-StepStatus Propagator::advance_in_contact(const Job& job, double H) {
-  job.course.reason = Reason::contact;
-  return advance_with(job, Method::leapfrog, H);
+StepStatus Propagator::advance_in_contact(const Job& job, Method asked, double H) {
+  if (asked != Method::leapfrog) job.course.reason = Reason::contact;
+  if (job.request.step > 0) return advance_with(job, Method::leapfrog, H);
+  job.course.method = Method::leapfrog;
+  return run_doubled(job, job.state.time + H);
 }
 
 StepStatus Propagator::advance_with(const Job& job, Method asked, double H) {
   const auto& [equations, request, state, course, exchange] = job;
   const double unit = request.step, units = unit > 0 ? std::round(H / unit) : 0, end = state.time + H;
-  const bool automatic = asked == Method::automatic;
-  if (automatic && unit > 0) course.reason = Reason::given_step;
-  course.method = automatic && unit > 0 ? Method::leapfrog : asked;
+  const bool automatic = asked == Method::automatic && unit == 0;
+  if (asked == Method::automatic && unit > 0) course.reason = Reason::given_step;
+  course.method = asked == Method::automatic ? Method::leapfrog : asked;
   if (units >= 1 && units <= double(most_steps) && std::abs(H - units * unit) <= 1e-9 * H)
     return run_counted(job, course.method, long(units));
   while (state.time < end) {
-    if (automatic && unit == 0) choose(job, end - state.time);
-    const double pause_at = automatic && unit == 0 ? course.race_due : infinity;
-    const StepStatus status = traits(course.method).error_control() && unit == 0 ? run_controlled(job, course.method, end, pause_at)
-                                                                                 : run_fitted(job, course.method, end, pause_at);
+    if (automatic) choose(job, end - state.time);
+    // A winner that needs far more than it seemed to runs again.
+    const double pause_at = automatic ? std::min(course.race_due, course.work + 2.5 * course.forecast + 100) : infinity;
+    const bool controlled = traits(course.method).error_control() && unit == 0;
+    const StepStatus status =
+        controlled ? run_controlled(job, course.method, end, pause_at) : run_fitted(job, course.method, end, pause_at);
     if (status != StepStatus::ok) return status;
+    if (state.time < end) course.race_due = course.work;
   }
   return StepStatus::ok;
 }
@@ -111,9 +124,11 @@ double Propagator::bound(const Job& job) {
 double Propagator::step_limit(const Job& job, Method method, bool given) {
   double limit = infinity;
   const Traits t = traits(method);
-  if (stability_.any_frequency() > 0) limit = (given ? t.given : t.automatic) * 2 / bound(job);
+  if (stability_.elastic()) limit = (given ? t.given : t.automatic) * 2 / bound(job);
   if (method == Method::bm4) limit = std::min(limit, 10 / fastest_damping_);
   if (method == Method::dop853) limit = std::min(limit, 5 / fastest_damping_);
+  if (method == Method::ros34pw2)  // stiff springs make pins that turn by more pull and twist wrongly
+    for (const Pin& pin : job.equations.around.pins) limit = std::min(limit, 0.005 / pin.at(job.state.time).spin.norm());
   return limit;
 }
 
@@ -121,9 +136,11 @@ bool Propagator::deformed_since_bound(const Job& job) const {
   const Body& body = job.equations.body;
   for (const Springs::Row& row : body.springs.rows()) {
     if (row.direction.kind() != SpringKind::edge) break;
-    const double limit = deformation_limit * row.rest_length[0];
+    kernels::SpringRow edges = row.view();
+    if (body.volume) edges.stiffness = row.multiplicity.data();  // edges without stiffness count too
+    const double limit = (body.volume ? deformation_limit_with_volume : deformation_limit) * row.rest_length[0];
     const double change =
-        kernels::largest_change(row.view(), body.points(), job.state.x.data(), job.course.bound_x.data(), body.springs.scratch());
+        kernels::largest_change(edges, body.points(), job.state.x.data(), job.course.bound_x.data(), body.springs.scratch());
     if (change > limit * limit) return true;
   }
   return false;
@@ -160,7 +177,7 @@ StepStatus Propagator::run_fitted(const Job& job, Method method, double end, dou
   while (true) {
     if (stable_only)
       calibration.h = infinity;
-    else if (!given && (calibration.h == 0 || course.work >= calibration.due))
+    else if (!given && calibration_due(job, calibration, end - state.time, request.jolt && steps == 0))
       calibrate(job, method, end - state.time, 4);
     const double limit = std::min(step_limit(job, method, given), given ? request.step : calibration.h);
     if (steps == 0 || clock.h > limit || limit > 1.25 * clock.h) {
@@ -198,10 +215,9 @@ StepStatus Propagator::take_steps(const Job& job, Method method, const Task& tas
     if (method == Method::bm4) {
       bm4_.step(equations, t, task.h, watch, state, exchange);
     } else {
-      OneStep& trial = controlled(method);
-      trial.ledger.open(equations, watch);
-      trial.attempt(equations, t, task.h, state);
-      accept(trial, equations, state, exchange);
+      job.course.factored.h = 0;  // nobody looks at the error of a given step: an old factor could spoil it
+      attempt({equations, job.request, state, job.course, exchange}, method, t, task.h);
+      accept(controlled(method), equations, state, exchange);
     }
     if (planes && reach_.passed(around, t, t + task.h, x0_, v0_, state.x, state.v)) return StepStatus::contact_ahead;
   }
@@ -211,11 +227,31 @@ StepStatus Propagator::take_steps(const Job& job, Method method, const Task& tas
 void Propagator::accept(OneStep& trial, const Equations& equations, State& state, Exchange& exchange) {
   state.x.swap(trial.x);
   state.v.swap(trial.v);
-  equations.body.springs.force(state.x, state.spring);
+  equations.body.internal_force(state.x, state.spring);
   if (trial.ledger.recording()) trial.ledger.settle(exchange);
 }
 
-OneStep& Propagator::controlled(Method method) { return method == Method::rkn12 ? static_cast<OneStep&>(rkn12_) : dop853_; }
+OneStep& Propagator::controlled(Method method) {
+  if (method == Method::ros34pw2) return ros34pw2_;
+  return method == Method::rkn12 ? static_cast<OneStep&>(rkn12_) : dop853_;
+}
+
+/// Tries a step of a method with error control; returns its error [m].
+double Propagator::attempt(const Job& job, Method method, double t, double h) {
+  OneStep& trial = controlled(method);
+  trial.ledger.open(job.equations, job.request.watch);
+  if (method != Method::ros34pw2) {
+    job.course.work += traits(method).work;
+    return trial.attempt(job.equations, t, h, job.state);
+  }
+  ros34pw2_.factored = job.course.factored;
+  const double error = trial.attempt(job.equations, t, h, job.state);
+  job.course.factored = ros34pw2_.factored;
+  const bool made = job.course.factored.uses == 1;  // not whether it was made now: after a restore it is made again
+  job.course.factors += made;
+  job.course.work += implicit_.step + (made ? implicit_.factor : 0);
+  return error;
+}
 
 double& Propagator::controlled_step(Course& course, Method method) {
   return method == Method::rkn12 ? course.rkn12 : method == Method::dop853 ? course.dop853 : course.ros34pw2;
@@ -226,9 +262,14 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
   OneStep& trial = controlled(method);
   double& h = controlled_step(course, method);
   const bool planes = !equations.around.planes.empty();
-  const double tolerance = traits(method).local_share * request.tolerance, least = 1e-14 * std::max(std::abs(end), end - state.time);
+  const double forgets = std::min(request.horizon, memory_.maxCoeff());
+  const double rounding = 1e-15 * std::max(equations.body.length, kernels::largest(state.x.size(), state.x.data()));
+  const auto tolerance = [&, t = traits(method)](double step) {
+    return std::max(rounding, std::min(t.largest_share, t.summed_share * step / forgets) * request.tolerance);
+  };
+  const double least = 1e-14 * std::max(std::abs(end), end - state.time);
   double limit = step_limit(job, method, false);
-  if (!(h > 0)) h = std::min(end - state.time, stability_.any_frequency() > 0 ? 3 / bound(job) : infinity);
+  if (!(h > 0)) h = std::min(end - state.time, stability_.elastic() ? 3 / bound(job) : infinity);
   course.clock = {state.time, h, 0};
   for (long tries = 1; state.time < end; ++tries) {
     if (tries > most_steps / 10) return StepStatus::too_many_steps;
@@ -236,17 +277,18 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
     const long ahead = divisions(left, std::min(h, limit));  // equal parts, so that no sliver is left at the end
     const double step = ahead == 1 ? left : left / double(ahead);
     if (!(step > least)) return StepStatus::not_finite;
-    trial.ledger.open(equations, request.watch);
-    const double error = trial.attempt(equations, state.time, step, state) / tolerance;
-    course.work += traits(method).work;
+    const double error = attempt(job, method, state.time, step) / tolerance(step);
     const double factor = error > 0 ? 0.9 * root(1 / error, trial.exponent, 0.1, 6) : error == 0 ? 5 : 0.1;
     if (!(error <= 1)) {
       ++course.rejected;
-      h = step * std::min(factor, 0.9);
+      const bool old_factor = method == Method::ros34pw2 && course.factored.uses > 1;
+      if (old_factor) course.factored.h = 0;
+      h = step * (old_factor ? std::clamp(factor, 0.5, 0.95) : std::min(factor, 0.9));
       continue;
     }
     // A step that the communication point has cut short says that it can be longer only as far as it was tried.
-    if (factor * step > h || factor < 5) h = step * factor;
+    const bool keep = method == Method::ros34pw2 && factor > 0.95 && factor < 1.5;  // and with the step the factor
+    if (!keep && (factor * step > h || (factor < 5 && step > 0.2 * h))) h = step * factor;
     if (planes && reach_.passed(equations.around, state.time, state.time + step, state.x, state.v, trial.x, trial.v))
       return StepStatus::contact_ahead;
     accept(trial, equations, state, exchange);
@@ -261,8 +303,8 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
 
 double Propagator::stable_step(const Body& body,
                                const Points& x) {  // leaves the bound of the course alone: looking must not change what follows
-  if (stability_.any_frequency() == 0) return std::numeric_limits<double>::max();
-  return 2 / stability_.frequency(body, x);
+  if (!stability_.elastic()) return std::numeric_limits<double>::max();
+  return std::min(2 / stability_.frequency(body, x), std::numeric_limits<double>::max());
 }
 
 }  // namespace softffd

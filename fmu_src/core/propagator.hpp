@@ -16,7 +16,9 @@
 #include "leapfrog.hpp"
 #include "reach.hpp"
 #include "rkn12.hpp"
+#include "ros34pw2.hpp"
 #include "stability.hpp"
+#include "traits.hpp"
 
 namespace softffd {
 
@@ -25,12 +27,14 @@ class Propagator {
   /// Internal steps that one call may take; a longer communication step is refused.
   static constexpr long most_steps = 20'000'000;
 
-  Propagator(int points, int planes, int pins);
+  Propagator(const Lattice& lattice, int planes, int pins);
   /// Call when masses, stiffness or damping change.
   void body_changed(const Body& body, Course& course);
   /// From state.time to state.time + H. On failure state, course and exchange are spoilt and the caller restores them.
   StepStatus advance(const Equations& equations, const Request& request, double H, State& state, Course& course, Exchange& exchange);
-  /// Largest stable leapfrog step at x, by bound [s]; the largest finite number without springs.
+  /// Number of matrices factored since the start: none unless implicit steps are tried.
+  long factorizations() const { return ros34pw2_.factorizations(); }
+  /// Largest stable leapfrog step at x, by bound [s]; the largest finite number if nothing resists.
   double stable_step(const Body& body, const Points& x);
 
  private:
@@ -42,7 +46,7 @@ class Propagator {
     Course& course;
     Exchange& exchange;
   };
-  StepStatus advance_in_contact(const Job& job, double H);
+  StepStatus advance_in_contact(const Job& job, Method asked, double H);
   StepStatus advance_with(const Job& job, Method asked, double H);
   StepStatus run_counted(const Job& job, Method method, long units);
   StepStatus run_fitted(const Job& job, Method method, double end, double pause_at);
@@ -53,11 +57,19 @@ class Propagator {
   double bound(const Job& job);
   bool deformed_since_bound(const Job& job) const;
 
+  bool calibration_due(const Job& job, const Calibration& calibration, double H, bool jolt);
   double calibrate(const Job& job, Method method, double H, int rounds);
+  StepStatus run_doubled(const Job& job, double end);
+  /// What states a and b, after the same stretch of time [s] from one state, will differ by at the end of the run, if the difference keeps
+  /// growing until damping forgets it [m].
+  double growing(const Job& job, const State& a, const State& b, double stretch) const;
   double trial_error(const Job& job, Method method, double h, long steps);
   void choose(const Job& job, double H);
   void race(const Job& job, double H);
   double controlled_work(const Job& job, Method method, double H, double& spent);
+  double implicit_work(const Job& job, double H, double budget, double& spent);
+  bool fast_modes_are_quiet(const Job& job, double h, double& spent);
+  double attempt(const Job& job, Method method, double t, double h);
 
   OneStep& controlled(Method method);
   double& controlled_step(Course& course, Method method);
@@ -69,6 +81,8 @@ class Propagator {
   Bm4 bm4_;
   Rkn12 rkn12_;
   Dop853 dop853_;
+  Ros34pw2 ros34pw2_;
+  ImplicitWork implicit_;
   Reach reach_;
   double fastest_damping_ = 0;   ///< largest damping / mass [1/s]
   Scalars time_scale_;           ///< (3 * points) position error that a velocity error amounts to [s]

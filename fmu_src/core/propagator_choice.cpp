@@ -11,14 +11,18 @@ namespace softffd {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Share of the tolerance that the summed errors of a fixed-step method may take by forecast.
-constexpr double summed_share = 1.5;
 /// Work between two calibrations, in multiples of a calibration's own.
 constexpr double calibration_pause = 10;
+/// A communication step shorter than this share of those of late is no measure for the others.
+constexpr double sliver = 0.2;
+/// Both where the outside forces have just jumped.
+constexpr double jolt_pause = 3;
 /// The same for races, and its limit while the winner stays.
 constexpr double race_pause = 10, longest_race_pause = 160;
-/// Where contact makes a trial's difference jump, the step is not cut below this share of the stable one.
-constexpr double least_in_contact = 1.0 / 500;
+/// Implicit steps are worth a trial from this H omega / 2 on.
+constexpr double stiff = 25;
+/// Share of the tolerance that fast modes may amount to where an implicit method is to pass over them.
+constexpr double quiet_share = 0.3;
 
 double power(double base, int exponent) {
   double product = 1;
@@ -28,7 +32,10 @@ double power(double base, int exponent) {
 
 }  // namespace
 
-long divisions(double length, double limit) { return std::max(1L, long(std::ceil(length / limit * (1 - 1e-12)))); }
+long divisions(double length, double limit) {
+  constexpr double most = 1L << 53;
+  return std::max(1L, long(std::min(most, std::ceil(length / limit * (1 - 1e-12)))));
+}
 
 double root(double value, int exponent, double low, double high) {
   for (int i = 0; i < 40; ++i) {
@@ -38,11 +45,25 @@ double root(double value, int exponent, double low, double high) {
   return low;
 }
 
+ImplicitWork::ImplicitWork(const Lattice& lattice) {
+  const double layers = *std::max_element(lattice.counts.begin(), lattice.counts.end()), per_layer = lattice.points() / layers / 16;
+  factor = 30 * per_layer * per_layer;
+  step = 8 + 15 * per_layer;
+}
+
+bool Propagator::calibration_due(const Job& job, const Calibration& calibration, double H, bool jolt) {
+  const Course& course = job.course;
+  if (calibration.h == 0) return true;
+  if (H < sliver * course.usual) return false;
+  const double window = stability_.any_frequency() > 0 ? std::min(H, 40 / bound(job)) : H;
+  return course.work >= (jolt ? calibration.soon : calibration.due) || sliver * window > calibration.window;
+}
+
 double Propagator::calibrate(const Job& job, Method method, double H, int rounds) {
   const Traits t = traits(method);
   Calibration& calibration = method == Method::bm4 ? job.course.bm4 : job.course.leapfrog;
-  const double window = stability_.any_frequency() > 0 ? std::min(H, 40 / bound(job)) : H;
-  const double allowed = summed_share * job.request.tolerance;
+  const double window = stability_.elastic() ? std::min(H, 40 / bound(job)) : H;
+  const double allowed = forecast_share * job.request.tolerance;
   const double pairs = power(2, t.order), c = pairs / (pairs - 1);
   const bool harmless = vibration(job.equations, job.state, time_scale_) <= allowed;
   double h = std::min({H, step_limit(job, method, false), calibration.h > 0 ? calibration.h : infinity}), work = 0;
@@ -57,12 +78,13 @@ double Propagator::calibrate(const Job& job, Method method, double H, int rounds
     h = calibration.h;
   }
   if (harmless) calibration.h = infinity;
-  if (!job.equations.around.planes.empty()) calibration.h = std::max(calibration.h, least_in_contact * step_limit(job, method, false));
+  calibration.window = window;
+  calibration.soon = job.course.work + std::max(jolt_pause * work, 100.0);
   calibration.due = job.course.work + std::max(calibration_pause * work, 100.0);
   return work;
 }
 
-/// What h and h / 2 differ by at the end of the run, if the difference after some steps keeps growing until damping forgets it.
+/// What h and h / 2 will differ by at the end of the run.
 double Propagator::trial_error(const Job& job, Method method, double h, long steps) {
   coarse_ = fine_ = job.state;
   const double stretch = double(steps) * h;
@@ -71,10 +93,13 @@ double Propagator::trial_error(const Job& job, Method method, double h, long ste
     const Task task{job.state.time, 0, h / double(parts), steps * parts};
     if (take_steps(job, method, task, *state, scratch_) != StepStatus::ok) return 0;
   }
+  return growing(job, coarse_, fine_, stretch);
+}
+
+double Propagator::growing(const Job& job, const State& a, const State& b, double stretch) const {
   double error = 0;
   for (int i = 0; i < memory_.size(); ++i) {
-    const double dx = std::abs(coarse_.x.data()[i] - fine_.x.data()[i]);
-    const double dv = std::abs(coarse_.v.data()[i] - fine_.v.data()[i]) * time_scale_[i];
+    const double dx = std::abs(a.x.data()[i] - b.x.data()[i]), dv = std::abs(a.v.data()[i] - b.v.data()[i]) * time_scale_[i];
     error = std::max(error, std::max(dx, dv) * std::max(1.0, std::min(job.request.horizon, memory_[i]) / stretch));
   }
   return error;
@@ -82,7 +107,8 @@ double Propagator::trial_error(const Job& job, Method method, double h, long ste
 
 void Propagator::choose(const Job& job, double H) {
   Course& course = job.course;
-  if (course.favourite == Method::automatic || course.work >= course.race_due) race(job, H);
+  const bool due = course.work >= (job.request.jolt ? course.race_soon : course.race_due) && H >= sliver * course.usual;
+  if (course.favourite == Method::automatic || due || sliver * H > course.race_window) race(job, H);
   course.method = course.favourite;
   course.reason = course.favourite_reason;
 }
@@ -93,24 +119,34 @@ void Propagator::race(const Job& job, double H) {
     return double(divisions(H, std::min(step_limit(job, method, false), calibration.h))) * traits(method).work;
   };
   const Method before = course.favourite;
-  double spent = calibrate(job, Method::leapfrog, H, 1);
-  double best = fixed_work(Method::leapfrog, course.leapfrog);
+  const double least = std::max(1.0, H / step_limit(job, Method::leapfrog, false)) * traits(Method::leapfrog).work;
+  double spent = 0, best = infinity;
   Method winner = Method::leapfrog;
   const auto consider = [&](Method method, double work) {
-    if (work * (method == before ? 1.0 : 1.1) < best) best = work, winner = method;
+    if (work * (method == before ? 1.0 : 1.1) < best) best = work, winner = method, course.favourite_reason = Reason::least_work;
   };
-  const double least = H / step_limit(job, Method::leapfrog, false) * traits(Method::leapfrog).work;
-  const bool stable_is_enough = best < 1.7 * least;
-  if (!stable_is_enough) {
-    const Method adaptive = job.equations.body.damped ? Method::dop853 : Method::rkn12;
-    consider(adaptive, controlled_work(job, adaptive, H, spent));
-    spent += calibrate(job, Method::bm4, H, 2);
-    consider(Method::bm4, fixed_work(Method::bm4, course.bm4));
-    if (winner == Method::leapfrog) spent += calibrate(job, Method::leapfrog, H, 3);
+  if (stability_.elastic() && H * bound(job) > 2 * stiff) {
+    consider(Method::ros34pw2, implicit_work(job, H, 0.8 * least, spent));
+    if (winner == Method::ros34pw2) course.favourite_reason = Reason::quiet_stiffness;
+  }
+  if (winner != Method::ros34pw2) {
+    spent += calibrate(job, Method::leapfrog, H, 1);
+    best = fixed_work(Method::leapfrog, course.leapfrog);
+    course.favourite_reason = Reason::stability;
+    if (best > 1.7 * least) {
+      course.favourite_reason = Reason::least_work;
+      const Method adaptive = job.equations.body.damped ? Method::dop853 : Method::rkn12;
+      consider(adaptive, controlled_work(job, adaptive, H, spent));
+      spent += calibrate(job, Method::bm4, H, 2);
+      consider(Method::bm4, fixed_work(Method::bm4, course.bm4));
+      if (winner == Method::leapfrog) spent += calibrate(job, Method::leapfrog, H, 3);
+    }
   }
   course.favourite = winner;
-  course.favourite_reason = winner == Method::leapfrog && stable_is_enough ? Reason::stability : Reason::least_work;
+  course.forecast = best;
+  course.race_window = H;
   course.race_pause = winner == before ? std::min(2 * course.race_pause, longest_race_pause) : race_pause;
+  course.race_soon = course.work + std::max(jolt_pause * spent, 100.0);
   course.race_due = course.work + std::max(course.race_pause * spent, 100.0);
 }
 
@@ -123,6 +159,43 @@ double Propagator::controlled_work(const Job& job, Method method, double H, doub
   if (status != StepStatus::ok) return infinity;
   const double h = controlled_step(job.course, method) = controlled_step(trial_course_, method);
   return double(divisions(H, std::min(h, step_limit(job, method, false)))) * traits(method).work;
+}
+
+/// Work of the implicit method for H, by doing it; infinite beyond the budget, or where fast modes that it would damp are at work.
+double Propagator::implicit_work(const Job& job, double H, double budget, double& spent) {
+  coarse_ = job.state;
+  trial_course_ = job.course;
+  const Job trial{job.equations, job.request, coarse_, trial_course_, scratch_};
+  const double end = job.state.time + H;
+  const StepStatus status = run_controlled(trial, Method::ros34pw2, end, job.course.work + budget);
+  const double work = trial_course_.work - job.course.work;
+  spent += work;
+  if (status != StepStatus::ok || coarse_.time < end) return infinity;
+  const double h = trial_course_.ros34pw2;
+  if (!fast_modes_are_quiet(job, h, spent)) return infinity;
+  job.course.ros34pw2 = h;
+  job.course.factored = trial_course_.factored;
+  // a factor is kept for later communication steps
+  const double made = double(trial_course_.factors - job.course.factors),
+               used = std::max(1.0, double(trial_course_.steps - job.course.steps));
+  return work - implicit_.factor * std::max(0.0, made - used / double(Ros34pw2::most_uses));
+}
+
+/// Does one implicit step agree with explicit ones that resolve everything? Error estimates of implicit steps do not see what they damp.
+bool Propagator::fast_modes_are_quiet(const Job& job, double h, double& spent) {
+  const double way = std::min(h, 40 / bound(job));
+  const long steps = divisions(way, step_limit(job, Method::leapfrog, false));
+  fine_ = job.state;
+  const Task task{job.state.time, 0, way / double(steps), steps};
+  spent += double(steps) * traits(Method::leapfrog).work + implicit_.step + implicit_.factor;
+  if (take_steps(job, Method::leapfrog, task, fine_, scratch_) != StepStatus::ok) return false;
+  trial_course_ = job.course;
+  attempt({job.equations, job.request, job.state, trial_course_, scratch_}, Method::ros34pw2, job.state.time, way);
+  fine_.x -= ros34pw2_.x;
+  fine_.v -= ros34pw2_.v;
+  const std::size_t n = fine_.x.size();
+  const double difference = std::max(kernels::largest(n, fine_.x.data()), kernels::largest_weighted(n, time_scale_.data(), fine_.v.data()));
+  return difference <= quiet_share * job.request.tolerance;
 }
 
 }  // namespace softffd

@@ -8,6 +8,9 @@ namespace softffd {
 
 namespace {
 
+/// A change of the outside forces by this share of their size between two communication steps is a jolt.
+constexpr double jolt_share = 0.01;
+
 std::vector<bool> mask(const std::vector<int>& points, int count) {
   std::vector<bool> selected(count, false);
   for (int p : points) selected[p] = true;
@@ -55,12 +58,14 @@ SoftBody::SoftBody(Definition definition)
     : definition_(std::move(definition)),
       body_{.springs = Springs(definition_.lattice, definition_.topology), .mass = {}, .damping = {}, .pinned = pinned_points(definition_)},
       overrides_(stiffness_overrides(definition_)),
-      propagator_(definition_.lattice.points(), definition_.planes, int(definition_.pins.size())),
+      cells_(definition_.lattice),
+      propagator_(definition_.lattice, definition_.planes, int(definition_.pins.size())),
       jumps_(definition_.lattice.points(), definition_.planes) {
   const int n = definition_.lattice.points();
   body_.mass = Eigen::Map<const Scalars>(definition_.mass.data(), n);
   body_.damping = Scalars::Zero(n);
   body_.length = definition_.lattice.largest_side();
+  if (definition_.volume_stiffness > 0) body_.volume.emplace(definition_.lattice, definition_.volume_stiffness);
   pin_origins_.resize(definition_.pins.size());
   for (std::size_t a = 0; a < definition_.pins.size(); ++a)
     around_.pins.push_back(make_pin(definition_, definition_.pins[a], pin_origins_[a]));
@@ -72,8 +77,8 @@ SoftBody::SoftBody(Definition definition)
   now_.exchange.planes.resize(definition_.planes);
   now_.exchange.pins.resize(definition_.pins.size());
   now_.contacts.resize(definition_.planes);
-  for (Points* points :
-       {&now_.motion.x, &now_.motion.v, &now_.motion.spring, &now_.motion.previous, &now_.course.bound_x, &now_.course.factored.x, &begin_})
+  for (Points* points : {&now_.motion.x, &now_.motion.v, &now_.motion.spring, &now_.motion.previous, &now_.course.bound_x,
+                         &now_.course.factored.x, &now_.outside, &begin_})
     points->setZero(n, 3);
   backup_ = now_;
 }
@@ -190,11 +195,12 @@ StepStatus SoftBody::initialize(double t0) {
   now_.exchange_time = 1;
   now_.dissipated = now_.work = 0;
   now_.contacts_resolved = now_.exchange.contacts_resolved = 0;
+  now_.outside = around_.force;
   bool moved = place_pins(false);
   const StepStatus cleared = clear_jumps(moved);
   if (cleared != StepStatus::ok) return cleared;
   count_contacts();
-  body_.springs.force(motion.x, motion.spring);
+  body_.internal_force(motion.x, motion.spring);
   if (definition_.watch_energy) now_.potential = potential_energy();
   return finite(now_) ? StepStatus::ok : StepStatus::not_finite;
 }
@@ -220,14 +226,21 @@ StepStatus SoftBody::advance_from_here(double H) {
   bool moved = place_pins(true);
   const StepStatus cleared = clear_jumps(moved);
   if (cleared != StepStatus::ok) return cleared;
-  if (changed || moved) body_.springs.force(motion.x, motion.spring);
+  if (changed || moved) body_.internal_force(motion.x, motion.spring);
   if (definition_.watch_energy) {
     now_.work += potential_energy() - now_.potential;
     begin_ = motion.x;
   }
-  const Request request{settings.method, settings.tolerance * body_.length, settings.step, settings.horizon, definition_.watch_energy};
+  const double jump = (around_.force - now_.outside).abs().maxCoeff();
+  const Request request{.method = settings.method,
+                        .tolerance = settings.tolerance * body_.length,
+                        .step = settings.step,
+                        .horizon = settings.horizon,
+                        .jolt = jump > jolt_share * around_.force.abs().maxCoeff(),
+                        .watch = definition_.watch_energy};
   const StepStatus ran = propagator_.advance({body_, around_}, request, H, motion, now_.course, now_.exchange);
   if (ran != StepStatus::ok) return ran;
+  now_.outside = around_.force + H * around_.force_rate;
   count_contacts();
   now_.contacts_resolved += now_.exchange.contacts_resolved;
   if (definition_.watch_energy) {

@@ -26,6 +26,7 @@ struct Definition {
   std::vector<Region> regions;  ///< later ones win
   std::vector<PinDefinition> pins;
   int planes = 0;
+  double volume_stiffness = 0;                                    ///< >= 0 [Pa]; 0: absent
   Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();             ///< x0 = origin + stretch (X - origin) + offset
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< [m/s], [rad/s] about the centre of the box at x0
   bool watch_energy = false;                                      ///< accumulate dissipated energy and work
@@ -67,6 +68,7 @@ struct Progress {
   Exchange exchange;                               ///< of the last communication step
   double exchange_time = 1;                        ///< its length [s]
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
+  Points outside;                                  ///< outside forces at the end of the last communication step [N]
   long contacts_resolved = 0;
   std::vector<long> contacts;  ///< control points on each plane at the communication point
 };
@@ -99,18 +101,21 @@ class SoftBody {
   Vec3 pin_reaction(int a) const { return now_.exchange.pins[a].force / now_.exchange_time; }
   Vec3 pin_torque(int a) const { return now_.exchange.pins[a].torque / now_.exchange_time; }
   double kinetic_energy() const;
-  double elastic_energy() const { return body_.springs.energy(now_.motion.x); }
+  double elastic_energy() const { return body_.elastic_energy(now_.motion.x); }
   double gravity_energy() const;
   double dissipated_energy() const { return now_.dissipated; }
   double work() const { return now_.work; }
   long steps() const { return now_.course.steps; }
   long rejected() const { return now_.course.rejected; }
   long contacts_resolved() const { return now_.contacts_resolved; }
-  /// Largest stable internal step of the current state, by bound [s]; the largest finite number without springs.
+  /// Largest stable internal step of the current state, by bound [s]; the largest finite number if nothing resists.
   double stable_step() { return propagator_.stable_step(body_, now_.motion.x); }
-  int folded_cells() const { return softffd::folded_cells(definition_.lattice, now_.motion.x); }
+  /// Number of cells with a corner that is turned inside out or flat.
+  int folded_cells() const { return cells_.folded(now_.motion.x); }
   /// Internal step of the last communication step [s].
   double internal_step() const { return now_.course.clock.h; }
+  /// Number of matrices factored since the start.
+  long factorizations() const { return propagator_.factorizations(); }
   /// The method that took the last communication step, and why.
   Method method() const { return now_.course.method; }
   Reason reason() const { return now_.course.reason; }
@@ -130,6 +135,7 @@ class SoftBody {
   Surroundings around_;
   std::vector<StiffnessOverride> overrides_;
   std::vector<Vec3> pin_origins_;
+  Cells cells_;
   Propagator propagator_;
   Contact jumps_;
   Points begin_;       ///< positions at the start of the communication step, energy balance only

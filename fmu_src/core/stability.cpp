@@ -39,6 +39,7 @@ void Stability::prepare(const Body& body) {
   }
   any_squared_ = weighted / body.mass;
   any_frequency_ = std::sqrt(std::min((weighted / body.mass).maxCoeff(), (plain / body.mass).maxCoeff()));
+  elastic_ = any_frequency_ > 0 || body.volume;
 }
 
 void Stability::time_scales(const Body& body, Scalars& scales) const {
@@ -52,13 +53,14 @@ double Stability::frequency(const Body& body, const Points& x) {
   const auto& rows = body.springs.rows();
   for (std::size_t d = 0; d < rows.size(); ++d)
     kernels::add_stiffness_bounds(rows[d].view(), n, x.data(), first_[d].data(), second_[d].data(), sums_.data(), body.springs.scratch());
+  const bool crushed = body.volume && body.volume->add_bounds(x, body.mass, body.pinned, sums_);
   const auto part = [&](int c) { return sums_.segment(c * n, n); };
   // lambda_max <= mean + 2 sqrt(|S - mean I|^2 / 6), with equality where the two smaller eigenvalues agree
   mean_ = (part(0) + part(1) + part(2)) / 3;
   spread_ = (part(0) - mean_).square() + (part(1) - mean_).square() + (part(2) - mean_).square() +
             2 * (part(3).square() + part(4).square() + part(5).square());
   const double squared = ((mean_ + 2 * (spread_ / 6).sqrt()) / body.mass).maxCoeff();
-  return std::min(std::sqrt(squared), any_frequency_);
+  return crushed ? std::sqrt(squared) : std::min(std::sqrt(squared), any_frequency_);
 }
 
 }  // namespace softffd

@@ -12,10 +12,10 @@ double vibration(const Equations& equations, const State& state, const Scalars& 
     for (int lane = 0; lane < springs.lanes(); ++lane) {
       if (springs.stiffness[lane] == 0) continue;
       const int p = springs.begin + lane, q = p + springs.offset;
-      const Vec3 d = row(state.x, q) - row(state.x, p);
-      const double r = d.norm(), rate = r > 0 ? d.dot(row(state.v, q) - row(state.v, p)) / r : 0;
-      amplitude =
-          std::max({amplitude, std::abs(r - springs.rest_length[lane]), std::abs(rate) * times * std::min(time_scale[p], time_scale[q])});
+      const Vec3 d = row(state.x, q) - row(state.x, p), w = row(state.v, q) - row(state.v, p);
+      const double r = d.norm(), time = times * std::min(time_scale[p], time_scale[q]);
+      amplitude = std::max(amplitude, std::abs(r - springs.rest_length[lane]));
+      if (r > 0) amplitude = std::max({amplitude, std::abs(d.dot(w)) / r * time, w.squaredNorm() / r * time * time});
     }
   const double age = equations.around.ramped ? state.time - equations.around.since : 0;
   for (int i = 0; i < time_scale.size(); ++i) {

@@ -20,6 +20,7 @@ Method method_of(double value) {
     case MethodValue::bm4: return Method::bm4;
     case MethodValue::rkn12: return Method::rkn12;
     case MethodValue::dop853: return Method::dop853;
+    case MethodValue::ros34pw2: return Method::ros34pw2;
   }
   return Method::automatic;
 }
@@ -73,6 +74,7 @@ void Instance::reset() {
   stop_time_ = infinity;
   logged_method_ = -1;
   logged_step_ = -1;
+  warned_of_folding_ = false;
   load_starts();
   changed_ = material_changed_ = true;
 }
@@ -128,6 +130,7 @@ void Instance::enter_initialization() {
 void Instance::exit_initialization() {
   ensure_initial_state();
   phase = stepping;
+  warn_of_folding();
 }
 
 void Instance::apply_values() {
@@ -262,6 +265,7 @@ fmi2Status Instance::do_step(double time, double step) {
   time_ = time + step;
   forget_rates();
   log_solver_choice();
+  warn_of_folding();
   return fmi2OK;
 }
 
@@ -282,6 +286,25 @@ void Instance::log_solver_choice() {
   else
     text += "; internal step of this communication step " + number(h) + " s";
   logger.log(divided ? fmi2Warning : fmi2OK, category, text);
+}
+
+/// Once in a run: that cells are turned inside out is a state of the model like any other, but seldom a wanted one.
+void Instance::warn_of_folding() {
+  if (warned_of_folding_ || !logger.on(log_warning)) return;
+  const int folded = body_.folded_cells();
+  if (folded == 0) return;
+  warned_of_folding_ = true;
+  const double given = scene_.definition.volume_stiffness;
+  std::string text = "at time " + number(time_) + " s " + std::to_string(folded) + " of the lattice's cells " +
+                     (folded == 1 ? "is" : "are") + " turned inside out (solver.folded_cells); ";
+  if (given > 0)
+    text += "[material] volume_stiffness = " + number(given) + " Pa in the scene pushes them back, a larger one resists more";
+  else
+    text +=
+        "springs alone may leave them so; [material] volume_stiffness in the scene keeps cells from folding, a good first value is 3 times "
+        "a "
+        "spring's stiffness by the edge of a cell";
+  logger.log(fmi2Warning, log_warning, text);
 }
 
 double Instance::output(Family family, int index) {

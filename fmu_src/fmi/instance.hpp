@@ -78,6 +78,7 @@ class Instance {
   void ensure_initial_state();
   std::string describe(StepStatus status, double time, double step) const;
   void log_solver_choice();
+  void warn_of_folding();
 
   SceneFile scene_;
   std::vector<int> input_planes_, fixed_planes_, input_pins_;  ///< indices into scene_.planes and scene_.pins
@@ -94,6 +95,7 @@ class Instance {
   int logged_method_ = -1;
   Reason logged_reason_ = Reason::asked;
   double logged_step_ = -1;
+  bool warned_of_folding_ = false;
 };
 
 }  // namespace softffd::fmi

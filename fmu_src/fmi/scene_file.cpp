@@ -170,6 +170,7 @@ constexpr Reader readers[] = {
     {"mass", read_mass},
     {"stiffness", read_stiffness},
     {"damping", [](Record& r, SceneFile& s) { s.damping = r.at_least(0); }},
+    {"volume_stiffness", [](Record& r, SceneFile& s) { s.definition.volume_stiffness = r.positive(); }},
     {"gravity", [](Record& r, SceneFile& s) { s.gravity = r.vector(); }},
     {"region_stiffness", read_region_stiffness},
     {"region_damping", read_region_damping},

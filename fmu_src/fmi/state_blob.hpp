@@ -40,6 +40,10 @@ class StateWriter {
   explicit StateWriter(Bytes& bytes) : bytes_(bytes) {}
   void number(double& value) { word(std::bit_cast<std::uint64_t>(value)); }
   void integer(long& value) { word(std::uint64_t(std::int64_t(value))); }
+  template <class Choice>
+  void choice(Choice& value, Choice) {
+    word(std::uint64_t(value));
+  }
   void numbers(double* values, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) number(values[i]);
   }
@@ -54,7 +58,8 @@ class StateWriter {
   Bytes& bytes_;
 };
 
-/// Takes values in the same order. Throws StateError at the end of the bytes and for numbers that are no numbers.
+/// Takes values in the same order. Throws StateError at the end of the bytes, for numbers that are no numbers and choices that there are
+/// not.
 class StateReader {
  public:
   explicit StateReader(std::span<const unsigned char> bytes) : rest_(bytes) {}
@@ -63,6 +68,13 @@ class StateReader {
     if (value != value) throw StateError("a value of the state is not a number");
   }
   void integer(long& value) { value = long(std::int64_t(word())); }
+  /// One of an enumeration's values up to `last`, or a flag.
+  template <class Choice>
+  void choice(Choice& value, Choice last) {
+    const std::uint64_t number = word();
+    if (number > std::uint64_t(last)) throw StateError("a value of the state is none of those that it may have");
+    value = Choice(number);
+  }
   void numbers(double* values, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) number(values[i]);
   }
@@ -82,19 +94,17 @@ class StateReader {
 /// Passes every value of a Course to a StateWriter or StateReader, in one order for both.
 template <class Archive>
 void pass(Archive& archive, Course& course) {
-  for (double* value : {&course.clock.origin, &course.clock.h, &course.clock.unit, &course.bound, &course.leapfrog.h, &course.leapfrog.due,
-                        &course.bm4.h, &course.bm4.due, &course.rkn12, &course.dop853, &course.ros34pw2, &course.factored.h, &course.work,
-                        &course.race_due, &course.race_pause})
+  for (double* value :
+       {&course.clock.origin,  &course.clock.h,         &course.clock.unit, &course.bound,      &course.leapfrog.h, &course.leapfrog.due,
+        &course.leapfrog.soon, &course.leapfrog.window, &course.bm4.h,      &course.bm4.due,    &course.bm4.soon,   &course.bm4.window,
+        &course.rkn12,         &course.dop853,          &course.ros34pw2,   &course.factored.h, &course.work,       &course.race_due,
+        &course.race_soon,     &course.race_window,     &course.usual,      &course.race_pause, &course.forecast,   &course.contact.h})
     archive.number(*value);
-  long method = long(course.method), reason = long(course.reason), favourite = long(course.favourite);
-  long favourite_reason = long(course.favourite_reason);
-  for (long* value : {&course.clock.count, &course.clock.parts, &course.factored.uses, &course.steps, &course.rejected, &method, &reason,
-                      &favourite, &favourite_reason})
+  for (long* value : {&course.clock.count, &course.clock.parts, &course.factored.uses, &course.steps, &course.rejected, &course.factors,
+                      &course.contact.free, &course.contact.free_next, &course.contact.impact, &course.contact.impact_next})
     archive.integer(*value);
-  course.method = Method(method);
-  course.reason = Reason(reason);
-  course.favourite = Method(favourite);
-  course.favourite_reason = Reason(favourite_reason);
+  for (Method* value : {&course.method, &course.favourite}) archive.choice(*value, Method::ros34pw2);
+  for (Reason* value : {&course.reason, &course.favourite_reason}) archive.choice(*value, Reason::quiet_stiffness);
   for (Points* points : {&course.bound_x, &course.factored.x}) archive.numbers(points->data(), points->size());
 }
 
@@ -106,7 +116,8 @@ void pass(Archive& archive, Progress& progress) {
                         &progress.potential, &progress.exchange.dissipated, &progress.exchange.work})
     archive.number(*value);
   for (long* value : {&progress.contacts_resolved, &progress.exchange.contacts_resolved}) archive.integer(*value);
-  for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous}) archive.numbers(points->data(), points->size());
+  for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous, &progress.outside})
+    archive.numbers(points->data(), points->size());
   for (auto* impulses : {&progress.exchange.planes, &progress.exchange.pins})
     for (Impulse& impulse : *impulses) {
       archive.numbers(impulse.force.data(), 3);
@@ -121,9 +132,7 @@ template <class Archive>
 void pass(Archive& archive, ErrorEstimate::Memory& memory) {
   pass(archive, memory.shadow);
   for (double* value : {&memory.time, &memory.ratio_time, &memory.value}) archive.number(*value);
-  long lost = memory.lost;
-  archive.integer(lost);
-  memory.lost = lost != 0;
+  archive.choice(memory.lost, true);
 }
 
 }  // namespace softffd::fmi

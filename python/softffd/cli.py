@@ -1,4 +1,4 @@
-"""The command line: softffd demo | build | run | drivers | scenes | new | schema."""
+"""The command line: softffd demo | build | run | accuracy | stability | drivers | scenes | new | schema."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def main(arguments: list[str] | None = None) -> int:
     except OSError as error:
         print(f"softffd: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        print("softffd: interrupted; no file was left half written", file=sys.stderr)
+    except KeyboardInterrupt as interrupt:
+        print(f"softffd: interrupted; {str(interrupt) or 'no file was left half written'}", file=sys.stderr)
         return 130
 
 
@@ -54,9 +54,25 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--step", type=float, metavar="H", help="communication step, s")
     run.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value of a variable")
     run.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time: columns time and names of inputs")
+    run.add_argument("--error", action="store_true", help="estimate the error of the run by a second one beside it")
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-NAME here")
     run.add_argument("--view", action="store_true", help="open the interactive page when done")
     run.set_defaults(command=_run)
+
+    accuracy = commands.add_parser("accuracy", help="measure error against run time of every method: table, pictures, report")
+    accuracy.add_argument("scenes", nargs="*", metavar="SCENE", help="scene files or names of shipped ones; default: the standard set")
+    accuracy.add_argument("-o", "--output", type=Path, default=Path("softffd-accuracy"), metavar="DIR")
+    accuracy.add_argument("--step", type=float, metavar="H", help="communication step, s; default: each scene's own")
+    accuracy.add_argument("--scipy", action="store_true", help="SciPy's solvers on the same equations beside the FMU's methods")
+    accuracy.add_argument("--quick", action="store_true", help="fewer and shorter runs: a first look")
+    accuracy.add_argument("--repeats", type=int, default=5, metavar="N", help="of each run, the smallest time counts; default 5")
+    accuracy.set_defaults(command=_accuracy)
+
+    stability = commands.add_parser("stability", help="run stiff and extreme scenes and judge each by an oracle: map, table, report")
+    stability.add_argument("-o", "--output", type=Path, default=Path("softffd-stability"), metavar="DIR")
+    stability.add_argument("--quick", action="store_true", help="some cases and a coarse map: a first look")
+    stability.add_argument("--only", nargs="+", default=[], metavar="NAME", help='"map", or parts of the names of cases')
+    stability.set_defaults(command=_stability)
 
     drivers = commands.add_parser("drivers", help="make driver FMUs (plate, actuator) and a coupled system (SSP)")
     drivers.add_argument("-o", "--output", type=Path, default=Path("."), metavar="DIR")
@@ -100,8 +116,9 @@ def _run(options: argparse.Namespace) -> None:
     settings = dict(_setting(text) for text in options.settings)
     with ProgressLine("simulating") as progress:
         result = run_scene_or_fmu(
-            options.what, stop_time=options.stop_time, step=options.step, settings=settings, inputs=options.input, progress=progress
-        )
+            options.what, stop_time=options.stop_time, step=options.step, settings=settings, inputs=options.input, error=options.error,
+            progress=progress,
+        )  # fmt: skip
     name = Path(options.what).stem
     folder = options.output or Path(f"softffd-{name}")
     files = keep_run(result, folder)
@@ -121,13 +138,39 @@ def _setting(text: str) -> tuple[str, str]:
 def _print_summary(summary: dict[str, Any]) -> None:
     print(summary["title"])
     print(
-        f"  {summary['simulated_time_s']:g} s simulated in {summary['run_time_s']:.3g} s, "
+        f"  {summary['simulated_time_s']:g} s simulated in {summary['run_time_s']:.3g} s{_estimate(summary)}, "
         f"{summary['real_time_factor']:.0f} times faster than real time, {summary['communication_steps']} communication steps"
     )
     for line in summary.get("findings", []):
         print(f"  {line}")
     for warning in summary["warnings"]:
         print(f"  warning: {warning}")
+
+
+def _estimate(summary: dict[str, Any]) -> str:
+    error = summary.get("estimated_error_m")
+    return "" if error is None else f" with an estimated error of {error:.2g} m"
+
+
+def _accuracy(options: argparse.Namespace) -> None:
+    from softffd.accuracy_command import report_accuracy
+
+    if options.repeats < 1:
+        raise SoftffdError(f"--repeats {options.repeats}: wanted at least 1")
+    with ProgressLine("measuring") as progress:
+        report_accuracy(
+            options.scenes, options.output, step=options.step, scipy=options.scipy, quick=options.quick, repeats=options.repeats,
+            note=progress.note, say=progress.say,
+        )  # fmt: skip
+    print(f"kept in {options.output}: report.html, accuracy.csv, accuracy.json, a picture of each scene")
+
+
+def _stability(options: argparse.Namespace) -> None:
+    from softffd.stability_command import report_stability
+
+    with ProgressLine("running") as progress:
+        report_stability(options.output, only=options.only, quick=options.quick, note=progress.note, say=progress.say)
+    print(f"kept in {options.output}: report.html, stability.csv, stability.json, pictures of the map")
 
 
 def _drivers(options: argparse.Namespace) -> None:

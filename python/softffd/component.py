@@ -111,6 +111,7 @@ class Component:
         self._do_step = bound(library.fmi2DoStep)
         self._set_real, self._get_real = bound(library.fmi2SetReal), bound(library.fmi2GetReal)
         self._set_integer, self._get_integer = bound(library.fmi2SetInteger), bound(library.fmi2GetInteger)
+        self._set_rates = bound(library.fmi2SetRealInputDerivatives)
         self._life = {name: bound(getattr(library, name)) for name in LIFE_CYCLE}
 
     def variables(self, causality: str, *, real: bool = True) -> list[Any]:
@@ -176,6 +177,16 @@ class Component:
         """Fills the block's values."""
         call = self._get_real if block.real else self._get_integer
         call(block.references, c_size_t(len(block.names)), block.pointer)
+
+    def set_rates(self, block: Block, rates: np.ndarray) -> None:
+        """First time derivatives of a block of Real inputs, (m,) float64 [unit per s]; they hold for the next step only.
+
+        FmuError for an FMU that does not interpolate its inputs.
+        """
+        if not self.description.coSimulation.canInterpolateInputs:
+            raise FmuError(f"{self.description.modelName}: this FMU does not interpolate its inputs; hold them over each step instead")
+        orders = (c_int * len(block.names))(*[1] * len(block.names))
+        self._set_rates(block.references, c_size_t(len(block.names)), orders, rates.ctypes.data_as(POINTER(c_double)))
 
     def do_step(self, time: float, step: float) -> None:
         """One communication step [s]."""

@@ -9,11 +9,16 @@ import numpy as np
 from softffd.history import energies, reactions
 from softffd.result import Result
 
+ESTIMATE = "solver.error_estimate"
+"""The output that estimates the error so far [m]."""
+
 
 def findings(result: Result) -> dict[str, Any]:
     """Entries for the summary: numbers by name, and `findings`, the same as lines to read."""
     numbers: dict[str, Any] = {}
     lines: list[str] = []
+    if ESTIMATE in result.outputs:
+        numbers["estimated_error_m"] = float(result.outputs[ESTIMATE][-1])
     if np.isfinite(result.positions).all() and result.positions.size:
         depth, frame = largest_indentation(result)
         numbers |= {"largest_indentation_m": depth, "largest_indentation_at_s": float(result.time[frame])}

@@ -33,6 +33,11 @@ class Inputs:
         derived = derived_velocities(now, self._at(time + step), step) if step > 0 else {}
         return np.array([*(now[name] for name in self.names), *(derived.get(name, 0.0) for name in self.derived_names)])
 
+    def rates(self, time: float, step: float) -> np.ndarray:
+        """Slopes from a communication point to the next, `step` > 0 s later, in the order of `names` [unit per s]."""
+        now, then = self._at(time), self._at(time + step)
+        return np.array([(then[name] - now[name]) / step for name in self.names])
+
     @property
     def derived_names(self) -> list[str]:
         """Velocities that follow from given poses."""

@@ -31,8 +31,12 @@ def draw_run(result, path, *, mesh=None, origin=None, size=None):
     """
     stage = stage_of(result, mesh=mesh, origin=origin, size=size)
     moments = telling_moments(result, stage)
-    figure = _figure(13.0, 7.6, dpi=130)
+    figure = new_figure(13.0, 7.6, dpi=130)
     figure.text(0.02, 0.965, stage.title, fontsize=15, fontweight="bold", color=INK, va="center")
+    if (error := result.summary.get("estimated_error_m")) is not None:
+        time, length = (EngFormatter(unit=unit, places=1) for unit in "sm")
+        words = f"run time {time(result.summary['run_time_s'])}, estimated error {length(error)}"
+        figure.text(0.98, 0.965, words, fontsize=10.5, color=SOFT, va="center", ha="right")
     captions = [f"{what}, t = {stage.time[frame]:.4g} s" for frame, what in moments.items()]
     _draw_panels(figure, stage, list(moments), captions, box=(0.02, 0.40, 0.96, 0.53))
     for axes in _draw_curves(figure, result, bottom=0.085, top=0.345):
@@ -55,14 +59,14 @@ def draw_strip(result, path, *, mesh=None, moments=None, labels=None, origin=Non
         frames = [None if t is None else int(np.abs(stage.time - t).argmin()) for t in moments]
     if labels is None:
         labels = ["at rest" if frame is None else f"t = {stage.time[frame]:.4g} s" for frame in frames]
-    figure = _figure(3.6 * len(frames), 3.2, dpi=170)
+    figure = new_figure(3.6 * len(frames), 3.2, dpi=170)
     _draw_panels(figure, stage, frames, labels, box=(0.0, 0.0, 1.0, 1.0))
     return _save(figure, path)
 
 
 def draw_history(result, path):
     """Draw the curves alone to `path` (PNG): reactions [N] and energies [J]; without either the lattice's height."""
-    figure = _figure(13.0, 4.0, dpi=110)
+    figure = new_figure(13.0, 4.0, dpi=110)
     _draw_curves(figure, result, bottom=0.15, top=0.89)
     return _save(figure, path)
 
@@ -98,7 +102,7 @@ def _draw_curves(figure, result, *, bottom, top):
     width = 0.96 / len(kinds)
     every = []
     for i, (label, unit, curves, style) in enumerate(kinds):
-        axes = figure.add_axes((0.065 + i * width, bottom, width - 0.075, top - bottom))
+        axes = figure.add_axes((0.075 + i * width, bottom, width - 0.085, top - bottom))
         for (name, values), colour, dash in zip(curves.items(), cycle(CURVES), cycle(DASHES), strict=False):
             look = {"color": colour, "linestyle": dash, "linewidth": 1.8, "drawstyle": style}
             axes.plot(result.time, values, label=name, **look)
@@ -118,7 +122,7 @@ def _dress(axes, time, label, unit):
     axes.yaxis.set_major_formatter(EngFormatter(unit=unit, sep=" "))
 
 
-def _figure(width, height, *, dpi):
+def new_figure(width, height, *, dpi):
     """A figure of `width` x `height` inches, without the global state of pyplot."""
     figure = Figure(figsize=(width, height), dpi=dpi, facecolor="white")
     FigureCanvasAgg(figure)

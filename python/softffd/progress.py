@@ -19,11 +19,23 @@ class ProgressLine:
 
     def __call__(self, share: float, simulated: float) -> None:
         """share in 0..1, simulated time [s]."""
-        now = time.monotonic()
-        if self._visible and (now - self._shown > 0.1 or share >= 1):
-            self._shown = now
-            print(f"\r{self._what}: {share:4.0%}, {simulated:.3g} s", end="", file=sys.stderr, flush=True)
+        self.note(f"{share:4.0%}, {simulated:.3g} s", at_once=share >= 1)
 
-    def __exit__(self, *_exception) -> None:
+    def note(self, text: str, *, at_once: bool = False) -> None:
+        """Shows other words for how far it is; several within a tenth of a second show as the first of them."""
+        now = time.monotonic()
+        if self._visible and (now - self._shown > 0.1 or at_once):
+            self._shown = now
+            print(f"\r{self._what}: {text}\033[K", end="", file=sys.stderr, flush=True)
+
+    def say(self, text: str) -> None:
+        """Prints a line to stdout where the progress line was."""
+        self._clear()
+        print(text, flush=True)
+
+    def _clear(self) -> None:
         if self._visible and self._shown:
             print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+    def __exit__(self, *_exception) -> None:
+        self._clear()

@@ -8,12 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from softffd.component import Component
 from softffd.deform import deform
-from softffd.findings import findings
+from softffd.errors import FmuError
+from softffd.findings import ESTIMATE, findings
 from softffd.inputs import Source
 from softffd.mesh import save_mesh
 from softffd.result import Result
-from softffd.scene import Scene, load_scene
+from softffd.scene import Scene, load_scene, scene_from
+from softffd.scene_file import find_scene, read_document
 from softffd.simulate import Progress, simulate
 
 
@@ -24,17 +27,40 @@ def run_scene_or_fmu(
     step: float | None = None,
     settings: dict[str, Any] | None = None,
     inputs: Source | None = None,
+    error: bool = False,
     progress: Progress | None = None,
 ) -> Result:
-    """Runs a scene file, a shipped scene or an FMU; a scene's own inputs (NAME.csv beside it) drive it unless others are given."""
-    fmu = str(what).endswith(".fmu")
-    scene_or_fmu: Scene | Path = Path(what) if fmu else load_scene(what)
+    """Runs a scene file, a shipped scene or an FMU; a scene's own inputs (NAME.csv beside it) drive it unless others are given.
+
+    error: estimate the error at the end too, in the summary as estimated_error_m; an FMU must have been built with that.
+    """
+    scene_or_fmu = _opened(what, error)
     if inputs is None and isinstance(scene_or_fmu, Scene):
         inputs = scene_or_fmu.default_inputs
-    result = simulate(
-        scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs, progress=progress
-    )
+    result = simulate(scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs, progress=progress)
     return replace(result, summary=result.summary | findings(result))
+
+
+def _opened(what: str | Path, error: bool) -> Scene | Path:
+    """The scene or the path of the FMU, with the estimate of the error in it if that is asked for."""
+    if not str(what).endswith(".fmu"):
+        return _with_estimate(find_scene(what)) if error else load_scene(what)
+    path = Path(what)
+    if error:
+        with Component(path) as component:
+            if ESTIMATE not in component.by_name:
+                raise FmuError(
+                    f"--error: {path} has no variable {ESTIMATE}; wanted an FMU whose scene says error_estimate = true in [solver]: "
+                    "build it anew with that, or run the scene itself with --error"
+                )
+    return path
+
+
+def _with_estimate(path: Path) -> Scene:
+    """The scene of a file, with error_estimate = true whatever the file says."""
+    document = read_document(path)
+    solver = document.get("solver", {})
+    return scene_from(document | {"solver": solver | {"error_estimate": True} if isinstance(solver, dict) else solver}, path=path)
 
 
 def keep_run(result: Result, folder: Path) -> list[Path]:

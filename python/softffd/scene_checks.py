@@ -26,13 +26,6 @@ class Limit:
 LIMITS = (
     Limit("lattice", "basis", lambda basis: basis == "bezier", '"bezier"'),
     Limit("lattice", "points", lambda points: max(points) <= 8, "2..8 control points on every axis"),
-    Limit("material", "volume_stiffness", lambda pressure: pressure == 0, "0 (absent)"),
-    Limit(
-        "solver",
-        "method",
-        lambda method: method != "ros34pw2",
-        '"auto", "central_difference", "leapfrog", "bm4", "rkn12", "dop853"',
-    ),
 )
 
 

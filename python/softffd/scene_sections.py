@@ -172,7 +172,13 @@ class Material(Section):
         1e3, "N/m", "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }"
     )
     damping: Number = quantity(0.01, "N.s/m", "viscous damping of each control point: d_i of eq. (3)", ge=0)
-    volume_stiffness: Number = quantity(0.0, "Pa", "keeps crushed cells from folding; 0: absent", ge=0)
+    volume_stiffness: Number = quantity(
+        0.0,
+        "Pa",
+        "keeps crushed cells from folding: resists where a cell's corner has lost half its volume, a good first value is "
+        "3 times stiffness by edge of a cell; 0: absent",
+        ge=0,
+    )
 
 
 class Region(Section):

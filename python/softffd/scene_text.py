@@ -25,6 +25,8 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
     ]
     if spring_damping_present(scene):
         lines.append(["damping", material.damping])
+    if material.volume_stiffness > 0:
+        lines.append(["volume_stiffness", material.volume_stiffness])
     if scene.environment.gravity is not None:
         lines.append(["gravity", *scene.environment.gravity])
     for region in scene.region:

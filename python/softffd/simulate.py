@@ -31,31 +31,33 @@ def simulate(
     step: float | None = None,
     start_values: Mapping[str, Any] | None = None,
     inputs: Source | None = None,
+    interpolate: bool = False,
     progress: Progress | None = None,
 ) -> Result:
     """Runs a scene (packaged on the way) or an FMU from time 0 and returns all its outputs.
 
     stop_time, step: end and communication step [s], > 0; the scene's or FMU's own by default. A last step that is left over is shorter.
     start_values: parameters and inputs by variable name. inputs: values over time (see softffd.inputs.Inputs).
+    interpolate: inputs go linearly from each communication point to the next (fmi2SetRealInputDerivatives); otherwise they are held.
     progress: called as progress(share of the run in 0..1, simulated time [s]).
     Raises FmuError where a name, a value or a step is refused.
     """
     if isinstance(scene_or_fmu, Scene):
         with tempfile.TemporaryDirectory(prefix="softffd-") as folder:
             fmu = package_fmu(scene_or_fmu, Path(folder) / f"{scene_or_fmu.name}.fmu")
-            return _run(fmu, scene_or_fmu, stop_time, step, start_values, inputs, progress)
-    return _run(Path(scene_or_fmu), None, stop_time, step, start_values, inputs, progress)
+            return _run(fmu, scene_or_fmu, stop_time, step, start_values, inputs, interpolate, progress)
+    return _run(Path(scene_or_fmu), None, stop_time, step, start_values, inputs, interpolate, progress)
 
 
-def _run(fmu, scene, stop_time, step, start_values, inputs, progress) -> Result:
+def _run(fmu, scene, stop_time, step, start_values, inputs, interpolate, progress) -> Result:
     with Component(fmu) as component:
         experiment = component.description.defaultExperiment
-        stop_time = _positive("stop time", stop_time, experiment and experiment.stopTime)
-        step = _positive("communication step", step, experiment and experiment.stepSize)
+        stop_time = positive("stop time", stop_time, experiment and experiment.stopTime)
+        step = positive("communication step", step, experiment and experiment.stepSize)
         source = Inputs(inputs)
         start_values = dict(start_values or {})
         component.initialize(start_values, stop_time=stop_time)
-        recorder = _Recorder.of(component, source, _times(stop_time, step), step)
+        recorder = _Recorder.of(component, source, communication_points(stop_time, step), step, interpolate)
         recorder.apply_inputs(component, 0)
         component.exit_initialization()
         began, began_cpu = clock.perf_counter(), clock.process_time()
@@ -75,7 +77,8 @@ def _run(fmu, scene, stop_time, step, start_values, inputs, progress) -> Result:
         return recorder.result(component, start_values, summary, scene)
 
 
-def _positive(what: str, given: float | None, default: Any) -> float:
+def positive(what: str, given: float | None, default: Any) -> float:
+    """The given value, else the default, if it is a number > 0 [s]; FmuError says what is wrong otherwise."""
     value = float(given if given is not None else default or 0)
     if not (math.isfinite(value) and value > 0):
         source = "given" if given is not None else "in the FMU's default experiment"
@@ -83,13 +86,13 @@ def _positive(what: str, given: float | None, default: Any) -> float:
     return value
 
 
-def _times(stop_time: float, step: float) -> np.ndarray:
-    """Communication points: multiples of step, and the stop time."""
+def communication_points(stop_time: float, step: float) -> np.ndarray:
+    """Multiples of step, and the stop time: (T,) [s]."""
     count = math.ceil(stop_time / step * (1 - 1e-9))
     return np.append(step * np.arange(count), stop_time)
 
 
-def _steps(times: np.ndarray, step: float) -> list[float]:
+def step_lengths(times: np.ndarray, step: float) -> list[float]:
     """Lengths between the times: the same double for all but a shorter last one."""
     last = float(times[-1] - times[-2])
     return [step] * (len(times) - 2) + [step if math.isclose(last, step, rel_tol=1e-9) else last]
@@ -102,7 +105,10 @@ class _Recorder:
     times: np.ndarray
     steps: list[float]
     source: Inputs
+    interpolate: bool
     inputs: Block
+    driven: Block
+    """Those of `inputs` that the source gives itself"""
     reals: Block
     integers: Block
     input_rows: np.ndarray
@@ -110,16 +116,17 @@ class _Recorder:
     integer_rows: np.ndarray
 
     @classmethod
-    def of(cls, component: Component, source: Inputs, times: np.ndarray, step: float) -> _Recorder:
+    def of(cls, component: Component, source: Inputs, times: np.ndarray, step: float, interpolate: bool) -> _Recorder:
         for name in source.names:
             if component.variable(name).causality != "input":
                 raise FmuError(f"{name}: is no input of the FMU but a {component.variable(name).causality}")
         rows = len(times)
         inputs = Block.of([component.variable(name) for name in [*source.names, *source.derived_names]], True)
+        driven = Block.of([component.variable(name) for name in source.names], True)
         reals = Block.of(component.variables("output"), True)
         integers = Block.of(component.variables("output", real=False), False)
         return cls(
-            times, _steps(times, step), source, inputs, reals, integers,
+            times, step_lengths(times, step), source, interpolate, inputs, driven, reals, integers,
             np.zeros((rows, len(inputs.names))), np.zeros((rows, len(reals.names))), np.zeros((rows, len(integers.names)), np.int64),
         )  # fmt: skip
 
@@ -130,6 +137,8 @@ class _Recorder:
         self.inputs.values[:] = self.source.values(self.times[row], ahead)
         self.input_rows[row] = self.inputs.values
         component.set(self.inputs)
+        if self.interpolate and ahead > 0:
+            component.set_rates(self.driven, self.source.rates(self.times[row], ahead))
 
     def record(self, component: Component, row: int) -> None:
         component.get(self.reals)

@@ -7,23 +7,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <string>
 
 #include "instance.hpp"
+#include "small_scene.hpp"
 
 using namespace softffd::fmi;
 
 namespace {
-
-std::string with_head(std::string_view body) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (unsigned char c : body) hash = (hash ^ c) * 1099511628211u;
-  char head[64];
-  std::snprintf(head, sizeof head, "softffd-scene 1 %016llx\n", static_cast<unsigned long long>(hash));
-  return std::string(head).append(body);
-}
 
 /// A communication step of few internal steps [s].
 double short_step(const SceneFile& scene) {
@@ -62,7 +54,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view input(reinterpret_cast<const char*>(data), size);
   const bool bare = size > 0 && data[0] == 0;
   try {
-    SceneFile scene = parse_scene(bare ? std::string(input.substr(1)) : with_head(input));
+    SceneFile scene = parse_scene(bare ? std::string(input.substr(1)) : small_scene::with_first_line(input));
     if (scene.definition.lattice.points() <= 1000) run(std::move(scene));
   } catch (const SceneFileError&) {
   } catch (const CallError&) {

@@ -1,59 +1,44 @@
-/// libFuzzer target: any bytes as an FMU state. They are refused with StateError, the instance untouched, or
-/// the instance runs on from them.
+/// libFuzzer target: any bytes as an FMU state. They are refused with StateError, the instance untouched, or the instance runs on from
+/// them.
 ///
-/// The first byte says how the rest is used: 0 as serialized bytes, head included; 1 as the payload; above,
-/// as changes of a sound payload (two bytes say where, eight what), so that mutations get past the checks of
-/// size and sign.
+/// The first byte says what the bytes are: by its lowest two bits they are taken
+///     0  as they are, as a serialized state;
+///     1  as a payload, to which the target writes the head, checksum included;
+///     2  as changes of a sound payload, which gets its head anew: mutations reach the reader behind the checks;
+///     3  as changes of a sound serialized state, head included;
+/// the next two bits choose the sound state, so that none has to be found by chance; if the bit after them is not set, the instance takes a
+/// step. A change is two bytes that say which word, one that says what becomes of it, and for a word of the input's own eight more.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <string>
+#include <limits>
 
 #include "instance.hpp"
+#include "small_scene.hpp"
 
 using namespace softffd::fmi;
 
 namespace {
 
-SceneFile scene() {
-  std::string body =
-      "guid {g}\ncounts 2 2 2\nmass 1 1 1 1 1 1 1 1\nstiffness 100 100 100\ndamping 0.05\ngravity 0 0 "
-      "-9.81\n";
-  body +=
-      "plane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 0.4\nplane lid input 0 0 2 0 0 -1 0 0 0 0 0 0 0.1\npin "
-      "hand input 7\n";
-  body +=
-      "load push 0 1\nforces 2\npositions 0 1 2 3 4 5 6 7\ninitial 1 1 1 0 0 0.1 1 0 0 0 0 "
-      "0\nreactions\nenergy\nsolver\n";
-  std::uint64_t hash = 14695981039346656037u;
-  for (unsigned char c : body) hash = (hash ^ c) * 1099511628211u;
-  char head[64];
-  std::snprintf(head, sizeof head, "softffd-scene 1 %016llx\n", static_cast<unsigned long long>(hash));
-  return parse_scene(head + body);
-}
+using Input = std::span<const std::uint8_t>;
+
+constexpr int points = 8, springs_of_a_point = 7;
+
+const std::string text = small_scene::Box{.side = 2, .mass = 1, .stiffness = 100, .initial = "1 1 1 0 0 0.1 1 0 0 0 0 0"}.text(
+    "damping 0.05\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 0.4\n"
+    "plane lid input 0 0 2 0 0 -1 0 0 0 0 0 0 0.1\npin hand input 7\nload push 0 1\nforces 2\nreactions\nenergy\nsolver\n");
 
 Instance fresh() {
   const fmi2CallbackFunctions callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
-  return Instance(scene(), Logger(callbacks, "fuzz", true));
+  return Instance(parse_scene(text), Logger(callbacks, "fuzz", true));
 }
 
-Instance running() {
-  Instance instance = fresh();
-  instance.enter_initialization();
-  instance.exit_initialization();
-  if (instance.do_step(0, 0.01) != fmi2OK) std::abort();
-  return instance;
-}
-
-Bytes changed(Bytes payload, const std::uint8_t* data, std::size_t size) {
-  for (; size >= 10; data += 10, size -= 10) {
-    const std::size_t at = 8 * ((data[0] | data[1] << 8) % (payload.size() / 8));
-    std::memcpy(payload.data() + at, data + 2, 8);
-  }
-  return payload;
+void set(Instance& instance, Type type, Family family, double value) {
+  const fmi2ValueReference reference = unsigned(family) << 24;
+  instance.set(type, &reference, 1, &value);
 }
 
 double value_of(Instance& instance, Family family) {
@@ -63,8 +48,88 @@ double value_of(Instance& instance, Family family) {
   return value;
 }
 
-/// All variables, and a step of few internal steps.
-void run_on(Instance& instance) {
+Instance running(int method, double step) {
+  Instance instance = fresh();
+  set(instance, Type::Integer, Family::solver_method, method);
+  set(instance, Type::Real, Family::solver_step, step);
+  instance.enter_initialization();
+  instance.exit_initialization();
+  for (int n = 0; n < 20; ++n)
+    if (instance.do_step(n * 0.01, 0.01) != fmi2OK) std::abort();
+  set(instance, Type::Real, Family::stiffness_edge, 150);  // waits for the next step
+  return instance;
+}
+
+/// Before initialization; in contact, by an automatic step; by a given one; by the published scheme.
+Instance sound(int which) {
+  static const Instance starts[] = {fresh(), running(1, 0), running(3, 0.005), running(2, 0.005)};
+  return starts[which];
+}
+
+std::uint64_t word_of(double value) { return std::bit_cast<std::uint64_t>(value); }
+
+Bytes changed(Bytes bytes, Input input) {
+  using Limits = std::numeric_limits<double>;
+  static const std::uint64_t special[] = {word_of(0.0),
+                                          word_of(-0.0),
+                                          word_of(1.0),
+                                          word_of(-1.0),
+                                          word_of(Limits::infinity()),
+                                          word_of(-Limits::infinity()),
+                                          word_of(Limits::quiet_NaN()),
+                                          word_of(Limits::max()),
+                                          word_of(-Limits::max()),
+                                          word_of(Limits::min()),
+                                          word_of(Limits::denorm_min()),
+                                          word_of(1e-9),
+                                          word_of(1e9),
+                                          1,
+                                          2,
+                                          4,
+                                          8,
+                                          16,
+                                          32,
+                                          std::uint64_t(1) << 53,
+                                          20'000'000,
+                                          ~std::uint64_t(0),
+                                          std::uint64_t(1) << 63,
+                                          ~(std::uint64_t(1) << 63)};
+  while (input.size() >= 3) {
+    const std::size_t at = 8 * ((input[0] | input[1] << 8) % (bytes.size() / 8)), kind = input[2];
+    input = input.subspan(3);
+    std::uint64_t word = special[kind % std::size(special)];
+    if (kind >= 128) {
+      if (input.size() < 8) break;
+      std::memcpy(&word, input.data(), 8);
+      input = input.subspan(8);
+    }
+    std::memcpy(bytes.data() + at, &word, 8);
+  }
+  return bytes;
+}
+
+/// The payload that the input stands for. Throws StateError.
+Bytes payload(unsigned kind, Input input, const Bytes& good) {
+  if (kind == 0) return without_head("{g}", input);
+  if (kind == 3) return without_head("{g}", changed(with_head("{g}", good), input));
+  const Bytes wanted = kind == 1 ? Bytes(input.begin(), input.end()) : changed(good, input);
+  if (without_head("{g}", with_head("{g}", wanted)) != wanted) std::abort();
+  return wanted;
+}
+
+/// A communication step of few internal steps, whatever the material has become [s].
+double short_step(Instance& instance) {
+  double stiffest = 0;
+  for (Family kind : {Family::stiffness_edge, Family::stiffness_face, Family::stiffness_body})
+    stiffest = std::max(stiffest, value_of(instance, kind));
+  const double by_values = std::sqrt(2 * value_of(instance, Family::mass) / points / (springs_of_a_point * stiffest));
+  const double stable = std::min(by_values, value_of(instance, Family::solver_stable_step));  // values may wait, or be those in effect
+  const double given = value_of(instance, Family::solver_step), step = std::min(0.01, 8 * stable);
+  return given > 0 && given < 8 * stable ? std::min(step, 3 * given) : step;
+}
+
+/// All variables, and a step if wanted.
+void run_on(Instance& instance, bool stepped) {
   double value = 0;
   for (const FamilyInfo& info : families) {
     const fmi2ValueReference reference = unsigned(info.family) << 24;
@@ -73,32 +138,25 @@ void run_on(Instance& instance) {
       } catch (const CallError&) {  // the scene has no such variable, or the initial state is refused
       }
   }
-  if (instance.phase != stepping) return;
-  double step = std::min(0.01, 100 * value_of(instance, Family::solver_stable_step));
-  if (const double given = value_of(instance, Family::solver_step); given > 0) step = std::min(step, 100 * given);
-  instance.do_step(instance.last_successful_time(), step);
+  if (stepped && instance.phase == stepping) instance.do_step(instance.last_successful_time(), short_step(instance));
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  static const Instance sound = running();
-  Instance instance = sound;
+  Instance instance = sound(data[0] >> 2 & 3);
   const Bytes before = instance.save_state();
-  const std::span rest(data + 1, size - 1);
   try {
-    const Bytes payload = data[0] == 0   ? without_head("{g}", rest)
-                          : data[0] == 1 ? Bytes(rest.begin(), rest.end())
-                                         : changed(before, rest.data(), rest.size());
+    const Bytes wanted = payload(data[0] & 3, Input(data + 1, size - 1), before);
     try {
-      instance.load_state(payload);
+      instance.load_state(wanted);
     } catch (const StateError&) {
-      if (instance.save_state() != before) std::abort();
+      if (wanted == before || instance.save_state() != before) std::abort();
       return 0;
     }
-    if (instance.save_state() != payload) std::abort();
-    run_on(instance);
+    if (instance.save_state() != wanted) std::abort();
+    run_on(instance, !(data[0] & 16));
   } catch (const StateError&) {
   } catch (const CallError&) {
   }

@@ -97,9 +97,21 @@ def libcosim() -> Tool:
 
 
 def ecos() -> Tool:
-    if not shutil.which("unzip"):
+    """Ecos unpacks FMUs with `unzip -o FILE -d FOLDER`, a program; where there is none, Python takes its place."""
+    python = _installed("ecos")
+    path = () if shutil.which("unzip") else (("PATH", f"{_unzip_by(python)}{os.pathsep}{os.environ['PATH']}"),)
+    return Tool((str(python), "-I", str(HERE / "drive_ecos.py")), path)
+
+
+def _unzip_by(python: Path) -> Path:
+    """A folder with a program unzip."""
+    if os.name == "nt":
         raise Missing("Ecos unpacks FMUs with the program unzip, which is not on this machine")
-    return Tool((str(_installed("ecos")), "-I", str(HERE / "drive_ecos.py")))
+    folder = FOLDER / "unzip"
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "unzip").write_text(f'#!/bin/sh\nexec "{python}" -I -m zipfile -e "$2" "$4"\n')
+    (folder / "unzip").chmod(0o755)
+    return folder
 
 
 def _installed(name: str) -> Path:

@@ -4,11 +4,8 @@
 /// With glibc the program's own malloc stands in front of the C library's, so every request is seen: operator
 /// new, Eigen's buffers, the C library's own. Sanitizers bring a malloc of their own; there operator new
 /// alone is seen.
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <new>
 #include <string>
@@ -19,6 +16,7 @@ extern "C" {
 }
 
 #include "check.hpp"
+#include "small_scene.hpp"
 #include "variable_table.hpp"
 
 #if defined(__unix__)
@@ -116,27 +114,8 @@ KEPT_WHOLE void operator delete[](void* block, std::size_t) noexcept { operator 
 
 namespace {
 
-/// Records of a 3 x 3 x 3 lattice; `parts` adds what the case needs.
-std::string records(const std::string& parts) {
-  std::string body = "guid {g}\ncounts 3 3 3\nmass";
-  for (int p = 0; p < 27; ++p) body += " 0.037";
-  body += "\nstiffness 1000 1000 1000\npositions";
-  for (int p = 0; p < 27; ++p) body.append(" ").append(std::to_string(p));
-  return body + "\ninitial 1.1 1 0.9 0 0 0.02 1 0 -1 0 2 0\n" + parts;
-}
-
 /// Writes a scene and returns the URI of its folder.
-std::string resources(const std::string& parts) {
-  const std::string body = records(parts);
-  std::uint64_t hash = 14695981039346656037u;
-  for (unsigned char c : body) hash = (hash ^ c) * 1099511628211u;
-  char head[64];
-  std::snprintf(head, sizeof head, "softffd-scene 1 %016llx\n", static_cast<unsigned long long>(hash));
-  const auto folder = std::filesystem::temp_directory_path() / ("softffd-allocation-" + std::to_string(hash));
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / "scene.txt", std::ios::binary) << head << body;
-  return "file://" + folder.string();
-}
+std::string resources(const std::string& parts) { return small_scene::Box{}.resources(parts); }
 
 const std::string damped = "damping 0.05\n", heavy = "gravity 0 0 -9.81\n", watched = "energy\nsolver\nreactions\n";
 const std::string planes = "plane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 0.4\nplane wall input 1.02 0 0 -1 0 0 0 0 0 0 0.1 0 0.2\n";

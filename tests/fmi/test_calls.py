@@ -8,10 +8,11 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from boxes import box_fmu
 from callbacks import own_callbacks
 from fmpy.fmi2 import FMU2Slave
 
-from softffd import FmuError, load_scene, package_fmu, simulate
+from softffd import FmuError, load_scene, simulate
 from softffd.component import Component
 
 SCENE = """
@@ -34,9 +35,7 @@ stop_time = 0.5
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("calls")
-    (folder / "box.toml").write_text(SCENE)
-    return package_fmu(load_scene(folder / "box.toml"), folder / "box.fmu")
+    return box_fmu(SCENE, tmp_path_factory.mktemp("calls"))
 
 
 def started(fmu, **values) -> Component:
@@ -54,7 +53,7 @@ def started(fmu, **values) -> Component:
         ("stiffness.edge", -2.0, "stiffness.edge: wanted >= 0 N/m, got -2"),
         ("plane.ground.point.z", float("nan"), "plane.ground.point.z: wanted a finite number, got nan"),
         ("plane.ground.normal.x", float("inf"), "plane.ground.normal.x: wanted a finite number, got inf"),
-        ("solver.method", 9, "solver.method: wanted 1 to 6, got 9"),
+        ("solver.method", 9, "solver.method: wanted 1 to 7, got 9"),
         ("position[0,0,0].x", 1.0, "position[0,0,0].x: cannot be set (it is an output)"),
     ],
 )
@@ -133,9 +132,7 @@ def test_unclaimed_functions_answer_with_an_error(fmu, tmp_path):
     description = fmpy.read_model_description(str(fmu), validate=False)
     simulation = description.coSimulation
     assert not simulation.providesDirectionalDerivative
-    slave = FMU2Slave(
-        guid=description.guid, unzipDirectory=str(tmp_path), modelIdentifier="softffd", instanceName="x"
-    )
+    slave = FMU2Slave(guid=description.guid, unzipDirectory=str(tmp_path), modelIdentifier="softffd", instanceName="x")
     slave.instantiate(callbacks=own_callbacks([]))
     with pytest.raises(Exception, match="fmi2GetDirectionalDerivative"):
         slave.getDirectionalDerivative([1006632960], [16777216], [1.0])

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from boxes import box_fmu
 
-from softffd import load_scene, package_fmu
 from softffd.component import Component
 
 SCENE = """
@@ -43,8 +43,7 @@ class Driven(Component):
     """A component whose input and output derivatives can be reached."""
 
     def __init__(self, text: str, folder: Path, **start_values):
-        (folder / "box.toml").write_text(text)
-        super().__init__(package_fmu(load_scene(folder / "box.toml"), folder / "box.fmu"))
+        super().__init__(box_fmu(text, folder))
         self.initialize(start_values)
         self.exit_initialization()
 

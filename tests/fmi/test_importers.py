@@ -21,7 +21,7 @@ from softffd.scene import shipped_scenes
 from softffd.simulate import POSITION
 
 STEP, STEPS = 0.01, 100
-START = {"solver.step": 2e-5}
+START = {"solver.step": 5e-6}
 """s; below what any shipped scene needs. With it a run does not depend on the last bits of a host's clock."""
 
 

@@ -1,8 +1,5 @@
 /// The C interface driven as a host drives it; meant for sanitizers above all.
-#include <cstdint>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -12,33 +9,13 @@ extern "C" {
 }
 
 #include "check.hpp"
+#include "small_scene.hpp"
 
 namespace {
 
-std::string write_scene() {
-  std::string body = "guid {g}\ncounts 4 4 4\nmass";
-  for (int p = 0; p < 64; ++p) body += " 0.015625";
-  body += "\nstiffness 1000 1000 1000\ndamping 0.01\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0 0 1 0 0 0 0 0 0 0.4\npositions";
-  for (int p = 0; p < 64; ++p) body.append(" ").append(std::to_string(p));
-  body += "\ninitial 1 1 1 0 0 0.1 1 0 0 0 0 0\nreactions\nenergy\nsolver\n";
-  std::uint64_t hash = 14695981039346656037u;
-  for (unsigned char c : body) hash = (hash ^ c) * 1099511628211u;
-  char head[64];
-  std::snprintf(head, sizeof head, "softffd-scene 1 %016llx\n", static_cast<unsigned long long>(hash));
-  const auto folder = std::filesystem::temp_directory_path() / ("softffd test %" + std::to_string(std::rand()));
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / "scene.txt", std::ios::binary) << head << body;
-  return folder.string();
-}
-
-std::string uri_of(const std::string& path) {
-  std::string uri = "file://";
-  for (char c : path) uri += c == ' ' ? "%20" : c == '%' ? "%25" : std::string(1, c);
-  return uri;
-}
-
 const std::string& resources() {
-  static const std::string uri = uri_of(write_scene());
+  static const std::string uri = small_scene::Box{.side = 4, .mass = 0.015625, .initial = "1 1 1 0 0 0.1 1 0 0 0 0 0"}.resources(
+      "damping 0.01\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0 0 1 0 0 0 0 0 0 0.4\nreactions\nenergy\nsolver\n");
   return uri;
 }
 

@@ -1,21 +1,14 @@
 #include "scene_file.hpp"
 
-#include <cstdint>
 #include <string>
 
 #include "check.hpp"
+#include "small_scene.hpp"
 
 using namespace softffd::fmi;
+using small_scene::with_first_line;
 
 namespace {
-
-std::string with_head(const std::string& body) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (unsigned char c : body) hash = (hash ^ c) * 1099511628211u;
-  char head[64];
-  std::snprintf(head, sizeof head, "softffd-scene 1 %016llx\n", static_cast<unsigned long long>(hash));
-  return head + body;
-}
 
 const std::string minimal = "guid {g}\ncounts 2 2 2\nmass 1 1 1 1 1 1 1 1\nstiffness 1 2 3\n";
 
@@ -31,14 +24,16 @@ bool refused(const std::string& text) {
 }  // namespace
 
 TEST(a_scene_is_read_with_its_values) {
-  const SceneFile scene = parse_scene(with_head(minimal + "gravity 0 0 -9.81\nplane floor fixed 0 0 0 0 0 1 0 0 0 0 0 0 0.5\n"));
+  const SceneFile scene = parse_scene(with_first_line(minimal + "gravity 0 0 -9.81\nplane floor fixed 0 0 0 0 0 1 0 0 0 0 0 0 0.5\n"));
   CHECK(scene.guid == "{g}" && scene.definition.lattice.points() == 8 && scene.stiffness.body == 3);
   CHECK(scene.gravity && scene.gravity->z() == -9.81);
   CHECK(scene.planes.size() == 1 && scene.planes[0].friction == 0.5);
+  CHECK(scene.definition.volume_stiffness == 0);
+  CHECK(parse_scene(with_first_line(minimal + "volume_stiffness 9000\n")).definition.volume_stiffness == 9000);
 }
 
 TEST(every_changed_byte_is_noticed) {
-  const std::string good = with_head(minimal);
+  const std::string good = with_first_line(minimal);
   for (std::size_t i = 0; i < good.size(); ++i) {
     std::string bad = good;
     bad[i] ^= 1;
@@ -48,9 +43,9 @@ TEST(every_changed_byte_is_noticed) {
 }
 
 TEST(faulty_records_are_refused) {
-  for (const char* record :
-       {"unknown 1\n", "counts 2 2\n", "counts 1 2 2\n", "counts 2 2 99\n", "size 1 0 1\n", "gravity 0 0 nan\n", "gravity 0 0 1e999\n",
-        "load a\n", "load a 8\n", "load a -1\n", "load a 1.5\n", "plane p moving 0\n", "step -1\n", "guid a b\n", "mass 1 1\n"})
-    CHECK(refused(with_head(minimal + record)));
-  CHECK(refused(with_head("guid {g}\ncounts 2 2 2\n")));
+  for (const char* record : {"unknown 1\n", "counts 2 2\n", "counts 1 2 2\n", "counts 2 2 99\n", "size 1 0 1\n", "gravity 0 0 nan\n",
+                             "gravity 0 0 1e999\n", "load a\n", "load a 8\n", "load a -1\n", "load a 1.5\n", "plane p moving 0\n",
+                             "step -1\n", "volume_stiffness 0\n", "guid a b\n", "mass 1 1\n"})
+    CHECK(refused(with_first_line(minimal + record)));
+  CHECK(refused(with_first_line("guid {g}\ncounts 2 2 2\n")));
 }

@@ -8,46 +8,17 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from boxes import box_fmu
 from callbacks import own_callbacks
 from fmpy.fmi2 import FMU2Slave
+from straight_run import RICH
 
 from softffd import load_scene, package_fmu
-
-SCENE = """
-[material]
-stiffness = 2e3
-damping = 0.05
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[plane]]
-name = "ground"
-normal = [0.0, 0.1, 1.0]
-friction = 0.4
-motion = "input"
-[[pin]]
-name = "grip"
-points = [[0, 0, 3]]
-motion = "input"
-[[load]]
-name = "push"
-points = "x+"
-[initial]
-offset = [0.0, 0.0, 0.1]
-velocity = [1.0, 0.0, 0.0]
-[outputs]
-velocities = "all"
-energy = true
-solver = true
-[solver]
-method = "{method}"
-"""
 
 
 @pytest.fixture(scope="module", params=["leapfrog", "central_difference"])
 def fmu(request, tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("state")
-    (folder / "box.toml").write_text(SCENE.format(method=request.param))
-    return package_fmu(load_scene(folder / "box.toml"), folder / "box.fmu")
+    return box_fmu(RICH + f'[solver]\nmethod = "{request.param}"\n', tmp_path_factory.mktemp("state"))
 
 
 class Slave:
@@ -56,13 +27,9 @@ class Slave:
     def __init__(self, fmu: Path, folder: Path):
         fmpy.extract(str(fmu), unzipdir=str(folder))
         self.description = fmpy.read_model_description(str(fmu), validate=False)
-        self.fmi = FMU2Slave(
-            guid=self.description.guid, unzipDirectory=str(folder), modelIdentifier="softffd", instanceName="box"
-        )
+        self.fmi = FMU2Slave(guid=self.description.guid, unzipDirectory=str(folder), modelIdentifier="softffd", instanceName="box")
         self.names = {v.name: v.valueReference for v in self.description.modelVariables}
-        self.reals = [
-            v.valueReference for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"
-        ]
+        self.reals = [v.valueReference for v in self.description.modelVariables if v.causality == "output" and v.type == "Real"]
         self.messages: list[str] = []
         self.instantiate(callbacks=own_callbacks(self.messages))
         self.begin()
@@ -192,6 +159,32 @@ def test_every_damaged_truncated_or_foreign_state_is_refused_and_harmless(slave)
     assert refused(slave, blob + b"\0") and refused(slave, bytes(len(blob)))
     assert slave.outputs() == before
     slave.advance(5, 6)
+
+
+def sealed(payload: bytes, head: bytes) -> bytes:
+    """A payload under a head whose checksum, FNV-1a, fits it."""
+    check = 14695981039346656037
+    for byte in payload:
+        check = (check ^ byte) * 1099511628211 % 2**64
+    return head[:32] + check.to_bytes(8, "little") + payload
+
+
+@pytest.mark.parametrize("value", [-4321.5, np.inf, np.nan], ids=str)
+def test_values_that_no_setter_takes_are_refused_under_a_sound_checksum(slave, value):
+    slave.set("stiffness.edge", 4321.5)
+    slave.advance(0, 3)
+    blob, before = bytes(slave.serializeFMUstate(slave.getFMUstate())), slave.outputs()
+    head, payload = blob[:40], blob[40:]
+    assert sealed(payload, head) == blob
+    number = np.float64(4321.5).tobytes()
+    places = [at for at in range(0, len(payload), 8) if payload[at : at + 8] == number]
+    assert len(places) == 2, "the value given and the value in effect"
+    for at in places:
+        forged = payload[:at] + np.float64(value).tobytes() + payload[at + 8 :]
+        with pytest.raises(Exception, match="FMUstate"):
+            slave.setFMUstate(slave.deSerializeFMUstate(sealed(forged, head)))
+        assert slave.outputs() == before
+    slave.advance(3, 4)
 
 
 def test_a_foreign_pointer_is_refused(slave):

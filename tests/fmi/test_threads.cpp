@@ -1,10 +1,7 @@
 /// Many threads, each with its own instances and states, logging on: the bits of a run alone, and (with
 /// -fsanitize=thread) no data race.
 #include <atomic>
-#include <cstdint>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -14,6 +11,7 @@ extern "C" {
 }
 
 #include "check.hpp"
+#include "small_scene.hpp"
 #include "variable_table.hpp"
 
 using softffd::fmi::Family;
@@ -24,23 +22,8 @@ constexpr int steps = 20, thread_count = 8, rounds = 4;
 
 /// Two scenes of one library: with and without planes, pins and energy.
 std::string resources(bool rich) {
-  std::string body = "guid {g}\ncounts 3 3 3\nmass";
-  for (int p = 0; p < 27; ++p) body += " 0.037";
-  body += "\nstiffness 1000 1000 1000\ngravity 0 0 -9.81\npositions";
-  for (int p = 0; p < 27; ++p) body.append(" ").append(std::to_string(p));
-  body += "\ninitial 1.1 1 0.9 0 0 0.02 1 0 -1 0 2 0\n";
-  if (rich)
-    body +=
-        "damping 0.05\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 0.4\npin hand input "
-        "26\nenergy\nsolver\nreactions\n";
-  std::uint64_t hash = 14695981039346656037u;
-  for (unsigned char c : body) hash = (hash ^ c) * 1099511628211u;
-  char head[64];
-  std::snprintf(head, sizeof head, "softffd-scene 1 %016llx\n", static_cast<unsigned long long>(hash));
-  const auto folder = std::filesystem::temp_directory_path() / ("softffd-threads-" + std::to_string(hash));
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / "scene.txt", std::ios::binary) << head << body;
-  return "file://" + folder.string();
+  const std::string more = "damping 0.05\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 0.4\npin hand input 26\nenergy\nsolver\nreactions\n";
+  return small_scene::Box{}.resources("gravity 0 0 -9.81\n" + (rich ? more : ""));
 }
 
 /// What a thread's host keeps: its messages, and how many were not meant for it.

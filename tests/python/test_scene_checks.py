@@ -31,7 +31,6 @@ def with_mesh(folder, name, **document):
 NOT_YET = {
     "lattice.basis": "bspline",
     "lattice.points": [9, 4, 4],
-    "material.volume_stiffness": 1.0,
     "solver.method": "ros34pw2",
     "solver.error_estimate": True,
 }

@@ -72,7 +72,7 @@ def test_two_instances_in_turn_are_two_runs(scene):
     one = lively(scene, name="one")
     other = lively(scene, method="auto", internal="", without=('"wall"', '"corner"'), name="other")
     alone = [points(simulate(body, stop_time=0.2)) for body in (one, other)]
-    with Stepper(one) as first, Stepper(other) as second:
+    with Stepper(one, stop_time=0.2) as first, Stepper(other, stop_time=0.2) as second:
         for row in range(1, 21):
             first.step(0.01)
             second.step(0.01)

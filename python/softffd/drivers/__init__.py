@@ -21,6 +21,8 @@ from softffd.errors import SoftffdError
 
 DRIVERS = ("plate", "actuator")
 HERE = Path(__file__).parent
+MENDING = HERE / "softffd_pythonfmu.py"
+"""A module that every script made with pythonfmu takes along and calls."""
 
 
 def build_drivers(folder: str | Path) -> list[Path]:
@@ -39,7 +41,7 @@ def build_driver(name: str, folder: str | Path, *, start_values: Mapping[str, An
         raise SoftffdError("the driver FMUs are made with pythonfmu, which is not installed: pip install pythonfmu")
     path = Path(folder) / f"{name}.fmu"
     with TemporaryDirectory(prefix="softffd-") as scratch:
-        files = [HERE / "softffd_driver.py"]
+        files = [HERE / "softffd_driver.py", MENDING]
         if start_values:
             files.append(Path(scratch) / "start.json")
             files[-1].write_text(json.dumps({key: _plain(value) for key, value in start_values.items()}))

@@ -14,6 +14,7 @@ step as long as the last (the pose then does not jump) and `force` the value in 
 from math import pi, sin
 
 from softffd_driver import Driver
+from softffd_pythonfmu import mend
 
 ZERO = (0.0, 0.0, 0.0)
 
@@ -65,3 +66,6 @@ class Actuator(Driver):
             values["force"][i] = values["load"][i] * middle
             values["position"][i] = values["rest"][i] + values["travel"][i] * now
             values["velocity"][i] = values["travel"][i] * (later - now) / (ahead or 1.0)
+
+
+mend(globals())

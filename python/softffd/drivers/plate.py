@@ -28,6 +28,7 @@ takes FMU states).
 """
 
 from softffd_driver import Driver
+from softffd_pythonfmu import mend
 
 ZERO = (0.0, 0.0, 0.0)
 
@@ -87,3 +88,6 @@ class Plate(Driver):
         acceleration = self.values["gravity"][i] + force / self.values["mass"]
         after = speed + time * acceleration
         return place + 0.5 * time * (speed + after), after, acceleration
+
+
+mend(globals())

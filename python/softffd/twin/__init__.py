@@ -1,8 +1,8 @@
 """An independent twin of a scene's component: the same variables, the same model written once more in numpy.
 
 Run the two side by side and compare: where they part, one of them is wrong, or the motion is chaotic. The
-twin is packaged with pythonfmu, is some fifty times slower, needs a host with Python and numpy, and has
-neither pins nor points that two planes hold at a time.
+twin is packaged with pythonfmu, is some fifty times slower, needs a host with Python and numpy, and has no
+points that two planes hold at a time and no volume stiffness.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 
+from softffd.drivers import MENDING
 from softffd.errors import SoftffdError
 from softffd.model_description import GUID_PLACE, model_description
 from softffd.package import scene_masses
@@ -31,12 +32,10 @@ __all__ = ["build_twin", "resolved_scene"]
 PACKAGE, SCRIPT = "softffd_twin", "softffd_twin_slave"
 """Names of the twin's own package and of pythonfmu's script inside the FMU, which does not need softffd."""
 
-SCRIPT_TEXT = f"""import ctypes
+SCRIPT_TEXT = f"""from {PACKAGE}.slave import TwinSlave  # noqa: F401
+from {MENDING.stem} import mend
 
-from {PACKAGE}.slave import TwinSlave  # noqa: F401
-
-# pythonfmu 0.7 runs this for every instance and then drops a reference to these globals that it never took
-ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+mend(globals())
 """
 
 
@@ -46,8 +45,10 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
     Its variables are those of the component, references, units and starts included, but for the outputs
     energy.* and solver.*. With solver.step = 0 it takes a step that is stable in any configuration; a
     solver.step that is given is taken as it is, where the component shortens one above its bound.
-    Raises SoftffdError for a scene with pins, and where pythonfmu is not installed.
+    Raises SoftffdError where pythonfmu is not installed and for scenes with a volume stiffness.
     """
+    if scene.material.volume_stiffness > 0:
+        raise SoftffdError(f"material.volume_stiffness: the twin has none, wanted 0 Pa, got {scene.material.volume_stiffness:g}")
     builder = _pythonfmu().FmuBuilder
     path = Path(path)
     if path.suffix != ".fmu":
@@ -61,10 +62,10 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
         package, script = folder / PACKAGE, folder / f"{SCRIPT}.py"
         package.mkdir()
         (package / "__init__.py").touch()
-        for part in ("body.py", "methods.py", "model.py", "slave.py"):
+        for part in ("body.py", "fixtures.py", "methods.py", "model.py", "slave.py"):
             copy(Path(__file__).parent / part, package)
         script.write_text(SCRIPT_TEXT, encoding="utf-8")
-        files = {"scene.json": text, "description.xml": _description(scene, mass, text)}
+        files = {"scene.json": text, "description.xml": _description(scene, mass, text), MENDING.name: MENDING.read_text(encoding="utf-8")}
         for file, words in files.items():
             (folder / file).write_text(words, encoding="utf-8")
         builder.build_FMU(script, path, project_files=[package, *(folder / file for file in files)])
@@ -74,12 +75,8 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
 def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
     """What softffd.twin.model.Model needs of a scene, as it stands in the FMU's resources.
 
-    mass: (n,) kg, region overrides included. Raises SoftffdError for a scene with pins.
+    mass: (n,) kg, region overrides included.
     """
-    if scene.pin:
-        raise SoftffdError(
-            f"the twin has no pins; wanted a scene without [[pin]], got pin {scene.pin[0].name!r}"
-        )
 
     def points(selection) -> list[int]:
         return scene.select(selection).tolist()
@@ -90,10 +87,9 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
         "size": scene.lattice.size,
         "topology": scene.lattice.springs,
         "mass": mass.tolist(),
-        "regions": [
-            {"points": points(r.points), "stiffness": r.stiffness, "damping": r.damping} for r in scene.region
-        ],
+        "regions": [{"points": points(r.points), "stiffness": r.stiffness, "damping": r.damping} for r in scene.region],
         "planes": [{"name": plane.name, "motion": plane.motion} for plane in scene.plane],
+        "pins": [{"name": pin.name, "motion": pin.motion, "points": points(pin.points)} for pin in scene.pin],
         "loads": {load.name: points(load.points) for load in scene.load},
         "probes": {probe.name: probe.at for probe in scene.probe},
         "forces": points(scene.inputs.forces),
@@ -102,16 +98,12 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
         "reactions": scene.outputs.reactions,
         "initial": scene.initial.model_dump(),
         "methods": {str(method["value"]): method["key"] for method in table()["method"]},
-        "variables": [
-            {"name": v.name, "reference": v.reference, "start": v.start} for v in variables(scene, mass)
-        ],
+        "variables": [{"name": v.name, "reference": v.reference, "start": v.start} for v in variables(scene, mass)],
     }
 
 
 def _without_balances(scene: Scene) -> Scene:
-    return scene.model_copy(
-        update={"outputs": scene.outputs.model_copy(update={"energy": False, "solver": False})}
-    )
+    return scene.model_copy(update={"outputs": scene.outputs.model_copy(update={"energy": False, "solver": False})})
 
 
 def _description(scene: Scene, mass: np.ndarray, content: str) -> str:
@@ -139,9 +131,7 @@ def _pythonfmu():
     try:
         return importlib.import_module("pythonfmu")
     except ImportError:
-        raise SoftffdError(
-            "the twin is packaged with pythonfmu, which is not installed here: pip install pythonfmu"
-        ) from None
+        raise SoftffdError("the twin is packaged with pythonfmu, which is not installed here: pip install pythonfmu") from None
 
 
 @contextmanager

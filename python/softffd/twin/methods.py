@@ -1,88 +1,20 @@
 """How the twin moves: leapfrog with contact by local restart, central difference as published, obstacles.
 
 Contact follows the essays of the component (fmu_src/core/contact.hpp, kick.hpp, central_difference.hpp) and
-takes all points that meet a plane at once. A point that two planes hold at a time is refused.
+takes all points that meet a plane at once. A point that two planes hold at a time is refused, and so is a
+pinned one behind a plane.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from .body import Body
+from .fixtures import TOUCHING, HalfSpace, Pin, Surroundings, TwinError
 
-TOUCHING = 1e-12
-"""A gap below this share of the box's largest side is contact."""
 TWO_PLANES = "two planes hold one control point: the twin has one plane per point"
-
-
-class TwinError(Exception):
-    """What the twin does not do, or could not do."""
-
-
-@dataclass(frozen=True, eq=False)
-class HalfSpace:
-    """An obstacle at one moment: solid behind the plane. Vectors (3,), SI units."""
-
-    point: np.ndarray
-    normal: np.ndarray
-    velocity: np.ndarray
-    spin: np.ndarray
-
-    def gap(self, x: np.ndarray) -> np.ndarray:
-        """Distance of points (n, 3) from the plane, negative behind it (n,) [m]."""
-        return (x - self.point) @ self.normal
-
-    def surface(self, x: np.ndarray) -> np.ndarray:
-        """Velocity of the obstacle's material at points (n, 3) [m/s]."""
-        return self.velocity + (x - self.point) @ cross_product_with(self.spin).T
-
-    def snapped(self, x: np.ndarray) -> np.ndarray:
-        """The points' feet on the plane (n, 3) [m]."""
-        return x - self.gap(x)[:, None] * self.normal
-
-    def along(self, v: np.ndarray) -> np.ndarray:
-        """The tangential part of vectors (n, 3)."""
-        return v - (v @ self.normal)[:, None] * self.normal
-
-
-@dataclass(eq=False)
-class Obstacle:
-    """A plane in uniform rigid motion since a time, and what it received during the communication step."""
-
-    start: HalfSpace
-    friction: float
-    since: float
-    impulse: np.ndarray = field(default_factory=lambda: np.zeros(3))  # N s
-    moment: np.ndarray = field(default_factory=lambda: np.zeros(3))  # N m s about the point
-
-    def at(self, time: float) -> HalfSpace:
-        """The half-space at a time [s]: the point moves on, the normal turns."""
-        age, s = time - self.since, self.start
-        return HalfSpace(s.point + age * s.velocity, rotated(s.normal, age * s.spin), s.velocity, s.spin)
-
-    def receive(self, on_points: np.ndarray, arms: np.ndarray) -> None:
-        """Books the reaction to impulses on points (m, 3) [N s] at arms (m, 3) [m] from the plane's point."""
-        dyad = arms.T @ on_points
-        self.impulse = self.impulse - on_points.sum(axis=0)
-        self.moment = self.moment - np.array(
-            [dyad[1, 2] - dyad[2, 1], dyad[2, 0] - dyad[0, 2], dyad[0, 1] - dyad[1, 0]]
-        )
-
-
-def rotated(v: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """v (3,) turned by a rotation vector (3,) [rad] (Rodrigues)."""
-    angle = np.linalg.norm(turn)
-    if angle == 0:
-        return v
-    across = cross_product_with(turn / angle)
-    return v + np.sin(angle) * across @ v + (1 - np.cos(angle)) * across @ across @ v
-
-
-def cross_product_with(w: np.ndarray) -> np.ndarray:
-    """The matrix (3, 3) of the cross product w x."""
-    return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
 
 
 @dataclass(eq=False)
@@ -132,11 +64,9 @@ class Meeting:
 class Leapfrog:
     """Half kick, drift, half kick; contact by local restart, no point behind a plane after a step."""
 
-    def __init__(
-        self, body: Body, obstacles: list[Obstacle], force: np.ndarray, h: float, largest_side: float
-    ):
-        self.body, self.obstacles, self.force, self.h = body, obstacles, force, h
-        self.touching = TOUCHING * largest_side
+    def __init__(self, body: Body, around: Surroundings, h: float):
+        self.body, self.obstacles, self.pins, self.force, self.h = body, around.obstacles, around.pins, around.force, h
+        self.around, self.touching = around, TOUCHING * around.largest_side
         mass, damping, half = body.mass[:, None], body.damping[:, None], h / 2
         g = damping * half / mass
         e = 1 / (1 + g + g**2 / 2)  # strong damping: both halves decay towards the terminal velocity f / d
@@ -154,16 +84,31 @@ class Leapfrog:
             t0, t1 = begin + n * self.h, begin + (n + 1) * self.h
             v = self.open_a * motion.v + self.open_b * force
             x = motion.x + self.h * v
+            for pin in self.pins:
+                here, _, arms = pin.at(t1)
+                speed = (here - motion.x[pin.points]) / self.h
+                self._hold(pin, motion.v, speed, force, motion.v[pin.points], arms)
+                x[pin.points], v[pin.points] = here, speed
             ends = [obstacle.at(t1) for obstacle in self.obstacles]
-            gaps = np.array([end.gap(x) for end in ends]).reshape(-1, len(x))
+            gaps = self.around.gaps(ends, x)
             touched = np.flatnonzero((gaps < 0).any(axis=0))
             if len(touched):
                 self._drift_onto(ends, touched, gaps[:, touched].argmin(axis=0), t0, motion, force, x, v)
             force = self.body.spring_force(x) + self.force
             kicked = self.close_a * v + self.close_b * force
+            for pin in self.pins:
+                _, speed, arms = pin.at(t1)
+                self._hold(pin, v, speed, force, speed, arms)
+                kicked[pin.points] = speed
             if len(touched):
                 self._close_on(ends, touched, x, v, kicked)
             motion.x, motion.v, motion.time = x, kicked, t1
+
+    def _hold(self, pin: Pin, old: np.ndarray, new: np.ndarray, force: np.ndarray, damped: np.ndarray, arms) -> None:
+        """Books what half a step's forces do not explain of the change from velocities old (n, 3) to new (m, 3)."""
+        p = pin.points
+        explained = self.h / 2 * (force[p] - self.body.damping[p, None] * damped)
+        pin.receive(self.body.mass[p, None] * (new - old[p]) - explained, arms)
 
     def _drift_onto(self, ends, touched, deepest, t0, motion, force, x, v) -> None:
         """Each touched point meets the plane that it would be deepest behind; corrects x and v."""
@@ -177,9 +122,7 @@ class Leapfrog:
                 x0, free = motion.x[chosen], v[chosen]
                 wall = free @ end.normal - (end.gap(x[chosen]) - begin.gap(x0)) / self.h
                 surface = end.along(middle.surface(x0 + self.h / 2 * free))
-                meeting = Meeting(
-                    chosen, begin, end, obstacle.friction, x0, motion.v[chosen], free, wall[:, None], surface
-                )
+                meeting = Meeting(chosen, begin, end, obstacle.friction, x0, motion.v[chosen], free, wall[:, None], surface)
                 x[chosen], v[chosen], gained = correct(meeting, force[chosen])
                 obstacle.receive(self.h / 2 / self.open_b[chosen] * gained, x[chosen] - end.point)
             if any(np.any(other.gap(x[points]) < 0) for other in ends if other is not end):
@@ -231,10 +174,9 @@ class Leapfrog:
 class CentralDifference:
     """The recurrence (13) in positions, started by (11); collisions by (14) to (17), the sign corrected."""
 
-    def __init__(
-        self, body: Body, obstacles: list[Obstacle], force: np.ndarray, h: float, _largest_side: float
-    ):
-        self.body, self.obstacles, self.force, self.h = body, obstacles, force, h
+    def __init__(self, body: Body, around: Surroundings, h: float):
+        self.body, self.obstacles, self.pins, self.force, self.h = body, around.obstacles, around.pins, around.force, h
+        self.free = around.free
         inertia, drag = body.mass[:, None] / h**2, body.damping[:, None] / (2 * h)
         self.ahead, self.now, self.back = inertia + drag, 2 * inertia, inertia - drag
 
@@ -258,10 +200,8 @@ class CentralDifference:
         for obstacle in self.obstacles:
             now = obstacle.at(time)
             surface = now.surface(x)
-            pushed = (
-                previous - following + 2 * self.h * surface
-            ) @ now.normal  # contact acceleration times h^2
-            hit = np.flatnonzero((now.gap(x) < 0) & (pushed > 0))
+            pushed = (previous - following + 2 * self.h * surface) @ now.normal  # contact acceleration times h^2
+            hit = np.flatnonzero((now.gap(x) < 0) & (pushed > 0) & self.free)
             if not len(hit):
                 continue
             slip = now.along(following[hit] - x[hit] - self.h * surface[hit])
@@ -271,6 +211,11 @@ class CentralDifference:
             following[hit] += change
             if book:
                 obstacle.receive(self.ahead[hit] * self.h * change, x[hit] - now.point)
+        for pin in self.pins:
+            here, _, arms = pin.at(time + self.h)
+            if book:
+                pin.receive(self.ahead[pin.points] * self.h * (here - following[pin.points]), arms)
+            following[pin.points] = here
         return following
 
 

@@ -1,7 +1,7 @@
 """The soft object once more, in numpy, to check the component against: a resolved scene in motion.
 
 Imports numpy alone, for it travels inside the twin's FMU. Variables go by the FMU's names; SI units. Absent:
-pins, rates of inputs, energies.
+rates of inputs, energies.
 """
 
 from __future__ import annotations
@@ -12,16 +12,8 @@ from math import ceil
 import numpy as np
 
 from .body import Body, bernstein, rest_positions, spring_list
-from .methods import (
-    METHODS,
-    TOUCHING,
-    TWO_PLANES,
-    CentralDifference,
-    HalfSpace,
-    Motion,
-    Obstacle,
-    TwinError,
-)
+from .fixtures import TOUCHING, Fixture, HalfSpace, Obstacle, Pin, Surroundings, TwinError, rotation
+from .methods import METHODS, TWO_PLANES, CentralDifference, Motion, quotient
 
 AXES = "xyz"
 MATERIAL = ("mass", "damping", "stiffness.edge", "stiffness.face", "stiffness.body")
@@ -46,16 +38,18 @@ class Model:
         self.motion = Motion(time, x, initial["velocity"] + np.cross(initial["angular_velocity"], x - centre))
         self.start_time, self.elapsed, self._material = time, 1.0, None
         self._take(values)
+        self._place_pins(book=False)
         self._clear_jumps(values)
 
     def advance(self, values: Mapping[str, float], length: float) -> None:
         """One communication step of this length [s] with the variables' values, held."""
         self._take(values)
+        self._place_pins(book=True)
         self._clear_jumps(values)
         h, steps = self._division(values["solver.step"], length)
         method = self._method(values)
         with np.errstate(over="ignore", invalid="ignore"):  # told below
-            method(self.body, self.obstacles, self.force, h, max(self.scene["size"])).run(self.motion, steps)
+            method(self.body, self.around, h).run(self.motion, steps)
         self.elapsed = length
         if not np.isfinite(self.motion.x).all():
             raise TwinError("the result is not finite: solver.step is too long, it is taken as it is given")
@@ -69,15 +63,16 @@ class Model:
         for name, weights in self.probes.items():
             found |= _vector(f"probe.{name}", weights @ self.motion.x)
         if scene["reactions"]:
-            for plane, obstacle in zip(scene["planes"], self.obstacles, strict=True):
-                found |= self._reactions(f"plane.{plane['name']}", obstacle)
+            for plane, obstacle in zip(scene["planes"], self.around.obstacles, strict=True):
+                on = obstacle.at(self.motion.time).gap(self.motion.x) <= TOUCHING * self.around.largest_side
+                found |= self._reactions(f"plane.{plane['name']}", obstacle) | {f"plane.{plane['name']}.contacts": int(on.sum())}
+            for pin, held in zip(scene["pins"], self.around.pins, strict=True):
+                found |= self._reactions(f"pin.{pin['name']}", held)
         return found
 
-    def _reactions(self, plane: str, obstacle: Obstacle) -> dict[str, float]:
-        on = obstacle.at(self.motion.time).gap(self.motion.x) <= TOUCHING * max(self.scene["size"])
-        force = _vector(f"{plane}.reaction", obstacle.impulse / self.elapsed)
-        torque = _vector(f"{plane}.torque", obstacle.moment / self.elapsed)
-        return force | torque | {f"{plane}.contacts": int(on.sum())}
+    def _reactions(self, name: str, fixture: Fixture) -> dict[str, float]:
+        force = _vector(f"{name}.reaction", fixture.impulse / self.elapsed)
+        return force | _vector(f"{name}.torque", fixture.moment / self.elapsed)
 
     def _at_point(self, what: str, p: int) -> str:
         """The name of a variable that belongs to a control point."""
@@ -88,13 +83,15 @@ class Model:
         material = [values.get(name) for name in MATERIAL]
         if material != self._material:
             self._material, self.body, self.motion.previous_step = material, self._make_body(values), 0.0
-        self.obstacles = [self._obstacle(plane, values) for plane in self.scene["planes"]]
+        obstacles = [self._obstacle(plane, values) for plane in self.scene["planes"]]
+        pins = [self._pin(pin, values) for pin in self.scene["pins"]]
         gravity = _read(values, "gravity") if "gravity.x" in values else np.zeros(3)
-        self.force = self.body.mass[:, None] * gravity
+        force = self.body.mass[:, None] * gravity
         for p in self.scene["forces"]:
-            self.force[p] += _read(values, self._at_point("force", p))
+            force[p] += _read(values, self._at_point("force", p))
         for name, points in self.scene["loads"].items():
-            self.force[points] += _read(values, f"load.{name}") / len(points)
+            force[points] += _read(values, f"load.{name}") / len(points)
+        self.around = Surroundings(obstacles, pins, force, max(self.scene["size"]))
 
     def _make_body(self, values: Mapping[str, float]) -> Body:
         mass = np.array(self.scene["mass"])
@@ -117,21 +114,47 @@ class Model:
             raise TwinError(f"{name}.normal: wanted any vector but zero")
         since = self.motion.time if plane["motion"] == "input" else self.start_time
         start = HalfSpace(point, normal / np.linalg.norm(normal), velocity, spin)
-        return Obstacle(start, values[f"{name}.friction"], since)
+        return Obstacle(start=start, friction=values[f"{name}.friction"], since=since)
+
+    def _pin(self, pin: dict, values: Mapping[str, float]) -> Pin:
+        points, name = np.array(pin["points"]), f"pin.{pin['name']}"
+        origin = self.rest[points].mean(axis=0)
+        arms, velocity, spin = self.rest[points] - origin, np.zeros(3), np.zeros(3)
+        if pin["motion"] == "input":
+            w, *axis = (values[f"{name}.orientation.{each}"] for each in "wxyz")
+            if not (w or any(axis)):
+                raise TwinError(f"{name}.orientation: wanted any quaternion but zero")
+            turn = 2 * np.arctan2(np.linalg.norm(axis), w)
+            arms = arms @ rotation(turn * quotient(np.array(axis), np.linalg.norm(axis))).T
+            origin, velocity, spin = (_read(values, f"{name}.{each}") for each in ("position", "velocity", "angular_velocity"))
+        return Pin(points=points, arms=arms, origin=origin, velocity=velocity, spin=spin, since=self.motion.time)
+
+    def _place_pins(self, *, book: bool) -> None:
+        """Pinned points take the frame's place and velocity; a change of velocity is an impulse."""
+        motion = self.motion
+        for pin in self.around.pins:
+            p = pin.points
+            here, velocity, arms = pin.at(motion.time)
+            if book:
+                pin.receive(self.body.mass[p, None] * (velocity - motion.v[p]), arms)
+            motion.x[p], motion.v[p] = here, velocity
 
     def _method(self, values: Mapping[str, float]) -> type:
-        return METHODS[self.scene["methods"][str(int(values["solver.method"]))]]
+        name = self.scene["methods"][str(int(values["solver.method"]))]
+        if name not in METHODS:
+            raise TwinError(f"solver.method: the twin has {', '.join(METHODS)}, got {name}")
+        return METHODS[name]
 
     def _clear_jumps(self, values: Mapping[str, float]) -> None:
         """A plane that has jumped moves points and leaves their velocity; not so by the published rule."""
-        if not self.obstacles or self._method(values) is CentralDifference:
+        if not self.around.obstacles or self._method(values) is CentralDifference:
             return
-        planes = [obstacle.at(self.motion.time) for obstacle in self.obstacles]
-        behind = np.array([plane.gap(self.motion.x) < 0 for plane in planes])
+        planes = [obstacle.at(self.motion.time) for obstacle in self.around.obstacles]
+        behind = self.around.gaps(planes, self.motion.x) < 0
         for plane, points in zip(planes, behind, strict=True):
             self.motion.x[points] = plane.snapped(self.motion.x[points])
         others = behind.any(axis=0) & ~behind
-        after = np.array([plane.gap(self.motion.x) < 0 for plane in planes])
+        after = self.around.gaps(planes, self.motion.x) < 0
         if np.any(behind.sum(axis=0) > 1) or np.any(others & after):
             raise TwinError(TWO_PLANES)
 

@@ -24,11 +24,7 @@ class TwinSlave(Fmi2Slave):
         scene = json.loads((folder / SCENE).read_text(encoding="utf-8"))
         self._description = folder / DESCRIPTION
         self._names = {variable["reference"]: variable["name"] for variable in scene["variables"]}
-        self._values = {
-            variable["name"]: variable["start"]
-            for variable in scene["variables"]
-            if variable["start"] is not None
-        }
+        self._values = {variable["name"]: variable["start"] for variable in scene["variables"] if variable["start"] is not None}
         self._model, self._outputs = Model(scene), None
         self._start_time, self._initialized = 0.0, False
 

@@ -1,0 +1,197 @@
+"""Outside anchors: SciPy's solvers on the same equations, as somebody would write them with numpy.
+
+    m_i a_i = sum over springs of k (1 - l / r) (x_j - x_i) - d_i v_i + m_i g + F_i(t)        Xia & Wang 2009, eq. (3) and (6)
+
+The springs' forces go through a sparse incidence matrix, one product to the springs and one back, which is the fastest of the usual ways
+in numpy. F is linear between communication points, as in the FMU's runs; the solver starts anew where its slope changes, so that no step
+crosses a kink, and takes its output from its own dense output elsewhere. No obstacles, no pins.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import time as clock
+import warnings
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from softffd.accuracy_records import Record, Records
+from softffd.accuracy_rig import Rig, Setting
+from softffd.errors import SoftffdError
+from softffd.package import scene_masses
+from softffd.scene import Scene
+from softffd.twin.body import spring_list
+
+SOLVERS = ("DOP853", "RK45", "Radau", "LSODA")
+IMPLICIT_WITH_PATTERN = ("Radau",)
+"""Solvers that take the pattern of the Jacobian's entries; LSODA makes its own dense one."""
+
+TOLERANCES = tuple(10.0**-n for n in range(1, 12))
+MOST, QUICK_MOST = 5.0, 1.0
+"""CPU time of one run [s]; a solver's sweep ends at the first run that needs more."""
+
+
+class _TooLong(Exception):
+    """Stops a solver from inside its right-hand side."""
+
+
+def sweep_scipy(rig: Rig, records: Records, *, quick: bool = False, note: Callable[[str], None] = lambda text: None) -> Iterator[Record]:
+    """A record for every solver and tolerance; scenes with obstacles, pins or a volume stiffness have none, and `records.left_out` says so.
+
+    Raises SoftffdError where SciPy is not installed.
+    """
+    solve_ivp = solver()
+    if rig.scene.plane or rig.scene.pin:
+        records.left_out |= {f"SciPy {name}": "has no contact and no pins" for name in SOLVERS}
+        return
+    if rig.scene.material.volume_stiffness > 0:
+        records.left_out |= {f"SciPy {name}": "has no volume stiffness" for name in SOLVERS}
+        return
+    equations = Equations(rig.scene)
+    forces = nodal_forces(rig)
+    for name in SOLVERS:
+        for tolerance in TOLERANCES[:: 2 if quick else 1]:
+            note(f"{records.scene}: SciPy {name}, tolerance {tolerance:.3g}")
+            setting, most = Setting(name, tolerance=tolerance), QUICK_MOST if quick else MOST
+            record = _measured(solve_ivp, equations, forces, rig, records, setting, most)
+            yield record
+            if record.failure or record.error < records.floor:
+                break
+
+
+def solver() -> Callable:
+    """scipy.integrate.solve_ivp. Raises SoftffdError where SciPy is not installed."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core, as the FMU; read when SciPy's library is loaded
+    try:
+        from scipy.integrate import solve_ivp
+    except ImportError:
+        raise SoftffdError("--scipy needs SciPy, which is not installed here: pip install softffd[scipy]") from None
+    return solve_ivp
+
+
+def _measured(solve_ivp, equations, forces, rig, records, setting, most) -> Record:
+    began = clock.process_time()
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            positions, evaluations = integrate(solve_ivp, equations, forces, rig, setting, deadline=began + most)
+    except _TooLong:
+        return Record(setting, "scipy", failure=f"given up: more than {most:g} s of CPU time")
+    except (ValueError, FloatingPointError, np.linalg.LinAlgError, RuntimeError) as error:
+        return Record(setting, "scipy", failure=" ".join(str(error).split()))
+    elapsed = clock.process_time() - began
+    return Record(setting, "scipy", elapsed, 1, evaluations, None, records.reference.errors(positions, rig.side))
+
+
+def integrate(solve_ivp, equations: Equations, forces, rig: Rig, setting: Setting, *, deadline: float = np.inf) -> tuple[np.ndarray, int]:
+    """Positions (T, n, 3) [m] at the communication points, and how often the right-hand side was evaluated.
+
+    Raises RuntimeError with the solver's message where it gives up, _TooLong past the deadline (CPU time of the process, s).
+    """
+    options = {"method": setting.method, "rtol": max(setting.tolerance, 3e-14), "atol": setting.tolerance * rig.side}
+    if setting.method in IMPLICIT_WITH_PATTERN:
+        options["jac_sparsity"] = equations.pattern()
+    state, evaluations = equations.start(), 0
+    rows = [state]
+    for first, last in segments(forces, rig.times):
+        times = rig.times[first : last + 1]
+        slope = (forces[first + 1] - forces[first]) / (times[1] - times[0])
+
+        def rate(t, y, base=forces[first], slope=slope, start=times[0]):
+            if clock.process_time() > deadline:
+                raise _TooLong
+            return equations.rate(y, base + (t - start) * slope)
+
+        solution = solve_ivp(rate, (times[0], times[-1]), state, t_eval=times[1:], **options)
+        if not solution.success:
+            raise RuntimeError(solution.message)
+        rows += list(solution.y.T)
+        state, evaluations = solution.y[:, -1], evaluations + solution.nfev
+    count = len(state) // 2
+    return np.array([row[:count].reshape(-1, 3) for row in rows]), evaluations
+
+
+class Equations:
+    """Right-hand side of a scene without obstacles and pins; the state is all positions, then all velocities, flat."""
+
+    def __init__(self, scene: Scene):
+        from scipy import sparse
+
+        self.scene = scene
+        rest = scene.rest_positions()
+        self.mass = scene_masses(scene).mass[:, None]
+        pairs, kinds = spring_list(scene.lattice.points, scene.lattice.springs)
+        a, b = pairs.T
+        self.length = np.linalg.norm(rest[b] - rest[a], axis=1)
+        material = scene.material.stiffness
+        self.stiffness = np.array([0.0, material.edge, material.face, material.body])[kinds]
+        self.damping = np.full((len(rest), 1), scene.material.damping)
+        for region in scene.region:
+            inside = scene.select(region.points)
+            if region.stiffness is not None:
+                self.stiffness[np.isin(pairs, inside).all(axis=1)] = region.stiffness
+            if region.damping is not None:
+                self.damping[inside] = region.damping
+        springs = np.arange(len(pairs))
+        ends = np.concatenate([-np.ones(len(pairs)), np.ones(len(pairs))])
+        places = np.concatenate([springs, springs]), np.concatenate([a, b])
+        self._to_springs = sparse.csr_array((ends, places), shape=(len(pairs), len(rest)))
+        self._to_points = sparse.csr_array(-self._to_springs.T)
+        self._constant = self.mass * np.array(scene.environment.gravity or (0.0, 0.0, 0.0))
+        self._damped = bool(self.damping.any())
+
+    def start(self) -> np.ndarray:
+        """The state at time 0, (6 n,)."""
+        initial, rest = self.scene.initial, self.scene.rest_positions()
+        origin, size = np.array(self.scene.lattice.origin), np.array(self.scene.lattice.size)
+        x = origin + np.array(initial.stretch) * (rest - origin) + np.array(initial.offset)
+        centre = origin + np.array(initial.stretch) * size / 2 + np.array(initial.offset)
+        v = np.array(initial.velocity) + np.cross(np.array(initial.angular_velocity), x - centre)
+        return np.concatenate([x.ravel(), v.ravel()])
+
+    def rate(self, state: np.ndarray, force: np.ndarray) -> np.ndarray:
+        """Time derivative of the state, with outside forces (n, 3) [N] besides gravity."""
+        x, v = state.reshape(2, -1, 3)
+        way = self._to_springs @ x
+        pull = self.stiffness * (1.0 - self.length / np.sqrt((way * way).sum(axis=1)))
+        total = self._to_points @ (pull[:, None] * way) + self._constant + force
+        if self._damped:
+            total -= self.damping * v
+        return np.concatenate([v.ravel(), (total / self.mass).ravel()])
+
+    def pattern(self):
+        """Where the Jacobian of the rate can have entries, sparse (6 n, 6 n)."""
+        from scipy import sparse
+
+        neighbours = sparse.csr_array(abs(self._to_springs.T) @ abs(self._to_springs))
+        stiff = sparse.kron(neighbours, np.ones((3, 3)))
+        unit = sparse.eye_array(stiff.shape[0])
+        return sparse.csr_array(sparse.block_array([[None, unit], [stiff, unit]]))
+
+
+def nodal_forces(rig: Rig) -> np.ndarray:
+    """Outside forces at every communication point besides gravity, (T, n, 3) [N], from the rig's inputs."""
+    scene, (nx, ny, _) = rig.scene, rig.scene.lattice.points
+    points = {load.name: scene.select(load.points) for load in scene.load}
+    ends = rig.input_values[-1] + rig.input_rates[-1] * (rig.times[-1] - rig.times[-2])
+    forces = np.zeros((len(rig.times), len(scene.rest_positions()), 3))
+    for name, values in zip(rig.driven_names, np.vstack([rig.input_values, ends]).T, strict=True):
+        owner, axis = name.rsplit(".", 1)
+        if owner.startswith("load."):
+            chosen = points[owner.removeprefix("load.")]
+        else:
+            i, j, k = map(int, re.findall(r"\d+", owner))
+            chosen = np.array([i + nx * (j + ny * k)])
+        forces[:, chosen, "xyz".index(axis)] += (values / len(chosen))[:, None]
+    return forces
+
+
+def segments(forces: np.ndarray, times: np.ndarray) -> list[tuple[int, int]]:
+    """Stretches (first, last communication point) over which the forces are linear in time."""
+    slopes = np.diff(forces, axis=0) / np.diff(times)[:, None, None]
+    change = np.abs(np.diff(slopes, axis=0)).max(axis=(1, 2), initial=0.0)
+    kinks = [0, *(np.flatnonzero(change > 1e-9 * np.abs(slopes).max(initial=1e-300)) + 1), len(times) - 1]
+    return list(pairwise(kinks))

@@ -1,0 +1,56 @@
+/// Small scenes for tests of the component, as the text that FMUs carry in their resources, and as a folder that fmi2Instantiate reads.
+#pragma once
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <string_view>
+
+namespace small_scene {
+
+/// FNV-1a, the checksum of the format.
+inline std::uint64_t hash_of(std::string_view text) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (unsigned char c : text) hash = (hash ^ c) * 1099511628211u;
+  return hash;
+}
+
+/// The records with the first line that belongs to them.
+inline std::string with_first_line(std::string_view records) {
+  char line[64];
+  std::snprintf(line, sizeof line, "softffd-scene 1 %016llx\n", static_cast<unsigned long long>(hash_of(records)));
+  return std::string(line).append(records);
+}
+
+/// A cube of side^3 control points whose guid is {g}; `parts` are the records that the test adds.
+struct Box {
+  int side = 3;
+  double mass = 0.037;      ///< of one control point [kg]
+  double stiffness = 1000;  ///< [N/m]
+  std::string initial = "1.1 1 0.9 0 0 0.02 1 0 -1 0 2 0";
+
+  std::string records(const std::string& parts) const {
+    std::ostringstream out;
+    out << "guid {g}\ncounts " << side << ' ' << side << ' ' << side << "\nmass";
+    for (int p = 0; p < side * side * side; ++p) out << ' ' << mass;
+    out << "\nstiffness " << stiffness << ' ' << stiffness << ' ' << stiffness << "\npositions";
+    for (int p = 0; p < side * side * side; ++p) out << ' ' << p;
+    out << "\ninitial " << initial << '\n' << parts;
+    return out.str();
+  }
+  std::string text(const std::string& parts) const { return with_first_line(records(parts)); }
+  /// Writes the scene to a folder of its own, whose name holds a blank and a percent sign, and returns the folder's URI.
+  std::string resources(const std::string& parts) const {
+    const std::string content = text(parts), name = std::to_string(hash_of(content));
+    const auto folder = std::filesystem::temp_directory_path() / ("softffd test %" + name);
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "scene.txt", std::ios::binary) << content;
+    std::string uri = "file://";
+    for (char c : folder.string()) uri.append(c == ' ' ? "%20" : c == '%' ? "%25" : std::string(1, c));
+    return uri;
+  }
+};
+
+}  // namespace small_scene

@@ -1,0 +1,101 @@
+"""Instantiation that is refused, and messages: when they come, in which category, and what they look like."""
+
+from ctypes import CDLL, c_char_p, c_size_t, create_string_buffer
+
+import pytest
+from c_host import DISCARD, ERROR, OK, STEP, Host, check_message, doubles, uints
+
+
+@pytest.mark.parametrize(
+    "given, wanted",
+    [
+        ({"type": 0}, "fmuType: wanted fmi2CoSimulation"),
+        ({"guid": None}, "fmuGUID: wanted a text, got null"),
+        ({"guid": b"{no%s#n}"}, "fmuGUID: wanted {"),
+        ({"uri": None}, "fmuResourceLocation: wanted the URI"),
+        ({"uri": b""}, "fmuResourceLocation: wanted the URI"),
+        ({"uri": b"http://x/%20#y"}, "wanted a file: URI, got http://x/%%20##y"),
+        ({"uri": b"file:///no/such%20folder"}, "cannot read /no/such folder/scene.txt"),
+        ({"name": b""}, "instanceName: wanted a text"),
+        ({"name": None}, "instanceName: wanted a text"),
+    ],
+)
+def test_a_refused_instantiation_says_why_once(rich, given, wanted):
+    host = Host(rich, **given)
+    assert not host.component
+    assert len(host.messages) == 1
+    environment, instance, status, category, message = host.messages[0]
+    assert (environment, instance) == (4711, given.get("name", b"host") or b"")
+    assert (status, category) == (ERROR, b"logStatusError")
+    assert wanted in message.decode()
+    assert "%" not in message.decode().replace("%%", "")
+
+
+@pytest.mark.parametrize("given", [{"guid": b"{no}\n"}, {"uri": b"http://x\n"}, {"uri": b"file:///no\xff\xfe"}, {"guid": b"\xff"}])
+def test_what_a_message_repeats_of_the_host_leaves_it_one_clean_line(rich, given):
+    host = Host(rich, **given)
+    text = host.messages[0][4].decode("utf-8")
+    assert not host.component and text == text.strip() and "\n" not in text
+
+
+def test_no_callbacks_and_no_logger_are_survived(rich):
+    assert not rich.library.fmi2Instantiate(b"x", 1, rich.guid, rich.uri, None, 0, 1)
+    host = Host(rich, logger=False, logging=True)
+    host.begin()
+    assert host.step(0) == OK
+    assert host.step(0) == ERROR
+    assert host.set({"mass": -1.0}) == ERROR
+    host.must("Reset")
+    host.free()
+    assert not Host(rich, logger=False, guid=b"{no}").component
+
+
+def test_a_message_is_the_format_that_a_host_prints(rich):
+    """Printed as a format, doubled percent signs come out single and nothing is expanded."""
+    host = Host(rich, uri=b"http://x/%d%s%n#25")
+    message = host.messages[0][4]
+    buffer = create_string_buffer(1000)
+    library = CDLL(None)
+    library.snprintf(buffer, c_size_t(1000), message)
+    assert buffer.value.endswith(b"got http://x/%d%s%n##25")
+
+
+def talkative(host: Host) -> None:
+    """A run with solver messages, a warning and a discarded step."""
+    host.begin(lambda h: h.set({"solver.step": 0.5}))
+    host.must("DoStep", 0.0, STEP, 1)
+    host.must("SetReal", uints([host.fmu.names["stiffness.edge"]]), 1, doubles([4e4]))
+    host.must("DoStep", STEP, STEP, 1)
+    assert host.set({"stiffness.edge": 1e19}) == OK
+    assert host("DoStep", 2 * STEP, 1.0, 1) == DISCARD
+
+
+def test_messages_come_only_where_they_were_asked_for_and_in_declared_categories(rich):
+    quiet, loud = Host(rich), Host(rich, logging=True)
+    for host in (quiet, loud):
+        talkative(host)
+    assert quiet.messages == []
+    assert {message[3] for message in loud.messages} >= {b"logStatusWarning"}
+    for environment, instance, _, category, message in loud.messages:
+        assert (environment, instance) == (4711, b"host")
+        assert category in rich.categories
+        assert message and message == message.strip()
+    assert quiet("DoStep", 9.0, STEP, 1) == ERROR
+    assert len(quiet.messages) == 1
+    for host in (quiet, loud):
+        host.free()
+
+
+def test_categories_are_switched_one_by_one_and_errors_always_come(rich):
+    host = Host(rich)
+    host.must("SetDebugLogging", 1, 1, (c_char_p * 1)(b"logStatusWarning"))
+    talkative(host)
+    assert {message[3] for message in host.messages} == {b"logStatusWarning"}
+    host.must("SetDebugLogging", 0, 0, None)
+    host.messages.clear()
+    host.must("Reset")
+    talkative(host)
+    assert host.messages == []
+    assert host("CancelStep") == ERROR
+    check_message(host, "fmi2CancelStep")
+    host.free()

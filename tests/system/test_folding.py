@@ -1,0 +1,199 @@
+"""Crushed cells: what a lattice of springs does not come back from, and what [material] volume_stiffness does about it."""
+
+import numpy as np
+import pytest
+from stepping import Stepper
+
+from softffd.package import scene_masses
+from softffd.scene_text import scene_records
+
+STIFFNESS, EDGE = 1e3, 1 / 3
+ENOUGH = 3 * STIFFNESS / EDGE
+"""Volume stiffness [Pa] that unfolds the box from a twentieth of its height."""
+
+CRUSH = """
+[material]
+stiffness = 1e3
+damping = 0.1
+volume_stiffness = {volume_stiffness}
+[[plane]]
+name = "table"
+friction = 0.4
+[[plane]]
+name = "press"
+point = [0.0, 0.0, 1.0]
+normal = [0.0, 0.0, -1.0]
+friction = 0.4
+motion = "input"
+[outputs]
+solver = true
+energy = true
+[solver]
+method = "{method}"
+step = {step}
+[experiment]
+stop_time = 3.0
+"""
+H = 0.01
+CASES = [("auto", 0.0), ("leapfrog", 0.0), ("leapfrog", 1e-3)]
+"""Methods and given internal steps that the crush is run with; a method that steps implicitly through contact joins here."""
+
+
+def eased(t):
+    """0 before 0, 1 after 1, with two continuous derivatives."""
+    u = min(max(t, 0.0), 1.0)
+    return u**3 * (10 - 15 * u + 6 * u**2)
+
+
+def press_height(t, share):
+    """Down to a share of the box's height in 0.5 s, held until 1 s, out of the way by 1.2 s."""
+    return 1 - (1 - share) * eased(t / 0.5) if t <= 1 else share + (3 - share) * eased((t - 1) / 0.2)
+
+
+def corner_volumes(positions):
+    """Volumes at the eight corners of every cell relative to rest, (8, 3, 3, 3), of a 4 x 4 x 4 cube of side 1."""
+    grid = positions.reshape(4, 4, 4, 3)  # z, y, x
+    x, y, z = (np.diff(grid, axis=axis) / EDGE for axis in (2, 1, 0))
+
+    def volume(a, b, c):
+        edges = x[c : 3 + c, b : 3 + b], y[c : 3 + c, :, a : 3 + a], z[:, b : 3 + b, a : 3 + a]
+        return np.linalg.det(np.stack(edges, axis=-1))
+
+    return np.array([volume(a, b, c) for a in (0, 1) for b in (0, 1) for c in (0, 1)])
+
+
+def crush(box, share, *, until=3.0):
+    """Runs the crush; returns the number of folded cells after each communication step."""
+    folded = []
+    while box.time < until - 0.5 * H:
+        now, after = (press_height(t, share) for t in (box.time, box.time + H))
+        box.set({"plane.press.point.z": now, "plane.press.velocity.z": (after - now) / H})
+        box.step(H)
+        folded.append(box.integer("solver.folded_cells"))
+    return folded
+
+
+def warnings(box):
+    return [text for text in box.messages if "turned inside out" in text]
+
+
+@pytest.fixture
+def press(scene):
+    """press(volume_stiffness, method, step) is the box under the press, initialized."""
+
+    def make(volume_stiffness, method="auto", step=0.0):
+        text = CRUSH.format(volume_stiffness=volume_stiffness, method=method, step=step)
+        return Stepper(scene(text), stop_time=3.0)
+
+    return make
+
+
+@pytest.mark.parametrize("share", [0.4, 0.2, 0.05])
+@pytest.mark.parametrize(("method", "step"), CASES)
+def test_with_volume_stiffness_a_crushed_box_comes_back(press, method, step, share):
+    with press(ENOUGH, method, step) as box:
+        crush(box, share)
+        volumes = corner_volumes(box.positions())
+        assert volumes.min() > 0.99 and volumes.max() < 1.01
+        assert box.integer("solver.folded_cells") == 0
+
+
+@pytest.mark.parametrize("share", [0.4, 0.2, 0.05])
+def test_without_it_the_box_stays_folded_and_says_so_once(press, share):
+    with press(0.0) as box:
+        folded = crush(box, share)
+        volumes = corner_volumes(box.positions())
+        assert volumes.min() == pytest.approx(-1, abs=0.01)
+        assert folded[-1] == (volumes <= 0).any(axis=0).sum() > 0
+        (warning,) = warnings(box)
+        first = next(n for n, count in enumerate(folded) if count)
+        cells = f"{folded[first]} of the lattice's cells {'is' if folded[first] == 1 else 'are'} turned inside out"
+        assert f"at time {(first + 1) * H:.9g} s {cells}" in warning and "[material] volume_stiffness" in warning
+
+
+def test_a_box_that_does_not_fold_gets_no_warning(press):
+    with press(0.0) as box:
+        assert not any(crush(box, 0.6))
+        assert not warnings(box)
+
+
+def test_a_box_that_starts_folded_is_warned_of_at_once_and_after_a_reset_again(scene):
+    mirrored = scene("[initial]\nstretch = [1.0, 1.0, -1.0]\n")
+    with Stepper(mirrored) as box:
+        assert [text.split(" s ")[0] for text in warnings(box)] == ["at time 0"]
+        box.step(H, times=3)
+        assert len(warnings(box)) == 1
+        box.restart({})
+        assert len(warnings(box)) == 1
+
+
+def test_a_restored_run_does_not_repeat_the_warning(press):
+    with press(0.0) as box:
+        crush(box, 0.2, until=0.1)
+        before = box.save()
+        crush(box, 0.2, until=0.5)
+        assert len(warnings(box)) == 1
+        box.restore(before)
+        crush(box, 0.2, until=0.5)
+        assert len(warnings(box)) == 1
+
+
+def test_the_bound_follows_a_box_that_is_crushed(press):
+    """The stable step shrinks while corners resist, and is what it was without the stiffness once none does."""
+    with press(ENOUGH) as box, press(0.0) as springs:
+        free = springs.read("solver.stable_step")
+        assert box.read("solver.stable_step") == free
+        crush(box, 0.2, until=0.9)
+        assert box.read("solver.stable_step") < 0.75 * free
+        crush(box, 0.2)
+        assert box.read("solver.stable_step") == pytest.approx(free, rel=0.01)
+
+
+@pytest.mark.parametrize(("method", "step"), CASES[:1])
+def test_energy_balance_closes_through_folding_and_back(press, method, step):
+    with press(ENOUGH, method, step) as box:
+        crush(box, 0.05)
+        kinetic, elastic, dissipated, work = box.read(*(f"energy.{kind}" for kind in ("kinetic", "elastic", "dissipated", "work")))
+        assert kinetic + elastic + dissipated == pytest.approx(work, rel=2e-4)  # impacts are of first order in the step
+        assert elastic < 1e-3
+
+
+def test_a_light_deformation_is_the_same_bits_with_and_without(scene):
+    """While no corner has lost half its volume there is exactly nothing."""
+    text = "[material]\nvolume_stiffness = {}\n[initial]\nstretch = [1.1, 0.9, 0.8]\n[solver]\nmethod = '{}'\nstep = 1e-3\n"
+    for method in ("central_difference", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2"):
+        ends = []
+        for volume_stiffness in (0.0, ENOUGH):
+            with Stepper(scene(text.format(volume_stiffness, method))) as box:
+                box.step(H, times=20)
+                ends.append(box.positions())
+        assert np.array_equal(*ends), method
+
+
+@pytest.mark.parametrize("method", ["leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "auto"])
+def test_every_method_feels_the_volume_stiffness(scene, method):
+    """A flattened cube of eight points without springs, from rest: d2z/dt2 from -grad psi over the first instants."""
+    text = f"""
+[lattice]
+points = [2, 2, 2]
+[material]
+stiffness = 0.0
+damping = 0.0
+volume_stiffness = 800.0
+[initial]
+stretch = [1.0, 1.0, 0.2]
+[solver]
+method = "{method}"
+"""
+    pull = 800 * (0.5 - 0.2) ** 2 / 0.5  # N on a face: -dpsi/dJ of psi = kappa V0 (J0 - J)^3 / (3 J0), J being the height
+    acceleration, time = pull / 0.5, 1e-3  # a face weighs half a kilogram
+    with Stepper(scene(text)) as box:
+        box.step(time)
+        height = np.ptp(box.positions()[:, 2])
+    assert height - 0.2 == pytest.approx(2 * 0.5 * acceleration * time**2, rel=2e-3)  # both faces move; the rest is the pull's own change
+
+
+def test_a_scene_without_it_has_no_record_of_it(scene):
+    bare, with_it = scene(""), scene("[material]\nvolume_stiffness = 9e3\n", "with_it")
+    assert "volume_stiffness" not in scene_records(bare, scene_masses(bare).mass)
+    assert "volume_stiffness 9000.0\n" in scene_records(with_it, scene_masses(with_it).mass)

@@ -1,0 +1,233 @@
+"""The order of every method: of the motion, of the energy balance and of the impulses on pins, at given internal steps.
+
+Each method runs the same scenes with H / n as its internal step, H the communication step. Errors are against another method at a step so
+small that rounding is left (some 1e-14 m); the root mean square over all points and communication points, because the largest error of a
+single point jumps from step to step by more than the orders tell apart.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from stepping import Stepper
+
+from softffd import load_scene
+
+H, STEPS = 0.012, 20
+
+SCENE = """
+[material]
+stiffness = 1e3
+damping = DAMPING
+[environment]
+gravity = [0.0, 0.0, GRAVITY]
+[initial]
+stretch = [1.04, 0.98, 1.0]
+angular_velocity = [1.0, -2.0, 3.0]
+[outputs]
+velocities = "all"
+energy = true
+reactions = true
+solver = true
+"""
+
+LOADS = '[[load]]\nname = "push"\npoints = "x+"\n[[load]]\nname = "pull"\npoints = [[0, 0, 0]]\n'
+PIN = '[[pin]]\nname = "hand"\npoints = "x-"\nmotion = "input"\n'
+CENTRE = np.array([0.0, 0.5, 0.5])
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene: what it adds to the free box, and its damping [N s/m] and gravity [m/s2]."""
+
+    extra: str = ""
+    damping: float = 0.0
+    gravity: float = -9.81
+
+
+CASES = {
+    "free": Case(),
+    "damped": Case(damping=0.1),
+    "ramp": Case(LOADS),
+    "damped ramp": Case(LOADS, damping=0.1),
+    "pin": Case(PIN),
+    "damped pin": Case(PIN, damping=0.1),
+    "turning pin": Case(PIN, gravity=0.0),
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """A method: its order, what n is for its internal steps H / n, and by how much the observed order may miss the claimed one.
+
+    Errors of order 12 fall from the first step that is stable to rounding within a factor 2 of the step, where the terms of higher
+    order still show: the slope over all steps is within 0.5 of 12, those between neighbouring steps scatter by more.
+    """
+
+    order: int
+    divisions: tuple[int, ...]
+    within: float = 0.15
+
+
+METHODS = {
+    "leapfrog": Row(2, (48, 96, 192)),
+    "central_difference": Row(2, (48, 96, 192)),
+    "bm4": Row(4, (16, 32, 64)),
+    "rkn12": Row(12, (5, 6, 7, 8), within=0.5),
+    "dop853": Row(8, (8, 12, 16)),
+    "ros34pw2": Row(3, (32, 64, 128)),
+}
+
+
+def pairs(cases, methods=METHODS):
+    """Of cases and methods, without those that rkn12 would leave to dop853."""
+    return [(case, method) for case in cases for method in methods if not (CASES[case].damping and method == "rkn12")]
+
+
+def loads(time):
+    """The course of the loads [N]; the box sees it as straight lines from one communication point to the next."""
+    push, pull = np.array([8 * np.sin(20 * time), 5 * np.cos(15 * time), 0.0]), np.array([0.0, 0.0, 30 * time])
+    return dict(zip((f"load.{name}.{axis}" for name in ("push", "pull") for axis in "xyz"), [*push, *pull], strict=True))
+
+
+START, SPEED, ACCELERATION = CENTRE, np.array([0.5, 0.2, -0.3]), np.array([3.0, -4.0, 5.0])
+TURN, TURN_RATE = 1.0, 8.0
+
+
+def drive(stepper, case, time):
+    """Sets inputs and their derivatives for the communication step that begins now."""
+    if "ramp" in case:
+        now, then = loads(time), loads(time + H)
+        stepper.set(now)
+        stepper.set_rates({name: (then[name] - now[name]) / H for name in now})
+    if "pin" in case:
+        moves = 0.0 if case == "turning pin" else 1.0
+        place = START + moves * (SPEED * time + 0.5 * ACCELERATION * time**2)
+        angle = TURN * time + 0.5 * TURN_RATE * time**2
+        stepper.set(vector("pin.hand.position", place) | vector("pin.hand.velocity", moves * (SPEED + ACCELERATION * time)))
+        stepper.set({"pin.hand.orientation.w": np.cos(angle / 2), "pin.hand.orientation.x": np.sin(angle / 2)})
+        stepper.set({"pin.hand.angular_velocity.x": TURN + TURN_RATE * time})
+        stepper.set_rates(vector("pin.hand.velocity", moves * ACCELERATION) | {"pin.hand.angular_velocity.x": TURN_RATE})
+
+
+def vector(name, values):
+    return {f"{name}.{axis}": float(value) for axis, value in zip("xyz", values, strict=True)}
+
+
+@dataclass(frozen=True)
+class Course:
+    """A run at its communication points: x [m] and v [m/s] (T, n, 3), energy + dissipated - work (T,) [J], pin (T, 2, 3) [N, N m]."""
+
+    x: np.ndarray
+    v: np.ndarray
+    energy: np.ndarray
+    pin: np.ndarray
+
+
+def run(stepper, case, method, n):
+    stepper.restart({"solver.method": method, "solver.step": H / n})
+    rows = []
+    for number in range(STEPS + 1):
+        kinetic, elastic, gravity, dissipated, work = stepper.read(
+            *(f"energy.{part}" for part in ("kinetic", "elastic", "gravity", "dissipated", "work"))
+        )
+        pin = [stepper.vector(f"pin.hand.{what}") if "pin" in case else np.zeros(3) for what in ("reaction", "torque")]
+        rows.append((stepper.positions(), stepper.velocities(), kinetic + elastic + gravity + dissipated - work, pin))
+        if number < STEPS:
+            drive(stepper, case, number * H)
+            stepper.step(H)
+    assert stepper.integer("solver.steps") == STEPS * n, "the given step was divided"
+    return Course(*(np.array(column) for column in zip(*rows, strict=True)))
+
+
+@pytest.fixture(scope="module")
+def courses(tmp_path_factory):
+    """courses(case, method, n) runs once and remembers."""
+    folder, steppers, known = tmp_path_factory.mktemp("order"), {}, {}
+
+    def course(case, method, n):
+        if case not in steppers:
+            path, this = folder / f"{case.replace(' ', '_')}.toml", CASES[case]
+            path.write_text(SCENE.replace("DAMPING", str(this.damping)).replace("GRAVITY", str(this.gravity)) + this.extra)
+            steppers[case] = Stepper(load_scene(path))
+        if (case, method, n) not in known:
+            known[case, method, n] = run(steppers[case], case, method, n)
+        return known[case, method, n]
+
+    yield course
+    for stepper in steppers.values():
+        stepper.__exit__()
+
+
+def rms(difference):
+    """Root mean square over all points and communication points."""
+    return np.sqrt((difference**2).sum(axis=-1).mean())
+
+
+def observed(divisions, errors):
+    """The slope of log error over log step."""
+    return -np.polyfit(np.log(divisions), np.log(errors), 1)[0]
+
+
+@pytest.mark.parametrize(("case", "method"), pairs([case for case in CASES if case != "turning pin"]))
+def test_the_motion_has_the_methods_order(courses, case, method):
+    row = METHODS[method]
+    exact = courses(case, "bm4", 1200) if method != "bm4" else courses(case, "dop853", 60)
+    runs = [courses(case, method, n) for n in row.divisions]
+    for quantity in ("x", "v"):
+        errors = [rms(getattr(run, quantity) - getattr(exact, quantity)) for run in runs]
+        assert observed(row.divisions, errors) == pytest.approx(row.order, abs=row.within), (quantity, errors)
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case != "turning pin"])
+def test_the_references_agree_to_rounding(courses, case):
+    one, other = courses(case, "bm4", 1200), courses(case, "dop853", 60)
+    assert rms(one.x - other.x) < 1e-13
+    assert rms(one.v - other.v) < 1e-10  # rounding of a position times the highest frequency, 930 rad/s, and some growth
+
+
+SMOOTH = [method for method in METHODS if method != "central_difference"]
+
+
+@pytest.mark.parametrize(("case", "method"), pairs([case for case in CASES if case != "turning pin"], SMOOTH))
+def test_the_energy_balance_closes_with_the_methods_order(courses, case, method):
+    """Kinetic + elastic + gravity + dissipated - work. Runge-Kutta methods have one order more here: they lose energy in odd powers."""
+    row = METHODS[method]
+    gaps = [np.abs(run.energy - run.energy[0]).max() for run in (courses(case, method, n) for n in row.divisions)]
+    assert observed(row.divisions, gaps) > row.order - row.within, gaps
+    assert gaps[-1] < 0.05
+
+
+@pytest.mark.parametrize(("case", "method"), pairs([case for case in CASES if case != "turning pin"], SMOOTH))
+def test_momentum_is_what_loads_drag_and_pins_gave(courses, case, method):
+    """The change of momentum in every communication step is the impulse of gravity, loads, damping and pin: to rounding (1e-13 N s).
+    But the drag of fixed-step methods is no sum over the way of the points: it has the method's order."""
+    this, row = CASES[case], METHODS[method]
+    times = H * np.arange(STEPS + 1)
+    load = np.array([[loads(t)[f"load.push.{axis}"] + loads(t)[f"load.pull.{axis}"] for axis in "xyz"] for t in times]) * ("ramp" in case)
+    given = 0.5 * H * (load[1:] + load[:-1]) + H * np.array([0.0, 0.0, this.gravity])
+
+    def gap(n):
+        run = courses(case, method, n)
+        momentum, way = run.v.mean(axis=1), run.x.sum(axis=1)  # 1 kg in all, the same on every point
+        return np.abs(np.diff(momentum, axis=0) - given + this.damping * np.diff(way, axis=0) + H * run.pin[1:, 0]).max()
+
+    gaps = [gap(n) for n in row.divisions]
+    if this.damping and row.order <= 4 and max(gaps) > 1e-13:
+        assert observed(row.divisions, np.maximum(gaps, 1e-14)) > row.order - row.within, gaps
+    else:
+        assert max(gaps) < 1e-13
+
+
+@pytest.mark.parametrize("method", SMOOTH)
+def test_angular_momentum_is_what_the_pin_gave(courses, method):
+    """About the origin of a frame that only turns. Kicks and drifts keep it to rounding, Runge-Kutta methods to their order."""
+    row, gaps = METHODS[method], []
+    for n in row.divisions:
+        run = courses("turning pin", method, n)
+        spin = np.cross(run.x - CENTRE, run.v).mean(axis=1)
+        gaps.append(np.abs(np.diff(spin, axis=0) + H * run.pin[1:, 1]).max())
+    if method in ("dop853", "ros34pw2"):
+        assert observed(row.divisions, gaps) > row.order - row.within, gaps
+    else:
+        assert max(gaps) < 1e-13  # rkn12 is below it at its longest step

@@ -1,0 +1,121 @@
+"""The error at the end of a run stays within ten times `solver.tolerance`, with every method, on the shipped scenes.
+
+The error is the largest of all control points, relative to the largest side of the box, against a run that is much more accurate and by
+another method. In contact, where all methods hand over to leapfrog, it is leapfrog with small steps, to 1e-6.
+"""
+
+import numpy as np
+import pytest
+from readings import points
+from stepping import Stepper
+
+from softffd import load_scene, simulate
+
+REFERENCES = {
+    "free_vibration": [("dop853", {"solver.tolerance": 1e-12}), ("rkn12", {"solver.tolerance": 1e-12})],
+    "light_corner": [("dop853", {"solver.tolerance": 1e-12}), ("bm4", {"solver.step": 5e-6})],
+    "spin": [("dop853", {"solver.tolerance": 1e-12}), ("rkn12", {"solver.tolerance": 1e-12})],
+    "hanging": [("dop853", {"solver.tolerance": 1e-12}), ("bm4", {"solver.step": 2e-4})],
+    "stiff_pull": [("bm4", {"solver.step": 1e-5}), ("dop853", {"solver.tolerance": 1e-8})],
+    "stiff_layer": [("bm4", {"solver.step": 1e-5}), ("dop853", {"solver.tolerance": 1e-8})],
+    "sliding_drop": [("leapfrog", {"solver.step": 1e-5})],
+    "incline": [("leapfrog", {"solver.step": 1e-5})],
+    "press": [("leapfrog", {"solver.step": 2e-5})],
+    "car_drop": [("leapfrog", {"solver.step": 1e-5})],
+}
+"""Two for every scene, so that there is one by another method for each; they agree as the test below says"""
+
+SMOOTH = ("bm4", "dop853", "auto")
+UNDAMPED = ("bm4", "rkn12", "dop853", "auto")
+CONTACT = ("leapfrog", "bm4", "rkn12", "dop853", "auto")
+CASES = [
+    *[("free_vibration", method, tolerance) for tolerance in (1e-2, 1e-4) for method in ("leapfrog", *UNDAMPED)],
+    *[("free_vibration", method, tolerance) for tolerance in (1e-6, 1e-8, 1e-9) for method in UNDAMPED],
+    *[("light_corner", method, tolerance) for tolerance in (1e-2, 1e-4) for method in ("leapfrog", *SMOOTH)],
+    *[("light_corner", method, tolerance) for tolerance in (1e-6, 1e-8) for method in SMOOTH],
+    *[("spin", method, tolerance) for tolerance in (1e-2, 1e-4) for method in ("leapfrog", *UNDAMPED)],
+    *[("spin", method, tolerance) for tolerance in (1e-6, 1e-8, 1e-9) for method in UNDAMPED],
+    *[("hanging", method, tolerance) for tolerance in (1e-2, 1e-4, 1e-6) for method in ("leapfrog", *SMOOTH)],
+    *[(scene, "auto", tolerance) for scene in ("stiff_pull", "stiff_layer") for tolerance in (1e-2, 1e-4, 1e-6)],
+    *[(scene, "ros34pw2", tolerance) for scene in ("stiff_pull", "stiff_layer") for tolerance in (1e-2, 1e-4, 1e-6)],
+    *[("sliding_drop", method, tolerance) for tolerance in (1e-2, 1e-3, 1e-4) for method in CONTACT],
+    *[("press", method, tolerance) for tolerance in (1e-2, 1e-4) for method in ("leapfrog", "dop853", "auto")],
+    *[("incline", "auto", tolerance) for tolerance in (1e-2, 1e-3, 1e-4)],
+    *[("car_drop", "auto", tolerance) for tolerance in (1e-2, 1e-3, 1e-4)],
+]
+
+
+def end(name, method, settings):
+    """Loads of the stiff scenes ramp from one communication point to the next; jumps of held ones would set them ringing."""
+    scene, ramps = load_scene(name), name.startswith("stiff")
+    result = simulate(scene, start_values={"solver.method": method} | settings, inputs=scene.default_inputs, interpolate=ramps)
+    return points(result)[-1] / max(scene.lattice.size)
+
+
+@pytest.fixture(scope="module")
+def exact():
+    """exact(scene, method): the end of the scene by a method that is not this one, if there is another."""
+    known = {}
+
+    def end_of(name, method):
+        others = [reference for reference in REFERENCES[name] if reference[0] != method]
+        reference, settings = (others or REFERENCES[name])[0]
+        if (name, reference) not in known:
+            known[name, reference] = end(name, reference, settings)
+        return known[name, reference]
+
+    return end_of
+
+
+@pytest.mark.parametrize(("name", "method", "tolerance"), CASES)
+def test_the_error_at_the_end_is_within_ten_tolerances(exact, name, method, tolerance):
+    error = np.abs(end(name, method, {"solver.tolerance": tolerance}) - exact(name, method)).max()
+    print(f"{name:15} {method:9} {tolerance:.0e} error / tolerance {error / tolerance:9.3g}")  # a table with pytest -rP
+    assert error < 10 * tolerance
+
+
+@pytest.mark.parametrize("name", [name for name, references in REFERENCES.items() if len(references) == 2])
+def test_the_references_agree(exact, name):
+    """Far below the smallest tolerance that they are used for."""
+    smallest = min(tolerance for scene, _, tolerance in CASES if scene == name)
+    assert np.abs(exact(name, REFERENCES[name][0][0]) - exact(name, REFERENCES[name][1][0])).max() < 0.3 * smallest
+
+
+def test_a_tolerance_given_at_setup_wins_over_the_parameter():
+    """fmi2SetupExperiment's tolerance acts as the variable does, to the bit, and reads back as it."""
+    ends = {}
+    with Stepper(load_scene("free_vibration")) as stepper:
+        for setup, parameter in [(None, 1e-3), (None, 1e-8), (1e-8, 1e-3), (1e-8, None)]:
+            settings = {"solver.method": "dop853"} | ({"solver.tolerance": parameter} if parameter else {})
+            stepper.restart(settings, stop_time=1.0, tolerance=setup)
+            assert stepper.read("solver.tolerance")[0] == (setup or parameter)
+            stepper.step(0.1, times=10)
+            ends[setup, parameter] = stepper.positions()
+    assert np.array_equal(ends[1e-8, 1e-3], ends[None, 1e-8])
+    assert np.array_equal(ends[1e-8, None], ends[None, 1e-8])
+    assert not np.array_equal(ends[None, 1e-3], ends[None, 1e-8])
+
+
+@pytest.mark.parametrize("method", ["leapfrog", "bm4", "rkn12", "dop853"])
+def test_a_given_step_is_taken_whatever_the_tolerance(method):
+    with Stepper(load_scene("free_vibration")) as stepper:
+        ends = []
+        for tolerance in (1e-1, 1e-12):
+            stepper.restart({"solver.method": method, "solver.step": 1e-3, "solver.tolerance": tolerance}, stop_time=1.0)
+            stepper.step(0.1, times=10)
+            assert stepper.integer("solver.steps") == 1000
+            ends.append(stepper.positions())
+    assert np.array_equal(*ends)
+
+
+@pytest.mark.parametrize("method", ["leapfrog", "bm4"])
+def test_a_longer_run_is_stepped_more_finely(method):
+    """The tolerance is for the end of the run: with a later stop time the same second is to be more accurate. Methods with error control
+    do not look at the stop time; they keep the error of a single step far enough below the tolerance."""
+    with Stepper(load_scene("free_vibration")) as stepper:
+        steps = []
+        for stop in (1.0, 10.0):
+            stepper.restart({"solver.method": method, "solver.tolerance": 1e-4}, stop_time=stop)
+            stepper.step(0.1, times=10)
+            steps.append(stepper.integer("solver.steps"))
+    assert steps[1] > 1.05 * steps[0]
