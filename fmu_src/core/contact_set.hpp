@@ -58,7 +58,7 @@ class ContactSet {
   /// Friction forces at displacements u of the step from x0. Returns whether their stiffness has left that of the matrix by more than half
   /// of it and by more than `slight` [N/m].
   bool find_friction(const Points& x0, const Points& u, double h, double slight);
-  /// The same for points that have begun to touch since.
+  /// The same for points that have begun to touch since it was called.
   void find_new_friction(const Points& x0, const Points& u, double h);
   /// The same before the first solution: points that have slid so far, by the displacements `free`, still do.
   void guess_friction(const Points& x0, const Points& u, const Points& free, double h);

@@ -5,8 +5,9 @@
 
 namespace softffd {
 
-/// Time integration methods; `automatic` takes one of the others for each communication step.
-enum class Method { automatic, central_difference, leapfrog, bm4, rkn12, dop853, ros34pw2 };
+/// Time integration methods; `automatic` takes one of the others for each communication step, `backward_euler` only where a stiff body is
+/// in contact.
+enum class Method { automatic, central_difference, leapfrog, bm4, rkn12, dop853, ros34pw2, backward_euler };
 
 /// Why a method took a communication step.
 enum class Reason {
@@ -16,7 +17,8 @@ enum class Reason {
   given_step,      ///< automatic with a given internal step
   stability,       ///< the largest stable step is accurate enough: nothing explicit costs less
   least_work,      ///< least work for the tolerance among those tried
-  quiet_stiffness  ///< stiff, and the fast modes are quiet: implicit steps pass them over
+  quiet_stiffness, ///< stiff, and the fast modes are quiet: implicit steps pass them over
+  stiff_contact    ///< an obstacle is within reach of a stiff body
 };
 
 struct Request {

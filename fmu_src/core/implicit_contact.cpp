@@ -72,7 +72,8 @@ StepStatus ImplicitContact::open(const Step& step) {
   extent_ = body.length + kernels::largest(x_.size(), x_.data());
   if (!std::isfinite(extent_)) return StepStatus::not_finite;
   if (!contacts_.possible(row(x_, 0), 1e-14 * extent_)) return StepStatus::impossible_planes;
-  force_scale_ = std::max(kernels::largest(force_.size(), force_.data()), kernels::largest(step.from.spring.size(), step.from.spring.data()));
+  force_scale_ =
+      std::max(kernels::largest(force_.size(), force_.data()), kernels::largest(step.from.spring.size(), step.from.spring.data()));
   const double inertia = diagonal_.maxCoeff() * kernels::largest(u_.size(), u_.data());
   noise_ = 16 * rounding * (largest_stiffness_ * extent_ + inertia + force_scale_);
   slight_ = 0.05 * body.mass.minCoeff() / (step.h * step.h);
@@ -110,8 +111,8 @@ void ImplicitContact::guess_touches(const Step& step) {
 }
 
 StepStatus ImplicitContact::solve(const Step& step) {
-  const LinearContact::Problem problem{step.equations.body, step.from.x, u_, x_, residual_, diagonal_, step.h, 1e-14 * extent_,
-                                       force_scale_, largest_stiffness_};
+  const LinearContact::Problem problem{step.equations.body, step.from.x,       u_, x_, residual_, diagonal_, step.h, 1e-14 * extent_,
+                                       force_scale_,        largest_stiffness_};
   for (int i = 0; i < most_iterations; ++i) {
     find_residual(step, i == 0);
     if (straight_ && in_balance(step)) return StepStatus::ok;
@@ -128,8 +129,8 @@ void ImplicitContact::find_residual(const Step& step, bool first) {
   const double per_h = 1 / step.h;
   body.internal_force(x_, spring_);
   for (int axis = 0; axis < 3; ++axis)
-    residual_.col(axis) = force_.col(axis) + spring_.col(axis) -
-                          (body.mass * per_h) * (u_.col(axis) * per_h - step.from.v.col(axis)) - (body.damping * per_h) * u_.col(axis);
+    residual_.col(axis) = force_.col(axis) + spring_.col(axis) - (body.mass * per_h) * (u_.col(axis) * per_h - step.from.v.col(axis)) -
+                          (body.damping * per_h) * u_.col(axis);
   if (contacts_.scale_friction(body.length, largest_stiffness_)) linear_.refresh();
   if (first) {
     scratch_ = step.h * step.from.v;
@@ -251,8 +252,8 @@ double ImplicitContact::contact_work(const Step& step) const {
   double work = 0;
   for (int p : contacts_.points())
     for (int i = 0; i < contacts_.touches(p); ++i)
-      work += touch_impulse(step, p, i)
-                  .dot(contacts_.material_velocity(contacts_.touch(p, i).plane, row(step.from.x, p) + 0.5 * row(u_, p)));
+      work +=
+          touch_impulse(step, p, i).dot(contacts_.material_velocity(contacts_.touch(p, i).plane, row(step.from.x, p) + 0.5 * row(u_, p)));
   for (const Pin& pin : step.equations.around.pins)
     for (int p : pin.points) work += pin_impulse(step, p).dot(row(u_, p)) / step.h;
   return work;

@@ -34,7 +34,7 @@ class ImplicitContact {
   StepStatus advance(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
 
   /// Counted since the start.
-  long steps() const { return steps_; }  ///< tried; of which
+  long steps() const { return steps_; }        ///< tried; of which
   long halvings() const { return halvings_; }  ///< had to be done in two halves
   long iterations() const { return iterations_; }
   long factorizations() const { return linear_.factorizations(); }

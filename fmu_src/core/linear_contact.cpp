@@ -25,7 +25,7 @@ LinearContact::LinearContact(const Lattice& lattice)
 bool LinearContact::solve(const Problem& problem, ContactSet& contacts, bool cautious) {
   fresh = settled = false;
   if (stale_) {
-    linearise(problem, false);
+    linearise(problem, 1);
     contacts.fix_friction_stiffness(cautious);
   }
   for (int round = 0; round < most_rounds; ++round) {
@@ -50,10 +50,11 @@ bool LinearContact::solve(const Problem& problem, ContactSet& contacts, bool cau
   return true;
 }
 
-void LinearContact::linearise(const Problem& problem, bool bound) {
-  bound_ = bound;
+/// Less and less of what makes the matrices indefinite, until they are not.
+void LinearContact::linearise(const Problem& problem, double share) {
+  share_ = share;
   x_ = problem.x;
-  hessian_.compute(problem.body.springs, x_, bound);
+  hessian_.compute(problem.body.springs, x_, share);
   stale_ = true;
 }
 
@@ -70,8 +71,8 @@ bool LinearContact::solve_with_touches(const Problem& problem, ContactSet& conta
     }
     solve_free_part(problem, contacts);
     if (std::isfinite(kernels::largest(change.size(), change.data()))) break;
-    if (bound_) return false;
-    linearise(problem, true);
+    if (share_ == 0) return false;
+    linearise(problem, share_ - 0.25);
   }
   forces_of(problem, change, reaction);
   reaction -= problem.residual;

@@ -47,7 +47,7 @@ class LinearContact {
   long factorizations() const { return factorizations_; }
 
  private:
-  void linearise(const Problem& problem, bool bound);
+  void linearise(const Problem& problem, double share);
   bool solve_with_touches(const Problem& problem, ContactSet& contacts, bool cautious);
   void solve_free_part(const Problem& problem, const ContactSet& contacts);
   void couple_loads(const Problem& problem, ContactSet& contacts);
@@ -60,7 +60,8 @@ class LinearContact {
   Points x_;  ///< that the matrix was made at
   Points prescribed_, friction_, response_, made_, moved_;
   Scalars lack_;
-  bool stale_ = true, bound_ = false;
+  bool stale_ = true;
+  double share_ = 1;  ///< of the exact matrices' negative part
   long factorizations_ = 0;
 };
 

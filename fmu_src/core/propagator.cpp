@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "rigid_motion.hpp"
 #include "traits.hpp"
 
 namespace softffd {
@@ -15,8 +16,12 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double deformation_limit = 0.2;
 /// The same with a volume stiffness, which grows fast once a corner begins to fold.
 constexpr double deformation_limit_with_volume = 0.05;
+/// (omega h) (spin h) that an implicit step may have.
+constexpr double largest_turn = 1e-3;
 /// Internal steps between two looks at the deformation.
 constexpr long look_every = 8;
+/// Explicit steps in a communication step above which contact is implicit, and the work of an implicit step in evaluations of the forces.
+constexpr double stiff_contact = 200, implicit_contact_work = 150;
 
 }  // namespace
 
@@ -29,6 +34,7 @@ Propagator::Propagator(const Lattice& lattice, int planes, int pins)
       dop853_(lattice.points(), pins),
       ros34pw2_(lattice, pins),
       implicit_(lattice),
+      implicit_contact_(lattice, planes),
       reach_(lattice.points()),
       time_scale_(3 * lattice.points()),
       memory_(3 * lattice.points()),
@@ -53,6 +59,7 @@ void Propagator::body_changed(const Body& body, Course& course) {
   stability_.time_scales(body, time_scale_);
   rkn12_.time_scale = dop853_.time_scale = ros34pw2_.time_scale = time_scale_;
   ros34pw2_.body_changed();
+  implicit_contact_.body_changed();
   course.bound = -1;
   course.leapfrog = course.bm4 = {};
   course.factored.h = 0;
@@ -66,6 +73,7 @@ StepStatus Propagator::advance(const Equations& equations, const Request& reques
   course.reason = Reason::asked;
   course.usual = std::max(H, 0.8 * course.usual);
   if (method == Method::rkn12 && equations.body.damped) method = Method::dop853, course.reason = Reason::damping;
+  if (method == Method::backward_euler) return run_implicit(job, state.time + H);
   const bool resolves_contact = method == Method::leapfrog || method == Method::central_difference;
   if (equations.around.planes.empty() || method == Method::central_difference) return advance_with(job, method, H);
   if (reach_.may_touch(equations, state, H)) return advance_in_contact(job, method, H);
@@ -85,6 +93,11 @@ StepStatus Propagator::advance(const Equations& equations, const Request& reques
 }
 
 StepStatus Propagator::advance_in_contact(const Job& job, Method asked, double H) {
+  const bool implicit = asked == Method::automatic || asked == Method::ros34pw2;
+  if (implicit && job.request.step == 0 && H > stiff_contact * step_limit(job, Method::leapfrog, false)) {
+    job.course.reason = Reason::stiff_contact;
+    return run_implicit(job, job.state.time + H);
+  }
   if (asked != Method::leapfrog) job.course.reason = Reason::contact;
   if (job.request.step > 0) return advance_with(job, Method::leapfrog, H);
   job.course.method = Method::leapfrog;
@@ -99,8 +112,10 @@ StepStatus Propagator::advance_with(const Job& job, Method asked, double H) {
   course.method = asked == Method::automatic ? Method::leapfrog : asked;
   if (units >= 1 && units <= double(most_steps) && std::abs(H - units * unit) <= 1e-9 * H)
     return run_counted(job, course.method, long(units));
+  const double begun = course.work;
   while (state.time < end) {
     if (automatic) choose(job, end - state.time);
+    if (automatic && course.work - begun + course.forecast > 1.2 * double(most_steps)) return StepStatus::too_many_steps;
     // A winner that needs far more than it seemed to runs again.
     const double pause_at = automatic ? std::min(course.race_due, course.work + 2.5 * course.forecast + 100) : infinity;
     const bool controlled = traits(course.method).error_control() && unit == 0;
@@ -108,6 +123,25 @@ StepStatus Propagator::advance_with(const Job& job, Method asked, double H) {
         controlled ? run_controlled(job, course.method, end, pause_at) : run_fitted(job, course.method, end, pause_at);
     if (status != StepStatus::ok) return status;
     if (state.time < end) course.race_due = course.work;
+  }
+  return StepStatus::ok;
+}
+
+StepStatus Propagator::run_implicit(const Job& job, double end) {
+  const auto& [equations, request, state, course, exchange] = job;
+  const double begin = state.time, H = end - begin;
+  course.method = Method::backward_euler;
+  const double wanted = request.step > 0 ? H / request.step : 1;
+  if (!(wanted <= double(most_steps) / implicit_contact_work)) return StepStatus::too_many_steps;
+  const long steps = std::max(1L, std::lround(wanted));
+  course.clock = {begin, H / double(steps), 0};
+  for (long i = 0; i < steps; ++i) {
+    const double next = i + 1 == steps ? end : course.clock.origin + double(i + 1) * course.clock.h;
+    const StepStatus status = implicit_contact_.advance(equations, state.time, next - state.time, request.watch, state, exchange);
+    if (status != StepStatus::ok) return status;
+    state.time = next;
+    course.work += implicit_contact_work;
+    ++course.steps;
   }
   return StepStatus::ok;
 }
@@ -127,9 +161,17 @@ double Propagator::step_limit(const Job& job, Method method, bool given) {
   if (stability_.elastic()) limit = (given ? t.given : t.automatic) * 2 / bound(job);
   if (method == Method::bm4) limit = std::min(limit, 10 / fastest_damping_);
   if (method == Method::dop853) limit = std::min(limit, 5 / fastest_damping_);
-  if (method == Method::ros34pw2)  // stiff springs make pins that turn by more pull and twist wrongly
-    for (const Pin& pin : job.equations.around.pins) limit = std::min(limit, 0.005 / pin.at(job.state.time).spin.norm());
+  if (method == Method::ros34pw2) limit = std::min(limit, turning_limit(job, job.state.x, job.state.v));
   return limit;
+}
+
+/// Longest implicit step of a turning body. A step takes points along straight lines; what that stretches the springs throws them back with
+/// (omega h) times the speed of turning, so that the energy of the rotation errs by about (omega h spin h)^2. Where pins turn, the
+/// forces on them do.
+double Propagator::turning_limit(const Job& job, const Points& x, const Points& v) {
+  double spin = rigid_motion(job.equations.body.mass, x, v).spin.norm();
+  for (const Pin& pin : job.equations.around.pins) spin = std::max(spin, pin.at(job.state.time).spin.norm());
+  return std::min(std::sqrt(largest_turn / (bound(job) * spin)), 0.005 / spin);
 }
 
 bool Propagator::deformed_since_bound(const Job& job) const {
@@ -271,15 +313,18 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
   double limit = step_limit(job, method, false);
   if (!(h > 0)) h = std::min(end - state.time, stability_.elastic() ? 3 / bound(job) : infinity);
   course.clock = {state.time, h, 0};
+  const double begun = course.work;
   for (long tries = 1; state.time < end; ++tries) {
-    if (tries > most_steps / 10) return StepStatus::too_many_steps;
+    if (course.work - begun > double(most_steps)) return StepStatus::too_many_steps;
     const double left = end - state.time;
     const long ahead = divisions(left, std::min(h, limit));  // equal parts, so that no sliver is left at the end
     const double step = ahead == 1 ? left : left / double(ahead);
     if (!(step > least)) return StepStatus::not_finite;
     const double error = attempt(job, method, state.time, step) / tolerance(step);
-    const double factor = error > 0 ? 0.9 * root(1 / error, trial.exponent, 0.1, 6) : error == 0 ? 5 : 0.1;
-    if (!(error <= 1)) {
+    const bool turned = method == Method::ros34pw2 && step > 2 * turning_limit(job, trial.x, trial.v);
+    if (method == Method::ros34pw2) limit = step_limit(job, method, false);
+    const double factor = turned ? 0.5 : error > 0 ? 0.9 * root(1 / error, trial.exponent, 0.1, 6) : error == 0 ? 5 : 0.1;
+    if (!(error <= 1) || turned) {
       ++course.rejected;
       const bool old_factor = method == Method::ros34pw2 && course.factored.uses > 1;
       if (old_factor) course.factored.h = 0;

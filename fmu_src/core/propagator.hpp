@@ -13,6 +13,7 @@
 #include "central_difference.hpp"
 #include "course.hpp"
 #include "dop853.hpp"
+#include "implicit_contact.hpp"
 #include "leapfrog.hpp"
 #include "reach.hpp"
 #include "rkn12.hpp"
@@ -55,10 +56,12 @@ class Propagator {
   StepStatus take_steps(const Job& job, Method method, const Task& task, State& state, Exchange& exchange);
   double step_limit(const Job& job, Method method, bool given);
   double bound(const Job& job);
+  double turning_limit(const Job& job, const Points& x, const Points& v);
   bool deformed_since_bound(const Job& job) const;
 
   bool calibration_due(const Job& job, const Calibration& calibration, double H, bool jolt);
   double calibrate(const Job& job, Method method, double H, int rounds);
+  StepStatus run_implicit(const Job& job, double end);
   StepStatus run_doubled(const Job& job, double end);
   /// What states a and b, after the same stretch of time [s] from one state, will differ by at the end of the run, if the difference keeps
   /// growing until damping forgets it [m].
@@ -83,6 +86,7 @@ class Propagator {
   Dop853 dop853_;
   Ros34pw2 ros34pw2_;
   ImplicitWork implicit_;
+  ImplicitContact implicit_contact_;
   Reach reach_;
   double fastest_damping_ = 0;   ///< largest damping / mass [1/s]
   Scalars time_scale_;           ///< (3 * points) position error that a velocity error amounts to [s]

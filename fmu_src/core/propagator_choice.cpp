@@ -21,6 +21,8 @@ constexpr double jolt_pause = 3;
 constexpr double race_pause = 10, longest_race_pause = 160;
 /// Implicit steps are worth a trial from this H omega / 2 on.
 constexpr double stiff = 25;
+/// Work that such a trial may take.
+constexpr double longest_trial = 20'000;
 /// Share of the tolerance that fast modes may amount to where an implicit method is to pass over them.
 constexpr double quiet_share = 0.3;
 
@@ -126,7 +128,7 @@ void Propagator::race(const Job& job, double H) {
     if (work * (method == before ? 1.0 : 1.1) < best) best = work, winner = method, course.favourite_reason = Reason::least_work;
   };
   if (stability_.elastic() && H * bound(job) > 2 * stiff) {
-    consider(Method::ros34pw2, implicit_work(job, H, 0.8 * least, spent));
+    consider(Method::ros34pw2, implicit_work(job, H, std::min(0.8 * least, longest_trial), spent));
     if (winner == Method::ros34pw2) course.favourite_reason = Reason::quiet_stiffness;
   }
   if (winner != Method::ros34pw2) {

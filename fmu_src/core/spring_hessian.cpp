@@ -7,13 +7,14 @@ namespace softffd {
 
 namespace {
 
+constexpr double lowest = -1e6;                                     // keeps the matrix of a spring without length finite
 constexpr int component[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};  // of xx yy zz xy xz yz
 
 }  // namespace
 
 SpringHessian::SpringHessian(int points) : blocks_(directions.size(), Scalars::Zero(6 * points)), sums_(6 * points) {}
 
-void SpringHessian::compute(const Springs& springs, const Points& x, bool bound) {
+void SpringHessian::compute(const Springs& springs, const Points& x, double share) {
   const int n = int(x.rows());
   sums_.setZero();
   for (std::size_t r = 0; r < springs.rows().size(); ++r) {
@@ -21,11 +22,11 @@ void SpringHessian::compute(const Springs& springs, const Points& x, bool bound)
     const int lanes = row.lanes();
     const double *a = x.data() + row.begin, *b = a + row.offset, *k = row.stiffness.data(), *l = row.rest_length.data();
     double* block = blocks_[r].data();
-    const double lowest = bound ? 0.0 : -1e6;  // finite where a spring has no length
     for (int p = 0; p < lanes; ++p) {
       const double dx = b[p] - a[p], dy = b[n + p] - a[n + p], dz = b[2 * n + p] - a[2 * n + p];
       const double r2 = dx * dx + dy * dy + dz * dz + 1e-280;
-      const double stretched = 1.0 - l[p] / std::sqrt(r2), e = stretched > lowest ? stretched : lowest;
+      const double stretched = 1.0 - l[p] / std::sqrt(r2), finite = stretched > lowest ? stretched : lowest;
+      const double e = finite > 0 ? finite : share * finite;
       const double c = k[p] * (1.0 - e) / r2, ke = k[p] * e;
       block[p] = c * dx * dx + ke;
       block[lanes + p] = c * dy * dy + ke;

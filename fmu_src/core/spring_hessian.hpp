@@ -2,8 +2,8 @@
 ///
 ///      k (u u^T + e (I - u u^T)),  e = 1 - l/r,      u: unit vector along the spring, r its length, l its rest length.
 ///
-/// A compressed spring has e < 0 and may make their sum indefinite. Newton's method converges quadratically with them and, under
-/// compression, only linearly with the positive semidefinite bound of stiffness_matrix.hpp, which `bound` falls back to.
+/// A compressed spring has e < 0 and may make their sum indefinite: there its e is taken times a share. With 0 every matrix is the nearest
+/// positive semidefinite bound (stiffness_matrix.hpp), with which Newton's method converges slowly under compression; with 1 it is exact.
 #pragma once
 #include "body.hpp"
 #include "layer_matrix.hpp"
@@ -14,8 +14,8 @@ class SpringHessian {
  public:
   explicit SpringHessian(int points);
 
-  /// Matrices of all springs at x [m]; with `bound`, e is max(0, 1 - l/r).
-  void compute(const Springs& springs, const Points& x, bool bound);
+  /// Matrices of all springs at x [m]. share: from 0 to 1, of what compressed springs take away.
+  void compute(const Springs& springs, const Points& x, double share);
   /// f -= K u [N]; u [m].
   void subtract_product(const Springs& springs, const Points& u, Points& f) const;
   /// matrix = K + diagonal, diagonal (points) [N/m]; rows and columns of pinned points are those of the identity.

@@ -26,9 +26,10 @@ inline Traits traits(Method method) {
   constexpr double any = std::numeric_limits<double>::infinity();
   switch (method) {
     case Method::bm4: return {4, 6.6, 1.96, 1.6, 0, 0};
-    case Method::rkn12: return {12, 20, 4.1, 3.9, 100, 1};
+    case Method::rkn12: return {12, 20, 4.1, 3.9, 5, 1};
     case Method::dop853: return {8, 17, 2.9, 2.8, 6, 0.3};
     case Method::ros34pw2: return {3, 0, any, any, 40, 0.3};  // its work depends on the lattice: implicit_work
+    case Method::backward_euler: return {1, 150, any, any, 0, 0};
     default: return {2, 1.15, 0.98, 0.68, 0, 0};
   }
 }

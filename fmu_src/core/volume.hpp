@@ -4,15 +4,15 @@
 ///      psi = sum over the corners with J < J0 of A phi(J),     phi = (J0 - J)^3 / (3 J0),     A = kappa V0 / 8,     J0 = 1/2,
 ///
 /// kappa [Pa] being the volume stiffness and V0 [m3] the rest volume of a cell. While no corner has lost half its volume there is exactly
-/// nothing; then the force begins with its first derivative, and it stays finite where a corner is turned inside out. About kappa = 3 k /
-/// a, k a spring's stiffness and a the cells' edge, unfolds a box that was crushed to a twentieth of its height.
+/// nothing; from there on the force grows with the square of what is missing, and stays finite where a corner is turned inside out. About
+/// kappa = 3 k / a, k being a spring's stiffness and a a cell's edge, unfolds a box that was crushed to a twentieth of its height.
 ///
 /// Hessian, per corner with the four points 0..3, g_i = dJ/dx_i and r_ij the distance between the two points other than i and j:
 ///
 ///      H_ij = A (phi'' g_i g_j^T + phi' C_ij),     phi'' = 2 (J0 - J) / J0 >= 0,     phi' = -(J0 - J)^2 / J0,
 ///
-/// C_ij = d2J/dx_i dx_j, a skew matrix of norm r_ij / V0 for i /= j and 0 for i = j, for J is V0 times the determinant of three
-/// differences, linear in each point. The first part is positive semidefinite, and it is the stiffness that implicit methods take. For the
+/// C_ij = d2J/dx_i dx_j, a skew matrix of norm r_ij / V0 for i /= j and 0 for i = j, for V0 J is a determinant of three differences,
+/// linear in each point. The first part is positive semidefinite, and it is the stiffness that implicit methods take. For the
 /// stability bound (stability.hpp) both are bounded, u being displacements of the points and m their masses: with
 ///
 ///      2 |p| |q| <= t |p|^2 + |q|^2 / t,     t = sqrt(m_i / m_j),

@@ -34,6 +34,7 @@ std::string method_name(Method method) {
     case Method::rkn12: return "rkn12";
     case Method::dop853: return "dop853";
     case Method::ros34pw2: return "ros34pw2";
+    case Method::backward_euler: return "backward Euler with contact";
   }
   return "unknown";
 }
@@ -47,6 +48,8 @@ std::string reason_text(Reason reason) {
     case Reason::stability: return "auto: the largest stable step is accurate enough, and nothing explicit costs less";
     case Reason::least_work: return "auto: least work for the tolerance";
     case Reason::quiet_stiffness: return "auto: stiff, with quiet fast modes, which implicit steps pass over";
+    case Reason::stiff_contact:
+      return "an obstacle is within reach of a stiff body: implicit steps of first order, which damp vibrations, rebound and spin";
   }
   return "unknown";
 }

@@ -103,8 +103,8 @@ void pass(Archive& archive, Course& course) {
   for (long* value : {&course.clock.count, &course.clock.parts, &course.factored.uses, &course.steps, &course.rejected, &course.factors,
                       &course.contact.free, &course.contact.free_next, &course.contact.impact, &course.contact.impact_next})
     archive.integer(*value);
-  for (Method* value : {&course.method, &course.favourite}) archive.choice(*value, Method::ros34pw2);
-  for (Reason* value : {&course.reason, &course.favourite_reason}) archive.choice(*value, Reason::quiet_stiffness);
+  for (Method* value : {&course.method, &course.favourite}) archive.choice(*value, Method::backward_euler);
+  for (Reason* value : {&course.reason, &course.favourite_reason}) archive.choice(*value, Reason::stiff_contact);
   for (Points* points : {&course.bound_x, &course.factored.x}) archive.numbers(points->data(), points->size());
 }
 

@@ -263,9 +263,9 @@ class Solver(Section):
     method: Literal["auto", "central_difference", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2"] = key(
         "auto", '"auto": chosen per communication step; "central_difference": as published'
     )
-    tolerance: Number = quantity(1e-4, "m", "local error for a box of 1 m, scaled by its largest side", gt=0)
+    tolerance: Number = quantity(1e-4, "m", "error at the end of the run for a box of 1 m, scaled by its largest side", gt=0)
     step: Number = quantity(0.0, "s", "internal step; 0: chosen by stability and tolerance", ge=0)
-    error_estimate: Switch = key(False, "estimate the global error by a shadow run; costs 50 to 110 % more")
+    error_estimate: Switch = key(False, "a second run beside this one estimates its error; costs 70 to 150 % more")
 
 
 class Experiment(Section):

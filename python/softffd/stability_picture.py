@@ -34,7 +34,7 @@ COLUMNS = 4
 def map_picture(survey: Survey, panels: Sequence[Panel], title: str) -> bytes:
     """PNG of these panels, with the line H = 2 / omega, and the measured border of the raw explicit scheme on it."""
     rows = math.ceil(len(panels) / COLUMNS)
-    height = 1.15 + 2.85 * rows
+    height = 1.3 + 2.85 * rows
     figure = new_figure(13.0, height, dpi=110)
     figure.text(0.02, 1 - 0.3 / height, title, fontsize=15, fontweight="bold", color=INK, va="center")
     for place, panel in enumerate(panels):
@@ -44,7 +44,7 @@ def map_picture(survey: Survey, panels: Sequence[Panel], title: str) -> bytes:
     present = {survey.cells[cell].kind for panel in panels for cell in survey.cells_of(panel) if cell in survey.cells}
     handles = [Patch(color=COLOURS[kind], label=WORDS[kind]) for kind in CLASSES if kind in present]
     lines = figure.axes[0].get_lines() if figure.axes else []
-    figure.legend(handles=[*handles, *lines], loc="lower left", bbox_to_anchor=(0.015, 0.0), ncol=9, frameon=False, fontsize=9,
+    figure.legend(handles=[*handles, *lines], loc="lower left", bbox_to_anchor=(0.015, 0.0), ncol=6, frameon=False, fontsize=9,
                   columnspacing=1.2, handlelength=1.4)  # fmt: skip
     stream = BytesIO()
     figure.savefig(stream, format="png", dpi=figure.dpi)
@@ -68,7 +68,7 @@ def _chart(axes, survey: Survey, panel: Panel, *, first: bool) -> None:
     axes.plot(line, [math.log10(2 / omega(10.0**value)) for value in line], color=INK, linewidth=1.4, label="H = 2 / omega")
     axes.plot(np.log10([border.stiffness for border in survey.borders]), np.log10([border.raw for border in survey.borders]), "o",
               color="white", markeredgecolor=INK, markersize=3.4, label="border of the raw explicit scheme, measured")  # fmt: skip
-    axes.set_title(f"{panel.method}{', solver.step = H' * panel.given}", fontsize=10.5, color=INK, loc="left")
+    axes.set_title(panel.method, fontsize=10.5, color=INK, loc="left")
     _label(axes.xaxis, k, 3)
     _label(axes.yaxis, h, 1)
     axes.tick_params(labelsize=8, length=2, colors=SOFT)

@@ -54,8 +54,8 @@ class Survey:
         return left + [name for name in self.names if name not in self.outcomes]
 
     def steps_of(self, panel: Panel) -> list[float]:
-        """Communication steps of a panel [s]: all for auto, every second one for the others."""
-        return self.steps if panel.method == CHOSEN else self.steps[::2]
+        """Communication steps of a panel [s]: all for auto; of many, every second one for the others."""
+        return self.steps if panel.method == CHOSEN or len(self.steps) < 6 else self.steps[::2]
 
     def cells_of(self, panel: Panel) -> list[Cell]:
         """In the order in which they are run: soft ones first."""

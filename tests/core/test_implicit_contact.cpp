@@ -367,21 +367,17 @@ TEST(a_step_that_is_too_long_is_done_in_parts) {
 }
 
 TEST(nothing_is_kept_between_steps) {
-  Scene scene(1e7, 1), other(1e3, 1);
-  for (Scene* s : {&scene, &other}) {
-    s->around.planes[0].friction = 0.4;
-    s->turn({0.2, 0.1, 0});
-    s->state.x.col(2) += 0.001 - s->state.x.col(2).minCoeff();
-    s->throw_at({1, 0, 0}, {0, 1, 0});
-  }
+  Scene scene(1e7, 1);
+  scene.around.planes[0].friction = 0.4;
+  scene.turn({0.2, 0.1, 0});
+  scene.state.x.col(2) += 0.001 - scene.state.x.col(2).minCoeff();
+  scene.throw_at({1, 0, 0}, {0, 1, 0});
+  scene.body.internal_force(scene.state.x, scene.state.spring);
   Scene again = scene;
-  Runner fresh(scene), used(again);
+  Runner used(again);
   for (int i = 0; i < 30; ++i) {
     Runner one(scene);
-    one.time = fresh.time + 1e-300;
-    if (i == 0) scene.body.internal_force(scene.state.x, scene.state.spring);
     CHECK(one.method.advance({scene.body, scene.around}, 0.01 * i, 0.01, false, scene.state, one.exchange) == StepStatus::ok);
-    if (i == 0) again.body.internal_force(again.state.x, again.state.spring);
     CHECK(used.method.advance({again.body, again.around}, 0.01 * i, 0.01, true, again.state, used.exchange) == StepStatus::ok);
   }
   CHECK(std::memcmp(scene.state.x.data(), again.state.x.data(), sizeof(double) * 192) == 0);

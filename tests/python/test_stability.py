@@ -189,8 +189,8 @@ def test_command_keeps_table_map_and_page(small, tmp_path, capsys):
     folder = tmp_path / "kept"
     assert main(["stability", "--quick", "-o", str(folder)]) == 0
     rows = list(csv.DictReader((folder / "stability.csv").open()))
-    assert [row["part"] for row in rows] == ["map"] * 4 + ["case"] * 2
-    assert [row["verdict"] for row in rows[4:]] == ["right", "refused"]
+    assert [row["part"] for row in rows] == ["map"] * 6 + ["case"] * 2
+    assert [row["verdict"] for row in rows[6:]] == ["right", "refused"]
     document = json.loads((folder / "stability.json").read_text())
     assert document["missing"] == document["wrong"] == []
     assert {check["what"] for check in document["cases"][0]["checks"]} >= {"penetration / box", "speed at once, m/s"}
