@@ -22,6 +22,8 @@ constexpr double largest_turn = 1e-3;
 constexpr long look_every = 8;
 /// Explicit steps in a communication step above which contact is implicit, and the work of an implicit step in evaluations of the forces.
 constexpr double stiff_contact = 200, implicit_contact_work = 150;
+/// Explicit steps in an implicit one above which the masses are lost in the rounding of the stiffness matrix.
+constexpr double stiffest = 2e7;
 
 }  // namespace
 
@@ -94,9 +96,18 @@ StepStatus Propagator::advance(const Equations& equations, const Request& reques
 
 StepStatus Propagator::advance_in_contact(const Job& job, Method asked, double H) {
   const bool implicit = asked == Method::automatic || asked == Method::ros34pw2;
-  if (implicit && job.request.step == 0 && H > stiff_contact * step_limit(job, Method::leapfrog, false)) {
+  const double stiffness = H / step_limit(job, Method::leapfrog, false);
+  if (implicit && job.request.step == 0 && stiffness > stiff_contact && stiffness < stiffest) {
+    start_ = job.state;
+    start_exchange_ = job.exchange;
     job.course.reason = Reason::stiff_contact;
-    return run_implicit(job, job.state.time + H);
+    const long steps = job.course.steps;
+    const StepStatus status = run_implicit(job, job.state.time + H);
+    if (status != StepStatus::not_finite) return status;
+    job.course.rejected += job.course.steps + 1 - steps;
+    job.course.steps = steps;
+    job.state = start_;
+    job.exchange = start_exchange_;
   }
   if (asked != Method::leapfrog) job.course.reason = Reason::contact;
   if (job.request.step > 0) return advance_with(job, Method::leapfrog, H);
@@ -171,7 +182,7 @@ double Propagator::step_limit(const Job& job, Method method, bool given) {
 double Propagator::turning_limit(const Job& job, const Points& x, const Points& v) {
   double spin = rigid_motion(job.equations.body.mass, x, v).spin.norm();
   for (const Pin& pin : job.equations.around.pins) spin = std::max(spin, pin.at(job.state.time).spin.norm());
-  return std::min(std::sqrt(largest_turn / (bound(job) * spin)), 0.005 / spin);
+  return std::min({stiffest / bound(job), std::sqrt(largest_turn / (bound(job) * spin)), 0.005 / spin});
 }
 
 bool Propagator::deformed_since_bound(const Job& job) const {

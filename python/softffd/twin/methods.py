@@ -85,7 +85,7 @@ class Leapfrog:
             v = self.open_a * motion.v + self.open_b * force
             x = motion.x + self.h * v
             for pin in self.pins:
-                here, _, arms = pin.at(t1)
+                here, (_, _, arms) = pin.at(t1)[0], pin.at(t0)
                 speed = (here - motion.x[pin.points]) / self.h
                 self._hold(pin, motion.v, speed, force, motion.v[pin.points], arms)
                 x[pin.points], v[pin.points] = here, speed
