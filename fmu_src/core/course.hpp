@@ -11,14 +11,14 @@ enum class Method { automatic, central_difference, leapfrog, bm4, rkn12, dop853,
 
 /// Why a method took a communication step.
 enum class Reason {
-  asked,           ///< it was asked for
-  contact,         ///< an obstacle is within reach
-  damping,         ///< rkn12 was asked for, and the body is damped
-  given_step,      ///< automatic with a given internal step
-  stability,       ///< the largest stable step is accurate enough: nothing explicit costs less
-  least_work,      ///< least work for the tolerance among those tried
-  quiet_stiffness, ///< stiff, and the fast modes are quiet: implicit steps pass them over
-  stiff_contact    ///< an obstacle is within reach of a stiff body
+  asked,            ///< it was asked for
+  contact,          ///< an obstacle is within reach
+  damping,          ///< rkn12 was asked for, and the body is damped
+  given_step,       ///< automatic with a given internal step
+  stability,        ///< the largest stable step is accurate enough: nothing explicit costs less
+  least_work,       ///< least work for the tolerance among those tried
+  quiet_stiffness,  ///< stiff, and the fast modes are quiet: implicit steps pass them over
+  stiff_contact     ///< an obstacle is within reach of a stiff body
 };
 
 struct Request {

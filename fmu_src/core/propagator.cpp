@@ -17,7 +17,7 @@ constexpr double deformation_limit = 0.2;
 /// The same with a volume stiffness, which grows fast once a corner begins to fold.
 constexpr double deformation_limit_with_volume = 0.05;
 /// (omega h) (spin h) that an implicit step may have.
-constexpr double largest_turn = 1e-3;
+constexpr double largest_turn = 1e-4;
 /// Internal steps between two looks at the deformation.
 constexpr long look_every = 8;
 /// Explicit steps in a communication step above which contact is implicit, and the work of an implicit step in evaluations of the forces.

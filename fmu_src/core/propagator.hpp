@@ -34,7 +34,7 @@ class Propagator {
   /// From state.time to state.time + H. On failure state, course and exchange are spoilt and the caller restores them.
   StepStatus advance(const Equations& equations, const Request& request, double H, State& state, Course& course, Exchange& exchange);
   /// Number of matrices factored since the start: none unless implicit steps are tried.
-  long factorizations() const { return ros34pw2_.factorizations(); }
+  long factorizations() const { return ros34pw2_.factorizations() + implicit_contact_.factorizations(); }
   /// Largest stable leapfrog step at x, by bound [s]; the largest finite number if nothing resists.
   double stable_step(const Body& body, const Points& x);
 
@@ -69,6 +69,7 @@ class Propagator {
   double trial_error(const Job& job, Method method, double h, long steps);
   void choose(const Job& job, double H);
   void race(const Job& job, double H);
+  bool worth_a_matrix(const Job& job, double H, double least);
   double controlled_work(const Job& job, Method method, double H, double& spent);
   double implicit_work(const Job& job, double H, double budget, double& spent);
   bool fast_modes_are_quiet(const Job& job, double h, double& spent);

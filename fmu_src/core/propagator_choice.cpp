@@ -115,6 +115,12 @@ void Propagator::choose(const Job& job, double H) {
   course.reason = course.favourite_reason;
 }
 
+/// Without touching a matrix: could implicit steps pay, and is there nothing that vibrates by more than they may ignore?
+bool Propagator::worth_a_matrix(const Job& job, double H, double least) {
+  if (H / step_limit(job, Method::ros34pw2, false) * implicit_.step > 0.8 * least) return false;
+  return present_vibration(job.equations, job.state, time_scale_) <= 3 * job.request.tolerance;
+}
+
 void Propagator::race(const Job& job, double H) {
   Course& course = job.course;
   const auto fixed_work = [&](Method method, const Calibration& calibration) {
@@ -127,7 +133,7 @@ void Propagator::race(const Job& job, double H) {
   const auto consider = [&](Method method, double work) {
     if (work * (method == before ? 1.0 : 1.1) < best) best = work, winner = method, course.favourite_reason = Reason::least_work;
   };
-  if (stability_.elastic() && H * bound(job) > 2 * stiff) {
+  if (stability_.elastic() && H * bound(job) > 2 * stiff && worth_a_matrix(job, H, least)) {
     consider(Method::ros34pw2, implicit_work(job, H, std::min(0.8 * least, longest_trial), spent));
     if (winner == Method::ros34pw2) course.favourite_reason = Reason::quiet_stiffness;
   }

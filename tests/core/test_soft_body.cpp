@@ -83,3 +83,26 @@ TEST(mass_scales_every_point) {
   body.advance(0.01);
   CHECK_NEAR(body.state().v(3, 0), 0.01 / (8.0 / 64), 1e-12);
 }
+
+TEST(a_scene_that_explicit_steps_suit_never_factors_a_matrix) {
+  const auto factors = [](double k, double damping, Vec3 stretch, Vec3 spin, int planes, double H) {
+    Definition definition = stretched();
+    definition.stretch = stretch;
+    definition.angular_velocity = spin;
+    definition.offset = {0, 0, 0.05};
+    definition.planes = planes;
+    SoftBody body(definition);
+    body.settings.stiffness = {k, k, k};
+    body.settings.damping = damping;
+    body.settings.gravity = {0, 0, -9.81};
+    body.initialize(0);
+    for (int i = 0; i < 10; ++i) CHECK(body.advance(H) == StepStatus::ok);
+    return body.factorizations();
+  };
+  const Vec3 still = Vec3::Zero(), pulled(1.1, 1, 1), plain = Vec3::Ones();
+  CHECK(factors(1e3, 0, pulled, still, 0, 0.1) == 0);        // vibrates
+  CHECK(factors(1e3, 0.05, pulled, still, 0, 0.1) == 0);     // the same, damped
+  CHECK(factors(1e5, 0, plain, {0, 0, 20}, 0, 0.1) == 0);    // turns
+  CHECK(factors(2e3, 0.1, plain, {0, 1, 0}, 1, 0.01) == 0);  // falls onto the ground
+  CHECK(factors(1e7, 0.5, plain, still, 0, 0.1) > 0);        // stiff and quiet: here a matrix is worth it
+}
