@@ -16,6 +16,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double deformation_limit = 0.2;
 /// The same with a volume stiffness, which grows fast once a corner begins to fold.
 constexpr double deformation_limit_with_volume = 0.05;
+/// Vibrations in radians from which on a run is long: near its stability limit rkn12 takes a millionth of a vibration's energy a step.
+constexpr double long_run = 1e5;
 /// (omega h) (spin h) that an implicit step may have.
 constexpr double largest_turn = 1e-4;
 /// Internal steps between two looks at the deformation.
@@ -170,6 +172,7 @@ double Propagator::step_limit(const Job& job, Method method, bool given) {
   double limit = infinity;
   const Traits t = traits(method);
   if (stability_.elastic()) limit = (given ? t.given : t.automatic) * 2 / bound(job);
+  if (method == Method::rkn12 && !given && job.request.horizon * bound(job) > long_run) limit *= 0.56;
   if (method == Method::bm4) limit = std::min(limit, 10 / fastest_damping_);
   if (method == Method::dop853) limit = std::min(limit, 5 / fastest_damping_);
   if (method == Method::ros34pw2) limit = std::min(limit, turning_limit(job, job.state.x, job.state.v));

@@ -19,6 +19,8 @@ constexpr double sliver = 0.2;
 constexpr double jolt_pause = 3;
 /// The same for races, and its limit while the winner stays.
 constexpr double race_pause = 10, longest_race_pause = 160;
+/// A challenger has to need this much less work than the last winner.
+constexpr double challenge = 1.2;
 /// Implicit steps are worth a trial from this H omega / 2 on.
 constexpr double stiff = 25;
 /// Work that such a trial may take.
@@ -131,7 +133,8 @@ void Propagator::race(const Job& job, double H) {
   double spent = 0, best = infinity;
   Method winner = Method::leapfrog;
   const auto consider = [&](Method method, double work) {
-    if (work * (method == before ? 1.0 : 1.1) < best) best = work, winner = method, course.favourite_reason = Reason::least_work;
+    const auto handicapped = [&](Method which, double needed) { return which == before ? needed : challenge * needed; };
+    if (handicapped(method, work) < handicapped(winner, best)) best = work, winner = method, course.favourite_reason = Reason::least_work;
   };
   if (stability_.elastic() && H * bound(job) > 2 * stiff && worth_a_matrix(job, H, least)) {
     consider(Method::ros34pw2, implicit_work(job, H, std::min(0.8 * least, longest_trial), spent));
