@@ -321,7 +321,7 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
   const double forgets = std::min(request.horizon, memory_.maxCoeff());
   const double rounding = 1e-15 * std::max(equations.body.length, kernels::largest(state.x.size(), state.x.data()));
   const auto tolerance = [&, t = traits(method)](double step) {
-    return std::max(rounding, std::min(t.largest_share, t.summed_share * step / forgets) * request.tolerance);
+    return std::max(rounding, std::min(t.largest_share, t.summed_share * step / forgets) * job.request.tolerance);
   };
   const double least = 1e-14 * std::max(std::abs(end), end - state.time);
   double limit = step_limit(job, method, false);

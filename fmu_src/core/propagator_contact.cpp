@@ -21,9 +21,11 @@ constexpr long longest_trust = 8;
 }  // namespace
 
 StepStatus Propagator::run_doubled(const Job& job, double end) {
-  const auto& [equations, request, state, course, exchange] = job;
+  State& state = job.state;
+  Course& course = job.course;
+  Exchange& exchange = job.exchange;
   ContactSteps& contact = course.contact;
-  const double allowed = forecast_share * request.tolerance;
+  const double allowed = forecast_share * job.request.tolerance;
   const auto run = [&](double h, long steps, State& moved, Exchange& received) {
     course.work += double(steps) * traits(Method::leapfrog).work;
     return take_steps(job, Method::leapfrog, {state.time, 0, h, steps}, moved, received);

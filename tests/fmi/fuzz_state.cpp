@@ -62,8 +62,11 @@ Instance running(int method, double step) {
 
 /// Before initialization; in contact, by an automatic step; by a given one; by the published scheme.
 Instance sound(int which) {
-  static const Instance starts[] = {fresh(), running(1, 0), running(3, 0.005), running(2, 0.005)};
-  return starts[which];
+  static const Bytes starts[] = {fresh().save_state(), running(1, 0).save_state(), running(3, 0.005).save_state(),
+                                 running(2, 0.005).save_state()};
+  Instance instance = fresh();
+  instance.load_state(starts[which]);
+  return instance;
 }
 
 std::uint64_t word_of(double value) { return std::bit_cast<std::uint64_t>(value); }
