@@ -175,7 +175,7 @@ double Propagator::step_limit(const Job& job, Method method, bool given) {
   if (method == Method::rkn12 && !given && job.request.horizon * bound(job) > long_run) limit *= 0.56;
   if (method == Method::bm4) limit = std::min(limit, 10 / fastest_damping_);
   if (method == Method::dop853) limit = std::min(limit, 5 / fastest_damping_);
-  if (method == Method::ros34pw2) limit = std::min(limit, turning_limit(job, job.state.x, job.state.v));
+  if (method == Method::ros34pw2 && !given) limit = std::min(limit, turning_limit(job, job.state.x, job.state.v));
   return limit;
 }
 

@@ -8,6 +8,8 @@ namespace softffd {
 
 namespace {
 
+/// Share of 2 / omega above which friction can feed the vibrations of an undamped body.
+constexpr double rubbing_share = 0.3;
 /// A change of the outside forces by this share of their size between two communication steps is a jolt.
 constexpr double jolt_share = 0.01;
 
@@ -269,6 +271,12 @@ double SoftBody::gravity_energy() const {
   double energy = 0;
   for (int axis = 0; axis < 3; ++axis) energy -= settings.gravity[axis] * (body_.mass * now_.motion.x.col(axis)).sum();
   return energy;
+}
+
+bool SoftBody::rubs_undamped() {
+  if (body_.damped || settings.step == 0 || now_.exchange.contacts_resolved == 0) return false;
+  const auto rubs = [](const Plane& plane) { return plane.friction > 0; };
+  return std::any_of(around_.planes.begin(), around_.planes.end(), rubs) && internal_step() > rubbing_share * stable_step();
 }
 
 }  // namespace softffd

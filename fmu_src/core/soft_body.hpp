@@ -114,6 +114,8 @@ class SoftBody {
   int folded_cells() const { return cells_.folded(now_.motion.x); }
   /// Internal step of the last communication step [s].
   double internal_step() const { return now_.course.clock.h; }
+  /// Did an undamped body rub against an obstacle in the last communication step, at steps by which friction can feed vibrations?
+  bool rubs_undamped();
   /// Number of matrices factored since the start.
   long factorizations() const { return propagator_.factorizations(); }
   /// The method that took the last communication step, and why.

@@ -76,6 +76,7 @@ void Instance::reset() {
   start_time_ = time_ = 0;
   stop_time_ = infinity;
   logged_method_ = -1;
+  warned_of_rubbing_ = false;
   logged_step_ = -1;
   warned_of_folding_ = false;
   load_starts();
@@ -273,6 +274,13 @@ fmi2Status Instance::do_step(double time, double step) {
 }
 
 void Instance::log_solver_choice() {
+  if (!warned_of_rubbing_ && body_.rubs_undamped()) {
+    warned_of_rubbing_ = true;
+    logger.log(fmi2Warning, log_warning,
+               "an undamped body rubs against an obstacle at solver.step = " + number(body_.settings.step) +
+                   " s: friction can feed its vibrations; take less than " + number(0.3 * body_.stable_step()) +
+                   " s, leave solver.step at 0, or give the body some damping");
+  }
   const Method method = body_.method();
   const double h = body_.internal_step(), asked = body_.settings.step;
   const bool divided = asked > h * (1 + 1e-9) && asked > body_.stable_step();

@@ -93,6 +93,7 @@ class Instance {
   bool material_changed_ = true;                 ///< among them mass, stiffness or damping
   double start_time_ = 0, time_ = 0, stop_time_;
   int logged_method_ = -1;
+  bool warned_of_rubbing_ = false;
   Reason logged_reason_ = Reason::asked;
   double logged_step_ = -1;
   bool warned_of_folding_ = false;

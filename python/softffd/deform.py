@@ -59,9 +59,7 @@ class Embedding:
         """Return the vertices (V, 3) m for control points (nx, ny, nz, 3) m, or (T, V, 3) for (T, nx, ny, nz, 3)."""
         positions = np.asarray(positions, dtype=float)
         if positions.shape[-4:] != (*self.counts, 3) or positions.ndim > 5:
-            raise ValueError(
-                f"positions: wanted the shape {(*self.counts, 3)}, or one axis of time before, got {positions.shape}"
-            )
+            raise ValueError(f"positions: wanted the shape {(*self.counts, 3)}, or one axis of time before, got {positions.shape}")
         frames = positions.reshape(-1, *self.counts, 3)
         control = frames.transpose(0, 4, 3, 2, 1).reshape(3 * len(frames), -1)
         moved = np.empty((len(frames), len(self.coordinates), 3))

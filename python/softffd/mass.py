@@ -95,9 +95,7 @@ def _require_values(distribution, mesh, total, density, uniform_share) -> None:
         raise SoftffdError(f"mass.distribution: wanted one of {', '.join(DISTRIBUTIONS)}, got {distribution!r}")
     if mesh is None and (distribution != "uniform" or density is not None):
         key = "mass.density" if distribution == "uniform" else f"mass.distribution = '{distribution}'"
-        raise SoftffdError(
-            f"{key}: needs a mesh and the scene has none; add [mesh], or use mass.total with the distribution 'uniform'"
-        )
+        raise SoftffdError(f"{key}: needs a mesh and the scene has none; add [mesh], or use mass.total with the distribution 'uniform'")
     if (total is None) == (density is None):
         raise SoftffdError(f"mass: wanted either total or density, got {'neither' if total is None else 'both'}")
     for key, value in (("total", total), ("density", density)):

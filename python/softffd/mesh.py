@@ -194,10 +194,7 @@ def _require_finite(path: Path, vertices: np.ndarray) -> None:
 def _first_not_finite(vertices: np.ndarray) -> str:
     wrong = ~np.isfinite(vertices).all(axis=1)
     first = int(wrong.argmax())
-    return (
-        f"{wrong.sum()} of {len(vertices)} vertices are not finite, the first is {vertices[first].tolist()} "
-        f"(number {first} from 0)"
-    )
+    return f"{wrong.sum()} of {len(vertices)} vertices are not finite, the first is {vertices[first].tolist()} (number {first} from 0)"
 
 
 def _require_body(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:

@@ -93,9 +93,7 @@ def _require_readable(path: Path, header: dict) -> None:
     }
     found = [name for name, present in faults.items() if present]
     if found:
-        raise MeshError(
-            f"{path}: uses {' and '.join(found)}, which is not read. Wanted plain triangles; export it without compression."
-        )
+        raise MeshError(f"{path}: uses {' and '.join(found)}, which is not read. Wanted plain triangles; export it without compression.")
 
 
 def _read_bodies(path: Path, data: bytes) -> list[Triangles]:

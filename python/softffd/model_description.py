@@ -67,9 +67,7 @@ def _types(parent: Xml.Element) -> None:
     simple = Xml.SubElement(parent, "SimpleType", name="Method", description="Time integration method")
     enumeration = Xml.SubElement(simple, "Enumeration")
     for method in table()["method"]:
-        Xml.SubElement(
-            enumeration, "Item", name=method["key"], value=str(method["value"]), description=method["description"]
-        )
+        Xml.SubElement(enumeration, "Item", name=method["key"], value=str(method["value"]), description=method["description"])
 
 
 def _log_categories(parent: Xml.Element) -> None:

@@ -54,6 +54,4 @@ Positive = Annotated[Number, Field(gt=0)]
 Switch = Annotated[bool, Strict()]
 _three = list_of(3, "3 numbers [x, y, z]")
 Vector = Annotated[tuple[Number, Number, Number], _three, list_schema(3, type="number")]
-PositiveVector = Annotated[
-    tuple[Positive, Positive, Positive], _three, list_schema(3, type="number", exclusiveMinimum=0)
-]
+PositiveVector = Annotated[tuple[Positive, Positive, Positive], _three, list_schema(3, type="number", exclusiveMinimum=0)]

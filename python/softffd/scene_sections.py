@@ -92,9 +92,7 @@ class Lattice(Section):
     """The Bezier volume and its springs (Xia & Wang 2009, section 1)."""
 
     points: Counts = quantity((4, 4, 4), "1", "control points per axis [nx, ny, nz], 2..32 each")
-    origin: Vector | None = quantity(
-        None, "m", "lower corner of the box; default: that of the mesh's box grown by `margin`, or [0, 0, 0]"
-    )
+    origin: Vector | None = quantity(None, "m", "lower corner of the box; default: that of the mesh's box grown by `margin`, or [0, 0, 0]")
     size: PositiveVector | None = quantity(
         None, "m", "edges of the box, > 0; default: those of the mesh's box grown by `margin`, or [1, 1, 1]"
     )
@@ -103,17 +101,13 @@ class Lattice(Section):
         "distinct",
         '"distinct" (468 springs for 4x4x4) or "paper" (504: those on the edges of the box doubled)',
     )
-    basis: Literal["bezier", "bspline"] = key(
-        "bezier", '"bezier", or "bspline": uniform cubic, clamped, for finer lattices'
-    )
+    basis: Literal["bezier", "bspline"] = key("bezier", '"bezier", or "bspline": uniform cubic, clamped, for finer lattices')
 
 
 class MeshFile(Section):
     """The embedded object."""
 
-    file: FileName = key(
-        ..., "a mesh file: OBJ, STL, PLY or GLB, relative to the scene file", examples=["car.obj"]
-    )
+    file: FileName = key(..., "a mesh file: OBJ, STL, PLY or GLB, relative to the scene file", examples=["car.obj"])
     scale: Number = quantity(1.0, "1", "metres per unit of length of the file", gt=0)
     up: Literal["x", "y", "z"] = key("z", "axis of the file that becomes +z")
 
@@ -168,9 +162,7 @@ StiffnessInput = Annotated[
 class Material(Section):
     """Springs and damping (Xia & Wang 2009, eq. (3) and (6))."""
 
-    stiffness: StiffnessInput = quantity(
-        1e3, "N/m", "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }"
-    )
+    stiffness: StiffnessInput = quantity(1e3, "N/m", "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }")
     damping: Number = quantity(0.01, "N.s/m", "viscous damping of each control point: d_i of eq. (3)", ge=0)
     volume_stiffness: Number = quantity(
         0.0,
@@ -185,9 +177,7 @@ class Region(Section):
     """A local override; of several on one point or spring the last one wins."""
 
     points: Selection = key(..., "the control points of the region: a selection", examples=["z-"])
-    stiffness: Number | None = quantity(
-        None, "N/m", "stiffness of springs with both ends in the region", ge=0
-    )
+    stiffness: Number | None = quantity(None, "N/m", "stiffness of springs with both ends in the region", ge=0)
     mass: Number | None = quantity(None, "kg", "mass of each control point of the region", gt=0)
     damping: Number | None = quantity(None, "N.s/m", "damping of each control point of the region", ge=0)
 

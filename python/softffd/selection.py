@@ -54,9 +54,7 @@ def _kind(value: Any) -> str | None:
 
 
 Selection = Annotated[
-    Annotated[Word, Tag("<word>")]
-    | Annotated[tuple[Triple, ...], Tag("<list>")]
-    | Annotated[Ranges, Tag("<ranges>")],
+    Annotated[Word, Tag("<word>")] | Annotated[tuple[Triple, ...], Tag("<list>")] | Annotated[Ranges, Tag("<ranges>")],
     Discriminator(
         _kind,
         custom_error_type="wanted",

@@ -111,16 +111,22 @@ def _incline(stiffness: float, step: float, degrees: float, findings: Findings) 
 
 
 def _dragged(method: str, share: float, findings: Findings) -> None:
-    """share: internal step in units of the component's own stability bound, taken from an undamped body at rest; 0: its own choice."""
+    """share: internal step in units of the component's own stability bound, taken from an undamped body at rest; 0: its own choice.
+
+    Friction feeds vibrations from given steps near the bound; the component has to warn of it, and the answer then counts as bounded.
+    """
     ground = plane(friction=0.4, motion="input")
     with Drive(box(1e6, points=(2, 2, 2), plane=[ground], environment=DOWN, method=method)) as drive:
         drive.restart({"solver.method": method, "solver.step": share * drive.value("solver.stable_step")})
         drive.set(plane__ground__velocity=(150.0, 0.0, 0.0))
         drive.run(4.0, 1.0)
         findings.sound(drive, [GROUND])
-        findings.check("energy out of nothing / (weight times height)", abs(drive.balance()) / (GRAVITY * drive.side), 1e-3)
-        findings.check("risen or sunk / box", abs(drive.centre[2] - 0.5), 1e-3)
-        findings.check("error of the speed, relative", abs(drive.momentum[0] / (0.4 * GRAVITY * drive.time) - 1), 1e-3, bound=1e-2)
+        warned = 10.0 if "friction can feed" in drive.warned else None
+        findings.check("energy out of nothing / (weight times height)", abs(drive.balance()) / (GRAVITY * drive.side), 1e-3, bound=warned)
+        findings.check("risen or sunk / box", abs(drive.centre[2] - 0.5), 1e-3, bound=warned)
+        findings.check(
+            "error of the speed, relative", abs(drive.momentum[0] / (0.4 * GRAVITY * drive.time) - 1), 1e-3, bound=warned or 1e-2
+        )
 
 
 def _hang(stiffness: float, step: float, findings: Findings) -> None:

@@ -67,7 +67,9 @@ class Driven(Component):
 
 
 def test_a_ramped_load_gives_the_parabola_of_its_velocity(tmp_path):
-    with Driven(FREE.replace('name = "floor"', 'name = "floor"\npoint = [0.0, 0.0, -9.0]'), tmp_path, **{"solver.method": "leapfrog"}) as box:
+    with Driven(
+        FREE.replace('name = "floor"', 'name = "floor"\npoint = [0.0, 0.0, -9.0]'), tmp_path, **{"solver.method": "leapfrog"}
+    ) as box:
         assert box.set_rates({"load.push.x": 6.0}) == 0
         box.do_step(0.0, 0.5)
         assert box.get_values("velocity[1,2,0].x")[0] == pytest.approx(0.5 * 6.0 * 0.25, rel=1e-12)

@@ -21,8 +21,9 @@ def made_up_run(*, counts=(4, 4, 4), frames=41, title="A soft box under a press"
         positions=np.stack(positions),
         outputs=_outputs(squash),
         inputs=_vectors("plane.press", PRESS) | _point("press", 1.6 - 0.6 * squash),
-        parameters=_vectors("plane.ground", {"velocity": (0, 0, 0), "angular_velocity": (0, 0, 0),
-                                        "normal": (0, 0, 2.0), "point": (0, 0, 0.2)}),
+        parameters=_vectors(
+            "plane.ground", {"velocity": (0, 0, 0), "angular_velocity": (0, 0, 0), "normal": (0, 0, 2.0), "point": (0, 0, 0.2)}
+        ),
         summary={"title": title},
         scene=_scene(counts, title, pins),
     )

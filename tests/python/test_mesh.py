@@ -338,9 +338,7 @@ def test_polygons_become_triangles_that_cover_them(corners, tmp_path):
     angles = 2 * np.pi * np.arange(corners) / corners
     ring = "".join(f"v {np.cos(a)} {np.sin(a)} {z}\n" for z in (0, 1) for a in angles)
     low, high = " ".join(map(str, range(corners, 0, -1))), " ".join(map(str, range(corners + 1, 2 * corners + 1)))
-    sides = "".join(
-        f"f {i + 1} {(i + 1) % corners + 1} {(i + 1) % corners + corners + 1} {i + corners + 1}\n" for i in range(corners)
-    )
+    sides = "".join(f"f {i + 1} {(i + 1) % corners + 1} {(i + 1) % corners + corners + 1} {i + corners + 1}\n" for i in range(corners))
     mesh = loaded(tmp_path, "a.obj", ring + f"f {low}\nf {high}\n" + sides)
     assert mesh.closed and len(mesh.faces) == 2 * (corners - 2) + 2 * corners
     area = corners / 2 * np.sin(2 * np.pi / corners)

@@ -105,12 +105,7 @@ def test_default_inputs_drive_inputs_of_their_scene(name):
     scene = load_scene(name)
     head, *rows = scene.default_inputs.read_text().splitlines()
     time, *variables = head.split(",")
-    driven = {
-        f"plane.{plane.name}.point.{axis}"
-        for plane in scene.plane
-        if plane.motion == "input"
-        for axis in "xyz"
-    }
+    driven = {f"plane.{plane.name}.point.{axis}" for plane in scene.plane if plane.motion == "input" for axis in "xyz"}
     assert time == "time" and variables and set(variables) <= driven
     course = np.array([row.split(",") for row in rows], dtype=float)
     assert np.all(np.diff(course[:, 0]) > 0) and course[0, 0] == 0
@@ -140,9 +135,7 @@ def test_nothing_touches_the_standard_component_at_the_start():
 def test_free_vibration_is_the_reference_scene():
     scene = load_scene("free_vibration")
     assert scene.initial.stretch == (1.1, 1, 1) and scene.material.damping == 0 and not scene.plane
-    assert (
-        scene.environment.gravity is None and scene.mass.total == 1 and scene.material.stiffness.face == 1e3
-    )
+    assert scene.environment.gravity is None and scene.mass.total == 1 and scene.material.stiffness.face == 1e3
 
 
 def test_the_template_is_a_scene_of_that_title(tmp_path):
@@ -186,12 +179,7 @@ def test_the_values_of_the_template_are_defaults_unless_it_says_otherwise():
     for line in template("x").splitlines():
         if line.startswith("["):
             section = line.split("]")[0].strip("[]")
-        elif (
-            "=" in line
-            and not line.startswith("#")
-            and "(default" not in line
-            and not line.startswith("title")
-        ):
+        elif "=" in line and not line.startswith("#") and "(default" not in line and not line.startswith("title"):
             key, value = next(iter(tomllib.loads(line).items()))
             table = getattr(defaults, section)
             default = getattr(table, key) if table else schema_default(section, key)

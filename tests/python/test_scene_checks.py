@@ -46,9 +46,7 @@ def test_a_name_used_twice_is_refused_at_the_second(section):
     rest = {"pin": [{"points": [[0, 0, 0]]}, {"points": [[1, 0, 0]]}], "load": [{"points": "x+"}] * 2}
     rest |= {"plane": [{}, {}], "probe": [{"at": [0, 0, 0]}] * 2}
     (line,) = problems({section: [item | {"name": "same"} for item in rest[section]]})
-    assert (
-        line == f'{section}[1].name: wanted a name of its own, got "same", already the name of {section}[0]'
-    )
+    assert line == f'{section}[1].name: wanted a name of its own, got "same", already the name of {section}[0]'
 
 
 def test_different_kinds_may_share_a_name():
@@ -114,9 +112,7 @@ def test_mass_from_a_mesh_needs_one(mass, line):
     assert problems({"mass": mass}) == [line]
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "instead"), [("density", 5.0, "total"), ("distribution", "volume", "surface")]
-)
+@pytest.mark.parametrize(("key", "value", "instead"), [("density", 5.0, "total"), ("distribution", "volume", "surface")])
 def test_mass_of_a_volume_needs_a_closed_mesh_and_says_that_this_one_is_open(folder, key, value, instead):
     (line,) = with_mesh(folder, "open", mass={key: value})
     assert line.startswith(f"mass.{key}: ") and "needs a closed mesh, but open.obj is open (" in line
@@ -162,9 +158,7 @@ def test_a_probe_outside_the_box_is_refused_and_one_on_its_face_is_not():
     assert line == "probe[1].at: wanted a place in the box [0, 0, 0] to [1, 1, 1] m, got [0.5, 0.5, 1.001]"
 
 
-@pytest.mark.parametrize(
-    "box", [{"origin": [1e20, 0, 0], "size": [1, 1, 1]}, {"origin": [1.7e308, 0, 0], "size": [1.7e308, 1, 1]}]
-)
+@pytest.mark.parametrize("box", [{"origin": [1e20, 0, 0], "size": [1, 1, 1]}, {"origin": [1.7e308, 0, 0], "size": [1.7e308, 1, 1]}])
 def test_control_points_that_fall_together_in_double_precision_are_refused(box):
     (line,) = problems({"lattice": box})
     assert line.startswith("lattice: wanted control points that differ along x, got origin")
@@ -198,9 +192,5 @@ def test_all_problems_come_at_once_also_beside_faulty_values():
 
 
 def test_a_check_does_not_blame_a_value_that_was_never_given():
-    assert problems({"lattice": {"points": [4, 4, 99]}, "inputs": {"forces": [[0, 0, 50]]}}) == [
-        "lattice.points[2]: wanted <= 32, got 99"
-    ]
-    assert problems({"lattice": {"size": [0, 1, 1]}, "probe": [{"name": "p", "at": [5, 5, 5]}]}) == [
-        "lattice.size[0]: wanted > 0 m, got 0"
-    ]
+    assert problems({"lattice": {"points": [4, 4, 99]}, "inputs": {"forces": [[0, 0, 50]]}}) == ["lattice.points[2]: wanted <= 32, got 99"]
+    assert problems({"lattice": {"size": [0, 1, 1]}, "probe": [{"name": "p", "at": [5, 5, 5]}]}) == ["lattice.size[0]: wanted > 0 m, got 0"]

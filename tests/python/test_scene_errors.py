@@ -33,8 +33,7 @@ CASES = [
     ({"mass": {"uniform_share": 1.5}}, "mass.uniform_share: wanted <= 1, got 1.5"),
     (
         {"mass": {"distribution": "vertex"}},
-        'mass.distribution: wanted "uniform", "vertices", "surface" or "volume", got "vertex", '
-        'did you mean "vertices"?',
+        'mass.distribution: wanted "uniform", "vertices", "surface" or "volume", got "vertex", did you mean "vertices"?',
     ),
     ({"lattice": {"size": [1, 0, 1]}}, "lattice.size[1]: wanted > 0 m, got 0"),
     ({"lattice": {"points": [4, 4]}}, "lattice.points: wanted 3 whole numbers [nx, ny, nz], got [4, 4]"),
@@ -56,8 +55,7 @@ CASES = [
     ({"plane": [PLANE | {"friction": -0.1}]}, "plane[0].friction: wanted >= 0, got -0.1"),
     (
         {"plane": [PLANE, {"name": "b", "normal": [0, 0, 0]}]},
-        "plane[1].normal: wanted a vector of length > 0 (in double precision: 1e-100 to 1e100), "
-        "got [0, 0, 0]",
+        "plane[1].normal: wanted a vector of length > 0 (in double precision: 1e-100 to 1e100), got [0, 0, 0]",
     ),
     (
         {"plane": [PLANE | {"point": [0, math.inf, 0]}]},
@@ -65,8 +63,7 @@ CASES = [
     ),
     (
         {"plane": [{"name": "my plane"}]},
-        "plane[0].name: wanted a name of letters A-Z a-z, digits and underscores, no digit first, "
-        'got "my plane", did you mean "my_plane"?',
+        'plane[0].name: wanted a name of letters A-Z a-z, digits and underscores, no digit first, got "my plane", did you mean "my_plane"?',
     ),
     (
         {"plane": [{}]},
@@ -89,13 +86,11 @@ CASES = [
     ({"outputs": {"energy": 1}}, "outputs.energy: wanted true or false, got 1"),
     (
         {"outputs": {"positions": "X+"}},
-        'outputs.positions: wanted "all", "none", "x-", "x+", "y-", "y+", "z-" or "z+", '
-        'got "X+", did you mean "x+"?',
+        'outputs.positions: wanted "all", "none", "x-", "x+", "y-", "y+", "z-" or "z+", got "X+", did you mean "x+"?',
     ),
     (
         {"inputs": {"forces": 3}},
-        'inputs.forces: wanted "all", "none", a face such as "z-", [[i, j, k], ...] or '
-        "{ i = [first, last] }, got 3",
+        'inputs.forces: wanted "all", "none", a face such as "z-", [[i, j, k], ...] or { i = [first, last] }, got 3',
     ),
     ({"inputs": {"forces": [[0, 0]]}}, "inputs.forces[0]: wanted 3 whole numbers [i, j, k], got [0, 0]"),
     (
@@ -118,9 +113,7 @@ def problems(document):
     return caught.value.problems
 
 
-@pytest.mark.parametrize(
-    ("document", "line"), CASES, ids=[line.split(" ")[0] + str(n) for n, (_, line) in enumerate(CASES)]
-)
+@pytest.mark.parametrize(("document", "line"), CASES, ids=[line.split(" ")[0] + str(n) for n, (_, line) in enumerate(CASES)])
 def test_one_mistake_gives_one_line(document, line):
     assert problems(document) == [line]
 

@@ -67,9 +67,7 @@ def test_momentum_is_kept(scene, method):
     assert np.abs(momentum - momentum[0]).max() < 1e-12 * size
 
 
-@pytest.mark.parametrize(
-    ("method", "share"), [("leapfrog", 1e-12), ("bm4", 1e-12), ("rkn12", 1e-8), ("dop853", 1e-7), ("auto", 1e-8)]
-)
+@pytest.mark.parametrize(("method", "share"), [("leapfrog", 1e-12), ("bm4", 1e-12), ("rkn12", 1e-8), ("dop853", 1e-7), ("auto", 1e-8)])
 def test_angular_momentum_is_kept(scene, method, share):
     """By the splittings to rounding, by the methods with error control (auto may take one) to a small part of the tolerance of 1e-4."""
     result = simulate(scene(TUMBLING.replace("METHOD", method)))
