@@ -44,7 +44,7 @@ void Stability::prepare(const Body& body) {
 
 void Stability::time_scales(const Body& body, Scalars& scales) const {
   const int n = body.points();
-  for (int i = 0; i < 3 * n; ++i) scales[i] = std::min(4.3 / std::sqrt(std::max(any_squared_[i % n], 1e-300)), 1.0);
+  for (int i = 0; i < 3 * n; ++i) scales[i] = std::min(4.3 / std::sqrt(std::max(any_squared_[i % n], 1e-300)), 100.0);
 }
 
 double Stability::frequency(const Body& body, const Points& x) {
