@@ -62,10 +62,10 @@ struct Course {
   Reason favourite_reason = Reason::least_work;
   double work = 0;         ///< done since the start, in evaluations of the spring forces
   double race_due = 0;     ///< work at which the next race is due
-  double race_window = 0;  ///< communication step of the last race [s]
-  double usual = 0;        ///< length of communication steps of late [s]
   double race_soon = 0;    ///< the same after a jolt
   double race_pause = 1;   ///< its distance, in multiples of a race's own work
+  double race_window = 0;  ///< communication step of the last race [s]
+  double usual = 0;        ///< length of communication steps of late [s]
   double forecast = 0;     ///< work that the winner should need for what is left of the communication step
   long steps = 0, rejected = 0;
   long factors = 0;  ///< matrices factored

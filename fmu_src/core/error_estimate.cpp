@@ -12,12 +12,6 @@ namespace {
 /// By which ten times the tolerance multiplies the error of a method with error control, by measurement.
 constexpr double looser = 6;
 
-double power(double base, int exponent) {
-  double product = 1;
-  for (int i = 0; i < exponent; ++i) product *= base;
-  return product;
-}
-
 }  // namespace
 
 ErrorEstimate::ErrorEstimate(const Definition& definition) : shadow_(definition) {}

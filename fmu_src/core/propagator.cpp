@@ -360,8 +360,8 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
   return StepStatus::ok;
 }
 
-double Propagator::stable_step(const Body& body,
-                               const Points& x) {  // leaves the bound of the course alone: looking must not change what follows
+/// Leaves the bound of the course alone: looking must not change what follows.
+double Propagator::stable_step(const Body& body, const Points& x) {
   if (!stability_.elastic()) return std::numeric_limits<double>::max();
   return std::min(2 / stability_.frequency(body, x), std::numeric_limits<double>::max());
 }

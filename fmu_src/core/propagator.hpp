@@ -6,8 +6,9 @@
 ///
 ///      h (share tolerance / (c D T / stretch))^(1/p),      c = 2^p / (2^p - 1),
 ///
-/// where T is the rest of the run or the time in which damping forgets, whichever is shorter. Methods with error control adapt at every
+/// where T is the length of the run or the time in which damping forgets, whichever is shorter. Methods with error control adapt at every
 /// step. The automatic choice is a race: each candidate is tried on a short stretch and the least work for the communication step wins.
+/// In contact leapfrog runs every stretch twice (propagator_contact.cpp), and stiff bodies take implicit steps (implicit_contact.hpp).
 #pragma once
 #include "bm4.hpp"
 #include "central_difference.hpp"

@@ -28,13 +28,13 @@ constexpr double longest_trial = 20'000;
 /// Share of the tolerance that fast modes may amount to where an implicit method is to pass over them.
 constexpr double quiet_share = 0.3;
 
+}  // namespace
+
 double power(double base, int exponent) {
   double product = 1;
   for (int i = 0; i < exponent; ++i) product *= base;
   return product;
 }
-
-}  // namespace
 
 long divisions(double length, double limit) {
   constexpr double most = 1L << 53;
