@@ -35,7 +35,7 @@ Vec3 collide(double friction, const HalfSpace& now, double inertia, double h, co
 void CentralDifference::step(const Body& body, const Surroundings& around, double t, double h, bool watch, const State& state,
                              Exchange* exchange) {
   force_ = around.force;
-  if (around.ramped) force_ += (t - around.since) * around.force_rate;
+  if (around.ramped) around.force_at(t, force_);
   for (int axis = 0; axis < 3; ++axis) {
     const auto inertia = body.mass / (h * h), drag = body.damping / (2 * h);
     next_.col(axis) =
@@ -86,8 +86,7 @@ StepStatus CentralDifference::advance(const Body& body, const Surroundings& arou
   if (state.previous_h != task.h) start(body, around.force, task.h, state);
   for (long i = 0; i < task.steps; ++i) {
     step(body, around, task.time(i), task.h, watch, state, &exchange);
-    if (watch && around.ramped)
-      exchange.work += (task.time(i) + 0.5 * task.h - around.since) * (around.force_rate * (next_ - state.x)).sum();
+    if (watch && around.ramped) exchange.work += around.ramp_dot(task.time(i) + 0.5 * task.h, next_ - state.x);
     state.previous.swap(state.x);
     state.x.swap(next_);
     body.internal_force(state.x, state.spring);

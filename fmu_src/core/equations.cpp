@@ -22,7 +22,7 @@ void Equations::place_pins(double t, Points& x, Points& v) const {
 
 const Points& Equations::outside(double t, Points& scratch) const {
   if (!around.ramped) return around.force;
-  scratch = around.force + (t - around.since) * around.force_rate;
+  around.force_at(t, scratch);
   return scratch;
 }
 
@@ -57,14 +57,15 @@ void Ledger::stage(const Equations& equations, double weight, double t, const Po
     for (std::size_t n = 0; n < pin.points.size(); ++n) {
       const int p = pin.points[n];
       const Vec3 arm = frame.arm(pin.local[n]), velocity = frame.material_velocity(arm);
-      const Vec3 outside = row(around.force, p) + (around.ramped ? t - around.since : 0.0) * row(around.force_rate, p);
+      Vec3 outside = row(around.force, p);
+      for (int axis = 0; around.ramped && axis < 3; ++axis) outside[axis] += around.ramp(p + axis * x.rows(), t);
       const Vec3 force = row(spring, p) + outside - body.damping[p] * velocity;
       pins_[a].add(weight * force, arm);
       pins_[a].torque -= weight * body.mass[p] * frame.velocity.cross(velocity);
       work_ -= weight * force.dot(velocity);
     }
   }
-  if (watch_ && around.ramped) work_ -= weight * (around.force_rate * x).sum();
+  if (watch_ && around.ramped) work_ -= weight * around.ramp_rate_dot(t, x);
 }
 
 void Ledger::damp(const Equations& equations, double weight, const Points& v) {
@@ -82,7 +83,7 @@ void Ledger::end(const Equations& equations, double sign, double t, const Points
       work_ += 0.5 * momentum.dot(velocity);
     }
   }
-  if (watch_ && around.ramped) work_ += sign * (t - around.since) * (around.force_rate * x).sum();
+  if (watch_ && around.ramped) work_ += sign * around.ramp_dot(t, x);
 }
 
 void Ledger::ends(const Equations& equations, double t0, const Points& x0, const Points& v0, double t1, const Points& x1,

@@ -57,7 +57,7 @@ StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double 
 StepStatus ImplicitContact::open(const Step& step) {
   const auto& [body, around] = step.equations;
   force_ = around.force;
-  if (around.ramped) force_ += (step.t + 0.5 * step.h - around.since) * around.force_rate;
+  if (around.ramped) around.force_at(step.t + 0.5 * step.h, force_);
   diagonal_ = body.mass / (step.h * step.h) + body.damping / step.h;
   contacts_.open(body, around, step.t, step.h);
   predict(step);
@@ -292,9 +292,7 @@ void ImplicitContact::book(const Step& step, bool watch, Exchange& exchange) con
   if (!watch) return;
   exchange.work += work_;
   exchange.dissipated += loss_;
-  if (!around.ramped) return;
-  const double ramp = step.t + 0.5 * step.h - around.since;
-  for (int i = 0; i < x_.size(); ++i) exchange.work += ramp * around.force_rate.data()[i] * (x_.data()[i] - step.from.x.data()[i]);
+  if (around.ramped) exchange.work += around.ramp_dot(step.t + 0.5 * step.h, x_ - step.from.x);
 }
 
 }  // namespace softffd

@@ -50,11 +50,6 @@ double damping_loss(const Body& body, double h, const Points& v0, const Points& 
   return h * loss;
 }
 
-/// Work of the ramp, beyond the force at the start of the communication step, over one drift.
-double ramp_work(const Surroundings& around, double t, const Points& x0, const Points& x1) {
-  return (t - around.since) * (around.force_rate * (x1 - x0)).sum();
-}
-
 }  // namespace
 
 Leapfrog::Leapfrog(int points, int planes)
@@ -65,7 +60,7 @@ StepStatus Leapfrog::advance(const Body& body, const Surroundings& around, const
   const Points& force = around.ramped ? force_ : around.force;
   const std::size_t n = state.x.size();
   kicks_.prepare(body, task.h);
-  if (around.ramped) force_ = around.force + (task.time(0) - around.since) * around.force_rate;
+  if (around.ramped) around.force_at(task.time(0), force_);
   for (long i = 0; i < task.steps; ++i) {
     const double t0 = task.time(i), t1 = task.time(i + 1);
     const StepView step{body, kicks_, around, state.spring, force, state.x, t0, t1, task.h};
@@ -78,10 +73,10 @@ StepStatus Leapfrog::advance(const Body& body, const Surroundings& around, const
       const StepStatus status = contact_.drift(step, before_, state.v, next_, exchange);
       if (status != StepStatus::ok) return status;
     }
-    if (watch && around.ramped) exchange.work += ramp_work(around, 0.5 * (t0 + t1), state.x, next_);
+    if (watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (t0 + t1), next_ - state.x);
     state.x.swap(next_);
     body.internal_force(state.x, state.spring);
-    if (around.ramped) force_ = around.force + (t1 - around.since) * around.force_rate;
+    if (around.ramped) around.force_at(t1, force_);
     const bool touched = planes && contact_.touched();
     if (touched || pins) before_ = state.v;
     kicks_.close(state.spring, force, state.v);

@@ -128,6 +128,7 @@ StepStatus Propagator::advance_with(const Job& job, Method asked, double H) {
   const double begun = course.work;
   while (state.time < end) {
     if (automatic) choose(job, end - state.time);
+    if (state.time == end) break;  // a trial took it there
     if (automatic && course.work - begun + course.forecast > 1.2 * double(most_steps)) return StepStatus::too_many_steps;
     // A winner that needs far more than it seemed to runs again.
     const double pause_at = automatic ? std::min(course.race_due, course.work + 2.5 * course.forecast + 100) : infinity;

@@ -73,7 +73,8 @@ class Propagator {
   bool worth_a_matrix(const Job& job, double H, double least);
   double controlled_work(const Job& job, Method method, double H, double& spent);
   double implicit_work(const Job& job, double H, double budget, double& spent);
-  bool fast_modes_are_quiet(const Job& job, double h, double& spent);
+  bool fast_modes_are_quiet(const Job& job, double H, double& spent);
+  void take_trial(const Job& job);
   double attempt(const Job& job, Method method, double t, double h);
 
   OneStep& controlled(Method method);

@@ -27,6 +27,8 @@ constexpr double stiff = 25;
 constexpr double longest_trial = 20'000;
 /// Share of the tolerance that fast modes may amount to where an implicit method is to pass over them.
 constexpr double quiet_share = 0.3;
+/// Vibrations with time scales above this many implicit steps are resolved by its error control.
+constexpr double resolved = 8;
 
 }  // namespace
 
@@ -120,7 +122,8 @@ void Propagator::choose(const Job& job, double H) {
 /// Without touching a matrix: could implicit steps pay, and is there nothing that vibrates by more than they may ignore?
 bool Propagator::worth_a_matrix(const Job& job, double H, double least) {
   if (H / step_limit(job, Method::ros34pw2, false) * implicit_.step > 0.8 * least) return false;
-  return present_vibration(job.equations, job.state, time_scale_) <= 3 * job.request.tolerance;
+  const double shortest = H * implicit_.step / (0.8 * least);  // step that would still pay
+  return present_vibration(job.equations, job.state, time_scale_, resolved * shortest) <= 3 * job.request.tolerance;
 }
 
 void Propagator::race(const Job& job, double H) {
@@ -138,7 +141,7 @@ void Propagator::race(const Job& job, double H) {
   };
   if (stability_.elastic() && H * bound(job) > 2 * stiff && worth_a_matrix(job, H, least)) {
     consider(Method::ros34pw2, implicit_work(job, H, std::min(0.8 * least, longest_trial), spent));
-    if (winner == Method::ros34pw2) course.favourite_reason = Reason::quiet_stiffness;
+    if (winner == Method::ros34pw2) take_trial(job), course.favourite_reason = Reason::quiet_stiffness;
   }
   if (winner != Method::ros34pw2) {
     spent += calibrate(job, Method::leapfrog, H, 1);
@@ -172,29 +175,37 @@ double Propagator::controlled_work(const Job& job, Method method, double H, doub
   return double(divisions(H, std::min(h, step_limit(job, method, false)))) * traits(method).work;
 }
 
-/// Work of the implicit method for H, by doing it; infinite beyond the budget, or where fast modes that it would damp are at work.
+/// Work of the implicit method for H, by doing it; infinite beyond the budget, or where fast modes that it would damp are at work. The
+/// trial ends in coarse_, trial_course_ and scratch_.
 double Propagator::implicit_work(const Job& job, double H, double budget, double& spent) {
+  if (!fast_modes_are_quiet(job, H, spent)) return infinity;
   coarse_ = job.state;
   trial_course_ = job.course;
+  scratch_ = job.exchange;
   const Job trial{job.equations, job.request, coarse_, trial_course_, scratch_};
   const double end = job.state.time + H;
   const StepStatus status = run_controlled(trial, Method::ros34pw2, end, job.course.work + budget);
   const double work = trial_course_.work - job.course.work;
   spent += work;
   if (status != StepStatus::ok || coarse_.time < end) return infinity;
-  const double h = trial_course_.ros34pw2;
-  if (!fast_modes_are_quiet(job, h, spent)) return infinity;
-  job.course.ros34pw2 = h;
-  job.course.factored = trial_course_.factored;
+  const double passed_over = resolved * trial_course_.ros34pw2;
+  if (present_vibration(job.equations, job.state, time_scale_, passed_over) > 3 * job.request.tolerance) return infinity;
   // a factor is kept for later communication steps
   const double made = double(trial_course_.factors - job.course.factors),
                used = std::max(1.0, double(trial_course_.steps - job.course.steps));
   return work - implicit_.factor * std::max(0.0, made - used / double(Ros34pw2::most_uses));
 }
 
+/// The trial of implicit_work is the communication step.
+void Propagator::take_trial(const Job& job) {
+  std::swap(job.state, coarse_);
+  std::swap(job.course, trial_course_);
+  std::swap(job.exchange, scratch_);
+}
+
 /// Does one implicit step agree with explicit ones that resolve everything? Error estimates of implicit steps do not see what they damp.
-bool Propagator::fast_modes_are_quiet(const Job& job, double h, double& spent) {
-  const double way = std::min(h, 40 / bound(job));
+bool Propagator::fast_modes_are_quiet(const Job& job, double H, double& spent) {
+  const double way = std::min(H, 40 / bound(job));
   const long steps = divisions(way, step_limit(job, Method::leapfrog, false));
   fine_ = job.state;
   const Task task{job.state.time, 0, way / double(steps), steps};

@@ -113,7 +113,8 @@ double Ros34pw2::attempt(const Equations& equations, double t, double h, const S
     combine(zero_, 1 / h, c[i], v_, i, q_);
     Points& x_i = x_[i];
     x_i = spring_ + equations.outside(at, outside_);
-    if (around.ramped) x_i += ahead * around.force_rate;
+    if (around.ramped)
+      for (Eigen::Index j = 0; j < x_i.size(); ++j) x_i(j) += ahead * around.ramp_rate(j, t);
     if (moving) x_i += ahead * pin_rate_;
     x_i = free_ * x_i + mass_ * (q_ + (stage_v_ + p_) * (1 / g));
     if (body.damped) x_i += damping_ * p_;

@@ -72,7 +72,9 @@ SoftBody::SoftBody(Definition definition)
   for (std::size_t a = 0; a < definition_.pins.size(); ++a)
     around_.pins.push_back(make_pin(definition_, definition_.pins[a], pin_origins_[a]));
   around_.planes.resize(definition_.planes);
-  settings.force = settings.force_rate = around_.force = around_.force_rate = Points::Zero(n, 3);
+  for (Points* points : {&settings.force, &settings.force_rate, &settings.force_bend[0], &settings.force_bend[1], &around_.force,
+                         &around_.force_rate, &around_.force_bend[0], &around_.force_bend[1]})
+    points->setZero(n, 3);
   settings.planes.resize(definition_.planes);
   settings.pins.resize(definition_.pins.size());
   for (std::size_t a = 0; a < pin_origins_.size(); ++a) settings.pins[a].position = pin_origins_[a];
@@ -139,7 +141,9 @@ StepStatus SoftBody::refresh_surroundings() {
   }
   for (int axis = 0; axis < 3; ++axis) around_.force.col(axis) = settings.force.col(axis) + settings.gravity[axis] * body_.mass;
   around_.force_rate = settings.force_rate;
-  around_.ramped = !settings.force_rate.isZero(0);
+  around_.force_bend = settings.force_bend;
+  around_.bent = !settings.force_bend[0].isZero(0) || !settings.force_bend[1].isZero(0);
+  around_.ramped = around_.bent || !settings.force_rate.isZero(0);
   around_.since = time;
   return StepStatus::ok;
 }
@@ -242,7 +246,7 @@ StepStatus SoftBody::advance_from_here(double H) {
                         .watch = definition_.watch_energy};
   const StepStatus ran = propagator_.advance({body_, around_}, request, H, motion, now_.course, now_.exchange);
   if (ran != StepStatus::ok) return ran;
-  now_.outside = around_.force + H * around_.force_rate;
+  around_.force_at(motion.time, now_.outside);
   count_contacts();
   now_.contacts_resolved += now_.exchange.contacts_resolved;
   if (definition_.watch_energy) {

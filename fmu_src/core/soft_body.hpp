@@ -39,11 +39,12 @@ struct Settings {
   double damping = 0;           ///< per control point [N s/m]
   Vec3 gravity = Vec3::Zero();  ///< [m/s2]
   Method method = Method::automatic;
-  double tolerance = 1e-4;  ///< error aimed at, relative to the largest side of the box
-  double step = 0;          ///< internal step [s]; 0: by stability and tolerance
-  double horizon = 1;       ///< length of the run [s]
-  Points force;             ///< loads and point forces at the communication point (points, 3) [N]
-  Points force_rate;        ///< their time derivative [N/s]
+  double tolerance = 1e-4;           ///< error aimed at, relative to the largest side of the box
+  double step = 0;                   ///< internal step [s]; 0: by stability and tolerance
+  double horizon = 1;                ///< length of the run [s]
+  Points force;                      ///< loads and point forces at the communication point (points, 3) [N]
+  Points force_rate;                 ///< their time derivative [N/s]
+  std::array<Points, 2> force_bend;  ///< their second and third [N/s2, N/s3]
   struct PlaneInput {
     Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
     double friction = 0;

@@ -1,29 +1,47 @@
 #include "vibration.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace softffd {
 
 namespace {
 
-double size(const Equations& equations, const State& state, const Scalars& time_scale, bool with_extension) {
-  constexpr double times = 2.5;
+constexpr double times = 2.5;
+
+double outside_less_damping(const Equations& equations, const State& state, int i) {
+  const auto& [body, around] = equations;
+  const double ramp = around.ramped ? around.ramp(i, state.time) : 0;
+  return around.force.data()[i] + ramp - body.damping[i % body.points()] * state.v.data()[i];
+}
+
+/// Of a body without pins, its damping included [m/s2].
+Vec3 mean_acceleration(const Equations& equations, const State& state) {
+  const Body& body = equations.body;
+  Vec3 force = Vec3::Zero();
+  for (int i = 0; i < 3 * body.points(); ++i) force[i / body.points()] += outside_less_damping(equations, state, i);
+  return force / body.mass.sum();
+}
+
+double size(const Equations& equations, const State& state, const Scalars& time_scale, bool with_extension, double slowest,
+            const Vec3& whole) {
   const Body& body = equations.body;
   double amplitude = 0;
   for (const Springs::Row& springs : body.springs.rows())
     for (int lane = 0; lane < springs.lanes(); ++lane) {
       if (springs.stiffness[lane] == 0) continue;
       const int p = springs.begin + lane, q = p + springs.offset;
+      if (std::min(time_scale[p], time_scale[q]) >= slowest) continue;
       const Vec3 d = row(state.x, q) - row(state.x, p), w = row(state.v, q) - row(state.v, p);
       const double r = d.norm(), time = times * std::min(time_scale[p], time_scale[q]);
       if (with_extension) amplitude = std::max(amplitude, std::abs(r - springs.rest_length[lane]));
       if (r > 0) amplitude = std::max({amplitude, std::abs(d.dot(w)) / r * time, w.squaredNorm() / r * time * time});
     }
-  const double age = equations.around.ramped ? state.time - equations.around.since : 0;
   for (int i = 0; i < time_scale.size(); ++i) {
-    const double time = times * time_scale[i], outside = equations.around.force.data()[i] + age * equations.around.force_rate.data()[i];
-    const double a = body.inverse_mass[i] * (state.spring.data()[i] + outside) - body.damping_rate[i] * state.v.data()[i];
-    amplitude = std::max(amplitude, std::abs(a) * time * time);
+    if (time_scale[i] >= slowest) continue;
+    const double time = times * time_scale[i];
+    const double a = body.inverse_mass[i] * (state.spring.data()[i] + outside_less_damping(equations, state, i));
+    if (body.inverse_mass[i] > 0) amplitude = std::max(amplitude, std::abs(a - whole[i / body.points()]) * time * time);
   }
   return 2 * amplitude;
 }
@@ -31,11 +49,12 @@ double size(const Equations& equations, const State& state, const Scalars& time_
 }  // namespace
 
 double vibration(const Equations& equations, const State& state, const Scalars& time_scale) {
-  return size(equations, state, time_scale, true);
+  return size(equations, state, time_scale, true, std::numeric_limits<double>::infinity(), Vec3::Zero());
 }
 
-double present_vibration(const Equations& equations, const State& state, const Scalars& time_scale) {
-  return size(equations, state, time_scale, false);
+double present_vibration(const Equations& equations, const State& state, const Scalars& time_scale, double slowest) {
+  const bool held = !equations.around.pins.empty();
+  return size(equations, state, time_scale, false, slowest, held ? Vec3::Zero() : mean_acceleration(equations, state));
 }
 
 }  // namespace softffd

@@ -115,7 +115,9 @@ void Instance::load_starts() {
   start(Family::solver_method, {double(scene_.method)});
   start(Family::solver_tolerance, {scene_.tolerance});
   start(Family::solver_step, {scene_.step});
-  for (std::size_t family = 0; family < values_.size(); ++family) rates_[family].assign(values_[family].size(), 0.0);
+  for (int order = 1; order <= highest_order; ++order)
+    for (std::size_t family = 0; family < values_.size(); ++family)
+      rates_[order - 1][family].assign(order <= highest_order_of(Family(family)) ? values_[family].size() : 0, 0.0);
   rated_ = false;
 }
 
@@ -151,7 +153,7 @@ void Instance::apply_values() {
   s.step = values(Family::solver_step)[0];
   s.horizon = std::isfinite(stop_time_) && stop_time_ > start_time_ ? stop_time_ - start_time_ : 1.0;
   s.force.setZero();
-  s.force_rate.setZero();
+  for (Points* rate : {&s.force_rate, &s.force_bend[0], &s.force_bend[1]}) rate->setZero();
   for (std::size_t f = 0; f < scene_.forces.size(); ++f) s.force.row(scene_.forces[f]) += value3(Family::force, int(f)).array().transpose();
   for (std::size_t l = 0; l < scene_.loads.size(); ++l)
     for (int p : scene_.loads[l].points)
@@ -190,11 +192,9 @@ void Instance::apply_values() {
 void Instance::apply_rates() {
   Settings& s = body_.settings;
   const auto given = [](const Vec3& rate) { return !rate.isZero(0); };
-  for (std::size_t f = 0; f < scene_.forces.size(); ++f)
-    s.force_rate.row(scene_.forces[f]) += rate3(Family::force, int(f)).array().transpose();
-  for (std::size_t l = 0; l < scene_.loads.size(); ++l)
-    for (int p : scene_.loads[l].points)
-      s.force_rate.row(p) += rate3(Family::load, int(l)).array().transpose() / double(scene_.loads[l].points.size());
+  apply_force_rates(1, s.force_rate);
+  apply_force_rates(2, s.force_bend[0]);
+  apply_force_rates(3, s.force_bend[1]);
   for (std::size_t n = 0; n < input_planes_.size(); ++n) {
     const int i = int(n);
     Settings::PlaneInput& plane = s.planes[input_planes_[n]];
@@ -208,15 +208,24 @@ void Instance::apply_rates() {
     Settings::PinInput& pin = s.pins[input_pins_[n]];
     pin.acceleration = rate3(Family::pin_velocity, i);
     pin.angular_acceleration = rate3(Family::pin_angular_velocity, i);
-    const double* rate = rates_[std::size_t(Family::pin_orientation)].data() + 4 * n;
+    const double* rate = rates_[0][std::size_t(Family::pin_orientation)].data() + 4 * n;
     pin.orientation_rate = {rate[0], rate[1], rate[2], rate[3]};
     if (const Vec3 way = rate3(Family::pin_position, i); given(way)) pin.velocity = way, pin.acceleration.setZero();
   }
 }
 
+void Instance::apply_force_rates(int order, Points& rate) {
+  for (std::size_t f = 0; f < scene_.forces.size(); ++f)
+    rate.row(scene_.forces[f]) += rate3(Family::force, int(f), order).array().transpose();
+  for (std::size_t l = 0; l < scene_.loads.size(); ++l)
+    for (int p : scene_.loads[l].points)
+      rate.row(p) += rate3(Family::load, int(l), order).array().transpose() / double(scene_.loads[l].points.size());
+}
+
 void Instance::forget_rates() {
   if (!rated_) return;
-  for (auto& list : rates_) std::fill(list.begin(), list.end(), 0.0);
+  for (auto& order : rates_)
+    for (auto& list : order) std::fill(list.begin(), list.end(), 0.0);
   rated_ = false;
   changed_ = true;
 }

@@ -20,6 +20,10 @@ struct CallError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Highest order of the time derivatives that inputs take: forces and loads, and the others.
+inline constexpr int highest_order = 3;
+inline int highest_order_of(Family family) { return family == Family::force || family == Family::load ? highest_order : 1; }
+
 class Instance {
  public:
   Instance(SceneFile scene, Logger logger);
@@ -38,7 +42,7 @@ class Instance {
   void set(Type type, const fmi2ValueReference* references, std::size_t count, const double* values);
   void get(Type type, const fmi2ValueReference* references, std::size_t count, double* values);
 
-  /// First time derivatives of Real inputs; they hold for the next step only.
+  /// Time derivatives of Real inputs; they hold for the next step only. Orders 1 to 3 of forces and loads, order 1 of the others.
   void set_input_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, const double* values);
   /// First time derivatives of positions and probes.
   void get_output_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, double* values);
@@ -68,12 +72,15 @@ class Instance {
   void check_settable(const Variable& variable, fmi2ValueReference reference, double value) const;
   double output(Family family, int index);
   std::vector<double>& values(Family family) { return values_[std::size_t(family)]; }
-  Vec3 rate3(Family family, int instance) { return Eigen::Map<const Vec3>(rates_[std::size_t(family)].data() + 3 * instance); }
+  Vec3 rate3(Family family, int instance, int order = 1) {
+    return Eigen::Map<const Vec3>(rates_[order - 1][std::size_t(family)].data() + 3 * instance);
+  }
   Vec3 value3(Family family, int instance) { return Eigen::Map<const Vec3>(values(family).data() + 3 * instance); }
   void load_starts();
   void start(Family family, std::initializer_list<double> numbers);
   void apply_values();
   void apply_rates();
+  void apply_force_rates(int order, Points& rate);
   void forget_rates();
   void ensure_initial_state();
   std::string describe(StepStatus status, double time, double step) const;
@@ -83,8 +90,9 @@ class Instance {
   SceneFile scene_;
   std::vector<int> input_planes_, fixed_planes_, input_pins_;  ///< indices into scene_.planes and scene_.pins
   std::vector<Scalars> probe_weights_;
-  std::array<std::size_t, 128> counts_{};        ///< variables by family id
-  std::array<std::vector<double>, 128> rates_;   ///< time derivatives of inputs by family id, for the next step
+  std::array<std::size_t, 128> counts_{};  ///< variables by family id
+  /// Time derivatives of inputs for the next step by order - 1 and family id.
+  std::array<std::array<std::vector<double>, 128>, highest_order> rates_;
   bool rated_ = false;                           ///< any rate was set
   std::array<std::vector<double>, 128> values_;  ///< settings by family id
   SoftBody body_;

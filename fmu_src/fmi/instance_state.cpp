@@ -83,7 +83,7 @@ Bytes Instance::save_state() {
   Progress progress = body_.progress();
   pass(writer, place);
   pass_values(writer, values_);
-  pass_values(writer, rates_);
+  for (auto& order : rates_) pass_values(writer, order);
   pass(writer, in_effect);
   pass(writer, progress);
   if (error_estimate_) {
@@ -97,11 +97,12 @@ void Instance::load_state(const Bytes& bytes) {
   StateReader reader(bytes);
   Place place{};
   InEffect in_effect{};
-  auto values = values_, rates = rates_;
+  auto values = values_;
+  auto rates = rates_;
   Progress progress = body_.progress();
   pass(reader, place);
   pass_values(reader, values);
-  pass_values(reader, rates);
+  for (auto& order : rates) pass_values(reader, order);
   pass(reader, in_effect);
   pass(reader, progress);
   std::optional<ErrorEstimate::Memory> memory;

@@ -170,12 +170,14 @@ void Instance::set_input_derivatives(const fmi2ValueReference* references, std::
   for (std::size_t n = 0; n < count; ++n) {
     const Variable variable = checked(references[n], Type::Real);
     if (variable.info->causality != Causality::input) throw CallError(name(references[n]) + ": is no input, it has no input derivative");
-    if (orders[n] != 1) throw CallError(name(references[n]) + ": wanted a derivative of order 1, got " + std::to_string(orders[n]));
+    if (const int highest = highest_order_of(variable.info->family); orders[n] < 1 || orders[n] > highest)
+      throw CallError(name(references[n]) + ": wanted a derivative of order 1" + (highest > 1 ? " to " + std::to_string(highest) : "") +
+                      ", got " + std::to_string(orders[n]));
     if (!std::isfinite(numbers[n])) throw CallError(name(references[n]) + ": wanted a finite derivative, got " + shortest(numbers[n]));
   }
   for (std::size_t n = 0; n < count; ++n) {
     const Variable variable = *find(references[n]);
-    rates_[std::size_t(variable.info->family)][variable.index] = numbers[n];
+    rates_[orders[n] - 1][std::size_t(variable.info->family)][variable.index] = numbers[n];
     changed_ = rated_ = true;
   }
 }

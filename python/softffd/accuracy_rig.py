@@ -100,7 +100,7 @@ class Rig:
         self._inputs, self._driven = self._component.block(names), self._component.block(source.names)
         pairs = list(zip(self.times[:-1], self._steps, strict=True))
         self.input_values = np.array([source.values(t, h) for t, h in pairs]).reshape(len(pairs), -1)
-        self.input_rates = np.array([source.rates(t, h) for t, h in pairs]).reshape(len(pairs), -1)
+        self.input_rates = np.array([source.bends(t, h) for t, h in pairs]).reshape(len(pairs), 3, -1)
 
     def _begin(self, setting: Setting) -> None:
         component = self._component

@@ -3,8 +3,7 @@
     m_i a_i = sum over springs of k (1 - l / r) (x_j - x_i) - d_i v_i + m_i g + F_i(t)        Xia & Wang 2009, eq. (3) and (6)
 
 The springs' forces go through a sparse incidence matrix, one product to the springs and one back, which is the fastest of the usual ways
-in numpy. F is linear between communication points, as in the FMU's runs; the solver starts anew where its slope changes, so that no step
-crosses a kink, and takes its output from its own dense output elsewhere. No obstacles, no pins.
+in numpy. F is the cubic between communication points that the FMU's runs have. No obstacles, no pins.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ import re
 import time as clock
 import warnings
 from collections.abc import Callable, Iterator
-from itertools import pairwise
 
 import numpy as np
 
@@ -94,24 +92,19 @@ def integrate(solve_ivp, equations: Equations, forces, rig: Rig, setting: Settin
     options = {"method": setting.method, "rtol": max(setting.tolerance, 3e-14), "atol": setting.tolerance * rig.side}
     if setting.method in IMPLICIT_WITH_PATTERN:
         options["jac_sparsity"] = equations.pattern()
-    state, evaluations = equations.start(), 0
-    rows = [state]
-    for first, last in segments(forces, rig.times):
-        times = rig.times[first : last + 1]
-        slope = (forces[first + 1] - forces[first]) / (times[1] - times[0])
+    times = rig.times
 
-        def rate(t, y, base=forces[first], slope=slope, start=times[0]):
-            if clock.process_time() > deadline:
-                raise _TooLong
-            return equations.rate(y, base + (t - start) * slope)
+    def rate(t, y):
+        if clock.process_time() > deadline:
+            raise _TooLong
+        row = np.searchsorted(times[1:-1], t, side="right")
+        return equations.rate(y, at(forces[row], t - times[row]))
 
-        solution = solve_ivp(rate, (times[0], times[-1]), state, t_eval=times[1:], **options)
-        if not solution.success:
-            raise RuntimeError(solution.message)
-        rows += list(solution.y.T)
-        state, evaluations = solution.y[:, -1], evaluations + solution.nfev
-    count = len(state) // 2
-    return np.array([row[:count].reshape(-1, 3) for row in rows]), evaluations
+    solution = solve_ivp(rate, (times[0], times[-1]), equations.start(), t_eval=times, **options)
+    if not solution.success:
+        raise RuntimeError(solution.message)
+    count = len(solution.y) // 2
+    return solution.y[:count].T.reshape(len(times), -1, 3), solution.nfev
 
 
 class Equations:
@@ -173,25 +166,23 @@ class Equations:
 
 
 def nodal_forces(rig: Rig) -> np.ndarray:
-    """Outside forces at every communication point besides gravity, (T, n, 3) [N], from the rig's inputs."""
+    """Outside forces besides gravity and their first to third derivative at every communication point but the last, (T - 1, 4, n, 3), in N
+    and s, from the rig's inputs."""
     scene, (nx, ny, _) = rig.scene, rig.scene.lattice.points
     points = {load.name: scene.select(load.points) for load in scene.load}
-    ends = rig.input_values[-1] + rig.input_rates[-1] * (rig.times[-1] - rig.times[-2])
-    forces = np.zeros((len(rig.times), len(scene.rest_positions()), 3))
-    for name, values in zip(rig.driven_names, np.vstack([rig.input_values, ends]).T, strict=True):
+    forces = np.zeros((len(rig.times) - 1, 4, len(scene.rest_positions()), 3))
+    courses = np.concatenate([rig.input_values[:, None], rig.input_rates], axis=1)  # (T - 1, 4, inputs)
+    for name, course in zip(rig.driven_names, np.moveaxis(courses, 2, 0), strict=True):
         owner, axis = name.rsplit(".", 1)
         if owner.startswith("load."):
             chosen = points[owner.removeprefix("load.")]
         else:
             i, j, k = map(int, re.findall(r"\d+", owner))
             chosen = np.array([i + nx * (j + ny * k)])
-        forces[:, chosen, "xyz".index(axis)] += (values / len(chosen))[:, None]
+        forces[:, :, chosen, "xyz".index(axis)] += (course / len(chosen))[:, :, None]
     return forces
 
 
-def segments(forces: np.ndarray, times: np.ndarray) -> list[tuple[int, int]]:
-    """Stretches (first, last communication point) over which the forces are linear in time."""
-    slopes = np.diff(forces, axis=0) / np.diff(times)[:, None, None]
-    change = np.abs(np.diff(slopes, axis=0)).max(axis=(1, 2), initial=0.0)
-    kinks = [0, *(np.flatnonzero(change > 1e-9 * np.abs(slopes).max(initial=1e-300)) + 1), len(times) - 1]
-    return list(pairwise(kinks))
+def at(course: np.ndarray, time: float) -> np.ndarray:
+    """The forces `time` after the communication point whose derivatives are given, (4, n, 3)."""
+    return course[0] + time * (course[1] + time * (course[2] / 2 + time * course[3] / 6))

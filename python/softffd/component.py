@@ -179,14 +179,21 @@ class Component:
         call(block.references, c_size_t(len(block.names)), block.pointer)
 
     def set_rates(self, block: Block, rates: np.ndarray) -> None:
-        """First time derivatives of a block of Real inputs, (m,) float64 [unit per s]; they hold for the next step only.
+        """Time derivatives of a block of m Real inputs; they hold for the next step only.
 
-        FmuError for an FMU that does not interpolate its inputs.
+        rates: (m,) of first order [unit / s], or (n, m) of orders 1 to n [unit / s^order]; zeros of higher orders are not sent.
+        FmuError for an FMU that does not interpolate its inputs, or not to this order.
         """
         if not self.description.coSimulation.canInterpolateInputs:
             raise FmuError(f"{self.description.modelName}: this FMU does not interpolate its inputs; hold them over each step instead")
-        orders = (c_int * len(block.names))(*[1] * len(block.names))
-        self._set_rates(block.references, c_size_t(len(block.names)), orders, rates.ctypes.data_as(POINTER(c_double)))
+        rates = np.atleast_2d(rates)
+        sent = rates != 0
+        sent[0] = True
+        rows, columns = np.nonzero(sent)
+        values = rates[sent]
+        references = (c_uint * len(values))(*(block.references[column] for column in columns))
+        orders = (c_int * len(values))(*(int(row) + 1 for row in rows))
+        self._set_rates(references, c_size_t(len(values)), orders, values.ctypes.data_as(POINTER(c_double)))
 
     def do_step(self, time: float, step: float) -> None:
         """One communication step [s]."""

@@ -26,6 +26,7 @@ class Inputs:
     def __init__(self, source: Source | None):
         self._at = _reader(source)
         self.names = list(self._at(0.0)) if source is not None else []
+        self._takes_bends = [name.startswith(("force[", "load.")) for name in self.names]
 
     def values(self, time: float, step: float) -> np.ndarray:
         """Values at a communication point, in the order of `names` and then of `derived_names`."""
@@ -34,9 +35,29 @@ class Inputs:
         return np.array([*(now[name] for name in self.names), *(derived.get(name, 0.0) for name in self.derived_names)])
 
     def rates(self, time: float, step: float) -> np.ndarray:
-        """Slopes from a communication point to the next, `step` > 0 s later, in the order of `names` [unit per s]."""
-        now, then = self._at(time), self._at(time + step)
-        return np.array([(then[name] - now[name]) / step for name in self.names])
+        """Slopes from a communication point to the next, `step` > 0 s later, in the order of `names` [unit / s]."""
+        return self._slopes(time, time + step)
+
+    def bends(self, time: float, step: float) -> np.ndarray:
+        """First to third derivatives at `time` of what goes from a communication point to the next, `step` > 0 s later: (3, names)
+        [unit / s, unit / s2, unit / s3]. Forces and loads: cubics whose slopes are continuous and which rise and fall where the values
+        do (Fritsch, Carlson 1980), so that nothing overshoots a jump. Others, of which the FMU takes the first derivative only: linear."""
+        mean = self._slopes(time, time + step)
+        begin, end = self._slope_at(time, step), self._slope_at(time + step, step)
+        cubic = np.array([begin, 2 * (3 * mean - 2 * begin - end) / step, 6 * (begin + end - 2 * mean) / step**2])
+        return np.where(self._takes_bends, cubic, [mean, 0 * mean, 0 * mean])
+
+    def _slopes(self, time: float, then: float) -> np.ndarray:
+        first, last = self._at(time), self._at(then)
+        return np.array([(last[name] - first[name]) / (then - time) for name in self.names])
+
+    def _slope_at(self, time: float, step: float) -> np.ndarray:
+        """Of the values; limited so that the cubics on both sides follow them. Nothing is asked for before time 0."""
+        near, after = step / 256, self._slopes(time, time + step)
+        before = self._slopes(time - step, time) if time >= step else after
+        slope = self._slopes(max(time - near, 0.0), time + near)
+        most = np.where(before * after > 0, 3 * np.minimum(abs(before), abs(after)), 0.0)
+        return np.clip(slope, -most, most)
 
     @property
     def derived_names(self) -> list[str]:

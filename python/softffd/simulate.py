@@ -9,7 +9,7 @@ import time as clock
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from softffd.result import Result
 from softffd.scene import Scene
 
 Progress = Callable[[float, float], None]
+Interpolation = Literal["held", "linear", "cubic"]
 POSITION = re.compile(r"position\[(\d+),(\d+),(\d+)\]\.([xyz])")
 
 
@@ -31,25 +32,26 @@ def simulate(
     step: float | None = None,
     start_values: Mapping[str, Any] | None = None,
     inputs: Source | None = None,
-    interpolate: bool = False,
+    interpolation: Interpolation = "held",
     progress: Progress | None = None,
 ) -> Result:
     """Runs a scene (packaged on the way) or an FMU from time 0 and returns all its outputs.
 
     stop_time, step: end and communication step [s], > 0; the scene's or FMU's own by default. A last step that is left over is shorter.
     start_values: parameters and inputs by variable name. inputs: values over time (see softffd.inputs.Inputs).
-    interpolate: inputs go linearly from each communication point to the next (fmi2SetRealInputDerivatives); otherwise they are held.
+    interpolation: between communication points inputs are "held", "linear" or "cubic": forces and loads with continuous slopes, the others
+    linear (fmi2SetRealInputDerivatives). The values at the next communication point must then be known in advance.
     progress: called as progress(share of the run in 0..1, simulated time [s]).
     Raises FmuError where a name, a value or a step is refused.
     """
     if isinstance(scene_or_fmu, Scene):
         with tempfile.TemporaryDirectory(prefix="softffd-") as folder:
             fmu = package_fmu(scene_or_fmu, Path(folder) / f"{scene_or_fmu.name}.fmu")
-            return _run(fmu, scene_or_fmu, stop_time, step, start_values, inputs, interpolate, progress)
-    return _run(Path(scene_or_fmu), None, stop_time, step, start_values, inputs, interpolate, progress)
+            return _run(fmu, scene_or_fmu, stop_time, step, start_values, inputs, interpolation, progress)
+    return _run(Path(scene_or_fmu), None, stop_time, step, start_values, inputs, interpolation, progress)
 
 
-def _run(fmu, scene, stop_time, step, start_values, inputs, interpolate, progress) -> Result:
+def _run(fmu, scene, stop_time, step, start_values, inputs, interpolation, progress) -> Result:
     with Component(fmu) as component:
         experiment = component.description.defaultExperiment
         stop_time = positive("stop time", stop_time, experiment and experiment.stopTime)
@@ -57,7 +59,7 @@ def _run(fmu, scene, stop_time, step, start_values, inputs, interpolate, progres
         source = Inputs(inputs)
         start_values = dict(start_values or {})
         component.initialize(start_values, stop_time=stop_time)
-        recorder = _Recorder.of(component, source, communication_points(stop_time, step), step, interpolate)
+        recorder = _Recorder.of(component, source, communication_points(stop_time, step), step, interpolation)
         recorder.apply_inputs(component, 0)
         component.exit_initialization()
         began, began_cpu = clock.perf_counter(), clock.process_time()
@@ -105,7 +107,7 @@ class _Recorder:
     times: np.ndarray
     steps: list[float]
     source: Inputs
-    interpolate: bool
+    interpolation: Interpolation
     inputs: Block
     driven: Block
     """Those of `inputs` that the source gives itself"""
@@ -116,7 +118,7 @@ class _Recorder:
     integer_rows: np.ndarray
 
     @classmethod
-    def of(cls, component: Component, source: Inputs, times: np.ndarray, step: float, interpolate: bool) -> _Recorder:
+    def of(cls, component: Component, source: Inputs, times: np.ndarray, step: float, interpolation: Interpolation) -> _Recorder:
         for name in source.names:
             if component.variable(name).causality != "input":
                 raise FmuError(f"{name}: is no input of the FMU but a {component.variable(name).causality}")
@@ -126,7 +128,7 @@ class _Recorder:
         reals = Block.of(component.variables("output"), True)
         integers = Block.of(component.variables("output", real=False), False)
         return cls(
-            times, step_lengths(times, step), source, interpolate, inputs, driven, reals, integers,
+            times, step_lengths(times, step), source, interpolation, inputs, driven, reals, integers,
             np.zeros((rows, len(inputs.names))), np.zeros((rows, len(reals.names))), np.zeros((rows, len(integers.names)), np.int64),
         )  # fmt: skip
 
@@ -137,8 +139,9 @@ class _Recorder:
         self.inputs.values[:] = self.source.values(self.times[row], ahead)
         self.input_rows[row] = self.inputs.values
         component.set(self.inputs)
-        if self.interpolate and ahead > 0:
-            component.set_rates(self.driven, self.source.rates(self.times[row], ahead))
+        if self.interpolation != "held" and ahead > 0:
+            course = self.source.rates if self.interpolation == "linear" else self.source.bends
+            component.set_rates(self.driven, course(self.times[row], ahead))
 
     def record(self, component: Component, row: int) -> None:
         component.get(self.reals)

@@ -98,6 +98,18 @@ def test_interpolated_inputs_are_second_order_and_held_ones_first(tmp_path):
     assert 3.2 < ramped[0] / ramped[1] < 5.0
 
 
+def test_a_load_of_third_order_gives_the_polynomial_of_its_velocity(tmp_path):
+    scene = FREE.replace('name = "floor"', 'name = "floor"\npoint = [0.0, 0.0, -9.0]')
+    with Driven(scene, tmp_path, **{"solver.method": "dop853", "plane.piston.point.z": 9.0}) as box:
+        for order, value in enumerate((6.0, -30.0, 120.0), 1):
+            assert box.set_rates({"load.push.x": value}, order) == 0
+        box.do_step(0.0, 0.5)
+        wanted = 6 * 0.5**2 / 2 - 30 * 0.5**3 / 6 + 120 * 0.5**4 / 24
+        assert box.get_values("velocity[1,2,0].x")[0] == pytest.approx(wanted, rel=1e-10)  # the springs' rounding makes them tremble
+        box.do_step(0.5, 0.5)
+        assert box.get_values("velocity[1,2,0].x")[0] == pytest.approx(wanted, rel=1e-10)
+
+
 def test_a_derivative_of_the_point_moves_the_plane_instead_of_its_velocity(tmp_path):
     with Driven(FREE, tmp_path, **{"plane.piston.velocity.z": 5.0}) as box:
         box.set_rates({"plane.piston.point.z": -0.5})
@@ -160,7 +172,9 @@ def test_other_orders_and_variables_are_refused(tmp_path):
     with Driven(FREE, tmp_path) as box:
         assert box.rate("position[0,0,0].x", order=2) == -3
     with Driven(FREE, tmp_path) as box:
-        assert box.set_rates({"load.push.x": 1.0}, order=2) == 3
+        assert box.set_rates({"load.push.x": 1.0}, order=4) == 3
+    with Driven(FREE, tmp_path) as box:
+        assert box.set_rates({"plane.piston.point.x": 1.0}, order=2) == 3
     with Driven(FREE, tmp_path) as box:
         assert box.set_rates({"mass": 1.0}) == 3
     with Driven(FREE, tmp_path) as box:

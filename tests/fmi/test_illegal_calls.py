@@ -120,7 +120,8 @@ ILLEGAL = [
     ((RUNNING,), "mass: cannot be set after initialization", lambda h: mixed(h, "mass", 2.0)),
     ((RUNNING,), "plane.wall.point.x: cannot be set", lambda h: mixed(h, "plane.wall.point.x", 2.0)),
     ((FRESH, INITIALIZING), "solver.method: wanted 1 to", lambda h: number(h, "solver.method", 99, "SetInteger", ints)),
-    (SETTABLE, "load.push.x: wanted a derivative of order 1, got 2", lambda h: rates(h, "load.push.x", 2, 1.0)),
+    (SETTABLE, "load.push.x: wanted a derivative of order 1 to 3, got 4", lambda h: rates(h, "load.push.x", 4, 1.0)),
+    (SETTABLE, "load.push.x: wanted a derivative of order 1 to 3, got 0", lambda h: rates(h, "load.push.x", 0, 1.0)),
     (SETTABLE, "load.push.x: wanted a finite derivative", lambda h: rates(h, "load.push.x", 1, NAN)),
     (SETTABLE, "damping: is no input", lambda h: rates(h, "damping", 1, 1.0)),
     (

@@ -68,10 +68,10 @@ class Stepper:
         block.values[:] = list(values.values())
         self._component.set(block)
 
-    def set_rates(self, rates: dict[str, float]) -> None:
-        """Sets the first time derivatives of Real inputs for the next step."""
+    def set_rates(self, rates: dict[str, float | list[float]]) -> None:
+        """Sets the first time derivatives of Real inputs for the next step, or lists of derivatives from the first."""
         block = self._component.block(list(rates))
-        self._component.set_rates(block, np.array(list(rates.values()), dtype=float))
+        self._component.set_rates(block, np.array(list(rates.values()), dtype=float).T)
 
     def step(self, length: float, *, times: int = 1) -> None:
         """Communication steps of this length [s]."""
