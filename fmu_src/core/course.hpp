@@ -6,8 +6,8 @@
 namespace softffd {
 
 /// Time integration methods; `automatic` takes one of the others for each communication step, `backward_euler` only where a stiff body is
-/// in contact.
-enum class Method { automatic, central_difference, leapfrog, bm4, rkn12, dop853, ros34pw2, backward_euler };
+/// in contact, `floating_frame` only where one flies and turns.
+enum class Method { automatic, central_difference, leapfrog, bm4, rkn12, dop853, ros34pw2, backward_euler, floating_frame };
 
 /// Why a method took a communication step.
 enum class Reason {
@@ -18,7 +18,8 @@ enum class Reason {
   stability,        ///< the largest stable step is accurate enough: nothing explicit costs less
   least_work,       ///< least work for the tolerance among those tried
   quiet_stiffness,  ///< stiff, and the fast modes are quiet: implicit steps pass them over
-  stiff_contact     ///< an obstacle is within reach of a stiff body
+  stiff_contact,    ///< an obstacle is within reach of a stiff body
+  quiet_turning     ///< stiff and turning freely, and the fast modes are quiet: rigid motion, and implicit steps for the deformation
 };
 
 struct Request {
@@ -54,7 +55,7 @@ struct Course {
   double bound = -1;  ///< bound of omega [rad/s]; negative: none yet
   Calibration leapfrog, bm4;
   ContactSteps contact;
-  double rkn12 = 0, dop853 = 0, ros34pw2 = 0;  ///< steps of the methods with error control [s]; 0: none yet
+  double rkn12 = 0, dop853 = 0, ros34pw2 = 0, floating_frame = 0;  ///< steps of the methods with error control [s]; 0: none yet
   Factored factored;
   Method method = Method::automatic;  ///< that took the last communication step
   Reason reason = Reason::asked;

@@ -40,9 +40,8 @@ void Equations::acceleration(double t, const Points& v, const Points& spring, Po
     kernels::accelerate(n, body.inverse_mass.data(), spring.data(), force.data(), a.data());
 }
 
-void Ledger::open(const Equations& equations, bool watch) {
-  const bool ramp_or_damping = equations.around.ramped || equations.body.damped;
-  watch_ = watch && ramp_or_damping;
+void Ledger::open(const Equations& equations, bool watch, bool lossy) {
+  watch_ = watch && (equations.around.ramped || equations.body.damped || lossy);
   recording_ = watch_ || !pins_.empty();
   if (!recording_) return;
   for (Impulse& pin : pins_) pin = {};

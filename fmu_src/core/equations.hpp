@@ -32,8 +32,8 @@ class Ledger {
  public:
   explicit Ledger(int pins) : pins_(pins) {}
 
-  /// Begins a step. Without pins and unless `watch`ed nothing will be recorded.
-  void open(const Equations& equations, bool watch);
+  /// Begins a step. Without pins and unless `watch`ed nothing will be recorded. lossy: the method itself takes energy.
+  void open(const Equations& equations, bool watch, bool lossy = false);
   bool recording() const { return recording_; }
   /// Adds weight [s] times the rates at a stage, damping apart. spring: spring forces at x [N].
   void stage(const Equations& equations, double weight, double t, const Points& x, const Points& spring);
@@ -41,6 +41,8 @@ class Ledger {
   void damp(const Equations& equations, double weight, const Points& v);
   /// Adds what the step's two ends contribute.
   void ends(const Equations& equations, double t0, const Points& x0, const Points& v0, double t1, const Points& x1, const Points& v1);
+  /// Adds work [J] and dissipated energy [J] as the method has them.
+  void book(double work, double dissipated) { work_ += work, dissipated_ += dissipated; }
   /// Hands the step's sums to the exchange.
   void settle(Exchange& exchange) const;
 

@@ -18,8 +18,8 @@ constexpr double deformation_limit = 0.2;
 constexpr double deformation_limit_with_volume = 0.05;
 /// Vibrations in radians from which on a run is long: near its stability limit rkn12 takes a millionth of a vibration's energy a step.
 constexpr double long_run = 1e5;
-/// (omega h) (spin h) that an implicit step may have.
-constexpr double largest_turn = 1e-4;
+/// (omega h) (spin h) that an implicit step may have; angle by which the body may turn in a step in its own frame.
+constexpr double largest_turn = 1e-4, largest_turn_in_frame = 1;
 /// Internal steps between two looks at the deformation.
 constexpr long look_every = 8;
 /// Explicit steps in a communication step above which contact is implicit, and the work of an implicit step in evaluations of the forces.
@@ -37,6 +37,7 @@ Propagator::Propagator(const Lattice& lattice, int planes, int pins)
       rkn12_(lattice.points(), pins),
       dop853_(lattice.points(), pins),
       ros34pw2_(lattice, pins),
+      floating_frame_(lattice, ros34pw2_),
       implicit_(lattice),
       implicit_contact_(lattice, planes),
       reach_(lattice.points()),
@@ -97,7 +98,7 @@ StepStatus Propagator::advance(const Equations& equations, const Request& reques
 }
 
 StepStatus Propagator::advance_in_contact(const Job& job, Method asked, double H) {
-  const bool implicit = asked == Method::automatic || asked == Method::ros34pw2;
+  const bool implicit = asked == Method::automatic || is_implicit(asked);
   const double stiffness = H / step_limit(job, Method::leapfrog, false);
   if (implicit && job.request.step == 0 && stiffness > stiff_contact && stiffness < stiffest) {
     start_ = job.state;
@@ -177,6 +178,9 @@ double Propagator::step_limit(const Job& job, Method method, bool given) {
   if (method == Method::bm4) limit = std::min(limit, 10 / fastest_damping_);
   if (method == Method::dop853) limit = std::min(limit, 5 / fastest_damping_);
   if (method == Method::ros34pw2 && !given) limit = std::min(limit, turning_limit(job, job.state.x, job.state.v));
+  if (method == Method::floating_frame && !given)
+    limit = std::min(stiffest / bound(job),
+                     largest_turn_in_frame / rigid_motion(job.equations.body.mass, job.state.x, job.state.v).spin.norm());
   return limit;
 }
 
@@ -290,27 +294,31 @@ void Propagator::accept(OneStep& trial, const Equations& equations, State& state
 
 OneStep& Propagator::controlled(Method method) {
   if (method == Method::ros34pw2) return ros34pw2_;
+  if (method == Method::floating_frame) return floating_frame_;
   return method == Method::rkn12 ? static_cast<OneStep&>(rkn12_) : dop853_;
 }
 
 /// Tries a step of a method with error control; returns its error [m].
 double Propagator::attempt(const Job& job, Method method, double t, double h) {
   OneStep& trial = controlled(method);
-  trial.ledger.open(job.equations, job.request.watch);
-  if (method != Method::ros34pw2) {
+  trial.ledger.open(job.equations, job.request.watch, method == Method::floating_frame);
+  if (!is_implicit(method)) {
     job.course.work += traits(method).work;
     return trial.attempt(job.equations, t, h, job.state);
   }
-  ros34pw2_.factored = job.course.factored;
+  Factored& factored = ros34pw2_.factored = job.course.factored;
+  const bool in_frame = method == Method::floating_frame;
+  if (factored.in_frame != in_frame) factored.in_frame = in_frame, factored.h = 0;
   const double error = trial.attempt(job.equations, t, h, job.state);
-  job.course.factored = ros34pw2_.factored;
+  job.course.factored = factored;
   const bool made = job.course.factored.uses == 1;  // not whether it was made now: after a restore it is made again
   job.course.factors += made;
-  job.course.work += implicit_.step + (made ? implicit_.factor : 0);
+  job.course.work += implicit_.step + (made ? implicit_.factor : 0) + (in_frame ? implicit_.frame : 0);
   return error;
 }
 
 double& Propagator::controlled_step(Course& course, Method method) {
+  if (method == Method::floating_frame) return course.floating_frame;
   return method == Method::rkn12 ? course.rkn12 : method == Method::dop853 ? course.dop853 : course.ros34pw2;
 }
 
@@ -326,7 +334,9 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
   };
   const double least = 1e-14 * std::max(std::abs(end), end - state.time);
   double limit = step_limit(job, method, false);
-  if (!(h > 0)) h = std::min(end - state.time, stability_.elastic() ? 3 / bound(job) : infinity);
+  // In the frame the first step is as long as may be: short ones would follow the vibrations that it is to pass over.
+  const bool short_first = stability_.elastic() && method != Method::floating_frame;
+  if (!(h > 0)) h = std::min(end - state.time, short_first ? 3 / bound(job) : infinity);
   course.clock = {state.time, h, 0};
   const double begun = course.work;
   for (long tries = 1; state.time < end; ++tries) {
@@ -341,13 +351,13 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
     const double factor = turned ? 0.5 : error > 0 ? 0.9 * root(1 / error, trial.exponent, 0.1, 6) : error == 0 ? 5 : 0.1;
     if (!(error <= 1) || turned) {
       ++course.rejected;
-      const bool old_factor = method == Method::ros34pw2 && course.factored.uses > 1;
+      const bool old_factor = is_implicit(method) && course.factored.uses > 1;
       if (old_factor) course.factored.h = 0;
       h = step * (old_factor ? std::clamp(factor, 0.5, 0.95) : std::min(factor, 0.9));
       continue;
     }
     // A step that the communication point has cut short says that it can be longer only as far as it was tried.
-    const bool keep = method == Method::ros34pw2 && factor > 0.95 && factor < 1.5;  // and with the step the factor
+    const bool keep = is_implicit(method) && factor > 0.95 && factor < 1.5;  // and with the step the factor
     if (!keep && (factor * step > h || (factor < 5 && step > 0.2 * h))) h = step * factor;
     if (planes && reach_.passed(equations.around, state.time, state.time + step, state.x, state.v, trial.x, trial.v))
       return StepStatus::contact_ahead;

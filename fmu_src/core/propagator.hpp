@@ -14,6 +14,7 @@
 #include "central_difference.hpp"
 #include "course.hpp"
 #include "dop853.hpp"
+#include "floating_frame.hpp"
 #include "implicit_contact.hpp"
 #include "leapfrog.hpp"
 #include "reach.hpp"
@@ -70,10 +71,11 @@ class Propagator {
   double trial_error(const Job& job, Method method, double h, long steps);
   void choose(const Job& job, double H);
   void race(const Job& job, double H);
-  bool worth_a_matrix(const Job& job, double H, double least);
+  bool worth_a_matrix(const Job& job, Method method, double H, double least);
   double controlled_work(const Job& job, Method method, double H, double& spent);
-  double implicit_work(const Job& job, double H, double budget, double& spent);
-  bool fast_modes_are_quiet(const Job& job, double H, double& spent);
+  double implicit_work(const Job& job, Method method, double H, double budget, double& spent);
+  Method implicit_method(const Job& job, double H);
+  bool fast_modes_are_quiet(const Job& job, Method method, double H, double& spent);
   void take_trial(const Job& job);
   double attempt(const Job& job, Method method, double t, double h);
 
@@ -88,6 +90,7 @@ class Propagator {
   Rkn12 rkn12_;
   Dop853 dop853_;
   Ros34pw2 ros34pw2_;
+  FloatingFrame floating_frame_;
   ImplicitWork implicit_;
   ImplicitContact implicit_contact_;
   Reach reach_;

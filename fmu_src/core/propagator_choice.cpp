@@ -23,6 +23,8 @@ constexpr double race_pause = 10, longest_race_pause = 160;
 constexpr double challenge = 1.2;
 /// Implicit steps are worth a trial from this H omega / 2 on.
 constexpr double stiff = 25;
+/// For a body that turns freely, whose frame takes work too.
+constexpr double stiff_turning = 100;
 /// Work that such a trial may take.
 constexpr double longest_trial = 20'000;
 /// Share of the tolerance that fast modes may amount to where an implicit method is to pass over them.
@@ -119,9 +121,15 @@ void Propagator::choose(const Job& job, double H) {
   course.reason = course.favourite_reason;
 }
 
+/// The implicit method for H: the one in the body's frame where the other would have to cut its steps because the body turns.
+Method Propagator::implicit_method(const Job& job, double H) {
+  const bool free = job.equations.around.pins.empty() && H * bound(job) > 2 * stiff_turning;
+  return free && turning_limit(job, job.state.x, job.state.v) < H ? Method::floating_frame : Method::ros34pw2;
+}
+
 /// Without touching a matrix: could implicit steps pay, and is there nothing that vibrates by more than they may ignore?
-bool Propagator::worth_a_matrix(const Job& job, double H, double least) {
-  if (H / step_limit(job, Method::ros34pw2, false) * implicit_.step > 0.8 * least) return false;
+bool Propagator::worth_a_matrix(const Job& job, Method method, double H, double least) {
+  if (H / step_limit(job, method, false) * implicit_.step > 0.8 * least) return false;
   const double shortest = H * implicit_.step / (0.8 * least);  // step that would still pay
   return present_vibration(job.equations, job.state, time_scale_, resolved * shortest) <= 3 * job.request.tolerance;
 }
@@ -139,11 +147,15 @@ void Propagator::race(const Job& job, double H) {
     const auto handicapped = [&](Method which, double needed) { return which == before ? needed : challenge * needed; };
     if (handicapped(method, work) < handicapped(winner, best)) best = work, winner = method, course.favourite_reason = Reason::least_work;
   };
-  if (stability_.elastic() && H * bound(job) > 2 * stiff && worth_a_matrix(job, H, least)) {
-    consider(Method::ros34pw2, implicit_work(job, H, std::min(0.8 * least, longest_trial), spent));
-    if (winner == Method::ros34pw2) take_trial(job), course.favourite_reason = Reason::quiet_stiffness;
+  if (stability_.elastic() && H * bound(job) > 2 * stiff) {
+    const Method implicit = implicit_method(job, H);
+    if (worth_a_matrix(job, implicit, H, least))
+      consider(implicit, implicit_work(job, implicit, H, std::min(0.8 * least, longest_trial), spent));
+    if (winner == implicit) take_trial(job);
+    if (winner == Method::ros34pw2) course.favourite_reason = Reason::quiet_stiffness;
+    if (winner == Method::floating_frame) course.favourite_reason = Reason::quiet_turning;
   }
-  if (winner != Method::ros34pw2) {
+  if (!is_implicit(winner)) {
     spent += calibrate(job, Method::leapfrog, H, 1);
     best = fixed_work(Method::leapfrog, course.leapfrog);
     course.favourite_reason = Reason::stability;
@@ -175,20 +187,20 @@ double Propagator::controlled_work(const Job& job, Method method, double H, doub
   return double(divisions(H, std::min(h, step_limit(job, method, false)))) * traits(method).work;
 }
 
-/// Work of the implicit method for H, by doing it; infinite beyond the budget, or where fast modes that it would damp are at work. The
+/// Work of an implicit method for H, by doing it; infinite beyond the budget, or where fast modes that it would damp are at work. The
 /// trial ends in coarse_, trial_course_ and scratch_.
-double Propagator::implicit_work(const Job& job, double H, double budget, double& spent) {
-  if (!fast_modes_are_quiet(job, H, spent)) return infinity;
+double Propagator::implicit_work(const Job& job, Method method, double H, double budget, double& spent) {
+  if (!fast_modes_are_quiet(job, method, H, spent)) return infinity;
   coarse_ = job.state;
   trial_course_ = job.course;
   scratch_ = job.exchange;
   const Job trial{job.equations, job.request, coarse_, trial_course_, scratch_};
   const double end = job.state.time + H;
-  const StepStatus status = run_controlled(trial, Method::ros34pw2, end, job.course.work + budget);
+  const StepStatus status = run_controlled(trial, method, end, job.course.work + budget);
   const double work = trial_course_.work - job.course.work;
   spent += work;
   if (status != StepStatus::ok || coarse_.time < end) return infinity;
-  const double passed_over = resolved * trial_course_.ros34pw2;
+  const double passed_over = resolved * controlled_step(trial_course_, method);
   if (present_vibration(job.equations, job.state, time_scale_, passed_over) > 3 * job.request.tolerance) return infinity;
   // a factor is kept for later communication steps
   const double made = double(trial_course_.factors - job.course.factors),
@@ -204,7 +216,7 @@ void Propagator::take_trial(const Job& job) {
 }
 
 /// Does one implicit step agree with explicit ones that resolve everything? Error estimates of implicit steps do not see what they damp.
-bool Propagator::fast_modes_are_quiet(const Job& job, double H, double& spent) {
+bool Propagator::fast_modes_are_quiet(const Job& job, Method method, double H, double& spent) {
   const double way = std::min(H, 40 / bound(job));
   const long steps = divisions(way, step_limit(job, Method::leapfrog, false));
   fine_ = job.state;
@@ -212,9 +224,9 @@ bool Propagator::fast_modes_are_quiet(const Job& job, double H, double& spent) {
   spent += double(steps) * traits(Method::leapfrog).work + implicit_.step + implicit_.factor;
   if (take_steps(job, Method::leapfrog, task, fine_, scratch_) != StepStatus::ok) return false;
   trial_course_ = job.course;
-  attempt({job.equations, job.request, job.state, trial_course_, scratch_}, Method::ros34pw2, job.state.time, way);
-  fine_.x -= ros34pw2_.x;
-  fine_.v -= ros34pw2_.v;
+  attempt({job.equations, job.request, job.state, trial_course_, scratch_}, method, job.state.time, way);
+  fine_.x -= controlled(method).x;
+  fine_.v -= controlled(method).v;
   const std::size_t n = fine_.x.size();
   const double difference = std::max(kernels::largest(n, fine_.x.data()), kernels::largest_weighted(n, time_scale_.data(), fine_.v.data()));
   return difference <= quiet_share * job.request.tolerance;

@@ -22,9 +22,10 @@ RigidMotion rigid_motion(const Scalars& mass, const Points& x, const Points& v) 
     inertia += mass[p] * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
   }
   const double size = inertia.trace();
-  if (!(size > 0)) return {centre, velocity, Vec3::Zero()};
-  inertia += 1e-12 * size * Eigen::Matrix3d::Identity();
-  return {centre, velocity, inertia.inverse() * angular};
+  if (!(size > 0)) return {centre, velocity, Vec3::Zero(), total};
+  if (!(inertia.determinant() > 1e-12 * size * size * size)) inertia += 1e-12 * size * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d inverse = inertia.inverse();
+  return {centre, velocity, inverse * angular, total, angular, inverse};
 }
 
 Vec3 second_order(const Vec3& turn, const Vec3& arm) {

@@ -5,9 +5,12 @@
 namespace softffd {
 
 struct RigidMotion {
-  Vec3 centre;    ///< of mass [m]
-  Vec3 velocity;  ///< of the centre [m/s]
-  Vec3 spin;      ///< with the angular momentum of the whole about the centre [rad/s]
+  Vec3 centre;                                                ///< of mass [m]
+  Vec3 velocity;                                              ///< of the centre [m/s]
+  Vec3 spin;                                                  ///< with the angular momentum of the whole about the centre [rad/s]
+  double mass = 0;                                            ///< [kg]
+  Vec3 angular_momentum = Vec3::Zero();                       ///< about the centre [kg m2/s]
+  Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Zero();  ///< that takes it to the spin [1/(kg m2)]
 };
 /// Of points x [m] with velocities v [m/s], or with displacements [m]. Points on one line do not spin about it.
 RigidMotion rigid_motion(const Scalars& mass, const Points& x, const Points& v);

@@ -28,15 +28,20 @@ inline Traits traits(Method method) {
     case Method::bm4: return {4, 6.6, 1.96, 1.6, 0, 0};
     case Method::rkn12: return {12, 20, 4.1, 3.9, 5, 1};
     case Method::dop853: return {8, 17, 2.9, 2.8, 6, 0.3};
-    case Method::ros34pw2: return {3, 0, any, any, 40, 0.3};  // its work depends on the lattice: implicit_work
+    case Method::ros34pw2:
+    case Method::floating_frame: return {3, 0, any, any, 40, 0.3};  // their work depends on the lattice: implicit_work
     case Method::backward_euler: return {1, 150, any, any, 0, 0};
     default: return {2, 1.15, 0.98, 0.68, 0, 0};
   }
 }
 
-/// Work of the implicit method: of a step and of a factor, by the operations they take and their measured time on 4 x 4 x 4.
+/// Does the method with error control solve with a matrix?
+inline bool is_implicit(Method method) { return method == Method::ros34pw2 || method == Method::floating_frame; }
+
+/// Work of an implicit step without contact: of a step, of a factor and of taking a step into the body's frame, by the operations they take
+/// and their measured time on 4 x 4 x 4.
 struct ImplicitWork {
-  double step, factor;
+  double step, factor, frame = 10;
   explicit ImplicitWork(const Lattice& lattice);
 };
 

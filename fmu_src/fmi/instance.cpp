@@ -35,6 +35,7 @@ std::string method_name(Method method) {
     case Method::dop853: return "dop853";
     case Method::ros34pw2: return "ros34pw2";
     case Method::backward_euler: return "backward Euler with contact";
+    case Method::floating_frame: return "rigid motion with ros34pw2 in its frame";
   }
   return "unknown";
 }
@@ -50,6 +51,7 @@ std::string reason_text(Reason reason) {
     case Reason::quiet_stiffness: return "auto: stiff, with quiet fast modes, which implicit steps pass over";
     case Reason::stiff_contact:
       return "an obstacle is within reach of a stiff body: implicit steps of first order, which damp vibrations, rebound and spin";
+    case Reason::quiet_turning: return "auto: stiff and turning freely, with quiet fast modes, which implicit steps pass over";
   }
   return "unknown";
 }

@@ -94,17 +94,20 @@ class StateReader {
 /// Passes every value of a Course to a StateWriter or StateReader, in one order for both.
 template <class Archive>
 void pass(Archive& archive, Course& course) {
-  for (double* value :
-       {&course.clock.origin,  &course.clock.h,         &course.clock.unit, &course.bound,      &course.leapfrog.h, &course.leapfrog.due,
-        &course.leapfrog.soon, &course.leapfrog.window, &course.bm4.h,      &course.bm4.due,    &course.bm4.soon,   &course.bm4.window,
-        &course.rkn12,         &course.dop853,          &course.ros34pw2,   &course.factored.h, &course.work,       &course.race_due,
-        &course.race_soon,     &course.race_window,     &course.usual,      &course.race_pause, &course.forecast,   &course.contact.h})
+  for (double* value : {&course.clock.origin, &course.clock.h,      &course.clock.unit,    &course.bound,
+                        &course.leapfrog.h,   &course.leapfrog.due, &course.leapfrog.soon, &course.leapfrog.window,
+                        &course.bm4.h,        &course.bm4.due,      &course.bm4.soon,      &course.bm4.window,
+                        &course.rkn12,        &course.dop853,       &course.ros34pw2,      &course.floating_frame,
+                        &course.factored.h,   &course.work,         &course.race_due,      &course.race_soon,
+                        &course.race_window,  &course.usual,        &course.race_pause,    &course.forecast,
+                        &course.contact.h})
     archive.number(*value);
   for (long* value : {&course.clock.count, &course.clock.parts, &course.factored.uses, &course.steps, &course.rejected, &course.factors,
                       &course.contact.free, &course.contact.free_next, &course.contact.impact, &course.contact.impact_next})
     archive.integer(*value);
-  for (Method* value : {&course.method, &course.favourite}) archive.choice(*value, Method::backward_euler);
-  for (Reason* value : {&course.reason, &course.favourite_reason}) archive.choice(*value, Reason::stiff_contact);
+  for (Method* value : {&course.method, &course.favourite}) archive.choice(*value, Method::floating_frame);
+  for (Reason* value : {&course.reason, &course.favourite_reason}) archive.choice(*value, Reason::quiet_turning);
+  archive.choice(course.factored.in_frame, true);
   for (Points* points : {&course.bound_x, &course.factored.x}) archive.numbers(points->data(), points->size());
 }
 
