@@ -116,16 +116,17 @@ double RigidBody::advance(double h) {
   return error;
 }
 
+/// Extrapolates the change: its rounding is multiplied, that of the values is not.
 double RigidBody::piece(double h) {
   Values first, f, before, here, table[columns];
   slope(t_, y_, first);
   for (int k = 0; k < columns; ++k) {
     const int parts = 2 * (k + 1);
     const double s = h / parts;
-    before = y_;
-    here = y_ + s * first;
+    before.setZero();
+    here = s * first;
     for (int i = 1; i < parts; ++i) {
-      slope(t_ + i * s, here, f);
+      slope(t_ + i * s, y_ + here, f);
       const Values next = before + (2 * s) * f;
       before = here;
       here = next;
@@ -142,7 +143,7 @@ double RigidBody::piece(double h) {
   const Values change = table[columns - 1] - table[columns - 2];
   const double error = change.head<3>().norm() + 2 * radius_ * change.segment<4>(6).norm() +
                        h * (change.segment<3>(3).norm() + radius_ * inverse_inertia_.norm() * change.tail<3>().norm());
-  y_ = table[columns - 1];
+  y_ += table[columns - 1];
   y_.segment<4>(6) /= std::sqrt(y_.segment<4>(6).squaredNorm());
   t_ += h;
   return error;
