@@ -36,7 +36,10 @@ double ErrorEstimate::choose_steps(const SoftBody& body, double H) {
   const Method method = settings.method = body.method();
   const Traits t = traits(method);
   const double h = body.internal_step(), steps = std::max(1.0, std::round(H / h));
-  const bool by_tolerance = t.error_control() && settings.step == 0 && steps > 2 && h < 0.5 * t.automatic * shadow_.stable_step();
+  // in its frame a body's turning may set the steps
+  const bool in_frame = method == Method::floating_frame;
+  const bool by_tolerance =
+      t.error_control() && !in_frame && settings.step == 0 && steps > 2 && h < 0.5 * t.automatic * shadow_.stable_step();
   if (by_tolerance) {
     settings.tolerance *= 10;
     return looser;

@@ -19,7 +19,11 @@ struct Scene {
 /// Points of a lattice that turn with the spin and fly with the velocity; masses alike unless `uneven`.
 Scene flying(const Lattice& lattice, const Vec3& velocity, const Vec3& spin, bool uneven = false) {
   const int n = lattice.points();
-  Scene s{lattice, {Springs(lattice, Topology::distinct), Scalars::Constant(n, 0.1), Scalars::Zero(n), std::vector<bool>(n, false)}, {}, {}, {}};
+  Scene s{lattice,
+          {Springs(lattice, Topology::distinct), Scalars::Constant(n, 0.1), Scalars::Zero(n), std::vector<bool>(n, false)},
+          {},
+          {},
+          {}};
   s.x = rest_positions(lattice);
   s.v = Points::Zero(n, 3);
   const Vec3 middle = lattice.origin + 0.5 * lattice.size;
@@ -138,8 +142,9 @@ TEST(forces_are_followed_in_time) {
   const Vec3 begin = after(s, 0, 1).velocity;
   for (int a = 0; a < 3; ++a) {
     const auto sum = [&](const Points& forces) { return forces.col(a).sum(); };
-    const double impulse = time * (sum(s.around.force) + time * (sum(s.around.force_rate) / 2 +
-                                                                 time * (sum(s.around.force_bend[0]) / 6 + time * sum(s.around.force_bend[1]) / 24)));
+    const double impulse =
+        time * (sum(s.around.force) +
+                time * (sum(s.around.force_rate) / 2 + time * (sum(s.around.force_bend[0]) / 6 + time * sum(s.around.force_bend[1]) / 24)));
     CHECK_NEAR(mass * (undamped.velocity - begin)[a], impulse, 1e-13);
   }
   s.body.damped = true;

@@ -115,8 +115,8 @@ KEPT_WHOLE void operator delete[](void* block, std::size_t) noexcept { operator 
 namespace {
 
 /// Writes a scene and returns the URI of its folder.
-std::string resources(const std::string& parts, bool stiff = false) {
-  return (stiff ? small_scene::Box{.stiffness = 1e8, .initial = "1 1 1 0 0 0.001 0 0 0 0 0 0"} : small_scene::Box{}).resources(parts);
+std::string resources(const std::string& parts, bool stiff = false, const std::string& spin = "0 0 0") {
+  return (stiff ? small_scene::Box{.stiffness = 1e8, .initial = "1 1 1 0 0 0.001 0 0 0 " + spin} : small_scene::Box{}).resources(parts);
 }
 
 const std::string damped = "damping 0.05\n", heavy = "gravity 0 0 -9.81\n", watched = "energy\nsolver\nreactions\n";
@@ -208,7 +208,8 @@ void every_request_may_fail(const char* what, const std::function<fmi2Component(
 struct Case {
   const char* name;
   std::string parts;
-  bool stiff = false;  ///< and at rest; for the methods that take implicit steps
+  bool stiff = false;  ///< and not vibrating; for the methods that take implicit steps
+  std::string spin = "0 0 0";
 };
 
 const std::vector<Case>& cases() {
@@ -223,6 +224,8 @@ const std::vector<Case>& cases() {
                                       {"energy and planes", damped + heavy + planes + watched},
                                       {"an error estimate", damped + heavy + planes + "error_estimate\n"},
                                       {"stiff", damped + driven, true},
+                                      {"stiff, turning", damped + driven + watched, true, "3 4 -2"},
+                                      {"stiff, turning, alone", "error_estimate\n", true, "3 4 -2"},
                                       {"stiff, in contact", damped + heavy + planes + watched + "error_estimate\n", true},
                                       {"volume stiffness", damped + heavy + planes + "volume_stiffness 1e4\n"},
                                       {"everything", everything}};
@@ -232,7 +235,7 @@ const std::vector<Case>& cases() {
 /// Requests of 30 steps with inputs that change and are ramped; the first steps, which choose and log the
 /// solver, apart.
 void count_step_requests(const Case& scene, int method, bool ramped, long& first, long& later) {
-  const std::string uri = resources(scene.parts, scene.stiff);
+  const std::string uri = resources(scene.parts, scene.stiff, scene.spin);
   fmi2Component c = started(uri, method);
   const bool has_load = scene.parts.find("load") != std::string::npos, has_plane = scene.parts.find("wall") != std::string::npos;
   const fmi2ValueReference load = reference(Family::load), wall = reference(Family::plane_velocity);
