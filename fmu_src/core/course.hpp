@@ -19,7 +19,7 @@ enum class Reason {
   least_work,       ///< least work for the tolerance among those tried
   quiet_stiffness,  ///< stiff, and the fast modes are quiet: implicit steps pass them over
   stiff_contact,    ///< an obstacle is within reach of a stiff body
-  quiet_turning     ///< stiff and turning freely, and the fast modes are quiet: rigid motion, and implicit steps for the deformation
+  free_flight       ///< stiff and free, and the fast modes are quiet: rigid motion, and implicit steps for the deformation
 };
 
 struct Request {

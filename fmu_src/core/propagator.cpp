@@ -103,6 +103,7 @@ StepStatus Propagator::advance_in_contact(const Job& job, Method asked, double H
   if (implicit && job.request.step == 0 && stiffness > stiff_contact && stiffness < stiffest) {
     start_ = job.state;
     start_exchange_ = job.exchange;
+    if (asked != Method::ros34pw2 && fly_on(job, H)) return StepStatus::ok;
     job.course.reason = Reason::stiff_contact;
     const long steps = job.course.steps;
     const StepStatus status = run_implicit(job, job.state.time + H);
@@ -116,6 +117,24 @@ StepStatus Propagator::advance_in_contact(const Job& job, Method asked, double H
   if (job.request.step > 0) return advance_with(job, Method::leapfrog, H);
   job.course.method = Method::leapfrog;
   return run_doubled(job, job.state.time + H);
+}
+
+/// A stiff body within reach of an obstacle, but not on it, flies on if that does not end behind one: first-order steps would take its
+/// spin.
+bool Propagator::fly_on(const Job& job, double H) {
+  const auto& [equations, request, state, course, exchange] = job;
+  if (!equations.around.pins.empty() || !reach_.clear(equations.body, equations.around, state.time, state.x)) return false;
+  const long steps = course.steps;
+  const double end = state.time + H;
+  course.method = Method::floating_frame;
+  course.reason = Reason::free_flight;
+  const StepStatus status = run_controlled(job, course.method, end, course.work + implicit_contact_work);
+  if (status == StepStatus::ok && state.time == end) return true;
+  course.rejected += course.steps - steps;
+  course.steps = steps;
+  state = start_;
+  exchange = start_exchange_;
+  return false;
 }
 
 StepStatus Propagator::advance_with(const Job& job, Method asked, double H) {
@@ -354,13 +373,13 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
       const bool old_factor = is_implicit(method) && course.factored.uses > 1;
       if (old_factor) course.factored.h = 0;
       h = step * (old_factor ? std::clamp(factor, 0.5, 0.95) : std::min(factor, 0.9));
+      if (method == Method::floating_frame && course.work >= pause_at) return StepStatus::ok;
       continue;
     }
     // A step that the communication point has cut short says that it can be longer only as far as it was tried.
     const bool keep = is_implicit(method) && factor > 0.95 && factor < 1.5;  // and with the step the factor
     if (!keep && (factor * step > h || (factor < 5 && step > 0.2 * h))) h = step * factor;
-    if (planes && reach_.passed(equations.around, state.time, state.time + step, state.x, state.v, trial.x, trial.v))
-      return StepStatus::contact_ahead;
+    if (planes && passes(job, method, step, trial)) return StepStatus::contact_ahead;
     accept(trial, equations, state, exchange);
     ++course.steps;
     course.clock.h = step;
@@ -369,6 +388,15 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
     if (tries % look_every == 0 && deformed_since_bound(job)) limit = step_limit(job, method, false);
   }
   return StepStatus::ok;
+}
+
+/// Does the step tried go behind an obstacle? In the frame the end decides, as it does for the implicit contact step, which would take
+/// over.
+bool Propagator::passes(const Job& job, Method method, double step, const OneStep& trial) {
+  const auto& [body, around] = job.equations;
+  const double t = job.state.time;
+  if (method == Method::floating_frame) return !reach_.clear(body, around, t + step, trial.x);
+  return reach_.passed(around, t, t + step, job.state.x, job.state.v, trial.x, trial.v);
 }
 
 /// Leaves the bound of the course alone: looking must not change what follows.

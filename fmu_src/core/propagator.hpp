@@ -50,7 +50,9 @@ class Propagator {
     Exchange& exchange;
   };
   StepStatus advance_in_contact(const Job& job, Method asked, double H);
+  bool fly_on(const Job& job, double H);
   StepStatus advance_with(const Job& job, Method asked, double H);
+  bool passes(const Job& job, Method method, double step, const OneStep& trial);
   StepStatus run_counted(const Job& job, Method method, long units);
   StepStatus run_fitted(const Job& job, Method method, double end, double pause_at);
   StepStatus run_controlled(const Job& job, Method method, double end, double pause_at);

@@ -153,7 +153,7 @@ void Propagator::race(const Job& job, double H) {
       consider(implicit, implicit_work(job, implicit, H, std::min(0.8 * least, longest_trial), spent));
     if (winner == implicit) take_trial(job);
     if (winner == Method::ros34pw2) course.favourite_reason = Reason::quiet_stiffness;
-    if (winner == Method::floating_frame) course.favourite_reason = Reason::quiet_turning;
+    if (winner == Method::floating_frame) course.favourite_reason = Reason::free_flight;
   }
   if (!is_implicit(winner)) {
     spent += calibrate(job, Method::leapfrog, H, 1);

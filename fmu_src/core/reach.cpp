@@ -9,6 +9,8 @@ namespace {
 
 /// Speeds inside a step may exceed those at its ends by this factor.
 constexpr double speed_margin = 1.5;
+/// As in contact.cpp.
+constexpr double touching = 1e-12;
 
 double largest_speed(const Points& v) { return std::sqrt(v.square().rowwise().sum().maxCoeff()); }
 
@@ -36,6 +38,11 @@ bool Reach::passed(const Surroundings& around, double t0, double t1, const Point
     const double after = least_gap(plane.at(t1), x1);
     return after < 0 || after + least_gap(plane.at(t0), x0) <= way;
   });
+}
+
+bool Reach::clear(const Body& body, const Surroundings& around, double t, const Points& x) {
+  return std::all_of(around.planes.begin(), around.planes.end(),
+                     [&](const Plane& plane) { return least_gap(plane.at(t), x) > touching * body.length; });
 }
 
 }  // namespace softffd

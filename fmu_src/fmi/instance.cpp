@@ -51,7 +51,7 @@ std::string reason_text(Reason reason) {
     case Reason::quiet_stiffness: return "auto: stiff, with quiet fast modes, which implicit steps pass over";
     case Reason::stiff_contact:
       return "an obstacle is within reach of a stiff body: implicit steps of first order, which damp vibrations, rebound and spin";
-    case Reason::quiet_turning: return "auto: stiff and turning freely, with quiet fast modes, which implicit steps pass over";
+    case Reason::free_flight: return "auto: a stiff body in free flight, with quiet fast modes, which implicit steps pass over";
   }
   return "unknown";
 }

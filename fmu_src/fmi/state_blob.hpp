@@ -106,7 +106,7 @@ void pass(Archive& archive, Course& course) {
                       &course.contact.free, &course.contact.free_next, &course.contact.impact, &course.contact.impact_next})
     archive.integer(*value);
   for (Method* value : {&course.method, &course.favourite}) archive.choice(*value, Method::floating_frame);
-  for (Reason* value : {&course.reason, &course.favourite_reason}) archive.choice(*value, Reason::quiet_turning);
+  for (Reason* value : {&course.reason, &course.favourite_reason}) archive.choice(*value, Reason::free_flight);
   archive.choice(course.factored.in_frame, true);
   for (Points* points : {&course.bound_x, &course.factored.x}) archive.numbers(points->data(), points->size());
 }

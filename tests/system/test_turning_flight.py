@@ -6,7 +6,7 @@ from stepping import Stepper
 
 FLIGHT = (
     "rigid motion with ros34pw2 in its frame",
-    "auto: stiff and turning freely, with quiet fast modes, which implicit steps pass over",
+    "auto: a stiff body in free flight, with quiet fast modes, which implicit steps pass over",
 )
 IN_FLIGHT = [FLIGHT]
 
