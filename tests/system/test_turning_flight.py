@@ -101,6 +101,20 @@ def test_a_turning_drop_flies_in_long_steps_and_lands_implicitly(scene):
     assert steps <= 300
 
 
+def test_the_spin_is_kept_until_a_point_touches(scene):
+    """Within reach of the ground too, where it could be met: the last step before it is met keeps the spin as the first does."""
+    with Stepper(box(scene, more=GROUND)) as stepper:
+        before = angular_momentum(stepper, masses())
+        for _ in range(100):
+            stepper.step(0.02)
+            if stepper.integer("plane.ground.contacts"):
+                break
+            lowest, after = stepper.positions()[:, 2].min(), angular_momentum(stepper, masses())
+        assert stepper.methods()[-1][0] == "backward Euler with contact"
+    assert lowest < 0.2
+    assert np.linalg.norm(after - before) < 1e-11 * np.linalg.norm(before)
+
+
 @pytest.mark.parametrize("stiffness", [1e7, 1e9, 1e12])
 def test_a_long_flight_keeps_its_angular_momentum_and_its_energies(scene, stiffness):
     with Stepper(box(scene, stiffness=stiffness), stop_time=5.0) as stepper:
