@@ -148,7 +148,17 @@ TEST(forces_are_followed_in_time) {
     CHECK_NEAR(mass * (undamped.velocity - begin)[a], impulse, 1e-13);
   }
   s.body.damped = true;
-  const RigidState before = after(s, time - h, 2), here = after(s, time, 2), behind = after(s, time + h, 2);
-  CHECK_NEAR(distance(here.acceleration, (behind.velocity - before.velocity) / (2 * h)), 0, 1e-7);
-  CHECK_NEAR(distance(here.spin_rate, (behind.spin - before.spin) / (2 * h)), 0, 1e-6);
+  const RigidState start = after(s, 0, 1), before = after(s, time - h, 2), here = after(s, time, 2), behind = after(s, time + h, 2);
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+  for (int p = 0; p < s.body.points(); ++p) {
+    const Vec3 arm = here.turn * (row(s.x, p) - start.centre);
+    Vec3 f = row(s.around.force, p) - s.body.damping[p] * (here.velocity + here.spin.cross(arm));
+    for (int a = 0; a < 3; ++a) f[a] += s.around.ramp(p + a * s.body.points(), time);
+    force += f;
+    torque += arm.cross(f);
+  }
+  CHECK_NEAR(distance(mass * here.acceleration, force), 0, 1e-12);
+  CHECK_NEAR(distance((behind.velocity - before.velocity) / (2 * h), here.acceleration), 0, 1e-7);
+  CHECK_NEAR(distance((behind.angular_momentum - before.angular_momentum) / (2 * h), torque), 0, 1e-7);
+  CHECK_NEAR(distance((behind.spin - before.spin) / (2 * h), here.spin_rate), 0, 1e-6);
 }
