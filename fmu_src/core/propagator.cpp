@@ -177,7 +177,7 @@ double Propagator::step_limit(const Job& job, Method method, bool given) {
   if (method == Method::bm4) limit = std::min(limit, 10 / fastest_damping_);
   if (method == Method::dop853) limit = std::min(limit, 5 / fastest_damping_);
   if (method == Method::ros34pw2 && !given) limit = std::min(limit, turning_limit(job, job.state.x, job.state.v));
-  return limit;
+  return given ? limit : limit * job.request.step_share;
 }
 
 /// Longest implicit step of a turning body. A step takes points along straight lines; what that stretches the springs throws them back with
@@ -326,7 +326,7 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
   };
   const double least = 1e-14 * std::max(std::abs(end), end - state.time);
   double limit = step_limit(job, method, false);
-  if (!(h > 0)) h = std::min(end - state.time, stability_.elastic() ? 3 / bound(job) : infinity);
+  if (!(h > 0)) h = request.step_share * std::min(end - state.time, stability_.elastic() ? 3 / bound(job) : infinity);
   course.clock = {state.time, h, 0};
   const double begun = course.work;
   for (long tries = 1; state.time < end; ++tries) {

@@ -1,0 +1,80 @@
+"""`solver.error_estimate` against the true error, at the end of the run and as the largest over time.
+
+The reference is a much more accurate run by another method. Errors and estimates are relative to the largest side of the box; below FLOOR
+rounding and the reference's own error are what is left, and either may be the larger.
+"""
+
+import numpy as np
+import pytest
+from readings import points
+
+from softffd import load_scene, simulate
+
+FLOOR = 1e-11
+REFERENCES = {
+    "free_vibration": [("dop853", {"solver.tolerance": 1e-13}), ("rkn12", {"solver.tolerance": 1e-13})],
+    "stiff_pull": [("dop853", {"solver.tolerance": 1e-13}), ("bm4", {"solver.step": 5e-6})],
+    "stiff_layer": [("dop853", {"solver.tolerance": 1e-13}), ("bm4", {"solver.step": 5e-6})],
+    "light_corner": [("dop853", {"solver.tolerance": 1e-13}), ("bm4", {"solver.step": 2.5e-6})],
+    "spin": [("dop853", {"solver.tolerance": 1e-13}), ("rkn12", {"solver.tolerance": 1e-13})],
+}
+
+EXPLICIT, IMPLICIT = 3, 10
+"""Largest factor between estimate and error. What implicit steps have damped away is known by its amplitude, not by its phase."""
+
+COARSE, ALL = (1e-2, 1e-4), (1e-2, 1e-4, 1e-6, 1e-9)
+METHODS = {
+    "free_vibration": {"leapfrog": COARSE, "bm4": ALL, "rkn12": ALL, "dop853": ALL, "ros34pw2": (1e-2,), "auto": ALL},
+    "stiff_pull": {"leapfrog": COARSE[:1], "bm4": COARSE[:1], "dop853": (1e-2, 1e-8), "ros34pw2": (1e-2, 1e-4, 1e-6), "auto": ALL},
+    "stiff_layer": {"leapfrog": COARSE[:1], "bm4": COARSE[:1], "dop853": COARSE[:1], "ros34pw2": ALL, "auto": ALL},
+    "light_corner": {"leapfrog": COARSE, "bm4": ALL, "dop853": ALL, "ros34pw2": (1e-2,), "auto": ALL},
+    "spin": {"leapfrog": COARSE, "bm4": (1e-4, 1e-6), "rkn12": ALL, "dop853": ALL, "auto": ALL},
+}
+CASES = [(name, method, tolerance) for name in METHODS for method in METHODS[name] for tolerance in METHODS[name][method]]
+
+
+def run(name, settings, *, estimate):
+    """Loads ramp from one communication point to the next."""
+    scene = load_scene(name)
+    scene = scene.model_copy(update={"solver": scene.solver.model_copy(update={"error_estimate": estimate})})
+    return simulate(scene, start_values=settings, inputs=scene.default_inputs, interpolate=True)
+
+
+def size(values, name):
+    return values / max(load_scene(name).lattice.size)
+
+
+@pytest.fixture(scope="module")
+def exact():
+    """exact(scene, method): the positions (T, n, 3) by a method that is not this one."""
+    known = {}
+
+    def positions_of(name, method):
+        reference, settings = next(pair for pair in REFERENCES[name] if pair[0] != method)
+        if (name, reference) not in known:
+            known[name, reference] = points(run(name, {"solver.method": reference} | settings, estimate=False))
+        return known[name, reference]
+
+    return positions_of
+
+
+def errors_and_estimates(result, reference):
+    return np.abs(points(result) - reference).max(axis=(1, 2)), result.outputs["solver.error_estimate"]
+
+
+@pytest.mark.parametrize(("name", "method", "tolerance"), CASES)
+def test_the_estimate_is_close_to_the_error(exact, name, method, tolerance):
+    result = run(name, {"solver.method": method, "solver.tolerance": tolerance}, estimate=True)
+    error, estimate = (size(values, name) for values in errors_and_estimates(result, exact(name, method)))
+    end, largest = ((estimate_ + FLOOR) / (error_ + FLOOR) for estimate_, error_ in ((estimate[-1], error[-1]), (estimate.max(), error.max())))
+    print(f"{name:15} {method:9} {tolerance:.0e} error {error[-1]:8.1e} estimate / error {end:6.3f}, of the largest {largest:6.3f}")
+    implicit = method == "ros34pw2" or (method == "auto" and name.startswith("stiff"))
+    factor = IMPLICIT if implicit else EXPLICIT
+    assert 1 / factor < end < factor
+    assert 1 / factor < largest < factor
+
+
+@pytest.mark.parametrize("name", REFERENCES)
+def test_the_references_agree(exact, name):
+    ways = [method for method, _ in REFERENCES[name]]
+    assert size(np.abs(exact(name, ways[0]) - exact(name, ways[1])).max(), name) < 2 * FLOOR
