@@ -65,8 +65,8 @@ def errors_and_estimates(result, reference):
 @pytest.mark.parametrize(("name", "method", "tolerance"), CASES)
 def test_the_estimate_is_close_to_the_error(exact, name, method, tolerance):
     result = run(name, {"solver.method": method, "solver.tolerance": tolerance}, estimate=True)
-    error, estimate = (size(values, name) for values in errors_and_estimates(result, exact(name, method)))
-    end, largest = ((estimate_ + FLOOR) / (error_ + FLOOR) for estimate_, error_ in ((estimate[-1], error[-1]), (estimate.max(), error.max())))
+    error, estimate = (size(values, name) + FLOOR for values in errors_and_estimates(result, exact(name, method)))
+    end, largest = estimate[-1] / error[-1], estimate.max() / error.max()
     print(f"{name:15} {method:9} {tolerance:.0e} error {error[-1]:8.1e} estimate / error {end:6.3f}, of the largest {largest:6.3f}")
     implicit = method == "ros34pw2" or (method == "auto" and name.startswith("stiff"))
     factor = IMPLICIT if implicit else EXPLICIT
