@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include \"rigid_motion.hpp\"
-#include \"stiffness_matrix.hpp\"
-#include \"traits.hpp\"
+#include "rigid_motion.hpp"
+#include "stiffness_matrix.hpp"
+#include "traits.hpp"
 
 namespace softffd {
 
