@@ -33,11 +33,11 @@ METHODS = {
 CASES = [(name, method, tolerance) for name in METHODS for method in METHODS[name] for tolerance in METHODS[name][method]]
 
 
-def run(name, settings, *, estimate):
-    """Loads ramp from one communication point to the next."""
+def run(name, settings, *, estimate, ramps=True):
+    """ramps: loads go linearly from one communication point to the next; otherwise they jump there."""
     scene = load_scene(name)
     scene = scene.model_copy(update={"solver": scene.solver.model_copy(update={"error_estimate": estimate})})
-    return simulate(scene, start_values=settings, inputs=scene.default_inputs, interpolate=True)
+    return simulate(scene, start_values=settings, inputs=scene.default_inputs, interpolate=ramps)
 
 
 def size(values, name):
@@ -78,3 +78,48 @@ def test_the_estimate_is_close_to_the_error(exact, name, method, tolerance):
 def test_the_references_agree(exact, name):
     ways = [method for method, _ in REFERENCES[name]]
     assert size(np.abs(exact(name, ways[0]) - exact(name, ways[1])).max(), name) < 2 * FLOOR
+
+
+def test_jumps_of_a_load_count_by_the_vibrations_they_set_off():
+    name = "stiff_pull"
+    reference = points(run(name, {"solver.method": "dop853", "solver.tolerance": 1e-12}, estimate=False, ramps=False))
+    result = run(name, {"solver.method": "ros34pw2", "solver.tolerance": 1e-2}, estimate=True, ramps=False)
+    error, estimate = errors_and_estimates(result, reference)
+    assert 1 / IMPLICIT < estimate[-1] / error[-1] < IMPLICIT
+    assert 1 / IMPLICIT < estimate.max() / error.max() < IMPLICIT
+
+
+HELD = """
+[material]
+stiffness = 1e6
+damping = 0.5
+[[pin]]
+name = "base"
+points = "z-"
+motion = "input"
+[[load]]
+name = "top"
+points = "z+"
+[experiment]
+stop_time = 0.8
+communication_step = 0.05
+"""
+
+
+def carried(t):
+    """The base moves and turns steadily, the load grows for half a second."""
+    q, half = min(1.0, t / 0.5), 0.1 * t
+    frame = {"position.x": 0.5 + 0.1 * t, "velocity.x": 0.1, "orientation.w": np.cos(half), "orientation.z": np.sin(half)}
+    turning = {"angular_velocity.z": 0.2}
+    return {"load.top.x": 20 * q**3 * (10 - 15 * q + 6 * q**2)} | {f"pin.base.{key}": value for key, value in (frame | turning).items()}
+
+
+def test_a_body_that_turns_with_its_pin_does_not_vibrate_by_that(scene):
+    """Each communication step the velocities turn by 0.01 rad; only the load's kinks set off vibrations, and the start."""
+    exact, found = (
+        simulate(scene(text), start_values={"solver.method": method, "solver.tolerance": tolerance}, inputs=carried, interpolate=True)
+        for text, method, tolerance in ((HELD, "dop853", 1e-11), (HELD + "[solver]\nerror_estimate = true\n", "ros34pw2", 1e-4))
+    )
+    error, estimate = errors_and_estimates(found, points(exact))
+    assert np.all(estimate[1:] < IMPLICIT * error[1:] + FLOOR) and np.all(error[1:] < IMPLICIT * estimate[1:] + FLOOR)
+    assert error[-1] < 1e-3 * error.max()
