@@ -15,7 +15,7 @@ constexpr double finer = 2.0 / 3;
 }  // namespace
 
 ErrorEstimate::ErrorEstimate(const Definition& definition)
-    : shadow_(definition), change_(definition.lattice.points(), 3), force_(change_) {}
+    : shadow_(definition), slopes_(Points::Zero(definition.lattice.points(), 3)), change_(slopes_), force_(slopes_) {}
 
 void ErrorEstimate::take_settings(const Settings& settings) {
   const Settings& old = shadow_.settings;
@@ -29,6 +29,7 @@ void ErrorEstimate::initialize(const SoftBody& body, double t0) {
   take_settings(body.settings);
   time_ = ratio_time_ = value_ = 0;
   vibration_ = {};
+  slopes_.setZero();
   kept_ = damped_away_ = 0;
   steps_ = 0;
   lost_ = shadow_.initialize(t0) != StepStatus::ok;
@@ -70,13 +71,27 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
   value_ = std::max(difference * time_ / ratio_time_, damped_away_);
 }
 
+/// Share of the change of the forces' slopes, from before this communication step to its end, that came at once; where they have not
+/// changed, only a pin can set off something.
+double ErrorEstimate::follow_slopes(double H) {
+  const Settings& settings = shadow_.settings;
+  double kink = 0, bend = 0;
+  for (int i = 0; i < slopes_.size(); ++i) {
+    const double change = H * (settings.force_bend[0](i) + H * settings.force_bend[1](i) / 2);
+    kink = std::max(kink, std::abs(settings.force_rate(i) - slopes_(i)));
+    bend = std::max(bend, std::abs(change));
+    slopes_(i) = settings.force_rate(i) + change;
+  }
+  return kink + bend > 0 ? kink / (kink + bend) : settings.pins.empty() ? 0 : 1;
+}
+
 /// Run and shadow lose what implicit steps damp away; the body itself takes longer.
 void ErrorEstimate::follow_vibration(const SoftBody& body, double H, long taken) {
-  const double remains = shadow_.remaining(H);
+  const double remains = shadow_.remaining(H), kink = follow_slopes(H);
   vibration_.amplitude *= remains;
   damped_away_ *= remains;
   if (body.method() != Method::ros34pw2) return;
-  const Vibration vibration = shadow_.set_off(change_, force_);
+  const Vibration vibration = shadow_.set_off(kink, change_, force_);
   if (vibration.amplitude * remains > vibration_.amplitude) {
     vibration_ = {vibration.amplitude * remains, vibration.frequency};
     kept_ = 1;
@@ -92,6 +107,7 @@ void ErrorEstimate::restore(const Memory& memory, const Settings& settings, doub
   ratio_time_ = memory.ratio_time;
   value_ = memory.value;
   vibration_ = memory.vibration;
+  slopes_ = memory.slopes;
   kept_ = memory.kept;
   damped_away_ = memory.damped_away;
   steps_ = memory.steps;

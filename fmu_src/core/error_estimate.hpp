@@ -25,6 +25,7 @@ class ErrorEstimate {
     double time = 0, ratio_time = 0;  ///< time followed, and the integral of |r^p - 1| over it [s]
     double value = 0;                 ///< [m]
     Vibration vibration{};            ///< the largest that implicit steps have met, as the body alone damps it
+    Points slopes;                    ///< of the outside forces at the end of the last communication step [N/s]
     double kept = 0;                  ///< share of it that these steps have left
     double damped_away = 0;           ///< amplitude of what they have not [m]
     long steps = 0;                   ///< that the run had taken
@@ -39,15 +40,19 @@ class ErrorEstimate {
   /// Estimated error of the control points' positions: the largest over all points [m].
   double value() const { return value_; }
 
-  Memory memory() const { return {shadow_.progress(), time_, ratio_time_, value_, vibration_, kept_, damped_away_, steps_, lost_}; }
+  Memory memory() const {
+    return {shadow_.progress(), time_, ratio_time_, value_, vibration_, slopes_, kept_, damped_away_, steps_, lost_};
+  }
   /// Continues from a snapshot; `settings` are those of the body.
   void restore(const Memory& memory, const Settings& settings, double start_time);
 
  private:
   double choose_steps(const SoftBody& body, double H, long taken);
+  double follow_slopes(double H);
   void follow_vibration(const SoftBody& body, double H, long taken);
   void take_settings(const Settings& settings);
   SoftBody shadow_;
+  Points slopes_;
   Points change_, force_;  ///< scratch
   double time_ = 0, ratio_time_ = 0, value_ = 0;
   Vibration vibration_;

@@ -278,6 +278,16 @@ double SoftBody::gravity_energy() const {
   return energy;
 }
 
+Vibration SoftBody::set_off(double kink, Points& scratch, Points& more) const {
+  const bool followed = backup_.course.method == Method::ros34pw2;
+  scratch = around_.force;
+  if (followed)
+    scratch -= backup_.outside;
+  else
+    scratch += backup_.motion.spring;
+  return softffd::set_off({body_, around_}, backup_.motion, now_.motion, followed || around_.bent ? kink : 1, scratch, more);
+}
+
 double SoftBody::remaining(double t) const {
   const double rate = 0.5 * (body_.damping / body_.mass).minCoeff();
   double growth = 1 + rate * t / 1024;  // exp without the C library, to the power of 1024

@@ -121,8 +121,9 @@ class SoftBody {
   bool rubs_undamped();
   /// Number of matrices factored since the start.
   long factorizations() const { return propagator_.factorizations(); }
-  /// The vibration that the start of the last communication step set off, seen from steps that damp it away. u, f: scratch.
-  Vibration set_off(Points& u, Points& f) const { return softffd::set_off({body_, around_}, backup_.motion, now_.motion, u, f); }
+  /// The vibration that the start of the last communication step set off by jumps of the forces and by `kink`, the share of the change of
+  /// velocity that came at once; any that was there, if the step before was explicit.
+  Vibration set_off(double kink, Points& scratch, Points& more) const;
   /// Share of a vibration that the slowest damping leaves after a time t [s].
   double remaining(double t) const;
   /// The method that took the last communication step, and why.

@@ -81,30 +81,22 @@ double present_vibration(const Equations& equations, const State& state, const S
   return size(equations, state, time_scale, false, slowest, held ? Vec3::Zero() : mean_acceleration(equations, state));
 }
 
-Vibration set_off(const Equations& equations, const State& start, const State& end, Points& u, Points& f) {
+Vibration set_off(const Equations& equations, const State& start, const State& end, double kink, Points& jump, Points& u) {
   const auto& [body, around] = equations;
   Vibration largest;
   const auto consider = [&](int order) {
-    const double omega = frequency(body, start.x, u, f), amplitude = kernels::largest(u.size(), u.data()) / power(omega, order);
+    const double omega = frequency(body, start.x, u, jump), amplitude = kernels::largest(u.size(), u.data()) / power(omega, order);
     if (omega > 0 && amplitude > largest.amplitude) largest = {amplitude, omega};
   };
-  const RigidMotion rigid = carrier(equations, start);
-  f = start.v;
-  subtract(body, rigid, start.x, f);
+  for (int i = 0; i < u.size(); ++i) u(i) = body.inverse_mass[i] * jump(i);
+  if (around.pins.empty()) subtract(body, rigid_motion(body.mass, start.x, u), start.x, u);
+  consider(2);
+  jump = start.v;
+  subtract(body, carrier(equations, start), start.x, jump);
   u = end.v;
   subtract(body, carrier(equations, end), end.x, u);
-  u -= f;
+  u = kink * (u - jump);
   consider(1);
-  equations.acceleration(start.time, start.v, start.spring, f, u);
-  for (int p = 0; p < body.points(); ++p) {
-    const Vec3 arm = row(start.x, p) - rigid.centre;
-    set_row(u, p, row(u, p) - rigid.spin.cross(rigid.spin.cross(arm)));
-  }
-  if (around.pins.empty())
-    subtract(body, rigid_motion(body.mass, start.x, u), start.x, u);
-  else
-    subtract(body, {rigid.centre, around.pins.front().acceleration, around.pins.front().angular_acceleration}, start.x, u);
-  consider(2);
   return largest;
 }
 

@@ -18,8 +18,8 @@ struct Vibration {
   double frequency = 0;  ///< [rad/s]
 };
 /// The vibration that a change of the outside sets off at the start of a stretch, to be seen from steps that damp it away: what deforms the
-/// body of the forces left over there, or of the change of velocity until the end, whichever moves points further. By experience within a
-/// factor of 2, and of 10 where forces jump. u, f: (points, 3), scratch.
-Vibration set_off(const Equations& equations, const State& start, const State& end, Points& u, Points& f);
+/// body of a jump of the forces [N], or of the change of velocity until the end, `kink` of which came at once; whichever moves points
+/// further. By experience within a factor of 2, and of 10 where forces jump. jump, u: (points, 3), scratch afterwards.
+Vibration set_off(const Equations& equations, const State& start, const State& end, double kink, Points& jump, Points& u);
 
 }  // namespace softffd
