@@ -9,12 +9,13 @@ namespace softffd {
 
 namespace {
 
-/// By which ten times the tolerance multiplies the error of a method with error control, by measurement.
-constexpr double looser = 6;
+/// Steps of the shadow in those of the run.
+constexpr double finer = 2.0 / 3;
 
 }  // namespace
 
-ErrorEstimate::ErrorEstimate(const Definition& definition) : shadow_(definition) {}
+ErrorEstimate::ErrorEstimate(const Definition& definition)
+    : shadow_(definition), slopes_(Points::Zero(definition.lattice.points(), 3)), change_(slopes_), force_(slopes_) {}
 
 void ErrorEstimate::take_settings(const Settings& settings) {
   const Settings& old = shadow_.settings;
@@ -27,31 +28,35 @@ void ErrorEstimate::take_settings(const Settings& settings) {
 void ErrorEstimate::initialize(const SoftBody& body, double t0) {
   take_settings(body.settings);
   time_ = ratio_time_ = value_ = 0;
+  vibration_ = {};
+  slopes_.setZero();
+  kept_ = damped_away_ = 0;
+  steps_ = 0;
   lost_ = shadow_.initialize(t0) != StepStatus::ok;
 }
 
 /// Sets the shadow's steps for a communication step; returns r^p.
-double ErrorEstimate::choose_steps(const SoftBody& body, double H) {
+double ErrorEstimate::choose_steps(const SoftBody& body, double H, long taken) {
   Settings& settings = shadow_.settings;
-  const Method method = settings.method = body.method();
-  const Traits t = traits(method);
+  settings.method = body.method();
+  const Traits t = traits(settings.method);
   const double h = body.internal_step(), steps = std::max(1.0, std::round(H / h));
-  // in its frame a body's turning may set the steps
-  const bool in_frame = method == Method::floating_frame;
-  const bool by_tolerance =
-      t.error_control() && !in_frame && settings.step == 0 && steps > 2 && h < 0.5 * t.automatic * shadow_.stable_step();
-  if (by_tolerance) {
-    settings.tolerance *= 10;
-    return looser;
+  const bool equal = std::abs(double(taken) - steps) <= 0.05 * steps;
+  if (settings.step == 0 && taken > 2 && (t.error_control() || !equal)) {
+    settings.step_share = finer;
+    settings.tolerance *= power(finer, t.order);
+    return power(finer, t.order);
   }
-  settings.step = H / std::ceil(1.5 * steps);
+  settings.step = H / std::ceil(steps / finer);
   return power(settings.step / h, t.order);
 }
 
 void ErrorEstimate::follow(const SoftBody& body, double H) {
   if (lost_) return;
   take_settings(body.settings);
-  const double ratio = choose_steps(body, H);
+  const long taken = std::max(1L, body.steps() - steps_);
+  steps_ = body.steps();
+  const double ratio = choose_steps(body, H, taken);
   lost_ = shadow_.advance(H) != StepStatus::ok;
   if (lost_) {
     value_ = body.lattice().largest_side();
@@ -62,7 +67,37 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
   double difference = 0;
   const Points &x = body.state().x, &y = shadow_.state().x;
   for (int i = 0; i < x.size(); ++i) difference = std::max(difference, std::abs(x.data()[i] - y.data()[i]));
-  value_ = difference * time_ / ratio_time_;
+  follow_vibration(body, H, taken);
+  value_ = std::max(difference * time_ / ratio_time_, damped_away_);
+}
+
+/// Share of the change of the forces' slopes, from before this communication step to its end, that came at once; where they have not
+/// changed, only a pin can set off something.
+double ErrorEstimate::follow_slopes(double H) {
+  const Settings& settings = shadow_.settings;
+  double kink = 0, bend = 0;
+  for (int i = 0; i < slopes_.size(); ++i) {
+    const double change = H * (settings.force_bend[0](i) + H * settings.force_bend[1](i) / 2);
+    kink = std::max(kink, std::abs(settings.force_rate(i) - slopes_(i)));
+    bend = std::max(bend, std::abs(change));
+    slopes_(i) = settings.force_rate(i) + change;
+  }
+  return kink + bend > 0 ? kink / (kink + bend) : settings.pins.empty() ? 0 : 1;
+}
+
+/// Run and shadow lose what implicit steps damp away; the body itself takes longer.
+void ErrorEstimate::follow_vibration(const SoftBody& body, double H, long taken) {
+  const double remains = shadow_.remaining(H), kink = follow_slopes(H);
+  vibration_.amplitude *= remains;
+  damped_away_ *= remains;
+  if (body.method() != Method::ros34pw2) return;
+  const Vibration vibration = shadow_.set_off(kink, change_, force_);
+  if (vibration.amplitude * remains > vibration_.amplitude) {
+    vibration_ = {vibration.amplitude * remains, vibration.frequency};
+    kept_ = 1;
+  }
+  kept_ *= power(Ros34pw2::kept(vibration_.frequency * H / double(taken)), int(taken));
+  damped_away_ = std::max(damped_away_, vibration_.amplitude * (1 - kept_));
 }
 
 void ErrorEstimate::restore(const Memory& memory, const Settings& settings, double start_time) {
@@ -71,6 +106,11 @@ void ErrorEstimate::restore(const Memory& memory, const Settings& settings, doub
   time_ = memory.time;
   ratio_time_ = memory.ratio_time;
   value_ = memory.value;
+  vibration_ = memory.vibration;
+  slopes_ = memory.slopes;
+  kept_ = memory.kept;
+  damped_away_ = memory.damped_away;
+  steps_ = memory.steps;
   lost_ = memory.lost;
 }
 

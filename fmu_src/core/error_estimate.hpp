@@ -1,10 +1,15 @@
-/// How far a run is from the truth: a second run beside it, the shadow, with other steps.
+/// How far a run is from the truth: a second run beside it, the shadow, with two thirds of its steps.
 ///
-/// A method of order p with steps h errs by about C h^p. A shadow with steps r h, r = 2/3 or what divides the communication step, errs by
-/// C (r h)^p, so that what the two differ by, divided by 1 - r^p, is the error of the run. A finer shadow, for a coarser one is unstable
-/// where stability sets the step, and says nothing where its vibrations are out of phase altogether. Methods with error control run the
-/// shadow with ten times the tolerance, which multiplies their error by about 6, unless stability or the communication points set their
-/// steps. Sums of local error estimates say nothing: errors of vibrations cancel, those of rotations add up.
+/// A method of order p with steps h errs by about C h^p, a shadow with steps r h by C (r h)^p, so that what the two differ by, divided by
+/// 1 - r^p, is the error of the run. A finer shadow, for a coarser one is unstable where stability sets the step, and says nothing where
+/// its vibrations are out of phase altogether. Equal steps become the next that divide the communication step. Where the run's steps
+/// change with what happens, the shadow goes by the same rules, with r times the steps that stability allows and r^p times the tolerance:
+/// with equal steps it would pass over what the run has taken small ones for. Sums of local error estimates say nothing: errors of
+/// vibrations cancel, those of rotations add up.
+///
+/// Implicit steps that are long beside a vibration damp it away, in run and shadow alike, and no difference shows it. So what sets
+/// vibrations off is looked at (vibration.hpp): the largest since is followed, once as the body's own damping leaves it, once as the steps
+/// have damped it besides, and the estimate is at least the difference of the two.
 ///
 /// The shadow takes the method that the run took, communication step by communication step, and changes nothing about the run.
 #pragma once
@@ -19,6 +24,11 @@ class ErrorEstimate {
     Progress shadow;
     double time = 0, ratio_time = 0;  ///< time followed, and the integral of |r^p - 1| over it [s]
     double value = 0;                 ///< [m]
+    Vibration vibration{};            ///< the largest that implicit steps have met, as the body alone damps it
+    Points slopes;                    ///< of the outside forces at the end of the last communication step [N/s]
+    double kept = 0;                  ///< share of it that these steps have left
+    double damped_away = 0;           ///< amplitude of what they have not [m]
+    long steps = 0;                   ///< that the run had taken
     bool lost = false;                ///< the shadow could not follow: no digits
   };
 
@@ -30,15 +40,24 @@ class ErrorEstimate {
   /// Estimated error of the control points' positions: the largest over all points [m].
   double value() const { return value_; }
 
-  Memory memory() const { return {shadow_.progress(), time_, ratio_time_, value_, lost_}; }
+  Memory memory() const {
+    return {shadow_.progress(), time_, ratio_time_, value_, vibration_, slopes_, kept_, damped_away_, steps_, lost_};
+  }
   /// Continues from a snapshot; `settings` are those of the body.
   void restore(const Memory& memory, const Settings& settings, double start_time);
 
  private:
-  double choose_steps(const SoftBody& body, double H);
+  double choose_steps(const SoftBody& body, double H, long taken);
+  double follow_slopes(double H);
+  void follow_vibration(const SoftBody& body, double H, long taken);
   void take_settings(const Settings& settings);
   SoftBody shadow_;
+  Points slopes_;
+  Points change_, force_;  ///< scratch
   double time_ = 0, ratio_time_ = 0, value_ = 0;
+  Vibration vibration_;
+  double kept_ = 0, damped_away_ = 0;
+  long steps_ = 0;
   bool lost_ = false;
 };
 

@@ -200,7 +200,7 @@ double Propagator::step_limit(const Job& job, Method method, bool given) {
   if (method == Method::floating_frame && !given)
     limit = std::min(stiffest / bound(job),
                      largest_turn_in_frame / rigid_motion(job.equations.body.mass, job.state.x, job.state.v).spin.norm());
-  return limit;
+  return given ? limit : limit * job.request.step_share;
 }
 
 /// Longest implicit step of a turning body. A step takes points along straight lines; what that stretches the springs throws them back with
@@ -355,7 +355,7 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
   double limit = step_limit(job, method, false);
   // In the frame the first step is as long as may be: short ones would follow the vibrations that it is to pass over.
   const bool short_first = stability_.elastic() && method != Method::floating_frame;
-  if (!(h > 0)) h = std::min(end - state.time, short_first ? 3 / bound(job) : infinity);
+  if (!(h > 0)) h = request.step_share * std::min(end - state.time, short_first ? 3 / bound(job) : infinity);
   course.clock = {state.time, h, 0};
   const double begun = course.work;
   for (long tries = 1; state.time < end; ++tries) {

@@ -1,5 +1,6 @@
 #include "ros34pw2.hpp"
 
+#include <cmath>
 #include <cstring>
 
 namespace softffd {
@@ -92,6 +93,14 @@ bool Ros34pw2::pins_move(const Equations& equations, double t) {
   if (kernels::largest(pin_velocity_.size(), pin_velocity_.data()) == 0) return false;
   stiffness_force(equations.body, factored.x, pin_velocity_, pin_rate_);
   return true;
+}
+
+/// |R(iy)| of the stability function R(z) = (1 + p1 z + p2 z^2 + p3 z^3) / (1 - gamma z)^4, which is exp(z) to third order.
+double Ros34pw2::kept(double y) {
+  constexpr double p1 = 1 - 4 * gamma, p2 = 0.5 - 4 * gamma + 6 * gamma * gamma,
+                   p3 = 1.0 / 6 - 2 * gamma + 6 * gamma * gamma - 4 * gamma * gamma * gamma;
+  const double real = 1 - p2 * y * y, imaginary = y * (p1 - p3 * y * y), below = 1 + gamma * gamma * y * y;
+  return std::sqrt(real * real + imaginary * imaginary) / (below * below);
 }
 
 double Ros34pw2::attempt(const Equations& equations, double t, double h, const State& state) {

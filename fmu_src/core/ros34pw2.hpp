@@ -32,6 +32,9 @@ class Ros34pw2 final : public OneStep {
   Ros34pw2(const Lattice& lattice, int pins);
   double attempt(const Equations& equations, double t, double h, const State& state) override;
 
+  /// Share of an undamped vibration's amplitude that a step leaves, by omega h.
+  static double kept(double y);
+
   /// Call when masses, stiffness, damping or the choice of pinned points change: the factor is made anew, from `factored`.
   void body_changed() { held_.h = 0; }
   /// The next attempt takes the stiffness at its own state.

@@ -241,6 +241,7 @@ StepStatus SoftBody::advance_from_here(double H) {
   const Request request{.method = settings.method,
                         .tolerance = settings.tolerance * body_.length,
                         .step = settings.step,
+                        .step_share = settings.step_share,
                         .horizon = settings.horizon,
                         .jolt = jump > jolt_share * around_.force.abs().maxCoeff(),
                         .watch = definition_.watch_energy};
@@ -275,6 +276,23 @@ double SoftBody::gravity_energy() const {
   double energy = 0;
   for (int axis = 0; axis < 3; ++axis) energy -= settings.gravity[axis] * (body_.mass * now_.motion.x.col(axis)).sum();
   return energy;
+}
+
+Vibration SoftBody::set_off(double kink, Points& scratch, Points& more) const {
+  const bool followed = backup_.course.method == Method::ros34pw2;
+  scratch = around_.force;
+  if (followed)
+    scratch -= backup_.outside;
+  else
+    scratch += backup_.motion.spring;
+  return softffd::set_off({body_, around_}, backup_.motion, now_.motion, followed || around_.bent ? kink : 1, scratch, more);
+}
+
+double SoftBody::remaining(double t) const {
+  const double rate = 0.5 * (body_.damping / body_.mass).minCoeff();
+  double growth = 1 + rate * t / 1024;  // exp without the C library, to the power of 1024
+  for (int i = 0; i < 10; ++i) growth *= growth;
+  return 1 / growth;
 }
 
 bool SoftBody::rubs_undamped() {

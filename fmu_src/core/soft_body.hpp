@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "propagator.hpp"
+#include "vibration.hpp"
 
 namespace softffd {
 
@@ -41,6 +42,7 @@ struct Settings {
   Method method = Method::automatic;
   double tolerance = 1e-4;           ///< error aimed at, relative to the largest side of the box
   double step = 0;                   ///< internal step [s]; 0: by stability and tolerance
+  double step_share = 1;             ///< of the steps that stability allows, taken at most where `step` is 0
   double horizon = 1;                ///< length of the run [s]
   Points force;                      ///< loads and point forces at the communication point (points, 3) [N]
   Points force_rate;                 ///< their time derivative [N/s]
@@ -119,6 +121,11 @@ class SoftBody {
   bool rubs_undamped();
   /// Number of matrices factored since the start.
   long factorizations() const { return propagator_.factorizations(); }
+  /// The vibration that the start of the last communication step set off by jumps of the forces and by `kink`, the share of the change of
+  /// velocity that came at once; any that was there, if the step before was explicit.
+  Vibration set_off(double kink, Points& scratch, Points& more) const;
+  /// Share of a vibration that the slowest damping leaves after a time t [s].
+  double remaining(double t) const;
   /// The method that took the last communication step, and why.
   Method method() const { return now_.course.method; }
   Reason reason() const { return now_.course.reason; }

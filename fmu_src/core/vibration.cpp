@@ -1,7 +1,12 @@
 #include "vibration.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include "rigid_motion.hpp"
+#include "stiffness_matrix.hpp"
+#include "traits.hpp"
 
 namespace softffd {
 
@@ -46,6 +51,25 @@ double size(const Equations& equations, const State& state, const Scalars& time_
   return 2 * amplitude;
 }
 
+/// The rigid motion that vibrations are relative to: the body's own, or that of what holds it.
+RigidMotion carrier(const Equations& equations, const State& state) {
+  if (equations.around.pins.empty()) return rigid_motion(equations.body.mass, state.x, state.v);
+  const Frame frame = equations.around.pins.front().at(state.time);
+  return {frame.origin, frame.velocity, frame.spin};
+}
+
+void subtract(const Body& body, const RigidMotion& rigid, const Points& x, Points& u) {
+  for (int p = 0; p < body.points(); ++p)
+    set_row(u, p, body.pinned[p] ? Vec3::Zero() : Vec3(row(u, p) - rigid.velocity - rigid.spin.cross(row(x, p) - rigid.centre)));
+}
+
+/// Angular frequency of a vibration of shape u, by Rayleigh's quotient [rad/s].
+double frequency(const Body& body, const Points& x, const Points& u, Points& f) {
+  stiffness_force(body, x, u, f);
+  const double inertia = (body.mass * u.square().rowwise().sum()).sum();
+  return inertia > 0 ? std::sqrt(std::max(0.0, -(u * f).sum() / inertia)) : 0;
+}
+
 }  // namespace
 
 double vibration(const Equations& equations, const State& state, const Scalars& time_scale) {
@@ -55,6 +79,25 @@ double vibration(const Equations& equations, const State& state, const Scalars& 
 double present_vibration(const Equations& equations, const State& state, const Scalars& time_scale, double slowest) {
   const bool held = !equations.around.pins.empty();
   return size(equations, state, time_scale, false, slowest, held ? Vec3::Zero() : mean_acceleration(equations, state));
+}
+
+Vibration set_off(const Equations& equations, const State& start, const State& end, double kink, Points& jump, Points& u) {
+  const auto& [body, around] = equations;
+  Vibration largest;
+  const auto consider = [&](int order) {
+    const double omega = frequency(body, start.x, u, jump), amplitude = kernels::largest(u.size(), u.data()) / power(omega, order);
+    if (omega > 0 && amplitude > largest.amplitude) largest = {amplitude, omega};
+  };
+  for (int i = 0; i < u.size(); ++i) u(i) = body.inverse_mass[i] * jump(i);
+  if (around.pins.empty()) subtract(body, rigid_motion(body.mass, start.x, u), start.x, u);
+  consider(2);
+  jump = start.v;
+  subtract(body, carrier(equations, start), start.x, jump);
+  u = end.v;
+  subtract(body, carrier(equations, end), end.x, u);
+  u = kink * (u - jump);
+  consider(1);
+  return largest;
 }
 
 }  // namespace softffd

@@ -13,4 +13,13 @@ double vibration(const Equations& equations, const State& state, const Scalars& 
 /// and without the acceleration that a free body has as a whole.
 double present_vibration(const Equations& equations, const State& state, const Scalars& time_scale, double slowest);
 
+struct Vibration {
+  double amplitude = 0;  ///< [m]
+  double frequency = 0;  ///< [rad/s]
+};
+/// The vibration that a change of the outside sets off at the start of a stretch, to be seen from steps that damp it away: what deforms the
+/// body of a jump of the forces [N], or of the change of velocity until the end, `kink` of which came at once; whichever moves points
+/// further. By experience within a factor of 2, and of 10 where forces jump. jump, u: (points, 3), scratch afterwards.
+Vibration set_off(const Equations& equations, const State& start, const State& end, double kink, Points& jump, Points& u);
+
 }  // namespace softffd

@@ -134,7 +134,11 @@ void pass(Archive& archive, Progress& progress) {
 template <class Archive>
 void pass(Archive& archive, ErrorEstimate::Memory& memory) {
   pass(archive, memory.shadow);
-  for (double* value : {&memory.time, &memory.ratio_time, &memory.value}) archive.number(*value);
+  for (double* value : {&memory.time, &memory.ratio_time, &memory.value, &memory.vibration.amplitude, &memory.vibration.frequency,
+                        &memory.kept, &memory.damped_away})
+    archive.number(*value);
+  archive.numbers(memory.slopes.data(), memory.slopes.size());
+  archive.integer(memory.steps);
   archive.choice(memory.lost, true);
 }
 

@@ -71,7 +71,8 @@ def _parser() -> argparse.ArgumentParser:
     stability = commands.add_parser("stability", help="run stiff and extreme scenes and judge each by an oracle: map, table, report")
     stability.add_argument("-o", "--output", type=Path, default=Path("softffd-stability"), metavar="DIR")
     stability.add_argument("--quick", action="store_true", help="some cases and a coarse map: a first look")
-    stability.add_argument("--only", nargs="+", default=[], metavar="NAME", help='"map", or parts of the names of cases')
+    stability.add_argument("--only", nargs="+", default=[], metavar="NAME", help='"map", "cases", or parts of the names of cases')
+    stability.add_argument("--slowness", type=float, default=1.0, metavar="FACTOR", help="cases may take so many times longer")
     stability.set_defaults(command=_stability)
 
     drivers = commands.add_parser("drivers", help="make driver FMUs (plate, actuator) and a coupled system (SSP)")
@@ -169,7 +170,9 @@ def _stability(options: argparse.Namespace) -> None:
     from softffd.stability_command import report_stability
 
     with ProgressLine("running") as progress:
-        report_stability(options.output, only=options.only, quick=options.quick, note=progress.note, say=progress.say)
+        report_stability(
+            options.output, only=options.only, quick=options.quick, slowness=options.slowness, note=progress.note, say=progress.say
+        )
     print(f"kept in {options.output}: report.html, stability.csv, stability.json, pictures of the map")
 
 

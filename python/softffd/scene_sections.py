@@ -255,7 +255,7 @@ class Solver(Section):
     )
     tolerance: Number = quantity(1e-4, "m", "error at the end of the run for a box of 1 m, scaled by its largest side", gt=0)
     step: Number = quantity(0.0, "s", "internal step; 0: chosen by stability and tolerance", ge=0)
-    error_estimate: Switch = key(False, "a second run beside this one estimates its error; costs 70 to 150 % more")
+    error_estimate: Switch = key(False, "a second run beside this one estimates its error; costs 80 to 160 % more")
 
 
 class Experiment(Section):

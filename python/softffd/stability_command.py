@@ -9,6 +9,7 @@ from typing import Any
 
 from softffd.accuracy_files import machine, versions
 from softffd.errors import SoftffdError
+from softffd.simulate import positive
 from softffd.stability_files import keep
 from softffd.stability_survey import Survey, planned, run
 
@@ -23,17 +24,20 @@ def report_stability(
     *,
     only: Sequence[str] = (),
     quick: bool = False,
+    slowness: float = 1.0,
     note: Note = lambda text: None,
     say: Note = print,
 ) -> Survey:
     """Runs the map and the cases, or those that `only` names, and keeps CSV, JSON, pictures and page in `folder`.
 
-    quick: some cases and a coarse map, within half a minute. note: told what is being run; say: told what has come out.
+    quick: some cases and a coarse map, within half a minute. slowness: each case may take so many times longer than usual, for builds with
+    sanitizers. note: told what is being run; say: told what has come out.
     Raises SoftffdError for an unknown name before anything is run, and in the end if an answer is wrong; KeyboardInterrupt on Ctrl-C once
     what is done is kept.
     """
-    survey = planned(only, quick=quick)
-    about = _about(only, quick)
+    positive("slowness", slowness, None)
+    survey = planned(only, quick=quick, slowness=slowness)
+    about = _about(only, quick, slowness)
     try:
         for place, news in enumerate(run(survey, note)):
             say(news)
@@ -49,8 +53,9 @@ def report_stability(
     return survey
 
 
-def _about(only: Sequence[str], quick: bool) -> dict[str, Any]:
-    options = ["--quick" * quick, " ".join(["--only", *(f"'{name}'" for name in only)]) if only else ""]
+def _about(only: Sequence[str], quick: bool, slowness: float) -> dict[str, Any]:
+    named = " ".join(["--only", *(f"'{name}'" for name in only)]) if only else ""
+    options = ["--quick" * quick, f"--slowness {slowness:g}" * (slowness != 1), named]
     return {
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "command": " ".join(word for word in ["softffd stability", *options] if word),

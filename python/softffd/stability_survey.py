@@ -19,8 +19,8 @@ LEAVES_CONTACT = ("bm4", "rkn12", "dop853", "ros34pw2")
 """Methods that hand communication steps with contact to another one."""
 
 CHOSEN = "auto"
-MAP = "map"
-"""Name of the map among those of the cases."""
+MAP, EVERY_CASE = "map", "cases"
+"""Names of the map and of all cases among those of the cases."""
 
 QUICK_PANELS = (*(Panel(scene, CHOSEN) for scene in SCENES), Panel("vibration", "leapfrog", True))
 
@@ -43,6 +43,8 @@ class Survey:
     """Of cases"""
     most_patience: float = math.inf
     """No case gets longer [s]"""
+    slowness: float = 1.0
+    """So many times longer than usual each case gets"""
     borders: list[Border] = field(default_factory=list)
     cells: dict[Cell, Judged] = field(default_factory=dict)
     outcomes: dict[str, Outcome] = field(default_factory=dict)
@@ -75,23 +77,23 @@ def _why(outcome: Outcome) -> str:
     return broken or outcome.words
 
 
-def planned(only: Sequence[str] = (), *, quick: bool = False) -> Survey:
-    """The survey of everything, or of what is named: "map", or a part of a case's name. SoftffdError where nothing is named so."""
+def planned(only: Sequence[str] = (), *, quick: bool = False, slowness: float = 1.0) -> Survey:
+    """The survey of everything, or of what is named: "map", "cases", or a part of a case's name. SoftffdError where nothing is named so."""
     chosen = {name for name, case in CASES.items() if not quick or case.quick}
     with_map = True
     if only:
-        chosen = {name for name in CASES for part in only if part.lower() in name.lower()}
+        chosen = {name for name in CASES for part in only if part == EVERY_CASE or part.lower() in name.lower()}
         with_map = MAP in only
         for part in only:
-            if part != MAP and not any(part.lower() in name.lower() for name in CASES):
-                nearest = did_you_mean(nearest_of(part, [MAP, *CASES]))
-                raise SoftffdError(f"--only {part}: wanted {MAP!r} or a part of a case's name{nearest}")
+            if part not in (MAP, EVERY_CASE) and not any(part.lower() in name.lower() for name in CASES):
+                nearest = did_you_mean(nearest_of(part, [MAP, EVERY_CASE, *CASES]))
+                raise SoftffdError(f"--only {part}: wanted {MAP!r}, {EVERY_CASE!r} or a part of a case's name{nearest}")
     names = [name for name in CASES if name in chosen]
     if not with_map:
-        return Survey([], [], [], names)
+        return Survey([], [], [], names, slowness=slowness)
     if quick:
-        return Survey(list(QUICK_PANELS), [1e-3, 1e3, 1e6, 1e9], [1e-5, 1e-3, 1e-1], names, QUICK_PATIENCE)
-    return Survey(_panels(), [10.0**n for n in range(-3, 13)], [10 ** (n / 2) for n in range(-10, 1)], names)
+        return Survey(list(QUICK_PANELS), [1e-3, 1e3, 1e6, 1e9], [1e-5, 1e-3, 1e-1], names, QUICK_PATIENCE, slowness)
+    return Survey(_panels(), [10.0**n for n in range(-3, 13)], [10 ** (n / 2) for n in range(-10, 1)], names, slowness=slowness)
 
 
 def _panels() -> list[Panel]:
@@ -116,7 +118,7 @@ def run(survey: Survey, note: Note) -> Iterator[str]:
             survey.cells[cell] = _judged(result)
             note(f"map, {panel}: k = {cell.stiffness:g} N/m, H = {cell.step:.3g} s")
         yield _panel_news(survey, panel)
-    patience = {name: min(CASES[name].patience, survey.most_patience) for name in survey.names}
+    patience = {name: survey.slowness * min(CASES[name].patience, survey.most_patience) for name in survey.names}
     results = guarded(run_named, survey.names, patience.get)
     note(survey.names[0] if survey.names else "")
     for place, (name, result) in enumerate(zip(survey.names, results, strict=True)):

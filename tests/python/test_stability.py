@@ -170,6 +170,7 @@ def test_names_are_chosen_by_parts_and_unknown_ones_refused():
     assert planned(["S7 crush to 40"]).names == ["S7 crush to 40%", "S7 crush to 40%, volume"]
     assert planned(["plane jumps"]).panels == []
     assert planned(["map"]).names == []
+    assert (planned(["cases"]).names, planned(["cases"]).panels) == (list(CASES), [])
     assert {name for name in CASES if CASES[name].quick} == set(planned(quick=True).names)
     with pytest.raises(SoftffdError, match=r"plane jmps.*plane jumps"):
         planned(["plane jmps"])
@@ -181,7 +182,7 @@ def small(monkeypatch):
     panels = [Panel("vibration", "leapfrog", True)]
     monkeypatch.setattr(
         "softffd.stability_command.planned",
-        lambda only, quick: Survey(panels, [1e0, 1e3], [1e-3, 1e-2, 1e-1], ["plane jumps", "force not a number"]),
+        lambda only, quick, slowness: Survey(panels, [1e0, 1e3], [1e-3, 1e-2, 1e-1], ["plane jumps", "force not a number"]),
     )
 
 
@@ -226,6 +227,18 @@ def test_interrupt_keeps_what_is_done(small, tmp_path, monkeypatch, capsys):
     assert len(document["map"]) == 1
     assert document["missing"] == ["vibration, leapfrog, solver.step = H", "plane jumps", "force not a number"]
     assert "what is done is kept in" in capsys.readouterr().err
+
+
+def test_cases_get_so_many_times_longer(monkeypatch):
+    given = {}
+
+    def noted(work, jobs, patience):
+        given.update({name: patience(name) for name in jobs})
+        return (Lost("hang", "") for _ in jobs)
+
+    monkeypatch.setattr(survey_module, "guarded", noted)
+    list(run(planned(["S1", "1e7 steps"], slowness=10), lambda text: None))
+    assert given == {name: 10 * CASES[name].patience for name in ("S1 free vibration", "spin, 1e7 steps")}
 
 
 def test_lost_cells_do_not_end_the_survey(monkeypatch):

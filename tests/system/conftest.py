@@ -33,3 +33,13 @@ def golden():
         return np.load(path)
 
     return load
+
+
+@pytest.fixture(scope="session")
+def drivers(tmp_path_factory) -> Path:
+    """A folder with the driver FMUs."""
+    from softffd.drivers import build_drivers  # needs pythonfmu
+
+    folder = tmp_path_factory.mktemp("drivers")
+    build_drivers(folder)
+    return folder

@@ -1,0 +1,243 @@
+/// Wherever a request for memory fails, the call ends with fmi2Error (or no component), no crash and no leak.
+#include <cstring>
+#include <functional>
+#include <vector>
+
+#include "counted_memory.hpp"
+
+#if defined(__unix__)
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
+
+using namespace component;
+
+namespace {
+
+/// Runs a block in a process of its own, so that a crash is a failed check and not the end of the program.
+void survived(const char* what, const std::function<void()>& block) {
+#if defined(__unix__)
+  std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child == 0) {
+    const int before = check::failures;
+    block();
+    std::fflush(nullptr);
+    _exit(check::failures > before);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (WIFSIGNALED(status)) std::printf("    %s: ended by signal %d\n", what, WTERMSIG(status));
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) check::report(__FILE__, __LINE__, what);
+#else
+  block();
+#endif
+}
+
+/// True once a scenario has said enough.
+bool enough_failures(int before) { return check::failures > before + 20; }
+
+/// Lets the first, second, ... request of `call` fail, each on a component that `prepare` made, until the
+/// call needs no more.
+void every_request_may_fail(const char* what, const std::function<fmi2Component()>& prepare,
+                            const std::function<fmi2Status(fmi2Component)>& call) {
+  survived(what, [&] {
+    fmi2Component warm = prepare();
+    call(warm);
+    fmi2FreeInstance(warm);
+    const int failures = check::failures;
+    for (long request = 0;; ++request) {
+      const long before = memory::live;
+      fmi2Component c = prepare();
+      memory::fail_at(request);
+      const fmi2Status status = call(c);
+      memory::fail_no_more();
+      if (memory::failed) {
+        CHECK(status == fmi2Error);
+        CHECK(fmi2Reset(c) == fmi2OK);
+        CHECK(fmi2SetupExperiment(c, fmi2False, 0, 0, fmi2False, 0) == fmi2OK);
+        CHECK(fmi2EnterInitializationMode(c) == fmi2OK);
+        CHECK(fmi2ExitInitializationMode(c) == fmi2OK);
+        CHECK(fmi2DoStep(c, 0, 0.01, fmi2True) == fmi2OK);
+      }
+      fmi2FreeInstance(c);
+      if (memory::live != before) std::printf("    %s: request %ld leaves %ld blocks\n", what, request, memory::live - before);
+      CHECK(memory::live == before);
+      if (!memory::failed || enough_failures(failures)) break;
+    }
+  });
+}
+
+}  // namespace
+
+TEST(instantiation_survives_any_failing_request) {
+  const std::string uri = resources(everything);
+  for (const char* guid : {"{g}", "{another}"})
+    survived(guid, [&] {
+      fmi2FreeInstance(instantiate(uri, fmi2True, guid));
+      const int failures = check::failures;
+      for (long request = 0;; ++request) {
+        const long before = memory::live;
+        memory::fail_at(request);
+        fmi2Component c = instantiate(uri, fmi2True, guid);
+        memory::fail_no_more();
+        CHECK(!memory::failed || !c);
+        fmi2FreeInstance(c);
+        if (memory::live != before) std::printf("    request %ld leaves %ld blocks\n", request, memory::live - before);
+        CHECK(memory::live == before);
+        if (!memory::failed || enough_failures(failures)) break;
+      }
+    });
+}
+
+TEST(initialization_survives_any_failing_request) {
+  const std::string uri = resources(everything);
+  const auto fresh = [&] { return instantiate(uri, fmi2True); };
+  every_request_may_fail("setup", fresh, [](fmi2Component c) { return fmi2SetupExperiment(c, fmi2True, 1e-5, 0, fmi2True, 1); });
+  every_request_may_fail("enter", fresh, fmi2EnterInitializationMode);
+  const auto entered = [&] {
+    fmi2Component c = instantiate(uri, fmi2True);
+    fmi2EnterInitializationMode(c);
+    return c;
+  };
+  every_request_may_fail("exit", entered, fmi2ExitInitializationMode);
+}
+
+TEST(values_survive_any_failing_request) {
+  const std::string uri = resources(everything);
+  const auto running = [&] { return started(uri, 3, fmi2True); };
+  every_request_may_fail("set", running, [](fmi2Component c) { return set(c, Family::stiffness_edge, 0, 2000); });
+  every_request_may_fail("get Integer", running, [](fmi2Component c) {
+    const fmi2ValueReference contacts = reference(Family::plane_contacts);
+    fmi2Integer number = 0;
+    return fmi2GetInteger(c, &contacts, 1, &number);
+  });
+  every_request_may_fail("get Real", running, [](fmi2Component c) {
+    for (Family family : {Family::position, Family::energy_kinetic, Family::energy_elastic, Family::solver_stable_step}) {
+      const fmi2ValueReference wanted = reference(family);
+      double number = 0;
+      if (fmi2GetReal(c, &wanted, 1, &number) != fmi2OK) return fmi2Error;
+    }
+    return fmi2OK;
+  });
+  every_request_may_fail(
+      "set Integer", [&] { return instantiate(uri, fmi2True); },
+      [](fmi2Component c) {
+        const fmi2ValueReference method = reference(Family::solver_method);
+        const fmi2Integer number = 2;
+        return fmi2SetInteger(c, &method, 1, &number);
+      });
+  every_request_may_fail("debug logging", running, [](fmi2Component c) {
+    const fmi2String categories[] = {"logStatusWarning", "solver"};
+    return fmi2SetDebugLogging(c, fmi2False, 2, categories);
+  });
+}
+
+TEST(refusals_survive_any_failing_request) {
+  const std::string uri = resources(everything);
+  const auto running = [&] { return started(uri, 3, fmi2True); };
+  every_request_may_fail("a value below its bound", running, [](fmi2Component c) { return set(c, Family::stiffness_edge, 0, -1); });
+  every_request_may_fail("a call in the wrong state", running, fmi2EnterInitializationMode);
+  every_request_may_fail("a step at the wrong time", running, [](fmi2Component c) { return fmi2DoStep(c, 7, 0.01, fmi2True); });
+  every_request_may_fail("a damaged state", running, [](fmi2Component c) {
+    const fmi2Byte bytes[50] = {};
+    fmi2FMUstate state = nullptr;
+    return fmi2DeSerializeFMUstate(c, bytes, sizeof bytes, &state);
+  });
+}
+
+TEST(steps_and_resets_survive_any_failing_request) {
+  const std::string uri = resources(everything);
+  for (int method : {2, 3}) {
+    const auto running = [&] { return started(uri, method, fmi2True); };
+    every_request_may_fail("step", running, [](fmi2Component c) { return fmi2DoStep(c, 0, 0.01, fmi2True); });
+    every_request_may_fail(
+        "step after a change",
+        [&] {
+          fmi2Component c = running();
+          fmi2DoStep(c, 0, 0.01, fmi2True);
+          set(c, Family::stiffness_edge, 0, 5000);
+          return c;
+        },
+        [](fmi2Component c) { return fmi2DoStep(c, 0.01, 0.01, fmi2True); });
+  }
+  every_request_may_fail("reset", [&] { return started(uri, 3, fmi2True); }, fmi2Reset);
+}
+
+TEST(a_discarded_step_survives_any_failing_request) {
+  const std::string uri = resources(everything);
+  survived("discard", [&] {
+    const int failures = check::failures;
+    for (long request = 0;; ++request) {
+      const long before = memory::live;
+      fmi2Component c = started(uri, 3, fmi2True);
+      set(c, Family::stiffness_edge, 0, 1e18);
+      memory::fail_at(request);
+      const fmi2Status status = fmi2DoStep(c, 0, 1, fmi2True);
+      memory::fail_no_more();
+      CHECK(status == (memory::failed ? fmi2Error : fmi2Discard));
+      fmi2FreeInstance(c);
+      if (request > 0) CHECK(memory::live == before);
+      if (!memory::failed || enough_failures(failures)) break;
+    }
+  });
+}
+
+TEST(states_survive_any_failing_request) {
+  const std::string uri = resources(everything);
+  fmi2Component owner = started(uri, 3, fmi2True);
+  CHECK(fmi2DoStep(owner, 0, 0.01, fmi2True) == fmi2OK);
+  fmi2FMUstate kept = nullptr;
+  CHECK(fmi2GetFMUstate(owner, &kept) == fmi2OK);
+  std::size_t size = 0;
+  CHECK(fmi2SerializedFMUstateSize(owner, kept, &size) == fmi2OK);
+  std::vector<fmi2Byte> bytes(size);
+  CHECK(fmi2SerializeFMUstate(owner, kept, bytes.data(), size) == fmi2OK);
+  const auto running = [&] { return started(uri, 3, fmi2True); };
+  every_request_may_fail("get state", running, [](fmi2Component c) {
+    fmi2FMUstate state = nullptr;
+    const fmi2Status status = fmi2GetFMUstate(c, &state);
+    memory::fail_no_more();
+    CHECK((status == fmi2OK) == (state != nullptr));
+    fmi2FreeFMUstate(c, &state);
+    return status;
+  });
+  every_request_may_fail("set state", running, [&](fmi2Component c) { return fmi2SetFMUstate(c, kept); });
+  every_request_may_fail("serialize", running, [&](fmi2Component c) { return fmi2SerializeFMUstate(c, kept, bytes.data(), size); });
+  every_request_may_fail("deserialize", running, [&](fmi2Component c) {
+    fmi2FMUstate state = nullptr;
+    const fmi2Status status = fmi2DeSerializeFMUstate(c, bytes.data(), size, &state);
+    memory::fail_no_more();
+    CHECK((status == fmi2OK) == (state != nullptr));
+    fmi2FreeFMUstate(c, &state);
+    return status;
+  });
+  CHECK(fmi2FreeFMUstate(owner, &kept) == fmi2OK);
+  fmi2FreeInstance(owner);
+}
+
+TEST(a_state_that_failed_to_be_restored_leaves_the_instance_restorable) {
+  const std::string uri = resources(everything);
+  fmi2Component c = started(uri, 3);
+  fmi2FMUstate kept = nullptr;
+  CHECK(fmi2DoStep(c, 0, 0.01, fmi2True) == fmi2OK);
+  CHECK(fmi2GetFMUstate(c, &kept) == fmi2OK);
+  const fmi2ValueReference wanted = reference(Family::position, 40);
+  double expected = 0, got = 0;
+  CHECK(fmi2DoStep(c, 0.01, 0.01, fmi2True) == fmi2OK);
+  CHECK(fmi2GetReal(c, &wanted, 1, &expected) == fmi2OK);
+  const int failures = check::failures;
+  for (long request = 0; !enough_failures(failures); ++request) {
+    memory::fail_at(request);
+    const fmi2Status status = fmi2SetFMUstate(c, kept);
+    memory::fail_no_more();
+    CHECK(status == (memory::failed ? fmi2Error : fmi2OK));
+    if (memory::failed) CHECK(fmi2SetFMUstate(c, kept) == fmi2OK);
+    CHECK(fmi2DoStep(c, 0.01, 0.01, fmi2True) == fmi2OK);
+    CHECK(fmi2GetReal(c, &wanted, 1, &got) == fmi2OK);
+    CHECK(std::memcmp(&got, &expected, sizeof got) == 0);
+    if (!memory::failed) break;
+  }
+  CHECK(fmi2FreeFMUstate(c, &kept) == fmi2OK);
+  fmi2FreeInstance(c);
+}

@@ -1,0 +1,35 @@
+"""What several tests of the measurement of error against run time need."""
+
+from pathlib import Path
+
+import pytest
+from measured_scenes import COURSE, DRIVEN, SMALL
+
+from softffd import accuracy, accuracy_reference
+from softffd import accuracy_command as command
+from softffd.accuracy import measure
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch) -> Path:
+    """The working folder, with small.toml, driven.toml and driven.csv."""
+    monkeypatch.chdir(tmp_path)
+    Path("small.toml").write_text(SMALL)
+    Path("driven.toml").write_text(DRIVEN)
+    Path("driven.csv").write_text(COURSE)
+    return tmp_path
+
+
+@pytest.fixture
+def hasty(monkeypatch):
+    """Sweeps and references end after a tenth of the time that even --quick gives them."""
+    monkeypatch.setattr(accuracy, "QUICK_BUDGET", 0.02)
+    monkeypatch.setattr(accuracy_reference, "QUICK_PATIENCE", 0.1)
+
+
+@pytest.fixture
+def few(monkeypatch):
+    """Two methods and few runs, for tests of what the command does around them."""
+    monkeypatch.setattr(
+        command, "measure", lambda scene, **options: measure(scene, methods=["central_difference", "bm4"], **options | {"repeats": 1})
+    )

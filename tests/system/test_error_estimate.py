@@ -1,0 +1,133 @@
+"""`solver.error_estimate` against the true error, at the end of the run and as the largest over time.
+
+The reference is a much more accurate run by another method. Errors and estimates are relative to the largest side of the box; below FLOOR
+rounding and the reference's own error are what is left, and either may be the larger.
+"""
+
+import numpy as np
+import pytest
+from readings import points
+
+from softffd import load_scene, simulate
+
+FLOOR = 1e-11
+REFERENCES = {
+    "free_vibration": [("dop853", {"solver.tolerance": 1e-13}), ("rkn12", {"solver.tolerance": 1e-13})],
+    "stiff_pull": [("dop853", {"solver.tolerance": 1e-13}), ("bm4", {"solver.step": 5e-6})],
+    "stiff_layer": [("dop853", {"solver.tolerance": 1e-13}), ("bm4", {"solver.step": 5e-6})],
+    "light_corner": [("dop853", {"solver.tolerance": 1e-13}), ("bm4", {"solver.step": 2.5e-6})],
+    "spin": [("dop853", {"solver.tolerance": 1e-13}), ("rkn12", {"solver.tolerance": 1e-13})],
+}
+
+EXPLICIT, IMPLICIT = 3, 10
+"""Largest factor between estimate and error. What implicit steps have damped away is known by its amplitude, not by its phase."""
+
+COARSE, ALL = (1e-2, 1e-4), (1e-2, 1e-4, 1e-6, 1e-9)
+METHODS = {
+    "free_vibration": {"leapfrog": COARSE, "bm4": ALL, "rkn12": ALL, "dop853": ALL, "ros34pw2": (1e-2,), "auto": ALL},
+    "stiff_pull": {"leapfrog": COARSE[:1], "bm4": COARSE[:1], "dop853": (1e-2, 1e-8), "ros34pw2": (1e-2, 1e-4, 1e-6), "auto": ALL},
+    "stiff_layer": {"leapfrog": COARSE[:1], "bm4": COARSE[:1], "dop853": COARSE[:1], "ros34pw2": ALL, "auto": ALL},
+    "light_corner": {"leapfrog": COARSE, "bm4": ALL, "dop853": ALL, "ros34pw2": (1e-2,), "auto": ALL},
+    "spin": {"leapfrog": COARSE, "bm4": (1e-4, 1e-6), "rkn12": ALL, "dop853": ALL, "auto": ALL},
+}
+CASES = [(name, method, tolerance) for name in METHODS for method in METHODS[name] for tolerance in METHODS[name][method]]
+
+
+def run(name, settings, *, estimate, loads="linear"):
+    """loads: between communication points "held", "linear" or "cubic"."""
+    scene = load_scene(name)
+    scene = scene.model_copy(update={"solver": scene.solver.model_copy(update={"error_estimate": estimate})})
+    return simulate(scene, start_values=settings, inputs=scene.default_inputs, interpolation=loads)
+
+
+def size(values, name):
+    return values / max(load_scene(name).lattice.size)
+
+
+@pytest.fixture(scope="module")
+def exact():
+    """exact(scene, method, loads): the positions (T, n, 3) by a method that is not this one."""
+    known = {}
+
+    def positions_of(name, method, loads="linear"):
+        reference, settings = next(pair for pair in REFERENCES[name] if pair[0] != method)
+        key = name, reference, loads
+        if key not in known:
+            known[key] = points(run(name, {"solver.method": reference} | settings, estimate=False, loads=loads))
+        return known[key]
+
+    return positions_of
+
+
+def errors_and_estimates(result, reference):
+    return np.abs(points(result) - reference).max(axis=(1, 2)), result.outputs["solver.error_estimate"]
+
+
+def check(result, reference, name, factor):
+    """At the end and for the largest over time; prints a table with pytest -rP."""
+    error, estimate = (size(values, name) + FLOOR for values in errors_and_estimates(result, reference))
+    end, largest = estimate[-1] / error[-1], estimate.max() / error.max()
+    print(f"{name:15} error {error[-1]:8.1e} estimate / error {end:6.3f}, of the largest {largest:6.3f}")
+    assert 1 / factor < end < factor
+    assert 1 / factor < largest < factor
+
+
+@pytest.mark.parametrize(("name", "method", "tolerance"), CASES)
+def test_the_estimate_is_close_to_the_error(exact, name, method, tolerance):
+    result = run(name, {"solver.method": method, "solver.tolerance": tolerance}, estimate=True)
+    implicit = method == "ros34pw2" or (method == "auto" and name.startswith("stiff"))
+    check(result, exact(name, method), name, IMPLICIT if implicit else EXPLICIT)
+
+
+@pytest.mark.parametrize("tolerance", (1e-2, 1e-4, 1e-6, 1e-8))
+@pytest.mark.parametrize("name", ["stiff_pull", "stiff_layer"])
+def test_loads_without_kinks_set_off_nothing(exact, name, tolerance):
+    result = run(name, {"solver.method": "ros34pw2", "solver.tolerance": tolerance}, estimate=True, loads="cubic")
+    check(result, exact(name, "ros34pw2", "cubic"), name, IMPLICIT)
+
+
+@pytest.mark.parametrize("name", REFERENCES)
+def test_the_references_agree(exact, name):
+    ways = [method for method, _ in REFERENCES[name]]
+    assert size(np.abs(exact(name, ways[0]) - exact(name, ways[1])).max(), name) < 2 * FLOOR
+
+
+def test_jumps_of_a_load_count_by_the_vibrations_they_set_off(exact):
+    result = run("stiff_pull", {"solver.method": "ros34pw2", "solver.tolerance": 1e-2}, estimate=True, loads="held")
+    check(result, exact("stiff_pull", "ros34pw2", "held"), "stiff_pull", IMPLICIT)
+
+
+HELD = """
+[material]
+stiffness = 1e6
+damping = 0.5
+[[pin]]
+name = "base"
+points = "z-"
+motion = "input"
+[[load]]
+name = "top"
+points = "z+"
+[experiment]
+stop_time = 0.8
+communication_step = 0.05
+"""
+
+
+def carried(t):
+    """The base moves and turns steadily, the load grows for half a second."""
+    q, half = min(1.0, t / 0.5), 0.1 * t
+    frame = {"position.x": 0.5 + 0.1 * t, "velocity.x": 0.1, "orientation.w": np.cos(half), "orientation.z": np.sin(half)}
+    turning = {"angular_velocity.z": 0.2}
+    return {"load.top.x": 20 * q**3 * (10 - 15 * q + 6 * q**2)} | {f"pin.base.{key}": value for key, value in (frame | turning).items()}
+
+
+def test_a_body_that_turns_with_its_pin_does_not_vibrate_by_that(scene):
+    """Each communication step the velocities turn by 0.01 rad; only the load's kinks set off vibrations, and the start."""
+    exact, found = (
+        simulate(scene(text), start_values={"solver.method": method, "solver.tolerance": tolerance}, inputs=carried, interpolation="linear")
+        for text, method, tolerance in ((HELD, "dop853", 1e-11), (HELD + "[solver]\nerror_estimate = true\n", "ros34pw2", 1e-4))
+    )
+    error, estimate = errors_and_estimates(found, points(exact))
+    assert np.all(estimate[1:] < IMPLICIT * error[1:] + FLOOR) and np.all(error[1:] < IMPLICIT * estimate[1:] + FLOOR)
+    assert error[-1] < 1e-3 * error.max()
