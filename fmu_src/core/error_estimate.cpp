@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "traits.hpp"
 
@@ -62,7 +63,13 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
   for (int i = 0; i < x.size(); ++i) difference = std::max(difference, std::abs(x.data()[i] - y.data()[i]));
   const double estimate = difference * time_ / ratio_time_;
   const bool free = given && !body.damped();
-  value_ = free ? std::max({value_, estimate, lost_vibration(body)}) : estimate;
+  value_ = free && out_of_phase() ? std::max(value_, estimate) : estimate;
+  if (free) value_ = std::max(value_, lost_vibration(body));
+}
+
+/// Has the estimate ever said that vibrations are about as wrong as they are large?
+bool ErrorEstimate::out_of_phase() const {
+  return value_ > 0.1 * shadow_.amplitude(shadow_.largest_energy(), std::numeric_limits<double>::infinity());
 }
 
 /// Size of the vibrations that steps too long for them have taken away. A method with error control damps what it does not resolve, and
@@ -71,7 +78,7 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
 double ErrorEstimate::lost_vibration(const SoftBody& body) const {
   if (!traits(body.method()).error_control()) return 0;
   const double lost = shadow_.lost_energy(), rounding = 1e-10 * shadow_.largest_energy();
-  return lost > rounding && lost > 0.5 * body.lost_energy() ? shadow_.fast_amplitude(lost) : 0;
+  return lost > rounding && lost > 0.5 * body.lost_energy() ? shadow_.amplitude(lost, shadow_.internal_step()) : 0;
 }
 
 void ErrorEstimate::restore(const Memory& memory, const Settings& settings, double start_time) {

@@ -6,8 +6,8 @@
 /// shadow with ten times the tolerance, which multiplies their error by about 6, unless stability or the communication points set their
 /// steps. Sums of local error estimates say nothing: errors of vibrations cancel, those of rotations add up.
 ///
-/// Given steps may be too long for the body's vibrations: the phase is lost, and where the two runs meet by chance they agree. Without
-/// damping an estimate at given steps never falls, therefore; and it is not below the vibrations that the method has damped away.
+/// Given steps may be too long for the body's vibrations: the phase is lost, and where the two runs meet by chance they agree. An estimate
+/// as large as the vibrations does not fall again, therefore, without damping; and it is not below those that the method has damped away.
 ///
 /// The shadow takes the method that the run took, communication step by communication step, and changes nothing about the run.
 #pragma once
@@ -39,6 +39,7 @@ class ErrorEstimate {
 
  private:
   double choose_steps(const SoftBody& body, double H);
+  bool out_of_phase() const;
   double lost_vibration(const SoftBody& body) const;
   void take_settings(const Settings& settings);
   SoftBody shadow_;

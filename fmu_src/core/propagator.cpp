@@ -362,10 +362,10 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
   return StepStatus::ok;
 }
 
-double Propagator::fast_amplitude(const Body& body, double energy, double h) const {
+double Propagator::amplitude(const Body& body, double energy, double slowest) const {
   double total = 0, weighted = 0;
   for (int p = 0; p < body.points(); ++p) {
-    const double time = std::min(h, time_scale_[p]);
+    const double time = std::min(slowest, time_scale_[p]);
     total += body.mass[p];
     weighted += body.mass[p] * time * time;
   }
