@@ -26,10 +26,10 @@ struct Request {
   Method method = Method::automatic;
   double tolerance = 1e-4;  ///< error aimed at, at the end of the run [m]
   double step = 0;          ///< internal step [s]; 0: by stability and tolerance
-  double step_share = 1;    ///< of the steps that stability allows
   double horizon = 1;       ///< length of the run [s], over which errors add up
   bool jolt = false;        ///< the outside forces have jumped since the last communication step
   bool watch = false;       ///< accumulate dissipated energy and work
+  double share = 1;         ///< of the internal step that would be taken otherwise
 };
 
 /// Step of a fixed-step method by trial: what h and h / 2 give over a short stretch.

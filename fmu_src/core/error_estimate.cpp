@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "traits.hpp"
 
@@ -44,7 +45,6 @@ double ErrorEstimate::choose_steps(const SoftBody& body, double H, long taken) {
   const bool equal = std::abs(double(taken) - steps) <= 0.05 * steps;
   if (settings.step == 0 && taken > 2 && (t.error_control() || !equal)) {
     settings.step_share = finer;
-    settings.tolerance *= power(finer, t.order);
     return power(finer, t.order);
   }
   settings.step = H / std::ceil(steps / finer);
@@ -54,6 +54,7 @@ double ErrorEstimate::choose_steps(const SoftBody& body, double H, long taken) {
 void ErrorEstimate::follow(const SoftBody& body, double H) {
   if (lost_) return;
   take_settings(body.settings);
+  const bool given = body.settings.step > 0;
   const long taken = std::max(1L, body.steps() - steps_);
   steps_ = body.steps();
   const double ratio = choose_steps(body, H, taken);
@@ -67,8 +68,26 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
   double difference = 0;
   const Points &x = body.state().x, &y = shadow_.state().x;
   for (int i = 0; i < x.size(); ++i) difference = std::max(difference, std::abs(x.data()[i] - y.data()[i]));
+  const double estimate = difference * time_ / ratio_time_;
+  const bool free = given && !body.damped();
+  value_ = free && out_of_phase() ? std::max(value_, estimate) : estimate;
+  if (free) value_ = std::max(value_, lost_vibration(body));
   follow_vibration(body, H, taken);
-  value_ = std::max(difference * time_ / ratio_time_, damped_away_);
+  value_ = std::max(value_, damped_away_);
+}
+
+/// Has the estimate ever said that vibrations are about as wrong as they are large?
+bool ErrorEstimate::out_of_phase() const {
+  return value_ > 0.1 * shadow_.amplitude(shadow_.largest_energy(), std::numeric_limits<double>::infinity());
+}
+
+/// Size of the vibrations that steps too long for them have taken away. A method with error control damps what it does not resolve, and
+/// both runs alike, so that they agree; what they should have more of is energy. Losses of motions that the steps do resolve are much
+/// smaller in the shadow.
+double ErrorEstimate::lost_vibration(const SoftBody& body) const {
+  if (!traits(body.method()).error_control()) return 0;
+  const double lost = shadow_.lost_energy(), rounding = 1e-10 * shadow_.largest_energy();
+  return lost > rounding && lost > 0.5 * body.lost_energy() ? shadow_.amplitude(lost, shadow_.internal_step()) : 0;
 }
 
 /// Share of the change of the forces' slopes, from before this communication step to its end, that came at once; where they have not

@@ -11,6 +11,9 @@
 /// vibrations off is looked at (vibration.hpp): the largest since is followed, once as the body's own damping leaves it, once as the steps
 /// have damped it besides, and the estimate is at least the difference of the two.
 ///
+/// Given steps may be too long for the body's vibrations: the phase is lost, and where the two runs meet by chance they agree. An estimate
+/// as large as the vibrations does not fall again, therefore, without damping; and it is not below those that the method has damped away.
+///
 /// The shadow takes the method that the run took, communication step by communication step, and changes nothing about the run.
 #pragma once
 #include "soft_body.hpp"
@@ -50,6 +53,8 @@ class ErrorEstimate {
   double choose_steps(const SoftBody& body, double H, long taken);
   double follow_slopes(double H);
   void follow_vibration(const SoftBody& body, double H, long taken);
+  bool out_of_phase() const;
+  double lost_vibration(const SoftBody& body) const;
   void take_settings(const Settings& settings);
   SoftBody shadow_;
   Points slopes_;
