@@ -109,7 +109,7 @@ void ErrorEstimate::follow_vibration(const SoftBody& body, double H, long taken)
   const double remains = shadow_.remaining(H), kink = follow_slopes(H);
   vibration_.amplitude *= remains;
   damped_away_ *= remains;
-  if (body.method() != Method::ros34pw2) return;
+  if (!is_implicit(body.method())) return;
   const Vibration vibration = shadow_.set_off(kink, change_, force_);
   if (vibration.amplitude * remains > vibration_.amplitude) {
     vibration_ = {vibration.amplitude * remains, vibration.frequency};

@@ -398,13 +398,19 @@ double SoftBody::gravity_energy() const {
 }
 
 Vibration SoftBody::set_off(double kink, Points& scratch, Points& more) const {
-  const bool followed = backup_.course.method == Method::ros34pw2;
-  scratch = around_.force;
-  if (followed)
-    scratch -= backup_.outside;
-  else
-    scratch += backup_.motion.spring;
-  return softffd::set_off({body_, around_}, backup_.motion, now_.motion, followed || around_.bent ? kink : 1, scratch, more);
+  const bool followed = is_implicit(backup_.course.method);
+  const State& start = backup_.motion;
+  if (followed) {
+    scratch = around_.force - backup_.outside;
+  } else {  // what is left over of the forces once they hold the body on its turn
+    const RigidMotion rigid = rigid_motion(body_.mass, start.x, start.v);
+    scratch = around_.force + start.spring;
+    for (int p = 0; p < body_.points(); ++p) {
+      const Vec3 arm = row(start.x, p) - rigid.centre;
+      set_row(scratch, p, row(scratch, p) - body_.mass[p] * rigid.spin.cross(rigid.spin.cross(arm)));
+    }
+  }
+  return softffd::set_off({body_, around_}, start, now_.motion, followed || around_.bent ? kink : 1, scratch, more);
 }
 
 double SoftBody::remaining(double t) const {

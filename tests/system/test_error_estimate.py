@@ -131,3 +131,23 @@ def test_a_body_that_turns_with_its_pin_does_not_vibrate_by_that(scene):
     error, estimate = errors_and_estimates(found, points(exact))
     assert np.all(estimate[1:] < IMPLICIT * error[1:] + FLOOR) and np.all(error[1:] < IMPLICIT * estimate[1:] + FLOOR)
     assert error[-1] < 1e-3 * error.max()
+
+
+FLYING = """
+[material]
+stiffness = 1e7
+damping = 0.0
+[initial]
+angular_velocity = [1.0, 2.0, 3.0]
+[experiment]
+stop_time = 0.3
+communication_step = 0.05
+"""
+
+
+def test_a_stiff_body_in_its_own_frame_misses_the_breathing_that_its_spin_sets_off(scene):
+    exact = simulate(scene(FLYING), start_values={"solver.method": "dop853", "solver.tolerance": 1e-12})
+    found = simulate(scene(FLYING + "[solver]\nerror_estimate = true\n[outputs]\nsolver = true\n"))
+    assert found.outputs["solver.steps"][-1] < 100
+    error, estimate = errors_and_estimates(found, points(exact))
+    assert np.all(estimate[1:] < IMPLICIT * error[1:]) and np.all(error[1:] < IMPLICIT * estimate[1:])
