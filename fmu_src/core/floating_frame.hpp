@@ -9,11 +9,13 @@
 ///      M y'' = spring forces(y) + g(t) - D y',      g = (R Q)^T (f - D x'_frame - M x''_frame),
 ///
 /// which ROS34PW2 follows with one factor of one matrix, however the body turns: modes that are fast against the step go to their
-/// equilibrium, slow ones are resolved. g is taken at both ends of the step for the shape of its beginning, and linear in between;
-/// what deformation within the step would add to it is part of the error estimate.
+/// equilibrium, slow ones are resolved. g is taken at both ends of the step for the shape of its beginning, and linear in between. What a
+/// change of shape within the step would add to it, Coriolis' force above all, is part of the error estimate: a soft part that vibrates
+/// slowly is left to other methods.
 ///
-/// At the end velocities get the rigid motion, and positions half a step of it, that the momentum and the angular momentum lack. These are
-/// the rigid body's, which in torque-free flight keep every bit. What the deformation loses counts as dissipated. There are no pins.
+/// At the end the centre is the rigid body's, the spin follows from the angular momentum, and the attitude gets half a step of what the
+/// rigid body's spin lacked. The angular momentum is the rigid body's with the moments of the outside forces on the changed shape: in
+/// torque-free flight it stays as it is, to rounding. What the deformation loses counts as dissipated. There are no pins.
 #pragma once
 #include "rigid_body.hpp"
 #include "ros34pw2.hpp"
