@@ -30,7 +30,8 @@ class ImplicitContact {
   /// Call when masses, stiffness or damping change.
   void body_changed() { largest_stiffness_ = -1; }
   /// One step from (t, state) of length h [s]; state.spring being the internal forces at state.x. Planes have no point behind them at t.
-  /// state.time is the caller's. On failure state and exchange are spoilt; not_finite: there was no solution down to h / 32.
+  /// state.time is the caller's. On failure state and exchange are spoilt; not_finite: there was no solution down to h / 2^20, or not
+  /// within 4096 of such parts.
   StepStatus advance(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
 
   /// Counted since the start.
@@ -72,7 +73,7 @@ class ImplicitContact {
   bool straight_ = false, cautious_ = false;
   Vec3 rounding_ = Vec3::Zero();
   double loss_ = 0, work_ = 0;  ///< of the step [J]
-  long steps_ = 0, halvings_ = 0, iterations_ = 0;
+  long steps_ = 0, halvings_ = 0, iterations_ = 0, last_try_ = 0;
 };
 
 }  // namespace softffd

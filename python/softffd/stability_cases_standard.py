@@ -222,6 +222,8 @@ def cases() -> list[Case]:
                           "recovers its shape, no folded cells", crush(share, volume=9e3)))  # fmt: skip
     found.append(Case("S7 crush to 5%, stiff, volume", "k = 1e7 N/m, volume_stiffness = 9e7 Pa",
                       "recovers its shape, no folded cells", crush(0.05, stiffness=1e7, volume=9e7)))  # fmt: skip
+    found.append(Case("S7 crush to 40%, very stiff", "k = 1e10 N/m: snaps through within a microsecond",
+                      "no penetration, energy balances, folding is warned of", crush(0.4, stiffness=1e10)))  # fmt: skip
     for step in (1e-9, 1e-6, 1e-3, 1.0, 100.0):
         found.append(Case(f"free fall, steps of {step:g} s", "a soft body thrown and falling, ten steps", "exact: x + v t + g t^2 / 2",
                           partial(_free_fall, step, 10), quick=step in (1e-9, 1.0)))  # fmt: skip

@@ -163,6 +163,18 @@ def test_the_bound_follows_a_box_that_is_crushed(press):
         assert box.read("solver.stable_step") == pytest.approx(free, rel=0.01)
 
 
+@pytest.mark.parametrize("stiffness", [1e9, 1e10])
+def test_a_stiff_box_crushed_past_buckling_is_followed(press, stiffness):
+    """It snaps through within a millionth of a second: implicit steps become that short, and only for that moment."""
+    with press(0.0) as box:
+        box.restart({f"stiffness.{kind}": stiffness for kind in ("edge", "face", "body")}, stop_time=3.0)
+        assert crush(box, 0.4, until=0.7)[-1] > 0
+        assert box.positions()[:, 2].max() <= 0.4 + 1e-12
+        kinetic, elastic, dissipated, work = box.read(*(f"energy.{kind}" for kind in ("kinetic", "elastic", "dissipated", "work")))
+        assert kinetic + elastic + dissipated == pytest.approx(work, rel=1e-9)
+        assert box.integer("solver.steps") + box.integer("solver.rejected") < 200
+
+
 @pytest.mark.parametrize(("method", "step"), CASES[:1])
 def test_energy_balance_closes_through_folding_and_back(press, method, step):
     with press(ENOUGH, method, step) as box:
