@@ -30,6 +30,7 @@ struct Request {
   double horizon = 1;       ///< length of the run [s], over which errors add up
   bool jolt = false;        ///< the outside forces have jumped since the last communication step
   bool watch = false;       ///< accumulate dissipated energy and work
+  double share = 1;         ///< of the internal step that would be taken otherwise: less where that one has failed
 };
 
 /// Step of a fixed-step method by trial: what h and h / 2 give over a short stretch.

@@ -165,8 +165,8 @@ StepStatus Propagator::run_implicit(const Job& job, double end) {
   const auto& [equations, request, state, course, exchange] = job;
   const double begin = state.time, H = end - begin;
   course.method = Method::backward_euler;
-  const double wanted = request.step > 0 ? H / request.step : 1;
-  if (!(wanted <= double(most_steps) / implicit_contact_work)) return StepStatus::too_many_steps;
+  const double wanted = (request.step > 0 ? H / request.step : 1) / request.share;
+  if (!(wanted <= double(most_steps) / implicit_contact_work)) return refusal(wanted);
   const long steps = std::max(1L, std::lround(wanted));
   course.clock = {begin, H / double(steps), 0};
   for (long i = 0; i < steps; ++i) {
@@ -231,9 +231,9 @@ StepStatus Propagator::run_counted(const Job& job, Method method, long units) {
   const double unit = job.request.step;
   while (units > 0) {
     // Looks are counted too, so that they fall on the same moments however the time is cut.
-    if (clock.unit != unit || job.course.bound < 0 || clock.count / clock.parts % look_every == 0) {
-      const double limit = step_limit(job, method, true);
-      if (!(unit / limit <= double(most_steps))) return StepStatus::too_many_steps;
+    if (clock.unit != unit || job.course.bound < 0 || clock.count / clock.parts % look_every == 0 || job.request.share < 1) {
+      const double limit = std::min(unit, step_limit(job, method, true)) * job.request.share;
+      if (!(unit / limit <= double(most_steps))) return refusal(unit / limit);
       const long parts = divisions(unit, limit);
       if (clock.unit != unit || clock.parts != parts) clock = {job.state.time, unit / double(parts), 0, unit, parts};
     }
@@ -259,10 +259,10 @@ StepStatus Propagator::run_fitted(const Job& job, Method method, double end, dou
       calibration.h = infinity;
     else if (!given && calibration_due(job, calibration, end - state.time, request.jolt && steps == 0))
       calibrate(job, method, end - state.time, 4);
-    const double limit = std::min(step_limit(job, method, given), given ? request.step : calibration.h);
+    const double limit = std::min(step_limit(job, method, given), given ? request.step : calibration.h) * request.share;
     if (steps == 0 || clock.h > limit || limit > 1.25 * clock.h) {
       const double left = end - state.time;
-      if (!(left / limit <= double(most_steps))) return StepStatus::too_many_steps;
+      if (!(left / limit <= double(most_steps))) return refusal(left / limit);
       steps = divisions(left, limit);
       clock = {state.time, left / double(steps), 0};
     }
@@ -348,11 +348,12 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
   const bool planes = !equations.around.planes.empty();
   const double forgets = std::min(request.horizon, memory_.maxCoeff());
   const double rounding = 1e-15 * std::max(equations.body.length, kernels::largest(state.x.size(), state.x.data()));
+  const double tightened = request.tolerance * power(request.share, 4);
   const auto tolerance = [&, t = traits(method)](double step) {
-    return std::max(rounding, std::min(t.largest_share, t.summed_share * step / forgets) * job.request.tolerance);
+    return std::max(rounding, std::min(t.largest_share, t.summed_share * step / forgets) * tightened);
   };
   const double least = 1e-14 * std::max(std::abs(end), end - state.time);
-  double limit = step_limit(job, method, false);
+  double limit = step_limit(job, method, false) * request.share;
   // In the frame the first step is as long as may be: short ones would follow the vibrations that it is to pass over.
   const bool short_first = stability_.elastic() && method != Method::floating_frame;
   if (!(h > 0)) h = request.step_share * std::min(end - state.time, short_first ? 3 / bound(job) : infinity);
@@ -366,7 +367,7 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
     if (!(step > least)) return StepStatus::not_finite;
     const double error = attempt(job, method, state.time, step) / tolerance(step);
     const bool turned = method == Method::ros34pw2 && step > 2 * turning_limit(job, trial.x, trial.v);
-    if (method == Method::ros34pw2) limit = step_limit(job, method, false);
+    if (method == Method::ros34pw2) limit = step_limit(job, method, false) * request.share;
     const double factor = turned ? 0.5 : error > 0 ? 0.9 * root(1 / error, trial.exponent, 0.1, 6) : error == 0 ? 5 : 0.1;
     if (!(error <= 1) || turned) {
       ++course.rejected;
@@ -385,7 +386,7 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
     course.clock.h = step;
     state.time = ahead == 1 ? end : state.time + step;
     if (course.work >= pause_at) return StepStatus::ok;
-    if (tries % look_every == 0 && deformed_since_bound(job)) limit = step_limit(job, method, false);
+    if (tries % look_every == 0 && deformed_since_bound(job)) limit = step_limit(job, method, false) * request.share;
   }
   return StepStatus::ok;
 }
@@ -397,6 +398,16 @@ bool Propagator::passes(const Job& job, Method method, double step, const OneSte
   const double t = job.state.time;
   if (method == Method::floating_frame) return !reach_.clear(body, around, t + step, trial.x);
   return reach_.passed(around, t, t + step, job.state.x, job.state.v, trial.x, trial.v);
+}
+
+double Propagator::fast_amplitude(const Body& body, double energy, double h) const {
+  double total = 0, weighted = 0;
+  for (int p = 0; p < body.points(); ++p) {
+    const double time = std::min(h, time_scale_[p]);
+    total += body.mass[p];
+    weighted += body.mass[p] * time * time;
+  }
+  return std::sqrt(2 * energy * weighted) / total;
 }
 
 /// Leaves the bound of the course alone: looking must not change what follows.

@@ -10,6 +10,8 @@
 /// step. The automatic choice is a race: each candidate is tried on a short stretch and the least work for the communication step wins.
 /// In contact leapfrog runs every stretch twice (propagator_contact.cpp), and stiff bodies take implicit steps (implicit_contact.hpp).
 #pragma once
+#include <cmath>
+
 #include "bm4.hpp"
 #include "central_difference.hpp"
 #include "course.hpp"
@@ -39,6 +41,8 @@ class Propagator {
   long factorizations() const { return ros34pw2_.factorizations() + implicit_contact_.factorizations(); }
   /// Largest stable leapfrog step at x, by bound [s]; the largest finite number if nothing resists.
   double stable_step(const Body& body, const Points& x);
+  /// Size of vibrations of this energy [J], no slower than steps of h [s], spread over the body [m].
+  double fast_amplitude(const Body& body, double energy, double h) const;
 
  private:
   /// The communication step at hand.
@@ -49,6 +53,8 @@ class Propagator {
     Course& course;
     Exchange& exchange;
   };
+  /// Of a number of internal steps that cannot be: not a number where the state has gone astray.
+  static StepStatus refusal(double steps) { return std::isnan(steps) ? StepStatus::not_finite : StepStatus::too_many_steps; }
   StepStatus advance_in_contact(const Job& job, Method asked, double H);
   bool fly_on(const Job& job, double H);
   StepStatus advance_with(const Job& job, Method asked, double H);

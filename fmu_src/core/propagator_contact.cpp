@@ -25,16 +25,16 @@ StepStatus Propagator::run_doubled(const Job& job, double end) {
   Course& course = job.course;
   Exchange& exchange = job.exchange;
   ContactSteps& contact = course.contact;
-  const double allowed = forecast_share * job.request.tolerance;
+  const double allowed = forecast_share * job.request.tolerance * power(job.request.share, 2);
   const auto run = [&](double h, long steps, State& moved, Exchange& received) {
     course.work += double(steps) * traits(Method::leapfrog).work;
     return take_steps(job, Method::leapfrog, {state.time, 0, h, steps}, moved, received);
   };
   long done = 0;
   while (state.time < end) {
-    const double limit = step_limit(job, Method::leapfrog, false), left = end - state.time;
+    const double limit = step_limit(job, Method::leapfrog, false) * job.request.share, left = end - state.time;
     double h = contact.h > 0 ? std::min(contact.h, limit) : limit;
-    if (!(left / h <= double(most_steps)) || done > most_steps) return StepStatus::too_many_steps;
+    if (!(left / h <= double(most_steps)) || done > most_steps) return refusal(left / h);
     const bool at_limit = h == limit;
     start_ = state;
     start_exchange_ = exchange;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "energy_watch.hpp"
 #include "propagator.hpp"
 #include "vibration.hpp"
 
@@ -72,6 +73,7 @@ struct Progress {
   double exchange_time = 1;                        ///< its length [s]
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
   Points outside;                                  ///< outside forces at the end of the last communication step [N]
+  EnergyWatch watch;                               ///< of undamped bodies
   long contacts_resolved = 0;
   std::vector<long> contacts;  ///< control points on each plane at the communication point
 };
@@ -119,6 +121,25 @@ class SoftBody {
   double internal_step() const { return now_.course.clock.h; }
   /// Did an undamped body rub against an obstacle in the last communication step, at steps by which friction can feed vibrations?
   bool rubs_undamped();
+  /// How fast the body turned before or after the last communication step, whichever is faster, if implicit contact steps took it; they
+  /// damp that. Otherwise 0 [rad/s].
+  double damped_spin() const;
+  /// Do springs have no length and would push their ends apart, if rounding gave them a direction?
+  bool undecided() const;
+  /// What the internal steps of the last communication step were divided by, because with larger ones its result was not finite.
+  double divided() const { return divided_; }
+  /// Has the body, undamped, more energy than it was given?
+  bool gains_energy() const { return now_.watch.alarm(noise_); }
+  double gained_energy() const { return now_.watch.gained; }  ///< out of nothing [J]
+  /// What an undamped body should have more [J]: lost by the method. Below 0: gained.
+  double lost_energy() const;
+  /// Size of vibrations of this energy [J] in all of the body, no slower than the internal steps [m].
+  double fast_amplitude(double energy) const { return propagator_.fast_amplitude(body_, energy, internal_step()); }
+  bool damped() const { return body_.damped; }
+  /// Share of the usual internal step that automatic steps take since the usual one gained energy.
+  double step_share() const { return now_.watch.share; }
+  bool beyond_help() const { return now_.watch.hopeless; }      ///< and smaller automatic steps do not help
+  double largest_energy() const { return now_.watch.largest; }  ///< kinetic and elastic, so far [J]
   /// Number of matrices factored since the start.
   long factorizations() const { return propagator_.factorizations(); }
   /// The vibration that the start of the last communication step set off by jumps of the forces and by `kink`, the share of the change of
@@ -138,7 +159,18 @@ class SoftBody {
   void count_contacts();
   bool place_pins(bool book);
   double potential_energy() const { return elastic_energy() + gravity_energy(); }
-  StepStatus advance_from_here(double H);
+  /// A communication step with a share of the usual internal step; stale: the material had changed before it.
+  struct Attempt {
+    double H, share;
+    bool stale;
+  };
+  StepStatus advance_from_here(double H, double share);
+  StepStatus try_again(const Attempt& attempt, const EnergyWatch& watch);
+  StepStatus divide(Attempt attempt, StepStatus failure);
+  StepStatus take_back_gain(const Attempt& usual);
+  double open_watch(bool changed, bool moved);
+  void close_watch(double booked, bool complete);
+  double staggered_step() const;
 
   Definition definition_;
   Body body_;
@@ -148,9 +180,10 @@ class SoftBody {
   Cells cells_;
   Propagator propagator_;
   Contact jumps_;
-  Points begin_;       ///< positions at the start of the communication step, energy balance only
-  bool stale_ = true;  ///< mass, stiffness or damping changed
-  double start_time_ = 0;
+  Points begin_;                       ///< positions at the start of the communication step, where energy is watched
+  bool stale_ = true;                  ///< mass, stiffness or damping changed
+  double divided_ = 1;                 ///< by how much the last communication step's internal steps had to be divided to have a result
+  double start_time_ = 0, noise_ = 0;  ///< noise: energy of displacements that are rounding [J]
   Progress now_, backup_;
 };
 

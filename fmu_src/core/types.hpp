@@ -14,6 +14,16 @@ inline void set_row(Points& points, int p, const Vec3& value) { points.row(p) = 
 
 /// How a step ended. Anything but `ok` leaves the state as it was before the call. `contact_ahead` is between the methods and the
 /// propagator: a method without contact came upon an obstacle.
-enum class StepStatus { ok, contact_ahead, impossible_planes, pin_behind_plane, zero_normal, zero_orientation, too_many_steps, not_finite };
+enum class StepStatus {
+  ok,
+  contact_ahead,
+  impossible_planes,
+  pin_behind_plane,
+  zero_normal,
+  zero_orientation,
+  undecided,  ///< springs without length push apart points in no direction
+  too_many_steps,
+  not_finite
+};
 
 }  // namespace softffd

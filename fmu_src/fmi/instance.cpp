@@ -10,6 +10,10 @@ namespace softffd::fmi {
 
 namespace {
 
+/// Share of the stability bound up to which neither friction nor resonance has been seen to feed an undamped body's vibrations.
+constexpr double quiet_share = 0.3;
+/// Angle of an implicit contact step from which on what it takes from a rotation is worth a word [rad].
+constexpr double damped_turn = 0.05;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Method method_of(double value) {
@@ -78,8 +82,9 @@ void Instance::reset() {
   start_time_ = time_ = 0;
   stop_time_ = infinity;
   logged_method_ = -1;
-  warned_of_rubbing_ = false;
+  warned_of_rubbing_ = warned_of_gain_ = warned_of_division_ = warned_of_turning_ = false;
   logged_step_ = -1;
+  logged_share_ = 1;
   warned_of_folding_ = false;
   load_starts();
   changed_ = material_changed_ = true;
@@ -139,6 +144,7 @@ void Instance::exit_initialization() {
   ensure_initial_state();
   phase = stepping;
   warn_of_folding();
+  warn_of_undecided();
 }
 
 void Instance::apply_values() {
@@ -254,10 +260,17 @@ std::string Instance::describe(StepStatus status, double time, double step) cons
       return where + "a pinned control point is behind an obstacle plane; the pin's and the plane's motions contradict each other";
     case StepStatus::zero_normal: return where + "a plane's normal is the zero vector; wanted any other vector";
     case StepStatus::zero_orientation: return where + "a pin's orientation is the zero quaternion; wanted any other, e.g. (1, 0, 0, 0)";
+    case StepStatus::undecided:
+      return where +
+             "springs have no length, because control points that they join are at the same place: rounding would decide which way they "
+             "push, "
+             "and no tolerance could hold; draw the points apart (no 0 in initial.stretch), or give a solver.step, to which none applies";
     case StepStatus::too_many_steps:
       return where + "a communication step of " + number(step) + " s needs more than " + std::to_string(Propagator::most_steps) +
              " internal steps; use a shorter communication step, a longer solver.step or less stiffness per mass";
-    case StepStatus::not_finite: return where + "the result of a communication step of " + number(step) + " s is not finite";
+    case StepStatus::not_finite:
+      return where + "the result of a communication step of " + number(step) +
+             " s is not finite, and not with smaller internal steps either: forces, speeds or stiffness are beyond what they can follow";
   }
   return where + "unknown trouble";
 }
@@ -281,6 +294,9 @@ fmi2Status Instance::do_step(double time, double step) {
   forget_rates();
   log_solver_choice();
   warn_of_folding();
+  warn_of_gain();
+  warn_of_division();
+  warn_of_turning();
   return fmi2OK;
 }
 
@@ -289,7 +305,7 @@ void Instance::log_solver_choice() {
     warned_of_rubbing_ = true;
     logger.log(fmi2Warning, log_warning,
                "an undamped body rubs against an obstacle at solver.step = " + number(body_.settings.step) +
-                   " s: friction can feed its vibrations; take less than " + number(0.3 * body_.stable_step()) +
+                   " s: friction can feed its vibrations; take less than " + number(quiet_share * body_.stable_step()) +
                    " s, leave solver.step at 0, or give the body some damping");
   }
   const Method method = body_.method();
@@ -326,6 +342,55 @@ void Instance::warn_of_folding() {
         "springs alone may leave them so; [material] volume_stiffness in the scene keeps cells from folding, a good first value is 3 times "
         "a "
         "spring's stiffness by the edge of a cell";
+  logger.log(fmi2Warning, log_warning, text);
+}
+
+/// Once in a run.
+void Instance::warn_of_division() {
+  if (warned_of_division_ || body_.divided() == 1) return;
+  warned_of_division_ = true;
+  logger.log(fmi2Warning, log_warning,
+             "up to time " + number(time_) + " s internal steps of " + number(body_.internal_step() * body_.divided()) +
+                 " s give a result that is not finite; the communication step was done again with steps of " +
+                 number(body_.internal_step()) + " s");
+}
+
+/// With a given step only: otherwise such a start is refused.
+void Instance::warn_of_undecided() {
+  if (body_.undecided()) logger.log(fmi2Warning, log_warning, describe(StepStatus::undecided, time_, 0));
+}
+
+/// Once in a run.
+void Instance::warn_of_turning() {
+  if (warned_of_turning_) return;
+  const double spin = body_.damped_spin(), h = body_.internal_step();
+  if (!(spin * h > damped_turn)) return;
+  warned_of_turning_ = true;
+  logger.log(fmi2Warning, log_warning,
+             "at time " + number(time_) + " s the stiff body in contact turns at omega = " + number(spin) +
+                 " rad/s in implicit steps of h = " + number(h) + " s, which take the share omega h / 2 = " + number(0.5 * spin * h) +
+                 " a radian from the rotation; take communication steps below " + number(damped_turn / spin) +
+                 " s, or solver.method = leapfrog, which resolves it");
+}
+
+/// A warning once in a run. Steps of the component's choice are made smaller instead, as long as that helps.
+void Instance::warn_of_gain() {
+  if (body_.step_share() < logged_share_) {
+    logged_share_ = body_.step_share();
+    logger.log(fmi2OK, log_solver,
+               "at time " + number(time_) + " s: the undamped body gained energy at its usual internal steps; it takes " +
+                   number(logged_share_) + " of them from here on");
+  }
+  const double given = body_.settings.step;
+  if (warned_of_gain_ || !body_.gains_energy() || (given == 0 && !body_.beyond_help())) return;
+  warned_of_gain_ = true;
+  std::string text = "up to time " + number(time_) + " s the undamped body has gained " + number(body_.gained_energy()) +
+                     " J that nothing outside gave it, of " + number(body_.largest_energy()) + " J at most: ";
+  if (given > 0)
+    text += "solver.step = " + number(given) + " s feeds its vibrations; take less than " +
+            number(std::min(0.5 * given, quiet_share * body_.stable_step())) + " s, leave solver.step at 0, or give the body some damping";
+  else
+    text += "smaller internal steps did not help; give the body some damping, or a smaller tolerance";
   logger.log(fmi2Warning, log_warning, text);
 }
 

@@ -86,6 +86,10 @@ class Instance {
   std::string describe(StepStatus status, double time, double step) const;
   void log_solver_choice();
   void warn_of_folding();
+  void warn_of_gain();
+  void warn_of_division();
+  void warn_of_turning();
+  void warn_of_undecided();
 
   SceneFile scene_;
   std::vector<int> input_planes_, fixed_planes_, input_pins_;  ///< indices into scene_.planes and scene_.pins
@@ -101,9 +105,9 @@ class Instance {
   bool material_changed_ = true;                 ///< among them mass, stiffness or damping
   double start_time_ = 0, time_ = 0, stop_time_;
   int logged_method_ = -1;
-  bool warned_of_rubbing_ = false;
+  bool warned_of_rubbing_ = false, warned_of_gain_ = false, warned_of_division_ = false, warned_of_turning_ = false;
   Reason logged_reason_ = Reason::asked;
-  double logged_step_ = -1;
+  double logged_step_ = -1, logged_share_ = 1;
   bool warned_of_folding_ = false;
 };
 

@@ -67,9 +67,9 @@ bool sound(const Course& course) {
 }
 
 bool sound(const Progress& progress) {
-  return sound(progress.course) && progress.motion.x.allFinite() && progress.motion.v.allFinite() && progress.exchange_time > 0 &&
-         counter(progress.contacts_resolved) && counter(progress.exchange.contacts_resolved) &&
-         std::all_of(progress.contacts.begin(), progress.contacts.end(), counter);
+  return sound(progress.course) && progress.watch.share > 0 && progress.watch.share <= 1 && progress.motion.x.allFinite() &&
+         progress.motion.v.allFinite() && progress.exchange_time > 0 && counter(progress.contacts_resolved) &&
+         counter(progress.exchange.contacts_resolved) && std::all_of(progress.contacts.begin(), progress.contacts.end(), counter);
 }
 
 }  // namespace

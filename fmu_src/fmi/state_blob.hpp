@@ -118,6 +118,11 @@ void pass(Archive& archive, Progress& progress) {
   for (double* value : {&motion.time, &motion.previous_h, &progress.exchange_time, &progress.dissipated, &progress.work,
                         &progress.potential, &progress.exchange.dissipated, &progress.exchange.work})
     archive.number(*value);
+  EnergyWatch& watch = progress.watch;
+  for (double* value :
+       {&watch.kinetic_elastic, &watch.forces, &watch.received, &watch.gained, &watch.balance, &watch.largest, &watch.due, &watch.share})
+    archive.number(*value);
+  archive.choice(watch.hopeless, true);
   for (long* value : {&progress.contacts_resolved, &progress.exchange.contacts_resolved}) archive.integer(*value);
   for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous, &progress.outside})
     archive.numbers(points->data(), points->size());

@@ -1,0 +1,133 @@
+"""Undamped bodies have the energy that they were given: what gains more is warned of, or done again with smaller steps."""
+
+import pytest
+from stepping import Stepper
+
+from softffd import load_scene
+
+RESONANT = """
+[material]
+stiffness = 1e3
+damping = {damping}
+[[region]]
+points = "x+"
+mass = 2.3e-5
+[[pin]]
+name = "base"
+points = "x-"
+[initial]
+stretch = [1.2, 1.0, 1.0]
+[outputs]
+energy = true
+solver = true
+[solver]
+method = "leapfrog"
+"""
+
+VIOLENT = """
+[lattice]
+points = [2, 2, 2]
+[material]
+stiffness = 1e3
+damping = 0.0
+[initial]
+stretch = [0.5, 2.0, 2.0]
+angular_velocity = [-22.0, 25.0, -2.0]
+[outputs]
+energy = true
+solver = true
+[solver]
+method = "{method}"
+tolerance = 10.0
+"""
+
+
+def energy(body):
+    return sum(body.read("energy.kinetic", "energy.elastic"))
+
+
+def said(body, words):
+    return [text for text in body.messages if words in text]
+
+
+def shake(body, share, *, h=1e-3):
+    """0.05 s at a share of the stability bound."""
+    body.restart({"solver.step": share * body.read("solver.stable_step")[0]})
+    start = energy(body)
+    most = start
+    for _ in range(50):
+        body.step(h)
+        most = max(most, energy(body))
+    return most / start
+
+
+def test_a_given_step_that_feeds_vibrations_is_warned_of_once(scene):
+    with Stepper(scene(RESONANT.format(damping=0.0))) as body:
+        assert shake(body, 0.98) > 1.2
+        (warning,) = said(body, "the undamped body has gained")
+        safe = float(warning.split("take less than ")[1].split(" s")[0])
+        assert safe == pytest.approx(0.3 * body.read("solver.stable_step")[0], rel=0.2)  # the bound is that of the moment
+        assert shake(body, safe / body.read("solver.stable_step")[0]) < 1.01
+        assert not said(body, "gained")
+
+
+@pytest.mark.parametrize("share", [0.95, 0.7, 0.3])
+def test_steps_that_do_no_harm_are_not(scene, share):
+    """Kinetic + elastic goes up and down by (omega h / 2)^2 of itself without harm: that is not a gain."""
+    with Stepper(scene(RESONANT.format(damping=0.0))) as body:
+        assert shake(body, share) < 1.01
+        assert not said(body, "gained")
+
+
+@pytest.mark.parametrize("method", ["auto", "leapfrog", "bm4"])
+def test_automatic_steps_that_gain_energy_are_made_smaller(scene, method):
+    """At a tolerance that asks for nothing stability alone sets the steps of a body that is thrown inside out again and again."""
+    with Stepper(scene(VIOLENT.format(method=method))) as body:
+        start, most = energy(body), 0.0
+        for _ in range(60):
+            body.step(0.15)
+            most = max(most, energy(body))
+        assert said(body, "the undamped body gained energy at its usual internal steps; it takes 0.5 of them")
+        assert not said(body, "has gained")
+        assert most < 1.5 * start
+
+
+@pytest.mark.parametrize("name", ["free_vibration", "light_corner", "spin"])
+@pytest.mark.parametrize("method", ["auto", "leapfrog", "bm4"])
+def test_shipped_scenes_gain_nothing(name, method):
+    example = load_scene(name)
+    with Stepper(example, start_values={"solver.method": method}, stop_time=1.0) as body:
+        body.step(0.05, times=20)
+        assert not said(body, "gained")
+
+
+@pytest.mark.parametrize("held", ["load", "pin"])
+def test_what_the_outside_gives_is_no_gain(scene, held):
+    """A force that ramps, a pin that is moved in jumps: some hundred times the energy that was there."""
+    part = "[[load]]\nname = 'push'\npoints = 'x+'\n" if held == "load" else "[[pin]]\nname = 'hand'\npoints = 'x+'\nmotion = 'input'\n"
+    text = "[material]\nstiffness = 1e3\ndamping = 0.0\n[initial]\nstretch = [1.01, 1.0, 1.0]\n[outputs]\nenergy = true\n" + part
+    with Stepper(scene(text), start_values={"solver.method": "leapfrog", "solver.step": 5e-4}) as body:
+        start = energy(body)
+        for n in range(100):
+            if held == "load":
+                body.set({"load.push.x": 2.0 * n})
+                body.set_rates({"load.push.x": 200.0})
+            else:
+                body.set({"pin.hand.position.x": 1.005 + 0.004 * (n % 7)})
+            body.step(0.01)
+        assert energy(body) > 100 * start
+        assert not said(body, "gained")
+
+
+def test_a_saved_run_remembers_what_it_has_gained(scene):
+    """From before its steps are made smaller, and from after that."""
+    with Stepper(scene(VIOLENT.format(method="leapfrog"))) as body:
+        for _ in range(2):
+            body.step(0.15, times=4)
+            before = body.save()
+            body.step(0.15, times=20)
+            end = body.positions()
+            body.restore(before)
+            body.step(0.15, times=20)
+            assert (body.positions() == end).all()
+        assert said(body, "gained energy at its usual internal steps")
