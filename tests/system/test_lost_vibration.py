@@ -1,0 +1,56 @@
+"""Given steps too long for a vibration lose it, in the run and in its shadow: the error estimate must say so all the same."""
+
+import math
+
+import numpy as np
+import pytest
+from stepping import Stepper
+
+STRETCH = 0.01
+
+BOX = """
+[lattice]
+points = [2, 2, 2]
+[material]
+stiffness = 1e4
+damping = 0.0
+[initial]
+stretch = [1.01, 1.01, 1.01]
+[outputs]
+solver = true
+[solver]
+method = "{method}"
+step = {step}
+error_estimate = true
+"""
+
+
+@pytest.mark.parametrize("method", ["leapfrog", "central_difference", "bm4", "rkn12", "dop853", "ros34pw2"])
+@pytest.mark.parametrize("radians", [3.0, 8.0, 800.0, 8000.0])
+def test_the_estimate_tells_of_a_vibration_that_the_steps_lose(scene, method, radians):
+    """Exactly: centre + (1 + 0.01 cos(omega t)) (rest - centre), omega = 8 sqrt(k / (1 kg)). 10: what counts as stated elsewhere too."""
+    omega = 8 * math.sqrt(1e4)
+    H, error = radians / omega, 0.0
+    with Stepper(scene(BOX.format(method=method, step=H))) as box:
+        rest = (box.positions() - 0.5 * (1 + STRETCH)) / (1 + STRETCH)
+        for _ in range(4):
+            box.step(H)
+            exact = 0.5 * (1 + STRETCH) + (1 + STRETCH * math.cos(omega * box.time)) * rest
+            error = max(error, np.linalg.norm(box.positions() - exact, axis=1).max())
+        stated = box.read("solver.error_estimate")[0]
+    assert error <= 10 * stated
+    assert stated <= 20 * max(error, 1e-3)
+
+
+@pytest.mark.parametrize("method", ["leapfrog", "bm4", "rkn12", "dop853"])
+def test_where_nothing_is_lost_the_estimate_is_what_it_was(scene, method):
+    """Steps of a tenth of a radian: estimate and error agree within a factor of three."""
+    omega = 8 * math.sqrt(1e4)
+    H, error = 0.1 / omega, 0.0
+    with Stepper(scene(BOX.format(method=method, step=H))) as box:
+        rest = (box.positions() - 0.5 * (1 + STRETCH)) / (1 + STRETCH)
+        for _ in range(200):
+            box.step(H)
+            exact = 0.5 * (1 + STRETCH) + (1 + STRETCH * math.cos(omega * box.time)) * rest
+            error = max(error, np.abs(box.positions() - exact).max())
+        assert box.read("solver.error_estimate")[0] == pytest.approx(error, rel=2.0, abs=1e-13)
