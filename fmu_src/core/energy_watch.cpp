@@ -6,8 +6,8 @@ namespace softffd {
 
 namespace {
 
-/// Work between two looks, in evaluations of the spring forces; a look costs about four.
-constexpr double pause = 100;
+/// Work between two looks, in evaluations of the spring forces; a look costs about four. Damping makes gains rare.
+constexpr double pause = 100, damped_pause = 400;
 
 double kinetic_and_elastic(const Body& body, const State& state) {
   double kinetic = 0;
@@ -33,7 +33,14 @@ void EnergyWatch::start(const Equations& equations, const State& state, double w
   forces = squared_forces(equations, state);
   received = 0;
   largest = std::max(largest, kinetic_elastic);
-  due = work + pause;
+  due = work + (equations.body.damped ? damped_pause : pause);
+}
+
+void EnergyWatch::jolt(const Body& body, const Points& spring, const Points& before, const Points& after) {
+  for (int i = 0; i < spring.size(); ++i) {
+    const double old = spring.data()[i] + before.data()[i], now = spring.data()[i] + after.data()[i];
+    forces += body.inverse_mass[i] * (now - old) * (now + old);
+  }
 }
 
 void EnergyWatch::look(const Equations& equations, const State& state, double h, double work) {

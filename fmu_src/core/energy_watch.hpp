@@ -1,5 +1,6 @@
-/// Energy out of nothing: an undamped body has no more energy than it was given, but explicit steps near the stability bound can feed its
-/// vibrations, by resonance with the springs' nonlinearity or through friction, without end and without an error estimate that says so.
+/// Energy out of nothing: a body has no more energy than it was given, but explicit steps near the stability bound can feed its vibrations,
+/// by resonance with the springs' nonlinearity, through friction or where crushed cells stiffen within a step, without end and without an
+/// error estimate that says so. Damping takes energy, so that its loss need not be known.
 ///
 /// What counts as its energy is what leapfrog keeps of it, with the velocities half a step before and after in place of v^2:
 ///
@@ -32,6 +33,8 @@ struct EnergyWatch {
 
   /// Begins anew at a state that was not reached by motion alone.
   void start(const Equations& equations, const State& state, double work);
+  /// The outside forces jump [N] while the spring forces are these: no gain, though what counts as energy jumps too.
+  void jolt(const Body& body, const Points& spring, const Points& before, const Points& after);
   /// Looks at a state that steps of size h (0: of another method than leapfrog) have led to.
   void look(const Equations& equations, const State& state, double h, double work);
   /// Whether the body has gained more than it may. Below `noise` [J] everything is rounding.

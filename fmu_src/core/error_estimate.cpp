@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "traits.hpp"
 
@@ -71,7 +72,13 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
   follow_vibration(body, H, taken);
   const double estimate = std::max(difference * time_ / ratio_time_, damped_away_);
   const bool free = given && !body.damped();
-  value_ = free ? std::max({value_, estimate, lost_vibration(body)}) : estimate;
+  value_ = free && out_of_phase() ? std::max(value_, estimate) : estimate;
+  if (free) value_ = std::max(value_, lost_vibration(body));
+}
+
+/// Has the estimate ever said that vibrations are about as wrong as they are large?
+bool ErrorEstimate::out_of_phase() const {
+  return value_ > 0.1 * shadow_.amplitude(shadow_.largest_energy(), std::numeric_limits<double>::infinity());
 }
 
 /// Share of the change of the forces' slopes, from before this communication step to its end, that came at once; where they have not
@@ -109,7 +116,7 @@ void ErrorEstimate::follow_vibration(const SoftBody& body, double H, long taken)
 double ErrorEstimate::lost_vibration(const SoftBody& body) const {
   if (!traits(body.method()).error_control()) return 0;
   const double lost = shadow_.lost_energy(), rounding = 1e-10 * shadow_.largest_energy();
-  return lost > rounding && lost > 0.5 * body.lost_energy() ? shadow_.fast_amplitude(lost) : 0;
+  return lost > rounding && lost > 0.5 * body.lost_energy() ? shadow_.amplitude(lost, shadow_.internal_step()) : 0;
 }
 
 void ErrorEstimate::restore(const Memory& memory, const Settings& settings, double start_time) {

@@ -11,8 +11,8 @@
 /// vibrations off is looked at (vibration.hpp): the largest since is followed, once as the body's own damping leaves it, once as the steps
 /// have damped it besides, and the estimate is at least the difference of the two.
 ///
-/// Given steps may be too long for the body's vibrations: the phase is lost, and where the two runs meet by chance they agree. Without
-/// damping an estimate at given steps never falls, therefore; and it is not below the vibrations that the method has damped away.
+/// Given steps may be too long for the body's vibrations: the phase is lost, and where the two runs meet by chance they agree. An estimate
+/// as large as the vibrations does not fall again, therefore, without damping; and it is not below those that the method has damped away.
 ///
 /// The shadow takes the method that the run took, communication step by communication step, and changes nothing about the run.
 #pragma once
@@ -53,6 +53,7 @@ class ErrorEstimate {
   double choose_steps(const SoftBody& body, double H, long taken);
   double follow_slopes(double H);
   void follow_vibration(const SoftBody& body, double H, long taken);
+  bool out_of_phase() const;
   double lost_vibration(const SoftBody& body) const;
   void take_settings(const Settings& settings);
   SoftBody shadow_;

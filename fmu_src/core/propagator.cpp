@@ -400,10 +400,10 @@ bool Propagator::passes(const Job& job, Method method, double step, const OneSte
   return reach_.passed(around, t, t + step, job.state.x, job.state.v, trial.x, trial.v);
 }
 
-double Propagator::fast_amplitude(const Body& body, double energy, double h) const {
+double Propagator::amplitude(const Body& body, double energy, double slowest) const {
   double total = 0, weighted = 0;
   for (int p = 0; p < body.points(); ++p) {
-    const double time = std::min(h, time_scale_[p]);
+    const double time = std::min(slowest, time_scale_[p]);
     total += body.mass[p];
     weighted += body.mass[p] * time * time;
   }

@@ -41,8 +41,8 @@ class Propagator {
   long factorizations() const { return ros34pw2_.factorizations() + implicit_contact_.factorizations(); }
   /// Largest stable leapfrog step at x, by bound [s]; the largest finite number if nothing resists.
   double stable_step(const Body& body, const Points& x);
-  /// Size of vibrations of this energy [J], no slower than steps of h [s], spread over the body [m].
-  double fast_amplitude(const Body& body, double energy, double h) const;
+  /// Size of vibrations of this energy [J], of a time scale up to `slowest` [s], spread over the body [m].
+  double amplitude(const Body& body, double energy, double slowest) const;
 
  private:
   /// The communication step at hand.

@@ -277,13 +277,17 @@ StepStatus SoftBody::divide(Attempt attempt, StepStatus failure) {
   return failure;
 }
 
-/// The undamped body has gained energy at automatic steps: smaller ones from here on, and in this step already if it was the one. If they
+/// The body has gained energy at automatic steps: smaller ones from here on, and in this step already if it was the one. If they
 /// do not help the step stands.
 StepStatus SoftBody::take_back_gain(const Attempt& usual) {
   const double gained = now_.watch.gained;
   double work = now_.course.work - backup_.course.work;
   EnergyWatch start = backup_.watch;
-  if (!usual.stale && start.kinetic_elastic >= 0) start.look({body_, around_}, backup_.motion, staggered_step(), 0);
+  if (!usual.stale && start.kinetic_elastic >= 0) {
+    start.jolt(body_, backup_.motion.spring, backup_.outside, around_.force);
+    start.look({body_, around_}, backup_.motion, staggered_step(), 0);
+    start.jolt(body_, backup_.motion.spring, around_.force, backup_.outside);
+  }
   const double gained_before = start.gained;
   start.gained = start.due = 0;
   Attempt attempt = usual;
@@ -315,23 +319,25 @@ StepStatus SoftBody::advance_from_here(double H, double share) {
   if (cleared != StepStatus::ok) return cleared;
   if (changed || moved) body_.internal_force(motion.x, motion.spring);
   const bool published = settings.method == Method::central_difference && (!around_.planes.empty() || !around_.pins.empty());
-  const bool undamped = !body_.damped && !published;
+  const bool watched = !published && !(body_.damped && around_.ramped);  // both together would cost too much to book
   if (definition_.watch_energy) now_.work += potential_energy() - now_.potential;
-  if (definition_.watch_energy || undamped) begin_ = motion.x;
-  const double booked = undamped ? open_watch(changed, moved) : 0;
+  if (definition_.watch_energy || watched) begin_ = motion.x;
+  if (!watched) now_.watch.kinetic_elastic = -1;
+  const double booked = watched ? open_watch(changed, moved) : 0;
   const double jump = (around_.force - now_.outside).abs().maxCoeff();
+  if (watched && jump > 0) now_.watch.jolt(body_, motion.spring, now_.outside, around_.force);
   const Request request{.method = settings.method,
                         .tolerance = settings.tolerance * body_.length,
                         .step = settings.step,
                         .step_share = settings.step_share,
                         .horizon = settings.horizon,
                         .jolt = jump > jolt_share * around_.force.abs().maxCoeff(),
-                        .watch = definition_.watch_energy || (undamped && around_.ramped),
+                        .watch = definition_.watch_energy || (watched && around_.ramped),
                         .share = share};
   const StepStatus ran = propagator_.advance({body_, around_}, request, H, motion, now_.course, now_.exchange);
   if (ran != StepStatus::ok) return ran;
   around_.force_at(motion.time, now_.outside);
-  if (undamped) close_watch(booked, request.watch);
+  if (watched) close_watch(booked);
   count_contacts();
   now_.contacts_resolved += now_.exchange.contacts_resolved;
   if (definition_.watch_energy) {
@@ -355,14 +361,15 @@ double SoftBody::open_watch(bool changed, bool moved) {
   return 0;
 }
 
-void SoftBody::close_watch(double booked, bool complete) {
+/// The same with and without energy outputs: what only they have counted is not read.
+void SoftBody::close_watch(double booked) {
   EnergyWatch& watch = now_.watch;
-  const Method method = now_.course.method;
-  if (method == Method::backward_euler && !complete) {  // its exchange is not counted
+  if (now_.course.method == Method::backward_euler) {  // has a guard of its own
     watch.kinetic_elastic = -1;
     return;
   }
-  watch.received += (around_.force * (now_.motion.x - begin_)).sum() + now_.exchange.work - booked - now_.exchange.dissipated;
+  const double taken = body_.damped ? 0 : now_.exchange.dissipated;
+  watch.received += (around_.force * (now_.motion.x - begin_)).sum() + now_.exchange.work - booked - taken;
   if (now_.course.work >= watch.due) watch.look({body_, around_}, now_.motion, staggered_step(), now_.course.work);
 }
 

@@ -73,7 +73,7 @@ struct Progress {
   double exchange_time = 1;                        ///< its length [s]
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
   Points outside;                                  ///< outside forces at the end of the last communication step [N]
-  EnergyWatch watch;                               ///< of undamped bodies
+  EnergyWatch watch;
   long contacts_resolved = 0;
   std::vector<long> contacts;  ///< control points on each plane at the communication point
 };
@@ -128,13 +128,13 @@ class SoftBody {
   bool undecided() const;
   /// What the internal steps of the last communication step were divided by, because with larger ones its result was not finite.
   double divided() const { return divided_; }
-  /// Has the body, undamped, more energy than it was given?
+  /// Has the body more energy than it was given?
   bool gains_energy() const { return now_.watch.alarm(noise_); }
   double gained_energy() const { return now_.watch.gained; }  ///< out of nothing [J]
   /// What an undamped body should have more [J]: lost by the method. Below 0: gained.
   double lost_energy() const;
-  /// Size of vibrations of this energy [J] in all of the body, no slower than the internal steps [m].
-  double fast_amplitude(double energy) const { return propagator_.fast_amplitude(body_, energy, internal_step()); }
+  /// Size of vibrations of this energy [J], of a time scale up to this [s], in all of the body [m].
+  double amplitude(double energy, double slowest) const { return propagator_.amplitude(body_, energy, slowest); }
   bool damped() const { return body_.damped; }
   /// Share of the usual internal step that automatic steps take since the usual one gained energy.
   double step_share() const { return now_.watch.share; }
@@ -169,7 +169,7 @@ class SoftBody {
   StepStatus divide(Attempt attempt, StepStatus failure);
   StepStatus take_back_gain(const Attempt& usual);
   double open_watch(bool changed, bool moved);
-  void close_watch(double booked, bool complete);
+  void close_watch(double booked);
   double staggered_step() const;
 
   Definition definition_;

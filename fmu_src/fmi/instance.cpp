@@ -378,13 +378,13 @@ void Instance::warn_of_gain() {
   if (body_.step_share() < logged_share_) {
     logged_share_ = body_.step_share();
     logger.log(fmi2OK, log_solver,
-               "at time " + number(time_) + " s: the undamped body gained energy at its usual internal steps; it takes " +
-                   number(logged_share_) + " of them from here on");
+               "at time " + number(time_) + " s: the body gained energy at its usual internal steps; it takes " + number(logged_share_) +
+                   " of them from here on");
   }
   const double given = body_.settings.step;
   if (warned_of_gain_ || !body_.gains_energy() || (given == 0 && !body_.beyond_help())) return;
   warned_of_gain_ = true;
-  std::string text = "up to time " + number(time_) + " s the undamped body has gained " + number(body_.gained_energy()) +
+  std::string text = "up to time " + number(time_) + " s the body has gained " + number(body_.gained_energy()) +
                      " J that nothing outside gave it, of " + number(body_.largest_energy()) + " J at most: ";
   if (given > 0)
     text += "solver.step = " + number(given) + " s feeds its vibrations; take less than " +

@@ -55,6 +55,38 @@ TEST(too_many_internal_steps_are_refused_at_once) {
   CHECK(body.state().time == 0);
 }
 
+TEST(a_change_that_waits_at_a_refused_step_waits_on) {
+  SoftBody body(stretched());
+  body.settings.stiffness = {1e3, 1e3, 1e3};
+  body.initialize(0);
+  CHECK(body.advance(1e-3) == StepStatus::ok);
+  body.settings.stiffness = {1e13, 1e13, 1e13};
+  body.settings_changed();
+  CHECK(body.advance(1e3) == StepStatus::too_many_steps);
+  CHECK(body.advance(1e-6) == StepStatus::ok);
+  CHECK(body.internal_step() < 2e-8);
+  CHECK(body.state().x.abs().maxCoeff() < 2);
+}
+
+TEST(forces_that_jump_are_no_gain_of_energy) {
+  Definition definition = stretched();
+  definition.stretch = Vec3::Ones();
+  SoftBody body(definition);
+  body.settings.stiffness = {1e3, 1e3, 1e3};
+  body.initialize(0);
+  body.settings.step = 0.95 * body.stable_step();
+  for (int i = 0; i < 4000; ++i) {
+    body.settings.force.setZero();
+    if (i / 200 % 2 == 0) body.settings.force(0, 0) = -(body.settings.force(63, 0) = 40);
+    CHECK(body.advance(body.settings.step) == StepStatus::ok);
+    if (body.gains_energy()) {
+      CHECK(!body.gains_energy());
+      return;
+    }
+  }
+  CHECK(body.progress().watch.largest > 0);
+}
+
 TEST(a_moved_pin_carries_its_points_and_gets_their_momentum) {
   Definition definition;
   definition.mass.assign(64, 1.0 / 64);
