@@ -68,12 +68,11 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
   double difference = 0;
   const Points &x = body.state().x, &y = shadow_.state().x;
   for (int i = 0; i < x.size(); ++i) difference = std::max(difference, std::abs(x.data()[i] - y.data()[i]));
-  const double estimate = difference * time_ / ratio_time_;
+  follow_vibration(body, H, taken);
+  const double estimate = std::max(difference * time_ / ratio_time_, damped_away_);
   const bool free = given && !body.damped();
   value_ = free && out_of_phase() ? std::max(value_, estimate) : estimate;
   if (free) value_ = std::max(value_, lost_vibration(body));
-  follow_vibration(body, H, taken);
-  value_ = std::max(value_, damped_away_);
 }
 
 /// Has the estimate ever said that vibrations are about as wrong as they are large?

@@ -388,9 +388,9 @@ void Instance::warn_of_gain() {
                      " J that nothing outside gave it, of " + number(body_.largest_energy()) + " J at most: ";
   if (given > 0)
     text += "solver.step = " + number(given) + " s feeds its vibrations; take less than " +
-            number(std::min(0.5 * given, quiet_share * body_.stable_step())) + " s, leave solver.step at 0, or give the body some damping";
+            number(std::min(0.5 * given, quiet_share * body_.stable_step())) + " s, leave solver.step at 0, or give the body more damping";
   else
-    text += "smaller internal steps did not help; give the body some damping, or a smaller tolerance";
+    text += "smaller internal steps did not help; give the body more damping, or a smaller tolerance";
   logger.log(fmi2Warning, log_warning, text);
 }
 

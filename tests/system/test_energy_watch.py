@@ -1,4 +1,4 @@
-"""Undamped bodies have the energy that they were given: what gains more is warned of, or done again with smaller steps."""
+"""Bodies have the energy that they were given: what gains more is warned of, or done again with smaller steps."""
 
 import pytest
 from stepping import Stepper
@@ -69,6 +69,39 @@ def test_a_given_step_that_feeds_vibrations_is_warned_of_once(scene):
         assert safe == pytest.approx(0.3 * body.read("solver.stable_step")[0], rel=0.2)  # the bound is that of the moment
         assert shake(body, safe / body.read("solver.stable_step")[0]) < 1.01
         assert not said(body, "gained")
+
+
+CRUSHED = """
+[material]
+stiffness = 10.0
+damping = 0.001
+volume_stiffness = 1e9
+[[plane]]
+name = "table"
+friction = 0.0
+[[plane]]
+name = "press"
+point = [0.0, 0.0, 1.0]
+normal = [0.0, 0.0, -1.0]
+velocity = [0.0, 0.0, -10.0]
+friction = 0.0
+motion = "input"
+[outputs]
+energy = true
+[solver]
+method = "leapfrog"
+step = 2e-4
+"""
+
+
+def test_a_damped_body_whose_cells_stiffen_within_a_given_step_is_warned_of(scene):
+    """Crushed at 10 m/s to half its height, and held so: more energy than the press has given."""
+    with Stepper(scene(CRUSHED)) as body:
+        for n in range(20):
+            body.set({"plane.press.point.z": 1 - 0.125 * min(n, 4), "plane.press.velocity.z": -10.0 if n < 4 else 0.0})
+            body.step(0.0125)
+        assert energy(body) > body.read("energy.work")[0]
+        assert len(said(body, "the body has gained")) == 1
 
 
 @pytest.mark.parametrize("share", [0.95, 0.7, 0.3])
