@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from softffd.bernstein import weights
+from softffd.basis import weights
 from softffd.deform import lattice_coordinates
 from softffd.errors import SoftffdError
 from softffd.mesh import Mesh, merge_by_position

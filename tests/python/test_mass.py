@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from softffd.bernstein import weights
+from softffd.basis import weights
 from softffd.errors import SoftffdError
 from softffd.mass import DISTRIBUTIONS, enclosed_volume, point_masses, triangle_rule
 from softffd.mesh import Mesh, load_mesh
