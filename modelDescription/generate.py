@@ -63,6 +63,7 @@ def header(table: dict) -> str:
     text = HEAD + enum("Family", [(f["key"], f["id"]) for f in families]) + enum("Part", [(p, n) for n, p in enumerate(parts)])
     text += enum("MethodValue", [(("automatic" if m["key"] == "auto" else m["key"]), m["value"]) for m in table["method"]])
     text += f"inline constexpr int method_count = {len(table['method'])};\n"
+    text += f"inline constexpr int widest_layer = {next(m['widest_layer'] for m in table['method'] if 'widest_layer' in m)};\n"
     for category in table["log_category"]:
         text += f'inline constexpr const char* log_{category["key"]} = "{category["name"]}";\n'
     names = ", ".join(f'"{category["name"]}"' for category in table["log_category"])

@@ -1,6 +1,7 @@
 #include "layer_matrix.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <new>
 
 #include "kernels.hpp"
@@ -19,10 +20,13 @@ int axis_with_most_points(const Lattice& lattice) {
 
 }  // namespace
 
+int LayerMatrix::points_per_layer(const Lattice& lattice) { return lattice.points() / lattice.counts[axis_with_most_points(lattice)]; }
+
 void LayerMatrix::Free::operator()(double* values) const { ::operator delete[](values, cache_line); }
 
 LayerMatrix::LayerMatrix(const Lattice& lattice)
-    : axis_(axis_with_most_points(lattice)), layers_(lattice.counts[axis_]), points_per_layer_(lattice.points() / layers_) {
+    : axis_(axis_with_most_points(lattice)), layers_(lattice.counts[axis_]), points_per_layer_(points_per_layer(lattice)) {
+  assert(fits(lattice));
   size_ = (3 * points_per_layer_ + block - 1) / block * block;
   stride_ = 2 * size_ + block;  // the spare block keeps columns of large lattices off each other's cache sets
   axis_stride_ = points_per_layer_ * stride_;

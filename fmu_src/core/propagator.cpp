@@ -1,6 +1,7 @@
 #include "propagator.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -36,15 +37,17 @@ Propagator::Propagator(const Lattice& lattice, int planes, int pins)
       bm4_(lattice.points(), pins),
       rkn12_(lattice.points(), pins),
       dop853_(lattice.points(), pins),
-      ros34pw2_(lattice, pins),
-      floating_frame_(lattice, ros34pw2_),
       implicit_(lattice),
-      implicit_contact_(lattice, planes),
       reach_(lattice.points()),
       time_scale_(3 * lattice.points()),
       memory_(3 * lattice.points()),
       x0_(lattice.points(), 3),
       v0_(lattice.points(), 3) {
+  if (LayerMatrix::fits(lattice)) {
+    ros34pw2_.emplace(lattice, pins);
+    floating_frame_.emplace(lattice, *ros34pw2_);
+    implicit_contact_.emplace(lattice, planes);
+  }
   const int points = lattice.points();
   start_exchange_.planes.resize(planes);
   start_exchange_.pins.resize(pins);
@@ -62,9 +65,12 @@ void Propagator::body_changed(const Body& body, Course& course) {
   fastest_damping_ = body.damping_rate.maxCoeff();
   for (int i = 0; i < memory_.size(); ++i) memory_[i] = body.damping_rate[i] > 0 ? 2 / body.damping_rate[i] : infinity;
   stability_.time_scales(body, time_scale_);
-  rkn12_.time_scale = dop853_.time_scale = ros34pw2_.time_scale = time_scale_;
-  ros34pw2_.body_changed();
-  implicit_contact_.body_changed();
+  rkn12_.time_scale = dop853_.time_scale = time_scale_;
+  if (ros34pw2_) {
+    ros34pw2_->time_scale = time_scale_;
+    ros34pw2_->body_changed();
+    implicit_contact_->body_changed();
+  }
   course.bound = -1;
   course.leapfrog = course.bm4 = {};
   course.factored.h = 0;
@@ -75,6 +81,7 @@ StepStatus Propagator::advance(const Equations& equations, const Request& reques
                                Exchange& exchange) {
   const Job job{equations, request, state, course, exchange};
   Method method = request.method;
+  assert(ros34pw2_ || !needs_matrices(method));
   course.reason = Reason::asked;
   course.usual = std::max(H, 0.8 * course.usual);
   if (method == Method::rkn12 && equations.body.damped) method = Method::dop853, course.reason = Reason::damping;
@@ -98,7 +105,7 @@ StepStatus Propagator::advance(const Equations& equations, const Request& reques
 }
 
 StepStatus Propagator::advance_in_contact(const Job& job, Method asked, double H) {
-  const bool implicit = asked == Method::automatic || is_implicit(asked);
+  const bool implicit = implicit_contact_ && (asked == Method::automatic || is_implicit(asked));
   const double stiffness = H / step_limit(job, Method::leapfrog, false);
   if (implicit && job.request.step == 0 && stiffness > stiff_contact && stiffness < stiffest) {
     start_ = job.state;
@@ -171,7 +178,7 @@ StepStatus Propagator::run_implicit(const Job& job, double end) {
   course.clock = {begin, H / double(steps), 0};
   for (long i = 0; i < steps; ++i) {
     const double next = i + 1 == steps ? end : course.clock.origin + double(i + 1) * course.clock.h;
-    const StepStatus status = implicit_contact_.advance(equations, state.time, next - state.time, request.watch, state, exchange);
+    const StepStatus status = implicit_contact_->advance(equations, state.time, next - state.time, request.watch, state, exchange);
     if (status != StepStatus::ok) return status;
     state.time = next;
     course.work += implicit_contact_work;
@@ -312,8 +319,8 @@ void Propagator::accept(OneStep& trial, const Equations& equations, State& state
 }
 
 OneStep& Propagator::controlled(Method method) {
-  if (method == Method::ros34pw2) return ros34pw2_;
-  if (method == Method::floating_frame) return floating_frame_;
+  if (method == Method::ros34pw2) return *ros34pw2_;
+  if (method == Method::floating_frame) return *floating_frame_;
   return method == Method::rkn12 ? static_cast<OneStep&>(rkn12_) : dop853_;
 }
 
@@ -325,7 +332,7 @@ double Propagator::attempt(const Job& job, Method method, double t, double h) {
     job.course.work += traits(method).work;
     return trial.attempt(job.equations, t, h, job.state);
   }
-  Factored& factored = ros34pw2_.factored = job.course.factored;
+  Factored& factored = ros34pw2_->factored = job.course.factored;
   const bool in_frame = method == Method::floating_frame;
   if (factored.in_frame != in_frame) factored.in_frame = in_frame, factored.h = 0;
   const double error = trial.attempt(job.equations, t, h, job.state);

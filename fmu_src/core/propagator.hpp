@@ -9,8 +9,10 @@
 /// where T is the length of the run or the time in which damping forgets, whichever is shorter. Methods with error control adapt at every
 /// step. The automatic choice is a race: each candidate is tried on a short stretch and the least work for the communication step wins.
 /// In contact leapfrog runs every stretch twice (propagator_contact.cpp), and stiff bodies take implicit steps (implicit_contact.hpp).
+/// Where the lattice is too wide for matrices (layer_matrix.hpp) there are no implicit steps.
 #pragma once
 #include <cmath>
+#include <optional>
 
 #include "bm4.hpp"
 #include "central_difference.hpp"
@@ -38,7 +40,7 @@ class Propagator {
   /// From state.time to state.time + H. On failure state, course and exchange are spoilt and the caller restores them.
   StepStatus advance(const Equations& equations, const Request& request, double H, State& state, Course& course, Exchange& exchange);
   /// Number of matrices factored since the start: none unless implicit steps are tried.
-  long factorizations() const { return ros34pw2_.factorizations() + implicit_contact_.factorizations(); }
+  long factorizations() const { return ros34pw2_ ? ros34pw2_->factorizations() + implicit_contact_->factorizations() : 0; }
   /// Largest stable leapfrog step at x, by bound [s]; the largest finite number if nothing resists.
   double stable_step(const Body& body, const Points& x);
   /// Size of vibrations of this energy [J], of a time scale up to `slowest` [s], spread over the body [m].
@@ -97,10 +99,10 @@ class Propagator {
   Bm4 bm4_;
   Rkn12 rkn12_;
   Dop853 dop853_;
-  Ros34pw2 ros34pw2_;
-  FloatingFrame floating_frame_;
+  std::optional<Ros34pw2> ros34pw2_;  ///< this and the next two: if there are matrices
+  std::optional<FloatingFrame> floating_frame_;
   ImplicitWork implicit_;
-  ImplicitContact implicit_contact_;
+  std::optional<ImplicitContact> implicit_contact_;
   Reach reach_;
   double fastest_damping_ = 0;   ///< largest damping / mass [1/s]
   Scalars time_scale_;           ///< (3 * points) position error that a velocity error amounts to [s]

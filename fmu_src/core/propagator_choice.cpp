@@ -147,7 +147,7 @@ void Propagator::race(const Job& job, double H) {
     const auto handicapped = [&](Method which, double needed) { return which == before ? needed : challenge * needed; };
     if (handicapped(method, work) < handicapped(winner, best)) best = work, winner = method, course.favourite_reason = Reason::least_work;
   };
-  if (stability_.elastic() && H * bound(job) > 2 * stiff) {
+  if (ros34pw2_ && stability_.elastic() && H * bound(job) > 2 * stiff) {
     const Method implicit = implicit_method(job, H);
     if (worth_a_matrix(job, implicit, H, least))
       consider(implicit, implicit_work(job, implicit, H, std::min(0.8 * least, longest_trial), spent));

@@ -6,6 +6,9 @@ namespace softffd {
 
 namespace {
 
+/// Points whose springs are done before those of the next ones, so that what they share stays in the nearest caches.
+constexpr int stretch = 512;
+
 bool on_boundary(int i, int n) { return i == 0 || i == n - 1; }
 
 /// An edge segment on one of the twelve edges of the box belongs to two faces: making springs face by face makes it twice.
@@ -55,7 +58,12 @@ void Springs::set_stiffness(const Stiffness& stiffness, const std::vector<Stiffn
 
 void Springs::force(const Points& x, Points& f) const {
   f.setZero();
-  for (const Row& row : rows_) kernels::add_spring_forces(row.view(), int(x.rows()), x.data(), f.data(), scratch_.data());
+  const int points = int(x.rows());
+  for (int first = 0; first < points; first += stretch)
+    for (const Row& row : rows_) {
+      const kernels::SpringRow part = row.part(first, first + stretch);
+      if (part.lanes > 0) kernels::add_spring_forces(part, points, x.data(), f.data(), scratch_.data());
+    }
 }
 
 double Springs::energy(const Points& x) const {

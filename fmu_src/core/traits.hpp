@@ -37,6 +37,8 @@ inline Traits traits(Method method) {
 
 /// Does the method with error control solve with a matrix?
 inline bool is_implicit(Method method) { return method == Method::ros34pw2 || method == Method::floating_frame; }
+/// Those that lattices too wide for matrices do not have.
+inline bool needs_matrices(Method method) { return is_implicit(method) || method == Method::backward_euler; }
 
 /// Work of an implicit step without contact: of a step, of a factor and of taking a step into the body's frame, by the operations they take
 /// and their measured time on 4 x 4 x 4.

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "bernstein.hpp"
-
 namespace softffd::fmi {
 
 namespace {
@@ -71,7 +69,7 @@ Instance::Instance(SceneFile scene, Logger log) : logger(std::move(log)), scene_
   for (std::size_t q = 0; q < scene_.planes.size(); ++q) (scene_.planes[q].input ? input_planes_ : fixed_planes_).push_back(int(q));
   for (std::size_t a = 0; a < scene_.pins.size(); ++a)
     if (scene_.pins[a].input) input_pins_.push_back(int(a));
-  for (const auto& probe : scene_.probes) probe_weights_.push_back(embedding_weights(body_.lattice(), probe.at));
+  for (const auto& probe : scene_.probes) probes_.push_back(embed(scene_.basis, body_.lattice(), probe.at));
   if (scene_.error_estimate) error_estimate_.emplace(scene_.definition);
   count_variables();
   reset();
@@ -400,7 +398,7 @@ double Instance::output(Family family, int index) {
   switch (family) {
     case Family::position: return state.x(scene_.positions[instance], axis);
     case Family::velocity: return state.v(scene_.velocities[instance], axis);
-    case Family::probe: return (probe_weights_[instance] * state.x.col(axis)).sum();
+    case Family::probe: return probes_[instance](state.x.col(axis));
     case Family::plane_reaction: return body_.plane_reaction(instance)[axis];
     case Family::plane_torque: return body_.plane_torque(instance)[axis];
     case Family::plane_contacts: return body_.plane_contacts(index);

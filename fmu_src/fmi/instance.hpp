@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 
+#include "basis.hpp"
 #include "error_estimate.hpp"
 #include "logger.hpp"
 #include "scene_file.hpp"
@@ -70,6 +71,7 @@ class Instance {
   std::optional<Variable> find(fmi2ValueReference reference) const;
   Variable checked(fmi2ValueReference reference, Type type) const;
   void check_settable(const Variable& variable, fmi2ValueReference reference, double value) const;
+  bool available(double method) const;
   double output(Family family, int index);
   std::vector<double>& values(Family family) { return values_[std::size_t(family)]; }
   Vec3 rate3(Family family, int instance, int order = 1) {
@@ -93,7 +95,7 @@ class Instance {
 
   SceneFile scene_;
   std::vector<int> input_planes_, fixed_planes_, input_pins_;  ///< indices into scene_.planes and scene_.pins
-  std::vector<Scalars> probe_weights_;
+  std::vector<Embedding> probes_;
   std::array<std::size_t, 128> counts_{};  ///< variables by family id
   /// Time derivatives of inputs for the next step by order - 1 and family id.
   std::array<std::array<std::vector<double>, 128>, highest_order> rates_;

@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "instance.hpp"
+#include "traits.hpp"
 
 namespace softffd::fmi {
 
@@ -61,6 +62,11 @@ bool sound(const Place& place) {
 
 bool counter(long value) { return value >= 0 && value <= 1L << 53; }
 
+/// Whether all methods that the course names can run on this lattice.
+bool possible(const Course& course, const Lattice& lattice) {
+  return LayerMatrix::fits(lattice) || !(needs_matrices(course.method) || needs_matrices(course.favourite));
+}
+
 bool sound(const Course& course) {
   return counter(course.clock.count) && course.clock.parts > 0 && course.clock.parts <= Propagator::most_steps && counter(course.steps) &&
          counter(course.rejected) && counter(course.factored.uses);
@@ -110,7 +116,8 @@ void Instance::load_state(const Bytes& bytes) {
   if (!reader.at_end()) throw StateError("the state is too long");
   const double method = values[std::size_t(Family::solver_method)][0];
   if (!sound(place) || !sound(in_effect) || !sound(progress) || (memory && !(sound(memory->shadow) && counter(memory->steps))) ||
-      !in_range(values) || !(method >= 1 && method <= method_count))
+      !in_range(values) || !(method >= 1 && method <= method_count) || !available(method) || !possible(progress.course, body_.lattice()) ||
+      (memory && !possible(memory->shadow.course, body_.lattice())))
     throw StateError("the state holds values that no run gives");
 
   values_ = std::move(values);

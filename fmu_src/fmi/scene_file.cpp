@@ -167,6 +167,7 @@ constexpr Reader readers[] = {
      [](Record& r, SceneFile& s) {
        s.definition.topology = r.choice<Topology>({{"distinct", Topology::distinct}, {"paper", Topology::paper}});
      }},
+    {"basis", [](Record& r, SceneFile& s) { s.basis = r.choice<Basis>({{"bezier", Basis::bezier}, {"bspline", Basis::bspline}}); }},
     {"mass", read_mass},
     {"stiffness", read_stiffness},
     {"damping", [](Record& r, SceneFile& s) { s.damping = r.at_least(0); }},
@@ -212,6 +213,8 @@ std::string_view checked_body(std::string_view text) {
 void check_complete(const SceneFile& s) {
   if (s.guid.empty()) throw SceneFileError("resources/scene.txt: the guid is missing");
   if (s.definition.mass.empty()) throw SceneFileError("resources/scene.txt: the masses are missing");
+  if (MethodValue(s.method) == MethodValue::ros34pw2 && !LayerMatrix::fits(s.definition.lattice))
+    throw SceneFileError("resources/scene.txt: the lattice is too wide for the method ros34pw2");
 }
 
 }  // namespace

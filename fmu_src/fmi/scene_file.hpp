@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "basis.hpp"
 #include "soft_body.hpp"
 
 namespace softffd::fmi {
@@ -48,6 +49,7 @@ struct SceneFile {
   std::vector<Probe> probes;
   std::vector<int> forces, positions, velocities;  ///< control points with a variable
   bool reactions = false, energy = false, solver = false, error_estimate = false;
+  Basis basis = Basis::bezier;
   int method = 1;
   double tolerance = 1e-4, step = 0;
 };

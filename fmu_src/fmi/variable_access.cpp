@@ -130,6 +130,12 @@ Instance::Variable Instance::checked(fmi2ValueReference reference, Type type) co
   return *variable;
 }
 
+/// Has this scene's lattice the method of this number?
+bool Instance::available(double method) const {
+  static_assert(widest_layer == LayerMatrix::widest, "variables.toml and layer_matrix.hpp must agree");
+  return MethodValue(int(method)) != MethodValue::ros34pw2 || LayerMatrix::fits(body_.lattice());
+}
+
 void Instance::check_settable(const Variable& variable, fmi2ValueReference reference, double value) const {
   const FamilyInfo& info = *variable.info;
   if (!(settable_in(info) & phase))
@@ -144,6 +150,11 @@ void Instance::check_settable(const Variable& variable, fmi2ValueReference refer
   if (value <= info.above) throw wanted("> " + shortest(info.above));
   if (info.type == Type::Enumeration && !(value >= 1 && value <= method_count))
     throw CallError(name(reference) + ": wanted 1 to " + std::to_string(method_count) + ", got " + shortest(value));
+  if (info.family == Family::solver_method && !available(value))
+    throw CallError(name(reference) + ": ros34pw2 is for lattices with at most " + std::to_string(LayerMatrix::widest) +
+                    " control points in a layer across the axis with most, this one has " +
+                    std::to_string(LayerMatrix::points_per_layer(body_.lattice())) + "; wanted auto (1) or an explicit method, e.g. dop853 (" +
+                    std::to_string(int(MethodValue::dop853)) + ")");
 }
 
 void Instance::set(Type type, const fmi2ValueReference* references, std::size_t count, const double* numbers) {
@@ -193,7 +204,7 @@ void Instance::get_output_derivatives(const fmi2ValueReference* references, std:
     const Variable variable = *find(references[n]);
     const int instance = variable.index / 3, axis = variable.index % 3;
     const auto v = body_.state().v.col(axis);
-    numbers[n] = variable.info->family == Family::position ? v[scene_.positions[instance]] : (probe_weights_[instance] * v).sum();
+    numbers[n] = variable.info->family == Family::position ? v[scene_.positions[instance]] : probes_[instance](v);
   }
 }
 

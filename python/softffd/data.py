@@ -1,7 +1,11 @@
 """What the build puts beside the Python files: the library, the table of variables, the documentation that goes into every FMU."""
 
+import math
+import tomllib
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from softffd.errors import SoftffdError
 
@@ -17,6 +21,21 @@ def data_folder() -> Path:
             "or run it as: python3 python/run.py"
         )
     return folder
+
+
+@cache
+def table() -> dict[str, Any]:
+    """The parsed variables.toml: families, methods, log categories, units."""
+    return tomllib.loads((data_folder() / "variables.toml").read_text())
+
+
+def available_methods(counts: tuple[int, int, int]) -> list[dict[str, Any]]:
+    """The table's methods that a lattice of these counts has.
+
+    Those with matrices want few control points in a layer across the axis with most: the matrices grow with the layer's square.
+    """
+    layer = math.prod(sorted(counts)[:2])
+    return [method for method in table()["method"] if layer <= method.get("widest_layer", math.inf)]
 
 
 def libraries(platforms: list[str] | None = None) -> dict[str, Path]:

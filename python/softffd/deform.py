@@ -1,19 +1,21 @@
-"""Free-form deformation: the object follows the control points through the Bezier volume.
+"""Free-form deformation: the object follows the control points through the volume that they span.
 
 A point X of the object has the coordinates (u, v, w) = (X - origin) / size in the lattice's box. They never
 change; the control points p_ijk move, and the object's point moves to Q(u, v, w), Xia & Wang 2009, eq. (1):
 
-    Q(u, v, w) = sum over i, j, k of  p_ijk B_i(u) B_j(v) B_k(w)
+    Q(u, v, w) = sum over i, j, k of  p_ijk W_i(u) W_j(v) W_k(w)
 
-While the control points stand on their regular grid, Q(u, v, w) = X. Inside the box the weights are not
-negative and sum to one, so Q lies in the convex hull of the control points: where no control point is behind
-a plane, nothing of the object is. Outside the box that is lost and the polynomials grow fast, so a point
-outside is an error here, not an extrapolation.
+with the Bernstein polynomials for W, or B-splines (basis.py). While the control points stand on their regular
+grid, Q(u, v, w) = X. Inside the box the weights are not negative and sum to one, so Q lies in the convex hull of
+the control points: where no control point is behind a plane, nothing of the object is. Outside the box that is
+lost and the polynomials grow fast, so a point outside is an error here, not an extrapolation.
 """
+
+from itertools import product
 
 import numpy as np
 
-from softffd.bernstein import weights
+from softffd.basis import local_weights, support, weights
 from softffd.errors import MeshError
 from softffd.mesh import Mesh
 
@@ -24,12 +26,13 @@ _KEPT, _BLOCK = 1 << 22, 1 << 19
 """Weights that an embedding keeps, if no more (32 MB); numbers worked on at a time otherwise (4 MB)."""
 
 
-def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=None) -> np.ndarray:
+def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=None, basis="bezier") -> np.ndarray:
     """Return the deformed vertices of `mesh`: Q of eq. (1) at every vertex, m.
 
     mesh: a Mesh, or its vertices (V, 3) m, in the rest configuration.
     positions: control points (nx, ny, nz, 3) m, positions[i, j, k] = p_ijk; or (T, nx, ny, nz, 3), T instants.
     origin, size: lower corner and sides (3,) m of the lattice's box at rest; default the vertices' bounding box.
+    basis: "bezier" or "bspline", as the scene's lattice.basis.
     Returns (V, 3), or (T, V, 3). Raises MeshError where a vertex lies outside the box.
     """
     vertices = mesh.vertices if isinstance(mesh, Mesh) else np.asarray(mesh, dtype=float)
@@ -38,22 +41,24 @@ def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=
         raise ValueError(f"positions: wanted the shape (nx, ny, nz, 3) or (T, nx, ny, nz, 3), got {positions.shape}")
     origin = vertices.min(axis=0) if origin is None else origin
     size = vertices.max(axis=0) - origin if size is None else size
-    return Embedding(vertices, origin, size, positions.shape[-4:-1]).deform(positions)
+    return Embedding(vertices, origin, size, positions.shape[-4:-1], basis).deform(positions)
 
 
 class Embedding:
     """An object's points in a lattice: made once, then deformed as often as the control points move."""
 
-    def __init__(self, vertices: np.ndarray, origin, size, counts):
-        """Place `vertices` (V, 3) m in a lattice: box at `origin` (3,) m, sides `size` (3,) m, counts (nx, ny, nz).
+    def __init__(self, vertices: np.ndarray, origin, size, counts, basis="bezier"):
+        """Place `vertices` (V, 3) m in a lattice: box at `origin` (3,) m, sides `size` (3,) m, counts (nx, ny, nz), `basis`.
 
         Raises MeshError where a vertex lies outside the box by more than OUTSIDE_ALLOWED of its side.
         """
-        self.counts = _checked_counts(counts)
+        self.counts, self.basis = _checked_counts(counts), basis
         self.coordinates = lattice_coordinates(vertices, origin, size)
         points = int(np.prod(self.counts))
         small = points * len(self.coordinates) <= _KEPT
         self._kept = self._products(slice(None)) if small else None
+        few = np.prod([support(n, basis) for n in self.counts]) <= points / 2
+        self._near = self._local() if few and not small else None
 
     def deform(self, positions: np.ndarray) -> np.ndarray:
         """Return the vertices (V, 3) m for control points (nx, ny, nz, 3) m, or (T, V, 3) for (T, nx, ny, nz, 3)."""
@@ -61,6 +66,9 @@ class Embedding:
         if positions.shape[-4:] != (*self.counts, 3) or positions.ndim > 5:
             raise ValueError(f"positions: wanted the shape {(*self.counts, 3)}, or one axis of time before, got {positions.shape}")
         frames = positions.reshape(-1, *self.counts, 3)
+        if self._near is not None:
+            moved = np.stack([self._moved_by_few(frame) for frame in frames])
+            return moved[0] if positions.ndim == 4 else moved
         control = frames.transpose(0, 4, 3, 2, 1).reshape(3 * len(frames), -1)
         moved = np.empty((len(frames), len(self.coordinates), 3))
         for part in self._parts(len(frames)):
@@ -68,14 +76,27 @@ class Embedding:
             moved[:, part] = (control @ block).reshape(len(frames), 3, -1).transpose(0, 2, 1)
         return moved[0] if positions.ndim == 4 else moved
 
+    def _local(self):
+        """Per axis the first control point that counts at each vertex (V,), and the weights from there on (V, support)."""
+        axes = zip(self.coordinates.T, self.counts, strict=True)
+        return [local_weights(t, n, self.basis) for t, n in axes]
+
+    def _moved_by_few(self, frame: np.ndarray) -> np.ndarray:
+        """Vertices (V, 3) for control points (nx, ny, nz, 3): 64 of these count at a vertex, whatever their number."""
+        (i, u), (j, v), (k, w) = self._near
+        moved = np.zeros_like(self.coordinates)
+        for a, b, c in product(*(range(part.shape[1]) for part in (u, v, w))):
+            moved += (u[:, a] * v[:, b] * w[:, c])[:, None] * frame[i + a, j + b, k + c]
+        return moved
+
     def _parts(self, frames: int):
         """Slices of the vertices, so short that a block's weights and results fit the memory set aside."""
         step = max(1, _BLOCK // (int(np.prod(self.counts)) + 3 * frames))
         return (slice(start, start + step) for start in range(0, len(self.coordinates), step))
 
     def _products(self, part: slice) -> np.ndarray:
-        """B_i(u) B_j(v) B_k(w) at the vertices of `part`, shape (n, vertices), control points in flat order."""
-        u, v, w = (weights(t, n).T for t, n in zip(self.coordinates[part].T, self.counts, strict=True))
+        """W_i(u) W_j(v) W_k(w) at the vertices of `part`, shape (n, vertices), control points in flat order."""
+        u, v, w = (weights(t, n, self.basis).T for t, n in zip(self.coordinates[part].T, self.counts, strict=True))
         product = w[:, None, None] * v[None, :, None] * u[None, None, :]
         return product.reshape(-1, product.shape[-1])
 

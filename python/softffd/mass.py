@@ -9,19 +9,19 @@ integral is turned into one over its surface by the divergence theorem:
     integral of B_i B_j B_k dV  =  integral of B_i(u) B_j(v) I_k(w) n_z dA,
 
 where n_z dA is a triangle's shadow on the x-y plane and I_k(w) = integral of B_k from 0 to w = sum over l > k of
-B_l(w) / nz, with the Bernstein polynomials B_l of one degree more.
+B_l(w) / nz, with the Bernstein polynomials B_l of one degree more. For B-splines see mass_bspline.py.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
-from softffd.bernstein import weights
+from softffd.basis import weights
 from softffd.deform import lattice_coordinates
 from softffd.errors import SoftffdError
+from softffd.mass_bspline import sample_shares, triangle_shares
 from softffd.mesh import Mesh, merge_by_position
+from softffd.quadrature import sufficient_degrees, triangle_rule
 
 DISTRIBUTIONS = ("uniform", "vertices", "surface", "volume")
 
@@ -50,6 +50,7 @@ def point_masses(
     total: float | None = None,
     density: float | None = None,
     uniform_share: float = 0.1,
+    basis: str = "bezier",
 ) -> Masses:
     """Return the masses of the control points of a lattice: `counts` in the box `origin`, `size` (3,) m.
 
@@ -58,13 +59,13 @@ def point_masses(
     "volume" a closed one.
     total: kg, > 0; or density: kg/m^3, > 0, times the volume of a closed mesh. Exactly one of the two.
     uniform_share: 0 to 1; this part of the total is spread evenly instead, which moves the centre of mass by
-    `shift`.
+    `shift`. basis: of the volume, "bezier" or "bspline".
     Raises SoftffdError where a value or the mesh does not fit, or a control point would be left without mass.
     """
     _require_values(distribution, mesh, total, density, uniform_share)
     if density is not None:
         total = density * enclosed_volume(mesh)
-    shares = _shares(distribution, counts, origin, size, mesh)
+    shares = _shares(distribution, counts, origin, size, mesh, basis)
     shares /= shares.sum()
     blended = (1 - uniform_share) * shares + uniform_share / shares.size
     _require_all_positive(blended, uniform_share)
@@ -105,20 +106,19 @@ def _require_values(distribution, mesh, total, density, uniform_share) -> None:
         raise SoftffdError(f"mass.uniform_share: wanted 0 to 1, got {uniform_share}")
 
 
-def _shares(distribution: str, counts, origin, size, mesh: Mesh | None) -> np.ndarray:
+def _shares(distribution: str, counts, origin, size, mesh: Mesh | None, basis: str) -> np.ndarray:
     """Shares (nx, ny, nz) of the control points, not yet summing to one."""
     if distribution == "uniform":
         return np.ones(counts)
     if distribution == "vertices":
         _, positions = merge_by_position(mesh.vertices[np.unique(mesh.faces)])
-        return _vertex_shares(lattice_coordinates(positions, origin, size), counts)
+        return _vertex_shares(lattice_coordinates(positions, origin, size), counts, basis)
     corners = lattice_coordinates(mesh.vertices, origin, size)[mesh.faces]
-    normals = _area_vectors(mesh)
-    if distribution == "surface":
-        return _integrals(corners, np.linalg.norm(normals, axis=1), counts, _products)
-    enclosed_volume(mesh)
-    shares = _integrals(corners, normals[:, 2], counts, _products_below)
-    return _outwards(shares / shares.sum(), mesh)
+    solid = distribution == "volume"
+    if solid:
+        enclosed_volume(mesh)
+    shares = triangle_shares(corners, np.asarray(size), counts, solid=solid) if basis == "bspline" else _integrals(corners, mesh, counts, solid)
+    return _outwards(shares / shares.sum(), mesh) if solid else shares
 
 
 def _outwards(shares: np.ndarray, mesh: Mesh) -> np.ndarray:
@@ -155,7 +155,9 @@ def _area_vectors(mesh: Mesh) -> np.ndarray:
     return np.cross(b - a, c - a) / 2
 
 
-def _vertex_shares(coordinates: np.ndarray, counts) -> np.ndarray:
+def _vertex_shares(coordinates: np.ndarray, counts, basis: str) -> np.ndarray:
+    if basis == "bspline":
+        return sample_shares(coordinates, np.ones(len(coordinates)), counts)
     step = max(1, _BLOCK // (int(counts[0]) * int(counts[1])))
     blocks = (coordinates[start : start + step] for start in range(0, len(coordinates), step))
     return sum(_products(block, np.ones(len(block)), counts) for block in blocks)
@@ -179,10 +181,13 @@ def _summed(u: np.ndarray, v: np.ndarray, w: np.ndarray, masses: np.ndarray) -> 
     return (plane.reshape(-1, plane.shape[-1]) @ w.T).reshape(len(u), len(v), len(w))
 
 
-def _integrals(corners: np.ndarray, areas: np.ndarray, counts, products) -> np.ndarray:
-    """Sum over triangles of `areas` times the mean of the integrand; corners (F, 3, 3), box coordinates."""
-    exact = sum(counts) - 3 + (products is _products_below)
-    degrees = _sufficient_degrees(corners, counts, exact)
+def _integrals(corners: np.ndarray, mesh: Mesh, counts, solid: bool) -> np.ndarray:
+    """Sum over triangles of area times the mean of the integrand; corners (F, 3, 3), box coordinates."""
+    normals = _area_vectors(mesh)
+    areas, products = (normals[:, 2], _products_below) if solid else (np.linalg.norm(normals, axis=1), _products)
+    exact = sum(counts) - 3 + solid
+    reach = np.ptp(corners, axis=1) @ (np.array(counts) - 1.0)
+    degrees = sufficient_degrees(reach, exact)
     total = np.zeros(counts)
     for degree in np.unique(degrees):
         rule = triangle_rule(int(degree))
@@ -193,48 +198,3 @@ def _integrals(corners: np.ndarray, areas: np.ndarray, counts, products) -> np.n
             samples = np.einsum("sc,fcx->fsx", rule.corner_weights, corners[block]).reshape(-1, 3)
             total += products(samples, np.outer(areas[block], rule.share).reshape(-1), counts)
     return total
-
-
-def _sufficient_degrees(corners: np.ndarray, counts, exact: int) -> np.ndarray:
-    """Degree of quadrature per triangle: `exact`, or less where the triangle is so small that less is exact
-    to rounding.
-
-    A product of Bernstein polynomials grows, away from the box in the complex plane, no faster than exp(2 N d), with
-    N their degree and d the distance. With S = sum over axes of (degree of the axis) x (extent of the triangle), the
-    best ellipse bounds the error of q Gauss points by (e S / 4 q)^(2q); one point more pays for the bound's factor
-    (Trefethen 2008, "Is Gauss quadrature better than Clenshaw-Curtis?", theorem 4.5).
-    """
-    reach = np.ptp(corners, axis=1) @ (np.array(counts) - 1.0)
-    degrees = np.full(len(corners), exact)
-    for points in range(exact // 2, 0, -1):
-        enough = np.e * reach < 4 * points * 1e-17 ** (1 / (2 * points))
-        degrees[enough] = np.minimum(exact, 2 * points + 1)
-    return degrees
-
-
-class TriangleRule(NamedTuple):
-    """corner_weights (s, 3): barycentric coordinates of the samples. share (s,): their parts of the area."""
-
-    corner_weights: np.ndarray
-    share: np.ndarray
-
-
-@lru_cache(maxsize=128)
-def triangle_rule(degree: int) -> TriangleRule:
-    """Return a quadrature over a triangle that is exact for polynomials up to the total `degree`.
-
-    Conical product: the unit square (a, b) is folded onto the triangle by the barycentric coordinates
-    (1-a)(1-b), a, (1-a) b, with Jacobian 1-a, so Gauss-Legendre needs the degree + 1 along a and the degree
-    along b.
-    """
-    a, along_a = _gauss(degree + 1)
-    b, along_b = _gauss(degree)
-    a, b = (axis.reshape(-1) for axis in np.meshgrid(a, b, indexing="ij"))
-    share = 2 * (1 - a) * np.outer(along_a, along_b).reshape(-1)
-    return TriangleRule(np.stack([(1 - a) * (1 - b), a, (1 - a) * b], axis=1), share)
-
-
-def _gauss(degree: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss-Legendre points and weights on 0 to 1, exact up to `degree`."""
-    points, along = np.polynomial.legendre.leggauss(degree // 2 + 1)
-    return (points + 1) / 2, along / 2

@@ -6,7 +6,8 @@ from xml.etree import ElementTree as Xml
 
 from softffd import __version__
 from softffd.scene import Scene
-from softffd.variables import Variable, table
+from softffd.variables import Variable
+from softffd.data import available_methods, table
 
 GUID_PLACE = "{softffd-guid}"
 """Stands where the guid goes; the guid is a hash of everything else."""
@@ -38,7 +39,7 @@ def model_description(scene: Scene, variables: list[Variable]) -> str:
     )
     used = {variable.family.get("unit") for variable in variables}
     _units(Xml.SubElement(root, "UnitDefinitions"), used)
-    _types(Xml.SubElement(root, "TypeDefinitions"))
+    _types(Xml.SubElement(root, "TypeDefinitions"), scene)
     _log_categories(Xml.SubElement(root, "LogCategories"))
     Xml.SubElement(
         root,
@@ -63,10 +64,10 @@ def _units(parent: Xml.Element, used: set[str | None]) -> None:
             Xml.SubElement(element, "BaseUnit", {key: str(power) for key, power in unit["base"].items()})
 
 
-def _types(parent: Xml.Element) -> None:
+def _types(parent: Xml.Element, scene: Scene) -> None:
     simple = Xml.SubElement(parent, "SimpleType", name="Method", description="Time integration method")
     enumeration = Xml.SubElement(simple, "Enumeration")
-    for method in table()["method"]:
+    for method in available_methods(scene.lattice.points):
         Xml.SubElement(enumeration, "Item", name=method["key"], value=str(method["value"]), description=method["description"])
 
 

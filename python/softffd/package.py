@@ -26,6 +26,7 @@ def scene_masses(scene: Scene) -> Masses:
         total=scene.mass.total,
         density=scene.mass.density,
         uniform_share=scene.mass.uniform_share,
+        basis=scene.lattice.basis,
     )
     mass = masses.mass.copy()
     for region in scene.region:

@@ -29,7 +29,7 @@ class Scene(sections.Section):
     """
 
     title: sections.Text = key("Soft object", "what the scene shows, in one line: the FMU's description")
-    lattice: sections.Lattice = key(sections.Lattice(), "the Bezier volume and its springs")
+    lattice: sections.Lattice = key(sections.Lattice(), "the volume around the object and its springs")
     mesh: sections.MeshFile | None = key(None, "the embedded object; absent: the box alone")
     mass: sections.Mass = key(sections.Mass(), "mass and how it is spread")
     material: sections.Material = key(sections.Material(), "stiffness and damping")

@@ -1,47 +1,35 @@
 """The checks that need more than one key of a scene, or its mesh."""
 
 import itertools
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
+from softffd.data import available_methods, table
 from softffd.scene_draft import Draft
 from softffd.scene_errors import Fault, KeyPath, path_text, toml_text
 from softffd.scene_sections import Lattice
 from softffd.selection import flat_indices
 
 
-@dataclass(frozen=True)
-class Limit:
-    """A key whose values are not all available in this version."""
-
-    section: str
-    key: str
-    allows: Callable[[Any], bool]
-    available: str
-
-
-LIMITS = (
-    Limit("lattice", "basis", lambda basis: basis == "bezier", '"bezier"'),
-    Limit("lattice", "points", lambda points: max(points) <= 8, "2..8 control points on every axis"),
-)
-
-
 def cross_check(draft: Draft) -> list[Fault]:
     """The problems between the sound values of a draft whose box and mesh are settled."""
-    checks = (_not_yet, _names, _selections, _mass, _margin, _box, _control_points, _probes)
+    checks = (_method, _names, _selections, _mass, _margin, _box, _control_points, _probes)
     with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
         return [fault for check in checks for fault in check(draft)]
 
 
-def _not_yet(draft: Draft) -> Iterator[Fault]:
-    for limit in LIMITS:
-        value = getattr(getattr(draft.scene, limit.section), limit.key)
-        if draft.sound(limit.section, limit.key) and not limit.allows(value):
-            text = f"{toml_text(value)} is not available yet in this version; available: {limit.available}"
-            yield Fault((limit.section, limit.key), text)
+def _method(draft: Draft) -> Iterator[Fault]:
+    counts, method = draft.scene.lattice.points, draft.scene.solver.method
+    if not (draft.sound("lattice", "points") and draft.sound("solver", "method")):
+        return
+    if method not in [row["key"] for row in available_methods(counts)]:
+        widest = next(row["widest_layer"] for row in table()["method"] if row["key"] == method)
+        layer = " x ".join(map(str, sorted(counts)[:2]))
+        wanted = f"wanted a lattice of at most {widest} control points in a layer across its axis with most, or the method's matrices are too large"
+        got = f"got {toml_text(method)} with {layer} in a layer"
+        yield Fault(("solver", "method"), f'{wanted}, {got}; take "auto", or "dop853" for high accuracy, instead')
 
 
 def _names(draft: Draft) -> Iterator[Fault]:

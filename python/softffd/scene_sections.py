@@ -89,7 +89,7 @@ Motion = Literal["fixed", "input"]
 
 
 class Lattice(Section):
-    """The Bezier volume and its springs (Xia & Wang 2009, section 1)."""
+    """The volume around the object and its springs (Xia & Wang 2009, section 1)."""
 
     points: Counts = quantity((4, 4, 4), "1", "control points per axis [nx, ny, nz], 2..32 each")
     origin: Vector | None = quantity(None, "m", "lower corner of the box; default: that of the mesh's box grown by `margin`, or [0, 0, 0]")
@@ -101,7 +101,10 @@ class Lattice(Section):
         "distinct",
         '"distinct" (468 springs for 4x4x4) or "paper" (504: those on the edges of the box doubled)',
     )
-    basis: Literal["bezier", "bspline"] = key("bezier", '"bezier", or "bspline": uniform cubic, clamped, for finer lattices')
+    basis: Literal["bezier", "bspline"] = key(
+        "bezier",
+        '"bezier": every control point moves the whole object; "bspline": uniform cubic, clamped, only what is near, for finer lattices',
+    )
 
 
 class MeshFile(Section):

@@ -20,6 +20,7 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
         ["origin", *lattice.origin],
         ["size", *lattice.size],
         ["topology", lattice.springs],
+        *([["basis", lattice.basis]] if lattice.basis != "bezier" else []),
         ["mass", *mass],
         ["stiffness", material.stiffness.edge, material.stiffness.face, material.stiffness.body],
     ]

@@ -41,7 +41,7 @@ class Stage:
     """A run as pictures see it.
 
     `time` (T,) [s]; `positions` (T, nx, ny, nz, 3) [m], all finite. `origin`, `size` (3,) [m]: the box in which the
-    surface is embedded. `vertices` (V, 3) [m] and `faces` (F, 3): the surface at rest; `uv` (V, 2) and `texture`: its
+    surface is embedded; `basis`: "bezier" or "bspline". `vertices` (V, 3) [m] and `faces` (F, 3): the surface at rest; `uv` (V, 2) and `texture`: its
     image, or both None. `is_cage`: the surface is the boundary of the volume itself. `pinned`: flat indices of
     attached control points. `up` (3,): unit. `centre`, `half` (3,) [m]: middle and half the sides of the box of all
     that the lattice ever covers.
@@ -52,6 +52,7 @@ class Stage:
     positions: np.ndarray
     origin: np.ndarray
     size: np.ndarray
+    basis: str
     vertices: np.ndarray
     faces: np.ndarray
     uv: np.ndarray | None
@@ -88,7 +89,7 @@ class Stage:
 
     @cached_property
     def _embedding(self):
-        return Embedding(self.vertices, self.origin, self.size, self.counts)
+        return Embedding(self.vertices, self.origin, self.size, self.counts, self.basis)
 
     def deformed(self, positions):
         """The surface's vertices (V, 3) [m] for control points (nx, ny, nz, 3) [m]."""
@@ -99,12 +100,11 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
     """The stage of a `Result` with `mesh` as its object, or without one the boundary of the volume.
 
     origin, size: the box (3,) [m]; by default the scene's, else the mesh's bounds, else those of the first frame.
-    Raises SoftffdError when positions of control points were not recorded, or the volume is not a Bezier volume.
+    Raises SoftffdError when positions of control points were not recorded.
     """
     positions = _recorded(result)
-    _require_bezier(result.scene)
     origin, size = _box(result, mesh, origin, size)
-    vertices, faces = (mesh.vertices, mesh.faces) if mesh is not None else cage_surface(origin, size)
+    vertices, faces = (mesh.vertices, mesh.faces) if mesh is not None else cage_surface(origin, size, divisions=_divisions(positions))
     up = up_direction(result.scene)
     textured = mesh is not None and mesh.uv is not None and mesh.texture is not None
     low, high = positions.min(axis=(0, 1, 2, 3)), positions.max(axis=(0, 1, 2, 3))
@@ -114,6 +114,7 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
         positions=positions,
         origin=origin,
         size=size,
+        basis="bezier" if result.scene is None else result.scene.lattice.basis,
         vertices=np.asarray(vertices, dtype=float),
         faces=np.asarray(faces, dtype=np.int64),
         uv=mesh.uv if textured else None,
@@ -134,12 +135,9 @@ def up_direction(scene):
     return np.array([0.0, 0.0, 1.0]) if pull == 0 else -np.asarray(gravity, float) / pull
 
 
-def _require_bezier(scene):
-    if scene is not None and scene.lattice.basis != "bezier":
-        raise SoftffdError(
-            f'The run cannot be shown: pictures and pages evaluate a Bezier volume. Wanted lattice.basis = "bezier", '
-            f'got "{scene.lattice.basis}".'
-        )
+def _divisions(positions):
+    """Squares along each edge of the drawn box: several to a cell, so that its bends look round."""
+    return max(24, 3 * (max(positions.shape[1:4]) - 1))
 
 
 def _recorded(result):

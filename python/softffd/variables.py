@@ -2,22 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
-from functools import cache
 from itertools import product
 from typing import Any
 
 import numpy as np
 
-from softffd.data import data_folder
+from softffd.data import table
 from softffd.scene import Scene
-
-
-@cache
-def table() -> dict[str, Any]:
-    """The parsed variables.toml: families, methods, log categories, units."""
-    return tomllib.loads((data_folder() / "variables.toml").read_text())
 
 
 @dataclass(frozen=True)

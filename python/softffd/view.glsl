@@ -1,5 +1,6 @@
 // Shaders of the interactive page, one after the other; a line "//// name" begins each. The page puts "#version 300 es" before
-// them, and before every vertex shader NX, NY, NZ, MOST (control points per axis, the largest of them) and "volume".
+// them, and before every vertex shader NX, NY, NZ (control points per axis), WX, WY, WZ (those that count at a place), MOST (the
+// largest of these), SX, SY, SZ (whether an axis has B-splines) and "volume".
 
 //// volume
 precision highp float;
@@ -8,34 +9,69 @@ uniform highp sampler2D points;                       // p_ijk at texel (i + NX 
 vec3 point(int i, int j, int k) { return texelFetch(points, ivec2(i + NX * j, k), 0).xyz; }
 vec3 point(int p) { return texelFetch(points, ivec2(p % (NX * NY), p / (NX * NY)), 0).xyz; }
 
+// What counts along an axis: weights b of the control points from `first` on, their derivatives d by the place at rest, the place.
+struct Axis { int first; float place, b[MOST], d[MOST]; };
+
 // Bernstein polynomials of degree n - 1 at t and their derivatives, by raising the degree (Xia & Wang 2009, eq. (2)).
-void bernstein(float t, int n, out float b[MOST], out float d[MOST]) {
-  b[0] = 1.0;
+Axis bernstein(float t, int n) {
+  Axis a;
+  a.first = 0;
+  a.place = t;
+  a.b[0] = 1.0;
   for (int m = 1; m < n; m++) {
-    if (m == n - 1) for (int i = 0; i < n; i++) d[i] = float(m) * ((i > 0 ? b[i - 1] : 0.0) - (i < m ? b[i] : 0.0));
+    if (m == n - 1) for (int i = 0; i < n; i++) a.d[i] = float(m) * ((i > 0 ? a.b[i - 1] : 0.0) - (i < m ? a.b[i] : 0.0));
     float carried = 0.0;
-    for (int i = 0; i < m; i++) { float old = b[i]; b[i] = carried + (1.0 - t) * old; carried = t * old; }
-    b[m] = carried;
+    for (int i = 0; i < m; i++) { float old = a.b[i]; a.b[i] = carried + (1.0 - t) * old; carried = t * old; }
+    a.b[m] = carried;
   }
+  return a;
 }
 
-// Q(u,v,w) of eq. (1); the columns of the second are its derivatives by u, v and w.
-vec3 evaluate(vec3 u, out mat3 derivative) {
-  float bx[MOST], by[MOST], bz[MOST], dx[MOST], dy[MOST], dz[MOST];
-  bernstein(u.x, NX, bx, dx); bernstein(u.y, NY, by, dy); bernstein(u.z, NZ, bz, dz);
+// Clamped uniform cubic B-splines at the parameter s, 0 to n - 3, by Cox's and de Boor's recurrence. Control points stand
+// at equal distances at rest, so that the place is a sum of weights too, and slope is how fast it moves with s.
+Axis bsplines(float s, int n) {
+  Axis a;
+  a.first = clamp(int(s), 0, n - 4);
+  a.b[0] = 1.0;
+  float slope = 0.0;
+  for (int m = 1; m < 4; m++) {
+    float rising = 0.0, last = 0.0;
+    for (int r = 0; r < m; r++) {
+      float low = float(max(a.first + 1 - m + r, 0)), high = float(min(a.first + r + 1, n - 3)), part = a.b[r] / (high - low);
+      a.b[r] = rising + (high - s) * part;
+      rising = (s - low) * part;
+      if (m == 3) { a.d[r] = last - part; last = part; slope += part; }
+    }
+    a.b[m] = rising;
+    a.d[m] = last;
+  }
+  for (int r = 0; r < 4; r++) a.d[r] *= float(n - 1) / slope;
+  a.place = (float(a.first) + a.b[1] + 2.0 * a.b[2] + 3.0 * a.b[3]) / float(n - 1);
+  return a;
+}
+
+Axis along(float t, int n, bool spline) {
+  if (spline) return bsplines(t, n);
+  return bernstein(t, n);
+}
+
+// Q(u,v,w) of eq. (1) and the place at rest; the columns of `derivative` are Q's derivatives by this place, in units of the box.
+vec3 evaluate(vec3 u, out mat3 derivative, out vec3 place) {
+  Axis x = along(u.x, NX, SX), y = along(u.y, NY, SY), z = along(u.z, NZ, SZ);
   vec3 q = vec3(0);
   derivative = mat3(0);
-  for (int k = 0; k < NZ; k++) for (int j = 0; j < NY; j++) {
+  place = vec3(x.place, y.place, z.place);
+  for (int k = 0; k < WZ; k++) for (int j = 0; j < WY; j++) {
     vec3 line = vec3(0), slope = vec3(0);
-    for (int i = 0; i < NX; i++) { vec3 p = point(i, j, k); line += bx[i] * p; slope += dx[i] * p; }
-    q += by[j] * bz[k] * line;
-    derivative += mat3(by[j] * bz[k] * slope, dy[j] * bz[k] * line, by[j] * dz[k] * line);
+    for (int i = 0; i < WX; i++) { vec3 p = point(x.first + i, y.first + j, z.first + k); line += x.b[i] * p; slope += x.d[i] * p; }
+    q += y.b[j] * z.b[k] * line;
+    derivative += mat3(y.b[j] * z.b[k] * slope, y.d[j] * z.b[k] * line, y.b[j] * z.d[k] * line);
   }
   return q;
 }
 
 //// object-vertex
-layout(location = 0) in vec3 coordinates;             // (u,v,w) of the vertex at rest
+layout(location = 0) in vec3 coordinates;             // parameters of the vertex
 layout(location = 1) in vec3 normal;                  // of the surface at rest
 layout(location = 2) in vec2 uv;
 uniform mat4 camera;
@@ -45,14 +81,15 @@ out vec2 skin_place;
 out float displacement, strain;
 void main() {
   mat3 derivative;
-  world = evaluate(coordinates, derivative);
+  vec3 place;
+  world = evaluate(coordinates, derivative, place);
   mat3 F = mat3(derivative[0] / size.x, derivative[1] / size.y, derivative[2] / size.z);
   shading = mat3(cross(F[1], F[2]), cross(F[2], F[0]), cross(F[0], F[1])) * normal;   // areas deform by the cofactors of F
   mat3 green = 0.5 * (transpose(F) * F - mat3(1));
   strain = sqrt(dot(green[0], green[0]) + dot(green[1], green[1]) + dot(green[2], green[2]));
-  displacement = distance(world, origin + size * coordinates);
+  displacement = distance(world, origin + size * place);
   skin_place = uv;
-  cell = coordinates * vec3(NX - 1, NY - 1, NZ - 1);
+  cell = place * vec3(NX - 1, NY - 1, NZ - 1);
   gl_Position = camera * vec4(world, 1);
 }
 
@@ -96,7 +133,7 @@ uniform float reach;
 out float height;
 void main() {
   mat3 derivative;
-  vec3 offset = (evaluate(coordinates, derivative) - centre) / reach;
+  vec3 place, offset = (evaluate(coordinates, derivative, place) - centre) / reach;
   height = max(dot(offset, normal), 0.0);
   gl_Position = vec4(dot(offset, tangent), dot(offset, cross(normal, tangent)), 0, 1);
 }

@@ -1,7 +1,7 @@
 """The interactive page of a run: one HTML file that needs nothing else.
 
 The page carries the surface at rest and the control points of every frame; its vertex shader evaluates the volume,
-so a frame costs the control points whatever the size of the mesh. `view.html` is the page with its style,
+so a frame costs the control points whatever the size of the mesh; of B-splines 64 of them count at a vertex. `view.html` is the page with its style,
 `view_drawing.js` and `view.glsl` draw, `view.js` listens and tells.
 """
 
@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib import colormaps
 
+from softffd.basis import parameter
 from softffd.deform import deform
 from softffd.history import energies, reactions
 from softffd.stage import FREE, PAINT, PINNED, VIEW, round_length, stage_of
@@ -45,6 +46,7 @@ def write_view(result, path, *, mesh=None, origin=None, size=None):
         **_colours(stage),
         **_sights(stage),
         "counts": stage.counts,
+        "splines": [stage.basis == "bspline" and n > 4 for n in stage.counts],
         "time": _text(stage.time[frames], "<f8"),
         "positions": _text(_flat(stage.positions[frames]) - stage.centre, "<f4"),
         "pinned": stage.pinned.tolist(),
@@ -86,12 +88,13 @@ def _words(stage, frames, mesh):
 
 
 def _surface(stage):
-    """Box coordinates (W, 3), normals (W, 4) of which three count, texture coordinates (W, 2), triangles (F, 3)."""
+    """Parameters (W, 3), normals (W, 4) of which three count, texture coordinates (W, 2), triangles (F, 3)."""
     source, normals, faces = split_at_creases(stage.vertices, stage.faces)
+    places = zip(((stage.vertices[source] - stage.origin) / stage.size).T, stage.counts, strict=True)
     uv = np.zeros((len(source), 2)) if stage.uv is None else stage.uv[source]
     return {
         "cage": int(stage.is_cage),
-        "coordinates": _text((stage.vertices[source] - stage.origin) / stage.size, "<f4"),
+        "coordinates": _text(np.stack([parameter(t, n, stage.basis) for t, n in places], axis=1), "<f4"),
         "normals": _text(np.pad(normals * 32767.0, ((0, 0), (0, 1))).round(), "<i2"),
         "uv": _text(uv, "<f4"),
         "triangles": _text(faces, "<u4"),
@@ -169,7 +172,7 @@ def _largest(stage, frames):
     chosen = np.linspace(0, len(stage.vertices) - 1, min(len(stage.vertices), SAMPLES)).astype(int)
     samples = stage.vertices[chosen]
     few = stage.positions[frames[:: max(1, len(frames) // 100)]]
-    box = {"origin": stage.origin, "size": stage.size}
+    box = {"origin": stage.origin, "size": stage.size, "basis": stage.basis}
     moved = deform(samples, few, **box)
     nudge = 1e-4 * stage.size * np.where(samples > stage.origin + stage.size / 2, -1.0, 1.0)
     nudged = [deform(samples + nudge * axis, few, **box) for axis in np.eye(3)]

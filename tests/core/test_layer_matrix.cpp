@@ -183,6 +183,13 @@ TEST(compressed_springs_have_no_transverse_stiffness) {
   }
 }
 
+TEST(there_are_matrices_for_layers_of_up_to_64_points) {
+  const auto fits = [](int nx, int ny, int nz) { return LayerMatrix::fits({{nx, ny, nz}}); };
+  CHECK(fits(8, 8, 8) && fits(8, 32, 8) && fits(2, 32, 32) && fits(16, 4, 32));
+  CHECK(!fits(9, 8, 9) && !fits(16, 16, 16) && !fits(32, 3, 32) && !fits(32, 32, 32));
+  CHECK(LayerMatrix::points_per_layer({{9, 8, 10}}) == 72);
+}
+
 TEST(coinciding_points_give_no_stiffness) {
   Sample s = sample({}, 1, 0);
   s.x.setZero();

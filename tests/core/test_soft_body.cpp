@@ -117,8 +117,10 @@ TEST(mass_scales_every_point) {
 }
 
 TEST(a_scene_that_explicit_steps_suit_never_factors_a_matrix) {
-  const auto factors = [](double k, double damping, Vec3 stretch, Vec3 spin, int planes, double H) {
+  const auto factors = [](double k, double damping, Vec3 stretch, Vec3 spin, int planes, double H, int side = 4) {
     Definition definition = stretched();
+    definition.lattice.counts = {side, side, side};
+    definition.mass.assign(side * side * side, definition.mass[0]);
     definition.stretch = stretch;
     definition.angular_velocity = spin;
     definition.offset = {0, 0, 0.05};
@@ -137,4 +139,6 @@ TEST(a_scene_that_explicit_steps_suit_never_factors_a_matrix) {
   CHECK(factors(1e5, 0, plain, {0, 0, 20}, 0, 0.1) == 0);    // turns
   CHECK(factors(2e3, 0.1, plain, {0, 1, 0}, 1, 0.01) == 0);  // falls onto the ground
   CHECK(factors(1e7, 0.5, plain, still, 0, 0.1) > 0);        // stiff and quiet: here a matrix is worth it
+  CHECK(factors(1e7, 0.5, plain, still, 0, 0.01, 8) > 0);
+  CHECK(factors(1e7, 0.5, plain, still, 0, 0.01, 9) == 0);  // where the lattice is not too wide for one
 }

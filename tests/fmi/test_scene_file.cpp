@@ -32,6 +32,15 @@ TEST(a_scene_is_read_with_its_values) {
   CHECK(parse_scene(with_first_line(minimal + "volume_stiffness 9000\n")).definition.volume_stiffness == 9000);
 }
 
+TEST(the_basis_is_that_of_beziers_volume_unless_the_scene_says_otherwise) {
+  CHECK(parse_scene(with_first_line(minimal)).basis == softffd::Basis::bezier);
+  CHECK(parse_scene(with_first_line(minimal + "basis bspline\n")).basis == softffd::Basis::bspline);
+}
+
+TEST(the_finest_lattice_is_read) {
+  CHECK(parse_scene(small_scene::Box{.side = 32}.text("")).definition.lattice.points() == 32 * 32 * 32);
+}
+
 TEST(every_changed_byte_is_noticed) {
   const std::string good = with_first_line(minimal);
   for (std::size_t i = 0; i < good.size(); ++i) {
@@ -45,7 +54,7 @@ TEST(every_changed_byte_is_noticed) {
 TEST(faulty_records_are_refused) {
   for (const char* record : {"unknown 1\n", "counts 2 2\n", "counts 1 2 2\n", "counts 2 2 99\n", "size 1 0 1\n", "gravity 0 0 nan\n",
                              "gravity 0 0 1e999\n", "load a\n", "load a 8\n", "load a -1\n", "load a 1.5\n", "plane p moving 0\n",
-                             "step -1\n", "volume_stiffness 0\n", "guid a b\n", "mass 1 1\n"})
+                             "step -1\n", "volume_stiffness 0\n", "basis spline\n", "guid a b\n", "mass 1 1\n"})
     CHECK(refused(with_first_line(minimal + record)));
   CHECK(refused(with_first_line("guid {g}\ncounts 2 2 2\n")));
 }

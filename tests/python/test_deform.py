@@ -5,13 +5,14 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from softffd.bernstein import weights
+from softffd.basis import weights
 from softffd.deform import Embedding, deform
 from softffd.errors import MeshError
 from softffd.mesh import Mesh
 
 ORIGIN, SIZE = np.array([-1.0, 2.0, 0.5]), np.array([2.0, 0.7, 1.3])
 COUNTS = [(2, 2, 2), (4, 4, 4), (3, 5, 2), (32, 2, 7)]
+VOLUMES = [*((counts, "bezier") for counts in COUNTS), ((3, 5, 2), "bspline"), ((32, 4, 7), "bspline"), ((12, 12, 12), "bspline")]
 
 
 def rest_grid(counts):
@@ -32,32 +33,33 @@ def on_box(u, v, w):
     return ORIGIN + SIZE * np.array([[u, v, w]])
 
 
-@pytest.mark.parametrize("counts", COUNTS)
-def test_the_rest_grid_leaves_every_point_where_it_is(counts):
+@pytest.mark.parametrize(("counts", "basis"), VOLUMES)
+def test_the_rest_grid_leaves_every_point_where_it_is(counts, basis):
     points = cloud()
-    moved = deform(points, rest_grid(counts), origin=ORIGIN, size=SIZE)
+    moved = deform(points, rest_grid(counts), origin=ORIGIN, size=SIZE, basis=basis)
     np.testing.assert_allclose(moved, points, atol=1e-14)
 
 
-@pytest.mark.parametrize("counts", COUNTS)
-def test_affine_maps_are_reproduced(counts):
+@pytest.mark.parametrize(("counts", "basis"), VOLUMES)
+def test_affine_maps_are_reproduced(counts, basis):
     matrix, offset = np.random.default_rng(3).normal(size=(3, 3)), np.array([5.0, -1.0, 2.0])
     points = cloud()
-    moved = deform(points, rest_grid(counts) @ matrix.T + offset, origin=ORIGIN, size=SIZE)
+    moved = deform(points, rest_grid(counts) @ matrix.T + offset, origin=ORIGIN, size=SIZE, basis=basis)
     np.testing.assert_allclose(moved, points @ matrix.T + offset, atol=1e-13)
 
 
-@pytest.mark.parametrize("counts", COUNTS)
-def test_it_is_the_triple_sum_of_equation_1(counts):
+@pytest.mark.parametrize(("counts", "basis"), VOLUMES)
+def test_it_is_the_triple_sum_of_equation_1(counts, basis):
     points, positions = cloud(20), moved_grid(counts)
-    u, v, w = (weights(t, n) for t, n in zip(((points - ORIGIN) / SIZE).T, counts, strict=True))
+    u, v, w = (weights(t, n, basis) for t, n in zip(((points - ORIGIN) / SIZE).T, counts, strict=True))
     expected = np.einsum("mi,mj,mk,ijkx->mx", u, v, w, positions)
-    np.testing.assert_allclose(deform(points, positions, origin=ORIGIN, size=SIZE), expected, atol=1e-13)
+    np.testing.assert_allclose(deform(points, positions, origin=ORIGIN, size=SIZE, basis=basis), expected, atol=1e-13)
 
 
-def test_the_object_stays_in_the_convex_hull_of_the_control_points():
-    positions = moved_grid((4, 4, 4))
-    moved = deform(cloud(500), positions, origin=ORIGIN, size=SIZE)
+@pytest.mark.parametrize(("counts", "basis"), [((4, 4, 4), "bezier"), ((9, 5, 12), "bspline")])
+def test_the_object_stays_in_the_convex_hull_of_the_control_points(counts, basis):
+    positions = moved_grid(counts)
+    moved = deform(cloud(500), positions, origin=ORIGIN, size=SIZE, basis=basis)
     for direction in np.random.default_rng(4).normal(size=(50, 3)):
         assert (moved @ direction).max() <= (positions @ direction).max()
 
@@ -103,6 +105,16 @@ def test_working_in_small_blocks_changes_nothing(monkeypatch):
     monkeypatch.setattr(module, "_KEPT", 0)
     monkeypatch.setattr(module, "_BLOCK", 500)
     np.testing.assert_allclose(deform(points, positions, origin=ORIGIN, size=SIZE), whole, atol=1e-14)
+
+
+def test_a_large_lattice_of_bsplines_is_worked_point_by_point_with_the_same_result(monkeypatch):
+    """Only the points that count are looked at where all of them together would be too many."""
+    points, positions = cloud(), np.stack([moved_grid((16, 9, 12), seed) for seed in range(2)])
+    box = {"origin": ORIGIN, "size": SIZE, "basis": "bspline"}
+    whole, one = deform(points, positions, **box), deform(points, positions[0], **box)
+    monkeypatch.setattr(import_module("softffd.deform"), "_KEPT", 0)
+    np.testing.assert_allclose(deform(points, positions, **box), whole, atol=1e-13)
+    np.testing.assert_allclose(deform(points, positions[0], **box), one, atol=1e-13)
 
 
 def test_an_embedding_is_used_again_and_again():

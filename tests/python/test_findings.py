@@ -13,7 +13,6 @@ from softffd import load_scene, package_fmu, simulate
 from softffd.cli import _print_summary, main
 from softffd.findings import findings
 from softffd.picture import draw_run
-from softffd.scene_checks import LIMITS
 
 
 def test_error_of_a_built_fmu_needs_the_variable(folder, capsys):
@@ -36,7 +35,6 @@ def test_an_estimated_error_is_in_the_summary_in_words_and_on_the_picture(tmp_pa
     assert rows[0].min() == 255 and rows[1].min() < 150  # words in the upper right corner, beside the title
 
 
-@pytest.mark.skipif(any(limit.key == "error_estimate" for limit in LIMITS), reason="solver.error_estimate is not available in this version")
 def test_run_with_error_estimates_the_error_of_a_scene(folder, capsys):
     Path("small.toml").write_text(SMALL + '[solver]\nmethod = "leapfrog"\nstep = 1e-4\n')
     assert main(["run", "small.toml", "--error", "-o", "out"]) == 0

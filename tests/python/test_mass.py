@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 import trimesh
 
-from softffd.bernstein import weights
+from softffd.basis import weights
 from softffd.errors import SoftffdError
-from softffd.mass import DISTRIBUTIONS, enclosed_volume, point_masses, triangle_rule
+from softffd.mass import DISTRIBUTIONS, enclosed_volume, point_masses
+from softffd.mass_bspline import knots
 from softffd.mesh import Mesh, load_mesh
+from softffd.quadrature import sufficient_degrees, triangle_rule
 
-mass_module = import_module("softffd.mass")
 SHARED = Path(__file__).resolve().parents[2].parent / "shared" / "data"
 COUNTS = [(2, 2, 2), (4, 4, 4), (3, 6, 2), (9, 4, 12)]
+VOLUMES = [*((counts, "bezier") for counts in COUNTS), ((5, 6, 7), "bspline"), ((9, 4, 12), "bspline"), ((12, 8, 3), "bspline")]
 
 
 def sphere(subdivisions=2):
@@ -70,15 +72,17 @@ def centroid(distribution, mesh):
 
 
 @pytest.mark.parametrize("make", [sphere, wedge, box])
-@pytest.mark.parametrize("counts", COUNTS)
+@pytest.mark.parametrize(("counts", "basis"), VOLUMES)
 @pytest.mark.parametrize("distribution", ["vertices", "surface", "volume"])
-def test_total_and_centre_of_mass_are_kept(distribution, counts, make):
-    mesh = make()
-    found = masses(distribution, mesh, counts=counts, margin=0.05, total=7.0)
+def test_total_and_centre_of_mass_are_kept(distribution, counts, basis, make):
+    """Far from a vertex a B-spline's control point has no mass: there the even share, whose shift is known, fills in."""
+    mesh, share = make(), 1e-3 if basis == "bspline" else 0.0
+    found = masses(distribution, mesh, counts=counts, margin=0.05, total=7.0, basis=basis, uniform_share=share)
     assert found.mass.sum() == pytest.approx(7.0, rel=1e-14)
-    assert centre_of_mass(found, mesh, counts, 0.05) == pytest.approx(centroid(distribution, mesh), abs=1e-13)
+    assert centre_of_mass(found, mesh, counts, 0.05) - found.shift == pytest.approx(centroid(distribution, mesh), abs=1e-13)
     assert found.mass.min() > 0
-    np.testing.assert_array_equal(found.shift, 0.0)
+    if share == 0:
+        np.testing.assert_array_equal(found.shift, 0.0)
 
 
 @pytest.mark.parametrize("counts", COUNTS)
@@ -122,18 +126,43 @@ def test_the_triangle_rule_is_exact_to_its_degree_and_not_beyond(degree):
 
 
 @pytest.mark.parametrize("distribution", ["surface", "volume"])
-@pytest.mark.parametrize("counts", [(4, 4, 4), (9, 4, 12)])
+@pytest.mark.parametrize(("counts", "basis"), [((4, 4, 4), "bezier"), ((9, 4, 12), "bezier"), ((9, 4, 12), "bspline"), ((5, 6, 7), "bspline")])
 @pytest.mark.parametrize("make", [sphere, wedge])
-def test_a_much_finer_quadrature_changes_nothing(distribution, counts, make, monkeypatch):
-    found = masses(distribution, make(), counts=counts)
-    monkeypatch.setattr(mass_module, "_sufficient_degrees", lambda corners, _, exact: np.full(len(corners), 2 * exact))
-    finer = masses(distribution, make(), counts=counts)
+def test_a_much_finer_quadrature_changes_nothing(distribution, counts, basis, make, monkeypatch):
+    keys = {"counts": counts, "basis": basis, "uniform_share": 1e-9}
+    found = masses(distribution, make(), **keys)
+    for name in ("softffd.mass", "softffd.mass_bspline"):
+        monkeypatch.setattr(import_module(name), "sufficient_degrees", lambda reach, exact: np.full(len(reach), 2 * exact))
+    finer = masses(distribution, make(), **keys)
     np.testing.assert_allclose(found.mass, finer.mass, rtol=0, atol=1e-13 * found.mass.mean())
+
+
+@pytest.mark.parametrize("counts", [(5, 6, 7), (12, 3, 9)])
+def test_a_solid_of_bsplines_that_fills_the_box_gives_each_point_the_integrals_of_its_weights(counts):
+    t, share = (part[None] for part in np.polynomial.legendre.leggauss(200))
+    axes = []
+    for n in counts:
+        ends = knots(n)
+        half = np.diff(ends)[:, None] / 2
+        axes.append((half * share).reshape(-1) @ weights((ends[:-1, None] + half * (1 + t)).reshape(-1), n, "bspline"))
+    expected = np.einsum("i,j,k->kji", *axes).reshape(-1)
+    np.testing.assert_allclose(masses("volume", box(), counts=counts, basis="bspline").mass, expected, rtol=1e-11)
+
+
+def test_a_small_body_gives_mass_to_the_control_points_near_it_alone():
+    ball = sphere()
+    found = point_masses(
+        "volume", counts=(12, 12, 12), origin=[0, -2, -3], size=[6, 4, 4], mesh=ball, total=1.0, uniform_share=1e-6, basis="bspline"
+    )
+    heavy = found.mass.reshape(12, 12, 12) > 2e-6 / 12**3
+    at = np.stack(np.meshgrid(*[np.linspace(a, b, 12) for a, b in ((-3, 1), (-2, 2), (0, 6))], indexing="ij"), axis=-1)[..., ::-1][heavy]
+    cell = np.array([6, 4, 4]) / 11
+    assert (at >= ball.bounds[0] - 2.1 * cell).all() and (at <= ball.bounds[1] + 2.1 * cell).all()
 
 
 def test_small_triangles_need_fewer_samples():
     corners = np.array([[[0.5, 0.5, 0.5], [0.51, 0.5, 0.5], [0.5, 0.51, 0.5]], [[0, 0, 0], [1, 0, 0], [0, 1, 0]]])
-    small, large = mass_module._sufficient_degrees(corners, (16, 16, 16), 45)
+    small, large = sufficient_degrees(15 * np.ptp(corners, axis=1).sum(axis=1), 45)
     assert small < 20 < large == 45
 
 
@@ -145,15 +174,17 @@ def test_cutting_the_triangles_changes_nothing(distribution):
     np.testing.assert_allclose(coarse.mass, fine.mass, atol=1e-15)
 
 
-def test_the_volume_distribution_is_that_of_random_points_in_the_solid():
+@pytest.mark.parametrize(("counts", "basis"), [((4, 4, 4), "bezier"), ((6, 5, 8), "bspline")])
+def test_the_volume_distribution_is_that_of_random_points_in_the_solid(counts, basis):
     """Means over 200,000 points; five standard errors are allowed."""
     mesh = wedge()
     points = np.random.default_rng(5).dirichlet(np.ones(4), 200_000) @ mesh.vertices
     low, high = mesh.bounds
-    u, v, w = (weights(t, 4) for t in ((points - low) / (high - low)).T)
+    u, v, w = (weights(t, n, basis) for t, n in zip(((points - low) / (high - low)).T, counts, strict=True))
     samples = (w[:, :, None, None] * v[:, None, :, None] * u[:, None, None, :]).reshape(len(points), -1)
-    error = samples.std(axis=0) / np.sqrt(len(points))
-    assert (np.abs(masses("volume", mesh).mass - samples.mean(axis=0)) < 5 * error).all()
+    error = samples.std(axis=0) / np.sqrt(len(points)) + 1e-9
+    found = masses("volume", mesh, counts=counts, basis=basis, uniform_share=1e-9)
+    assert (np.abs(found.mass - samples.mean(axis=0)) < 5 * error).all()
 
 
 def test_the_surface_distribution_is_that_of_random_points_on_it():

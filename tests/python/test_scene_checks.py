@@ -4,7 +4,6 @@ import pytest
 
 from softffd.errors import SceneError
 from softffd.scene import scene_from
-from softffd.scene_checks import LIMITS
 
 CLOSED = "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 OPEN = CLOSED.removesuffix("f 2 3 4\n")
@@ -28,17 +27,23 @@ def with_mesh(folder, name, **document):
     return problems({"mesh": {"file": f"{name}.obj"}} | document, folder / "scene.toml")
 
 
-NOT_YET = {
-    "lattice.basis": "bspline",
-    "lattice.points": [9, 4, 4],
-}
+@pytest.mark.parametrize(("points", "layer"), [([9, 9, 8], "8 x 9"), ([32, 32, 32], "32 x 32"), ([32, 3, 22], "3 x 22")])
+def test_a_lattice_too_wide_for_matrices_has_no_implicit_method(points, layer):
+    (line,) = problems({"lattice": {"points": points}, "solver": {"method": "ros34pw2"}})
+    assert line == (
+        "solver.method: wanted a lattice of at most 64 control points in a layer across its axis with most, or the method's matrices "
+        f'are too large, got "ros34pw2" with {layer} in a layer; take "auto", or "dop853" for high accuracy, instead'
+    )
 
 
-@pytest.mark.parametrize("limit", LIMITS, ids=lambda limit: f"{limit.section}.{limit.key}")
-def test_what_is_not_available_yet_says_so_and_what_is(limit):
-    (line,) = problems({limit.section: {limit.key: NOT_YET[f"{limit.section}.{limit.key}"]}})
-    assert line.startswith(f"{limit.section}.{limit.key}: ")
-    assert f"is not available yet in this version; available: {limit.available}" in line
+@pytest.mark.parametrize("points", [[8, 8, 8], [32, 8, 8], [2, 32, 32]])
+def test_narrow_lattices_have_every_method(points):
+    assert scene_from({"lattice": {"points": points}, "solver": {"method": "ros34pw2"}})
+
+
+@pytest.mark.parametrize("basis", ["bezier", "bspline"])
+def test_the_finest_lattice_is_allowed_with_either_basis(basis):
+    assert len(scene_from({"lattice": {"points": [32, 32, 32], "basis": basis}}).rest_positions()) == 32**3
 
 
 @pytest.mark.parametrize("section", ["plane", "pin", "load", "probe"])
@@ -167,7 +172,7 @@ def test_control_points_that_fall_together_in_double_precision_are_refused(box):
 def test_all_problems_come_at_once_also_beside_faulty_values():
     document = {
         "titel": "x",
-        "lattice": {"points": [4, 3, 3], "size": [1, -1, 1], "basis": "bspline"},
+        "lattice": {"points": [4, 3, 3], "size": [1, -1, 1], "basis": "splines"},
         "material": {"damping": -1, "stifness": 3},
         "plane": [{"name": "a", "normal": [0, 0, 0]}, {"name": "a", "frction": 0.1}],
         "pin": [{"name": "b", "points": "z-"}, {"points": [[0, 0, 0], [0, 3, 0]]}],

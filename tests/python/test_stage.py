@@ -61,11 +61,18 @@ def test_unrecorded_positions_are_refused_with_the_key_that_helps():
         stage_of(result)
 
 
-def test_a_volume_that_is_not_bezier_is_refused():
-    result = made_up_run()
-    result.scene.lattice.basis = "bspline"
-    with pytest.raises(SoftffdError, match="bspline"):
-        stage_of(result)
+def test_the_surface_follows_the_basis_of_the_scene():
+    """One control point moved: all of a Bezier volume moves, of B-splines only what is near."""
+    result = made_up_run(counts=(9, 4, 4))
+    moved = result.positions[0].copy()
+    moved[0, 0, 0, 2] += 1.0
+    reach = []
+    for basis in ("bezier", "bspline"):
+        result.scene.lattice.basis = basis
+        stage = stage_of(result)
+        change = (stage.deformed(moved) - stage.deformed(result.positions[0]))[:, 2]
+        reach.append(((stage.vertices[change > 1e-12] - ORIGIN) / SIZE).max(axis=0)[0])
+    assert reach[0] > 0.9 and 0.1 < reach[1] < 2 / 8
 
 
 @pytest.mark.parametrize(("length", "rounded"), [(1.0, 1.0), (0.99, 0.5), (7.0, 5.0), (0.021, 0.02), (300.0, 200.0)])

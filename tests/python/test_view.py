@@ -14,7 +14,8 @@ from softffd import view
 from softffd.deform import deform
 from softffd.errors import SoftffdError
 from softffd.mesh import Mesh
-from softffd.surface import cage_surface
+from softffd.stage import stage_of
+from softffd.surface import cage_surface, split_at_creases
 from softffd.view import write_view
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -206,19 +207,20 @@ def test_a_run_without_recorded_positions_is_refused(tmp_path):
 
 
 @needs_browser
-@pytest.mark.parametrize("counts", [(4, 4, 4), (2, 8, 5)])
-def test_shader_evaluates_the_volume_its_normals_and_its_strain(tmp_path, counts):
+@pytest.mark.parametrize(("counts", "basis"), [((4, 4, 4), "bezier"), ((2, 8, 5), "bezier"), ((5, 9, 3), "bspline"), ((32, 6, 12), "bspline")])
+def test_shader_evaluates_the_volume_its_normals_and_its_strain(tmp_path, counts, basis):
     result = made_up_run(counts=counts)
+    result.scene.lattice.basis = basis
     page = write_view(result, tmp_path / "view.html")
     question = ASK_THE_SHADER.replace("TIMES", json.dumps([0.0, 1.2, 1.225]))
     page.write_text(page.read_text("utf-8").replace("</body>", question + "</body>"), "utf-8")
     shown = chromium(f"file://{page}#t=0", tmp_path, "--dump-dom")
     run, answers = run_of(page), json.loads(re.search(r'<pre id="answer">(.*?)</pre>', shown)[1])
-    rest = decoded(run["coordinates"], "<f4", 3) * SIZE + ORIGIN
+    rest = stage_of(result).vertices[split_at_creases(stage_of(result).vertices, stage_of(result).faces)[0]]
     normals = decoded(run["normals"], "<i2", 4)[:, :3] / 32767
     frames = [result.positions[0], result.positions[24], (result.positions[24] + result.positions[25]) / 2]
     for answer, positions in zip(np.reshape(answers, (3, -1, 8)), frames, strict=True):
-        place, gradient = volume(rest, positions)
+        place, gradient = volume(rest, positions, basis)
         cofactor = np.linalg.det(gradient)[:, None, None] * np.linalg.inv(gradient).transpose(0, 2, 1)
         green = (np.einsum("vab,vac->vbc", gradient, gradient) - np.eye(3)) / 2
         assert np.allclose(answer[:, :3] - run["origin"] + ORIGIN, place, atol=2e-6)
@@ -227,9 +229,9 @@ def test_shader_evaluates_the_volume_its_normals_and_its_strain(tmp_path, counts
         assert np.allclose(answer[:, 7], np.linalg.norm(green, axis=(1, 2)), atol=1e-4)
 
 
-def volume(rest, positions):
+def volume(rest, positions, basis):
     """Q (V, 3) and its gradient (V, 3, 3) by central differences; inside, or one-sided at the box's faces."""
-    box = {"origin": ORIGIN, "size": SIZE}
+    box = {"origin": ORIGIN, "size": SIZE, "basis": basis}
     columns = []
     for axis in np.eye(3):
         ahead, behind = (np.clip(rest + s * 1e-5 * axis, ORIGIN, ORIGIN + SIZE) for s in (1, -1))

@@ -1,11 +1,13 @@
 """Forces, loads, probes and regional overrides act as stated."""
 
+import re
+
 import numpy as np
 import pytest
 import reference
 from readings import points, vector, velocities
 
-from softffd import simulate
+from softffd import deform, simulate
 
 LOADED = """
 [lattice]
@@ -167,6 +169,18 @@ at = [2.0, 2.5, 5.0]
 stop_time = 0.5
 communication_step = 0.05
 """
+
+
+@pytest.mark.parametrize(("name", "at"), [("inside", [1.3, 2.85, 5.9]), ("corner", [3.0, 3.0, 7.0]), ("middle", [2.0, 2.5, 5.0])])
+def test_a_probe_in_bsplines_is_the_point_that_the_object_has_there(scene, name, at):
+    """Of a fine lattice, against the Python package's own deformation of that point."""
+    text = PROBED.replace("[lattice]", '[lattice]\nbasis = "bspline"', 1)
+    result = simulate(scene(re.sub(r"points = \[\d.*\]", "points = [9, 6, 12]", text, count=1)))
+    lattice = result.scene.lattice
+    assert lattice.points == (9, 6, 12)
+    expected = deform(np.array([at]), result.positions, origin=lattice.origin, size=lattice.size, basis="bspline")[:, 0]
+    assert vector(result, f"probe.{name}") == pytest.approx(expected, abs=1e-13)
+    assert np.ptp(vector(result, f"probe.{name}"), axis=0).max() > 1e-3
 
 
 @pytest.mark.parametrize(("name", "at"), [("inside", [1.3, 2.85, 5.9]), ("corner", [3.0, 3.0, 7.0]), ("middle", [2.0, 2.5, 5.0])])

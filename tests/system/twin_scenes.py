@@ -58,6 +58,12 @@ step = 2.5e-4
 stop_time = 0.3
 """
 
+FINE = """
+[lattice]
+points = [7, 5, 4]
+basis = "bspline"
+"""
+
 DROP = """
 [material]
 stiffness = 2e3
@@ -252,6 +258,7 @@ SMOOTH = {
     "published": (FREE.replace("DAMPING", "0.02").replace("METHOD", "central_difference"), None, 1e-11),
     "stiff, under held forces": (STIFF, pull, 1e-12),
     "regions, a load, strong damping": (PATCHED, push, 1e-12),
+    "a probe in B-splines": (PATCHED.replace("damping = 30.0", "damping = 3.0") + FINE, push, 1e-12),
     "pins, one moving": (HELD.replace("METHOD", "leapfrog"), wave, 1e-12),
     "pins, published": (HELD.replace("METHOD", "central_difference"), wave, 1e-11),
 }

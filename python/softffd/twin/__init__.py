@@ -20,6 +20,7 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 
+from softffd.basis import weights
 from softffd.drivers import MENDING
 from softffd.errors import SoftffdError
 from softffd.model_description import GUID_PLACE, model_description
@@ -91,7 +92,7 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
         "planes": [{"name": plane.name, "motion": plane.motion} for plane in scene.plane],
         "pins": [{"name": pin.name, "motion": pin.motion, "points": points(pin.points)} for pin in scene.pin],
         "loads": {load.name: points(load.points) for load in scene.load},
-        "probes": {probe.name: probe.at for probe in scene.probe},
+        "probes": {probe.name: _embedded(probe.at, scene.lattice) for probe in scene.probe},
         "forces": points(scene.inputs.forces),
         "position": points(scene.outputs.positions),
         "velocity": points(scene.outputs.velocities),
@@ -100,6 +101,15 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
         "methods": {str(method["value"]): method["key"] for method in table()["method"]},
         "variables": [{"name": v.name, "reference": v.reference, "start": v.start} for v in variables(scene, mass)],
     }
+
+
+def _embedded(at, lattice) -> tuple[list[int], list[float]]:
+    """The control points that count at a place of the rest shape, eq. (1), and how much."""
+    shares = (np.array(at) - lattice.origin) / lattice.size
+    u, v, w = (weights(t, n, lattice.basis)[0] for t, n in zip(shares, lattice.points, strict=True))
+    product = np.einsum("k,j,i->kji", w, v, u).ravel()
+    points = np.flatnonzero(product)
+    return points.tolist(), product[points].tolist()
 
 
 def _without_balances(scene: Scene) -> Scene:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
-from math import comb
 
 import numpy as np
 
@@ -45,12 +44,6 @@ def _on_box_edge(pairs: np.ndarray, counts) -> np.ndarray:
     outside = (ends == 0) | (ends == np.array(counts) - 1)
     along = ends[:, 0] != ends[:, 1]
     return ((outside.all(axis=1) & ~along).sum(axis=1) == 2).astype(int)
-
-
-def bernstein(t: float, count: int) -> np.ndarray:
-    """Eq. (2) for `count` control points, at t: (count,)."""
-    degree = count - 1
-    return np.array([comb(degree, i) * t**i * (1 - t) ** (degree - i) for i in range(count)])
 
 
 @dataclass(frozen=True, eq=False)

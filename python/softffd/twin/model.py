@@ -11,7 +11,7 @@ from math import ceil
 
 import numpy as np
 
-from .body import Body, bernstein, rest_positions, spring_list
+from .body import Body, rest_positions, spring_list
 from .fixtures import TOUCHING, Fixture, HalfSpace, Obstacle, Pin, Surroundings, TwinError, rotation
 from .methods import METHODS, TWO_PLANES, CentralDifference, Motion, quotient
 
@@ -27,7 +27,6 @@ class Model:
         self.rest = rest_positions(scene["counts"], scene["origin"], scene["size"])
         self.pairs, self.kinds = spring_list(scene["counts"], scene["topology"])
         self.length = np.linalg.norm(self.rest[self.pairs[:, 0]] - self.rest[self.pairs[:, 1]], axis=1)
-        self.probes = {name: self._weights(at) for name, at in scene["probes"].items()}
 
     def initialize(self, values: Mapping[str, float], time: float) -> None:
         """The state at the start; points behind a plane are moved onto it."""
@@ -60,8 +59,8 @@ class Model:
         for what, rows in (("position", self.motion.x), ("velocity", self.motion.v)):
             for p in scene[what]:
                 found |= _vector(self._at_point(what, p), rows[p])
-        for name, weights in self.probes.items():
-            found |= _vector(f"probe.{name}", weights @ self.motion.x)
+        for name, (points, weights) in scene["probes"].items():
+            found |= _vector(f"probe.{name}", np.array(weights) @ self.motion.x[points])
         if scene["reactions"]:
             for plane, obstacle in zip(scene["planes"], self.around.obstacles, strict=True):
                 on = obstacle.at(self.motion.time).gap(self.motion.x) <= TOUCHING * self.around.largest_side
@@ -166,12 +165,6 @@ class Model:
         limit = step if step > 0 else 0.9 * self.body.stable_step()
         steps = max(1, ceil(length / limit * (1 - 1e-12)))
         return length / steps, steps
-
-    def _weights(self, at) -> np.ndarray:
-        """Weights (n,) of the control points at a place of the rest shape, eq. (1)."""
-        shares = (np.array(at) - self.scene["origin"]) / self.scene["size"]
-        u, v, w = (bernstein(t, count) for t, count in zip(shares, self.scene["counts"], strict=True))
-        return np.einsum("k,j,i->kji", w, v, u).ravel()
 
 
 def _read(values: Mapping[str, float], name: str) -> np.ndarray:
