@@ -1,5 +1,8 @@
 #include "logger.hpp"
 
+#include <array>
+#include <charconv>
+
 #include <algorithm>
 #include <iterator>
 #include <string_view>
@@ -61,6 +64,11 @@ bool Logger::on(const char* category) const { return callback_ && enabled_[categ
 void Logger::log(fmi2Status status, const char* category, std::string_view message) const {
   if (!callback_ || (status < fmi2Error && !on(category))) return;
   callback_(environment_, instance_name_.c_str(), status, category, escaped(message).c_str());
+}
+
+std::string number(double value) {
+  std::array<char, 32> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 9).ptr};
 }
 
 }  // namespace softffd::fmi

@@ -29,4 +29,7 @@ class Logger {
   std::vector<bool> enabled_;
 };
 
+/// A value with nine digits, for messages.
+std::string number(double value);
+
 }  // namespace softffd::fmi

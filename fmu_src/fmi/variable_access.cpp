@@ -153,8 +153,8 @@ void Instance::check_settable(const Variable& variable, fmi2ValueReference refer
   if (info.family == Family::solver_method && !available(value))
     throw CallError(name(reference) + ": ros34pw2 is for lattices with at most " + std::to_string(LayerMatrix::widest) +
                     " control points in a layer across the axis with most, this one has " +
-                    std::to_string(LayerMatrix::points_per_layer(body_.lattice())) + "; wanted auto (1) or an explicit method, e.g. dop853 (" +
-                    std::to_string(int(MethodValue::dop853)) + ")");
+                    std::to_string(LayerMatrix::points_per_layer(body_.lattice())) +
+                    "; wanted auto (1) or an explicit method, e.g. dop853 (" + std::to_string(int(MethodValue::dop853)) + ")");
 }
 
 void Instance::set(Type type, const fmi2ValueReference* references, std::size_t count, const double* numbers) {
