@@ -35,7 +35,9 @@ def main() -> None:
                 laps = [(_run(component, side, lap), _run(base, SIDES[0], lap)) for lap in range(REPEATS)]
             own, other = (1e9 * min(times) / POINT_STEPS for times in zip(*laps, strict=True))
             megabytes = fmu.stat().st_size / 1e6
-            print(f"{side:2}^3 {side**3:6} {seconds:8.2f} {megabytes:8.2f} {opened:8.2f} {state / 1e6:9.2f} {own:13.1f} {own / other:14.2f}")
+            print(
+                f"{side:2}^3 {side**3:6} {seconds:8.2f} {megabytes:8.2f} {opened:8.2f} {state / 1e6:9.2f} {own:13.1f} {own / other:14.2f}"
+            )
 
 
 def _build(folder: Path, side: int) -> tuple[Path, float]:

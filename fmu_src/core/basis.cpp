@@ -25,7 +25,7 @@ Scalars bernstein(double t, int n) {
 struct Span {
   int first;
   std::array<double, 4> values;
-  double slope;  ///< (n - 1) dX/ds
+  double slope;                                                                         ///< (n - 1) dX/ds
   double place() const { return first + (values[1] + 2 * values[2] + 3 * values[3]); }  ///< (n - 1) X
 };
 

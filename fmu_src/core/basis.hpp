@@ -1,8 +1,8 @@
 /// Basis functions: how much each control point counts at a point of the object.
 ///
 /// At rest the n control points of an axis stand at equal distances, c_i = i / (n - 1). The weights W_i(t) at a place t from 0 to 1 are not
-/// negative, sum to one and reproduce the place, sum W_i c_i = t: the undeformed object is itself, the deformed one stays in the convex hull
-/// of the control points.
+/// negative, sum to one and reproduce the place, sum W_i c_i = t: the undeformed object is itself, the deformed one stays in the convex
+/// hull of the control points.
 ///
 /// Bezier volume (Xia & Wang 2009, eq. (1) and (2)): Bernstein polynomials of degree n - 1. B-splines: uniform, cubic, clamped, with knots
 /// 0, 0, 0, 0, 1, .., L, L, L, L, L = n - 3. These do not reproduce places,

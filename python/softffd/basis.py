@@ -57,17 +57,20 @@ def support(n: int, basis: str) -> int:
 def parameter(t: np.ndarray, n: int, basis: str) -> np.ndarray:
     """The parameter s of each place, (m,): X(s) = t, in spans 0 .. n - 3 of B-splines, and t itself with one span.
 
-    Newton's method, from s as in the middle: on the side from which the curvature of X makes it approach the
-    solution without passing it.
+    Three cells from the ends s is known. Nearer, Newton's method starts from the same s: on the side from which the
+    curvature of X makes it approach the solution without passing it.
     """
     t = np.asarray(t, dtype=float).reshape(-1)
     if _one_span(n, basis):
         return t
     wanted = t * (n - 1)
     s = np.clip(wanted - 1, 0, n - 3)
+    bent = np.flatnonzero(np.minimum(wanted, n - 1 - wanted) < 3)
+    found = s[bent]
     for _ in range(NEWTON_STEPS):
-        first, values, slope = bsplines(s, n)
-        s += (wanted - (first + values @ np.arange(4.0))) / slope
+        first, values, slope = bsplines(found, n)
+        found += (wanted[bent] - (first + values @ np.arange(4.0))) / slope
+    s[bent] = found
     return s
 
 

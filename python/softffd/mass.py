@@ -117,7 +117,9 @@ def _shares(distribution: str, counts, origin, size, mesh: Mesh | None, basis: s
     solid = distribution == "volume"
     if solid:
         enclosed_volume(mesh)
-    shares = triangle_shares(corners, np.asarray(size), counts, solid=solid) if basis == "bspline" else _integrals(corners, mesh, counts, solid)
+    shares = (
+        triangle_shares(corners, np.asarray(size), counts, solid=solid) if basis == "bspline" else _integrals(corners, mesh, counts, solid)
+    )
     return _outwards(shares / shares.sum(), mesh) if solid else shares
 
 

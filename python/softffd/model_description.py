@@ -5,9 +5,9 @@ from __future__ import annotations
 from xml.etree import ElementTree as Xml
 
 from softffd import __version__
+from softffd.data import available_methods, table
 from softffd.scene import Scene
 from softffd.variables import Variable
-from softffd.data import available_methods, table
 
 GUID_PLACE = "{softffd-guid}"
 """Stands where the guid goes; the guid is a hash of everything else."""

@@ -27,8 +27,8 @@ def _method(draft: Draft) -> Iterator[Fault]:
     if method not in [row["key"] for row in available_methods(counts)]:
         widest = next(row["widest_layer"] for row in table()["method"] if row["key"] == method)
         layer = " x ".join(map(str, sorted(counts)[:2]))
-        wanted = f"wanted a lattice of at most {widest} control points in a layer across its axis with most, or the method's matrices are too large"
-        got = f"got {toml_text(method)} with {layer} in a layer"
+        wanted = f"wanted a lattice of at most {widest} control points in a layer across its axis with most"
+        got = f"or the method's matrices are too large, got {toml_text(method)} with {layer} in a layer"
         yield Fault(("solver", "method"), f'{wanted}, {got}; take "auto", or "dop853" for high accuracy, instead')
 
 

@@ -1,8 +1,8 @@
 """The interactive page of a run: one HTML file that needs nothing else.
 
 The page carries the surface at rest and the control points of every frame; its vertex shader evaluates the volume,
-so a frame costs the control points whatever the size of the mesh; of B-splines 64 of them count at a vertex. `view.html` is the page with its style,
-`view_drawing.js` and `view.glsl` draw, `view.js` listens and tells.
+so a frame costs the control points whatever the size of the mesh; of B-splines 64 of them count at a vertex.
+`view.html` is the page with its style, `view_drawing.js` and `view.glsl` draw, `view.js` listens and tells.
 """
 
 import base64

@@ -37,9 +37,7 @@ TEST(the_basis_is_that_of_beziers_volume_unless_the_scene_says_otherwise) {
   CHECK(parse_scene(with_first_line(minimal + "basis bspline\n")).basis == softffd::Basis::bspline);
 }
 
-TEST(the_finest_lattice_is_read) {
-  CHECK(parse_scene(small_scene::Box{.side = 32}.text("")).definition.lattice.points() == 32 * 32 * 32);
-}
+TEST(the_finest_lattice_is_read) { CHECK(parse_scene(small_scene::Box{.side = 32}.text("")).definition.lattice.points() == 32 * 32 * 32); }
 
 TEST(every_changed_byte_is_noticed) {
   const std::string good = with_first_line(minimal);

@@ -89,6 +89,7 @@ TEST(a_state_that_names_a_method_with_matrices_is_refused) {
   const std::size_t method = before.size() / 8 - 6 * points - 5;
   for (std::size_t word : {method, method + 1}) {
     CHECK(loads(instance, before, word, std::uint64_t(Method::dop853)));
-    for (Method implicit : {Method::ros34pw2, Method::backward_euler, Method::floating_frame}) CHECK(!loads(instance, before, word, std::uint64_t(implicit)));
+    for (Method implicit : {Method::ros34pw2, Method::backward_euler, Method::floating_frame})
+      CHECK(!loads(instance, before, word, std::uint64_t(implicit)));
   }
 }

@@ -126,7 +126,9 @@ def test_the_triangle_rule_is_exact_to_its_degree_and_not_beyond(degree):
 
 
 @pytest.mark.parametrize("distribution", ["surface", "volume"])
-@pytest.mark.parametrize(("counts", "basis"), [((4, 4, 4), "bezier"), ((9, 4, 12), "bezier"), ((9, 4, 12), "bspline"), ((5, 6, 7), "bspline")])
+@pytest.mark.parametrize(
+    ("counts", "basis"), [((4, 4, 4), "bezier"), ((9, 4, 12), "bezier"), ((9, 4, 12), "bspline"), ((5, 6, 7), "bspline")]
+)
 @pytest.mark.parametrize("make", [sphere, wedge])
 def test_a_much_finer_quadrature_changes_nothing(distribution, counts, basis, make, monkeypatch):
     keys = {"counts": counts, "basis": basis, "uniform_share": 1e-9}

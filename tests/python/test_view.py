@@ -207,7 +207,9 @@ def test_a_run_without_recorded_positions_is_refused(tmp_path):
 
 
 @needs_browser
-@pytest.mark.parametrize(("counts", "basis"), [((4, 4, 4), "bezier"), ((2, 8, 5), "bezier"), ((5, 9, 3), "bspline"), ((32, 6, 12), "bspline")])
+@pytest.mark.parametrize(
+    ("counts", "basis"), [((4, 4, 4), "bezier"), ((2, 8, 5), "bezier"), ((5, 9, 3), "bspline"), ((32, 6, 12), "bspline")]
+)
 def test_shader_evaluates_the_volume_its_normals_and_its_strain(tmp_path, counts, basis):
     result = made_up_run(counts=counts)
     result.scene.lattice.basis = basis
