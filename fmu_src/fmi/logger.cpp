@@ -1,9 +1,8 @@
 #include "logger.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
-
-#include <algorithm>
 #include <iterator>
 #include <string_view>
 

@@ -167,7 +167,7 @@ def test_case_is_refused_with_its_reason(name):
 
 
 def test_names_are_chosen_by_parts_and_unknown_ones_refused():
-    assert planned(["S7 crush to 40"]).names == ["S7 crush to 40%", "S7 crush to 40%, volume"]
+    assert planned(["S7 crush to 40"]).names == ["S7 crush to 40%", "S7 crush to 40%, volume", "S7 crush to 40%, very stiff"]
     assert planned(["plane jumps"]).panels == []
     assert planned(["map"]).names == []
     assert (planned(["cases"]).names, planned(["cases"]).panels) == (list(CASES), [])

