@@ -16,7 +16,9 @@ constexpr double finer = 2.0 / 3;
 }  // namespace
 
 ErrorEstimate::ErrorEstimate(const Definition& definition)
-    : shadow_(definition), slopes_(Points::Zero(definition.lattice.points(), 3)), change_(slopes_), force_(slopes_) {}
+    : shadow_(definition), change_(Points::Zero(definition.lattice.points(), 3)), force_(change_) {
+  tally_.slopes = change_;
+}
 
 void ErrorEstimate::take_settings(const Settings& settings) {
   const Settings& old = shadow_.settings;
@@ -28,12 +30,9 @@ void ErrorEstimate::take_settings(const Settings& settings) {
 
 void ErrorEstimate::initialize(const SoftBody& body, double t0) {
   take_settings(body.settings);
-  time_ = ratio_time_ = value_ = 0;
-  vibration_ = {};
-  slopes_.setZero();
-  kept_ = damped_away_ = 0;
-  steps_ = 0;
-  lost_ = shadow_.initialize(t0) != StepStatus::ok;
+  tally_ = {.vibration = {}, .slopes = tally_.slopes};
+  tally_.slopes.setZero();
+  tally_.lost = shadow_.initialize(t0) != StepStatus::ok;
 }
 
 /// Sets the shadow's steps for a communication step; returns r^p.
@@ -52,32 +51,32 @@ double ErrorEstimate::choose_steps(const SoftBody& body, double H, long taken) {
 }
 
 void ErrorEstimate::follow(const SoftBody& body, double H) {
-  if (lost_) return;
+  if (tally_.lost) return;
   take_settings(body.settings);
   const bool given = body.settings.step > 0;
-  const long taken = std::max(1L, body.steps() - steps_);
-  steps_ = body.steps();
+  const long taken = std::max(1L, body.steps() - tally_.steps);
+  tally_.steps = body.steps();
   const double ratio = choose_steps(body, H, taken);
-  lost_ = shadow_.advance(H) != StepStatus::ok;
-  if (lost_) {
-    value_ = body.lattice().largest_side();
+  tally_.lost = shadow_.advance(H) != StepStatus::ok;
+  if (tally_.lost) {
+    tally_.value = body.lattice().largest_side();
     return;
   }
-  time_ += H;
-  ratio_time_ += H * std::abs(ratio - 1);
+  tally_.time += H;
+  tally_.ratio_time += H * std::abs(ratio - 1);
   double difference = 0;
   const Points &x = body.state().x, &y = shadow_.state().x;
   for (int i = 0; i < x.size(); ++i) difference = std::max(difference, std::abs(x.data()[i] - y.data()[i]));
   follow_vibration(body, H, taken);
-  const double estimate = std::max(difference * time_ / ratio_time_, damped_away_);
+  const double estimate = std::max(difference * tally_.time / tally_.ratio_time, tally_.damped_away);
   const bool free = given && !body.damped();
-  value_ = free && out_of_phase() ? std::max(value_, estimate) : estimate;
-  if (free) value_ = std::max(value_, lost_vibration(body));
+  tally_.value = free && out_of_phase() ? std::max(tally_.value, estimate) : estimate;
+  if (free) tally_.value = std::max(tally_.value, lost_vibration(body));
 }
 
 /// Has the estimate ever said that vibrations are about as wrong as they are large?
 bool ErrorEstimate::out_of_phase() const {
-  return value_ > 0.1 * shadow_.amplitude(shadow_.largest_energy(), std::numeric_limits<double>::infinity());
+  return tally_.value > 0.1 * shadow_.amplitude(shadow_.largest_energy(), std::numeric_limits<double>::infinity());
 }
 
 /// Size of the vibrations that steps too long for them have taken away. A method with error control damps what it does not resolve, and
@@ -94,11 +93,11 @@ double ErrorEstimate::lost_vibration(const SoftBody& body) const {
 double ErrorEstimate::follow_slopes(double H) {
   const Settings& settings = shadow_.settings;
   double kink = 0, bend = 0;
-  for (int i = 0; i < slopes_.size(); ++i) {
+  for (int i = 0; i < tally_.slopes.size(); ++i) {
     const double change = H * (settings.force_bend[0](i) + H * settings.force_bend[1](i) / 2);
-    kink = std::max(kink, std::abs(settings.force_rate(i) - slopes_(i)));
+    kink = std::max(kink, std::abs(settings.force_rate(i) - tally_.slopes(i)));
     bend = std::max(bend, std::abs(change));
-    slopes_(i) = settings.force_rate(i) + change;
+    tally_.slopes(i) = settings.force_rate(i) + change;
   }
   return kink + bend > 0 ? kink / (kink + bend) : settings.pins.empty() ? 0 : 1;
 }
@@ -106,30 +105,22 @@ double ErrorEstimate::follow_slopes(double H) {
 /// Run and shadow lose what implicit steps damp away; the body itself takes longer.
 void ErrorEstimate::follow_vibration(const SoftBody& body, double H, long taken) {
   const double remains = shadow_.remaining(H), kink = follow_slopes(H);
-  vibration_.amplitude *= remains;
-  damped_away_ *= remains;
+  tally_.vibration.amplitude *= remains;
+  tally_.damped_away *= remains;
   if (!is_implicit(body.method())) return;
   const Vibration vibration = shadow_.set_off(kink, change_, force_);
-  if (vibration.amplitude * remains > vibration_.amplitude) {
-    vibration_ = {vibration.amplitude * remains, vibration.frequency};
-    kept_ = 1;
+  if (vibration.amplitude * remains > tally_.vibration.amplitude) {
+    tally_.vibration = {vibration.amplitude * remains, vibration.frequency};
+    tally_.kept = 1;
   }
-  kept_ *= power(Ros34pw2::kept(vibration_.frequency * H / double(taken)), int(taken));
-  damped_away_ = std::max(damped_away_, vibration_.amplitude * (1 - kept_));
+  tally_.kept *= power(Ros34pw2::kept(tally_.vibration.frequency * H / double(taken)), int(taken));
+  tally_.damped_away = std::max(tally_.damped_away, tally_.vibration.amplitude * (1 - tally_.kept));
 }
 
 void ErrorEstimate::restore(const Memory& memory, const Settings& settings, double start_time) {
   shadow_.settings = settings;
   shadow_.restore(memory.shadow, start_time);
-  time_ = memory.time;
-  ratio_time_ = memory.ratio_time;
-  value_ = memory.value;
-  vibration_ = memory.vibration;
-  slopes_ = memory.slopes;
-  kept_ = memory.kept;
-  damped_away_ = memory.damped_away;
-  steps_ = memory.steps;
-  lost_ = memory.lost;
+  tally_ = memory.tally;
 }
 
 }  // namespace softffd

@@ -3,8 +3,8 @@
 /// A method of order p with steps h errs by about C h^p, a shadow with steps r h by C (r h)^p, so that what the two differ by, divided by
 /// 1 - r^p, is the error of the run. A finer shadow, for a coarser one is unstable where stability sets the step, and says nothing where
 /// its vibrations are out of phase altogether. Equal steps become the next that divide the communication step. Where the run's steps
-/// change with what happens, the shadow goes by the same rules, with r times the steps that stability allows and r^p times the tolerance:
-/// with equal steps it would pass over what the run has taken small ones for. Sums of local error estimates say nothing: errors of
+/// change with what happens, the shadow goes by the same rules to r times the steps: with equal ones it would pass over what the run has
+/// taken small ones for. Sums of local error estimates say nothing: errors of
 /// vibrations cancel, those of rotations add up.
 ///
 /// Implicit steps that are long beside a vibration damp it away, in run and shadow alike, and no difference shows it. So what sets
@@ -22,9 +22,8 @@ namespace softffd {
 
 class ErrorEstimate {
  public:
-  /// What following changes, apart from the settings; part of every snapshot.
-  struct Memory {
-    Progress shadow;
+  /// What has been learnt since the start.
+  struct Tally {
     double time = 0, ratio_time = 0;  ///< time followed, and the integral of |r^p - 1| over it [s]
     double value = 0;                 ///< [m]
     Vibration vibration{};            ///< the largest that implicit steps have met, as the body alone damps it
@@ -34,6 +33,11 @@ class ErrorEstimate {
     long steps = 0;                   ///< that the run had taken
     bool lost = false;                ///< the shadow could not follow: no digits
   };
+  /// What following changes, apart from the settings; part of every snapshot.
+  struct Memory {
+    Progress shadow;
+    Tally tally;
+  };
 
   explicit ErrorEstimate(const Definition& definition);
   /// Starts at the initial state of the body at time t0.
@@ -41,11 +45,9 @@ class ErrorEstimate {
   /// Follows the body, which has just done a communication step of length H.
   void follow(const SoftBody& body, double H);
   /// Estimated error of the control points' positions: the largest over all points [m].
-  double value() const { return value_; }
+  double value() const { return tally_.value; }
 
-  Memory memory() const {
-    return {shadow_.progress(), time_, ratio_time_, value_, vibration_, slopes_, kept_, damped_away_, steps_, lost_};
-  }
+  Memory memory() const { return {shadow_.progress(), tally_}; }
   /// Continues from a snapshot; `settings` are those of the body.
   void restore(const Memory& memory, const Settings& settings, double start_time);
 
@@ -57,13 +59,8 @@ class ErrorEstimate {
   double lost_vibration(const SoftBody& body) const;
   void take_settings(const Settings& settings);
   SoftBody shadow_;
-  Points slopes_;
+  Tally tally_;
   Points change_, force_;  ///< scratch
-  double time_ = 0, ratio_time_ = 0, value_ = 0;
-  Vibration vibration_;
-  double kept_ = 0, damped_away_ = 0;
-  long steps_ = 0;
-  bool lost_ = false;
 };
 
 }  // namespace softffd

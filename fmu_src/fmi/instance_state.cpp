@@ -115,7 +115,7 @@ void Instance::load_state(const Bytes& bytes) {
   if (error_estimate_) pass(reader, memory.emplace(error_estimate_->memory()));
   if (!reader.at_end()) throw StateError("the state is too long");
   const double method = values[std::size_t(Family::solver_method)][0];
-  if (!sound(place) || !sound(in_effect) || !sound(progress) || (memory && !(sound(memory->shadow) && counter(memory->steps))) ||
+  if (!sound(place) || !sound(in_effect) || !sound(progress) || (memory && !(sound(memory->shadow) && counter(memory->tally.steps))) ||
       !in_range(values) || !(method >= 1 && method <= method_count) || !available(method) || !possible(progress.course, body_.lattice()) ||
       (memory && !possible(memory->shadow.course, body_.lattice())))
     throw StateError("the state holds values that no run gives");

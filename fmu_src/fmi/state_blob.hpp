@@ -139,12 +139,13 @@ void pass(Archive& archive, Progress& progress) {
 template <class Archive>
 void pass(Archive& archive, ErrorEstimate::Memory& memory) {
   pass(archive, memory.shadow);
-  for (double* value : {&memory.time, &memory.ratio_time, &memory.value, &memory.vibration.amplitude, &memory.vibration.frequency,
-                        &memory.kept, &memory.damped_away})
+  ErrorEstimate::Tally& tally = memory.tally;
+  for (double* value : {&tally.time, &tally.ratio_time, &tally.value, &tally.vibration.amplitude, &tally.vibration.frequency, &tally.kept,
+                        &tally.damped_away})
     archive.number(*value);
-  archive.numbers(memory.slopes.data(), memory.slopes.size());
-  archive.integer(memory.steps);
-  archive.choice(memory.lost, true);
+  archive.numbers(tally.slopes.data(), tally.slopes.size());
+  archive.integer(tally.steps);
+  archive.choice(tally.lost, true);
 }
 
 }  // namespace softffd::fmi
