@@ -16,7 +16,7 @@ constexpr double too_much = 4;
 /// Where contact makes the difference jump, the step is not cut below this share of the stable one.
 constexpr double least_share = 1.0 / 1000;
 /// Stretches that may be run once after a success.
-constexpr long longest_trust = 8, longest_blind_trust = 32;
+constexpr double shortest_trust = 8, longest_trust = 128;
 
 }  // namespace
 
@@ -69,7 +69,7 @@ StepStatus Propagator::run_doubled(const Job& job, double end) {
         long &trust = impact ? contact.impact : contact.free, &next_trust = impact ? contact.impact_next : contact.free_next;
         const bool good = at_limit && tries == 0 && 4 * error <= 0.5 * allowed;  // 4: of the coarser run
         trust = good ? next_trust : 0;
-        next_trust = good ? std::min(2 * next_trust, 4 * error <= 0.05 * allowed ? longest_blind_trust : longest_trust) : 1;
+        next_trust = good ? std::min(2 * next_trust, long(std::clamp(allowed / error, shortest_trust, longest_trust))) : 1;
         contact.h = std::max(part * std::clamp(factor, 0.5, 1.5), least);
         course.clock.h = 0.5 * part;
         done += 2 * steps;
