@@ -100,8 +100,7 @@ void SoftBody::refresh_body() {
   body_.damped = (body_.damping > 0).any();
   body_.springs.set_stiffness(settings.stiffness, overrides_);
   noise_ = 0;
-  for (const Springs::Row& row : body_.springs.rows())
-    for (int lane = 0; lane < row.lanes(); ++lane) noise_ += 0.5 * row.stiffness[lane] * power(slight * body_.length, 2);
+  for (const Springs::Row& row : body_.springs.rows()) noise_ += 0.5 * row.stiffness.sum() * power(slight * body_.length, 2);
   body_.inverse_mass.resize(3 * n);
   body_.damping_rate.resize(3 * n);
   for (int i = 0; i < 3 * n; ++i) {
@@ -238,9 +237,9 @@ StepStatus SoftBody::advance_from_here(double H, double share) {
   if (definition_.watch_energy) now_.work += potential_energy() - now_.potential;
   if (definition_.watch_energy || watched) begin_ = motion.x;
   if (!watched) now_.watch.kinetic_elastic = -1;
-  const double booked = watched ? open_watch(changed, moved) : 0;
   const double jump = (around_.force - now_.outside).abs().maxCoeff();
   if (watched && jump > 0) now_.watch.jolt(body_, motion.spring, now_.outside, around_.force);
+  const double booked = watched ? open_watch(changed, moved) : 0;
   const Request request{.method = settings.method,
                         .tolerance = settings.tolerance * body_.length,
                         .step = settings.step,

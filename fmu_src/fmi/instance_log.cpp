@@ -11,6 +11,7 @@ namespace {
 constexpr double quiet_share = 0.3;
 /// Angle of an implicit contact step from which on what it takes from a rotation is worth a word [rad].
 constexpr double damped_turn = 0.05;
+
 std::string method_name(Method method) {
   switch (method) {
     case Method::automatic: return "auto";
@@ -57,9 +58,9 @@ std::string Instance::describe(StepStatus status, double time, double step) cons
     case StepStatus::zero_orientation: return where + "a pin's orientation is the zero quaternion; wanted any other, e.g. (1, 0, 0, 0)";
     case StepStatus::undecided:
       return where +
-             "springs have no length, because control points that they join are at the same place: rounding would decide which way they "
-             "push, "
-             "and no tolerance could hold; draw the points apart (no 0 in initial.stretch), or give a solver.step, to which none applies";
+             "springs have no length, because control points that they join are at the same place: rounding would decide which way "
+             "they push, and no tolerance could hold; draw the points apart (no 0 in initial.stretch), or give a solver.step, to which "
+             "none applies";
     case StepStatus::too_many_steps:
       return where + "a communication step of " + number(step) + " s needs more than " + std::to_string(Propagator::most_steps) +
              " internal steps; use a shorter communication step, a longer solver.step or less stiffness per mass";
@@ -109,9 +110,8 @@ void Instance::warn_of_folding() {
     text += "[material] volume_stiffness = " + number(given) + " Pa in the scene pushes them back, a larger one resists more";
   else
     text +=
-        "springs alone may leave them so; [material] volume_stiffness in the scene keeps cells from folding, a good first value is 3 times "
-        "a "
-        "spring's stiffness by the edge of a cell";
+        "springs alone may leave them so; [material] volume_stiffness in the scene keeps cells from folding, a good first value is "
+        "3 times a spring's stiffness by the edge of a cell";
   logger.log(fmi2Warning, log_warning, text);
 }
 
