@@ -54,6 +54,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--step", type=float, metavar="H", help="communication step, s")
     run.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value of a variable")
     run.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time: columns time and names of inputs")
+    run.add_argument("--interpolation", default="held", metavar="HOW", help="of inputs inside a step: held (default), linear or cubic")
     run.add_argument("--error", action="store_true", help="estimate the error of the run by a second one beside it")
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-NAME here")
     run.add_argument("--view", action="store_true", help="open the interactive page when done")
@@ -117,8 +118,8 @@ def _run(options: argparse.Namespace) -> None:
     settings = dict(_setting(text) for text in options.settings)
     with ProgressLine("simulating") as progress:
         result = run_scene_or_fmu(
-            options.what, stop_time=options.stop_time, step=options.step, settings=settings, inputs=options.input, error=options.error,
-            progress=progress,
+            options.what, stop_time=options.stop_time, step=options.step, settings=settings, inputs=options.input,
+            interpolation=options.interpolation, error=options.error, progress=progress,
         )  # fmt: skip
     name = Path(options.what).stem
     folder = options.output or Path(f"softffd-{name}")

@@ -17,7 +17,7 @@ from softffd.mesh import save_mesh
 from softffd.result import Result
 from softffd.scene import Scene, load_scene, scene_from
 from softffd.scene_file import find_scene, read_document
-from softffd.simulate import Progress, simulate
+from softffd.simulate import Interpolation, Progress, simulate
 
 
 def run_scene_or_fmu(
@@ -27,17 +27,21 @@ def run_scene_or_fmu(
     step: float | None = None,
     settings: dict[str, Any] | None = None,
     inputs: Source | None = None,
+    interpolation: Interpolation = "held",
     error: bool = False,
     progress: Progress | None = None,
 ) -> Result:
     """Runs a scene file, a shipped scene or an FMU; a scene's own inputs (NAME.csv beside it) drive it unless others are given.
 
+    interpolation: of the inputs between communication points, see `simulate`.
     error: estimate the error at the end too, in the summary as estimated_error_m; an FMU must have been built with that.
     """
     scene_or_fmu = _opened(what, error)
     if inputs is None and isinstance(scene_or_fmu, Scene):
         inputs = scene_or_fmu.default_inputs
-    result = simulate(scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs, progress=progress)
+    result = simulate(
+        scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs, interpolation=interpolation, progress=progress
+    )
     return replace(result, summary=result.summary | findings(result))
 
 

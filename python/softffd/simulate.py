@@ -9,7 +9,7 @@ import time as clock
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from softffd.inputs import Inputs, Source
 from softffd.package import package_fmu
 from softffd.result import Result
 from softffd.scene import Scene
+from softffd.scene_errors import did_you_mean, nearest_of
 
 Progress = Callable[[float, float], None]
 Interpolation = Literal["held", "linear", "cubic"]
@@ -44,6 +45,9 @@ def simulate(
     progress: called as progress(share of the run in 0..1, simulated time [s]).
     Raises FmuError where a name, a value or a step is refused.
     """
+    if interpolation not in (choices := get_args(Interpolation)):
+        nearest = did_you_mean(nearest_of(str(interpolation), choices))
+        raise FmuError(f"interpolation: wanted one of {', '.join(choices)}, got {interpolation!r}{nearest}")
     if isinstance(scene_or_fmu, Scene):
         with tempfile.TemporaryDirectory(prefix="softffd-") as folder:
             fmu = package_fmu(scene_or_fmu, Path(folder) / f"{scene_or_fmu.name}.fmu")

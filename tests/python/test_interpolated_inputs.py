@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from softffd import FmuError, load_scene, package_fmu, simulate
+from softffd.cli import main
 from softffd.inputs import Inputs
 
 FREE = """
@@ -70,3 +71,19 @@ def test_an_fmu_that_does_not_interpolate_says_so(folder):
     with pytest.raises(FmuError, match="does not interpolate"):
         simulate("poor.fmu", inputs=course, interpolation="linear")
     assert simulate("poor.fmu", inputs=course).time[-1] == 1.0
+
+
+def test_an_unknown_interpolation_is_refused_with_the_choices(folder, capsys):
+    Path("free.toml").write_text(FREE)
+    with pytest.raises(FmuError, match="wanted one of held, linear, cubic, got 'liner', did you mean \"linear\""):
+        simulate(load_scene("free.toml"), interpolation="liner")
+    assert main(["run", "free.toml", "--interpolation", "cubics"]) != 0
+    assert 'did you mean "cubic"' in capsys.readouterr().err
+
+
+def test_the_run_command_interpolates(folder):
+    Path("free.toml").write_text(FREE)
+    Path("push.csv").write_text("time,load.push.x\n0,0\n1,6\n")
+    for how, speed in (("linear", 3.0), ("held", 2.25)):  # of 6 t N on 1 kg
+        assert main(["run", "free.toml", "--input", "push.csv", "--interpolation", how, "-o", how]) == 0
+        assert np.load(f"{how}/result.npz")["velocity[1,2,3].x"][-1] == pytest.approx(speed)
