@@ -84,7 +84,7 @@ void CentralDifference::step(const Body& body, const Surroundings& around, doubl
 StepStatus CentralDifference::advance(const Body& body, const Surroundings& around, const Task& task, bool watch, State& state,
                                       Exchange& exchange) {
   if (state.previous_h != task.h) start(body, around.force, task.h, state);
-  for (long i = 0; i < task.steps; ++i) {
+  for (Count i = 0; i < task.steps; ++i) {
     step(body, around, task.time(i), task.h, watch, state, &exchange);
     if (watch && around.ramped) exchange.work += around.ramp_dot(task.time(i) + 0.5 * task.h, next_ - state.x);
     state.previous.swap(state.x);

@@ -224,8 +224,8 @@ StepStatus Contact::close_point(const StepView& step, Touch& touch, const Vec3& 
   return StepStatus::ok;
 }
 
-long points_on(const HalfSpace& obstacle, double length, const Points& x) {
-  long count = 0;
+Count points_on(const HalfSpace& obstacle, double length, const Points& x) {
+  Count count = 0;
   for (int p = 0; p < x.rows(); ++p) count += obstacle.gap(row(x, p)) <= touching * length;
   return count;
 }

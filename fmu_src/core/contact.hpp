@@ -57,7 +57,7 @@ class Contact {
 
   bool touched() const { return !touched_.empty(); }
   /// Impacts so far: points that came onto a plane, not those that stayed on one.
-  long impacts() const { return impacts_; }
+  Count impacts() const { return impacts_; }
 
  private:
   struct Change {
@@ -86,10 +86,10 @@ class Contact {
   FeasibleSet feasible_;
   Scalars gap_;
   std::vector<char> marked_;
-  long impacts_ = 0;
+  Count impacts_ = 0;
 };
 
 /// Number of control points on a half-space.
-long points_on(const HalfSpace& obstacle, double length, const Points& x);
+Count points_on(const HalfSpace& obstacle, double length, const Points& x);
 
 }  // namespace softffd

@@ -42,11 +42,11 @@ struct Calibration {
 
 /// Steps through contact, where every stretch is run twice unless experience says that the largest stable step is accurate enough.
 struct ContactSteps {
-  double h = 0;        ///< of the coarser of the two runs [s]; 0: none yet
-  long free = 0;       ///< stretches without impact that may be run once, at the largest stable step
-  long free_next = 1;  ///< how many after the next success
-  long impact = 0;     ///< the same for stretches with an impact
-  long impact_next = 1;
+  double h = 0;         ///< of the coarser of the two runs [s]; 0: none yet
+  Count free = 0;       ///< stretches without impact that may be run once, at the largest stable step
+  Count free_next = 1;  ///< how many after the next success
+  Count impact = 0;     ///< the same for stretches with an impact
+  Count impact_next = 1;
 };
 
 /// Everything the propagator carries on; part of every snapshot.
@@ -69,8 +69,8 @@ struct Course {
   double race_window = 0;  ///< communication step of the last race [s]
   double usual = 0;        ///< length of communication steps of late [s]
   double forecast = 0;     ///< work that the winner should need for what is left of the communication step
-  long steps = 0, rejected = 0;
-  long factors = 0;  ///< matrices factored
+  Count steps = 0, rejected = 0;
+  Count factors = 0;  ///< matrices factored
 };
 
 }  // namespace softffd

@@ -36,7 +36,7 @@ void ErrorEstimate::initialize(const SoftBody& body, double t0) {
 }
 
 /// Sets the shadow's steps for a communication step; returns r^p.
-double ErrorEstimate::choose_steps(const SoftBody& body, double H, long taken) {
+double ErrorEstimate::choose_steps(const SoftBody& body, double H, Count taken) {
   Settings& settings = shadow_.settings;
   settings.method = body.method();
   const Traits t = traits(settings.method);
@@ -54,7 +54,7 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
   if (tally_.lost) return;
   take_settings(body.settings);
   const bool given = body.settings.step > 0;
-  const long taken = std::max(1L, body.steps() - tally_.steps);
+  const Count taken = std::max(Count{1}, body.steps() - tally_.steps);
   tally_.steps = body.steps();
   const double ratio = choose_steps(body, H, taken);
   tally_.lost = shadow_.advance(H) != StepStatus::ok;
@@ -103,7 +103,7 @@ double ErrorEstimate::follow_slopes(double H) {
 }
 
 /// Run and shadow lose what implicit steps damp away; the body itself takes longer.
-void ErrorEstimate::follow_vibration(const SoftBody& body, double H, long taken) {
+void ErrorEstimate::follow_vibration(const SoftBody& body, double H, Count taken) {
   const double remains = shadow_.remaining(H), kink = follow_slopes(H);
   tally_.vibration.amplitude *= remains;
   tally_.damped_away *= remains;

@@ -30,7 +30,7 @@ class ErrorEstimate {
     Points slopes;                    ///< of the outside forces at the end of the last communication step [N/s]
     double kept = 0;                  ///< share of it that these steps have left
     double damped_away = 0;           ///< amplitude of what they have not [m]
-    long steps = 0;                   ///< that the run had taken
+    Count steps = 0;                  ///< that the run had taken
     bool lost = false;                ///< the shadow could not follow: no digits
   };
   /// What following changes, apart from the settings; part of every snapshot.
@@ -52,9 +52,9 @@ class ErrorEstimate {
   void restore(const Memory& memory, const Settings& settings, double start_time);
 
  private:
-  double choose_steps(const SoftBody& body, double H, long taken);
+  double choose_steps(const SoftBody& body, double H, Count taken);
   double follow_slopes(double H);
-  void follow_vibration(const SoftBody& body, double H, long taken);
+  void follow_vibration(const SoftBody& body, double H, Count taken);
   bool out_of_phase() const;
   double lost_vibration(const SoftBody& body) const;
   void take_settings(const Settings& settings);

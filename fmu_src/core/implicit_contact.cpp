@@ -13,7 +13,7 @@ constexpr double rounding = 2.2e-16;
 /// A body that buckles jumps to its next equilibrium as fast as its own vibrations are: for a moment steps have to be that short.
 constexpr int most_halvings = 20, most_iterations = 30;
 /// Steps tried in one call, whatever their length.
-constexpr long most_tries = 4096;
+constexpr Count most_tries = 4096;
 /// As in contact.cpp.
 constexpr double touching = 1e-12, pin_slack = 1e-9;
 /// Backward Euler gains energy only where a body falls off an edge on which it balances, and then of second order in the step; a solution

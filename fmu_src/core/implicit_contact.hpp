@@ -35,10 +35,10 @@ class ImplicitContact {
   StepStatus advance(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
 
   /// Counted since the start.
-  long steps() const { return steps_; }        ///< tried; of which
-  long halvings() const { return halvings_; }  ///< had to be done in two halves
-  long iterations() const { return iterations_; }
-  long factorizations() const { return linear_.factorizations(); }
+  Count steps() const { return steps_; }        ///< tried; of which
+  Count halvings() const { return halvings_; }  ///< had to be done in two halves
+  Count iterations() const { return iterations_; }
+  Count factorizations() const { return linear_.factorizations(); }
 
  private:
   struct Step {
@@ -73,7 +73,7 @@ class ImplicitContact {
   bool straight_ = false, cautious_ = false;
   Vec3 rounding_ = Vec3::Zero();
   double loss_ = 0, work_ = 0;  ///< of the step [J]
-  long steps_ = 0, halvings_ = 0, iterations_ = 0, last_try_ = 0;
+  Count steps_ = 0, halvings_ = 0, iterations_ = 0, last_try_ = 0;
 };
 
 }  // namespace softffd

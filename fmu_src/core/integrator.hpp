@@ -18,18 +18,18 @@ struct State {
 /// of time in two gives the same bits.
 struct Task {
   double origin;
-  long first;
+  Count first;
   double h;
-  long steps;
-  double time(long i) const { return origin + double(first + i) * h; }
+  Count steps;
+  double time(Count i) const { return origin + double(first + i) * h; }
 };
 
 /// Internal steps counted from an origin while their size stays the same.
 struct Clock {
   double origin = 0, h = 0;
-  long count = 0;
+  Count count = 0;
   double unit = 0;  ///< the given step that h divides; 0: none was given
-  long parts = 1;   ///< internal steps per unit
+  Count parts = 1;  ///< internal steps per unit
   double time() const { return origin + double(count) * h; }
 };
 

@@ -61,7 +61,7 @@ StepStatus Leapfrog::advance(const Body& body, const Surroundings& around, const
   const std::size_t n = state.x.size();
   kicks_.prepare(body, task.h);
   if (around.ramped) around.force_at(task.time(0), force_);
-  for (long i = 0; i < task.steps; ++i) {
+  for (Count i = 0; i < task.steps; ++i) {
     const double t0 = task.time(i), t1 = task.time(i + 1);
     const StepView step{body, kicks_, around, state.spring, force, state.x, t0, t1, task.h};
     if (planes || pins) before_ = state.v;

@@ -13,7 +13,7 @@ class Leapfrog {
   /// Advances the state; on failure the state is spoilt and the caller restores it. `watch`: accumulate dissipated energy and work.
   StepStatus advance(const Body& body, const Surroundings& around, const Task& task, bool watch, State& state, Exchange& exchange);
   /// Impacts so far (Contact::impacts).
-  long impacts() const { return contact_.impacts(); }
+  Count impacts() const { return contact_.impacts(); }
 
  private:
   HalfKicks kicks_;

@@ -44,7 +44,7 @@ class LinearContact {
   bool settled = false;  ///< the touches are those of the solution
   bool fresh = false;    ///< the matrix is that of this state
 
-  long factorizations() const { return factorizations_; }
+  Count factorizations() const { return factorizations_; }
 
  private:
   void linearise(const Problem& problem, double share);
@@ -62,7 +62,7 @@ class LinearContact {
   Scalars lack_;
   bool stale_ = true;
   double share_ = 1;  ///< of the exact matrices' negative part
-  long factorizations_ = 0;
+  Count factorizations_ = 0;
 };
 
 }  // namespace softffd

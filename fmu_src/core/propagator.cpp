@@ -91,7 +91,7 @@ StepStatus Propagator::advance(const Equations& equations, const Request& reques
   start_ = state;
   start_exchange_ = exchange;
   const Clock clock = course.clock;
-  const long steps = course.steps;
+  const Count steps = course.steps;
   const StepStatus status = advance_with(job, method, H);
   if (status != StepStatus::contact_ahead) return status;
   state = start_;
@@ -110,7 +110,7 @@ StepStatus Propagator::advance_in_contact(const Job& job, Method asked, double H
     start_exchange_ = job.exchange;
     if (asked != Method::ros34pw2 && fly_on(job, H)) return StepStatus::ok;
     job.course.reason = Reason::stiff_contact;
-    const long steps = job.course.steps;
+    const Count steps = job.course.steps;
     const StepStatus status = run_implicit(job, job.state.time + H);
     if (status != StepStatus::not_finite) return status;
     job.course.rejected += job.course.steps + 1 - steps;
@@ -129,7 +129,7 @@ StepStatus Propagator::advance_in_contact(const Job& job, Method asked, double H
 bool Propagator::fly_on(const Job& job, double H) {
   const auto& [equations, request, state, course, exchange] = job;
   if (!equations.around.pins.empty() || !reach_.clear(equations.body, equations.around, state.time, state.x)) return false;
-  const long steps = course.steps;
+  const Count steps = course.steps;
   const double end = state.time + H;
   course.method = Method::floating_frame;
   course.reason = Reason::free_flight;
@@ -149,7 +149,7 @@ StepStatus Propagator::advance_with(const Job& job, Method asked, double H) {
   if (asked == Method::automatic && unit > 0) course.reason = Reason::given_step;
   course.method = asked == Method::automatic ? Method::leapfrog : asked;
   if (units >= 1 && units <= double(most_steps) && std::abs(H - units * unit) <= 1e-9 * H)
-    return run_counted(job, course.method, long(units));
+    return run_counted(job, course.method, Count(units));
   const double begun = course.work;
   while (state.time < end) {
     if (automatic) choose(job, end - state.time);
@@ -172,9 +172,9 @@ StepStatus Propagator::run_implicit(const Job& job, double end) {
   course.method = Method::backward_euler;
   const double wanted = (request.step > 0 ? H / request.step : 1) / request.share;
   if (!(wanted <= double(most_steps) / implicit_contact_work)) return refusal(wanted);
-  const long steps = std::max(1L, std::lround(wanted));
+  const Count steps = std::max(Count{1}, Count(std::llround(wanted)));
   course.clock = {begin, H / double(steps), 0};
-  for (long i = 0; i < steps; ++i) {
+  for (Count i = 0; i < steps; ++i) {
     const double next = i + 1 == steps ? end : course.clock.origin + double(i + 1) * course.clock.h;
     const StepStatus status = implicit_contact_->advance(equations, state.time, next - state.time, request.watch, state, exchange);
     if (status != StepStatus::ok) return status;

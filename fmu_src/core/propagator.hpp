@@ -32,7 +32,7 @@ namespace softffd {
 class Propagator {
  public:
   /// Internal steps that one call may take; a longer communication step is refused.
-  static constexpr long most_steps = 20'000'000;
+  static constexpr Count most_steps = 20'000'000;
 
   Propagator(const Lattice& lattice, int planes, int pins);
   /// Call when masses, stiffness or damping change.
@@ -40,7 +40,7 @@ class Propagator {
   /// From state.time to state.time + H. On failure state, course and exchange are spoilt and the caller restores them.
   StepStatus advance(const Equations& equations, const Request& request, double H, State& state, Course& course, Exchange& exchange);
   /// Number of matrices factored since the start: none unless implicit steps are tried.
-  long factorizations() const { return ros34pw2_ ? ros34pw2_->factorizations() + implicit_contact_->factorizations() : 0; }
+  Count factorizations() const { return ros34pw2_ ? ros34pw2_->factorizations() + implicit_contact_->factorizations() : 0; }
   /// Largest stable leapfrog step at x, by bound [s]; the largest finite number if nothing resists.
   double stable_step(const Body& body, const Points& x);
   /// Size of vibrations of this energy [J], of a time scale up to `slowest` [s], spread over the body [m].
@@ -61,10 +61,10 @@ class Propagator {
   bool fly_on(const Job& job, double H);
   StepStatus advance_with(const Job& job, Method asked, double H);
   bool passes(const Job& job, Method method, double step, const OneStep& trial);
-  StepStatus run_counted(const Job& job, Method method, long units);
+  StepStatus run_counted(const Job& job, Method method, Count units);
   StepStatus run_fitted(const Job& job, Method method, double end, double pause_at);
   StepStatus run_controlled(const Job& job, Method method, double end, double pause_at);
-  StepStatus run_stretch(const Job& job, Method method, double h, long steps);
+  StepStatus run_stretch(const Job& job, Method method, double h, Count steps);
   StepStatus take_steps(const Job& job, Method method, const Task& task, State& state, Exchange& exchange);
   double step_limit(const Job& job, Method method, bool given);
   double bound(const Job& job);
@@ -78,7 +78,7 @@ class Propagator {
   /// What states a and b, after the same stretch of time [s] from one state, will differ by at the end of the run, if the difference keeps
   /// growing until damping forgets it [m].
   double growing(const Job& job, const State& a, const State& b, double stretch) const;
-  double trial_error(const Job& job, Method method, double h, long steps);
+  double trial_error(const Job& job, Method method, double h, Count steps);
   void choose(const Job& job, double H);
   void race(const Job& job, double H);
   bool worth_a_matrix(const Job& job, Method method, double H, double least);

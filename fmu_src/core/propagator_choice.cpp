@@ -40,9 +40,9 @@ double power(double base, int exponent) {
   return product;
 }
 
-long divisions(double length, double limit) {
-  constexpr double most = 1L << 53;
-  return std::max(1L, long(std::min(most, std::ceil(length / limit * (1 - 1e-12)))));
+Count divisions(double length, double limit) {
+  constexpr double most = 0x1p53;
+  return std::max(Count{1}, Count(std::min(most, std::ceil(length / limit * (1 - 1e-12)))));
 }
 
 double root(double value, int exponent, double low, double high) {
@@ -76,7 +76,7 @@ double Propagator::calibrate(const Job& job, Method method, double H, int rounds
   const bool harmless = vibration(job.equations, job.state, time_scale_) <= allowed;
   double h = std::min({H, step_limit(job, method, false), calibration.h > 0 ? calibration.h : infinity}), work = 0;
   for (int round = 0; round < rounds && !harmless; ++round) {
-    const long steps = std::min(divisions(window, h), method == Method::bm4 ? 16L : 40L);
+    const Count steps = std::min(divisions(window, h), method == Method::bm4 ? Count{16} : Count{40});
     h = std::min(h, window / double(steps));
     const double error = c * trial_error(job, method, h, steps);
     work += 3 * double(steps) * t.work;
@@ -93,11 +93,11 @@ double Propagator::calibrate(const Job& job, Method method, double H, int rounds
 }
 
 /// What h and h / 2 will differ by at the end of the run.
-double Propagator::trial_error(const Job& job, Method method, double h, long steps) {
+double Propagator::trial_error(const Job& job, Method method, double h, Count steps) {
   coarse_ = fine_ = job.state;
   const double stretch = double(steps) * h;
   for (State* state : {&coarse_, &fine_}) {
-    const long parts = state == &fine_ ? 2 : 1;
+    const Count parts = state == &fine_ ? 2 : 1;
     const Task task{job.state.time, 0, h / double(parts), steps * parts};
     if (take_steps(job, method, task, *state, scratch_) != StepStatus::ok) return 0;
   }
@@ -218,7 +218,7 @@ void Propagator::take_trial(const Job& job) {
 /// Does one implicit step agree with explicit ones that resolve everything? Error estimates of implicit steps do not see what they damp.
 bool Propagator::fast_modes_are_quiet(const Job& job, Method method, double H, double& spent) {
   const double way = std::min(H, 40 / bound(job));
-  const long steps = divisions(way, step_limit(job, Method::leapfrog, false));
+  const Count steps = divisions(way, step_limit(job, Method::leapfrog, false));
   fine_ = job.state;
   const Task task{job.state.time, 0, way / double(steps), steps};
   spent += double(steps) * traits(Method::leapfrog).work + implicit_.step + implicit_.factor;

@@ -10,7 +10,7 @@ namespace softffd {
 namespace {
 
 /// Steps of the coarser run in a stretch.
-constexpr long stretch_steps = 24;
+constexpr Count stretch_steps = 24;
 /// A stretch is run again if its error is this many times what it may be; a single one may exceed its share.
 constexpr double too_much = 4;
 /// Where contact makes the difference jump, the step is not cut below this share of the stable one.
@@ -26,11 +26,11 @@ StepStatus Propagator::run_doubled(const Job& job, double end) {
   Exchange& exchange = job.exchange;
   ContactSteps& contact = course.contact;
   const double allowed = forecast_share * job.request.tolerance * power(job.request.share, 2);
-  const auto run = [&](double h, long steps, State& moved, Exchange& received) {
+  const auto run = [&](double h, Count steps, State& moved, Exchange& received) {
     course.work += double(steps) * traits(Method::leapfrog).work;
     return take_steps(job, Method::leapfrog, {state.time, 0, h, steps}, moved, received);
   };
-  long done = 0;
+  Count done = 0;
   while (state.time < end) {
     const double limit = step_limit(job, Method::leapfrog, false), left = end - state.time;
     double h = contact.h > 0 ? std::min(contact.h, limit) : limit;
@@ -38,9 +38,9 @@ StepStatus Propagator::run_doubled(const Job& job, double end) {
     const bool at_limit = h == limit;
     start_ = state;
     start_exchange_ = exchange;
-    long impacts = leapfrog_.impacts();
+    Count impacts = leapfrog_.impacts();
     for (int tries = 0;; ++tries) {
-      const long total = divisions(left, h), steps = std::min(total, stretch_steps);
+      const Count total = divisions(left, h), steps = std::min(total, stretch_steps);
       const double part = left / double(total), next = steps == total ? end : start_.time + double(steps) * part;
       course.clock = {start_.time, part, 0};
       if (at_limit && tries == 0 && contact.free > 0) {
@@ -66,10 +66,10 @@ StepStatus Propagator::run_doubled(const Job& job, double end) {
       const double factor = error > 0 ? 0.9 * std::sqrt(allowed / error) : 2.0;
       if (error <= too_much * allowed || part <= least || tries == 4) {
         const bool impact = leapfrog_.impacts() != impacts;
-        long &trust = impact ? contact.impact : contact.free, &next_trust = impact ? contact.impact_next : contact.free_next;
+        Count &trust = impact ? contact.impact : contact.free, &next_trust = impact ? contact.impact_next : contact.free_next;
         const bool good = at_limit && tries == 0 && 4 * error <= 0.5 * allowed;  // 4: of the coarser run
         trust = good ? next_trust : 0;
-        next_trust = good ? std::min(2 * next_trust, long(std::clamp(allowed / error, shortest_trust, longest_trust))) : 1;
+        next_trust = good ? std::min(2 * next_trust, Count(std::clamp(allowed / error, shortest_trust, longest_trust))) : 1;
         contact.h = std::max(part * std::clamp(factor, 0.5, 1.5), least);
         course.clock.h = 0.5 * part;
         done += 2 * steps;

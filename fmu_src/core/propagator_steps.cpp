@@ -12,11 +12,11 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Internal steps between two looks at the deformation.
-constexpr long look_every = 8;
+constexpr Count look_every = 8;
 
 }  // namespace
 
-StepStatus Propagator::run_counted(const Job& job, Method method, long units) {
+StepStatus Propagator::run_counted(const Job& job, Method method, Count units) {
   Clock& clock = job.course.clock;
   const double unit = job.request.step;
   while (units > 0) {
@@ -24,11 +24,11 @@ StepStatus Propagator::run_counted(const Job& job, Method method, long units) {
     if (clock.unit != unit || job.course.bound < 0 || clock.count / clock.parts % look_every == 0 || job.request.share < 1) {
       const double limit = std::min(unit * job.request.share, step_limit(job, method, true));
       if (!(unit / limit <= double(most_steps))) return refusal(unit / limit);
-      const long parts = divisions(unit, limit);
+      const Count parts = divisions(unit, limit);
       if (clock.unit != unit || clock.parts != parts) clock = {job.state.time, unit / double(parts), 0, unit, parts};
     }
     if (double(units) * double(clock.parts) > double(most_steps)) return StepStatus::too_many_steps;
-    const long ahead = std::min(units, look_every - clock.count / clock.parts % look_every);
+    const Count ahead = std::min(units, look_every - clock.count / clock.parts % look_every);
     const StepStatus status = run_stretch(job, method, clock.h, ahead * clock.parts);
     if (status != StepStatus::ok) return status;
     job.state.time = clock.time();
@@ -43,7 +43,7 @@ StepStatus Propagator::run_fitted(const Job& job, Method method, double end, dou
   const bool stable_only = method == Method::central_difference && !equations.around.planes.empty();  // its contact does not converge
   Calibration& calibration = method == Method::bm4 ? course.bm4 : course.leapfrog;
   Clock& clock = course.clock;
-  long steps = 0;
+  Count steps = 0;
   while (true) {
     if (stable_only)
       calibration.h = infinity;
@@ -56,7 +56,7 @@ StepStatus Propagator::run_fitted(const Job& job, Method method, double end, dou
       steps = divisions(left, limit);
       clock = {state.time, left / double(steps), 0};
     }
-    const long ahead = std::min(steps, look_every);
+    const Count ahead = std::min(steps, look_every);
     const StepStatus status = run_stretch(job, method, clock.h, ahead);
     if (status != StepStatus::ok) return status;
     steps -= ahead;
@@ -65,7 +65,7 @@ StepStatus Propagator::run_fitted(const Job& job, Method method, double end, dou
   }
 }
 
-StepStatus Propagator::run_stretch(const Job& job, Method method, double h, long steps) {
+StepStatus Propagator::run_stretch(const Job& job, Method method, double h, Count steps) {
   const Task task{job.course.clock.origin, job.course.clock.count, h, steps};
   job.course.clock.count += steps;
   job.course.steps += steps;
@@ -79,7 +79,7 @@ StepStatus Propagator::take_steps(const Job& job, Method method, const Task& tas
   const bool watch = job.request.watch, planes = !around.planes.empty();
   if (method == Method::central_difference) return central_difference_.advance(body, around, task, watch, state, exchange);
   if (method == Method::leapfrog) return leapfrog_.advance(body, around, task, watch, state, exchange);
-  for (long i = 0; i < task.steps; ++i) {
+  for (Count i = 0; i < task.steps; ++i) {
     const double t = task.time(i);
     if (planes) x0_ = state.x, v0_ = state.v;
     if (method == Method::bm4) {
@@ -149,10 +149,10 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
   if (!(h > 0)) h = request.share * std::min(end - state.time, short_first ? 3 / bound(job) : infinity);
   course.clock = {state.time, h, 0};
   const double begun = course.work;
-  for (long tries = 1; state.time < end; ++tries) {
+  for (Count tries = 1; state.time < end; ++tries) {
     if (course.work - begun > double(most_steps)) return StepStatus::too_many_steps;
     const double left = end - state.time;
-    const long ahead = divisions(left, std::min(h, limit));  // equal parts, so that no sliver is left at the end
+    const Count ahead = divisions(left, std::min(h, limit));  // equal parts, so that no sliver is left at the end
     const double step = ahead == 1 ? left : left / double(ahead);
     if (!(step > least)) return StepStatus::not_finite;
     const double error = attempt(job, method, state.time, step) / tolerance(step);

@@ -27,7 +27,7 @@ namespace softffd {
 class Ros34pw2 final : public OneStep {
  public:
   /// Steps tried with one factor before it is made anew.
-  static constexpr long most_uses = 20;
+  static constexpr Count most_uses = 20;
 
   Ros34pw2(const Lattice& lattice, int pins);
   double attempt(const Equations& equations, double t, double h, const State& state) override;
@@ -40,7 +40,7 @@ class Ros34pw2 final : public OneStep {
   /// The next attempt takes the stiffness at its own state.
   void refresh() { factored.h = 0; }
   /// Number of factors made so far.
-  long factorizations() const { return factorizations_; }
+  Count factorizations() const { return factorizations_; }
 
   /// What the next step's factor is made from, if the step is `h` long and it has not served its time; attempts keep it up to date. Part of
   /// every snapshot: the factor follows from it and from the body.
@@ -55,7 +55,7 @@ class Ros34pw2 final : public OneStep {
 
   LayerMatrix matrix_;
   Factored held_;  ///< what matrix_ is the factor of
-  long factorizations_ = 0;
+  Count factorizations_ = 0;
   Points mass_, damping_, free_;  ///< per coordinate [kg], [N s/m], 1; 0 where pinned
   Scalars diagonal_, sums_;
   std::array<Points, 4> x_, v_;  ///< U, pinned points 0

@@ -74,8 +74,8 @@ struct Progress {
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
   Points outside;                                  ///< outside forces at the end of the last communication step [N]
   EnergyWatch watch;
-  long contacts_resolved = 0;
-  std::vector<long> contacts;  ///< control points on each plane at the communication point
+  Count contacts_resolved = 0;
+  std::vector<Count> contacts;  ///< control points on each plane at the communication point
 };
 
 class SoftBody {
@@ -102,7 +102,7 @@ class SoftBody {
 
   Vec3 plane_reaction(int q) const { return now_.exchange.planes[q].force / now_.exchange_time; }
   Vec3 plane_torque(int q) const { return now_.exchange.planes[q].torque / now_.exchange_time; }
-  long plane_contacts(int q) const { return now_.contacts[q]; }
+  Count plane_contacts(int q) const { return now_.contacts[q]; }
   Vec3 pin_reaction(int a) const { return now_.exchange.pins[a].force / now_.exchange_time; }
   Vec3 pin_torque(int a) const { return now_.exchange.pins[a].torque / now_.exchange_time; }
   double kinetic_energy() const;
@@ -110,9 +110,9 @@ class SoftBody {
   double gravity_energy() const;
   double dissipated_energy() const { return now_.dissipated; }
   double work() const { return now_.work; }
-  long steps() const { return now_.course.steps; }
-  long rejected() const { return now_.course.rejected; }
-  long contacts_resolved() const { return now_.contacts_resolved; }
+  Count steps() const { return now_.course.steps; }
+  Count rejected() const { return now_.course.rejected; }
+  Count contacts_resolved() const { return now_.contacts_resolved; }
   /// Largest stable internal step of the current state, by bound [s]; the largest finite number if nothing resists.
   double stable_step() { return propagator_.stable_step(body_, now_.motion.x); }
   /// Number of cells with a corner that is turned inside out or flat.
@@ -141,7 +141,7 @@ class SoftBody {
   bool beyond_help() const { return now_.watch.hopeless; }      ///< and smaller automatic steps do not help
   double largest_energy() const { return now_.watch.largest; }  ///< kinetic and elastic, so far [J]
   /// Number of matrices factored since the start.
-  long factorizations() const { return propagator_.factorizations(); }
+  Count factorizations() const { return propagator_.factorizations(); }
   /// The vibration that the start of the last communication step set off by jumps of the forces and by `kink`, the share of the change of
   /// velocity that came at once; any that was there, if the step before was explicit.
   Vibration set_off(double kink, Points& scratch, Points& more) const;

@@ -63,7 +63,7 @@ struct Exchange {
   std::vector<Impulse> pins;    ///< of the body on each fixture, torque about the frame's origin
   double dissipated = 0;        ///< energy lost to damping, friction and impacts [J]
   double work = 0;              ///< work of moving obstacles and pins on the body [J]
-  long contacts_resolved = 0;
+  Count contacts_resolved = 0;
 };
 
 }  // namespace softffd

@@ -50,7 +50,7 @@ struct ImplicitWork {
 /// base^exponent by multiplication.
 double power(double base, int exponent);
 /// Equal parts of a length that are not longer than the limit.
-long divisions(double length, double limit);
+Count divisions(double length, double limit);
 /// The root x of x^exponent = value, between low and high. Bisection: the C library's power differs in the last bit between processors.
 double root(double value, int exponent, double low, double high);
 

@@ -1,9 +1,12 @@
 /// The few types that every room of the core shares.
 #pragma once
 #include <Eigen/Core>
+#include <cstdint>
 
 namespace softffd {
 
+/// A number of steps, matrices, contacts; 64 bits on every platform (`long` has 32 on Windows).
+using Count = std::int64_t;
 using Vec3 = Eigen::Vector3d;
 using Scalars = Eigen::ArrayXd;
 /// One row per control point, column-major: the x, y and z coordinates are three contiguous runs (structure of arrays).

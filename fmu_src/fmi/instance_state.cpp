@@ -22,13 +22,13 @@ void pass(Archive& archive, InEffect& s) {
 }
 
 struct Place {
-  long phase, changed, material_changed, rated;
+  Count phase, changed, material_changed, rated;
   double start_time, time, stop_time;
 };
 
 template <class Archive>
 void pass(Archive& archive, Place& place) {
-  for (long* value : {&place.phase, &place.changed, &place.material_changed, &place.rated}) archive.integer(*value);
+  for (Count* value : {&place.phase, &place.changed, &place.material_changed, &place.rated}) archive.integer(*value);
   for (double* value : {&place.start_time, &place.time, &place.stop_time}) archive.number(*value);
 }
 
@@ -52,15 +52,15 @@ bool in_range(const Values& values) {
 }
 
 bool sound(const Place& place) {
-  const long phase = place.phase;
+  const Count phase = place.phase;
   const bool known =
       phase == instantiated || phase == initializing || phase == stepping || phase == step_failed || phase == terminated || phase == failed;
-  const auto flag = [](long value) { return value == 0 || value == 1; };
+  const auto flag = [](Count value) { return value == 0 || value == 1; };
   return known && flag(place.changed) && flag(place.material_changed) && flag(place.rated) && std::isfinite(place.time) &&
          std::isfinite(place.start_time);
 }
 
-bool counter(long value) { return value >= 0 && value <= 1L << 53; }
+bool counter(Count value) { return value >= 0 && value <= Count{1} << 53; }
 
 /// Whether all methods that the course names can run on this lattice.
 bool possible(const Course& course, const Lattice& lattice) {

@@ -39,7 +39,7 @@ class StateWriter {
  public:
   explicit StateWriter(Bytes& bytes) : bytes_(bytes) {}
   void number(double& value) { word(std::bit_cast<std::uint64_t>(value)); }
-  void integer(long& value) { word(std::uint64_t(std::int64_t(value))); }
+  void integer(Count& value) { word(std::uint64_t(value)); }
   template <class Choice>
   void choice(Choice& value, Choice) {
     word(std::uint64_t(value));
@@ -67,7 +67,7 @@ class StateReader {
     value = std::bit_cast<double>(word());
     if (value != value) throw StateError("a value of the state is not a number");
   }
-  void integer(long& value) { value = long(std::int64_t(word())); }
+  void integer(Count& value) { value = Count(word()); }
   /// One of an enumeration's values up to `last`, or a flag.
   template <class Choice>
   void choice(Choice& value, Choice last) {
@@ -102,8 +102,8 @@ void pass(Archive& archive, Course& course) {
                         &course.race_window,  &course.usual,        &course.race_pause,    &course.forecast,
                         &course.contact.h})
     archive.number(*value);
-  for (long* value : {&course.clock.count, &course.clock.parts, &course.factored.uses, &course.steps, &course.rejected, &course.factors,
-                      &course.contact.free, &course.contact.free_next, &course.contact.impact, &course.contact.impact_next})
+  for (Count* value : {&course.clock.count, &course.clock.parts, &course.factored.uses, &course.steps, &course.rejected, &course.factors,
+                       &course.contact.free, &course.contact.free_next, &course.contact.impact, &course.contact.impact_next})
     archive.integer(*value);
   for (Method* value : {&course.method, &course.favourite}) archive.choice(*value, Method::floating_frame);
   for (Reason* value : {&course.reason, &course.favourite_reason}) archive.choice(*value, Reason::free_flight);
@@ -123,7 +123,7 @@ void pass(Archive& archive, Progress& progress) {
        {&watch.kinetic_elastic, &watch.forces, &watch.received, &watch.gained, &watch.balance, &watch.largest, &watch.due, &watch.share})
     archive.number(*value);
   archive.choice(watch.hopeless, true);
-  for (long* value : {&progress.contacts_resolved, &progress.exchange.contacts_resolved}) archive.integer(*value);
+  for (Count* value : {&progress.contacts_resolved, &progress.exchange.contacts_resolved}) archive.integer(*value);
   for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous, &progress.outside})
     archive.numbers(points->data(), points->size());
   for (auto* impulses : {&progress.exchange.planes, &progress.exchange.pins})
@@ -131,7 +131,7 @@ void pass(Archive& archive, Progress& progress) {
       archive.numbers(impulse.force.data(), 3);
       archive.numbers(impulse.torque.data(), 3);
     }
-  for (long& count : progress.contacts) archive.integer(count);
+  for (Count& count : progress.contacts) archive.integer(count);
   pass(archive, progress.course);
 }
 
