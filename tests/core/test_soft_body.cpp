@@ -120,7 +120,7 @@ TEST(a_scene_that_explicit_steps_suit_never_factors_a_matrix) {
   const auto factors = [](double k, double damping, Vec3 stretch, Vec3 spin, int planes, double H, int side = 4) {
     Definition definition = stretched();
     definition.lattice.counts = {side, side, side};
-    definition.mass.assign(side * side * side, definition.mass[0]);
+    definition.mass.assign(side * side * side, 1.0 / 64);
     definition.stretch = stretch;
     definition.angular_velocity = spin;
     definition.offset = {0, 0, 0.05};

@@ -47,8 +47,9 @@ struct Box {
     const auto folder = std::filesystem::temp_directory_path() / ("softffd test %" + name);
     std::filesystem::create_directories(folder);
     std::ofstream(folder / "scene.txt", std::ios::binary) << content;
-    std::string uri = "file://";
-    for (char c : folder.string()) uri.append(c == ' ' ? "%20" : c == '%' ? "%25" : std::string(1, c));
+    const std::string path = folder.generic_string();
+    std::string uri = path[0] == '/' ? "file://" : "file:///";  // C:/... on Windows
+    for (char c : path) uri.append(c == ' ' ? "%20" : c == '%' ? "%25" : std::string(1, c));
     return uri;
   }
 };
