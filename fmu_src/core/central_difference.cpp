@@ -83,7 +83,10 @@ void CentralDifference::step(const Body& body, const Surroundings& around, doubl
 
 StepStatus CentralDifference::advance(const Body& body, const Surroundings& around, const Task& task, bool watch, State& state,
                                       Exchange& exchange) {
-  if (state.previous_h != task.h) start(body, around.force, task.h, state);
+  if (state.previous_h != task.h) {
+    around.force_at(task.time(0), force_);
+    start(body, force_, task.h, state);
+  }
   for (Count i = 0; i < task.steps; ++i) {
     step(body, around, task.time(i), task.h, watch, state, &exchange);
     if (watch && around.ramped) exchange.work += around.ramp_dot(task.time(i) + 0.5 * task.h, next_ - state.x);

@@ -84,10 +84,31 @@ StepStatus Propagator::advance(const Equations& equations, const Request& reques
   course.usual = std::max(H, 0.8 * course.usual);
   if (method == Method::rkn12 && equations.body.damped) method = Method::dop853, course.reason = Reason::damping;
   if (method == Method::backward_euler) return run_implicit(job, state.time + H);
-  const bool resolves_contact = method == Method::leapfrog || method == Method::central_difference;
   if (equations.around.planes.empty() || method == Method::central_difference) return advance_with(job, method, H);
-  if (reach_.may_touch(equations, state, H)) return advance_in_contact(job, method, H);
-  if (resolves_contact) return advance_with(job, method, H);
+  // Every given step decides for itself whether an obstacle is within reach, so that cutting the time changes nothing.
+  const Count units = resolves_contact(method) ? 0 : counted_units(request, H);
+  if (units == 0) return advance_near(job, method, H);
+  for (Count left = units; left > 0; --left) {
+    if (course.clock.unit == request.step && double(left) * double(course.clock.parts) > double(most_steps))
+      return StepStatus::too_many_steps;
+    const StepStatus status = advance_near(job, method, request.step);
+    if (status != StepStatus::ok) return status;
+  }
+  return StepStatus::ok;
+}
+
+/// The given steps in a communication step, if they fit it without a rest and are not too many; else 0.
+Count Propagator::counted_units(const Request& request, double H) {
+  const double units = request.step > 0 ? std::round(H / request.step) : 0;
+  return units >= 1 && units <= double(most_steps) && std::abs(H - units * request.step) <= 1e-9 * H ? Count(units) : 0;
+}
+
+/// A stretch of time in a scene with obstacles: those methods that do not know contact run where none is within reach.
+StepStatus Propagator::advance_near(const Job& job, Method method, double H) {
+  const auto& [equations, request, state, course, exchange] = job;
+  const bool flies = method == Method::floating_frame && reach_.clear(equations.body, equations.around, state.time, state.x);
+  if (!flies && reach_.may_touch(equations, state, H)) return advance_in_contact(job, method, H);
+  if (method == Method::leapfrog) return advance_with(job, method, H);
   start_ = state;
   start_exchange_ = exchange;
   const Clock clock = course.clock;
@@ -144,12 +165,13 @@ bool Propagator::fly_on(const Job& job, double H) {
 
 StepStatus Propagator::advance_with(const Job& job, Method asked, double H) {
   const auto& [equations, request, state, course, exchange] = job;
-  const double unit = request.step, units = unit > 0 ? std::round(H / unit) : 0, end = state.time + H;
+  const double unit = request.step, end = state.time + H;
   const bool automatic = asked == Method::automatic && unit == 0;
   if (asked == Method::automatic && unit > 0) course.reason = Reason::given_step;
-  course.method = asked == Method::automatic ? Method::leapfrog : asked;
-  if (units >= 1 && units <= double(most_steps) && std::abs(H - units * unit) <= 1e-9 * H)
-    return run_counted(job, course.method, Count(units));
+  const Method method = asked == Method::automatic ? Method::leapfrog : asked;
+  if (method != course.method) course.clock.unit = 0;  // how a given step is divided was for the other method
+  course.method = method;
+  if (const Count units = counted_units(request, H); units > 0) return run_counted(job, method, units);
   const double begun = course.work;
   while (state.time < end) {
     if (automatic) choose(job, end - state.time);

@@ -57,10 +57,13 @@ class Propagator {
   };
   /// Of a number of internal steps that cannot be: not a number where the state has gone astray.
   static StepStatus refusal(double steps) { return std::isnan(steps) ? StepStatus::not_finite : StepStatus::too_many_steps; }
+  static Count counted_units(const Request& request, double H);
+  StepStatus advance_near(const Job& job, Method method, double H);
   StepStatus advance_in_contact(const Job& job, Method asked, double H);
   bool fly_on(const Job& job, double H);
   StepStatus advance_with(const Job& job, Method asked, double H);
-  bool passes(const Job& job, Method method, double step, const OneStep& trial);
+  bool passes(const Equations& equations, Method method, double t, double h, const Points& x0, const Points& v0, const Points& x,
+              const Points& v);
   StepStatus run_counted(const Job& job, Method method, Count units);
   StepStatus run_fitted(const Job& job, Method method, double end, double pause_at);
   StepStatus run_controlled(const Job& job, Method method, double end, double pause_at);

@@ -14,25 +14,39 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Internal steps between two looks at the deformation.
 constexpr Count look_every = 8;
 
+/// Cuts the internal steps of the unit that has begun into so many.
+void refine(Clock& clock, Count times) {
+  const Count into = clock.count % clock.parts, parts = clock.parts * times;
+  clock = {clock.origin + double(clock.count - into) * clock.h, clock.unit / double(parts), into * times, clock.unit, parts};
+}
+
 }  // namespace
 
+/// Looks are counted, so that they fall on the same moments however the time is cut. What a look says of a divided step holds from the
+/// next unit on, or at once if it must be finer.
 StepStatus Propagator::run_counted(const Job& job, Method method, Count units) {
   Clock& clock = job.course.clock;
   const double unit = job.request.step;
   while (units > 0) {
-    // Looks are counted too, so that they fall on the same moments however the time is cut.
-    if (clock.unit != unit || job.course.bound < 0 || clock.count / clock.parts % look_every == 0 || job.request.share < 1) {
+    const Count into = clock.unit == unit ? clock.count % clock.parts : 0;
+    const bool begins_divided = into == 0 && clock.parts > 1;
+    if (clock.unit != unit || job.course.bound < 0 || clock.count % look_every == 0 || begins_divided || job.request.share < 1) {
       const double limit = std::min(unit * job.request.share, step_limit(job, method, true));
       if (!(unit / limit <= double(most_steps))) return refusal(unit / limit);
       const Count parts = divisions(unit, limit);
-      if (clock.unit != unit || clock.parts != parts) clock = {job.state.time, unit / double(parts), 0, unit, parts};
+      if (into == 0 && (clock.unit != unit || clock.parts != parts)) clock = {job.state.time, unit / double(parts), 0, unit, parts};
+      if (into > 0 && clock.parts < parts) refine(clock, (parts + clock.parts - 1) / clock.parts);
     }
     if (double(units) * double(clock.parts) > double(most_steps)) return StepStatus::too_many_steps;
-    const Count ahead = std::min(units, look_every - clock.count / clock.parts % look_every);
-    const StepStatus status = run_stretch(job, method, clock.h, ahead * clock.parts);
+    const Count left = clock.parts > 1 ? clock.parts - clock.count % clock.parts : units;
+    const Count ahead = std::min(left, look_every - clock.count % look_every);
+    const StepStatus status = run_stretch(job, method, clock.h, ahead);
     if (status != StepStatus::ok) return status;
     job.state.time = clock.time();
-    units -= ahead;
+    if (clock.parts == 1)
+      units -= ahead;
+    else if (clock.count % clock.parts == 0)
+      --units;
   }
   return StepStatus::ok;
 }
@@ -89,7 +103,7 @@ StepStatus Propagator::take_steps(const Job& job, Method method, const Task& tas
       attempt({equations, job.request, state, job.course, exchange}, method, t, task.h);
       accept(controlled(method), equations, state, exchange);
     }
-    if (planes && reach_.passed(around, t, t + task.h, x0_, v0_, state.x, state.v)) return StepStatus::contact_ahead;
+    if (planes && passes(equations, method, t, task.h, x0_, v0_, state.x, state.v)) return StepStatus::contact_ahead;
   }
   return StepStatus::ok;
 }
@@ -170,7 +184,7 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
     // A step that the communication point has cut short says that it can be longer only as far as it was tried.
     const bool keep = is_implicit(method) && factor > 0.95 && factor < 1.5;  // and with the step the factor
     if (!keep && (factor * step > h || (factor < 5 && step > 0.2 * h))) h = step * factor;
-    if (planes && passes(job, method, step, trial)) return StepStatus::contact_ahead;
+    if (planes && passes(equations, method, state.time, step, state.x, state.v, trial.x, trial.v)) return StepStatus::contact_ahead;
     accept(trial, equations, state, exchange);
     ++course.steps;
     course.clock.h = step;
@@ -181,13 +195,12 @@ StepStatus Propagator::run_controlled(const Job& job, Method method, double end,
   return StepStatus::ok;
 }
 
-/// Does the step tried go behind an obstacle? In the frame the end decides, as it does for the implicit contact step, which would take
-/// over.
-bool Propagator::passes(const Job& job, Method method, double step, const OneStep& trial) {
-  const auto& [body, around] = job.equations;
-  const double t = job.state.time;
-  if (method == Method::floating_frame) return !reach_.clear(body, around, t + step, trial.x);
-  return reach_.passed(around, t, t + step, job.state.x, job.state.v, trial.x, trial.v);
+/// Does a step go behind an obstacle? In the frame the end decides, as it does for the implicit contact step, which would take over.
+bool Propagator::passes(const Equations& equations, Method method, double t, double h, const Points& x0, const Points& v0, const Points& x,
+                        const Points& v) {
+  const auto& [body, around] = equations;
+  if (method == Method::floating_frame) return !reach_.clear(body, around, t + h, x);
+  return reach_.passed(around, t, t + h, x0, v0, x, v);
 }
 
 }  // namespace softffd

@@ -35,6 +35,10 @@ inline Traits traits(Method method) {
   }
 }
 
+/// Does the method know obstacles? With a given step `automatic` is leapfrog.
+inline bool resolves_contact(Method method) {
+  return method == Method::automatic || method == Method::leapfrog || method == Method::central_difference;
+}
 /// Does the method with error control solve with a matrix?
 inline bool is_implicit(Method method) { return method == Method::ros34pw2 || method == Method::floating_frame; }
 /// Those that lattices too wide for matrices do not have.
