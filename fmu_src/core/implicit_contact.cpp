@@ -12,8 +12,6 @@ namespace {
 constexpr double rounding = 2.2e-16;
 /// A body that buckles jumps to its next equilibrium as fast as its own vibrations are: for a moment steps have to be that short.
 constexpr int most_halvings = 20, most_iterations = 30;
-/// Steps tried in one call, whatever their length.
-constexpr Count most_tries = 4096;
 /// As in contact.cpp.
 constexpr double touching = 1e-12, pin_slack = 1e-9;
 /// Backward Euler gains energy only where a body falls off an edge on which it balances, and then of second order in the step; a solution
@@ -33,7 +31,7 @@ StepStatus ImplicitContact::advance(const Equations& equations, double t, double
     for (const Springs::Row& row : equations.body.springs.rows())
       largest_stiffness_ = std::max(largest_stiffness_, kernels::largest(row.stiffness.size(), row.stiffness.data()));
   }
-  last_try_ = steps_ + most_tries;
+  last_factorization_ = linear_.factorizations() + most_factorizations;
   return advance_in_parts(equations, t, h, watch, state, exchange, 0);
 }
 
@@ -51,7 +49,7 @@ StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double 
     return StepStatus::ok;
   }
   if (status != StepStatus::ok && status != StepStatus::not_finite) return status;
-  if (depth == most_halvings || steps_ >= last_try_) return StepStatus::not_finite;
+  if (depth == most_halvings || spent()) return StepStatus::not_finite;
   ++halvings_;
   const StepStatus first = advance_in_parts(equations, t, 0.5 * h, watch, state, exchange, depth + 1);
   if (first != StepStatus::ok) return first;
@@ -121,7 +119,7 @@ StepStatus ImplicitContact::solve(const Step& step) {
     find_residual(step, i == 0);
     if (straight_ && in_balance(step)) return StepStatus::ok;
     ++iterations_;
-    if (!linear_.solve(problem, contacts_, cautious_)) return StepStatus::not_finite;
+    if (spent() || !linear_.solve(problem, contacts_, cautious_)) return StepStatus::not_finite;
     move(step);
   }
   return StepStatus::not_finite;

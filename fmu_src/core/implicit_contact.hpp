@@ -31,8 +31,9 @@ class ImplicitContact {
   void body_changed() { largest_stiffness_ = -1; }
   /// One step from (t, state) of length h [s]; state.spring being the internal forces at state.x. Planes have no point behind them at t.
   /// state.time is the caller's. On failure state and exchange are spoilt; not_finite: there was no solution down to h / 2^20, or not
-  /// within 4096 of such parts.
+  /// with so many factorizations.
   StepStatus advance(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
+  Count most_factorizations = 100'000;
 
   /// Counted since the start.
   Count steps() const { return steps_; }        ///< tried; of which
@@ -47,6 +48,7 @@ class ImplicitContact {
     const State& from;
   };
   StepStatus advance_in_parts(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange, int depth);
+  bool spent() const { return linear_.factorizations() >= last_factorization_; }
   StepStatus open(const Step& step);
   void predict(const Step& step);
   void guess_touches(const Step& step);
@@ -73,7 +75,7 @@ class ImplicitContact {
   bool straight_ = false, cautious_ = false;
   Vec3 rounding_ = Vec3::Zero();
   double loss_ = 0, work_ = 0;  ///< of the step [J]
-  Count steps_ = 0, halvings_ = 0, iterations_ = 0, last_try_ = 0;
+  Count steps_ = 0, halvings_ = 0, iterations_ = 0, last_factorization_ = 0;
 };
 
 }  // namespace softffd

@@ -21,8 +21,11 @@ constexpr double deformation_limit_with_volume = 0.05;
 constexpr double long_run = 1e5;
 /// (omega h) (spin h) that an implicit step may have; angle by which the body may turn in a step in its own frame.
 constexpr double largest_turn = 1e-4, largest_turn_in_frame = 1;
-/// Explicit steps in a communication step above which contact is implicit, and the work of an implicit step in evaluations of the forces.
+/// Explicit steps in a communication step above which contact is implicit, and the work of an implicit step in evaluations of the forces,
+/// at least.
 constexpr double stiff_contact = 200, implicit_contact_work = 150;
+/// Matrices that an implicit step may cost where explicit steps would cost less than these.
+constexpr double fewest_factorizations = 100;
 /// Explicit steps in an implicit one above which the masses are lost in the rounding of the stiffness matrix.
 constexpr double stiffest = 2e7;
 
@@ -88,7 +91,9 @@ StepStatus Propagator::advance(const Equations& equations, const Request& reques
   // Every given step decides for itself whether an obstacle is within reach, so that cutting the time changes nothing.
   const Count units = resolves_contact(method) ? 0 : counted_units(request, H);
   if (units == 0) return advance_near(job, method, H);
+  const Reason reason = course.reason;
   for (Count left = units; left > 0; --left) {
+    course.reason = reason;
     if (course.clock.unit == request.step && double(left) * double(course.clock.parts) > double(most_steps))
       return StepStatus::too_many_steps;
     const StepStatus status = advance_near(job, method, request.step);
@@ -196,12 +201,16 @@ StepStatus Propagator::run_implicit(const Job& job, double end) {
   if (!(wanted <= double(most_steps) / implicit_contact_work)) return refusal(wanted);
   const Count steps = std::max(Count{1}, Count(std::llround(wanted)));
   course.clock = {begin, H / double(steps), 0};
+  // Where it finds no way, a step may take as long as explicit steps would, which are tried with several sizes and cost more in contact.
+  const double explicit_work = 8 * traits(Method::leapfrog).work * course.clock.h / step_limit(job, Method::leapfrog, false);
+  implicit_contact_->most_factorizations = Count(std::clamp(explicit_work / implicit_.factor, fewest_factorizations, double(most_steps)));
   for (Count i = 0; i < steps; ++i) {
     const double next = i + 1 == steps ? end : course.clock.origin + double(i + 1) * course.clock.h;
+    const Count made = implicit_contact_->factorizations();
     const StepStatus status = implicit_contact_->advance(equations, state.time, next - state.time, request.watch, state, exchange);
+    course.work += std::max(implicit_contact_work, double(implicit_contact_->factorizations() - made) * implicit_.factor);
     if (status != StepStatus::ok) return status;
     state.time = next;
-    course.work += implicit_contact_work;
     ++course.steps;
   }
   return StepStatus::ok;

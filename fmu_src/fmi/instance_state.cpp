@@ -133,8 +133,8 @@ void Instance::load_state(const Bytes& bytes) {
   s.stiffness = {in_effect.edge, in_effect.face, in_effect.body};
   s.damping = in_effect.damping;
   s.gravity = in_effect.gravity;
-  body_.restore(progress, start_time_);
-  if (memory) error_estimate_->restore(*memory, s, start_time_);
+  body_.restore(progress, 0);
+  if (memory) error_estimate_->restore(*memory, s, 0);
   changed_ = place.changed;
   material_changed_ = place.material_changed;
 }

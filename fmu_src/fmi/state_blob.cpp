@@ -4,7 +4,7 @@ namespace softffd::fmi {
 
 namespace {
 
-constexpr std::uint64_t magic = 0x3144464646544f53, version = 5;
+constexpr std::uint64_t magic = 0x3144464646544f53, version = 6;
 
 std::uint64_t fnv1a(std::span<const unsigned char> bytes) {
   std::uint64_t hash = 14695981039346656037u;
