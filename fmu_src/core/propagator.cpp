@@ -275,7 +275,8 @@ double Propagator::amplitude(const Body& body, double energy, double slowest) co
 /// Leaves the bound of the course alone: looking must not change what follows.
 double Propagator::stable_step(const Body& body, const Points& x) {
   if (!stability_.elastic()) return std::numeric_limits<double>::max();
-  return std::min(2 / stability_.frequency(body, x), std::numeric_limits<double>::max());
+  const double step = 2 / stability_.frequency(body, x);
+  return step > 0 ? std::min(step, std::numeric_limits<double>::max()) : 0;
 }
 
 }  // namespace softffd

@@ -47,7 +47,9 @@ Pin make_pin(const Definition& definition, const PinDefinition& source, Vec3& or
 
 bool finite(const Progress& progress) {
   const State& motion = progress.motion;
-  const auto sound = [](const Impulse& impulse) { return impulse.force.allFinite() && impulse.torque.allFinite(); };
+  const auto sound = [H = progress.exchange_time](const Impulse& impulse) {
+    return (impulse.force / H).allFinite() && (impulse.torque / H).allFinite();
+  };
   const auto& exchange = progress.exchange;
   return motion.x.allFinite() && motion.v.allFinite() && motion.spring.allFinite() && std::isfinite(progress.potential) &&
          std::isfinite(progress.watch.kinetic_elastic) && std::isfinite(progress.work) && std::isfinite(progress.dissipated) &&
@@ -91,6 +93,7 @@ SoftBody::SoftBody(Definition definition)
 
 void SoftBody::refresh_body() {
   const int n = definition_.lattice.points();
+  material_ = settings;
   const Eigen::Map<const Scalars> shares(definition_.mass.data(), n);
   body_.mass = shares * (settings.mass / shares.sum());
   body_.damping = Scalars::Constant(n, settings.damping);

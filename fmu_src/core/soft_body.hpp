@@ -34,11 +34,14 @@ struct Definition {
   bool watch_energy = false;                                      ///< accumulate dissipated energy and work
 };
 
-/// Values that a host may set between steps. Vectors have the sizes of the definition.
-struct Settings {
+struct Material {
   double mass = 1;  ///< total [kg]
   Stiffness stiffness;
-  double damping = 0;           ///< per control point [N s/m]
+  double damping = 0;  ///< per control point [N s/m]
+};
+
+/// Values that a host may set between steps. Vectors have the sizes of the definition.
+struct Settings : Material {
   Vec3 gravity = Vec3::Zero();  ///< [m/s2]
   Method method = Method::automatic;
   double tolerance = 1e-4;           ///< error aimed at, relative to the largest side of the box
@@ -82,8 +85,10 @@ class SoftBody {
  public:
   explicit SoftBody(Definition definition);
 
-  Settings settings;                          ///< take effect at the next `initialize` or `advance`
-  void settings_changed() { stale_ = true; }  ///< call after changing mass, stiffness or damping
+  Settings settings;                                      ///< take effect at the next `initialize` or `advance`
+  void settings_changed() { stale_ = true; }              ///< call after changing mass, stiffness or damping
+  const Material& material() const { return material_; }  ///< in effect
+  bool material_waits() const { return stale_; }
 
   /// Sets up the initial state at time t0; positions behind planes are moved onto them.
   StepStatus initialize(double t0);
@@ -183,6 +188,7 @@ class SoftBody {
   Points begin_;                       ///< positions at the start of the communication step, where energy is watched
   bool stale_ = true;                  ///< mass, stiffness or damping changed
   double divided_ = 1;                 ///< by how much the last communication step's internal steps had to be divided to have a result
+  Material material_;                  ///< of the settings, what is in effect
   double start_time_ = 0, noise_ = 0;  ///< noise: energy of displacements that are rounding [J]
   Progress now_, backup_;
 };

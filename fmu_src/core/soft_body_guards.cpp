@@ -1,6 +1,7 @@
 /// Guards of the soft body: which results of a communication step stand, which are tried again with smaller steps, and what is to be warned
 /// of.
 #include <algorithm>
+#include <utility>
 
 #include "rigid_motion.hpp"
 #include "soft_body.hpp"
@@ -41,6 +42,7 @@ StepStatus SoftBody::advance(double H) {
   backup_ = now_;
   divided_ = 1;
   const Attempt usual{H, settings.step > 0 ? 1 : now_.watch.share, stale_};
+  const Material before = material_;
   StepStatus status = advance_from_here(H, usual.share);
   const bool astray = status == StepStatus::too_many_steps && now_.course.work > backup_.course.work;  // not from the start
   if (status == StepStatus::not_finite || astray)
@@ -48,6 +50,11 @@ StepStatus SoftBody::advance(double H) {
   else if (status == StepStatus::ok && settings.step == 0 && !now_.watch.hopeless && gains_energy())
     status = take_back_gain(usual);
   if (status == StepStatus::ok) return status;
+  if (usual.stale) {  // outputs are again those of the material before
+    const Material wanted = std::exchange(static_cast<Material&>(settings), before);
+    refresh_body();
+    static_cast<Material&>(settings) = wanted;
+  }
   now_ = backup_;
   stale_ = usual.stale;
   return status;

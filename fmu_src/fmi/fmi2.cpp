@@ -103,7 +103,10 @@ void keep(fmi2FMUstate* handle, SavedState state) {
     return;
   }
   saved(*handle);
-  *states.live(*handle) = std::move(state);
+  SavedState& place = *states.live(*handle);
+  if (place.owner != state.owner) place.owner = state.owner;  // other instances read it when they are freed: not written without need
+  place.guid = std::move(state.guid);
+  place.bytes = std::move(state.bytes);
 }
 
 std::unique_ptr<Instance> instantiate(const Logger& logger, fmi2Type type, const char* guid, const char* resources) {

@@ -210,7 +210,8 @@ fmi2Status Instance::do_step(double time, double step) {
   const double rounding = 16 * std::numeric_limits<double>::epsilon() * std::max(std::abs(time_), std::abs(start_time_));
   const double slack = rounding + std::min(1e-9 * std::max(1.0, time_ - start_time_), 0.01 * std::abs(step));
   if (!std::isfinite(time) || !(std::abs(time - time_) <= slack))
-    throw CallError("fmi2DoStep: currentCommunicationPoint: wanted " + number(time_) + " s, got " + number(time));
+    throw CallError("fmi2DoStep: currentCommunicationPoint: wanted " + number(time_) + " s, got " + number(time) + ", " +
+                    number(time - time_) + " s off");
   if (!std::isfinite(step) || !(step > 0)) throw CallError("fmi2DoStep: communicationStepSize: wanted > 0 s, got " + number(step));
   if (time_ + step > stop_time_ + rounding + 1e-9 * std::max(1.0, stop_time_ - start_time_))
     throw CallError("fmi2DoStep: a step to " + number(time_ + step) + " s goes past the stop time " + number(stop_time_) + " s");

@@ -83,9 +83,11 @@ bool sound(const Progress& progress) {
 Bytes Instance::save_state() {
   Bytes bytes;
   StateWriter writer(bytes);
-  Place place{phase, changed_, material_changed_, rated_, start_time_, time_, stop_time_};
-  const Settings& s = body_.settings;
-  InEffect in_effect{s.mass, s.stiffness.edge, s.stiffness.face, s.stiffness.body, s.damping, s.gravity};
+  const bool waits = body_.material_waits();  // since a step that was discarded
+  Place place{phase, changed_ || waits, material_changed_ || waits, rated_, start_time_, time_, stop_time_};
+  const Material& material = body_.material();
+  const Stiffness& springs = material.stiffness;
+  InEffect in_effect{material.mass, springs.edge, springs.face, springs.body, material.damping, body_.settings.gravity};
   Progress progress = body_.progress();
   pass(writer, place);
   pass_values(writer, values_);
