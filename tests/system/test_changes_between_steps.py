@@ -106,19 +106,21 @@ def test_fixed_parameters_cannot_be_changed_on_the_way(scene, name):
             stepper.set({name: 0.5})
 
 
-@pytest.mark.parametrize("start", [1000.0, -7.25])
+@pytest.mark.parametrize("start", [1000.0, -7.25, 1.7e9])
 def test_time_may_start_anywhere(scene, start):
-    """A plane of the scene stands where it says at the start time, whatever that is."""
+    """Not a bit changes; a plane of the scene stands where it says at the start time, whatever that is."""
     text = SLIDING.replace("stiffness = 0.0", "stiffness = 50.0").replace("friction", "velocity = [0.0, 0.0, 0.3]\nfriction")
     expected = points(simulate(scene(text), stop_time=0.5, step=0.01))
     with Stepper(scene(text), start_time=start) as stepper:
         assert np.array_equal(stepper.positions(), expected[0])
         stepper.step(0.01, times=50)
-        assert stepper.positions() == pytest.approx(expected[-1], abs=1e-11)  # times near 1000 s are rounded to 1e-13 s
+        assert np.array_equal(stepper.positions(), expected[-1])
 
 
-def test_without_moving_planes_the_start_time_changes_no_bit(scene):
-    with Stepper(scene(SLIDING)) as early, Stepper(scene(SLIDING), start_time=123.456) as late:
-        early.step(0.01, times=20)
-        late.step(0.01, times=20)
-        assert np.array_equal(early.positions(), late.positions())
+@pytest.mark.parametrize("start, step", [(1.7e9, 0.01), (0.0, 1e-9)])
+def test_a_communication_point_that_is_a_step_off_is_refused_anywhere(scene, start, step):
+    with Stepper(scene(SLIDING), start_time=start) as stepper:
+        stepper.step(step)
+        stepper.time += step
+        with pytest.raises(FmuError, match="currentCommunicationPoint: wanted .* off"):
+            stepper.step(step)

@@ -107,6 +107,29 @@ def test_central_difference_agrees_with_leapfrog_on_smooth_motion(scene, text):
     assert velocities(runs[0]) == pytest.approx(velocities(runs[1]), abs=1e-8)
 
 
+def test_central_difference_restarts_with_the_force_of_that_moment(scene):
+    """The stable step changes as the box swings, and the recurrence starts anew within a communication step."""
+    text = """
+[material]
+damping = 0.0
+[initial]
+stretch = [1.3, 1.0, 1.0]
+[[load]]
+name = "push"
+points = "all"
+[outputs]
+velocities = "all"
+[solver]
+method = "central_difference"
+"""
+    with Stepper(scene(text)) as stepper:
+        for n in range(5):
+            stepper.set({"load.push.x": 2.0 * n})
+            stepper.set_rates({"load.push.x": 10.0})
+            stepper.step(0.2)
+        assert stepper.velocities()[:, 0].mean() == pytest.approx(0.5 * 10, abs=1e-8)  # of 10 t N on 1 kg
+
+
 def test_a_run_taken_back_by_the_reference_returns_to_its_start(scene):
     result, model = stretched(scene, 1e-3), reference.cube()
     x, v = reference.leapfrog(model, points(result)[-1], -velocities(result)[-1], 1e-3, 1000)

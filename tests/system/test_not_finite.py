@@ -77,3 +77,32 @@ def test_what_no_step_can_follow_is_refused_by_name_and_changes_nothing(scene, m
         box.restore(state)
         box.step(0.01)
         assert np.isfinite(box.positions()).all()
+
+
+def test_outputs_after_a_discarded_step_are_those_of_the_values_before(scene):
+    """A stiffness that asks for too many steps waits, in the state saved then too; taken back, it leaves no trace."""
+    text = "[material]\nstiffness = 1e3\n[initial]\nstretch = [1.1, 1.0, 1.0]\n[outputs]\nenergy = true\nsolver = true\n"
+    with Stepper(scene(text)) as box, Stepper(scene(text)) as other:
+        for each in (box, other):
+            each.step(0.01)
+        before, state = box.outputs(), box.save()
+        box.set({"stiffness.edge": 1e30})
+        with pytest.raises(FmuError, match="more than 20000000"):
+            box.step(0.01)
+        assert box.outputs() == before
+        box.restore(box.save())
+        assert box.outputs() == before
+        box.restore(state)
+        for each in (box, other):
+            each.set({"stiffness.edge": 2e3})
+            each.step(0.01)
+        assert box.outputs() == other.outputs()
+
+
+def test_a_reaction_too_large_for_a_number_discards_the_step(scene):
+    text = "[material]\nstiffness = 1e3\n[[pin]]\nname = 'hand'\npoints = 'x-'\nmotion = 'input'\n"
+    with Stepper(scene(text)) as box:
+        box.set({"pin.hand.velocity.x": 1e10})
+        with pytest.raises(FmuError, match="not finite"):
+            box.step(1e-300)
+        assert np.isfinite(box.outputs()).all()
