@@ -129,6 +129,19 @@ def _dragged(method: str, share: float, findings: Findings) -> None:
         )
 
 
+def _landing(method: str, step: float, findings: Findings) -> None:
+    """step: given, longer than leapfrog's limit, 1.9e-4 s; leapfrog takes over at the ground."""
+    height = 0.05
+    ground = plane(point=(0.0, 0.0, -height))
+    with Drive(box(1e5, 0.1, plane=[ground], environment=DOWN, method=method), {"solver.step": step}) as drive:
+
+        def each() -> None:
+            findings.sound(drive, [((0.0, 0.0, -height), (0.0, 0.0, 1.0))])
+            conserves(findings, drive, scale=GRAVITY * height, gain=2e-2)
+
+        drive.run(0.4, 2 * step, each)
+
+
 def _hang(stiffness: float, step: float, findings: Findings) -> None:
     """Hung up by its upper face, without contact."""
     with Drive(box(stiffness, 0.02, pin=[{"name": "hook", "points": "z+"}], environment=DOWN)) as drive:
@@ -260,6 +273,10 @@ def cases() -> list[Case]:
         found.append(Case(f"dragged: {words}", "a plane at 150 m/s under an undamped box, k = 1e6 N/m, friction 0.4, H = 1 s",
                           "energy balances; height; exact: v = mu g t", partial(_dragged, method, share),
                           quick=method == "auto"))  # fmt: skip
+    for method, step in (("bm4", 3.5e-4), ("ros34pw2", 5e-3)):
+        found.append(Case(f"landing: {method}, given step {step:g} s", "falls by 5 cm with a step that suits free flight, k = 1e5 N/m",
+                          "no penetration at communication points; energy", partial(_landing, method, step),
+                          quick=method == "bm4"))  # fmt: skip
     planes = "no penetration at communication points"
     found += [
         Case("plane at 1e3 m/s", "comes from 1 m below, k = 1e5 N/m, H = 1 ms", planes, _hit, quick=True),
