@@ -238,7 +238,7 @@ SceneFile parse_scene(std::string_view text) {
 
 SceneFile read_scene(const std::string& path) {
 #ifdef _WIN32
-  std::FILE* file = _wfopen(std::filesystem::u8path(path).c_str(), L"rb");
+  std::FILE* file = _wfopen(std::filesystem::path(std::u8string(path.begin(), path.end())).c_str(), L"rb");
 #else
   std::FILE* file = std::fopen(path.c_str(), "rb");
 #endif
