@@ -21,6 +21,7 @@ from softffd.package import package_fmu
 from softffd.result import Result
 from softffd.scene import Scene, shipped_scenes
 from softffd.scene_errors import did_you_mean, nearest_of
+from softffd.scene_text import LatticeBox
 
 Progress = Callable[[float, float], None]
 Interpolation = Literal["held", "linear", "cubic"]
@@ -159,7 +160,7 @@ class _Recorder:
         inputs = Block.of([*given, *(_input(component, source, name) for name in source.derived_names)], True)
         reals = Block.of(component.variables("output"), True)
         integers = Block.of(component.variables("output", real=False), False)
-        places = len(reals.names) // 3
+        places = math.prod(component.lattice.points) if component.lattice else len(reals.names) // 3
         held = len(inputs.names) + len(component.variables("input"))
         require_memory(stop_time, step, 8 * (held + len(reals.names) + len(integers.names) + 3 * places + 8))
         times = communication_points(stop_time, step)
@@ -202,13 +203,13 @@ class _Recorder:
 
     def result(self, component: Component, start_values: dict[str, Any], summary: dict[str, Any], scene: Scene | None) -> Result:
         columns = dict(zip(self.reals.names, self.real_rows.T, strict=True))
-        positions = _positions(columns, len(self.times), scene)
+        positions = _positions(columns, len(self.times), component.lattice)
         others = {name: column for name, column in columns.items() if not POSITION.fullmatch(name)}
         others |= dict(zip(self.integers.names, self.integer_rows.T, strict=True))
         held = {v.name: np.full(len(self.times), float(start_values.get(v.name, v.start))) for v in component.variables("input")}
         held |= dict(zip(self.inputs.names, self.input_rows.T, strict=True))
         parameters = {v.name: float(start_values.get(v.name, v.start)) for v in component.variables("parameter")}
-        return Result(self.times, positions, others, held, parameters, summary, scene)
+        return Result(self.times, positions, others, held, parameters, summary, scene, component.lattice)
 
 
 def _input(component: Component, source: Inputs, name: str) -> Any:
@@ -222,11 +223,11 @@ def _input(component: Component, source: Inputs, name: str) -> Any:
     return variable
 
 
-def _positions(columns: dict[str, np.ndarray], rows: int, scene: Scene | None) -> np.ndarray:
-    """(T, nx, ny, nz, 3) from the columns position[i,j,k].c; NaN where there is none."""
+def _positions(columns: dict[str, np.ndarray], rows: int, lattice: LatticeBox | None) -> np.ndarray:
+    """(T, nx, ny, nz, 3) from the columns position[i,j,k].c; NaN where there is none. Without a lattice the largest indices count."""
     found = {name: match for name in columns if (match := POSITION.fullmatch(name))}
     indices = [tuple(map(int, match.groups()[:3])) for match in found.values()]
-    counts = scene.lattice.points if scene else tuple(np.max(indices, axis=0) + 1 if indices else (0, 0, 0))
+    counts = lattice.points if lattice else tuple(np.max(indices, axis=0) + 1 if indices else (0, 0, 0))
     positions = np.full((rows, *counts, 3), np.nan)
     for name, match in found.items():
         i, j, k = map(int, match.groups()[:3])
