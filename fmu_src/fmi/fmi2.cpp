@@ -164,9 +164,12 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
     std::vector<std::string> names;
     for (std::size_t i = 0; i < count; ++i) names.emplace_back(categories[i] ? categories[i] : "(null)");
     if (!instance.logger.switch_categories(on != fmi2False, names)) {
-      std::string known;
-      for (const char* name : log_categories) known += (known.empty() ? "" : ", ") + std::string(name);
-      throw CallError("fmi2SetDebugLogging: wanted categories of " + known + ", got another");
+      const auto listed = [](const auto& words) {
+        std::string text;
+        for (const auto& word : words) text += (text.empty() ? "" : ", ") + std::string(word);
+        return text;
+      };
+      throw CallError("fmi2SetDebugLogging: wanted categories of " + listed(log_categories) + ", got " + listed(names));
     }
     return fmi2OK;
   });
@@ -175,11 +178,11 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
 fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start_time,
                                fmi2Boolean stop_time_defined, fmi2Real stop_time) {
   return guarded(component, "fmi2SetupExperiment", instantiated, [&](Instance& instance) {
-    if (!std::isfinite(start_time)) throw CallError("fmi2SetupExperiment: startTime: wanted a finite number");
+    if (!std::isfinite(start_time)) throw CallError("fmi2SetupExperiment: startTime: wanted a finite number, got " + number(start_time));
     if (tolerance_defined && !(std::isfinite(tolerance) && tolerance > 0))
-      throw CallError("fmi2SetupExperiment: tolerance: wanted a finite number > 0");
+      throw CallError("fmi2SetupExperiment: tolerance: wanted a finite number > 0, got " + number(tolerance));
     if (stop_time_defined && !(std::isfinite(stop_time) && stop_time > start_time))
-      throw CallError("fmi2SetupExperiment: stopTime: wanted a finite number above startTime");
+      throw CallError("fmi2SetupExperiment: stopTime: wanted a finite number above startTime, got " + number(stop_time));
     instance.setup_experiment(start_time, tolerance_defined ? tolerance : 0,
                               stop_time_defined ? stop_time : std::numeric_limits<double>::infinity());
     return fmi2OK;

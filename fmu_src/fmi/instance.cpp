@@ -101,7 +101,7 @@ void Instance::exit_initialization() {
   ensure_initial_state();
   phase = stepping;
   warn_of_folding();
-  warn_of_undecided();
+  warn_of_start();
 }
 
 void Instance::apply_values() {

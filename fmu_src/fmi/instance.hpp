@@ -86,12 +86,14 @@ class Instance {
   void forget_rates();
   void ensure_initial_state();
   std::string describe(StepStatus status, double time, double step) const;
+  std::string describe_undecided() const;
+  std::string start_behind_planes() const;
   void log_solver_choice();
   void warn_of_folding();
   void warn_of_gain();
   void warn_of_division();
   void warn_of_turning();
-  void warn_of_undecided();
+  void warn_of_start();
 
   SceneFile scene_;
   std::vector<int> input_planes_, fixed_planes_, input_pins_;  ///< indices into scene_.planes and scene_.pins

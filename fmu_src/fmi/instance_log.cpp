@@ -11,6 +11,10 @@ namespace {
 constexpr double quiet_share = 0.3;
 /// Angle of an implicit contact step from which on what it takes from a rotation is worth a word [rad].
 constexpr double damped_turn = 0.05;
+/// Depth behind a plane relative to the box that is rounding.
+constexpr double slight = 1e-9;
+
+constexpr const char* clear_of_planes = "to start clear of it move the plane or initial.offset, or turn the plane's normal round";
 
 std::string method_name(Method method) {
   switch (method) {
@@ -56,11 +60,7 @@ std::string Instance::describe(StepStatus status, double time, double step) cons
       return where + "a pinned control point is behind an obstacle plane; the pin's and the plane's motions contradict each other";
     case StepStatus::zero_normal: return where + "a plane's normal is the zero vector; wanted any other vector";
     case StepStatus::zero_orientation: return where + "a pin's orientation is the zero quaternion; wanted any other, e.g. (1, 0, 0, 0)";
-    case StepStatus::undecided:
-      return where +
-             "springs have no length, because control points that they join are at the same place: rounding would decide which way "
-             "they push, and no tolerance could hold; draw the points apart (no 0 in initial.stretch), or give a solver.step, to which "
-             "none applies";
+    case StepStatus::undecided: return where + describe_undecided();
     case StepStatus::too_many_steps:
       return where + "a communication step of " + number(step) + " s needs more than " + std::to_string(Propagator::most_steps) +
              " internal steps; use a shorter communication step, a longer solver.step or less stiffness per mass";
@@ -69,6 +69,43 @@ std::string Instance::describe(StepStatus status, double time, double step) cons
              " s is not finite, and not with smaller internal steps either: forces, speeds or stiffness are beyond what they can follow";
   }
   return where + "unknown trouble";
+}
+
+std::string Instance::describe_undecided() const {
+  const bool drawn_flat = (scene_.definition.stretch.array() == 0).any();
+  const std::string behind = drawn_flat ? "" : start_behind_planes();
+  const std::string why = behind.empty() ? "control points that they join are at the same place" : behind;
+  std::string cure = behind.empty() ? "draw the points apart (no 0 in initial.stretch)" : clear_of_planes;
+  if (behind.empty() && !(body_.settings.step > 0)) cure += ", or give a solver.step, to which none applies";
+  return "springs have no length, because " + why + ": rounding would decide which way they push, and no tolerance could hold; " + cure;
+}
+
+/// Which control points the start has behind obstacle planes, whence they are moved at once; empty where there are none.
+std::string Instance::start_behind_planes() const {
+  const Definition& d = scene_.definition;
+  if (body_.settings.method == Method::central_difference) return {};  // moves none
+  std::vector<bool> pinned(d.lattice.points(), false);
+  for (const PinDefinition& pin : d.pins)
+    for (int p : pin.points) pinned[p] = true;
+  const Points rest = rest_positions(d.lattice);
+  std::string text;
+  for (std::size_t q = 0; q < scene_.planes.size(); ++q) {
+    const Settings::PlaneInput& plane = body_.settings.planes[q];
+    const Vec3 normal = plane.normal / plane.normal.stableNorm();
+    int count = 0;
+    double deepest = 0;
+    for (int p = 0; p < d.lattice.points(); ++p) {
+      const Vec3 x = d.lattice.origin + d.stretch.cwiseProduct(row(rest, p) - d.lattice.origin) + d.offset;
+      const double depth = normal.dot(plane.point - x);
+      if (pinned[p] || !(depth > slight * d.lattice.largest_side())) continue;
+      ++count;
+      deepest = std::max(deepest, depth);
+    }
+    if (count > 0)
+      text += (text.empty() ? "" : " and ") + std::to_string(count) + " control point" + (count > 1 ? "s start" : " starts") +
+              " behind plane " + scene_.planes[q].name + ", by up to " + number(deepest) + " m";
+  }
+  return text.empty() ? text : text + ", and are moved out at once";
 }
 
 void Instance::log_solver_choice() {
@@ -125,9 +162,13 @@ void Instance::warn_of_division() {
                  number(body_.internal_step()) + " s");
 }
 
-/// With a given step only: otherwise such a start is refused.
-void Instance::warn_of_undecided() {
-  if (body_.undecided()) logger.log(fmi2Warning, log_warning, describe(StepStatus::undecided, time_, 0));
+/// A start without direction passes with a given step only.
+void Instance::warn_of_start() {
+  const std::string where = "at time " + number(time_) + " s: ";
+  if (body_.undecided())
+    logger.log(fmi2Warning, log_warning, where + describe_undecided());
+  else if (const std::string behind = start_behind_planes(); !behind.empty())
+    logger.log(fmi2Warning, log_warning, where + behind + "; " + clear_of_planes);
 }
 
 /// Once in a run.

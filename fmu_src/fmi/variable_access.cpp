@@ -126,7 +126,7 @@ Instance::Variable Instance::checked(fmi2ValueReference reference, Type type) co
   const auto variable = find(reference);
   if (!variable) throw CallError(name(reference) + ": this scene has no such variable");
   const Type own = variable->info->type, access = own == Type::Enumeration ? Type::Integer : own;
-  if (access != type) throw CallError(name(reference) + ": is a " + type_name(own) + " variable, got " + type_name(type));
+  if (access != type) throw CallError(name(reference) + ": is of type " + type_name(own) + ", got a call for " + type_name(type));
   return *variable;
 }
 

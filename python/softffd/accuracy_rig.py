@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import time as clock
 from dataclasses import dataclass
-from math import inf
+from itertools import pairwise
 from pathlib import Path
 from tempfile import mkdtemp
 
@@ -16,7 +17,7 @@ from softffd.errors import FmuError
 from softffd.inputs import Inputs
 from softffd.package import package_fmu
 from softffd.scene import Scene
-from softffd.simulate import communication_points, positive, step_lengths
+from softffd.simulate import communication_points, positive, require_memory, step_lengths
 from softffd.variables import spring_damping_present
 
 ENOUGH = 0.4
@@ -70,6 +71,7 @@ class Rig:
         self.side = max(scene.lattice.size)
         self.damped = spring_damping_present(scene)
         self.contact = bool(scene.plane)
+        require_memory(self.stop_time, self.communication_step, 24 * math.prod(scene.lattice.points))
         self.times = communication_points(self.stop_time, self.communication_step)
         self._steps = step_lengths(self.times, self.communication_step)
         self._folder = Path(mkdtemp(prefix="softffd-"))
@@ -98,9 +100,9 @@ class Rig:
         source = Inputs(self.scene.default_inputs)
         names, self.driven_names = [*source.names, *source.derived_names], source.names
         self._inputs, self._driven = self._component.block(names), self._component.block(source.names)
-        pairs = list(zip(self.times[:-1], self._steps, strict=True))
-        self.input_values = np.array([source.values(t, h) for t, h in pairs]).reshape(len(pairs), -1)
-        self.input_rates = np.array([source.bends(t, h) for t, h in pairs]).reshape(len(pairs), 3, -1)
+        pairs = list(pairwise(self.times))
+        self.input_values = np.array([source.values(*pair) for pair in pairs]).reshape(len(pairs), -1)
+        self.input_rates = np.array([source.bends(*pair) for pair in pairs]).reshape(len(pairs), 3, -1)
 
     def _begin(self, setting: Setting) -> None:
         component = self._component
@@ -117,7 +119,7 @@ class Rig:
             component.set(self._inputs)
         component.exit_initialization()
 
-    def run(self, setting: Setting, *, repeats: int = 1, most: float = inf, before: Run | None = None) -> Run:
+    def run(self, setting: Setting, *, repeats: int = 1, most: float = math.inf, before: Run | None = None) -> Run:
         """Runs from 0 to the stop time up to `repeats` times (three times as often when short, fewer when long); the smallest time is kept.
 
         before: a run that this one may turn out to repeat bit by bit (a tolerance that changes nothing); then once is enough.

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
+import shlex
 import sys
 import webbrowser
 from pathlib import Path
@@ -12,19 +14,25 @@ from typing import Any
 from softffd import __version__
 from softffd.errors import FmuError, SoftffdError
 from softffd.progress import ProgressLine
+from softffd.result import require_writable
 from softffd.scene import load_scene, schema, shipped_scenes
 from softffd.scene_template import template
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs one command; returns its exit status: 0 success, 1 refused with a message on stderr, 2 wrong usage, 130 interrupted."""
+    """Runs one command; returns its exit status: 0 success, 1 refused with a message on stderr, 2 wrong usage, 130 interrupted, 141 where
+    nobody reads the output any more."""
     options = _parser().parse_args(arguments)
     try:
         options.command(options)
+        sys.stdout.flush()
         return 0
     except SoftffdError as error:
         print(f"softffd: {error}", file=sys.stderr)
         return 1
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left in the buffer goes there
+        return 141
     except OSError as error:
         print(f"softffd: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
         return 1
@@ -44,7 +52,7 @@ def _parser() -> argparse.ArgumentParser:
 
     build = commands.add_parser("build", help="make the FMU of a scene")
     build.add_argument("scene", help="a scene file or the name of a shipped scene")
-    build.add_argument("-o", "--output", type=Path, metavar="X.fmu", help="default: NAME.fmu here")
+    build.add_argument("-o", "--output", metavar="X.fmu", help="default: NAME.fmu here")
     build.add_argument("--platform", action="append", metavar="NAME", help="FMI platform to carry, e.g. linux64; may be repeated")
     build.set_defaults(command=_build)
 
@@ -95,6 +103,7 @@ def _parser() -> argparse.ArgumentParser:
 def _demo(options: argparse.Namespace) -> None:
     from softffd.demo import run_demo
 
+    require_writable(options.output)
     run_demo(options.output)
 
 
@@ -103,7 +112,7 @@ def _build(options: argparse.Namespace) -> None:
     from softffd.variables import variables
 
     scene = load_scene(options.scene)
-    path = package_fmu(scene, options.output or Path(f"{scene.name}.fmu"), platforms=options.platform)
+    path = package_fmu(scene, f"{scene.name}.fmu" if options.output is None else options.output, platforms=options.platform)
     masses = scene_masses(scene)
     print(f"{path}: {scene.title}")
     print(f"  {len(variables(scene, masses.mass))} variables, {path.stat().st_size / 1024:.0f} kB, mass {masses.mass.sum():.6g} kg")
@@ -116,13 +125,13 @@ def _run(options: argparse.Namespace) -> None:
     from softffd.run import keep_run, run_scene_or_fmu
 
     settings = dict(_setting(text) for text in options.settings)
+    folder = options.output or Path(f"softffd-{Path(options.what).stem}")
+    require_writable(folder)
     with ProgressLine("simulating") as progress:
         result = run_scene_or_fmu(
             options.what, stop_time=options.stop_time, step=options.step, settings=settings, inputs=options.input,
             interpolation=options.interpolation, error=options.error, progress=progress,
         )  # fmt: skip
-    name = Path(options.what).stem
-    folder = options.output or Path(f"softffd-{name}")
     files = keep_run(result, folder)
     _print_summary(result.summary)
     print(f"  kept in {folder}: {', '.join(file.name for file in files)}")
@@ -159,6 +168,7 @@ def _accuracy(options: argparse.Namespace) -> None:
 
     if options.repeats < 1:
         raise SoftffdError(f"--repeats {options.repeats}: wanted at least 1")
+    require_writable(options.output)
     with ProgressLine("measuring") as progress:
         report_accuracy(
             options.scenes, options.output, step=options.step, scipy=options.scipy, quick=options.quick, repeats=options.repeats,
@@ -170,6 +180,7 @@ def _accuracy(options: argparse.Namespace) -> None:
 def _stability(options: argparse.Namespace) -> None:
     from softffd.stability_command import report_stability
 
+    require_writable(options.output)
     with ProgressLine("running") as progress:
         report_stability(
             options.output, only=options.only, quick=options.quick, slowness=options.slowness, note=progress.note, say=progress.say
@@ -181,6 +192,7 @@ def _drivers(options: argparse.Namespace) -> None:
     from softffd.drivers import build_drivers
     from softffd.drivers.coupled import write_ssp
 
+    require_writable(options.output)
     for path in [*build_drivers(options.output), write_ssp(options.output / "plate_on_box.ssp")]:
         print(path)
 
@@ -194,7 +206,9 @@ def _scenes(_options: argparse.Namespace) -> None:
 
 def _new(options: argparse.Namespace) -> None:
     path = Path(options.name if options.name.endswith(".toml") else f"{options.name}.toml")
+    if not path.name.removesuffix(".toml").strip(". "):
+        raise SoftffdError(f'"{options.name}": wanted the name of a scene, e.g. softffd new mine')
     if path.exists():
         raise SoftffdError(f"{path}: exists already; wanted a new name")
     path.write_text(template(path.stem), encoding="utf-8")
-    print(f"{path}: edit it, then: softffd run {path}")
+    print(f"{path}: edit it, then: softffd run {shlex.quote(str(path))}")

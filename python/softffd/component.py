@@ -22,6 +22,7 @@ from fmpy.fmi2 import (
 
 from softffd.errors import FmuError
 from softffd.scene_errors import did_you_mean, nearest_of
+from softffd.scene_text import read_lattice
 
 WARNING, DISCARD = 1, 2
 LIFE_CYCLE = ("fmi2EnterInitializationMode", "fmi2ExitInitializationMode", "fmi2Terminate", "fmi2Reset")
@@ -85,6 +86,7 @@ class Component:
         except Exception as error:
             raise FmuError(f"{path}: {self._last_message() or error}") from error
         self._slave = slave
+        self.lattice = read_lattice(Path(self._folder) / "resources")
         self.by_name = {variable.name: variable for variable in self.description.modelVariables}
         self._prepare_calls()
 
@@ -125,7 +127,7 @@ class Component:
     def variable(self, name: str) -> Any:
         """The description's variable of this name; FmuError with the nearest spelling otherwise."""
         if name not in self.by_name:
-            raise FmuError(f"{name}: the FMU has no such variable{did_you_mean(nearest_of(name, self.by_name))}")
+            raise FmuError(f"{name}: the FMU has no such variable{did_you_mean(nearest_of(str(name), self.by_name))}")
         return self.by_name[name]
 
     def set_start_values(self, values: dict[str, Any]) -> None:

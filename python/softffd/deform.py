@@ -18,6 +18,9 @@ import numpy as np
 from softffd.basis import local_weights, support, weights
 from softffd.errors import MeshError
 from softffd.mesh import Mesh
+from softffd.scene_errors import did_you_mean, nearest_of
+
+BASES = ("bezier", "bspline")
 
 OUTSIDE_ALLOWED = 1e-6
 """How far outside the box a point may lie, as a share of the side: room for a box typed with six digits."""
@@ -32,8 +35,8 @@ def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=
     mesh: a Mesh, or its vertices (V, 3) m, in the rest configuration.
     positions: control points (nx, ny, nz, 3) m, positions[i, j, k] = p_ijk; or (T, nx, ny, nz, 3), T instants.
     origin, size: lower corner and sides (3,) m of the lattice's box at rest; default the vertices' bounding box.
-    basis: "bezier" or "bspline", as the scene's lattice.basis.
-    Returns (V, 3), or (T, V, 3). Raises MeshError where a vertex lies outside the box.
+    basis: "bezier" or "bspline", as the scene's lattice.basis. For a run's own lattice `Result.deformed` knows all three.
+    Returns (V, 3), or (T, V, 3). Raises MeshError where a vertex lies outside the box, ValueError for arguments of no such form.
     """
     vertices = mesh.vertices if isinstance(mesh, Mesh) else np.asarray(mesh, dtype=float)
     positions = np.asarray(positions, dtype=float)
@@ -52,7 +55,7 @@ class Embedding:
 
         Raises MeshError where a vertex lies outside the box by more than OUTSIDE_ALLOWED of its side.
         """
-        self.counts, self.basis = _checked_counts(counts), basis
+        self.counts, self.basis = _checked_counts(counts), _checked_basis(basis)
         self.coordinates = lattice_coordinates(vertices, origin, size)
         points = int(np.prod(self.counts))
         small = points * len(self.coordinates) <= _KEPT
@@ -137,6 +140,13 @@ def _checked_counts(counts) -> tuple[int, int, int]:
     if len(counts) != 3 or not all(2 <= n <= 32 for n in counts):
         raise ValueError(f"lattice.points: wanted three counts of 2 to 32, got {counts}")
     return counts
+
+
+def _checked_basis(basis) -> str:
+    if basis not in BASES:
+        wanted = " or ".join(f'"{each}"' for each in BASES)
+        raise ValueError(f"basis: wanted {wanted}, got {basis!r}{did_you_mean(nearest_of(str(basis), BASES))}")
+    return basis
 
 
 def _triple(values: np.ndarray) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 from softffd.package import package_fmu
 from softffd.picture import draw_history, draw_strip
 from softffd.progress import ProgressLine
-from softffd.run import keep_run, run_scene_or_fmu, surroundings
+from softffd.run import keep_run, run_mesh, run_scene_or_fmu
 from softffd.scene import load_scene
 
 
@@ -28,7 +28,7 @@ def run_demo(folder: Path) -> None:
         print(f"  {line}")
     print("  drawing ...", flush=True)
     keep_run(result, folder)
-    draw_strip(result, folder / "strip.png", **surroundings(result))
+    draw_strip(result, folder / "strip.png", mesh=run_mesh(result))
     draw_history(result, folder / "history.png")
     print(f"  pictures: {folder / 'strip.png'}, {folder / 'history.png'}, {folder / 'picture.png'}")
     print(f"  to play and turn it in a browser: {folder / 'view.html'}")

@@ -8,6 +8,7 @@ import numpy as np
 
 from softffd.history import energies, reactions
 from softffd.result import Result
+from softffd.scene_text import LatticeBox
 
 ESTIMATE = "solver.error_estimate"
 """The output that estimates the error so far [m]."""
@@ -40,15 +41,16 @@ def largest_indentation(result: Result) -> tuple[float, int]:
     """Largest departure of a control point from the best-fitting rigid motion of the lattice [m], and its row in time."""
     rows, *_, _ = result.positions.shape
     x = result.positions.reshape(rows, -1, 3)
-    rest = x[0] if result.scene is None else _grid_order(result)
+    rest = x[0] if result.lattice is None else _rest(result.lattice)
     depths = [_departure(rest, now) for now in x]
     frame = int(np.argmax(depths))
     return float(depths[frame]), frame
 
 
-def _grid_order(result: Result) -> np.ndarray:
-    nx, ny, nz = result.scene.lattice.points
-    return result.scene.rest_positions().reshape(nz, ny, nx, 3).transpose(2, 1, 0, 3).reshape(-1, 3)
+def _rest(lattice: LatticeBox) -> np.ndarray:
+    """The control points at rest, (n, 3) [m], the last axis fastest."""
+    share = np.stack(np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in lattice.points), indexing="ij"), axis=-1)
+    return np.array(lattice.origin) + np.array(lattice.size) * share.reshape(-1, 3)
 
 
 def _departure(rest: np.ndarray, now: np.ndarray) -> float:

@@ -4,6 +4,7 @@ Read here and not by trimesh, which takes index 0 for vertex 1, counts relative 
 passes over faces of two corners and lines it does not know, and splits vertices by their normals.
 """
 
+from codecs import BOM_UTF8
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ def read_obj(path: Path, data: bytes) -> Triangles:
     uses exactly one. Raises MeshError with the line of the fault.
     """
     records = _Records(path)
+    data = data.removeprefix(BOM_UTF8)
     for number, line in enumerate(data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines(), 1):
         words = line.partition(b"#")[0].split()
         if words:

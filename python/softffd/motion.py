@@ -22,7 +22,7 @@ def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step
             if rate is not _difference and not all(name in now for name in given):
                 continue
             first = np.array([now.get(name, 0.0) for name in given])
-            last = np.array([then.get(name, 0.0) for name in given])
+            last = np.array([then[name] if name in now else 0.0 for name in given])
             derived |= {f"{owner}.{velocity}.{c}": float(v) for c, v in zip("xyz", rate(first, last) / step, strict=True)}
     return derived
 

@@ -8,9 +8,11 @@ import zipfile
 from pathlib import Path
 
 from softffd.data import data_folder, libraries
+from softffd.errors import SoftffdError
 from softffd.mass import Masses, point_masses
 from softffd.model_description import GUID_PLACE, model_description
 from softffd.scene import Scene
+from softffd.scene_errors import did_you_mean
 from softffd.scene_text import NAME, scene_records, scene_text
 from softffd.variables import variables
 
@@ -38,9 +40,12 @@ def scene_masses(scene: Scene) -> Masses:
 def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None = None) -> Path:
     """Writes the scene's FMU and returns its path; the same scene gives the same bytes.
 
+    path: a file name ending in .fmu; folders are made where absent.
     platforms: FMI platform names (linux64, ...) to carry; all that this installation has by default. SoftffdError if one is missing.
     """
-    path = Path(path)
+    if not isinstance(scene, Scene):
+        raise SoftffdError(f"package_fmu: wanted a Scene, got {scene!r:.70}; load_scene gives the scene of a file")
+    path = fmu_path(path)
     mass = scene_masses(scene).mass
     description = model_description(scene, variables(scene, mass))
     records = scene_records(scene, mass)
@@ -54,6 +59,16 @@ def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None =
     }
     _write_archive(path, entries)
     return path
+
+
+def fmu_path(path: str | Path) -> Path:
+    """The path, if an FMU can be written there: SoftffdError where it does not end in .fmu or is a folder."""
+    name = f"{path}" or '""'
+    if Path(path).is_dir() and str(path):
+        raise SoftffdError(f"{name}: wanted a file name ending in .fmu, got a folder{did_you_mean(str(Path(path) / 'NAME.fmu'))}")
+    if Path(path).suffix != ".fmu":
+        raise SoftffdError(f"{name}: wanted a file name ending in .fmu{did_you_mean(f'{path}.fmu' if str(path) else None)}")
+    return Path(path)
 
 
 def _guid(description: str, records: str) -> str:

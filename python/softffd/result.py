@@ -10,7 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from softffd.deform import deform
+from softffd.errors import MeshError, SoftffdError
+from softffd.mesh import Mesh
 from softffd.scene import Scene
+from softffd.scene_text import LatticeBox
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +35,22 @@ class Result:
     """title, simulated_time_s, run_time_s, real_time_factor, communication_steps, warnings, ..."""
     scene: Scene | None = field(default=None, repr=False)
     """The scene, where the run started from one"""
+    lattice: LatticeBox | None = None
+    """Counts, box at rest and basis, as the FMU has them; None for an FMU that is not of this package"""
+
+    def deformed(self, mesh: Mesh | np.ndarray | None = None, *, row: int | slice = -1) -> np.ndarray:
+        """The deformed vertices (V, 3) [m] of a mesh in the run's lattice at a row of `time`, the last by default; (T, V, 3) for a slice.
+
+        mesh: a Mesh or vertices (V, 3) [m] at rest; the scene's mesh by default. MeshError where there is none or a vertex is outside the
+        box, SoftffdError where positions of control points were not recorded.
+        """
+        mesh = self.scene.loaded_mesh if mesh is None and self.scene else mesh
+        if mesh is None:
+            raise MeshError("deformed: wanted a mesh, for the run's scene has none")
+        positions = self.positions[row]
+        if self.lattice is None or np.isnan(positions).any():
+            raise SoftffdError('deformed: wanted a run of an FMU of softffd with outputs.positions = "all"')
+        return deform(mesh, positions, origin=self.lattice.origin, size=self.lattice.size, basis=self.lattice.basis)
 
     def plane_names(self) -> list[str]:
         """Names of the obstacle planes, in the order of the scene."""
@@ -88,6 +108,15 @@ class Result:
 
     def _write_summary(self, stream: Any) -> None:
         stream.write((json.dumps(self.summary, indent=2) + "\n").encode())
+
+
+def require_writable(folder: Path) -> None:
+    """SoftffdError where files could not be written to a folder, which need not exist yet: to be asked before a long run."""
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} is a file")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} may not be written to")
 
 
 def _turned(rotations: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from softffd.component import Component
-from softffd.deform import deform
 from softffd.errors import FmuError
 from softffd.findings import ESTIMATE, findings
 from softffd.inputs import Source
-from softffd.mesh import save_mesh
+from softffd.mesh import Mesh, save_mesh
 from softffd.result import Result
 from softffd.scene import Scene, load_scene, scene_from
 from softffd.scene_file import find_scene, read_document
@@ -76,21 +75,17 @@ def keep_run(result: Result, folder: Path) -> list[Path]:
     if np.isnan(result.positions).any() or not result.positions.size:
         result.summary["findings"].append('no pictures: they need outputs.positions = "all"')
         return files
-    look = surroundings(result)
-    draw_run(result, folder / "picture.png", **look)
-    write_view(result, folder / "view.html", **look)
+    mesh = run_mesh(result)
+    draw_run(result, folder / "picture.png", mesh=mesh)
+    write_view(result, folder / "view.html", mesh=mesh)
     files += [folder / "picture.png", folder / "view.html"]
-    if mesh := look["mesh"]:
-        shape = deform(mesh, result.positions[-1], origin=look["origin"], size=look["size"])
+    if mesh:
         path = folder / f"deformed{result.scene.mesh.file.suffix.lower()}"
-        save_mesh(mesh, path, vertices=shape)
+        save_mesh(mesh, path, vertices=result.deformed())
         files.append(path)
     return files
 
 
-def surroundings(result: Result) -> dict[str, Any]:
-    """Mesh and lattice box of a result, as the pictures take them."""
-    scene = result.scene
-    if scene is None:
-        return {"mesh": None, "origin": None, "size": None}
-    return {"mesh": scene.loaded_mesh, "origin": scene.lattice.origin, "size": scene.lattice.size}
+def run_mesh(result: Result) -> Mesh | None:
+    """The mesh of a result's scene at rest."""
+    return result.scene.loaded_mesh if result.scene else None

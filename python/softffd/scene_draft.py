@@ -9,6 +9,7 @@ first whether the values that it reads are the user's own.
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
@@ -51,7 +52,8 @@ def read_draft(document: dict, model: type[BaseModel]) -> Draft:
 
 
 def _unshared(value: Any) -> Any:
-    """A copy in which no two places hold the same table, so that one can be mended without the other."""
+    """A copy in which no two places hold the same table, so that one can be mended without the other; numpy's numbers as Python's."""
+    value = value.tolist() if isinstance(value, np.generic | np.ndarray) else value
     if isinstance(value, dict):
         return {key: _unshared(entry) for key, entry in value.items()}
     return [_unshared(entry) for entry in value] if isinstance(value, list | tuple) else value

@@ -93,9 +93,10 @@ def toml_text(value: Any, *, longest: int = 70) -> str:
 
 
 def nearest_of(given: str, choices: Iterable[str]) -> str | None:
-    """The choice spelt most like `given`, None where none is near."""
+    """The choice spelt most like `given`, else one of the same letters ("-z": "z-"); None where none is near."""
     by_fold = {choice.casefold(): choice for choice in choices}
     near = difflib.get_close_matches(given.casefold(), by_fold, n=1)
+    near += [fold for fold in by_fold if sorted(fold) == sorted(given.casefold())]
     return by_fold[near[0]] if near else None
 
 

@@ -8,6 +8,7 @@ from softffd.errors import SceneError
 from softffd.scene_errors import did_you_mean, nearest_of
 
 SHIPPED = Path(__file__).parent / "scenes"
+ZIP = b"PK\x03\x04"
 
 
 def shipped_scenes() -> list[str]:
@@ -56,10 +57,18 @@ def _read_text(path: Path) -> str:
     except OSError as error:
         problem = f"cannot be read: {error.strerror or error}"
     except UnicodeDecodeError as error:
+        if error.object.startswith(ZIP):
+            raise SceneError(shown(path), [_archive(path)]) from None
         line = error.object[: error.start].count(b"\n") + 1
         byte = error.object[error.start]
         problem = f"wanted a TOML text in UTF-8, got the byte 0x{byte:02x} in line {line}"
     raise SceneError(shown(path), [problem])
+
+
+def _archive(path: Path) -> str:
+    if path.suffix == ".fmu":
+        return f"wanted a scene file (TOML), got an FMU; to run it: softffd run {shown(path)}"
+    return f"wanted a scene file (TOML), got a zip archive; if it is an FMU, rename it to {path.name}.fmu"
 
 
 def _missing(path: Path) -> str:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from softffd.scene import Scene
 from softffd.variables import method_value, spring_damping_present
 
-NAME = "scene.txt"
+NAME, HEAD = "scene.txt", "softffd-scene 1"
 
 
 def scene_records(scene: Scene, mass: np.ndarray) -> str:
@@ -64,7 +66,36 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
 def scene_text(records: str, guid: str) -> str:
     """The whole file: head with the checksum of all that follows, guid, records."""
     body = f"guid {guid}\n{records}"
-    return f"softffd-scene 1 {_fnv1a(body.encode()):016x}\n{body}"
+    return f"{HEAD} {_fnv1a(body.encode()):016x}\n{body}"
+
+
+@dataclass(frozen=True)
+class LatticeBox:
+    """A lattice as embeddings and pictures need it."""
+
+    points: tuple[int, int, int]
+    """Control points per axis"""
+    origin: tuple[float, float, float]
+    """Lower corner of the box at rest [m]"""
+    size: tuple[float, float, float]
+    """Its sides [m]"""
+    basis: str
+    """ "bezier" or "bspline" """
+
+
+def read_lattice(resources: Path) -> LatticeBox | None:
+    """The lattice of an FMU's resources; None in an FMU that is not of this package."""
+    path = resources / NAME
+    text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+    if not text.startswith(HEAD):
+        return None
+    records = {key: values for key, *values in (line.split() for line in text.splitlines() if line.strip())}
+    return LatticeBox(
+        points=tuple(map(int, records["counts"])),
+        origin=tuple(map(float, records["origin"])),
+        size=tuple(map(float, records["size"])),
+        basis=records.get("basis", ["bezier"])[0],
+    )
 
 
 def _line(values: Iterable[object]) -> str:

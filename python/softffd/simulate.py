@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 import tempfile
 import time as clock
@@ -18,8 +19,9 @@ from softffd.errors import FmuError
 from softffd.inputs import Inputs, Source
 from softffd.package import package_fmu
 from softffd.result import Result
-from softffd.scene import Scene
+from softffd.scene import Scene, shipped_scenes
 from softffd.scene_errors import did_you_mean, nearest_of
+from softffd.scene_text import LatticeBox
 
 Progress = Callable[[float, float], None]
 Interpolation = Literal["held", "linear", "cubic"]
@@ -39,11 +41,12 @@ def simulate(
     """Runs a scene (packaged on the way) or an FMU from time 0 and returns all its outputs.
 
     stop_time, step: end and communication step [s], > 0; the scene's or FMU's own by default. A last step that is left over is shorter.
-    start_values: parameters and inputs by variable name. inputs: values over time (see softffd.inputs.Inputs).
+    start_values: parameters and inputs by variable name. inputs: values over time (see softffd.inputs.Inputs); none by default: a scene's
+    own CSV file drives it only where it is given, inputs=scene.default_inputs, as `softffd run SCENE` does.
     interpolation: between communication points inputs are "held", "linear" or "cubic": forces and loads with continuous slopes, the others
     linear (fmi2SetRealInputDerivatives). The values at the next communication point must then be known in advance.
     progress: called as progress(share of the run in 0..1, simulated time [s]).
-    Raises FmuError where a name, a value or a step is refused.
+    Raises FmuError where a name, a value or a step is refused, and where the result would not fit into memory.
     """
     if interpolation not in (choices := get_args(Interpolation)):
         nearest = did_you_mean(nearest_of(str(interpolation), choices))
@@ -52,7 +55,16 @@ def simulate(
         with tempfile.TemporaryDirectory(prefix="softffd-") as folder:
             fmu = package_fmu(scene_or_fmu, Path(folder) / f"{scene_or_fmu.name}.fmu")
             return _run(fmu, scene_or_fmu, stop_time, step, start_values, inputs, interpolation, progress)
-    return _run(Path(scene_or_fmu), None, stop_time, step, start_values, inputs, interpolation, progress)
+    return _run(_fmu_path(scene_or_fmu), None, stop_time, step, start_values, inputs, interpolation, progress)
+
+
+def _fmu_path(fmu: Any) -> Path:
+    if not isinstance(fmu, str | Path):
+        raise FmuError(f"simulate: wanted a Scene or the path of an FMU, got {type(fmu).__name__}")
+    path = Path(fmu)
+    if path.suffix == ".toml" or (str(fmu) in shipped_scenes() and not path.exists()):
+        raise FmuError(f'{fmu}: wanted a Scene or the path of an FMU, got the name of a scene; take load_scene("{fmu}")')
+    return path
 
 
 def _run(fmu, scene, stop_time, step, start_values, inputs, interpolation, progress) -> Result:
@@ -63,7 +75,7 @@ def _run(fmu, scene, stop_time, step, start_values, inputs, interpolation, progr
         source = Inputs(inputs)
         start_values = dict(start_values or {})
         component.initialize(start_values, stop_time=stop_time)
-        recorder = _Recorder.of(component, source, communication_points(stop_time, step), step, interpolation)
+        recorder = _Recorder.of(component, source, stop_time, step, interpolation)
         recorder.apply_inputs(component, 0)
         component.exit_initialization()
         began, began_cpu = clock.perf_counter(), clock.process_time()
@@ -85,7 +97,9 @@ def _run(fmu, scene, stop_time, step, start_values, inputs, interpolation, progr
 
 def positive(what: str, given: float | None, default: Any) -> float:
     """The given value, else the default, if it is a number > 0 [s]; FmuError says what is wrong otherwise."""
-    value = float(given if given is not None else default or 0)
+    if given is None and default is None:
+        raise FmuError(f"{what}: wanted > 0 s, got none; the FMU names no default, so it must be given")
+    value = float(default if given is None else given)
     if not (math.isfinite(value) and value > 0):
         source = "given" if given is not None else "in the FMU's default experiment"
         raise FmuError(f"{what}: wanted > 0 s, got {value:g} ({source})")
@@ -96,6 +110,25 @@ def communication_points(stop_time: float, step: float) -> np.ndarray:
     """Multiples of step, and the stop time: (T,) [s]."""
     count = math.ceil(stop_time / step * (1 - 1e-9))
     return np.append(step * np.arange(count), stop_time)
+
+
+def require_memory(stop_time: float, step: float, bytes_per_point: int) -> None:
+    """FmuError where the values of all communication points would not fit into this machine's memory."""
+    count = stop_time / step
+    if not count * bytes_per_point <= _memory():
+        raise FmuError(
+            f"communication step {step:g} s and stop time {stop_time:g} s make {count:.3g} communication points, whose result would take "
+            f"{count * bytes_per_point / 1e9:.3g} GB; wanted at most {_memory() / 1e9:.3g} GB, this machine's memory: "
+            "take a longer step, a shorter stop time or fewer outputs"
+        )
+
+
+def _memory() -> float:
+    """Of this machine [bytes]; 16 GB where it does not tell."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, OSError, ValueError):
+        return 16e9
 
 
 def step_lengths(times: np.ndarray, step: float) -> list[float]:
@@ -122,30 +155,31 @@ class _Recorder:
     integer_rows: np.ndarray
 
     @classmethod
-    def of(cls, component: Component, source: Inputs, times: np.ndarray, step: float, interpolation: Interpolation) -> _Recorder:
-        for name in source.names:
-            if component.variable(name).causality != "input":
-                raise FmuError(f"{name}: is no input of the FMU but a {component.variable(name).causality}")
-        rows = len(times)
-        inputs = Block.of([component.variable(name) for name in [*source.names, *source.derived_names]], True)
-        driven = Block.of([component.variable(name) for name in source.names], True)
+    def of(cls, component: Component, source: Inputs, stop_time: float, step: float, interpolation: Interpolation) -> _Recorder:
+        given = [_input(component, source, name) for name in source.names]
+        inputs = Block.of([*given, *(_input(component, source, name) for name in source.derived_names)], True)
         reals = Block.of(component.variables("output"), True)
         integers = Block.of(component.variables("output", real=False), False)
+        places = math.prod(component.lattice.points) if component.lattice else len(reals.names) // 3
+        held = len(inputs.names) + len(component.variables("input"))
+        require_memory(stop_time, step, 8 * (held + len(reals.names) + len(integers.names) + 3 * places + 8))
+        times = communication_points(stop_time, step)
+        rows = len(times)
         return cls(
-            times, step_lengths(times, step), source, interpolation, inputs, driven, reals, integers,
+            times, step_lengths(times, step), source, interpolation, inputs, Block.of(given, True), reals, integers,
             np.zeros((rows, len(inputs.names))), np.zeros((rows, len(reals.names))), np.zeros((rows, len(integers.names)), np.int64),
         )  # fmt: skip
 
     def apply_inputs(self, component: Component, row: int) -> None:
         if not self.inputs.names:
             return
-        ahead = self.steps[row] if row < len(self.steps) else 0.0
-        self.inputs.values[:] = self.source.values(self.times[row], ahead)
+        time, then = self.times[row], self.times[min(row + 1, len(self.steps))]
+        self.inputs.values[:] = self.source.values(time, then)
         self.input_rows[row] = self.inputs.values
         component.set(self.inputs)
-        if self.interpolation != "held" and ahead > 0:
+        if self.interpolation != "held" and then > time:
             course = self.source.rates if self.interpolation == "linear" else self.source.bends
-            component.set_rates(self.driven, course(self.times[row], ahead))
+            component.set_rates(self.driven, course(time, then))
 
     def record(self, component: Component, row: int) -> None:
         component.get(self.reals)
@@ -169,20 +203,31 @@ class _Recorder:
 
     def result(self, component: Component, start_values: dict[str, Any], summary: dict[str, Any], scene: Scene | None) -> Result:
         columns = dict(zip(self.reals.names, self.real_rows.T, strict=True))
-        positions = _positions(columns, len(self.times), scene)
+        positions = _positions(columns, len(self.times), component.lattice)
         others = {name: column for name, column in columns.items() if not POSITION.fullmatch(name)}
         others |= dict(zip(self.integers.names, self.integer_rows.T, strict=True))
         held = {v.name: np.full(len(self.times), float(start_values.get(v.name, v.start))) for v in component.variables("input")}
         held |= dict(zip(self.inputs.names, self.input_rows.T, strict=True))
         parameters = {v.name: float(start_values.get(v.name, v.start)) for v in component.variables("parameter")}
-        return Result(self.times, positions, others, held, parameters, summary, scene)
+        return Result(self.times, positions, others, held, parameters, summary, scene, component.lattice)
 
 
-def _positions(columns: dict[str, np.ndarray], rows: int, scene: Scene | None) -> np.ndarray:
-    """(T, nx, ny, nz, 3) from the columns position[i,j,k].c; NaN where there is none."""
+def _input(component: Component, source: Inputs, name: str) -> Any:
+    """The input of this name; FmuError that tells the source otherwise."""
+    try:
+        variable = component.variable(name)
+    except FmuError as error:
+        raise FmuError(f"{source.where}{error}") from None
+    if variable.causality != "input":
+        raise FmuError(f"{source.where}{name}: wanted an input of the FMU, got its {variable.causality} of that name")
+    return variable
+
+
+def _positions(columns: dict[str, np.ndarray], rows: int, lattice: LatticeBox | None) -> np.ndarray:
+    """(T, nx, ny, nz, 3) from the columns position[i,j,k].c; NaN where there is none. Without a lattice the largest indices count."""
     found = {name: match for name in columns if (match := POSITION.fullmatch(name))}
     indices = [tuple(map(int, match.groups()[:3])) for match in found.values()]
-    counts = scene.lattice.points if scene else tuple(np.max(indices, axis=0) + 1 if indices else (0, 0, 0))
+    counts = lattice.points if lattice else tuple(np.max(indices, axis=0) + 1 if indices else (0, 0, 0))
     positions = np.full((rows, *counts, 3), np.nan)
     for name, match in found.items():
         i, j, k = map(int, match.groups()[:3])

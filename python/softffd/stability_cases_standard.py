@@ -51,7 +51,7 @@ def _pulled(name: str, findings: Findings) -> None:
         inputs = Inputs(scene.default_inputs)
         drive.run(scene.experiment.stop_time, scene.experiment.communication_step, inputs=inputs)
         findings.sound(drive)
-        load = _load(drive, dict(zip(inputs.names, inputs.values(drive.time, 0.0), strict=False)))
+        load = _load(drive, dict(zip(inputs.names, inputs.values(drive.time, drive.time), strict=False)))
         left_over = drive.net_force() + load
         findings.check("unbalanced force / load", np.abs(left_over).max() / np.abs(load).max(), 1e-2, bound=0.1)
         findings.check("momentum of the fall, relative", abs(drive.momentum[2] / _fall(drive) - 1), 1e-6)

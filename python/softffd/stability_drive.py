@@ -95,9 +95,9 @@ class Drive:
         block = self._block((*inputs.names, *inputs.derived_names), True) if inputs else None
         for _ in range(max(1, round(duration / step))):
             if inputs:
-                block.values[:] = inputs.values(self.time, step)
+                block.values[:] = inputs.values(self.time, self.time + step)
                 self.component.set(block)
-                self.component.set_rates(self._block(tuple(inputs.names), True), inputs.rates(self.time, step))
+                self.component.set_rates(self._block(tuple(inputs.names), True), inputs.rates(self.time, self.time + step))
             self.step(step)
             if each:
                 each()

@@ -99,7 +99,7 @@ class Stage:
 def stage_of(result, *, mesh=None, origin=None, size=None):
     """The stage of a `Result` with `mesh` as its object, or without one the boundary of the volume.
 
-    origin, size: the box (3,) [m]; by default the scene's, else the mesh's bounds, else those of the first frame.
+    origin, size: the box (3,) [m]; by default the lattice's, else the mesh's bounds, else those of the first frame.
     Raises SoftffdError when positions of control points were not recorded.
     """
     positions = _recorded(result)
@@ -114,7 +114,7 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
         positions=positions,
         origin=origin,
         size=size,
-        basis="bezier" if result.scene is None else result.scene.lattice.basis,
+        basis="bezier" if result.lattice is None else result.lattice.basis,
         vertices=np.asarray(vertices, dtype=float),
         faces=np.asarray(faces, dtype=np.int64),
         uv=mesh.uv if textured else None,
@@ -152,9 +152,8 @@ def _recorded(result):
 
 
 def _box(result, mesh, origin, size):
-    scene = result.scene
-    if scene is not None:
-        low, extent = scene.lattice.origin, scene.lattice.size
+    if result.lattice is not None:
+        low, extent = result.lattice.origin, result.lattice.size
     elif mesh is not None:
         low, extent = mesh.bounds[0], mesh.bounds[1] - mesh.bounds[0]
     else:

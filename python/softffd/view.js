@@ -3,7 +3,7 @@ const HOLD = 0.7;                                        // s that the last fram
 let last_clock = null, held = 0;
 
 function advance(clock) {
-  const passed = last_clock === null ? 0 : Math.min((clock - last_clock) / 1000, 0.1);
+  const passed = last_clock === null ? 0 : Math.min(Math.max((clock - last_clock) / 1000, 0), 0.1);  // a frame's clock may be behind
   last_clock = state.playing ? clock : null;
   if (!state.playing) return;
   if (state.time < times[LAST]) { state.time = Math.min(state.time + passed * state.speed, times[LAST]); held = 0; }

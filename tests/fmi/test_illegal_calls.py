@@ -99,15 +99,15 @@ ILLEGAL = [
         lambda h: h("GetRealOutputDerivatives", uints([60 << 24]), 1, ints([1]), None),
     ),
     (ANY, "fmi2SetDebugLogging: got a null", lambda h: h("SetDebugLogging", 1, 2, None)),
-    (ANY, "fmi2SetDebugLogging: wanted categories", lambda h: h("SetDebugLogging", 1, 1, (c_char_p * 1)(b"logAll"))),
+    (ANY, "got logAll", lambda h: h("SetDebugLogging", 1, 1, (c_char_p * 1)(b"logAll"))),
     (ANY, "fmi2SetDebugLogging: wanted categories", lambda h: h("SetDebugLogging", 1, 1, (c_char_p * 1)(None))),
     (ALIVE, "value reference 0: this scene has no such", lambda h: h("GetReal", uints([0]), 1, doubles([0]))),
     (ALIVE, "value reference 4294967295", lambda h: h("GetReal", uints([4294967295]), 1, doubles([0]))),
     (ALIVE, "value reference 1006633041", lambda h: h("GetReal", uints([60 << 24, (60 << 24) + 81]), 2, doubles([0, 0]))),
     (SETTABLE, "value reference 16777219", lambda h: h("SetReal", uints([2 << 24, (1 << 24) + 3]), 2, doubles([5, 5]))),
-    (SETTABLE, "mass: is a Real variable", lambda h: number(h, "mass", 1, "SetInteger", ints)),
-    (SETTABLE, "solver.method: is a Enumeration variable", lambda h: number(h, "solver.method", 1.0)),
-    (ALIVE, "plane.ground.contacts: is a Integer variable", lambda h: number(h, "plane.ground.contacts", 1.0, "GetReal")),
+    (SETTABLE, "mass: is of type Real, got a call for Integer", lambda h: number(h, "mass", 1, "SetInteger", ints)),
+    (SETTABLE, "solver.method: is of type Enumeration, got a call for Real", lambda h: number(h, "solver.method", 1.0)),
+    (ALIVE, "plane.ground.contacts: is of type Integer, got a call for Real", lambda h: number(h, "plane.ground.contacts", 1.0, "GetReal")),
     (SETTABLE, "there are no Boolean variables", lambda h: number(h, "mass", 1, "SetBoolean", ints)),
     (ALIVE, "there are no String variables", lambda h: h("GetString", uints([25 << 24]), 1, (c_char_p * 1)())),
     (SETTABLE, "damping: wanted a finite number, got nan", lambda h: mixed(h, "damping", NAN)),
@@ -132,9 +132,15 @@ ILLEGAL = [
     *[((RUNNING,), "fmi2DoStep: currentCommunicationPoint", lambda h, t=t: h("DoStep", t, STEP, 1)) for t in (0.0, 0.02, NAN, INF, -INF)],
     *[((RUNNING,), "fmi2DoStep: communicationStepSize", lambda h, s=s: h("DoStep", STEP, s, 1)) for s in (0.0, -STEP, NAN, INF, -0.0)],
     ((RUNNING,), "fmi2DoStep: a step to 10.01 s goes past the stop time 10 s", lambda h: h("DoStep", STEP, 10.0, 1)),
-    *[((FRESH,), "fmi2SetupExperiment: startTime", lambda h, t=t: h("SetupExperiment", 0, 0.0, t, 0, 0.0)) for t in (NAN, INF)],
-    *[((FRESH,), "fmi2SetupExperiment: tolerance", lambda h, t=t: h("SetupExperiment", 1, t, 0.0, 0, 0.0)) for t in (NAN, -1.0, 0.0, INF)],
-    *[((FRESH,), "fmi2SetupExperiment: stopTime", lambda h, t=t: h("SetupExperiment", 0, 0.0, 1.0, 1, t)) for t in (NAN, 1.0, 0.5, INF)],
+    *[
+        ((FRESH,), f"startTime: wanted a finite number, got {t}", lambda h, t=t: h("SetupExperiment", 0, 0.0, t, 0, 0.0))
+        for t in (NAN, INF)
+    ],
+    *[
+        ((FRESH,), f"tolerance: wanted a finite number > 0, got {t:g}", lambda h, t=t: h("SetupExperiment", 1, t, 0.0, 0, 0.0))
+        for t in (NAN, -1.0, 0.0, INF)
+    ],
+    *[((FRESH,), f"above startTime, got {t:g}", lambda h, t=t: h("SetupExperiment", 0, 0.0, 1.0, 1, t)) for t in (NAN, 1.0, 0.5, INF)],
     (ANY, "fmi2GetFMUstate: got a null", lambda h: h("GetFMUstate", None)),
     (ANY, "fmi2GetFMUstate: FMUstate: wanted a state", lambda h: h("GetFMUstate", byref(c_void_p(64)))),
     (ANY, "fmi2SetFMUstate: FMUstate: wanted a state", lambda h: h("SetFMUstate", None)),

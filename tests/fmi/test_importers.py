@@ -116,7 +116,7 @@ def push(time: float) -> float:
 def courses(source) -> dict[str, list[float]]:
     """The values of driven inputs at each communication point."""
     inputs = Inputs(source)
-    rows = np.array([inputs.values(step * STEP, STEP) for step in range(STEPS)])
+    rows = np.array([inputs.values(step * STEP, (step + 1) * STEP) for step in range(STEPS)])
     names = [*inputs.names, *inputs.derived_names]
     return {name: rows[:, number].tolist() for number, name in enumerate(names)}
 

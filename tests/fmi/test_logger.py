@@ -3,7 +3,7 @@
 from ctypes import CDLL, c_char_p, c_size_t, create_string_buffer
 
 import pytest
-from c_host import DISCARD, ERROR, OK, STEP, Host, check_message, doubles, uints
+from c_host import DISCARD, ERROR, OK, STEP, WARNING, Fmu, Host, check_message, doubles, uints
 
 
 @pytest.mark.parametrize(
@@ -98,4 +98,46 @@ def test_categories_are_switched_one_by_one_and_errors_always_come(rich):
     assert host.messages == []
     assert host("CancelStep") == ERROR
     check_message(host, "fmi2CancelStep")
+    host.free()
+
+
+@pytest.fixture(scope="module")
+def sunk(rich, tmp_path_factory) -> Fmu:
+    """A box of four layers, one of its points pinned, on a plane that can be put anywhere."""
+    text = (
+        '[[plane]]\nname = "floor"\nnormal = [0.0, 0.0, 2.0]\nmotion = "input"\n[[plane]]\nname = "wall"\npoint = [-1.0, 0.0, 0.0]\n'
+        'normal = [1.0, 0.0, 0.0]\n[[pin]]\nname = "nail"\npoints = [[0, 0, 3]]\n'
+    )
+    return Fmu(text, tmp_path_factory.mktemp("sunk") / "fmu", rich.library)
+
+
+@pytest.mark.parametrize(
+    "values, warning",
+    [
+        ({"plane.floor.point.z": 0.0}, None),
+        ({"plane.floor.point.z": 1e-10}, None),
+        ({"plane.floor.point.z": 0.2}, "16 control points start behind plane floor, by up to 0.2 m, and are moved out at once; to start"),
+        ({"plane.floor.point.z": 0.5, "solver.step": 1e-4}, "springs have no length, because 32 control points"),
+    ],
+)
+def test_points_that_start_behind_a_plane_are_warned_of_once(sunk, values, warning):
+    host = Host(sunk, logging=True)
+    host.begin(lambda h: h.set(values))
+    for n in range(3):
+        host.step(n)
+    said = [message[4].decode() for message in host.messages if message[2] == WARNING and b"behind plane" in message[4]]
+    assert len(said) == (warning is not None) and all(warning in text for text in said)
+    assert all("solver.step" not in text for text in said)
+    host.free()
+
+
+def test_layers_that_a_plane_lays_together_are_refused_with_the_plane(sunk):
+    host = Host(sunk)
+    host.must("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+    host.must("EnterInitializationMode")
+    assert host.set({"plane.floor.point.z": 0.5}) == OK
+    assert host("ExitInitializationMode") == ERROR
+    message = host.messages[0][4].decode()
+    assert "springs have no length, because 32 control points start behind plane floor, by up to 0.5 m" in message
+    assert "initial.stretch" not in message and "solver.step" not in message
     host.free()

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from softffd.result import Result
+from softffd.scene_text import LatticeBox
 
 ORIGIN, SIZE = np.array([-1.0, -0.5, 0.2]), np.array([2.0, 1.0, 0.8])
 PRESS = {"velocity": (0.0, 0.0, -1.0), "angular_velocity": (0.0, 0.0, 0.0), "normal": (0.0, 0.0, -1.0)}
@@ -25,7 +26,8 @@ def made_up_run(*, counts=(4, 4, 4), frames=41, title="A soft box under a press"
             "plane.ground", {"velocity": (0, 0, 0), "angular_velocity": (0, 0, 0), "normal": (0, 0, 2.0), "point": (0, 0, 0.2)}
         ),
         summary={"title": title},
-        scene=_scene(counts, title, pins),
+        scene=_scene(title, pins),
+        lattice=LatticeBox(counts, tuple(ORIGIN), tuple(SIZE), "bezier"),
     )
 
 
@@ -58,10 +60,9 @@ def _point(name, height):
     return {f"plane.{name}.point.x": 0.3, f"plane.{name}.point.y": 0.0, f"plane.{name}.point.z": height}
 
 
-def _scene(counts, title, pins):
+def _scene(title, pins):
     return SimpleNamespace(
         title=title,
-        lattice=SimpleNamespace(points=counts, origin=tuple(ORIGIN), size=tuple(SIZE), basis="bezier"),
         environment=SimpleNamespace(gravity=(0.0, 0.0, -9.81)),
         pin=tuple(SimpleNamespace(name=f"pin{n}", points=n) for n in range(len(pins))),
         select=lambda points: np.asarray(pins[points]),

@@ -1,15 +1,21 @@
 """The commands as a user types them: what they write, what they say, how they end."""
 
 import json
+import os
+import re
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import trimesh
+from mesh_files import ball
 
-from softffd import load_scene
+import softffd_command
+from softffd import deform, load_scene, save_mesh
 from softffd.cli import main
 from softffd.component import Component
 from softffd.scene import shipped_scenes
@@ -118,6 +124,13 @@ def test_new_writes_a_scene_that_runs(quick, capsys):
     assert "exists already" in refused(capsys, "new", "mine")
 
 
+def test_new_wants_a_name_and_prints_a_command_to_copy(quick, capsys):
+    for name in ("", ".", "..", ".toml"):
+        assert "wanted the name of a scene" in refused(capsys, "new", name)
+    assert main(["new", "my scene"]) == 0
+    assert "softffd run 'my scene.toml'" in capsys.readouterr().out
+
+
 def test_schema_and_scenes_print(capsys):
     assert main(["schema"]) == 0
     assert json.loads(capsys.readouterr().out)["properties"]["lattice"]
@@ -143,6 +156,17 @@ def mesh_scene(folder: Path, file: Path | str, distribution: str) -> Path:
         "[experiment]\nstop_time = 0.05\n"
     )
     return path
+
+
+def test_the_mesh_that_run_writes_is_deformed_in_the_scene_s_basis(tmp_path):
+    save_mesh(ball(), tmp_path / "ball.obj")
+    scene = mesh_scene(tmp_path, "ball.obj", "uniform")
+    scene.write_text('[lattice]\npoints = [7, 7, 7]\nbasis = "bspline"\n' + scene.read_text())
+    assert main(["run", str(scene), "-o", str(tmp_path / "out")]) == 0
+    loaded, positions = load_scene(scene), np.load(tmp_path / "out" / "result.npz")["positions"][-1]
+    wanted = deform(loaded.loaded_mesh, positions, origin=loaded.lattice.origin, size=loaded.lattice.size, basis="bspline")
+    written = trimesh.load(tmp_path / "out" / "deformed.obj", force="mesh", process=False).vertices
+    np.testing.assert_allclose(written, wanted, atol=1e-6)
 
 
 @pytest.mark.parametrize("file, distribution", MESHES)
@@ -195,6 +219,62 @@ def test_missing_files_and_wrong_names_say_what_is_near(quick, capsys):
     Path("broken.fmu").write_bytes(b"PK nonsense")
     assert "cannot be opened" in refused(capsys, "run", "broken.fmu")
     assert "linux64" in refused(capsys, "build", "quick.toml", "--platform", "amiga")
+
+
+def test_an_input_file_is_named_where_one_of_its_columns_is_none(quick, capsys):
+    for column, message in {"plane.ground.pint.z": "no such variable", "plane.ground.reaction.z": "got its output"}.items():
+        Path("in.csv").write_text(f"time,{column}\n0,1\n")
+        assert f"in.csv: {column}: " in (said := refused(capsys, "run", "quick.toml", "--input", "in.csv")) and message in said
+    Path("in.csv").rename("quick.csv")  # the scene's own
+    assert "quick.csv: plane.ground.reaction.z" in refused(capsys, "run", "quick.toml")
+
+
+def test_the_name_of_an_fmu_ends_in_fmu_and_is_no_folder(quick, capsys):
+    Path("taken.fmu").mkdir()
+    for name, said in {"": '"": wanted', ".": ".: ", "x": 'did you mean "x.fmu"?', "taken.fmu": "got a folder"}.items():
+        message = refused(capsys, "build", "quick.toml", "-o", name)
+        assert said in message and "wanted a file name ending in .fmu" in message
+    assert {path.name for path in quick.iterdir()} == {"quick.toml", "taken.fmu"}
+
+
+def test_an_fmu_without_a_default_experiment_asks_for_times(quick, capsys):
+    main(["build", "quick.toml"])
+    with zipfile.ZipFile("quick.fmu") as whole, zipfile.ZipFile("bare.fmu", "w") as bare:
+        for name in whole.namelist():
+            bare.writestr(name, re.sub(rb"<DefaultExperiment[^>]*/>", b"", whole.read(name)))
+    assert "stop time: wanted > 0 s, got none" in refused(capsys, "run", "bare.fmu")
+    assert "communication step: wanted > 0 s, got none" in refused(capsys, "run", "bare.fmu", "--stop-time", "0.1")
+
+
+@pytest.mark.parametrize("command", [["run", "quick.toml"], ["demo"], ["accuracy"], ["stability"], ["drivers"]])
+def test_a_folder_that_cannot_be_is_refused_before_anything_runs(command, quick, monkeypatch, capsys):
+    monkeypatch.setattr(Component, "do_step", None)
+    assert "is a file" in refused(capsys, *command, "-o", "quick.toml/out")
+    Path("locked").mkdir()
+    monkeypatch.setattr(os, "access", lambda path, _mode: Path(path).name != "locked")
+    assert "may not be written to" in refused(capsys, *command, "-o", "locked/out")
+
+
+def test_a_reader_that_has_enough_ends_the_command_quietly():
+    code = "import sys; from softffd_command import main; sys.exit(main())"
+    for command in ("schema", "scenes"):
+        writer = subprocess.Popen([sys.executable, "-c", code, command], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        writer.stdout.close()
+        assert writer.stderr.read() == b"" and writer.wait() == 141
+
+
+@pytest.mark.parametrize("when", ["importing", "running"])
+def test_an_interrupt_at_any_time_is_one_line(when, monkeypatch, capsys):
+    def interrupt(*_arguments):
+        raise KeyboardInterrupt
+
+    if when == "importing":
+        monkeypatch.delitem(sys.modules, "softffd.cli")
+        monkeypatch.setattr(sys, "meta_path", [SimpleNamespace(find_spec=interrupt)])
+    else:
+        monkeypatch.setattr("softffd.cli._parser", interrupt)
+    assert softffd_command.main() == 130
+    assert capsys.readouterr().err == "softffd: interrupted\n"
 
 
 def test_wrong_usage_ends_with_status_2():

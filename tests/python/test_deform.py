@@ -168,3 +168,10 @@ def test_wrong_shapes_of_control_points_are_refused(shape):
 def test_an_embedding_refuses_another_lattice():
     with pytest.raises(ValueError, match=r"wanted the shape \(4, 4, 4, 3\)"):
         Embedding(cloud(), ORIGIN, SIZE, (4, 4, 4)).deform(np.zeros((3, 4, 4, 3)))
+
+
+@pytest.mark.parametrize("basis", ["Bspline", "bsplin", "xyz", None])
+def test_an_unknown_basis_is_refused_with_the_choices(basis):
+    near = ', did you mean "bspline"\\?' if basis in ("Bspline", "bsplin") else "$"
+    with pytest.raises(ValueError, match=f'basis: wanted "bezier" or "bspline", got {basis!r}{near}'):
+        deform(cloud(), rest_grid((4, 4, 4)), origin=ORIGIN, size=SIZE, basis=basis)

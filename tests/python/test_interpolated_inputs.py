@@ -46,7 +46,7 @@ def test_cubic_inputs_have_the_order_of_cubics_and_do_not_overshoot():
         column = source.names.index(name)
         for begin in np.arange(0.2, 1.2, step):
             s = step * np.linspace(0, 1, 9)
-            first, second, third = source.bends(begin, step)[:, column]
+            first, second, third = source.bends(begin, begin + step)[:, column]
             worst = max(worst, np.abs(np.sin(begin) + s * (first + s * (second / 2 + s * third / 6)) - np.sin(begin + s)).max())
         return worst
 
@@ -56,8 +56,8 @@ def test_cubic_inputs_have_the_order_of_cubics_and_do_not_overshoot():
     jump = Inputs(lambda time: {"load.push.x": 1.0 if time > 0.55 else 0.0})
     for begin in 0.1 * np.arange(10):
         s = 0.1 * np.linspace(0, 1, 101)
-        first, second, third = jump.bends(begin, 0.1)[:, 0]
-        course = jump.values(begin, 0.1)[0] + s * (first + s * (second / 2 + s * third / 6))
+        first, second, third = jump.bends(begin, begin + 0.1)[:, 0]
+        course = jump.values(begin, begin + 0.1)[0] + s * (first + s * (second / 2 + s * third / 6))
         assert -1e-14 <= course.min() <= course.max() <= 1 + 1e-14
 
 

@@ -235,3 +235,8 @@ class TestRealMeshes:
         again = load_mesh(tmp_path / f"spot.{kind}")
         np.testing.assert_array_equal(again.faces, spot.faces)
         np.testing.assert_allclose(again.uv, spot.uv, atol=1e-7)
+
+
+def test_an_obj_may_begin_with_a_byte_order_mark(tmp_path):
+    mesh = loaded(tmp_path, "a.obj", b"\xef\xbb\xbf" + (TETRAHEDRON + FACES).encode())
+    assert len(mesh.vertices) == 4

@@ -89,6 +89,10 @@ CASES = [
         'outputs.positions: wanted "all", "none", "x-", "x+", "y-", "y+", "z-" or "z+", got "X+", did you mean "x+"?',
     ),
     (
+        {"outputs": {"positions": "-z"}},
+        'outputs.positions: wanted "all", "none", "x-", "x+", "y-", "y+", "z-" or "z+", got "-z", did you mean "z-"?',
+    ),
+    (
         {"inputs": {"forces": 3}},
         'inputs.forces: wanted "all", "none", a face such as "z-", [[i, j, k], ...] or { i = [first, last] }, got 3',
     ),
@@ -189,3 +193,9 @@ def test_tables_that_a_script_uses_twice_are_mended_one_by_one():
     found = problems({"mesh": shared, "lattice": shared, "plane": [shared, shared]})
     assert [line.split(":")[0] for line in found] == ["mesh.file", "plane[0].name", "plane[1].name"]
     assert shared == {}
+
+
+def test_numbers_and_arrays_of_numpy_are_numbers_and_lists():
+    document = {"lattice": {"points": np.array([3, 4, 5]), "size": np.ones(3)}, "mass": {"total": np.float32(2)}, "plane": [PLANE]}
+    scene = scene_from(document | {"outputs": {"positions": [[np.int64(0), 0, 0]]}})
+    assert scene.lattice.points == (3, 4, 5) and scene.mass.total == 2.0

@@ -1,3 +1,6 @@
+import re
+import zipfile
+
 import pytest
 
 from softffd.errors import SceneError
@@ -86,3 +89,10 @@ def test_the_file_is_named_relative_to_the_working_directory(tmp_path, monkeypat
     written(tmp_path, "titel = 1")
     with pytest.raises(SceneError, match=r"^scene.toml: 1 problem"):
         load_scene("scene.toml")
+
+
+@pytest.mark.parametrize("name, hint", [("x.fmu", r"got an FMU; to run it: softffd run .*x\.fmu"), ("x", r"rename it to x\.fmu")])
+def test_an_fmu_in_place_of_a_scene_is_called_what_it_is(tmp_path, name, hint):
+    with zipfile.ZipFile(tmp_path / name, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("modelDescription.xml", "<xml/>" * 100)
+    assert re.search(hint, problem(tmp_path / name))

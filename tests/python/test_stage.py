@@ -12,14 +12,14 @@ from softffd.stage import round_length, stage_of
 TRIANGLE = Mesh(ORIGIN + SIZE * np.array([[0.1, 0.2, 0.3], [0.9, 0.2, 0.4], [0.5, 0.8, 0.6]]), np.array([[0, 1, 2]]))
 
 
-def test_box_of_the_scene_comes_before_the_bounds_of_the_mesh():
+def test_box_of_the_lattice_comes_before_the_bounds_of_the_mesh():
     assert stage_of(made_up_run(), mesh=TRIANGLE).origin.tolist() == ORIGIN.tolist()
-    without_scene = replace(made_up_run(), scene=None)
-    assert np.allclose(stage_of(without_scene, mesh=TRIANGLE).size, np.ptp(TRIANGLE.vertices, axis=0))
+    without_lattice = replace(made_up_run(), lattice=None)
+    assert np.allclose(stage_of(without_lattice, mesh=TRIANGLE).size, np.ptp(TRIANGLE.vertices, axis=0))
 
 
-def test_box_without_scene_and_mesh_is_that_of_the_first_frame():
-    result = replace(made_up_run(), scene=None)
+def test_box_without_lattice_and_mesh_is_that_of_the_first_frame():
+    result = replace(made_up_run(), lattice=None)
     stage = stage_of(replace(result, positions=result.positions + 5.0))
     assert np.allclose(stage.origin, ORIGIN + 5.0 + [0, 0, 0.8]) and np.allclose(stage.size, SIZE)
 
@@ -61,15 +61,14 @@ def test_unrecorded_positions_are_refused_with_the_key_that_helps():
         stage_of(result)
 
 
-def test_the_surface_follows_the_basis_of_the_scene():
+def test_the_surface_follows_the_basis_of_the_lattice():
     """One control point moved: all of a Bezier volume moves, of B-splines only what is near."""
     result = made_up_run(counts=(9, 4, 4))
     moved = result.positions[0].copy()
     moved[0, 0, 0, 2] += 1.0
     reach = []
     for basis in ("bezier", "bspline"):
-        result.scene.lattice.basis = basis
-        stage = stage_of(result)
+        stage = stage_of(replace(result, lattice=replace(result.lattice, basis=basis)))
         change = (stage.deformed(moved) - stage.deformed(result.positions[0]))[:, 2]
         reach.append(((stage.vertices[change > 1e-12] - ORIGIN) / SIZE).max(axis=0)[0])
     assert reach[0] > 0.9 and 0.1 < reach[1] < 2 / 8

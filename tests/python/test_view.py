@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -83,6 +84,11 @@ const seconds_shown = () => +state.time.toFixed(6), before = { ...camera };
 const answer = { space: [state.playing, after(" ", () => state.playing), element("play").getAttribute("aria-label")] };
 set_playing(false);
 go_to(1);
+last_clock = 2000;
+state.playing = true;
+advance(960);
+answer.late_frame = seconds_shown();
+state.playing = false;
 answer.frames = [".", ",", "Home", "End"].map(key => after(key, seconds_shown));
 Object.assign(element("slider"), { value: 0.5 }).dispatchEvent(new Event("input"));
 answer.slider = seconds_shown();
@@ -212,7 +218,7 @@ def test_a_run_without_recorded_positions_is_refused(tmp_path):
 )
 def test_shader_evaluates_the_volume_its_normals_and_its_strain(tmp_path, counts, basis):
     result = made_up_run(counts=counts)
-    result.scene.lattice.basis = basis
+    result = replace(result, lattice=replace(result.lattice, basis=basis))
     page = write_view(result, tmp_path / "view.html")
     question = ASK_THE_SHADER.replace("TIMES", json.dumps([0.0, 1.2, 1.225]))
     page.write_text(page.read_text("utf-8").replace("</body>", question + "</body>"), "utf-8")
@@ -264,6 +270,7 @@ def test_keys_buttons_and_pointers_do_what_they_say(tmp_path):
     shown = chromium(f"file://{page}#t=1", tmp_path, "--dump-dom")
     assert json.loads(re.search(r'<pre id="answer">(.*?)</pre>', shown)[1]) == {
         "space": [False, True, "Pause"],
+        "late_frame": 1.0,
         "frames": [1.05, 1.0, 0.0, 2.0],
         "slider": 0.5,
         "lattice": [False, "false", True],

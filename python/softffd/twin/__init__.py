@@ -24,7 +24,7 @@ from softffd.basis import weights
 from softffd.drivers import MENDING
 from softffd.errors import SoftffdError
 from softffd.model_description import GUID_PLACE, model_description
-from softffd.package import scene_masses
+from softffd.package import fmu_path, scene_masses
 from softffd.scene import Scene
 from softffd.variables import table, variables
 
@@ -51,9 +51,7 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
     if scene.material.volume_stiffness > 0:
         raise SoftffdError(f"material.volume_stiffness: the twin has none, wanted 0 Pa, got {scene.material.volume_stiffness:g}")
     builder = _pythonfmu().FmuBuilder
-    path = Path(path)
-    if path.suffix != ".fmu":
-        raise SoftffdError(f"{path}: wanted a file name that ends in .fmu")
+    path = fmu_path(path)
     scene = _without_balances(scene)
     mass = scene_masses(scene).mass
     content = resolved_scene(scene, mass)
