@@ -4,6 +4,7 @@
     python3 python/run.py demo                the car, with pictures
     python3 python/run.py test [ARGUMENTS]    the test suite (pytest's arguments)
     python3 python/run.py bench               what each part of a scene costs
+    python3 python/run.py release             a wheel with the libraries of all platforms (some ten minutes)
     python3 python/run.py build SCENE ...     any other command of softffd
 
 Makes .venv, builds the C++ library into it (with the machine's compiler, else with the one in the package `ziglang`), and hands over.
@@ -16,6 +17,8 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+from release import build_release
 
 ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / ".venv"
@@ -92,9 +95,11 @@ def main():
         print(__doc__)
         return 0
     set_up()
+    if arguments[0] == "release":
+        return build_release(PYTHON)
     if arguments[0] == "test":
         return subprocess.call([PYTHON, "-m", "pytest", *arguments[1:]], cwd=ROOT, env=compiler_environment())
-    program = [ROOT / "benchmarks" / "feature_cost.py"] if arguments[0] == "bench" else ["-m", "softffd", *arguments]
+    program = [ROOT / "benchmarks" / "feature_cost.py"] if arguments[0] == "bench" else ["-m", "softffd_command", *arguments]
     return subprocess.call([PYTHON, *program])
 
 

@@ -74,6 +74,7 @@ void Propagator::body_changed(const Body& body, Course& course) {
   }
   course.bound = -1;
   course.leapfrog = course.bm4 = {};
+  course.contact = {};
   course.factored.h = 0;
   course.favourite = Method::automatic;
 }

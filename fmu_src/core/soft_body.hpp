@@ -175,7 +175,7 @@ class SoftBody {
   StepStatus take_back_gain(const Attempt& usual);
   double open_watch(bool changed, bool moved);
   void close_watch(double booked);
-  double staggered_step() const;
+  static double staggered_step(const Course& course);
 
   Definition definition_;
   Body body_;

@@ -88,7 +88,7 @@ StepStatus SoftBody::take_back_gain(const Attempt& usual) {
   EnergyWatch start = backup_.watch;
   if (!usual.stale && start.kinetic_elastic >= 0) {
     start.jolt(body_, backup_.motion.spring, backup_.outside, around_.force);
-    start.look({body_, around_}, backup_.motion, staggered_step(), 0);
+    start.look({body_, around_}, backup_.motion, staggered_step(backup_.course), 0);
     start.jolt(body_, backup_.motion.spring, around_.force, backup_.outside);
   }
   const double gained_before = start.gained;
@@ -128,12 +128,11 @@ void SoftBody::close_watch(double booked) {
   }
   const double taken = body_.damped ? 0 : now_.exchange.dissipated;
   watch.received += (around_.force * (now_.motion.x - begin_)).sum() + now_.exchange.work - booked - taken;
-  if (now_.course.work >= watch.due) watch.look({body_, around_}, now_.motion, staggered_step(), now_.course.work);
+  if (now_.course.work >= watch.due) watch.look({body_, around_}, now_.motion, staggered_step(now_.course), now_.course.work);
 }
 
-double SoftBody::staggered_step() const {
-  const Method method = now_.course.method;
-  return method == Method::leapfrog || method == Method::central_difference ? now_.course.clock.h : 0;
+double SoftBody::staggered_step(const Course& course) {
+  return course.method == Method::leapfrog || course.method == Method::central_difference ? course.clock.h : 0;
 }
 
 double SoftBody::damped_spin() const {
@@ -145,7 +144,7 @@ double SoftBody::damped_spin() const {
 double SoftBody::lost_energy() const {
   if (now_.watch.kinetic_elastic < 0) return 0;
   EnergyWatch watch = now_.watch;
-  watch.look({body_, around_}, now_.motion, staggered_step(), 0);
+  watch.look({body_, around_}, now_.motion, staggered_step(now_.course), 0);
   return -watch.balance;
 }
 

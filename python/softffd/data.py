@@ -49,6 +49,6 @@ def libraries(platforms: list[str] | None = None) -> dict[str, Path]:
         if platform not in found:
             raise SoftffdError(
                 f"--platform {platform}: this installation has no library for it; it has {', '.join(found)}. "
-                "Build softffd on that platform, or install a release that carries it."
+                "Build softffd on that platform, or install a wheel with all platforms: python3 python/run.py release makes one."
             )
     return {name: path for name, path in found.items() if not platforms or name in platforms}

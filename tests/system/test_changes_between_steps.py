@@ -122,5 +122,5 @@ def test_a_communication_point_that_is_a_step_off_is_refused_anywhere(scene, sta
     with Stepper(scene(SLIDING), start_time=start) as stepper:
         stepper.step(step)
         stepper.time += step
-        with pytest.raises(FmuError, match="currentCommunicationPoint: wanted .* off"):
+        with pytest.raises(FmuError, match=r"currentCommunicationPoint: wanted .* off"):
             stepper.step(step)

@@ -1,0 +1,5 @@
+import sys
+
+from softffd_command import main
+
+sys.exit(main())
