@@ -22,7 +22,9 @@ def build_release(python: Path) -> int:
         commands.append(["cmake", "--preset", name, "-G", "Ninja", "-DSOFTFFD_TESTS=OFF", f"-DPython3_EXECUTABLE={python}"])
         commands.append(["cmake", "--build", f"build/{name}", "--target", "softffd"])
     wheel = [python, "-m", "pip", "--disable-pip-version-check", "-q", "wheel", ".", "--no-deps", "-w", "dist"]
-    commands.append([*wheel, "-C", f"cmake.define.SOFTFFD_LIBRARIES={libraries}", "-C", "wheel.platlib=false", "-C", "build-dir=build/wheel"])
+    commands.append(
+        [*wheel, "-C", f"cmake.define.SOFTFFD_LIBRARIES={libraries}", "-C", "wheel.platlib=false", "-C", "build-dir=build/wheel"]
+    )
     for number, command in enumerate(commands):
         if "wheel" in command:
             for name in PLATFORMS:
