@@ -23,7 +23,8 @@ void refine(Clock& clock, Count times) {
 }  // namespace
 
 /// Looks are counted, so that they fall on the same moments however the time is cut. What a look says of a divided step holds from the
-/// next unit on, or at once if it must be finer.
+/// next unit on, or at once if it must be finer. A step that has to be divided gets the distance from the limit that automatic ones keep;
+/// close to it every vibration would change the division, and feed itself by that.
 StepStatus Propagator::run_counted(const Job& job, Method method, Count units) {
   Clock& clock = job.course.clock;
   const double unit = job.request.step;
@@ -31,11 +32,16 @@ StepStatus Propagator::run_counted(const Job& job, Method method, Count units) {
     const Count into = clock.unit == unit ? clock.count % clock.parts : 0;
     const bool begins_divided = into == 0 && clock.parts > 1;
     if (clock.unit != unit || job.course.bound < 0 || clock.count % look_every == 0 || begins_divided || job.request.share < 1) {
-      const double limit = std::min(unit * job.request.share, step_limit(job, method, true));
-      if (!(unit / limit <= double(most_steps))) return refusal(unit / limit);
-      const Count parts = divisions(unit, limit);
-      if (into == 0 && (clock.unit != unit || clock.parts != parts)) clock = {job.state.time, unit / double(parts), 0, unit, parts};
-      if (into > 0 && clock.parts < parts) refine(clock, (parts + clock.parts - 1) / clock.parts);
+      const double wanted = unit * job.request.share, limit = std::min(wanted, step_limit(job, method, true));
+      const double target = limit < wanted ? std::min(limit, step_limit(job, method, false)) : wanted;
+      if (!(unit / target <= double(most_steps))) return refusal(unit / target);
+      const bool too_long = divisions(clock.h, limit) > 1;
+      if (into == 0 && (clock.unit != unit || too_long || target > 1.25 * clock.h)) {
+        const Count parts = divisions(unit, target);
+        clock = {job.state.time, unit / double(parts), 0, unit, parts};
+      } else if (too_long) {
+        refine(clock, divisions(clock.h, target));
+      }
     }
     if (double(units) * double(clock.parts) > double(most_steps)) return StepStatus::too_many_steps;
     const Count left = clock.parts > 1 ? clock.parts - clock.count % clock.parts : units;
