@@ -3,18 +3,18 @@
 #include <string>
 #include <vector>
 
-#ifdef _WIN32
-#include <windows.h>
-#else
-#include <dlfcn.h>
-#endif
-
 extern "C" {
 #include "fmi2Functions.h"
 }
 
 #include "check.hpp"
 #include "small_scene.hpp"
+
+#ifdef _WIN32
+#include <windows.h>  // last: it makes macros of words
+#else
+#include <dlfcn.h>
+#endif
 
 namespace {
 
