@@ -24,8 +24,8 @@ constexpr double largest_turn = 1e-4, largest_turn_in_frame = 1;
 /// Explicit steps in a communication step above which contact is implicit, and the work of an implicit step in evaluations of the forces,
 /// at least.
 constexpr double stiff_contact = 200, implicit_contact_work = 150;
-/// Matrices that an implicit step may cost where explicit steps would cost less than these.
-constexpr double fewest_factorizations = 100;
+/// Work that an implicit step may take at least before explicit ones are tried: where a body buckles these are no shorter way.
+constexpr double buckling_work = 1e6;
 /// Explicit steps in an implicit one above which the masses are lost in the rounding of the stiffness matrix.
 constexpr double stiffest = 2e7;
 
@@ -204,7 +204,8 @@ StepStatus Propagator::run_implicit(const Job& job, double end) {
   course.clock = {begin, H / double(steps), 0};
   // Where it finds no way, a step may take as long as explicit steps would, which are tried with several sizes and cost more in contact.
   const double explicit_work = 8 * traits(Method::leapfrog).work * course.clock.h / step_limit(job, Method::leapfrog, false);
-  implicit_contact_->most_factorizations = Count(std::clamp(explicit_work / implicit_.factor, fewest_factorizations, double(most_steps)));
+  const double most_work = std::min(std::max(explicit_work, buckling_work), double(most_steps));
+  implicit_contact_->most_factorizations = Count(std::max(1.0, most_work / implicit_.factor));
   for (Count i = 0; i < steps; ++i) {
     const double next = i + 1 == steps ? end : course.clock.origin + double(i + 1) * course.clock.h;
     const Count made = implicit_contact_->factorizations();
