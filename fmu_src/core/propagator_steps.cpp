@@ -33,10 +33,11 @@ StepStatus Propagator::run_counted(const Job& job, Method method, Count units) {
     const bool begins_divided = into == 0 && clock.parts > 1;
     if (clock.unit != unit || job.course.bound < 0 || clock.count % look_every == 0 || begins_divided || job.request.share < 1) {
       const double wanted = unit * job.request.share, limit = std::min(wanted, step_limit(job, method, true));
-      const double target = limit < wanted ? std::min(limit, step_limit(job, method, false)) : wanted;
+      const bool again = job.request.share < 1;  // without a result so far: as divided as it must be, anew at every unit
+      const double target = limit < wanted && !again ? std::min(limit, step_limit(job, method, false)) : limit;
       if (!(unit / target <= double(most_steps))) return refusal(unit / target);
       const bool too_long = divisions(clock.h, limit) > 1;
-      if (into == 0 && (clock.unit != unit || too_long || target > 1.25 * clock.h)) {
+      if (into == 0 && (clock.unit != unit || too_long || again || target > 1.25 * clock.h)) {
         const Count parts = divisions(unit, target);
         clock = {job.state.time, unit / double(parts), 0, unit, parts};
       } else if (too_long) {
