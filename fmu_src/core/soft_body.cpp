@@ -60,6 +60,14 @@ bool finite(const Progress& progress) {
 
 }  // namespace
 
+Points start_positions(const Definition& definition) {
+  const Lattice& lattice = definition.lattice;
+  Points x = rest_positions(lattice);
+  for (int p = 0; p < lattice.points(); ++p)
+    set_row(x, p, lattice.origin + definition.stretch.cwiseProduct(row(x, p) - lattice.origin) + definition.offset);
+  return x;
+}
+
 SoftBody::SoftBody(Definition definition)
     : definition_(std::move(definition)),
       body_{.springs = Springs(definition_.lattice, definition_.topology), .mass = {}, .damping = {}, .pinned = pinned_points(definition_)},
@@ -190,13 +198,10 @@ StepStatus SoftBody::initialize(double t0) {
   start_time_ = motion.time = t0;
   const StepStatus status = refresh_surroundings();
   if (status != StepStatus::ok) return status;
-  const Points rest = rest_positions(lattice);
+  motion.x = start_positions(definition_);
   const Vec3 centre = lattice.origin + definition_.stretch.cwiseProduct(0.5 * lattice.size) + definition_.offset;
-  for (int p = 0; p < body_.points(); ++p) {
-    const Vec3 x = lattice.origin + definition_.stretch.cwiseProduct(row(rest, p) - lattice.origin) + definition_.offset;
-    set_row(motion.x, p, x);
-    set_row(motion.v, p, definition_.velocity + definition_.angular_velocity.cross(x - centre));
-  }
+  for (int p = 0; p < body_.points(); ++p)
+    set_row(motion.v, p, definition_.velocity + definition_.angular_velocity.cross(row(motion.x, p) - centre));
   motion.previous_h = 0;
   Points bound_x = std::move(now_.course.bound_x), factored_x = std::move(now_.course.factored.x);
   now_.course = {};

@@ -34,6 +34,9 @@ struct Definition {
   bool watch_energy = false;                                      ///< accumulate dissipated energy and work
 };
 
+/// Before pins and planes move points (points, 3) [m].
+Points start_positions(const Definition& definition);
+
 struct Material {
   double mass = 1;  ///< total [kg]
   Stiffness stiffness;

@@ -87,7 +87,7 @@ std::string Instance::start_behind_planes() const {
   std::vector<bool> pinned(d.lattice.points(), false);
   for (const PinDefinition& pin : d.pins)
     for (int p : pin.points) pinned[p] = true;
-  const Points rest = rest_positions(d.lattice);
+  const Points start = start_positions(d);
   std::string text;
   for (std::size_t q = 0; q < scene_.planes.size(); ++q) {
     const Settings::PlaneInput& plane = body_.settings.planes[q];
@@ -95,8 +95,7 @@ std::string Instance::start_behind_planes() const {
     int count = 0;
     double deepest = 0;
     for (int p = 0; p < d.lattice.points(); ++p) {
-      const Vec3 x = d.lattice.origin + d.stretch.cwiseProduct(row(rest, p) - d.lattice.origin) + d.offset;
-      const double depth = normal.dot(plane.point - x);
+      const double depth = normal.dot(plane.point - row(start, p));
       if (pinned[p] || !(depth > slight * d.lattice.largest_side())) continue;
       ++count;
       deepest = std::max(deepest, depth);
