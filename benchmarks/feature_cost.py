@@ -12,10 +12,10 @@ import tempfile
 import time
 from pathlib import Path
 
-from softffd.component import Component
-from softffd.package import package_fmu, scene_masses
-from softffd.scene import load_scene
-from softffd.variables import variables
+from softffd.fmu.component import Component
+from softffd.fmu.package import package_fmu, scene_masses
+from softffd.fmu.variables import variables
+from softffd.scene.scene import load_scene
 
 STEP, INTERVAL, INTERVALS, REPEATS = 1e-4, 0.1, 20, 7
 BARE = """

@@ -12,9 +12,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from softffd.component import Component
-from softffd.package import package_fmu
-from softffd.scene import Scene, scene_from
+from softffd.fmu.component import Component
+from softffd.fmu.package import package_fmu
+from softffd.scene.scene import Scene, scene_from
 
 SIDES = (4, 6, 8, 12, 16, 24, 32)
 REPEATS = 5

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "traits.hpp"
+#include "stepping/traits.hpp"
 
 namespace softffd {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rigid_motion.hpp"
+#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

@@ -3,9 +3,9 @@
 #include <memory>
 #include <optional>
 
-#include "energy_watch.hpp"
-#include "propagator.hpp"
-#include "vibration.hpp"
+#include "watch/energy_watch.hpp"
+#include "stepping/propagator.hpp"
+#include "watch/vibration.hpp"
 
 namespace softffd {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "rigid_motion.hpp"
+#include "model/rigid_motion.hpp"
 #include "soft_body.hpp"
 
 namespace softffd {

@@ -3,7 +3,7 @@
 #include <array>
 #include <memory>
 
-#include "basis.hpp"
+#include "model/basis.hpp"
 #include "error_estimate.hpp"
 #include "logger.hpp"
 #include "scene_file.hpp"

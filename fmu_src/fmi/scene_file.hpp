@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "basis.hpp"
+#include "model/basis.hpp"
 #include "soft_body.hpp"
 
 namespace softffd::fmi {

@@ -2,13 +2,13 @@
 
 __version__ = "0.1.0"
 
-from softffd.deform import deform
+from softffd.embedding.deform import deform
 from softffd.errors import FmuError, MeshError, SceneError, SoftffdError
-from softffd.mesh import load_mesh, save_mesh
-from softffd.package import package_fmu
-from softffd.result import Result
-from softffd.scene import Scene, load_scene
-from softffd.simulate import simulate
+from softffd.fmu.package import package_fmu
+from softffd.mesh.mesh import load_mesh, save_mesh
+from softffd.run.result import Result
+from softffd.run.simulate import simulate
+from softffd.scene.scene import Scene, load_scene
 
 __all__ = [
     "FmuError",

@@ -2,7 +2,7 @@
 
 import sys
 
-from softffd.cli import main
+from softffd.cli.command import main
 
 if __name__ == "__main__":
     sys.exit(main())

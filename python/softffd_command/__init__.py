@@ -6,7 +6,7 @@ import sys
 def main() -> int:
     """Runs the command line of softffd.cli; returns its exit status."""
     try:
-        from softffd.cli import main as run
+        from softffd.cli.command import main as run
 
         return run()
     except KeyboardInterrupt:

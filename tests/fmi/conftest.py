@@ -1,6 +1,7 @@
 """The two scenes of the tests on the C functions, packaged and unpacked once per file."""
 
 import pytest
+
 from c_host import Fmu
 from straight_run import BARE, RICH
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from boxes import box_fmu
-from callbacks import own_callbacks
 from fmpy.fmi2 import FMU2Slave
 
+from boxes import box_fmu
+from callbacks import own_callbacks
 from softffd import FmuError, load_scene, simulate
-from softffd.component import Component
+from softffd.fmu.component import Component
 
 SCENE = """
 [material]

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from boxes import box_fmu
 
-from softffd.component import Component
+from boxes import box_fmu
+from softffd.fmu.component import Component
 
 SCENE = """
 [material]

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from c_host import Host
 
 LINUX = sys.platform == "linux"

@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
+
 from c_host import DISCARD, ERROR, SIGNATURES, STEP, STEPS, TIMES, Host, check_message, doubles, ints, uints
 from straight_run import apply, check_as_new, straight
 
@@ -234,7 +235,9 @@ for reference in fmu.reals:
 print("done")
 """
     with TemporaryDirectory() as folder:
-        done = subprocess.run([sys.executable, "-c", script, str(Path(__file__).parent), folder], capture_output=True, text=True)
+        done = subprocess.run(
+            [sys.executable, "-c", script, str(Path(__file__).parents[1] / "support"), folder], capture_output=True, text=True
+        )
     last = done.stdout.splitlines()[-1] if done.stdout else done.stderr[-300:]
     name = next((n for n, r in rich.names.items() if str(r) == last), last)
     assert done.returncode == 0, f"{name}: ended with {done.returncode}"

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import Parameter, ParameterSet
-from importers import Missing, Run, Tool, drive, ecos, fmutool, libcosim, vdmcheck
 
+from importers import Missing, Run, Tool, drive, ecos, fmutool, libcosim, vdmcheck
 from softffd import load_scene, package_fmu, simulate
-from softffd.inputs import Inputs
-from softffd.scene import shipped_scenes
-from softffd.simulate import POSITION
+from softffd.run.inputs import Inputs
+from softffd.run.simulate import POSITION
+from softffd.scene.scene import shipped_scenes
 
 STEP, STEPS = 0.01, 100
 START = {"solver.step": 5e-6}

@@ -3,6 +3,7 @@
 from ctypes import CDLL, c_char_p, c_size_t, create_string_buffer
 
 import pytest
+
 from c_host import DISCARD, ERROR, OK, STEP, WARNING, Fmu, Host, check_message, doubles, uints
 
 

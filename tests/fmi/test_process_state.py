@@ -9,6 +9,7 @@ from ctypes import CDLL, create_string_buffer
 from pathlib import Path
 
 import pytest
+
 from c_host import STEP, STEPS, TIMES, Host
 from straight_run import apply, straight
 
@@ -105,7 +106,7 @@ def test_the_hosts_locale_neither_matters_nor_changes(tmp_path, name):
         pytest.skip("no localedef")
     if not target.is_dir():
         pytest.skip(f"localedef has no {name}: {done.stderr.decode(errors='replace')[:200]}")
-    arguments = [sys.executable, "-c", LOCALE_SCRIPT, str(Path(__file__).parent), str(tmp_path / "fmu"), f"{name}.UTF-8"]
+    arguments = [sys.executable, "-c", LOCALE_SCRIPT, str(Path(__file__).parents[1] / "support"), str(tmp_path / "fmu"), f"{name}.UTF-8"]
     done = subprocess.run(arguments, capture_output=True, env=os.environ | {"LOCPATH": str(tmp_path)})
     if b"unsupported locale setting" in done.stderr:
         pytest.skip(f"localedef could not make {name} here: the sources of locales are not on this machine")

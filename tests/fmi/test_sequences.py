@@ -4,6 +4,7 @@ import random
 from ctypes import byref, c_double, c_void_p
 
 import pytest
+
 from c_host import DISCARD, OK, STEP, STEPS, TIMES, Fmu, Host
 from straight_run import apply, straight
 

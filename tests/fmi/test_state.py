@@ -8,12 +8,12 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from fmpy.fmi2 import FMU2Slave
+
 from boxes import box_fmu
 from callbacks import own_callbacks
-from fmpy.fmi2 import FMU2Slave
-from straight_run import RICH
-
 from softffd import load_scene, package_fmu
+from straight_run import RICH
 
 
 @pytest.fixture(scope="module", params=["leapfrog", "central_difference"])
@@ -113,7 +113,7 @@ def test_a_serialized_state_continues_in_another_process(fmu, slave, tmp_path):
     slave.advance(20, 50)
     script = f"""
 import sys
-sys.path.insert(0, {str(Path(__file__).parent)!r})
+sys.path.insert(0, {str(Path(__file__).parents[1] / "support")!r})
 from pathlib import Path
 from test_state import Slave
 slave = Slave(Path({str(fmu)!r}), Path({str(tmp_path / "process")!r}))

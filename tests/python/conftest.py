@@ -3,11 +3,12 @@
 from pathlib import Path
 
 import pytest
-from measured_scenes import COURSE, DRIVEN, SMALL
 
-from softffd import accuracy, accuracy_reference
-from softffd import accuracy_command as command
-from softffd.accuracy import measure
+from measured_scenes import COURSE, DRIVEN, SMALL
+from softffd.validation.accuracy import command as command
+from softffd.validation.accuracy import measure as accuracy
+from softffd.validation.accuracy import reference as accuracy_reference
+from softffd.validation.accuracy.measure import measure
 
 
 @pytest.fixture

@@ -4,10 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from readings import assert_nothing_is_behind, points
-from stepping import Stepper
 
+from readings import assert_nothing_is_behind, points
 from softffd import load_scene, simulate
+from stepping import Stepper
 
 SMOOTH = ["bm4", "rkn12", "dop853", "ros34pw2"]
 METHODS = ["leapfrog", *SMOOTH, "auto"]

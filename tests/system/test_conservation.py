@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 import reference
 from readings import centre, points, velocities
-
 from softffd import simulate
 
 TUMBLING = """

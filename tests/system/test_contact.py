@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from readings import assert_nothing_is_behind, gaps, plane_poses, points, rotation, vector, velocities
-from stepping import Stepper
 
+from readings import assert_nothing_is_behind, gaps, plane_poses, points, rotation, vector, velocities
 from softffd import FmuError, simulate
+from stepping import Stepper
 
 BOUNCING = """
 [material]

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from readings import assert_nothing_is_behind, points
 
+from readings import assert_nothing_is_behind, points
 from softffd import simulate
 
 DROPPED = """

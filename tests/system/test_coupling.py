@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from coupled_parts import BODY_MASS, GRAVITY, MECHANICAL, PLANE, REST_ENERGY, Part, body_fmu, run_explicitly
 
-from softffd.component import Component
+from coupled_parts import BODY_MASS, GRAVITY, MECHANICAL, PLANE, REST_ENERGY, Part, body_fmu, run_explicitly
+from softffd.fmu.component import Component
 
 
 def test_momentum_of_plate_and_body_balances_to_rounding(drivers):

@@ -1,19 +1,16 @@
 """The plate on the body as a system structure, in other people's masters."""
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from coupled_parts import PLANE, body_fmu, run_explicitly
 from fmpy.ssp.simulation import simulate_ssp
 
+import importers
+from coupled_parts import PLANE, body_fmu, run_explicitly
 from softffd import SoftffdError
 from softffd.drivers.coupled import write_ssp
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "fmi"))
-import importers
 
 READ_BACK = ("plate", "point.z"), ("plate", "velocity.z"), ("body", PLANE + "reaction.z"), ("body", "probe.middle.z")
 STEP, STEPS = 1e-3, 200

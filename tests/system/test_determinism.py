@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from readings import points, vector
-from stepping import Stepper
 
+from readings import points, vector
 from softffd import simulate
+from stepping import Stepper
 
 LIVELY = """
 [material]

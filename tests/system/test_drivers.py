@@ -3,9 +3,9 @@
 import fmpy
 import numpy as np
 import pytest
-from coupled_parts import FORCE, MOTION, PLANE, Part, body_fmu
 from fmpy.validation import validate_fmu
 
+from coupled_parts import FORCE, MOTION, PLANE, Part, body_fmu
 from softffd import SoftffdError, load_scene, package_fmu
 from softffd.drivers import build_driver
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from readings import points, vector, velocities
 
+from readings import points, vector, velocities
 from softffd import simulate
 
 STEPS = (5e-4, 2.5e-4, 1.25e-4)

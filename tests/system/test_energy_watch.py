@@ -1,9 +1,9 @@
 """Bodies have the energy that they were given: what gains more is warned of, or done again with smaller steps."""
 
 import pytest
-from stepping import Stepper
 
 from softffd import load_scene
+from stepping import Stepper
 
 RESONANT = """
 [material]

@@ -6,8 +6,8 @@ rounding and the reference's own error are what is left, and either may be the l
 
 import numpy as np
 import pytest
-from readings import points
 
+from readings import points
 from softffd import load_scene, simulate
 
 FLOOR = 1e-11

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from stepping import Stepper
 
-from softffd.package import scene_masses
-from softffd.scene_text import scene_records
+from softffd.fmu.package import scene_masses
+from softffd.fmu.records import scene_records
+from stepping import Stepper
 
 STIFFNESS, EDGE = 1e3, 1 / 3
 ENOUGH = 3 * STIFFNESS / EDGE

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from readings import assert_nothing_is_behind, centre, plane_poses, points, vector, velocities
 
+from readings import assert_nothing_is_behind, centre, plane_poses, points, vector, velocities
 from softffd import simulate
 
 G = 9.81

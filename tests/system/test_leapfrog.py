@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+
 import reference
 from readings import points, velocities
-from stepping import Stepper
-
 from softffd import FmuError, simulate
+from stepping import Stepper
 
 STRETCHED = """
 [material]

@@ -4,9 +4,9 @@ import re
 
 import numpy as np
 import pytest
+
 import reference
 from readings import points, vector, velocities
-
 from softffd import deform, simulate
 
 LOADED = """

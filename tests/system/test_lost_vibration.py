@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+
 from stepping import Stepper
 
 STRETCH = 0.01

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from stepping import Stepper
 
 from softffd.errors import FmuError
+from stepping import Stepper
 
 SPEED, H = 10.0, 0.0125
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from stepping import Stepper
 
 from softffd import load_scene
+from stepping import Stepper
 
 H, STEPS = 0.012, 20
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 import reference
 from readings import points, rotation, vector, velocities
-
 from softffd import FmuError, simulate
 
 HANGING = """

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 import reference
 from readings import points
-
 from softffd import simulate
 
 DROP = """

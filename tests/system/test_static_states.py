@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+
 import reference
 from readings import assert_nothing_is_behind, points, vector
-
 from softffd import simulate
 
 PULLED = """

@@ -6,10 +6,10 @@ another method. In contact, where all methods hand over to leapfrog, it is leapf
 
 import numpy as np
 import pytest
-from readings import points
-from stepping import Stepper
 
+from readings import points
 from softffd import load_scene, simulate
+from stepping import Stepper
 
 REFERENCES = {
     "free_vibration": [("dop853", {"solver.tolerance": 1e-12}), ("rkn12", {"solver.tolerance": 1e-12})],

@@ -5,14 +5,14 @@ import sys
 
 import numpy as np
 import pytest
-from readings import points, vector
-from twin_scenes import CONTACT, CONVEYOR, DROP, FREE, HELD_IN_CONTACT, PRESS, SMOOTH, TUMBLE
 
+from readings import points, vector
 from softffd import simulate
-from softffd.component import Component
 from softffd.errors import FmuError
-from softffd.package import package_fmu
-from softffd.twin import build_twin
+from softffd.fmu.component import Component
+from softffd.fmu.package import package_fmu
+from softffd.validation.twin import build_twin
+from twin_scenes import CONTACT, CONVEYOR, DROP, FREE, HELD_IN_CONTACT, PRESS, SMOOTH, TUMBLE
 
 pytest.importorskip("pythonfmu", reason="the twin is packaged with pythonfmu")
 

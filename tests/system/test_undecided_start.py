@@ -1,9 +1,9 @@
 """Springs without length push in no direction: with automatic steps such a start is refused at once, with its reason."""
 
 import pytest
-from stepping import Stepper
 
 from softffd.errors import FmuError
+from stepping import Stepper
 
 START = (
     "[initial]\nstretch = {stretch}\nangular_velocity = {spin}\n[solver]\nmethod = '{method}'\nstep = {step}\n[outputs]\nsolver = true\n"

@@ -22,8 +22,8 @@ from xml.etree import ElementTree as Xml
 
 from softffd.drivers import build_driver
 from softffd.errors import SoftffdError
-from softffd.package import package_fmu
-from softffd.scene import Scene, load_scene
+from softffd.fmu.package import package_fmu
+from softffd.scene.scene import Scene, load_scene
 
 SCENE = Path(__file__).with_name("plate_on_box.toml")
 SSD, SSC = "http://ssp-standard.org/SSP1/SystemStructureDescription", "http://ssp-standard.org/SSP1/SystemStructureCommon"

@@ -1,0 +1,95 @@
+/// Contact of control points with obstacle planes, explicit: no control point is behind a plane at the end of any internal step, hence, by
+/// the convex hull property of the Bezier volume, no point of the object is.
+///
+/// A step goes from t0 to t1 = t0 + h: opening half kick, drift, forces at t1, closing half kick. Free points need no more. A point that
+/// the drift would take behind a plane follows the local-restart rule, on its own, without event search:
+///
+///      gap                                            th = gap0 / (gap0 - gap1): the impact's share of the step
+///      gap0 *---__                                    u  = v + (th - 1/2) h a: velocity at the impact (v lives at t0 + h/2)
+///               ---__                                 R  = w - u.n: the normal impulse that leaves the plane's normal velocity w
+///      0    ----------x=============== plane          tangentially Coulomb: slip shrinks by the factor max(0, 1 - mu R / |slip|)
+///           t0      th  \       t1                    the point lies exactly on the plane at t1
+///                        gap1
+///
+/// The plane's normal velocity w where the point is follows from the gaps, w = n.v - (gap1 - gap0) / h; the velocity of its surface is
+/// taken at mid-step, at x0 + h/2 v. A gap below 1e-12 of the largest side of the box counts as contact.
+///
+/// A point that was on the plane already (gap0 = 0) gets R that keeps it there; friction opposes the mean of the slip before and after
+/// the kick, and holds the point if it can. At t1 the closing half kick is followed by the same rule on velocities. Each half kick thus
+/// has its own reaction, so cutting a communication step in two changes nothing, and a plane that is withdrawn between two steps takes
+/// no part of the next kick with it.
+///
+/// A point that ends behind further planes is handed to FeasibleSet: the exact projection onto all of them. A plane that has jumped
+/// (its pose at the communication point does not continue its motion) moves points without giving them velocity.
+///
+/// The impulses that are reported are exactly the momentum that the body lost: m R after the opening kick, m (1 + g) R after the closing
+/// one, whose damping is implicit.
+#pragma once
+#include "contact/feasible.hpp"
+#include "forces/kick.hpp"
+#include "model/surroundings.hpp"
+
+namespace softffd {
+
+/// One internal step as pins and contacts see it; forces are those of the half kick at hand.
+struct StepView {
+  const Body& body;
+  const HalfKicks& kicks;
+  const Surroundings& around;
+  const Points& spring;  ///< spring forces [N]
+  const Points& force;   ///< outside forces [N]
+  const Points& x0;      ///< positions at t0 [m]
+  double t0, t1, h;
+};
+
+class Contact {
+ public:
+  Contact(int points, int planes);
+
+  /// Moves points out of planes at a communication point; velocities stay. Sets `moved` if there was any.
+  StepStatus clear_jumps(const Body& body, const Surroundings& around, double time, Points& x, bool& moved);
+
+  /// After the free drift x1 = x0 + h v: corrects x1 and v of the points that would be behind a plane. `before`: v before the kick.
+  StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, Exchange& exchange);
+
+  /// After the closing half kick: corrects the velocities of the points that the last drift corrected. `before`: v before the kick.
+  StepStatus close(const StepView& step, const Points& before, const Points& x1, Points& v, Exchange& exchange);
+
+  bool touched() const { return !touched_.empty(); }
+  /// Impacts so far: points that came onto a plane, not those that stayed on one.
+  Count impacts() const { return impacts_; }
+
+ private:
+  struct Change {
+    Vec3 x1, v;
+  };
+  /// A point corrected by the last drift. Over the whole step its kinetic energy changes by (J + h F) . w, where J is the impulse of its
+  /// contacts, F the mean of the forces and w of the velocities at both ends; the forces' own work is F . (x1 - x0). What contact took
+  /// from the energy is the difference.
+  struct Touch {
+    int point;
+    Vec3 x, velocity, force;      ///< at t0 [m], [m/s], [N]
+    Vec3 impulse = Vec3::Zero();  ///< of all obstacles on the point [N s]
+    double surface_work = 0;      ///< of which the obstacles' own motion did [J]
+  };
+  StepStatus drift_point(const StepView& step, Touch& touch, Change& change, Exchange& exchange);
+  Change first_contact(const StepView& step, int p, int plane, const Vec3& before, const Change& free, Vec3& impulse);
+  StepStatus several_contacts(const StepView& step, Touch& touch, const Change& free, Change& change, Exchange& exchange);
+  StepStatus close_point(const StepView& step, Touch& touch, const Vec3& before, const Vec3& x1, Vec3& v, Exchange& exchange);
+  void book(Touch& touch, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const;
+  int deepest(const Vec3& x1) const;
+
+  std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at t0, t0 + h/2 and t1
+  std::vector<Touch> touched_;
+  std::vector<Constraint> constraints_;
+  std::vector<int> active_;  ///< plane of each constraint
+  FeasibleSet feasible_;
+  Scalars gap_;
+  std::vector<char> marked_;
+  Count impacts_ = 0;
+};
+
+/// Number of control points on a half-space.
+Count points_on(const HalfSpace& obstacle, double length, const Points& x);
+
+}  // namespace softffd

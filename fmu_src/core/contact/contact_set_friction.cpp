@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <cmath>
+
+#include "contact/contact_set.hpp"
+
+namespace softffd {
+
+namespace {
+
+Vec3 tangential(const Vec3& normal, const Vec3& v) { return v - normal.dot(v) * normal; }
+
+}  // namespace
+
+bool ContactSet::scale_friction(double length, double largest_stiffness) {
+  double largest = 0;
+  for (int p : touching_)
+    for (int i = 0; i < at_[p].count; ++i) largest = std::max(largest, friction_[at_[p].touches[i].plane] * at_[p].touches[i].load);
+  if (largest == 0 || (largest <= 4 * load_scale_ && largest >= 0.25 * load_scale_)) return false;
+  load_scale_ = largest;
+  reach_ = std::max(1e-9 * length, largest_stiffness > 0 ? largest / (1e5 * largest_stiffness) : 0.0);
+  return true;
+}
+
+/// Tangential motion of the point less that of the plane's material.
+Vec3 ContactSet::slip(const Touch& touch, const Vec3& x0, const Vec3& moved, double h) const {
+  return tangential(touch.normal, moved - h * material_velocity(touch.plane, x0 + 0.5 * moved));
+}
+
+void ContactSet::hold_or_slide(Touch& touch, const Vec3& slip) {
+  touch.fresh = false;
+  touch.used = std::max(0.0, touch.load);
+  const double limit = friction_[touch.plane] * touch.used, size = slip.norm(), held = load_scale_ / reach_;
+  touch.slip = slip;
+  touch.sticks = held * size <= limit;
+  touch.wanted = limit == 0 ? 0 : touch.sticks ? held : limit / size;
+  touch.friction = -touch.wanted * slip;
+}
+
+bool ContactSet::find_friction(const Points& x0, const Points& u, double h, double slight) {
+  bool changed = false;
+  for (int p : touching_)
+    for (int i = 0; i < at_[p].count; ++i) {
+      Touch& touch = at_[p].touches[i];
+      hold_or_slide(touch, slip(touch, row(x0, p), row(u, p), h));
+      const double more = std::abs(touch.wanted - touch.stiffness);
+      const bool turned = touch.wanted > slight && touch.stiffness > 0 && touch.sticks != touch.direction.isZero(0);
+      changed = changed || turned || (more > slight && more > 0.5 * touch.stiffness);
+    }
+  return changed;
+}
+
+void ContactSet::find_new_friction(const Points& x0, const Points& u, double h) {
+  for (int p : touching_)
+    for (int i = 0; i < at_[p].count; ++i)
+      if (at_[p].touches[i].fresh) hold_or_slide(at_[p].touches[i], slip(at_[p].touches[i], row(x0, p), row(u, p), h));
+}
+
+void ContactSet::guess_friction(const Points& x0, const Points& u, const Points& free, double h) {
+  for (int p : touching_)
+    for (int i = 0; i < at_[p].count; ++i) {
+      Touch& touch = at_[p].touches[i];
+      hold_or_slide(touch, slip(touch, row(x0, p), row(free, p), h));
+      if (!touch.sticks) continue;
+      touch.slip = slip(touch, row(x0, p), row(u, p), h);
+      touch.friction = -touch.wanted * touch.slip;
+    }
+}
+
+void ContactSet::fix_friction_stiffness(bool cautious) {
+  for (int p : touching_)
+    for (int i = 0; i < at_[p].count; ++i) {
+      Touch& touch = at_[p].touches[i];
+      touch.stiffness = touch.wanted;
+      touch.direction = cautious || touch.sticks || touch.wanted == 0 ? Vec3::Zero() : Vec3(touch.slip / touch.slip.norm());
+    }
+}
+
+bool ContactSet::stop_reversals(const Points& dx) {
+  bool any = false;
+  for (int p : touching_)
+    for (int i = 0; i < at_[p].count; ++i) {
+      Touch& touch = at_[p].touches[i];
+      if (touch.sticks || touch.wanted == 0 || touch.slip.dot(touch.slip + row(dx, p)) > 0) continue;
+      touch.sticks = true;
+      touch.wanted = load_scale_ / reach_;
+      touch.friction = -touch.wanted * touch.slip;
+      any = true;
+    }
+  return any;
+}
+
+Vec3 ContactSet::linear_friction(const Touch& touch, const Vec3& dx) {
+  const Vec3 along = tangential(touch.normal, dx);
+  return touch.friction - touch.stiffness * (along - touch.direction.dot(along) * touch.direction);
+}
+
+Eigen::Matrix3d ContactSet::friction_stiffness(int p) const {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < at_[p].count; ++i) {
+    const Touch& touch = at_[p].touches[i];
+    sum += touch.stiffness *
+           (Eigen::Matrix3d::Identity() - touch.normal * touch.normal.transpose() - touch.direction * touch.direction.transpose());
+  }
+  return sum;
+}
+
+bool ContactSet::slides(const Touch& touch) const { return !touch.sticks && friction_[touch.plane] > 0; }
+
+int ContactSet::sliding() const {
+  int count = 0;
+  for (int p : touching_)
+    for (int i = 0; i < at_[p].count; ++i) count += slides(at_[p].touches[i]);
+  return count;
+}
+
+void ContactSet::lacking_loads(Scalars& lack) const {
+  int n = 0;
+  for (int p : touching_)
+    for (int i = 0; i < at_[p].count; ++i) {
+      const Touch& touch = at_[p].touches[i];
+      if (slides(touch)) lack[n++] = touch.load - touch.used;
+    }
+}
+
+void ContactSet::friction_of(const Scalars& loads, Points& force) const {
+  force.setZero();
+  int n = 0;
+  for (int p : touching_)
+    for (int i = 0; i < at_[p].count; ++i) {
+      const Touch& touch = at_[p].touches[i];
+      if (slides(touch)) set_row(force, p, row(force, p) - friction_[touch.plane] * loads[n++] / touch.slip.norm() * touch.slip);
+    }
+}
+
+void ContactSet::loads_of(const Points& made, const Points& friction, const Points& dx, Scalars& loads) const {
+  int n = 0;
+  for (int p : touching_) {
+    const AtPoint& at = at_[p];
+    Vec3 normal_force = row(made, p) - row(friction, p);
+    for (int i = 0; i < at.count; ++i) normal_force -= linear_friction(at.touches[i], row(dx, p)) - at.touches[i].friction;
+    const Vec3 all = at.gram_inverse * (normals(at).transpose() * normal_force);
+    for (int i = 0; i < at.count; ++i)
+      if (slides(at.touches[i])) loads[n++] = all[i];
+  }
+}
+
+void ContactSet::use_loads(const Scalars& more) {
+  int n = 0;
+  for (int p : touching_)
+    for (int i = 0; i < at_[p].count; ++i) {
+      Touch& touch = at_[p].touches[i];
+      if (!slides(touch)) continue;
+      touch.friction -= friction_[touch.plane] * more[n] / touch.slip.norm() * touch.slip;
+      touch.used += more[n++];
+    }
+}
+
+}  // namespace softffd

@@ -1,0 +1,32 @@
+/// The mechanical model of eq. (3): masses, springs, point damping; and where it is wanted, what keeps cells from folding. Constant during
+/// a step.
+#pragma once
+#include <optional>
+
+#include "forces/springs.hpp"
+#include "forces/volume.hpp"
+
+namespace softffd {
+
+struct Body {
+  Springs springs;
+  Scalars mass;                    ///< (points) [kg], > 0
+  Scalars damping;                 ///< (points) [N s/m], >= 0
+  std::vector<bool> pinned;        ///< (points) moved by a pin, not by forces
+  bool damped = false;             ///< any damping > 0
+  Scalars inverse_mass{};          ///< (3 * points), axis by axis; 0 where pinned [1/kg]
+  Scalars damping_rate{};          ///< (3 * points), damping / mass; 0 where pinned [1/s]
+  double length = 1;               ///< largest side of the box [m]: the scale of every tolerance on positions
+  std::optional<Volume> volume{};  ///< volume stiffness; most bodies have none
+  int points() const { return int(mass.size()); }
+
+  /// f = forces of the springs and of the volume stiffness on the points at x [N], (points, 3).
+  void internal_force(const Points& x, Points& f) const {
+    springs.force(x, f);
+    if (volume) volume->add_force(x, f);
+  }
+  /// Energy of the springs and of the volume stiffness at x [J].
+  double elastic_energy(const Points& x) const { return springs.energy(x) + (volume ? volume->energy(x) : 0.0); }
+};
+
+}  // namespace softffd

@@ -1,0 +1,54 @@
+/// The cells of the lattice and the volumes at their corners.
+///
+/// At every corner (a, b, c) of a cell, a, b, c = 0 or 1, three of the cell's twelve edges meet, one along each axis of the lattice. With
+/// every edge taken in the direction of rising index and divided by its length at rest, the relative volume of the corner is
+///
+///      J = det(X_bc, Y_ac, Z_ab),       1 at rest, 0 where the three edges lie in a plane, negative where they are turned inside out,
+///
+/// X_bc being the edge along x at (., b, c). No signs are needed: from corner 0 to corner 1 of an axis both the edge's own direction and
+/// the handedness of the corner change. Cells stand in lanes as springs do: lane p is the cell whose corner (0, 0, 0) is point p, and an
+/// edge is made once for the up to four cells around it. Lanes at the upper ends of the rows of points are nobody's:
+///
+///      p        0  1  2  3 | 4  5  6  7 ...
+///      cell     *  *  *  . | *  *  *  .
+#pragma once
+#include <array>
+
+#include "model/lattice.hpp"
+
+namespace softffd {
+
+class Cells {
+ public:
+  explicit Cells(const Lattice& lattice);
+
+  /// Whether any corner has J < limit at configuration x, (points, 3).
+  bool any_below(double limit, const Points& x) const;
+  /// Number of cells with a corner of J <= 0, turned inside out or flat there.
+  int folded(const Points& x) const;
+
+  int lanes() const { return int(absent_.size()); }
+  /// Smallest J of a lane's corners at the configuration that one of the functions above was last called with; infinite without a cell.
+  double smallest(int lane) const { return smallest_[lane]; }
+
+  struct Corner {
+    double volume;                 ///< J
+    std::array<int, 4> points;     ///< the corner and its neighbours along x, y, z
+    std::array<Vec3, 4> gradient;  ///< of J by these four points [1/m]
+  };
+  Corner corner(const Points& x, int lane, int a, int b, int c) const;
+
+  /// f += factor times the sum over all corners with J < limit of (limit - J)^2 dJ/dx, at the configuration that `any_below` was last
+  /// called with.
+  void add_squares(double limit, double factor, Points& f) const;
+
+ private:
+  std::array<int, 3> offset_;         ///< from a point to its neighbour along each axis
+  std::array<double, 3> per_length_;  ///< 1 / length of the edges at rest [1/m]
+  int points_;
+  Scalars absent_;                 ///< (lanes) 0: a cell, infinite: none
+  mutable Scalars edges_, pulls_;  ///< (9 * points) by axis of the edge, then by coordinate
+  mutable Scalars smallest_;       ///< (lanes)
+};
+
+}  // namespace softffd

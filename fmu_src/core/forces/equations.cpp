@@ -1,0 +1,100 @@
+#include "forces/equations.hpp"
+
+namespace softffd {
+
+void Equations::place_pins(double t, Points& x) const {
+  for (const Pin& pin : around.pins) {
+    const Frame frame = pin.at(t);
+    for (std::size_t n = 0; n < pin.points.size(); ++n) set_row(x, pin.points[n], frame.origin + frame.arm(pin.local[n]));
+  }
+}
+
+void Equations::place_pins(double t, Points& x, Points& v) const {
+  for (const Pin& pin : around.pins) {
+    const Frame frame = pin.at(t);
+    for (std::size_t n = 0; n < pin.points.size(); ++n) {
+      const Vec3 arm = frame.arm(pin.local[n]);
+      set_row(x, pin.points[n], frame.origin + arm);
+      set_row(v, pin.points[n], frame.material_velocity(arm));
+    }
+  }
+}
+
+const Points& Equations::outside(double t, Points& scratch) const {
+  if (!around.ramped) return around.force;
+  around.force_at(t, scratch);
+  return scratch;
+}
+
+void Equations::acceleration(double t, const Points& x, const Points& v, Points& scratch, Points& spring, Points& a) const {
+  body.internal_force(x, spring);
+  acceleration(t, v, spring, scratch, a);
+}
+
+void Equations::acceleration(double t, const Points& v, const Points& spring, Points& scratch, Points& a) const {
+  const Points& force = outside(t, scratch);
+  const std::size_t n = a.size();
+  if (body.damped)
+    kernels::accelerate_damped(n, body.inverse_mass.data(), body.damping_rate.data(), spring.data(), force.data(), v.data(), a.data());
+  else
+    kernels::accelerate(n, body.inverse_mass.data(), spring.data(), force.data(), a.data());
+}
+
+void Ledger::open(const Equations& equations, bool watch, bool lossy) {
+  watch_ = watch && (equations.around.ramped || equations.body.damped || lossy);
+  recording_ = watch_ || !pins_.empty();
+  if (!recording_) return;
+  for (Impulse& pin : pins_) pin = {};
+  dissipated_ = work_ = 0;
+}
+
+void Ledger::stage(const Equations& equations, double weight, double t, const Points& x, const Points& spring) {
+  const auto& [body, around] = equations;
+  for (std::size_t a = 0; a < pins_.size(); ++a) {
+    const Pin& pin = around.pins[a];
+    const Frame frame = pin.at(t);
+    for (std::size_t n = 0; n < pin.points.size(); ++n) {
+      const int p = pin.points[n];
+      const Vec3 arm = frame.arm(pin.local[n]), velocity = frame.material_velocity(arm);
+      Vec3 outside = row(around.force, p);
+      for (int axis = 0; around.ramped && axis < 3; ++axis) outside[axis] += around.ramp(p + axis * x.rows(), t);
+      const Vec3 force = row(spring, p) + outside - body.damping[p] * velocity;
+      pins_[a].add(weight * force, arm);
+      pins_[a].torque -= weight * body.mass[p] * frame.velocity.cross(velocity);
+      work_ -= weight * force.dot(velocity);
+    }
+  }
+  if (watch_ && around.ramped) work_ -= weight * around.ramp_rate_dot(t, x);
+}
+
+void Ledger::damp(const Equations& equations, double weight, const Points& v) {
+  if (!watch_ || !equations.body.damped) return;
+  for (int axis = 0; axis < 3; ++axis) dissipated_ += weight * (equations.body.damping * v.col(axis).square()).sum();
+}
+
+void Ledger::end(const Equations& equations, double sign, double t, const Points& x, const Points& v) {
+  const auto& [body, around] = equations;
+  for (std::size_t a = 0; a < pins_.size(); ++a) {
+    const Frame frame = around.pins[a].at(t);
+    for (int p : around.pins[a].points) {
+      const Vec3 velocity = row(v, p), momentum = sign * body.mass[p] * velocity;
+      pins_[a].add(-momentum, row(x, p) - frame.origin);
+      work_ += 0.5 * momentum.dot(velocity);
+    }
+  }
+  if (watch_ && around.ramped) work_ += sign * around.ramp_dot(t, x);
+}
+
+void Ledger::ends(const Equations& equations, double t0, const Points& x0, const Points& v0, double t1, const Points& x1,
+                  const Points& v1) {
+  end(equations, -1, t0, x0, v0);
+  end(equations, 1, t1, x1, v1);
+}
+
+void Ledger::settle(Exchange& exchange) const {
+  for (std::size_t a = 0; a < pins_.size(); ++a) exchange.pins[a].force += pins_[a].force, exchange.pins[a].torque += pins_[a].torque;
+  exchange.dissipated += dissipated_;
+  exchange.work += work_;
+}
+
+}  // namespace softffd

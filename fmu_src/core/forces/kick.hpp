@@ -1,0 +1,40 @@
+/// Half kicks: the velocity's share of a step, v <- a v + b f, over half an internal step, with point damping.
+///
+/// With g = d h / (2 m) the opening half is explicit in the damping and the closing half implicit,
+///
+///      open: v <- (1 - g) v + (h/2) f/m          close: v <- (v + (h/2) f/m) / (1 + g),
+///
+/// so that a closing and the next opening half together are the central difference of eq. (13),
+/// v <- ((1 - g) v + h f/m) / (1 + g), second order and stable for any damping. Where g > 1 that factor is negative and the velocity would
+/// alternate in sign; there both halves use v <- E v + (1 - E) f/d with E = 1 / (1 + g + g^2/2), the second-order Pade approximation of
+/// exp(-g) that vanishes for large g: the terminal velocity f/d is exact.
+#pragma once
+#include "forces/body.hpp"
+
+namespace softffd {
+
+class HalfKicks {
+ public:
+  explicit HalfKicks(int points);
+  /// Coefficients for internal step h; kept while neither h nor the body changes.
+  void prepare(const Body& body, double h);
+  void invalidate() { h_ = -1; }
+
+  void open(const Points& spring, const Points& external, Points& v) const { apply(open_, spring, external, v); }
+  void close(const Points& spring, const Points& external, Points& v) const { apply(close_, spring, external, v); }
+
+  /// The impulse that a velocity change right after the half kick stands for [N s per m/s]: (h/2) / b.
+  double opening_mass(int p) const { return 0.5 * h_ / open_.b[p]; }
+  double closing_mass(int p) const { return 0.5 * h_ / close_.b[p]; }
+
+ private:
+  struct Coefficients {
+    Scalars a, b;  ///< (3 * points), the same for the three axes
+  };
+  void apply(const Coefficients& c, const Points& spring, const Points& external, Points& v) const;
+  Coefficients open_, close_;
+  double h_ = -1;
+  bool damped_ = false;
+};
+
+}  // namespace softffd

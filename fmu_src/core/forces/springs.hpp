@@ -1,0 +1,69 @@
+/// The springs of the lattice (Xia & Wang 2009, figure 1 and eq. (6)), direction by direction.
+///
+/// A spring list with indices would gather and scatter. Here all springs of one direction are one row of lanes: lane p joins point p and
+/// point p + offset, each spring once; lanes without a spring have stiffness 0. 13 rows hold all 468 springs of the 4 x 4 x 4 lattice:
+///
+///      p        0  1  2  3 | 4  5 ...        direction (1,0,0), offset 1
+///      spring   *  *  *  . | *  *            '.': the neighbour is in the next line of points; k = 0
+#pragma once
+#include <algorithm>
+#include <vector>
+
+#include "forces/kernels.hpp"
+#include "model/lattice.hpp"
+
+namespace softffd {
+
+enum class Topology {
+  distinct,  ///< every pair once: 468 springs for 4 x 4 x 4
+  paper      ///< face by face as published: the segments on the twelve edges of the box are doubled (504)
+};
+
+struct Stiffness {
+  double edge = 0, face = 0, body = 0;  ///< >= 0 [N/m]
+  double of(SpringKind kind) const { return kind == SpringKind::edge ? edge : kind == SpringKind::face ? face : body; }
+};
+
+/// Springs with both ends among the points keep this stiffness; later overrides win.
+struct StiffnessOverride {
+  std::vector<bool> selected;  ///< (points)
+  double stiffness;            ///< >= 0 [N/m]
+};
+
+class Springs {
+ public:
+  Springs(const Lattice& lattice, Topology topology);
+
+  void set_stiffness(const Stiffness& stiffness, const std::vector<StiffnessOverride>& overrides);
+
+  /// f = spring forces on the points at x [N], (points, 3).
+  void force(const Points& x, Points& f) const;
+  /// Elastic energy at x [J].
+  double energy(const Points& x) const;
+  /// Number of springs; a doubled segment counts twice.
+  int count() const;
+
+  struct Row {
+    Direction direction;
+    int begin, offset;
+    Scalars multiplicity;  ///< 0 (none), 1 or 2 (lanes)
+    Scalars stiffness;     ///< [N/m] (lanes)
+    Scalars rest_length;   ///< [m] (lanes)
+    int lanes() const { return int(stiffness.size()); }
+    kernels::SpringRow view() const { return {begin, lanes(), offset, stiffness.data(), rest_length.data()}; }
+    /// The springs whose first point is from `first` on and before `last`; there may be none.
+    kernels::SpringRow part(int first, int last) const {
+      first = std::max(first, begin);
+      last = std::min(last, begin + lanes());
+      return {first, std::max(0, last - first), offset, stiffness.data() + (first - begin), rest_length.data() + (first - begin)};
+    }
+  };
+  const std::vector<Row>& rows() const { return rows_; }
+  double* scratch() const { return scratch_.data(); }  ///< (6 * points), overwritten by every kernel call
+
+ private:
+  std::vector<Row> rows_;
+  mutable Scalars scratch_;
+};
+
+}  // namespace softffd

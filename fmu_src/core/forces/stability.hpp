@@ -1,0 +1,47 @@
+/// Bounds on the highest angular frequency of the lattice, and with them the largest stable explicit step 2 / omega.
+///
+/// For a vector x of point displacements the springs' Hessian K satisfies
+///
+///      x'Kx <= sum_e (x_a - x_b)' B_e (x_a - x_b),      B_e = k (u u^T + max(0, 1 - l/r) (I - u u^T)) >= Hessian of spring e,
+///
+/// and, with t = sqrt(m_a / m_b), (p - q)'B(p - q) <= (1 + t) p'Bp + (1 + 1/t) q'Bq. Collected point by point this is block diagonal:
+///
+///      omega^2 <= max_p lambda_max(S_p) / m_p,      S_p = sum over the springs at p of (1 + sqrt(m_p / m_other)) B_e.
+///
+/// A pinned neighbour does not move: its term is B_e alone. Replacing B_e by k I gives a bound that holds in any configuration, because
+/// no eigenvalue of a spring's Hessian exceeds k. A power iteration would approach omega from below, the wrong side.
+///
+/// A volume stiffness adds its own blocks to S_p (derived in volume.hpp), but nothing at all while no corner has lost half its volume. With
+/// it no bound holds in every configuration: a step that was stable may no longer be after the next fold, so that the bound of the state
+/// has to be renewed as the body deforms, and more often than without.
+#pragma once
+#include "forces/body.hpp"
+
+namespace softffd {
+
+class Stability {
+ public:
+  explicit Stability(int points) : sums_(6 * points), mean_(points), spread_(points) {}
+
+  /// Recomputes what depends on masses and stiffness alone.
+  void prepare(const Body& body);
+  /// Upper bound of omega at configuration x [rad/s].
+  double frequency(const Body& body, const Points& x);
+  /// Time in which a velocity error of a point becomes a position error, (3 * points) [s]: of the size of a period of the springs at the
+  /// point over 2 pi, for the uniform lattice the inverse of the geometric mean of its lowest and highest frequency.
+  void time_scales(const Body& body, Scalars& scales) const;
+  /// Upper bound of omega of the springs alone in every configuration [rad/s].
+  double any_frequency() const { return any_frequency_; }
+  /// Whether the body resists deformation at all; if not, its frequency is 0 whatever its shape.
+  bool elastic() const { return elastic_; }
+
+ private:
+  std::vector<Scalars> first_, second_;  ///< k (1 + sqrt(mass ratio)) of each row's lanes, as seen from either end
+  Scalars any_squared_;                  ///< (points) what each point contributes to the bound in every configuration [1/s2]
+  Scalars sums_;                         ///< S_p as xx yy zz xy xz yz, each (points)
+  Scalars mean_, spread_;                ///< workspace (points)
+  double any_frequency_ = 0;
+  bool elastic_ = false;
+};
+
+}  // namespace softffd

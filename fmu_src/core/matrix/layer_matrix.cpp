@@ -1,0 +1,81 @@
+#include "matrix/layer_matrix.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <new>
+
+#include "forces/kernels.hpp"
+
+namespace softffd {
+
+namespace {
+
+constexpr std::align_val_t cache_line{64};
+constexpr int block = kernels::block;
+
+int axis_with_most_points(const Lattice& lattice) {
+  const auto& n = lattice.counts;
+  return n[2] >= n[0] && n[2] >= n[1] ? 2 : n[1] >= n[0] ? 1 : 0;
+}
+
+}  // namespace
+
+int LayerMatrix::points_per_layer(const Lattice& lattice) { return lattice.points() / lattice.counts[axis_with_most_points(lattice)]; }
+
+void LayerMatrix::Free::operator()(double* values) const { ::operator delete[](values, cache_line); }
+
+LayerMatrix::LayerMatrix(const Lattice& lattice)
+    : axis_(axis_with_most_points(lattice)), layers_(lattice.counts[axis_]), points_per_layer_(points_per_layer(lattice)) {
+  assert(fits(lattice));
+  size_ = (3 * points_per_layer_ + block - 1) / block * block;
+  stride_ = 2 * size_ + block;  // the spare block keeps columns of large lattices off each other's cache sets
+  axis_stride_ = points_per_layer_ * stride_;
+  const std::size_t unknowns = std::size_t(layers_) * size_;
+  values_.reset(static_cast<double*>(::operator new[](unknowns * stride_ * sizeof(double), cache_line)));
+  inverse_diagonal_ = vector_ = Scalars::Zero(unknowns);
+  std::vector<int> filled(layers_, 0);
+  first_.resize(lattice.points());
+  column_.resize(lattice.points());
+  for (int k = 0; k < lattice.counts[2]; ++k)
+    for (int j = 0; j < lattice.counts[1]; ++j)
+      for (int i = 0; i < lattice.counts[0]; ++i) {
+        const int layer = axis_ == 0 ? i : axis_ == 1 ? j : k;
+        const int unknown = layer * size_ + filled[layer]++, p = lattice.index(i, j, k);
+        first_[p] = unknown;
+        column_[p] = unknown * stride_ - layer * size_;
+      }
+}
+
+void LayerMatrix::clear() {
+  std::fill_n(values_.get(), std::size_t(layers_) * size_ * stride_, 0.0);
+  vector_.setZero();  // the padding may hold NaN of a matrix that was not positive definite
+  for (int l = 0; l < layers_; ++l)
+    for (int i = 3 * points_per_layer_; i < size_; ++i) layer(l)[i * stride_ + i] = 1;
+}
+
+void LayerMatrix::factor() {
+  for (int l = 0; l < layers_; ++l) {
+    double* here = layer(l);
+    for (int j = 0; j < size_; j += block) {
+      double* panel = here + j * stride_ + j;
+      const int blocks = (rows(l) - j) / block;
+      if (l > 0) kernels::subtract_products((size_ - j) / block, size_, stride_, layer(l - 1) + size_ + j, panel);
+      kernels::subtract_products(blocks, j, stride_, here + j, panel);
+      kernels::factor_panel(blocks, stride_, panel, inverse_diagonal_.data() + l * size_ + j);
+    }
+  }
+}
+
+void LayerMatrix::solve(Points& b) {
+  const int points = int(b.rows());
+  for (int a = 0; a < 3; ++a)
+    for (int p = 0; p < points; ++p) vector_[unknown(p, a)] = b(p, a);
+  for (int l = 0, i = 0; l < layers_; ++l, i += size_)
+    kernels::solve_lower(size_, rows(l), stride_, layer(l), inverse_diagonal_.data() + i, vector_.data() + i);
+  for (int l = layers_ - 1, i = l * size_; l >= 0; --l, i -= size_)
+    kernels::solve_upper(size_, rows(l), stride_, layer(l), inverse_diagonal_.data() + i, vector_.data() + i);
+  for (int a = 0; a < 3; ++a)
+    for (int p = 0; p < points; ++p) b(p, a) = vector_[unknown(p, a)];
+}
+
+}  // namespace softffd

@@ -1,0 +1,29 @@
+/// The exact second derivatives of the springs' energy, one 3 x 3 matrix a spring,
+///
+///      k (u u^T + e (I - u u^T)),  e = 1 - l/r,      u: unit vector along the spring, r its length, l its rest length.
+///
+/// A compressed spring has e < 0 and may make their sum indefinite: there its e is taken times a share. With 0 every matrix is the nearest
+/// positive semidefinite bound (stiffness_matrix.hpp), with which Newton's method converges slowly under compression; with 1 it is exact.
+#pragma once
+#include "forces/body.hpp"
+#include "matrix/layer_matrix.hpp"
+
+namespace softffd {
+
+class SpringHessian {
+ public:
+  explicit SpringHessian(int points);
+
+  /// Matrices of all springs at x [m]. share: from 0 to 1, of what compressed springs take away.
+  void compute(const Springs& springs, const Points& x, double share);
+  /// f -= K u [N]; u [m].
+  void subtract_product(const Springs& springs, const Points& u, Points& f) const;
+  /// matrix = K + diagonal, diagonal (points) [N/m]; rows and columns of pinned points are those of the identity.
+  void fill(const Body& body, const Scalars& diagonal, LayerMatrix& matrix) const;
+
+ private:
+  std::vector<Scalars> blocks_;  ///< (rows)(6 * lanes): xx yy zz xy xz yz
+  Scalars sums_;                 ///< (6 * points): of all springs at a point
+};
+
+}  // namespace softffd

@@ -1,0 +1,34 @@
+/// BM4: the symplectic Runge-Kutta-Nystrom splitting SRKN6 of Blanes and Moan (2002), order 4, six force evaluations a step, symmetric.
+///
+/// Kicks and drifts alternate; time advances with the drifts, so that forces and pins given over time keep the order. Damping goes
+/// into the kicks by its exact flow, v <- E v + (1 - E) f/d with E = exp(-d b h / m).
+#pragma once
+#include <array>
+
+#include "forces/equations.hpp"
+#include "model/state.hpp"
+
+namespace softffd {
+
+class Bm4 {
+ public:
+  Bm4(int points, int pins);
+  void body_changed() { h_ = -1; }
+  /// One step of size h from (t, state); `watch`: accumulate dissipated energy and work.
+  void step(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
+
+ private:
+  struct Coefficients {
+    Scalars a, b;  ///< (3 * points)
+  };
+  void prepare(const Body& body, double h);
+  void kick(const Equations& equations, int kick, double t, State& state);
+
+  std::array<Coefficients, 4> kicks_, half_kicks_;  ///< half kicks give the velocity in the middle of a kick, for the dissipated energy
+  double h_ = -1;
+  bool damped_ = false;
+  Points outside_, next_, middle_, start_x_, start_v_;
+  Ledger ledger_;
+};
+
+}  // namespace softffd

@@ -1,0 +1,102 @@
+#include "methods/central_difference.hpp"
+
+#include <algorithm>
+
+namespace softffd {
+
+namespace {
+
+/// Eq. (11): the position one step back that gives the velocity and acceleration at hand.
+void start(const Body& body, const Points& force, double h, State& state) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto v = state.v.col(axis);
+    const auto acceleration = (state.spring.col(axis) + force.col(axis) - body.damping * v) / body.mass;
+    state.previous.col(axis) = state.x.col(axis) - h * v + 0.5 * h * h * acceleration;
+  }
+  state.previous_h = h;
+}
+
+/// Eq. (14) to (17) for one point and plane at time t: returns the impulse on the point, zero if there is no contact.
+Vec3 collide(double friction, const HalfSpace& now, double inertia, double h, const Vec3& x, const Vec3& previous, Vec3& next) {
+  if (now.gap(x) >= 0) return Vec3::Zero();
+  const Vec3& n = now.normal;
+  const Vec3 surface = now.material_velocity(x), free = next;
+  const double pushed = n.dot(previous - next) + 2 * h * n.dot(surface);  // contact acceleration times h^2
+  if (pushed <= 0) return Vec3::Zero();
+  const Vec3 travel = next - x - h * surface, slip = travel - n.dot(travel) * n;
+  const double size = slip.norm(), limit = friction * pushed;
+  next += pushed * n;
+  if (size > 0) next -= std::min(1.0, limit / size) * slip;
+  return inertia * h * (next - free);
+}
+
+}  // namespace
+
+void CentralDifference::step(const Body& body, const Surroundings& around, double t, double h, bool watch, const State& state,
+                             Exchange* exchange) {
+  force_ = around.force;
+  if (around.ramped) around.force_at(t, force_);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto inertia = body.mass / (h * h), drag = body.damping / (2 * h);
+    next_.col(axis) =
+        (2 * inertia * state.x.col(axis) - (inertia - drag) * state.previous.col(axis) + state.spring.col(axis) + force_.col(axis)) /
+        (inertia + drag);
+  }
+  for (std::size_t q = 0; q < around.planes.size(); ++q) {
+    const HalfSpace now = around.planes[q].at(t);
+    for (int p = 0; p < body.points(); ++p) {
+      if (body.pinned[p]) continue;
+      Vec3 next = row(next_, p);
+      const Vec3 x = row(state.x, p), previous = row(state.previous, p), free = next;
+      const double inertia = body.mass[p] / (h * h) + body.damping[p] / (2 * h);
+      const Vec3 impulse = collide(around.planes[q].friction, now, inertia, h, x, previous, next);
+      if (impulse.isZero(0)) continue;
+      set_row(next_, p, next);
+      if (!exchange) continue;
+      const Vec3 surface = now.material_velocity(x), mean = (0.5 * (free + next) - previous) / (2 * h);
+      exchange->planes[q].add(-impulse, x - now.point);
+      exchange->work += impulse.dot(surface);
+      exchange->dissipated -= impulse.dot(mean - surface);
+      ++exchange->contacts_resolved;
+    }
+  }
+  for (std::size_t a = 0; a < around.pins.size(); ++a) {
+    const Pin& pin = around.pins[a];
+    const Frame frame = pin.at(t + h);
+    for (std::size_t n = 0; n < pin.points.size(); ++n) {
+      const int p = pin.points[n];
+      const Vec3 arm = frame.arm(pin.local[n]), here = frame.origin + arm;
+      const double inertia = body.mass[p] / (h * h) + body.damping[p] / (2 * h);
+      const Vec3 impulse = inertia * h * (here - row(next_, p));
+      set_row(next_, p, here);
+      if (!exchange) continue;
+      exchange->pins[a].add(-impulse, arm);
+      exchange->work += impulse.dot(frame.material_velocity(arm));
+    }
+  }
+  if (watch && exchange && body.damped) {
+    double power = 0;
+    for (int axis = 0; axis < 3; ++axis) power += (body.damping * ((next_.col(axis) - state.previous.col(axis)) / (2 * h)).square()).sum();
+    exchange->dissipated += h * power;
+  }
+}
+
+StepStatus CentralDifference::advance(const Body& body, const Surroundings& around, const Task& task, bool watch, State& state,
+                                      Exchange& exchange) {
+  if (state.previous_h != task.h) {
+    around.force_at(task.time(0), force_);
+    start(body, force_, task.h, state);
+  }
+  for (Count i = 0; i < task.steps; ++i) {
+    step(body, around, task.time(i), task.h, watch, state, &exchange);
+    if (watch && around.ramped) exchange.work += around.ramp_dot(task.time(i) + 0.5 * task.h, next_ - state.x);
+    state.previous.swap(state.x);
+    state.x.swap(next_);
+    body.internal_force(state.x, state.spring);
+  }
+  step(body, around, task.time(task.steps), task.h, watch, state, nullptr);
+  state.v = (next_ - state.previous) / (2 * task.h);
+  return StepStatus::ok;
+}
+
+}  // namespace softffd

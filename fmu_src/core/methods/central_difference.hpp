@@ -1,0 +1,24 @@
+/// The central difference exactly as published (Xia & Wang 2009, eq. (11), (13) and, with the sign of (14) corrected, (14) to (17)): for
+/// reproduction.
+///
+/// A recurrence in positions, so refining the step costs digits to round-off. A point found behind a plane at time t gets the acceleration
+/// that makes its normal velocity relative to the plane zero, which by eq. (17) is x_{t+h} . n = x_{t-h} . n: the step is retraced. That
+/// is an elastic bounce, and the point is inside the obstacle by up to one step's travel at every contact. Friction takes from the slip
+/// x_{t+h} - x_t relative to the surface at most mu times the normal correction. Use leapfrog for anything else.
+#pragma once
+#include "model/state.hpp"
+
+namespace softffd {
+
+class CentralDifference {
+ public:
+  explicit CentralDifference(int points) : next_(points, 3), force_(points, 3) {}
+  /// As Leapfrog::advance. Velocities at the end are eq. (10) with one more step looked ahead.
+  StepStatus advance(const Body& body, const Surroundings& around, const Task& task, bool watch, State& state, Exchange& exchange);
+
+ private:
+  void step(const Body& body, const Surroundings& around, double t, double h, bool watch, const State& state, Exchange* exchange);
+  Points next_, force_;
+};
+
+}  // namespace softffd

@@ -1,0 +1,93 @@
+#include "methods/leapfrog.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// Books the momentum that a half kick and the forces acting in it do not explain on the pin that holds the point.
+void book(const StepView& step, int pin, int p, const Vec3& old, const Vec3& now, const Vec3& damped, const Vec3& arm, Exchange& exchange) {
+  const Vec3 force = row(step.spring, p) + row(step.force, p) - step.body.damping[p] * damped;
+  const Vec3 impulse = step.body.mass[p] * (now - old) - 0.5 * step.h * force;
+  exchange.pins[pin].add(-impulse, arm);
+  exchange.work += impulse.dot(0.5 * (old + now));
+}
+
+/// Pinned points at the end of the drift: they are where the frame is.
+void drift_pins(const StepView& step, const Points& before, Points& v, Points& x1, Exchange& exchange) {
+  for (std::size_t a = 0; a < step.around.pins.size(); ++a) {
+    const Pin& pin = step.around.pins[a];
+    const Frame start = pin.at(step.t0), end = pin.at(step.t1);
+    for (std::size_t n = 0; n < pin.points.size(); ++n) {
+      const int p = pin.points[n];
+      const Vec3 here = end.origin + end.arm(pin.local[n]);
+      const Vec3 old = row(before, p), velocity = (here - row(step.x0, p)) / step.h;
+      book(step, int(a), p, old, velocity, old, start.arm(pin.local[n]), exchange);
+      set_row(x1, p, here);
+      set_row(v, p, velocity);
+    }
+  }
+}
+
+/// Pinned points after the closing half kick: they have the frame's velocity.
+void close_pins(const StepView& step, const Points& before, Points& v, Exchange& exchange) {
+  for (std::size_t a = 0; a < step.around.pins.size(); ++a) {
+    const Pin& pin = step.around.pins[a];
+    const Frame frame = pin.at(step.t1);
+    for (std::size_t n = 0; n < pin.points.size(); ++n) {
+      const int p = pin.points[n];
+      const Vec3 arm = frame.arm(pin.local[n]), velocity = frame.material_velocity(arm);
+      book(step, int(a), p, row(before, p), velocity, velocity, arm, exchange);
+      set_row(v, p, velocity);
+    }
+  }
+}
+
+/// Energy that damping takes in a step from velocities v0 to v1. Its impulse on a point is -(d h/2) (v0 + v1), through contact too, so its
+/// work is -d h |(v0 + v1) / 2|^2 exactly.
+double damping_loss(const Body& body, double h, const Points& v0, const Points& v1) {
+  double loss = 0;
+  for (int axis = 0; axis < 3; ++axis) loss += (body.damping * (0.5 * (v0.col(axis) + v1.col(axis))).square()).sum();
+  return h * loss;
+}
+
+}  // namespace
+
+Leapfrog::Leapfrog(int points, int planes)
+    : kicks_(points), contact_(points, planes), before_(points, 3), start_(points, 3), next_(points, 3), force_(points, 3) {}
+
+StepStatus Leapfrog::advance(const Body& body, const Surroundings& around, const Task& task, bool watch, State& state, Exchange& exchange) {
+  const bool planes = !around.planes.empty(), pins = !around.pins.empty();
+  const Points& force = around.ramped ? force_ : around.force;
+  const std::size_t n = state.x.size();
+  kicks_.prepare(body, task.h);
+  if (around.ramped) around.force_at(task.time(0), force_);
+  for (Count i = 0; i < task.steps; ++i) {
+    const double t0 = task.time(i), t1 = task.time(i + 1);
+    const StepView step{body, kicks_, around, state.spring, force, state.x, t0, t1, task.h};
+    if (planes || pins) before_ = state.v;
+    if (watch && body.damped) start_ = state.v;
+    kicks_.open(state.spring, force, state.v);
+    kernels::drift(n, task.h, state.x.data(), state.v.data(), next_.data());
+    if (pins) drift_pins(step, before_, state.v, next_, exchange);
+    if (planes) {
+      const StepStatus status = contact_.drift(step, before_, state.v, next_, exchange);
+      if (status != StepStatus::ok) return status;
+    }
+    if (watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (t0 + t1), next_ - state.x);
+    state.x.swap(next_);
+    body.internal_force(state.x, state.spring);
+    if (around.ramped) around.force_at(t1, force_);
+    const bool touched = planes && contact_.touched();
+    if (touched || pins) before_ = state.v;
+    kicks_.close(state.spring, force, state.v);
+    if (pins) close_pins(step, before_, state.v, exchange);
+    if (touched) {
+      const StepStatus status = contact_.close(step, before_, state.x, state.v, exchange);
+      if (status != StepStatus::ok) return status;
+    }
+    if (watch && body.damped) exchange.dissipated += damping_loss(body, task.h, start_, state.v);
+  }
+  return StepStatus::ok;
+}
+
+}  // namespace softffd

@@ -1,0 +1,164 @@
+#include "methods/ros34pw2.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace softffd {
+
+namespace {
+
+// Rang, Angermann 2005, New Rosenbrock W-methods of order 3 for partial differential algebraic equations of index 1, BIT 45, transformed as
+// in Hairer, Wanner 1996, Solving Ordinary Differential Equations II, section IV.7.
+constexpr int stages = 4;
+using Row = std::array<double, stages>;
+constexpr double gamma = 0.435866521508459;
+constexpr std::array<Row, stages> a{{{0, 0, 0, 0},
+                                     {2, 0, 0, 0},
+                                     {1.4192173174557647, -0.2592322116729697, 0, 0},
+                                     {4.18476048231916, -0.28519201735549593, 2.294280360279042, 0}}};
+constexpr std::array<Row, stages> c{{{0, 0, 0, 0},
+                                     {-4.588560720558084, 0, 0, 0},
+                                     {-4.18476048231916, 0.28519201735549593, 0, 0},
+                                     {-6.368179200128359, -6.795620944466837, 2.8700986043310563, 0}}};
+constexpr Row time{0, 0.871733043016918, 0.7315799577888524, 1};
+constexpr Row time_gamma{0.435866521508459, -0.435866521508459, -0.4133333762338865, 0};
+constexpr Row m{4.1847604823191595, -0.28519201735549565, 2.2942803602790414, 1.0};
+constexpr Row e{0.2777499476479681, -1.4032398951759992, 1.7726301276675507, 0.5};  // m less that of the embedded method of order 2
+
+/// Weights b of the stages' slopes f + J U: the solution of b^T (I/gamma - c) = m^T, from the last stage to the first.
+constexpr Row slope_weights() {
+  Row b{};
+  for (int j = stages - 1; j >= 0; --j) {
+    double sum = m[j];
+    for (int i = j + 1; i < stages; ++i) sum += b[i] * c[i][j];
+    b[j] = gamma * sum;
+  }
+  return b;
+}
+constexpr Row b = slope_weights();
+
+bool same(const Points& x, const Points& y) {
+  return x.rows() == y.rows() && std::memcmp(x.data(), y.data(), x.size() * sizeof(double)) == 0;
+}
+
+/// out = base + scale * sum of the first `count` w_j u_j.
+void combine(const Points& base, double scale, const Row& w, const std::array<Points, stages>& u, int count, Points& out) {
+  Row weight;
+  std::array<const double*, stages> term;
+  for (int j = 0; j < count; ++j) weight[j] = scale * w[j], term[j] = u[j].data();
+  kernels::combine(base.size(), base.data(), count, weight.data(), term.data(), out.data());
+}
+
+}  // namespace
+
+Ros34pw2::Ros34pw2(const Lattice& lattice, int pins)
+    : OneStep(lattice.points(), pins, 3), matrix_(lattice), diagonal_(lattice.points()), sums_(6 * lattice.points()) {
+  const int n = lattice.points();
+  for (Points* points : {&factored.x, &held_.x, &mass_, &damping_, &free_, &stage_x_, &stage_v_, &spring_, &outside_, &p_, &q_, &zero_,
+                         &pin_velocity_, &pin_rate_, &correction_})
+    points->setZero(n, 3);
+  for (auto* list : {&x_, &v_})
+    for (Points& u : *list) u.setZero(n, 3);
+}
+
+void Ros34pw2::factorize(const Body& body) {
+  const double g = gamma * factored.h;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int p = 0; p < body.points(); ++p) {
+      free_(p, axis) = body.pinned[p] ? 0 : 1;
+      mass_(p, axis) = free_(p, axis) * body.mass[p];
+      damping_(p, axis) = free_(p, axis) * body.damping[p];
+    }
+  diagonal_ = body.mass / (g * g) + body.damping / g;
+  assemble(body, factored.x, diagonal_, sums_, matrix_);
+  matrix_.factor();
+  held_ = factored;
+  ++factorizations_;
+}
+
+void Ros34pw2::use_factor(const Body& body, double h, const Points& x) {
+  if (factored.h != h || factored.uses >= most_uses) {
+    factored.x = x;
+    factored.h = h;
+    factored.uses = 0;
+  }
+  if (held_.h != h || !same(held_.x, factored.x)) factorize(body);
+  ++factored.uses;
+}
+
+bool Ros34pw2::pins_move(const Equations& equations, double t) {
+  if (equations.around.pins.empty()) return false;
+  pin_velocity_.setZero();
+  equations.place_pins(t, stage_x_, pin_velocity_);
+  if (kernels::largest(pin_velocity_.size(), pin_velocity_.data()) == 0) return false;
+  stiffness_force(equations.body, factored.x, pin_velocity_, pin_rate_);
+  return true;
+}
+
+/// |R(iy)| of the stability function R(z) = (1 + p1 z + p2 z^2 + p3 z^3) / (1 - gamma z)^4, which is exp(z) to third order.
+double Ros34pw2::kept(double y) {
+  constexpr double p1 = 1 - 4 * gamma, p2 = 0.5 - 4 * gamma + 6 * gamma * gamma,
+                   p3 = 1.0 / 6 - 2 * gamma + 6 * gamma * gamma - 4 * gamma * gamma * gamma;
+  const double real = 1 - p2 * y * y, imaginary = y * (p1 - p3 * y * y), below = 1 + gamma * gamma * y * y;
+  return std::sqrt(real * real + imaginary * imaginary) / (below * below);
+}
+
+double Ros34pw2::attempt(const Equations& equations, double t, double h, const State& state) {
+  const auto& [body, around] = equations;
+  use_factor(body, h, state.x);
+  const double g = gamma * h;
+  const bool moving = pins_move(equations, t), recording = ledger.recording();
+  for (int i = 0; i < stages; ++i) {
+    const double at = t + time[i] * h, ahead = h * time_gamma[i];
+    combine(state.x, 1, a[i], x_, i, stage_x_);
+    combine(state.v, 1, a[i], v_, i, stage_v_);
+    if (i == 0) {
+      spring_ = state.spring;
+    } else {
+      equations.place_pins(at, stage_x_, stage_v_);
+      body.internal_force(stage_x_, spring_);
+    }
+    combine(zero_, 1 / h, c[i], x_, i, p_);
+    combine(zero_, 1 / h, c[i], v_, i, q_);
+    Points& x_i = x_[i];
+    x_i = spring_ + equations.outside(at, outside_);
+    if (around.ramped)
+      for (Eigen::Index j = 0; j < x_i.size(); ++j) x_i(j) += ahead * around.ramp_rate(j, t);
+    if (moving) x_i += ahead * pin_rate_;
+    x_i = free_ * x_i + mass_ * (q_ + (stage_v_ + p_) * (1 / g));
+    if (body.damped) x_i += damping_ * p_;
+    matrix_.solve(x_i);
+    v_[i] = free_ * (x_i * (1 / g) - stage_v_ - p_);
+    if (recording) record_stage(equations, h * b[i], at, ahead, x_i);
+  }
+  combine(state.x, 1, m, x_, stages, x);
+  combine(state.v, 1, m, v_, stages, v);
+  equations.place_pins(t + h, x, v);
+  if (recording) record_ends(equations, t, h, state);
+  combine(zero_, 1, e, x_, stages, error_);
+  const double position = position_size(error_);
+  combine(zero_, 1, e, v_, stages, error_);
+  return std::max(position, velocity_size(error_));
+}
+
+/// With the spring forces as the slopes f + J U have them: in long steps those at the stages are not close to the solution's, and so the
+/// pins receive what the free points lose, to rounding.
+void Ros34pw2::record_stage(const Equations& equations, double weight, double at, double ahead, const Points& u) {
+  if (!equations.around.pins.empty()) {
+    outside_ = u + ahead * pin_velocity_;
+    stiffness_force(equations.body, factored.x, outside_, correction_);
+    spring_ += correction_;
+  }
+  ledger.stage(equations, weight, at, stage_x_, spring_);
+}
+
+/// Velocities at the stages are no better: damping goes by Simpson's rule over the cubic through both ends.
+void Ros34pw2::record_ends(const Equations& equations, double t, double h, const State& state) {
+  ledger.ends(equations, t, state.x, state.v, t + h, x, v);
+  stage_v_ = (1.5 / h) * (x - state.x) - 0.25 * (state.v + v);
+  ledger.damp(equations, h / 6, state.v);
+  ledger.damp(equations, h * 2 / 3, stage_v_);
+  ledger.damp(equations, h / 6, v);
+}
+
+}  // namespace softffd

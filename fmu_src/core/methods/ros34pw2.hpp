@@ -1,0 +1,67 @@
+/// ROS34PW2 (Rang and Angermann 2005), order 3(2), four stages, as a W-method: its order holds for any matrix in place of the Jacobian, so
+/// that one factor of an old stiffness matrix K serves many steps. For y = (x, v) the stages, in Hairer's transformed form with g = gamma
+/// h,
+///
+///      (1/g - J) U_i = f(t + c_i h, y + sum a_ij U_j) + sum c_ij U_j / h + h gamma_i df/dt,        y+ = y + sum m_i U_i,
+///
+/// become one system each once the velocity part is eliminated, X and V being the two parts of U, p and q those of sum c_ij U_j / h:
+///
+///      (M/g^2 + D/g + K) X = F(t_i, x_i) + D p + M (q + (v_i + p)/g) + h gamma_i (dF/dt - K_pinned v_pinned),     V = X/g - v_i - p.
+///
+/// Pinned points move as given: they are at their place at every stage, and their velocity is part of df/dt. A step costs four solutions
+/// and three new evaluations of the spring forces.
+///
+/// With h omega >> 1 an old factor serves only while springs keep their directions and their tension: a body that has been loaded or has
+/// turned since then may blow up. The error estimate shows it; where nobody looks at the estimate, `refresh` before every step. Impulses
+/// on pins balance the body's momentum to rounding. Their torque and work are of third order, but where a frame turns by an angle a per
+/// step, the error grows as k a^3.
+#pragma once
+#include <array>
+
+#include "matrix/factored.hpp"
+#include "methods/one_step.hpp"
+#include "matrix/stiffness_matrix.hpp"
+
+namespace softffd {
+
+class Ros34pw2 final : public OneStep {
+ public:
+  /// Steps tried with one factor before it is made anew.
+  static constexpr Count most_uses = 20;
+
+  Ros34pw2(const Lattice& lattice, int pins);
+  double attempt(const Equations& equations, double t, double h, const State& state) override;
+
+  /// Share of an undamped vibration's amplitude that a step leaves, by omega h.
+  static double kept(double y);
+
+  /// Call when masses, stiffness, damping or the choice of pinned points change: the factor is made anew, from `factored`.
+  void body_changed() { held_.h = 0; }
+  /// The next attempt takes the stiffness at its own state.
+  void refresh() { factored.h = 0; }
+  /// Number of factors made so far.
+  Count factorizations() const { return factorizations_; }
+
+  /// What the next step's factor is made from, if the step is `h` long and it has not served its time; attempts keep it up to date. Part of
+  /// every snapshot: the factor follows from it and from the body.
+  Factored factored;
+
+ private:
+  void factorize(const Body& body);
+  void use_factor(const Body& body, double h, const Points& x);
+  void record_stage(const Equations& equations, double weight, double at, double ahead, const Points& u);
+  void record_ends(const Equations& equations, double t, double h, const State& state);
+  bool pins_move(const Equations& equations, double t);
+
+  LayerMatrix matrix_;
+  Factored held_;  ///< what matrix_ is the factor of
+  Count factorizations_ = 0;
+  Points mass_, damping_, free_;  ///< per coordinate [kg], [N s/m], 1; 0 where pinned
+  Scalars diagonal_, sums_;
+  std::array<Points, 4> x_, v_;  ///< U, pinned points 0
+  Points stage_x_, stage_v_, spring_, outside_, p_, q_, zero_;
+  Points pin_velocity_, pin_rate_;  ///< [m/s], 0 where free; rate at which the spring forces change by it [N/s]
+  Points correction_;               ///< J U on the pinned points [N]
+};
+
+}  // namespace softffd

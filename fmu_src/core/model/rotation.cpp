@@ -1,0 +1,45 @@
+#include "model/rotation.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace softffd {
+
+namespace {
+
+/// Taylor series for |a| <= pi / 8: the first neglected terms are below 1e-18.
+SineCosine series(double a) {
+  const double s = a * a;
+  double sine = 0, cosine = 0;
+  for (int n = 8; n > 0; --n) {
+    sine = (1 + sine) * (-s / (2 * n * (2 * n + 1)));
+    cosine = (1 + cosine) * (-s / (2 * n * (2 * n - 1)));
+  }
+  return {a * (1 + sine), 1 + cosine};
+}
+
+}  // namespace
+
+SineCosine sine_cosine(double angle) {
+  constexpr double turn = 6.283185307179586476925;
+  const double reduced = std::remainder(angle, turn);  // exact
+  SineCosine r = series(reduced / 8);
+  for (int doubling = 0; doubling < 3; ++doubling) r = {2 * r.sine * r.cosine, (r.cosine - r.sine) * (r.cosine + r.sine)};
+  return r;
+}
+
+Vec3 rotated(const Vec3& w, const Vec3& v) {
+  const double angle = std::sqrt(w.dot(w));
+  if (angle == 0) return v;
+  const Vec3 axis = w / angle;
+  const SineCosine r = sine_cosine(angle);
+  return r.cosine * v + r.sine * axis.cross(v) + (1 - r.cosine) * axis.dot(v) * axis;
+}
+
+Vec3 rotated(const std::array<double, 4>& q, const Vec3& v) {
+  const Vec3 u(q[1], q[2], q[3]);
+  const Vec3 t = 2 * u.cross(v);
+  return v + q[0] * t + u.cross(t);
+}
+
+}  // namespace softffd

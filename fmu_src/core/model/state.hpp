@@ -1,0 +1,36 @@
+/// What the time integrators share: the state they advance and the task they are given.
+#pragma once
+#include "forces/body.hpp"
+#include "model/surroundings.hpp"
+
+namespace softffd {
+
+/// Everything that a communication step changes, apart from what it gave back (Exchange).
+struct State {
+  double time = 0;        ///< [s]
+  Points x, v;            ///< positions [m] and velocities [m/s] at `time`, (points, 3)
+  Points spring;          ///< spring forces at x [N]
+  Points previous;        ///< positions one internal step back; central difference only
+  double previous_h = 0;  ///< the step that `previous` belongs to; 0: none
+};
+
+/// `steps` internal steps of size h; number i of them starts at origin + (first + i) h. Times are counted, not summed: cutting a stretch
+/// of time in two gives the same bits.
+struct Task {
+  double origin;
+  Count first;
+  double h;
+  Count steps;
+  double time(Count i) const { return origin + double(first + i) * h; }
+};
+
+/// Internal steps counted from an origin while their size stays the same.
+struct Clock {
+  double origin = 0, h = 0;
+  Count count = 0;
+  double unit = 0;  ///< the given step that h divides; 0: none was given
+  Count parts = 1;  ///< internal steps per unit
+  double time() const { return origin + double(count) * h; }
+};
+
+}  // namespace softffd

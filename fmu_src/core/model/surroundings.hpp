@@ -1,0 +1,69 @@
+/// What acts on the body from outside during one communication step, and what the body gave back.
+#pragma once
+#include <Eigen/Geometry>
+#include <array>
+#include <vector>
+
+#include "model/pin.hpp"
+#include "model/plane.hpp"
+
+namespace softffd {
+
+struct Surroundings {
+  std::vector<Plane> planes;
+  std::vector<Pin> pins;
+  Points force;                      ///< gravity, loads and point forces at time `since` (points, 3) [N]
+  Points force_rate;                 ///< their time derivative at `since` [N/s]; used only if `ramped`
+  std::array<Points, 2> force_bend;  ///< second and third derivative [N/s2, N/s3]; used only if `bent`
+  bool ramped = false;               ///< any derivative is not zero
+  bool bent = false;                 ///< any second or third
+  double since = 0;                  ///< start of the communication step [s]
+
+  /// What coordinate i (of 3 * points) of the outside forces has gained by time t [N].
+  double ramp(Eigen::Index i, double t) const {
+    const double s = t - since;
+    return bent ? s * (force_rate(i) + s * (force_bend[0](i) / 2 + s * force_bend[1](i) / 6)) : s * force_rate(i);
+  }
+  /// Its time derivative [N/s].
+  double ramp_rate(Eigen::Index i, double t) const {
+    const double s = t - since;
+    return bent ? force_rate(i) + s * (force_bend[0](i) + s * force_bend[1](i) / 2) : force_rate(i);
+  }
+  /// out = forces at time t.
+  void force_at(double t, Points& out) const {
+    for (Eigen::Index i = 0; i < out.size(); ++i) out(i) = force(i) + ramp(i, t);
+  }
+  /// Sums over all coordinates of the gain, and of its derivative, times x (points, 3).
+  template <class X>
+  double ramp_dot(double t, const Eigen::ArrayBase<X>& x) const {
+    double sum = 0;
+    for (Eigen::Index i = 0; i < x.size(); ++i) sum += ramp(i, t) * x.derived().coeff(i);
+    return sum;
+  }
+  double ramp_rate_dot(double t, const Points& x) const {
+    double sum = 0;
+    for (Eigen::Index i = 0; i < x.size(); ++i) sum += ramp_rate(i, t) * x(i);
+    return sum;
+  }
+};
+
+/// Time integral of a force and of its torque.
+struct Impulse {
+  Vec3 force = Vec3::Zero();   ///< [N s]
+  Vec3 torque = Vec3::Zero();  ///< [N m s]
+  void add(const Vec3& impulse, const Vec3& arm) {
+    force += impulse;
+    torque += arm.cross(impulse);
+  }
+};
+
+/// What the outside received during the current communication step. Energies only accumulate when they are asked for.
+struct Exchange {
+  std::vector<Impulse> planes;  ///< of the body on each obstacle, torque about the plane's point
+  std::vector<Impulse> pins;    ///< of the body on each fixture, torque about the frame's origin
+  double dissipated = 0;        ///< energy lost to damping, friction and impacts [J]
+  double work = 0;              ///< work of moving obstacles and pins on the body [J]
+  Count contacts_resolved = 0;
+};
+
+}  // namespace softffd

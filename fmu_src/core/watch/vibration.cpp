@@ -1,0 +1,103 @@
+#include "watch/vibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "model/rigid_motion.hpp"
+#include "matrix/stiffness_matrix.hpp"
+#include "stepping/traits.hpp"
+
+namespace softffd {
+
+namespace {
+
+constexpr double times = 2.5;
+
+double outside_less_damping(const Equations& equations, const State& state, int i) {
+  const auto& [body, around] = equations;
+  const double ramp = around.ramped ? around.ramp(i, state.time) : 0;
+  return around.force.data()[i] + ramp - body.damping[i % body.points()] * state.v.data()[i];
+}
+
+/// Of a body without pins, its damping included [m/s2].
+Vec3 mean_acceleration(const Equations& equations, const State& state) {
+  const Body& body = equations.body;
+  Vec3 force = Vec3::Zero();
+  for (int i = 0; i < 3 * body.points(); ++i) force[i / body.points()] += outside_less_damping(equations, state, i);
+  return force / body.mass.sum();
+}
+
+double size(const Equations& equations, const State& state, const Scalars& time_scale, bool with_extension, double slowest,
+            const Vec3& whole) {
+  const Body& body = equations.body;
+  double amplitude = 0;
+  for (const Springs::Row& springs : body.springs.rows())
+    for (int lane = 0; lane < springs.lanes(); ++lane) {
+      if (springs.stiffness[lane] == 0) continue;
+      const int p = springs.begin + lane, q = p + springs.offset;
+      if (std::min(time_scale[p], time_scale[q]) >= slowest) continue;
+      const Vec3 d = row(state.x, q) - row(state.x, p), w = row(state.v, q) - row(state.v, p);
+      const double r = d.norm(), time = times * std::min(time_scale[p], time_scale[q]);
+      if (with_extension) amplitude = std::max(amplitude, std::abs(r - springs.rest_length[lane]));
+      if (r > 0) amplitude = std::max({amplitude, std::abs(d.dot(w)) / r * time, w.squaredNorm() / r * time * time});
+    }
+  for (int i = 0; i < time_scale.size(); ++i) {
+    if (time_scale[i] >= slowest) continue;
+    const double time = times * time_scale[i];
+    const double a = body.inverse_mass[i] * (state.spring.data()[i] + outside_less_damping(equations, state, i));
+    if (body.inverse_mass[i] > 0) amplitude = std::max(amplitude, std::abs(a - whole[i / body.points()]) * time * time);
+  }
+  return 2 * amplitude;
+}
+
+/// The rigid motion that vibrations are relative to: the body's own, or that of what holds it.
+RigidMotion carrier(const Equations& equations, const State& state) {
+  if (equations.around.pins.empty()) return rigid_motion(equations.body.mass, state.x, state.v);
+  const Frame frame = equations.around.pins.front().at(state.time);
+  return {frame.origin, frame.velocity, frame.spin};
+}
+
+void subtract(const Body& body, const RigidMotion& rigid, const Points& x, Points& u) {
+  for (int p = 0; p < body.points(); ++p)
+    set_row(u, p, body.pinned[p] ? Vec3::Zero() : Vec3(row(u, p) - rigid.velocity - rigid.spin.cross(row(x, p) - rigid.centre)));
+}
+
+/// Angular frequency of a vibration of shape u, by Rayleigh's quotient [rad/s].
+double frequency(const Body& body, const Points& x, const Points& u, Points& f) {
+  stiffness_force(body, x, u, f);
+  const double inertia = (body.mass * u.square().rowwise().sum()).sum();
+  return inertia > 0 ? std::sqrt(std::max(0.0, -(u * f).sum() / inertia)) : 0;
+}
+
+}  // namespace
+
+double vibration(const Equations& equations, const State& state, const Scalars& time_scale) {
+  return size(equations, state, time_scale, true, std::numeric_limits<double>::infinity(), Vec3::Zero());
+}
+
+double present_vibration(const Equations& equations, const State& state, const Scalars& time_scale, double slowest) {
+  const bool held = !equations.around.pins.empty();
+  return size(equations, state, time_scale, false, slowest, held ? Vec3::Zero() : mean_acceleration(equations, state));
+}
+
+Vibration set_off(const Equations& equations, const State& start, const State& end, double kink, Points& jump, Points& u) {
+  const auto& [body, around] = equations;
+  Vibration largest;
+  const auto consider = [&](int order) {
+    const double omega = frequency(body, start.x, u, jump), amplitude = kernels::largest(u.size(), u.data()) / power(omega, order);
+    if (omega > 0 && amplitude > largest.amplitude) largest = {amplitude, omega};
+  };
+  for (int i = 0; i < u.size(); ++i) u(i) = body.inverse_mass[i] * jump(i);
+  if (around.pins.empty()) subtract(body, rigid_motion(body.mass, start.x, u), start.x, u);
+  consider(2);
+  jump = start.v;
+  subtract(body, carrier(equations, start), start.x, jump);
+  u = end.v;
+  subtract(body, carrier(equations, end), end.x, u);
+  u = kink * (u - jump);
+  consider(1);
+  return largest;
+}
+
+}  // namespace softffd

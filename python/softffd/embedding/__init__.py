@@ -1,0 +1,1 @@
+"""A mesh in the lattice: weights, deformation, masses."""

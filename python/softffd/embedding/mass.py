@@ -1,0 +1,202 @@
+"""Masses of the control points: the object's mass, shared out by the weights with which it follows them.
+
+A sample of mass m_s at (u_s, v_s, w_s) gives control point ijk the part m_s B_i(u_s) B_j(v_s) B_k(w_s). The
+weights sum to one and reproduce positions, so the total and the centre of mass are the object's own (Xia & Wang
+2009 leave the rule open). For a surface or a solid the sum becomes an integral. Its integrand is a polynomial in
+the coordinates of each triangle, and a quadrature that is exact for its degree leaves only rounding. The solid's
+integral is turned into one over its surface by the divergence theorem:
+
+    integral of B_i B_j B_k dV  =  integral of B_i(u) B_j(v) I_k(w) n_z dA,
+
+where n_z dA is a triangle's shadow on the x-y plane and I_k(w) = integral of B_k from 0 to w = sum over l > k of
+B_l(w) / nz, with the Bernstein polynomials B_l of one degree more. For B-splines see mass_bspline.py.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from softffd.embedding.basis import weights
+from softffd.embedding.deform import lattice_coordinates
+from softffd.embedding.mass_bspline import sample_shares, triangle_shares
+from softffd.embedding.quadrature import sufficient_degrees, triangle_rule
+from softffd.errors import SoftffdError
+from softffd.mesh.mesh import Mesh, merge_by_position
+
+DISTRIBUTIONS = ("uniform", "vertices", "surface", "volume")
+
+_BLOCK = 1 << 21
+"""Numbers held at a time while integrating: 16 MB."""
+
+
+@dataclass(frozen=True, eq=False)
+class Masses:
+    """Masses of the control points.
+
+    mass: (n,) kg, flat order p = i + nx (j + ny k). shift: (3,) m, how far `uniform_share` moved the centre of mass.
+    """
+
+    mass: np.ndarray
+    shift: np.ndarray
+
+
+def point_masses(
+    distribution: str,
+    *,
+    counts: tuple[int, int, int],
+    origin,
+    size,
+    mesh: Mesh | None,
+    total: float | None = None,
+    density: float | None = None,
+    uniform_share: float = 0.1,
+    basis: str = "bezier",
+) -> Masses:
+    """Return the masses of the control points of a lattice: `counts` in the box `origin`, `size` (3,) m.
+
+    distribution: "uniform" (the same for all), "vertices" (an equal share at each distinct vertex position),
+    "surface" (even over the area) or "volume" (even through the solid); all but the first need `mesh`,
+    "volume" a closed one.
+    total: kg, > 0; or density: kg/m^3, > 0, times the volume of a closed mesh. Exactly one of the two.
+    uniform_share: 0 to 1; this part of the total is spread evenly instead, which moves the centre of mass by
+    `shift`. basis: of the volume, "bezier" or "bspline".
+    Raises SoftffdError where a value or the mesh does not fit, or a control point would be left without mass.
+    """
+    _require_values(distribution, mesh, total, density, uniform_share)
+    if density is not None:
+        total = density * enclosed_volume(mesh)
+    shares = _shares(distribution, counts, origin, size, mesh, basis)
+    shares /= shares.sum()
+    blended = (1 - uniform_share) * shares + uniform_share / shares.size
+    _require_all_positive(blended, uniform_share)
+    shift = _centre(blended, origin, size) - _centre(shares, origin, size)
+    return Masses(total * blended.transpose(2, 1, 0).reshape(-1), shift)
+
+
+def enclosed_volume(mesh: Mesh) -> float:
+    """Return the volume inside a closed mesh, m^3. Raises SoftffdError where the mesh is open or encloses
+    nothing."""
+    if not mesh.closed:
+        raise SoftffdError(
+            f"mesh '{mesh.name}' is not closed: {mesh.open_edges} edges have no neighbour that runs the "
+            "other way (a hole, or faces that "
+            "look inwards), so it has no volume. Wanted a closed mesh for mass.density and for "
+            "mass.distribution = 'volume'; "
+            "close it, or give mass.total with the distribution 'surface'."
+        )
+    corners = (mesh.vertices - mesh.bounds.mean(axis=0))[mesh.faces]
+    volume = abs(float(np.linalg.det(corners).sum()) / 6)
+    if volume <= 1e-12 * np.prod(np.ptp(mesh.bounds, axis=0)):
+        raise SoftffdError(f"mesh '{mesh.name}' is closed but encloses no volume; wanted a solid body")
+    return volume
+
+
+def _require_values(distribution, mesh, total, density, uniform_share) -> None:
+    if distribution not in DISTRIBUTIONS:
+        raise SoftffdError(f"mass.distribution: wanted one of {', '.join(DISTRIBUTIONS)}, got {distribution!r}")
+    if mesh is None and (distribution != "uniform" or density is not None):
+        key = "mass.density" if distribution == "uniform" else f"mass.distribution = '{distribution}'"
+        raise SoftffdError(f"{key}: needs a mesh and the scene has none; add [mesh], or use mass.total with the distribution 'uniform'")
+    if (total is None) == (density is None):
+        raise SoftffdError(f"mass: wanted either total or density, got {'neither' if total is None else 'both'}")
+    for key, value in (("total", total), ("density", density)):
+        if value is not None and not (np.isfinite(value) and value > 0):
+            raise SoftffdError(f"mass.{key}: wanted a number > 0, got {value}")
+    if not 0 <= uniform_share <= 1:
+        raise SoftffdError(f"mass.uniform_share: wanted 0 to 1, got {uniform_share}")
+
+
+def _shares(distribution: str, counts, origin, size, mesh: Mesh | None, basis: str) -> np.ndarray:
+    """Shares (nx, ny, nz) of the control points, not yet summing to one."""
+    if distribution == "uniform":
+        return np.ones(counts)
+    if distribution == "vertices":
+        _, positions = merge_by_position(mesh.vertices[np.unique(mesh.faces)])
+        return _vertex_shares(lattice_coordinates(positions, origin, size), counts, basis)
+    corners = lattice_coordinates(mesh.vertices, origin, size)[mesh.faces]
+    solid = distribution == "volume"
+    if solid:
+        enclosed_volume(mesh)
+    shares = (
+        triangle_shares(corners, np.asarray(size), counts, solid=solid) if basis == "bspline" else _integrals(corners, mesh, counts, solid)
+    )
+    return _outwards(shares / shares.sum(), mesh) if solid else shares
+
+
+def _outwards(shares: np.ndarray, mesh: Mesh) -> np.ndarray:
+    """The shares of a solid, which are positive where all its faces look the same way, out or in."""
+    if shares.min() < -1e-9 / shares.size:
+        raise SoftffdError(
+            f"mesh '{mesh.name}': some of its bodies are inside out, so that their volume would count as negative. "
+            "Wanted faces that all run counter-clockwise seen from outside; recalculate the normals in the "
+            "modelling program."
+        )
+    return np.maximum(shares, 0.0)
+
+
+def _require_all_positive(shares: np.ndarray, uniform_share: float) -> None:
+    if shares.min() > 1e-12 / shares.size:
+        return
+    point = [int(index) for index in np.unravel_index(shares.argmin(), shares.shape)]
+    raise SoftffdError(
+        f"mass.uniform_share: with {uniform_share:g}, control point {point} has practically no mass "
+        f"({shares.min() * shares.size:.2g} of the mean), since the mesh has nothing near it, and could not be "
+        "simulated. Wanted a share that gives every point some mass; 0.1 is usual."
+    )
+
+
+def _centre(shares: np.ndarray, origin, size) -> np.ndarray:
+    """Centre of mass (3,) m of shares (nx, ny, nz) that sum to one."""
+    grid = np.meshgrid(*(np.linspace(0, 1, n) for n in shares.shape), indexing="ij")
+    return np.asarray(origin) + np.asarray(size) * [float((shares * axis).sum()) for axis in grid]
+
+
+def _area_vectors(mesh: Mesh) -> np.ndarray:
+    """Normals (F, 3) of the faces, as long as their areas, m^2."""
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    return np.cross(b - a, c - a) / 2
+
+
+def _vertex_shares(coordinates: np.ndarray, counts, basis: str) -> np.ndarray:
+    if basis == "bspline":
+        return sample_shares(coordinates, np.ones(len(coordinates)), counts)
+    step = max(1, _BLOCK // (int(counts[0]) * int(counts[1])))
+    blocks = (coordinates[start : start + step] for start in range(0, len(coordinates), step))
+    return sum(_products(block, np.ones(len(block)), counts) for block in blocks)
+
+
+def _products(coordinates: np.ndarray, masses: np.ndarray, counts) -> np.ndarray:
+    """Sum of m_s B_i(u_s) B_j(v_s) B_k(w_s) over samples, shape (nx, ny, nz)."""
+    u, v, w = (weights(t, n).T for t, n in zip(coordinates.T, counts, strict=True))
+    return _summed(u, v, w, masses)
+
+
+def _products_below(coordinates: np.ndarray, masses: np.ndarray, counts) -> np.ndarray:
+    """The same with I_k(w), the integral of B_k from 0 to w, in place of B_k(w)."""
+    u, v = (weights(t, n).T for t, n in zip(coordinates.T[:2], counts[:2], strict=True))
+    higher = weights(coordinates[:, 2], counts[2] + 1).T
+    return _summed(u, v, np.cumsum(higher[:0:-1], axis=0)[::-1] / counts[2], masses)
+
+
+def _summed(u: np.ndarray, v: np.ndarray, w: np.ndarray, masses: np.ndarray) -> np.ndarray:
+    plane = (u * masses)[:, None] * v[None]
+    return (plane.reshape(-1, plane.shape[-1]) @ w.T).reshape(len(u), len(v), len(w))
+
+
+def _integrals(corners: np.ndarray, mesh: Mesh, counts, solid: bool) -> np.ndarray:
+    """Sum over triangles of area times the mean of the integrand; corners (F, 3, 3), box coordinates."""
+    normals = _area_vectors(mesh)
+    areas, products = (normals[:, 2], _products_below) if solid else (np.linalg.norm(normals, axis=1), _products)
+    exact = sum(counts) - 3 + solid
+    reach = np.ptp(corners, axis=1) @ (np.array(counts) - 1.0)
+    degrees = sufficient_degrees(reach, exact)
+    total = np.zeros(counts)
+    for degree in np.unique(degrees):
+        rule = triangle_rule(int(degree))
+        chosen = np.flatnonzero(degrees == degree)
+        step = max(1, _BLOCK // (len(rule.share) * int(counts[0]) * int(counts[1])))
+        for start in range(0, len(chosen), step):
+            block = chosen[start : start + step]
+            samples = np.einsum("sc,fcx->fsx", rule.corner_weights, corners[block]).reshape(-1, 3)
+            total += products(samples, np.outer(areas[block], rule.share).reshape(-1), counts)
+    return total

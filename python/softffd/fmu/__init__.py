@@ -1,0 +1,1 @@
+"""From a scene to an FMU, and an FMU opened."""

@@ -1,0 +1,119 @@
+"""modelDescription.xml of a scene's FMU (FMI 2.0, co-simulation)."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree as Xml
+
+from softffd import __version__
+from softffd.fmu.variables import Variable
+from softffd.installed import available_methods, table
+from softffd.scene.scene import Scene
+
+GUID_PLACE = "{softffd-guid}"
+"""Stands where the guid goes; the guid is a hash of everything else."""
+
+
+def model_description(scene: Scene, variables: list[Variable]) -> str:
+    """The XML text with GUID_PLACE in the place of the guid."""
+    root = Xml.Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=scene.name,
+        guid=GUID_PLACE,
+        description=scene.title,
+        version=__version__,
+        license="BSD-2-Clause",
+        generationTool=f"softffd {__version__}",
+        variableNamingConvention="structured",
+    )
+    Xml.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier="softffd",
+        canHandleVariableCommunicationStepSize="true",
+        canInterpolateInputs="true",
+        maxOutputDerivativeOrder="1",
+        canNotUseMemoryManagementFunctions="true",
+        canGetAndSetFMUstate="true",
+        canSerializeFMUstate="true",
+    )
+    used = {variable.family.get("unit") for variable in variables}
+    _units(Xml.SubElement(root, "UnitDefinitions"), used)
+    _types(Xml.SubElement(root, "TypeDefinitions"), scene)
+    _log_categories(Xml.SubElement(root, "LogCategories"))
+    Xml.SubElement(
+        root,
+        "DefaultExperiment",
+        startTime="0",
+        stopTime=repr(scene.experiment.stop_time),
+        tolerance=repr(scene.solver.tolerance),
+        stepSize=repr(scene.experiment.communication_step),
+    )
+    listed = Xml.SubElement(root, "ModelVariables")
+    for variable in variables:
+        _variable(listed, variable)
+    _structure(Xml.SubElement(root, "ModelStructure"), variables)
+    Xml.indent(root, space="  ")
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + Xml.tostring(root, encoding="unicode") + "\n"
+
+
+def _units(parent: Xml.Element, used: set[str | None]) -> None:
+    for unit in table()["unit"]:
+        if unit["name"] in used:
+            element = Xml.SubElement(parent, "Unit", name=unit["name"])
+            Xml.SubElement(element, "BaseUnit", {key: str(power) for key, power in unit["base"].items()})
+
+
+def _types(parent: Xml.Element, scene: Scene) -> None:
+    simple = Xml.SubElement(parent, "SimpleType", name="Method", description="Time integration method")
+    enumeration = Xml.SubElement(simple, "Enumeration")
+    for method in available_methods(scene.lattice.points):
+        Xml.SubElement(enumeration, "Item", name=method["key"], value=str(method["value"]), description=method["description"])
+
+
+def _log_categories(parent: Xml.Element) -> None:
+    for category in table()["log_category"]:
+        Xml.SubElement(parent, "Category", name=category["name"], description=category["description"])
+
+
+def _variable(parent: Xml.Element, variable: Variable) -> None:
+    family = variable.family
+    kind = family.get("type", "Real")
+    attributes = {
+        "name": variable.name,
+        "valueReference": str(variable.reference),
+        "causality": family["causality"],
+        "variability": family["variability"],
+        "description": variable.description,
+    }
+    if family["causality"] == "parameter":
+        attributes["initial"] = "exact"
+    if family["causality"] == "output":
+        attributes["initial"] = "calculated"
+    scalar = Xml.SubElement(parent, "ScalarVariable", attributes)
+    typed: dict[str, str] = {}
+    if kind == "Enumeration":
+        typed["declaredType"] = "Method"
+    if "unit" in family:
+        typed["unit"] = family["unit"]
+    if "min" in family:
+        typed["min"] = repr(family["min"])
+    if variable.start is not None:
+        typed["start"] = repr(variable.start if kind != "Real" else float(variable.start))
+    Xml.SubElement(scalar, kind, typed)
+
+
+def _structure(parent: Xml.Element, variables: list[Variable]) -> None:
+    """Outputs do not depend on inputs of the same moment: they act during the step that follows. Initially some do."""
+    outputs = [variable for variable in variables if variable.family["causality"] == "output"]
+    if not outputs:
+        return
+    by_family: dict[str, list[int]] = {}
+    for variable in variables:
+        by_family.setdefault(variable.family["key"], []).append(variable.index)
+    direct = Xml.SubElement(parent, "Outputs")
+    initial = Xml.SubElement(parent, "InitialUnknowns")
+    for variable in outputs:
+        Xml.SubElement(direct, "Unknown", index=str(variable.index), dependencies="")
+        known = sorted(index for key in variable.family["initial_from"] for index in by_family.get(key, []))
+        Xml.SubElement(initial, "Unknown", index=str(variable.index), dependencies=" ".join(map(str, known)))

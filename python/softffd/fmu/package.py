@@ -1,0 +1,97 @@
+"""From a scene to a file `.fmu`."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import zipfile
+from pathlib import Path
+
+from softffd.embedding.mass import Masses, point_masses
+from softffd.errors import SoftffdError
+from softffd.fmu.model_description import GUID_PLACE, model_description
+from softffd.fmu.records import NAME, scene_records, scene_text
+from softffd.fmu.variables import variables
+from softffd.installed import data_folder, libraries
+from softffd.scene.faults import did_you_mean
+from softffd.scene.scene import Scene
+
+
+def scene_masses(scene: Scene) -> Masses:
+    """The control points' masses (n,) [kg] and the shift of the centre of mass (3,) [m] by mass.uniform_share, overrides included."""
+    masses = point_masses(
+        scene.mass.distribution,
+        counts=scene.lattice.points,
+        origin=scene.lattice.origin,
+        size=scene.lattice.size,
+        mesh=scene.loaded_mesh,
+        total=scene.mass.total,
+        density=scene.mass.density,
+        uniform_share=scene.mass.uniform_share,
+        basis=scene.lattice.basis,
+    )
+    mass = masses.mass.copy()
+    for region in scene.region:
+        if region.mass is not None:
+            mass[scene.select(region.points)] = region.mass
+    return Masses(mass=mass, shift=masses.shift)
+
+
+def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None = None) -> Path:
+    """Writes the scene's FMU and returns its path; the same scene gives the same bytes.
+
+    path: a file name ending in .fmu; folders are made where absent.
+    platforms: FMI platform names (linux64, ...) to carry; all that this installation has by default. SoftffdError if one is missing.
+    """
+    if not isinstance(scene, Scene):
+        raise SoftffdError(f"package_fmu: wanted a Scene, got {scene!r:.70}; load_scene gives the scene of a file")
+    path = fmu_path(path)
+    mass = scene_masses(scene).mass
+    description = model_description(scene, variables(scene, mass))
+    records = scene_records(scene, mass)
+    guid = _guid(description, records)
+    entries = {
+        "modelDescription.xml": description.replace(GUID_PLACE, guid).encode(),
+        f"resources/{NAME}": scene_text(records, guid).encode(),
+        **_files_below(data_folder() / "documentation", "documentation"),
+        "model.png": (data_folder() / "model.png").read_bytes(),
+        **{f"binaries/{name}/{file.name}": file.read_bytes() for name, file in libraries(platforms).items()},
+    }
+    _write_archive(path, entries)
+    return path
+
+
+def fmu_path(path: str | Path) -> Path:
+    """The path, if an FMU can be written there: SoftffdError where it does not end in .fmu or is a folder."""
+    name = f"{path}" or '""'
+    if Path(path).is_dir() and str(path):
+        raise SoftffdError(f"{name}: wanted a file name ending in .fmu, got a folder{did_you_mean(str(Path(path) / 'NAME.fmu'))}")
+    if Path(path).suffix != ".fmu":
+        raise SoftffdError(f"{name}: wanted a file name ending in .fmu{did_you_mean(f'{path}.fmu' if str(path) else None)}")
+    return Path(path)
+
+
+def _guid(description: str, records: str) -> str:
+    digest = hashlib.sha256((description + records).encode()).hexdigest()
+    return "{" + "-".join([digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32]]) + "}"
+
+
+def _files_below(folder: Path, name: str) -> dict[str, bytes]:
+    return {f"{name}/{file.relative_to(folder).as_posix()}": file.read_bytes() for file in folder.rglob("*") if file.is_file()}
+
+
+def _write_archive(path: Path, entries: dict[str, bytes]) -> None:
+    """Sorted entries, fixed time stamps and modes; written beside the target and moved into place, so never half there."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(path.name + ".partial")
+    try:
+        with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name in sorted(entries, key=lambda entry: (entry != "modelDescription.xml", entry)):
+                info = zipfile.ZipInfo(name, (2020, 1, 1, 0, 0, 0))
+                info.compress_type = zipfile.ZIP_DEFLATED
+                info.create_system = 3
+                info.external_attr = 0o644 << 16
+                archive.writestr(info, entries[name])
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)

@@ -1,0 +1,114 @@
+"""The resolved scene as the library reads it: a flat, versioned, checksummed text, one record per line (fmu_src/fmi/scene_file.hpp)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from softffd.fmu.variables import method_value, spring_damping_present
+from softffd.scene.scene import Scene
+
+NAME, HEAD = "scene.txt", "softffd-scene 1"
+
+
+def scene_records(scene: Scene, mass: np.ndarray) -> str:
+    """All records but the guid; what the scene does not need is absent. mass: (n,) kg."""
+    lattice, material, outputs = scene.lattice, scene.material, scene.outputs
+    lines: list[list[object]] = [
+        ["counts", *lattice.points],
+        ["origin", *lattice.origin],
+        ["size", *lattice.size],
+        ["topology", lattice.springs],
+        *([["basis", lattice.basis]] if lattice.basis != "bezier" else []),
+        ["mass", *mass],
+        ["stiffness", material.stiffness.edge, material.stiffness.face, material.stiffness.body],
+    ]
+    if spring_damping_present(scene):
+        lines.append(["damping", material.damping])
+    if material.volume_stiffness > 0:
+        lines.append(["volume_stiffness", material.volume_stiffness])
+    if scene.environment.gravity is not None:
+        lines.append(["gravity", *scene.environment.gravity])
+    for region in scene.region:
+        points = scene.select(region.points)
+        if region.stiffness is not None:
+            lines.append(["region_stiffness", region.stiffness, *points])
+        if region.damping is not None:
+            lines.append(["region_damping", region.damping, *points])
+    for plane in scene.plane:
+        motion = [*plane.point, *plane.normal, *plane.velocity, *plane.angular_velocity]
+        lines.append(["plane", plane.name, plane.motion, *motion, plane.friction])
+    lines += [["pin", pin.name, pin.motion, *scene.select(pin.points)] for pin in scene.pin]
+    lines += [["load", load.name, *scene.select(load.points)] for load in scene.load]
+    lines += [["probe", probe.name, *probe.at] for probe in scene.probe]
+    selections = {
+        "forces": scene.inputs.forces,
+        "positions": outputs.positions,
+        "velocities": outputs.velocities,
+    }
+    for key, selection in selections.items():
+        points = scene.select(selection)
+        if len(points):
+            lines.append([key, *points])
+    initial = scene.initial
+    lines.append(["initial", *initial.stretch, *initial.offset, *initial.velocity, *initial.angular_velocity])
+    lines += [[key] for key in ("reactions", "energy", "solver") if getattr(outputs, key)]
+    solver = scene.solver
+    if solver.error_estimate:
+        lines.append(["error_estimate"])
+    lines += [["method", method_value(solver.method)], ["tolerance", solver.tolerance], ["step", solver.step]]
+    return "".join(_line(line) for line in lines)
+
+
+def scene_text(records: str, guid: str) -> str:
+    """The whole file: head with the checksum of all that follows, guid, records."""
+    body = f"guid {guid}\n{records}"
+    return f"{HEAD} {_fnv1a(body.encode()):016x}\n{body}"
+
+
+@dataclass(frozen=True)
+class LatticeBox:
+    """A lattice as embeddings and pictures need it."""
+
+    points: tuple[int, int, int]
+    """Control points per axis"""
+    origin: tuple[float, float, float]
+    """Lower corner of the box at rest [m]"""
+    size: tuple[float, float, float]
+    """Its sides [m]"""
+    basis: str
+    """ "bezier" or "bspline" """
+
+
+def read_lattice(resources: Path) -> LatticeBox | None:
+    """The lattice of an FMU's resources; None in an FMU that is not of this package."""
+    path = resources / NAME
+    text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+    if not text.startswith(HEAD):
+        return None
+    records = {key: values for key, *values in (line.split() for line in text.splitlines() if line.strip())}
+    return LatticeBox(
+        points=tuple(map(int, records["counts"])),
+        origin=tuple(map(float, records["origin"])),
+        size=tuple(map(float, records["size"])),
+        basis=records.get("basis", ["bezier"])[0],
+    )
+
+
+def _line(values: Iterable[object]) -> str:
+    return " ".join(value if isinstance(value, str) else _number(value) for value in values) + "\n"
+
+
+def _number(value: object) -> str:
+    """The shortest decimal that reads back as the same double."""
+    return str(int(value)) if isinstance(value, int | np.integer) else repr(float(value))
+
+
+def _fnv1a(data: bytes) -> int:
+    value = 14695981039346656037
+    for byte in data:
+        value = (value ^ byte) * 1099511628211 % 2**64
+    return value

@@ -1,0 +1,126 @@
+"""The variables of one scene's FMU: the table modelDescription/variables.toml spread over what the scene holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from softffd.installed import table
+from softffd.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One scalar variable as modelDescription.xml states it; `index` counts from 1 in the order of the table."""
+
+    index: int
+    name: str
+    reference: int
+    family: dict[str, Any]
+    start: float | int | None
+    description: str
+
+
+def method_value(key: str) -> int:
+    """Value of the enumeration solver.method."""
+    return next(method["value"] for method in table()["method"] if method["key"] == key)
+
+
+def spring_damping_present(scene: Scene) -> bool:
+    """Does any control point have damping?"""
+    return scene.material.damping > 0 or any(region.damping for region in scene.region)
+
+
+def _point(scene: Scene, p: int) -> dict[str, Any]:
+    nx, ny, _ = scene.lattice.points
+    return {"i": p % nx, "j": p // nx % ny, "k": p // nx // ny}
+
+
+def _plane(plane) -> dict[str, Any]:
+    return {
+        "name": plane.name,
+        "point": plane.point,
+        "normal": plane.normal,
+        "velocity": plane.velocity,
+        "angular_velocity": plane.angular_velocity,
+        "friction": plane.friction,
+    }
+
+
+def _pin(scene: Scene, pin) -> dict[str, Any]:
+    origin = scene.rest_positions()[scene.select(pin.points)].mean(axis=0)
+    return {"name": pin.name, "position": tuple(map(float, origin)), "orientation": (1.0, 0.0, 0.0, 0.0)}
+
+
+def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
+    """The instances of every part that a family can belong to, each with the values that fill its names and starts."""
+
+    def points(selection) -> list[dict[str, Any]]:
+        return [_point(scene, int(p)) for p in scene.select(selection)]
+
+    def when(present: bool, **values: Any) -> list[dict[str, Any]]:
+        return [values] if present else []
+
+    planes, pins = scene.plane, scene.pin
+    stiffness, gravity = scene.material.stiffness, scene.environment.gravity
+    return {
+        "forces": points(scene.inputs.forces),
+        "loads": [{"name": load.name} for load in scene.load],
+        "planes": [_plane(plane) for plane in planes],
+        "input_planes": [_plane(plane) for plane in planes if plane.motion == "input"],
+        "fixed_planes": [_plane(plane) for plane in planes if plane.motion == "fixed"],
+        "input_pins": [_pin(scene, pin) for pin in pins if pin.motion == "input"],
+        "always": [
+            {
+                "mass": float(mass.sum()),
+                "stiffness_edge": stiffness.edge,
+                "stiffness_face": stiffness.face,
+                "stiffness_body": stiffness.body,
+                "method": method_value(scene.solver.method),
+                "tolerance": scene.solver.tolerance,
+                "step": scene.solver.step,
+            }
+        ],
+        "damping": when(spring_damping_present(scene), damping=scene.material.damping),
+        "gravity": when(gravity is not None, gravity=gravity),
+        "positions": points(scene.outputs.positions),
+        "velocities": points(scene.outputs.velocities),
+        "probes": [{"name": probe.name} for probe in scene.probe],
+        "plane_reactions": [{"name": plane.name} for plane in planes] if scene.outputs.reactions else [],
+        "pin_reactions": [{"name": pin.name} for pin in pins] if scene.outputs.reactions else [],
+        "energy": when(scene.outputs.energy),
+        "energy_gravity": when(scene.outputs.energy and gravity is not None),
+        "solver": when(scene.outputs.solver),
+        "error_estimate": when(scene.solver.error_estimate),
+    }
+
+
+def _start(family: dict[str, Any], instance: dict[str, Any], component: int) -> float | int | None:
+    start = family.get("start")
+    value = instance[start] if isinstance(start, str) else start
+    return value[component] if isinstance(value, tuple | list) else value
+
+
+def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
+    """All variables of a scene. mass: (n,) kg, the control points' masses after region overrides."""
+    present = parts(scene, mass)
+    found: list[Variable] = []
+    for family in table()["family"]:
+        components = family.get("components", "")
+        instances = present[family["part"]]
+        for number, (instance, component) in enumerate(product(instances, range(max(1, len(components))))):
+            words = {**instance, "c": components[component] if components else ""}
+            found.append(
+                Variable(
+                    index=len(found) + 1,
+                    name=family["name"].format(**words),
+                    reference=family["id"] << 24 | number,
+                    family=family,
+                    start=_start(family, instance, component),
+                    description=family["description"].format(**words),
+                )
+            )
+    return found

@@ -1,0 +1,227 @@
+"""A triangle mesh and its files: nothing damaged comes through, every fault is one clear paragraph."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from softffd.errors import MeshError
+from softffd.mesh.glb import quiet_trimesh, read_glb
+from softffd.mesh.obj import read_obj, write_obj
+from softffd.mesh.ply import read_ply
+from softffd.mesh.stl import read_stl
+
+_READERS = {".obj": read_obj, ".stl": read_stl, ".ply": read_ply, ".glb": read_glb}
+
+_TO_Z_UP = {
+    "x": np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]),
+    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    "z": np.eye(3),
+}
+"""Proper rotations (about y, about x, none) that turn the named axis of a file into +z."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles in space.
+
+    vertices: (V, 3) m. faces: (F, 3) indices of vertices, counter-clockwise seen from outside.
+    uv: (V, 2) texture coordinates, (0, 0) the image's lower left corner, or None. A vertex where the texture
+    has a seam is there once for each side. texture: the image, or None. name: for messages and file names.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    uv: np.ndarray | None = None
+    name: str = "mesh"
+    texture: Image.Image | None = field(default=None, repr=False)
+
+    def __post_init__(self):
+        object.__setattr__(self, "vertices", np.asarray(self.vertices, dtype=np.float64))
+        object.__setattr__(self, "faces", np.asarray(self.faces, dtype=np.int64))
+        if self.uv is not None:
+            object.__setattr__(self, "uv", np.asarray(self.uv, dtype=np.float64))
+        shapes = [
+            ("vertices", self.vertices, (None, 3)),
+            ("faces", self.faces, (None, 3)),
+            ("uv", self.uv, (len(self.vertices), 2)),
+        ]
+        for what, array, (rows, columns) in shapes:
+            if array is not None and (array.ndim != 2 or array.shape[1] != columns or rows not in (None, len(array))):
+                raise ValueError(f"{what}: wanted the shape ({rows or 'any'}, {columns}), got {array.shape}")
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """Lower and upper corner of the bounding box, (2, 3) m."""
+        return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+
+    @property
+    def closed(self) -> bool:
+        """Whether the surface encloses a volume: every edge is run through equally often in both directions.
+
+        Judged on positions, so seams of the texture leave no gap.
+        """
+        return self.open_edges == 0
+
+    @cached_property
+    def open_edges(self) -> int:
+        """Number of edges without a partner that runs the other way; 0 for a closed surface."""
+        index, _ = merge_by_position(self.vertices)
+        return _unbalanced_edges(index[self.faces])
+
+
+def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
+    """Return the mesh of an OBJ, STL, PLY or GLB file.
+
+    scale: metres per unit of the file, > 0. up: the axis of the file, "x", "y" or "z", that becomes +z, by a
+    rotation. Polygons become triangles, several bodies one mesh; vertices that no face uses are left out
+    (they would widen the lattice's box), the others keep the file's order. The corners of an STL's triangles
+    are merged by position.
+    Raises MeshError for a missing, damaged, empty, flat or otherwise unusable file, saying what is wrong.
+    """
+    path = Path(path)
+    if up not in _TO_Z_UP:
+        raise MeshError(f"{path}: mesh.up: wanted one of x, y, z, got {up!r}")
+    if not (np.isfinite(scale) and scale > 0):
+        raise MeshError(f"{path}: mesh.scale: wanted a number > 0, got {scale}")
+    vertices, faces, uv, texture = _read(path)
+    _require_faces(path, vertices, faces)
+    used, index = np.unique(faces, return_inverse=True)
+    vertices, faces = vertices[used], index.reshape(-1, 3)
+    _require_finite(path, vertices)
+    if path.suffix.lower() == ".stl":
+        index, vertices = merge_by_position(vertices)
+        faces = index[faces]
+    vertices = scale * (vertices @ _TO_Z_UP[up].T)
+    _require_body(path, vertices, faces)
+    return Mesh(vertices, faces, None if uv is None else uv[used], path.stem, texture)
+
+
+def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = None, up: str = "z", decimals: int = 9) -> None:
+    """Write `mesh` as OBJ, STL, PLY or GLB, with its texture coordinates in all but STL, which has none.
+
+    vertices: (V, 3) m, written in place of the mesh's own, as deform returns them. up: the axis of the file
+    that stands for +z, as for load_mesh ("y" for programs that follow glTF's habit). decimals: of the numbers
+    in an OBJ file; the other formats hold single precision. A texture's image goes into the GLB, and beside
+    the OBJ as NAME.mtl and NAME.png.
+    Raises MeshError where the ending is none of the four or the file cannot be written.
+    """
+    path = Path(path)
+    _require_known_ending(path)
+    vertices = np.asarray(mesh.vertices if vertices is None else vertices, dtype=float)
+    if vertices.shape != mesh.vertices.shape:
+        raise ValueError(f"vertices: wanted the mesh's shape {mesh.vertices.shape}, got {vertices.shape}")
+    if not np.isfinite(vertices).all():
+        raise MeshError(f"{path}: not written: {_first_not_finite(vertices)}")
+    vertices = vertices @ _TO_Z_UP[up]
+    try:
+        if path.suffix.lower() == ".obj":
+            write_obj(path, vertices, mesh.faces, mesh.uv, texture=mesh.texture, decimals=decimals)
+        else:
+            path.write_bytes(_exported(mesh, vertices, path.suffix.lower()[1:]))
+    except OSError as fault:
+        raise MeshError(f"{path}: cannot be written: {fault.strerror or fault}") from None
+
+
+def merge_by_position(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return index (V,) and positions (U, 3) with vertices = positions[index], to 1e-8 of the extent.
+
+    vertices: (V, 3) m. The positions are those of each first vertex, in its order.
+    """
+    extent = np.ptp(vertices, axis=0).max()
+    cells = np.round((vertices - vertices.min(axis=0)) / (1e-8 * extent or 1.0))
+    order = np.lexsort(cells.T)
+    starts = np.ones(len(vertices), dtype=bool)
+    starts[1:] = (cells[order[1:]] != cells[order[:-1]]).any(axis=1)
+    first = order[starts]
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[np.argsort(first)] = np.arange(len(first))
+    index = np.empty(len(vertices), dtype=np.int64)
+    index[order] = rank[np.cumsum(starts) - 1]
+    return index, vertices[np.sort(first)]
+
+
+def _unbalanced_edges(faces: np.ndarray) -> int:
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    if not len(edges):
+        return 0
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    _, edge = np.unique(low * (high.max() + 1) + high, return_inverse=True)
+    balance = np.bincount(edge, weights=np.where(edges[:, 0] == low, 1.0, -1.0))
+    return int(np.count_nonzero(balance))
+
+
+def _read(path: Path):
+    """The file's triangles, by its ending."""
+    _require_known_ending(path)
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise MeshError(f"{path}: no such file; wanted a mesh (OBJ, STL, PLY or GLB)") from None
+    except IsADirectoryError:
+        raise MeshError(f"{path}: is a directory; wanted a mesh file (OBJ, STL, PLY or GLB)") from None
+    except OSError as fault:
+        raise MeshError(f"{path}: cannot be read: {fault.strerror or fault}") from None
+    if not data:
+        raise MeshError(f"{path}: the file is empty (0 bytes); wanted a mesh")
+    with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused by name, later
+        return _READERS[path.suffix.lower()](path, data)
+
+
+def _require_known_ending(path: Path) -> None:
+    if path.is_dir():
+        raise MeshError(f"{path}: is a directory; wanted a mesh file (OBJ, STL, PLY or GLB)")
+    if path.suffix.lower() not in _READERS:
+        ending = path.suffix or "no ending"
+        raise MeshError(f"{path}: wanted a mesh file that ends with one of {', '.join(_READERS)}, got {ending}")
+
+
+def _require_faces(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
+    if not len(vertices):
+        raise MeshError(f"{path}: holds no vertices; wanted a surface of triangles or polygons")
+    if not len(faces):
+        raise MeshError(f"{path}: holds {len(vertices)} vertices but no faces (a point cloud or lines); wanted a surface")
+
+
+def _require_finite(path: Path, vertices: np.ndarray) -> None:
+    if not np.isfinite(vertices).all():
+        raise MeshError(f"{path}: {_first_not_finite(vertices)}; wanted finite coordinates throughout")
+
+
+def _first_not_finite(vertices: np.ndarray) -> str:
+    wrong = ~np.isfinite(vertices).all(axis=1)
+    first = int(wrong.argmax())
+    return f"{wrong.sum()} of {len(vertices)} vertices are not finite, the first is {vertices[first].tolist()} (number {first} from 0)"
+
+
+def _require_body(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
+    """Refuse what has no extent in some direction, or no area anywhere."""
+    extent = np.ptp(vertices, axis=0)
+    if not np.isfinite(extent).all() or extent.max() > 1e100:
+        raise MeshError(f"{path}: spans {extent.tolist()} m; wanted coordinates of a sensible size")
+    flat = [axis for axis, length in zip("xyz", extent, strict=True) if length <= 1e-9 * extent.max()]
+    if flat:
+        spans = " x ".join(f"{length:.4g}" for length in extent)
+        raise MeshError(
+            f"{path}: is flat along {' and '.join(flat)} (it spans {spans} m), so the lattice's box around it "
+            "would have no volume. Wanted a body with an extent on every axis; give the surface a thickness."
+        )
+    a, b, c = (vertices[faces] / extent.max()).transpose(1, 0, 2)
+    if np.linalg.norm(np.cross(b - a, c - a), axis=1).max() <= 1e-14:
+        raise MeshError(f"{path}: none of its {len(faces)} faces has an area (all are points or lines); wanted a surface")
+
+
+def _exported(mesh: Mesh, vertices: np.ndarray, kind: str) -> bytes:
+    import trimesh
+    from trimesh.visual import TextureVisuals
+    from trimesh.visual.material import PBRMaterial
+
+    with quiet_trimesh():
+        visual = None
+        if mesh.uv is not None:
+            visual = TextureVisuals(uv=mesh.uv, material=PBRMaterial(baseColorTexture=mesh.texture))
+        body = trimesh.Trimesh(vertices, mesh.faces, visual=visual, process=False)
+        return body.export(file_type=kind)

@@ -1,0 +1,49 @@
+"""STL, binary and text: a bag of triangles that share nothing, so equal corners are merged by the caller."""
+
+from pathlib import Path
+
+import numpy as np
+
+from softffd.mesh.polygons import Triangles, damaged
+
+_HEAD = 84
+_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def read_stl(path: Path, data: bytes) -> Triangles:
+    """Return the triangles of an STL file, three vertices each.
+
+    Raises MeshError where the length is not the promised one, or a text's facets are not whole.
+    """
+    promised = int.from_bytes(data[80:_HEAD], "little") if len(data) >= _HEAD else None
+    if promised is not None and len(data) == _HEAD + promised * _RECORD.itemsize:
+        return _soup(np.frombuffer(data, _RECORD, offset=_HEAD)["corners"])
+    if data[:5].lower() == b"solid" and b"\0" not in data:
+        return _soup(_text_corners(path, data))
+    if promised is None:
+        raise damaged(path, f"it has {len(data)} bytes, and every binary STL file begins with {_HEAD}")
+    size = _HEAD + promised * _RECORD.itemsize
+    fault = f"its header promises {promised} triangles, which makes {size} bytes, but it has {len(data)} bytes"
+    raise damaged(path, fault)
+
+
+def _soup(corners: np.ndarray) -> Triangles:
+    vertices = corners.astype(float).reshape(-1, 3)
+    return Triangles(vertices, np.arange(len(vertices)).reshape(-1, 3))
+
+
+def _text_corners(path: Path, data: bytes) -> np.ndarray:
+    """Corners (F, 3, 3) of a text file whose facets are all whole."""
+    rows = [words for words in (line.split() for line in data.lower().splitlines()) if words]
+    keys = [words[0] for words in rows]
+    facets, ends = keys.count(b"facet"), keys.count(b"endfacet")
+    corners = [words[1:] for words in rows if words[0] == b"vertex"]
+    if keys.count(b"endsolid") != keys.count(b"solid"):
+        raise damaged(path, "a solid is not closed by the line 'endsolid'")
+    if facets != ends or len(corners) != 3 * facets:
+        fault = f"{facets} facets begin and {ends} end, with {len(corners)} vertices; each facet has 3"
+        raise damaged(path, fault)
+    try:
+        return np.array([(float(x), float(y), float(z)) for x, y, z in corners]).reshape(-1, 3, 3)
+    except ValueError:
+        raise damaged(path, "a vertex is not three numbers") from None

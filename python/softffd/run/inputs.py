@@ -1,0 +1,162 @@
+"""Inputs over time: a callable, a structured array as fmpy's simulate_fmu takes, or a CSV file, all read the same way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from softffd.errors import FmuError
+from softffd.run.inputs_csv import read_csv
+from softffd.run.motion import derived_velocities
+
+Source = Callable[[float], Mapping[str, float]] | np.ndarray | str | Path
+
+SLACK = 1e-9
+"""Relative difference up to which a row's time is that of a communication point: multiples of a step are rounded."""
+
+
+class Inputs:
+    """Values of some input variables at any time.
+
+    Arrays and CSV files hold a first column `time` [s], not decreasing, and one column per variable; between rows values are linear,
+    before the first and after the last row they are held. Rows of one time are a jump: what begins there has the last one's values, what
+    ends there the first one's. A callable gives values by name, the same names at every time.
+
+    A plane or pin whose pose is given but whose velocity is not gets the velocity that takes it to its pose at the end of the
+    communication step; a jump there moves it without velocity.
+    """
+
+    def __init__(self, source: Source | None):
+        """FmuError where the source is none of the three or its values cannot be used."""
+        self.where = f"{source}: " if isinstance(source, str | Path) else "inputs: "
+        """How messages about the source begin"""
+        self._at, self.names = _course(source, self.where)
+        self._takes_bends = [name.startswith(("force[", "load.")) for name in self.names]
+        now = self._at(0.0, False)
+        self.derived_names = list(derived_velocities(now, now, 1.0))
+        """Velocities that follow from given poses"""
+
+    def values(self, time: float, then: float) -> np.ndarray:
+        """Values at a communication point, in the order of `names` and then of `derived_names`; then: the next one, or `time` again [s]."""
+        now = self._at(time, False)
+        derived = derived_velocities(now, self._at(then, True), then - time) if then > time else {}
+        return np.array([*(now[name] for name in self.names), *(derived.get(name, 0.0) for name in self.derived_names)])
+
+    def rates(self, time: float, then: float) -> np.ndarray:
+        """Slopes from a communication point to the next, `then` > `time` [s], in the order of `names` [unit / s]."""
+        return (self._row(then, True) - self._row(time, False)) / (then - time)
+
+    def bends(self, time: float, then: float) -> np.ndarray:
+        """First to third derivatives at `time` of what goes from a communication point to the next, `then` > `time` [s]: (3, names)
+        [unit / s, unit / s2, unit / s3]. Forces and loads: cubics whose slopes are continuous where the values are and which rise and fall
+        where these do (Fritsch, Carlson 1980), so that nothing overshoots. Others, which take the first derivative only: linear."""
+        step, mean = then - time, self.rates(time, then)
+        begin, end = self._slope_at(time, step, ends=False), self._slope_at(then, step, ends=True)
+        cubic = np.array([begin, 2 * (3 * mean - 2 * begin - end) / step, 6 * (begin + end - 2 * mean) / step**2])
+        return np.where(self._takes_bends, cubic, [mean, 0 * mean, 0 * mean])
+
+    def _row(self, time: float, ends: bool) -> np.ndarray:
+        values = self._at(time, ends)
+        return np.array([values[name] for name in self.names])
+
+    def _slope_at(self, time: float, step: float, *, ends: bool) -> np.ndarray:
+        """Slopes where a step ends or begins; limited so that the cubics on both sides follow the values. At a jump only the step's own
+        side counts. Nothing is asked for before time 0."""
+        near, first = step / 256, time < step
+        before, after = self._row(time, True), self._row(time, False)
+        after_mean = (self._row(time + step, True) - after) / step
+        before_mean = after_mean if first else (before - self._row(time - step, False)) / step
+        after_slope = (self._row(time + near, True) - after) / near
+        before_slope = after_slope if first else (before - self._row(time - near, False)) / near
+        jump = before != after
+        if ends:
+            after_mean, after_slope = np.where(jump, before_mean, after_mean), np.where(jump, before_slope, after_slope)
+        else:
+            before_mean, before_slope = np.where(jump, after_mean, before_mean), np.where(jump, after_slope, before_slope)
+        most = np.where(before_mean * after_mean > 0, 3 * np.minimum(abs(before_mean), abs(after_mean)), 0.0)
+        return np.clip((before_slope + after_slope) / 2, -most, most)
+
+
+Course = Callable[[float, bool], Mapping[str, float]]
+"""Values by name at a time [s], for what ends there or for what begins there."""
+
+
+def _course(source: Source | None, where: str) -> tuple[Course, list[str]]:
+    """The course of a source, and the names in its order."""
+    if source is None:
+        return lambda time, ends: {}, []
+    if callable(source):
+        return _of_function(source, where)
+    if isinstance(source, str | Path):
+        return _of_table(read_csv(Path(source)))
+    if isinstance(source, np.ndarray):
+        return _of_table(_checked(source))
+    raise FmuError(f"{where}wanted a function of time, a structured array or a CSV file, got {type(source).__name__}: {source!r:.70}")
+
+
+def _of_function(function: Callable[[float], Mapping[str, float]], where: str) -> tuple[Course, list[str]]:
+    def asked(time: float) -> dict[str, float]:
+        values = function(time)
+        if not (isinstance(values, Mapping) and all(isinstance(name, str) for name in values)):
+            raise FmuError(f"{where}at {time:g} s: wanted a dict of values by name, got {values!r:.70}")
+        numbers = {name: _number(value) for name, value in values.items()}
+        if bad := next((name for name, number in numbers.items() if not math.isfinite(number)), None):
+            raise FmuError(f"{where}at {time:g} s: {bad}: wanted a finite number, got {values[bad]!r:.70}")
+        return numbers
+
+    names = list(asked(0.0))
+    wanted = set(names)
+
+    def course(time: float, _ends: bool) -> dict[str, float]:
+        numbers = asked(time)
+        if numbers.keys() != wanted:
+            changes = {"missing": wanted - numbers.keys(), "additional": numbers.keys() - wanted}
+            got = "; ".join(f"{what}: {', '.join(sorted(map(str, some)))}" for what, some in changes.items() if some)
+            raise FmuError(f"{where}at {time:g} s: wanted the same names as at 0 s, got {got}")
+        return numbers
+
+    return course, names
+
+
+def _number(value: Any) -> float:
+    """NaN for what is no number."""
+    try:
+        return math.nan if isinstance(value, str | bytes) else float(value)
+    except (TypeError, ValueError):
+        return math.nan
+
+
+def _of_table(table: np.ndarray) -> tuple[Course, list[str]]:
+    times, names = table["time"].astype(float), list(table.dtype.names[1:])
+    columns = {name: table[name].astype(float) for name in names}
+
+    def course(time: float, ends: bool) -> dict[str, float]:
+        slack = SLACK * abs(time)
+        first, behind = np.searchsorted(times, time - slack, "left"), np.searchsorted(times, time + slack, "right")
+        if first < behind:  # rows of this time
+            row = first if ends else behind - 1
+            return {name: float(column[row]) for name, column in columns.items()}
+        return {name: float(np.interp(time, times, column)) for name, column in columns.items()}
+
+    return course, names
+
+
+def _checked(table: np.ndarray) -> np.ndarray:
+    names = table.dtype.names
+    if not names or names[0] != "time":
+        raise FmuError(f"inputs: wanted a structured array whose first field is `time`, got {f'fields {names}' if names else table.dtype}")
+    if len(table.shape) != 1 or not len(table):
+        raise FmuError(f"inputs: wanted a structured array (rows,) of at least one row, got the shape {table.shape}")
+    for name in names:
+        if table[name].shape != table.shape or table[name].dtype.kind not in "fiu":
+            raise FmuError(f"inputs: {name}: wanted a column of numbers, got {table.dtype[name]}")
+        if len(rows := np.flatnonzero(~np.isfinite(table[name]))):
+            raise FmuError(f"inputs: row {rows[0]}, {name}: wanted a finite number, got {table[name][rows[0]]}")
+    if len(rows := np.flatnonzero(np.diff(table["time"].astype(float)) < 0)):
+        before, after = table["time"][rows[0] : rows[0] + 2]
+        raise FmuError(f"inputs: row {rows[0] + 1}: the times must not decrease, got {after:g} after {before:g}")
+    return table

@@ -1,0 +1,91 @@
+"""`softffd run`: from a name to a result, its findings, and the files it is kept in."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from softffd.errors import FmuError
+from softffd.fmu.component import Component
+from softffd.mesh.mesh import Mesh, save_mesh
+from softffd.run.findings import ESTIMATE, findings
+from softffd.run.inputs import Source
+from softffd.run.result import Result
+from softffd.run.simulate import Interpolation, Progress, simulate
+from softffd.scene.document import find_scene, read_document
+from softffd.scene.scene import Scene, load_scene, scene_from
+
+
+def run_scene_or_fmu(
+    what: str | Path,
+    *,
+    stop_time: float | None = None,
+    step: float | None = None,
+    settings: dict[str, Any] | None = None,
+    inputs: Source | None = None,
+    interpolation: Interpolation = "held",
+    error: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Runs a scene file, a shipped scene or an FMU; a scene's own inputs (NAME.csv beside it) drive it unless others are given.
+
+    interpolation: of the inputs between communication points, see `simulate`.
+    error: estimate the error at the end too, in the summary as estimated_error_m; an FMU must have been built with that.
+    """
+    scene_or_fmu = _opened(what, error)
+    if inputs is None and isinstance(scene_or_fmu, Scene):
+        inputs = scene_or_fmu.default_inputs
+    result = simulate(
+        scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs, interpolation=interpolation, progress=progress
+    )
+    return replace(result, summary=result.summary | findings(result))
+
+
+def _opened(what: str | Path, error: bool) -> Scene | Path:
+    """The scene or the path of the FMU, with the estimate of the error in it if that is asked for."""
+    if not str(what).endswith(".fmu"):
+        return _with_estimate(find_scene(what)) if error else load_scene(what)
+    path = Path(what)
+    if error:
+        with Component(path) as component:
+            if ESTIMATE not in component.by_name:
+                raise FmuError(
+                    f"--error: {path} has no variable {ESTIMATE}; wanted an FMU whose scene says error_estimate = true in [solver]: "
+                    "build it anew with that, or run the scene itself with --error"
+                )
+    return path
+
+
+def _with_estimate(path: Path) -> Scene:
+    """The scene of a file, with error_estimate = true whatever the file says."""
+    document = read_document(path)
+    solver = document.get("solver", {})
+    return scene_from(document | {"solver": solver | {"error_estimate": True} if isinstance(solver, dict) else solver}, path=path)
+
+
+def keep_run(result: Result, folder: Path) -> list[Path]:
+    """Writes results, picture, interactive page and, with a mesh, its last shape; returns the files."""
+    from softffd.show.picture import draw_run
+    from softffd.show.view import write_view
+
+    files = result.save(folder)
+    if np.isnan(result.positions).any() or not result.positions.size:
+        result.summary["findings"].append('no pictures: they need outputs.positions = "all"')
+        return files
+    mesh = run_mesh(result)
+    draw_run(result, folder / "picture.png", mesh=mesh)
+    write_view(result, folder / "view.html", mesh=mesh)
+    files += [folder / "picture.png", folder / "view.html"]
+    if mesh:
+        path = folder / f"deformed{result.scene.mesh.file.suffix.lower()}"
+        save_mesh(mesh, path, vertices=result.deformed())
+        files.append(path)
+    return files
+
+
+def run_mesh(result: Result) -> Mesh | None:
+    """The mesh of a result's scene at rest."""
+    return result.scene.loaded_mesh if result.scene else None

@@ -1,0 +1,127 @@
+"""What a run gives back, and the files it is kept in."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from softffd.embedding.deform import deform
+from softffd.errors import MeshError, SoftffdError
+from softffd.fmu.records import LatticeBox
+from softffd.mesh.mesh import Mesh
+from softffd.scene.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A run, one row per communication point."""
+
+    time: np.ndarray
+    """(T,) s"""
+    positions: np.ndarray
+    """(T, nx, ny, nz, 3) m; NaN for control points that are not among the outputs"""
+    outputs: dict[str, np.ndarray]
+    """The other outputs by variable name, (T,) each"""
+    inputs: dict[str, np.ndarray]
+    """Inputs by variable name as held over the step that begins at each time, (T,) each"""
+    parameters: dict[str, float]
+    """Parameters by variable name"""
+    summary: dict[str, Any]
+    """title, simulated_time_s, run_time_s, real_time_factor, communication_steps, warnings, ..."""
+    scene: Scene | None = field(default=None, repr=False)
+    """The scene, where the run started from one"""
+    lattice: LatticeBox | None = None
+    """Counts, box at rest and basis, as the FMU has them; None for an FMU that is not of this package"""
+
+    def deformed(self, mesh: Mesh | np.ndarray | None = None, *, row: int | slice = -1) -> np.ndarray:
+        """The deformed vertices (V, 3) [m] of a mesh in the run's lattice at a row of `time`, the last by default; (T, V, 3) for a slice.
+
+        mesh: a Mesh or vertices (V, 3) [m] at rest; the scene's mesh by default. MeshError where there is none or a vertex is outside the
+        box, SoftffdError where positions of control points were not recorded.
+        """
+        mesh = self.scene.loaded_mesh if mesh is None and self.scene else mesh
+        if mesh is None:
+            raise MeshError("deformed: wanted a mesh, for the run's scene has none")
+        positions = self.positions[row]
+        if self.lattice is None or np.isnan(positions).any():
+            raise SoftffdError('deformed: wanted a run of an FMU of softffd with outputs.positions = "all"')
+        return deform(mesh, positions, origin=self.lattice.origin, size=self.lattice.size, basis=self.lattice.basis)
+
+    def plane_names(self) -> list[str]:
+        """Names of the obstacle planes, in the order of the scene."""
+        known = [*self.parameters, *self.inputs]
+        return list(dict.fromkeys(name.split(".")[1] for name in known if name.startswith("plane.")))
+
+    def plane(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Points (T, 3) [m] and normals (T, 3) of a plane over time."""
+
+        def vector(what: str) -> np.ndarray:
+            columns = []
+            for c in "xyz":
+                key = f"plane.{name}.{what}.{c}"
+                value = self.inputs[key] if key in self.inputs else self.parameters[key]
+                columns.append(np.broadcast_to(value, self.time.shape))
+            return np.stack(columns, axis=1)
+
+        points, normals = vector("point"), vector("normal")
+        if f"plane.{name}.point.x" in self.parameters:  # the pose is that of the start time, moved on since
+            age = (self.time - self.time[0])[:, None]
+            points = points + age * vector("velocity")
+            normals = _turned(age * vector("angular_velocity"), normals)
+        return points, normals
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Writes result.npz, result.csv and summary.json; each appears whole or not at all. Returns their paths."""
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        files = {"result.npz": self._write_npz, "result.csv": self._write_csv, "summary.json": self._write_summary}
+        for name, write in files.items():
+            partial = folder / f".{name}.partial"
+            with partial.open("wb") as stream:
+                write(stream)
+            os.replace(partial, folder / name)
+        return [folder / name for name in files]
+
+    def _write_npz(self, stream: Any) -> None:
+        np.savez_compressed(stream, time=self.time, positions=self.positions, **self.outputs)
+
+    def _write_csv(self, stream: Any) -> None:
+        columns = {"time": self.time, **self.outputs, **self._position_columns()}
+        header = ",".join(f'"{name}"' if "," in name else name for name in columns)
+        np.savetxt(stream, np.stack(list(columns.values()), axis=1), fmt="%.17g", delimiter=",", header=header, comments="")
+
+    def _position_columns(self) -> dict[str, np.ndarray]:
+        _, nx, ny, nz, _ = self.positions.shape
+        return {
+            f"position[{i},{j},{k}].{axis}": self.positions[:, i, j, k, a]
+            for k in range(nz)
+            for j in range(ny)
+            for i in range(nx)
+            if not np.isnan(self.positions[0, i, j, k, 0])
+            for a, axis in enumerate("xyz")
+        }
+
+    def _write_summary(self, stream: Any) -> None:
+        stream.write((json.dumps(self.summary, indent=2) + "\n").encode())
+
+
+def require_writable(folder: Path) -> None:
+    """SoftffdError where files could not be written to a folder, which need not exist yet: to be asked before a long run."""
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} is a file")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} may not be written to")
+
+
+def _turned(rotations: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """vectors (T, 3) turned by rotation vectors (T, 3) [rad] (Rodrigues)."""
+    angle = np.linalg.norm(rotations, axis=1, keepdims=True)
+    axis = np.divide(rotations, angle, out=np.zeros_like(rotations), where=angle > 0)
+    along = (axis * vectors).sum(axis=1, keepdims=True) * axis
+    return along + np.cos(angle) * (vectors - along) + np.sin(angle) * np.cross(axis, vectors)

@@ -1,0 +1,1 @@
+"""The scene: a TOML file, validated."""

@@ -1,0 +1,164 @@
+"""The checks that need more than one key of a scene, or its mesh."""
+
+import itertools
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from softffd.installed import available_methods, table
+from softffd.scene.draft import Draft
+from softffd.scene.faults import Fault, KeyPath, path_text, toml_text
+from softffd.scene.sections import Lattice
+from softffd.scene.selection import flat_indices
+
+
+def cross_check(draft: Draft) -> list[Fault]:
+    """The problems between the sound values of a draft whose box and mesh are settled."""
+    checks = (_method, _names, _selections, _mass, _margin, _box, _control_points, _probes)
+    with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
+        return [fault for check in checks for fault in check(draft)]
+
+
+def _method(draft: Draft) -> Iterator[Fault]:
+    counts, method = draft.scene.lattice.points, draft.scene.solver.method
+    if not (draft.sound("lattice", "points") and draft.sound("solver", "method")):
+        return
+    if method not in [row["key"] for row in available_methods(counts)]:
+        widest = next(row["widest_layer"] for row in table()["method"] if row["key"] == method)
+        layer = " x ".join(map(str, sorted(counts)[:2]))
+        wanted = f"wanted a lattice of at most {widest} control points in a layer across its axis with most"
+        got = f"or the method's matrices are too large, got {toml_text(method)} with {layer} in a layer"
+        yield Fault(("solver", "method"), f'{wanted}, {got}; take "auto", or "dop853" for high accuracy, instead')
+
+
+def _names(draft: Draft) -> Iterator[Fault]:
+    for section in ("plane", "pin", "load", "probe"):
+        owners = {}
+        for position, item in enumerate(getattr(draft.scene, section)):
+            path = (section, position, "name")
+            if draft.sound(*path) and (owner := owners.setdefault(item.name, path)) != path:
+                taken = f"already the name of {path_text(owner[:2])}"
+                yield Fault(path, f"wanted a name of its own, got {toml_text(item.name)}, {taken}")
+
+
+def _selections(draft: Draft) -> Iterator[Fault]:
+    counts = draft.scene.lattice.points
+    pinned = {}
+    for path, selection in _all_selections(draft):
+        try:
+            chosen = flat_indices(selection, counts)
+        except ValueError as error:
+            yield Fault(path, str(error))
+            continue
+        if len(chosen) == 0 and path[0] in ("pin", "load"):
+            yield Fault(path, f"wanted at least one control point, got {toml_text(selection)}")
+        if path[0] == "pin":
+            pinned[path] = chosen
+    yield from _pinned_twice(pinned, counts)
+
+
+def _all_selections(draft: Draft) -> Iterator[tuple[KeyPath, Any]]:
+    scene = draft.scene
+    single = (("inputs", "forces"), ("outputs", "positions"), ("outputs", "velocities"))
+    found = [(path, getattr(getattr(scene, path[0]), path[1])) for path in single]
+    for section in ("region", "pin", "load"):
+        found += [((section, n, "points"), item.points) for n, item in enumerate(getattr(scene, section))]
+    if draft.sound("lattice", "points"):
+        yield from ((path, selection) for path, selection in found if draft.sound(*path))
+
+
+def _pinned_twice(pinned: dict[KeyPath, np.ndarray], counts: tuple[int, int, int]) -> Iterator[Fault]:
+    for (first, ours), (second, theirs) in itertools.combinations(pinned.items(), 2):
+        common = np.intersect1d(ours, theirs)
+        if len(common):
+            i, j, k = (int(index) for index in np.unravel_index(common[0], counts, order="F"))
+            more = f" and {len(common) - 1} more" * (len(common) > 1)
+            got = f"got [{i}, {j}, {k}]{more}, held by {path_text(first[:2])} too"
+            yield Fault(second, f"wanted control points that no other pin holds, {got}")
+
+
+def _mass(draft: Draft) -> Iterator[Fault]:
+    mass = draft.scene.mass
+    both = draft.sound("mass", "total") and draft.sound("mass", "density")
+    if both and None not in (mass.total, mass.density):
+        got = f"total = {mass.total:g} and density = {mass.density:g}"
+        yield Fault(("mass",), f"wanted total or density, got {got}")
+    if draft.sound("mass", "distribution") and mass.distribution != "uniform":
+        inside = mass.distribution == "volume"
+        yield from _needs_mesh(draft, "distribution", closed=inside, instead='take "surface"')
+    if draft.sound("mass", "density") and mass.density is not None:
+        yield from _needs_mesh(draft, "density", closed=True, instead='give "total"')
+
+
+def _needs_mesh(draft: Draft, key: str, *, closed: bool, instead: str) -> Iterator[Fault]:
+    given = toml_text(getattr(draft.scene.mass, key))
+    if draft.scene.mesh is None and draft.sound("mesh"):
+        yield Fault(("mass", key), f"{given} needs a {'closed ' * closed}mesh, but the scene has no [mesh]")
+    elif closed and draft.mesh is not None and not draft.mesh.closed:
+        why = f"{draft.scene.mesh.file.name} is open (holes in its surface, or faces turned inside out)"
+        yield Fault(("mass", key), f"{given} needs a closed mesh, but {why}; {instead} instead")
+
+
+def _margin(draft: Draft) -> Iterator[Fault]:
+    lattice = draft.scene.lattice
+    idle = "origin and size are both given" if _box_is_given(lattice) else None
+    idle = "there is no [mesh] whose box it would grow" if draft.scene.mesh is None else idle
+    if lattice.margin > 0 and idle and draft.sound("mesh"):
+        yield Fault(("lattice", "margin"), f"wanted 0, for {idle}, got {lattice.margin:g}")
+
+
+def _box(draft: Draft) -> Iterator[Fault]:
+    lattice, mesh = draft.scene.lattice, draft.mesh
+    if mesh is not None and _box_is_sound(draft) and (outside := _not_in_box(mesh.bounds, lattice)):
+        got = f"got {_box_span(lattice)}, which does not along {' and '.join(outside)}"
+        text = f"wanted a box that holds the mesh ({_span(*mesh.bounds)}), {got}"
+        yield Fault(("lattice", "size" if "size" in lattice.model_fields_set else "origin"), text)
+
+
+def _control_points(draft: Draft) -> Iterator[Fault]:
+    lattice = draft.scene.lattice
+    if not _box_is_sound(draft) or not draft.sound("lattice", "points"):
+        return
+    for axis, count, origin, size in zip("xyz", lattice.points, lattice.origin, lattice.size, strict=True):
+        at = origin + size * np.linspace(0.0, 1.0, count)
+        if not np.all(np.isfinite(at)) or not np.all(np.diff(at) > 0):
+            got = f"got origin {origin:g} m and size {size:g} m, too large or unequal for double precision"
+            yield Fault(("lattice",), f"wanted control points that differ along {axis}, {got}")
+
+
+def _probes(draft: Draft) -> Iterator[Fault]:
+    lattice = draft.scene.lattice
+    if not _box_is_sound(draft):
+        return
+    for position, probe in enumerate(draft.scene.probe):
+        path = ("probe", position, "at")
+        if draft.sound(*path) and _not_in_box(np.array([probe.at, probe.at]), lattice):
+            yield Fault(path, f"wanted a place in the box {_box_span(lattice)}, got {toml_text(probe.at)}")
+
+
+def _box_is_sound(draft: Draft) -> bool:
+    """Whether the box is the one that is meant: its own keys hold, and the mesh that it follows was read."""
+    own = all(draft.sound("lattice", key) for key in ("origin", "size", "margin"))
+    return own and (draft.sound("mesh") or _box_is_given(draft.scene.lattice))
+
+
+def _box_is_given(lattice: Lattice) -> bool:
+    return {"origin", "size"} <= lattice.model_fields_set
+
+
+def _not_in_box(bounds: np.ndarray, lattice: Lattice) -> list[str]:
+    """The axes along which `bounds` (2, 3) leave the box by more than rounding (1e-9 of its edge)."""
+    lower, size = np.array(lattice.origin), np.array(lattice.size)
+    slack = 1e-9 * size
+    outside = (bounds[0] < lower - slack) | (bounds[1] > lower + size + slack)
+    return [axis for axis, out in zip("xyz", outside, strict=True) if out]
+
+
+def _box_span(lattice: Lattice) -> str:
+    return _span(lattice.origin, np.add(lattice.origin, lattice.size))
+
+
+def _span(lower: Any, upper: Any) -> str:
+    corners = (", ".join(f"{entry:.6g}" for entry in corner) for corner in (lower, upper))
+    return " to ".join(f"[{corner}]" for corner in corners) + " m"

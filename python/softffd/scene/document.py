@@ -1,0 +1,89 @@
+"""Finding and reading the scene file: a path, or the name of a scene that comes with the package."""
+
+import re
+import tomllib
+from pathlib import Path
+
+from softffd.errors import SceneError
+from softffd.scene.faults import did_you_mean, nearest_of
+
+SHIPPED = Path(__file__).parents[1] / "scenes"
+ZIP = b"PK\x03\x04"
+
+
+def shipped_scenes() -> list[str]:
+    """The names of the scenes that come with the package, in alphabetical order."""
+    return sorted(path.stem for path in SHIPPED.glob("*.toml"))
+
+
+def shown(path: Path) -> str:
+    """The path as a user would name it: relative to the working directory where it lies below it."""
+    return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path)
+
+
+def find_scene(path_or_name: str | Path) -> Path:
+    """The scene's file: the file of that path, else the shipped scene of that name. Raises SceneError."""
+    path, name = Path(path_or_name), str(path_or_name) or '""'
+    try:
+        if path.is_file():
+            return path.absolute()
+        if name in shipped_scenes():
+            return SHIPPED / f"{name}.toml"
+        inside = sorted(path.glob("*.toml")) if path.is_dir() else None
+    except (OSError, ValueError) as error:
+        raise SceneError(name, [f"cannot be opened: {error}"]) from None
+    if inside is not None:
+        held = ", ".join(file.name for file in inside[:10]) + ", ..." * (len(inside) > 10)
+        problem = f"wanted a scene file, got a directory; it holds {held or 'no scene (*.toml)'}"
+        raise SceneError(name, [problem])
+    raise SceneError(name, [_missing(path)])
+
+
+def read_document(path: Path) -> dict:
+    """The parsed TOML file. Raises SceneError with the line where it is not TOML."""
+    text = _read_text(path)
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        problem = "not TOML that can be read: nested too deeply"
+    except ValueError as error:
+        problem = _syntax(str(error), text)
+    raise SceneError(shown(path), [problem])
+
+
+def _read_text(path: Path) -> str:
+    try:
+        return path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        problem = f"cannot be read: {error.strerror or error}"
+    except UnicodeDecodeError as error:
+        if error.object.startswith(ZIP):
+            raise SceneError(shown(path), [_archive(path)]) from None
+        line = error.object[: error.start].count(b"\n") + 1
+        byte = error.object[error.start]
+        problem = f"wanted a TOML text in UTF-8, got the byte 0x{byte:02x} in line {line}"
+    raise SceneError(shown(path), [problem])
+
+
+def _archive(path: Path) -> str:
+    if path.suffix == ".fmu":
+        return f"wanted a scene file (TOML), got an FMU; to run it: softffd run {shown(path)}"
+    return f"wanted a scene file (TOML), got a zip archive; if it is an FMU, rename it to {path.name}.fmu"
+
+
+def _missing(path: Path) -> str:
+    names = shipped_scenes()
+    beside = [str(path.with_name(file.name)) for file in path.parent.glob("*.toml")]
+    exact = path.stem if path.stem in names else None
+    nearest = exact or nearest_of(str(path), beside) or nearest_of(path.stem, names)
+    return f"no such file or shipped scene{did_you_mean(nearest) or '.'} Shipped scenes: {', '.join(names)}"
+
+
+def _syntax(message: str, text: str) -> str:
+    """tomllib's message with the place first and the line's text last."""
+    found = re.search(r" \(at line (\d+), column (\d+)\)$", message)
+    if found is None:
+        return f"TOML syntax: {message}"
+    line, column = int(found[1]), int(found[2])
+    reads = text.split("\n")[line - 1].strip()
+    return f"TOML syntax, line {line}, column {column}: {message[: found.start()]}; the line reads: {reads}"

@@ -1,0 +1,186 @@
+"""What is said about a faulty scene: `material.stiffness: wanted >= 0 N/m, got -5`.
+
+A path in the file is a tuple such as ("plane", 1, "normal"), written plane[1].normal; positions count from 0.
+"""
+
+import difflib
+import json
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from softffd.scene.quantity import SIGNS
+
+KeyPath = tuple[str | int, ...]
+
+KINDS = {
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "int_type": "a whole number",
+    "bool_type": "true or false",
+    "string_type": "text in quotes",
+}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One problem of a scene and its place in the file."""
+
+    path: KeyPath
+    text: str
+    meant: KeyPath | None = None  # of an unknown key: the path that was probably meant
+
+    def __str__(self) -> str:
+        return f"{path_text(self.path)}: {self.text}"
+
+
+def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
+    """The problems that pydantic found in a document for `model`, in our words."""
+    found, missing = [], set()
+    for entry in error.errors():
+        unknown = entry["type"] == "extra_forbidden"
+        path = _without_tags(entry["loc"], spare_last=unknown)
+        found.append(_unknown_key(path, model) if unknown else Fault(path, _explain(entry, path, model)))
+        missing |= {path} if entry["type"] == "missing" else set()
+    misspelt = missing & {fault.meant for fault in found}
+    return [fault for fault in found if fault.path not in misspelt]
+
+
+def in_file_order(faults: list[Fault], document: dict) -> list[Fault]:
+    """The faults by section in the order of the file, by position in a list of tables, then as found."""
+    sections = [*document, *(fault.path[0] for fault in faults)]
+
+    def place(fault: Fault) -> tuple[int, int]:
+        position = fault.path[1] if len(fault.path) > 1 else 0
+        return sections.index(fault.path[0]), position if isinstance(position, int) else 0
+
+    return sorted(faults, key=place)
+
+
+def _without_tags(location: tuple, *, spare_last: bool) -> KeyPath:
+    """Pydantic's location without the tags of unions (`<number>`); an unknown key may look like one."""
+    last = len(location) - 1 if spare_last else None
+    return tuple(part for n, part in enumerate(location) if n == last or not str(part).startswith("<"))
+
+
+def path_text(path: KeyPath) -> str:
+    """plane[1].normal for ("plane", 1, "normal"); keys that TOML wants quoted are quoted."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            bare = re.fullmatch(r"[A-Za-z0-9_-]+", part)
+            text += ("." if text else "") + (part if bare else toml_text(part))
+    return text
+
+
+def toml_text(value: Any, *, longest: int = 70) -> str:
+    """A value as one would write it in the file, cut to `longest` characters."""
+    if isinstance(value, bool | str):
+        text = json.dumps(value, ensure_ascii=False)
+    elif isinstance(value, list | tuple):
+        text = f"[{', '.join(toml_text(entry) for entry in value)}]"
+    elif isinstance(value, dict):
+        text = f"{{ {', '.join(f'{key} = {toml_text(entry)}' for key, entry in value.items())} }}"
+    else:
+        text = str(value)
+    return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+def nearest_of(given: str, choices: Iterable[str]) -> str | None:
+    """The choice spelt most like `given`, else one of the same letters ("-z": "z-"); None where none is near."""
+    by_fold = {choice.casefold(): choice for choice in choices}
+    near = difflib.get_close_matches(given.casefold(), by_fold, n=1)
+    near += [fold for fold in by_fold if sorted(fold) == sorted(given.casefold())]
+    return by_fold[near[0]] if near else None
+
+
+def did_you_mean(nearest: str | None) -> str:
+    """`, did you mean "..."?`, or nothing."""
+    return f', did you mean "{nearest}"?' if nearest else ""
+
+
+def field_at(model: type[BaseModel], path: KeyPath) -> FieldInfo | None:
+    """The field that the last key of `path` names, None where there is no such key."""
+    field = None
+    for key in (part for part in path if isinstance(part, str)):
+        field = model.model_fields.get(key) if model else None
+        model = _table_in(field.annotation) if field else None
+    return field
+
+
+def _table_in(annotation: Any) -> type[BaseModel] | None:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((table for part in get_args(annotation) if (table := _table_in(part))), None)
+
+
+def _explain(entry: dict, path: KeyPath, model: type[BaseModel]) -> str:
+    field = field_at(model, path)
+    got = "nothing" if entry["type"] == "missing" else toml_text(entry["input"])
+    return f"wanted {_wanted(entry, field, path)}, got {got}{_nearest(entry, field)}"
+
+
+def _unknown_key(path: KeyPath, model: type[BaseModel]) -> Fault:
+    if nearest := nearest_of(path[-1], _keys_at(model, path[:-1])):
+        return Fault(path, f"unknown key{did_you_mean(nearest)}", meant=(*path[:-1], nearest))
+    homes = [_head(name, model) for name in model.model_fields if path[-1] in _keys_at(model, (name,))]
+    if homes:
+        return Fault(path, f"unknown key here; it belongs in {' or '.join(homes)}")
+    return Fault(path, f"unknown key, wanted {_either(_keys_at(model, path[:-1]))}")
+
+
+def _keys_at(model: type[BaseModel], path: KeyPath) -> list[str]:
+    """The keys of the table at `path`; none where there is no table."""
+    field = field_at(model, path)
+    table = _table_in(field.annotation) if field else model
+    return list(table.model_fields) if table else []
+
+
+def _head(name: str, model: type[BaseModel]) -> str:
+    """How a section's head is written: [lattice], [[plane]]."""
+    return f"[[{name}]]" if get_origin(model.model_fields[name].annotation) is tuple else f"[{name}]"
+
+
+def _wanted(entry: dict, field: FieldInfo | None, path: KeyPath) -> str:
+    kind, context = entry["type"], entry.get("ctx", {})
+    if kind == "missing":
+        return field.description
+    if kind == "literal_error":
+        return _either(_words(field.annotation))
+    if kind in ("tuple_type", "model_type", "model_attributes_type"):
+        return _table_form(entry, path)
+    unit = ((field.json_schema_extra or {}).get("unit", "1") if field else "1").replace("1", "")
+    for bound in SIGNS.keys() & context.keys():
+        return f"{SIGNS[bound]} {context[bound]:g} {unit}".rstrip()
+    return KINDS.get(kind, entry["msg"]) + (f" ({unit})" if unit else "")
+
+
+def _table_form(entry: dict, path: KeyPath) -> str:
+    """What to write where a table is wanted: the single and the double brackets are easily confused."""
+    if entry["type"] == "tuple_type":
+        return f"tables, each under a head [[{path_text(path)}]] in double brackets"
+    return f"one table under the head [{path[0]}] in single brackets" if len(path) == 1 else "a table"
+
+
+def _words(annotation: Any) -> list[str]:
+    """The words that a type takes, also where they are one arm of a union."""
+    if isinstance(annotation, str):
+        return [annotation]
+    return [word for part in get_args(annotation) for word in _words(part)]
+
+
+def _either(words: list[str]) -> str:
+    quoted = [f'"{word}"' for word in words]
+    return " or ".join([", ".join(quoted[:-1]), quoted[-1]] if len(quoted) > 1 else quoted)
+
+
+def _nearest(entry: dict, field: FieldInfo | None) -> str:
+    if entry["type"] == "literal_error" and isinstance(entry["input"], str):
+        return did_you_mean(nearest_of(entry["input"], _words(field.annotation)))
+    return did_you_mean(entry.get("ctx", {}).get("nearest"))

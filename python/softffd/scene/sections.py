@@ -1,0 +1,268 @@
+"""The sections of a scene file, key by key: default, unit, range and meaning. SI units."""
+
+import re
+import unicodedata
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Strict,
+    Tag,
+    WithJsonSchema,
+)
+
+from softffd.scene.quantity import (
+    Number,
+    PositiveVector,
+    Switch,
+    Vector,
+    key,
+    list_of,
+    list_schema,
+    quantity,
+    refusal,
+)
+from softffd.scene.selection import Selection
+
+
+class Section(BaseModel):
+    """A table of the scene file: immutable, and closed to unknown keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+
+IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable():
+        raise refusal("text without control characters")
+    return text
+
+
+def _identifier(name: str) -> str:
+    if re.fullmatch(IDENTIFIER, name):
+        return name
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    nearest = re.sub("[^A-Za-z0-9_]+", "_", plain).strip("_")
+    nearest = f"_{nearest}" if nearest[:1].isdigit() else nearest
+    raise refusal("a name of letters A-Z a-z, digits and underscores, no digit first", nearest=nearest)
+
+
+def _direction(vector: tuple[float, float, float]) -> tuple[float, float, float]:
+    if not 1e-100 < max(map(abs, vector)) < 1e100:
+        raise refusal("a vector of length > 0 (in double precision: 1e-100 to 1e100)")
+    return vector
+
+
+def _file_name(value: Any) -> Path:
+    if isinstance(value, Path):
+        return value
+    if not isinstance(value, str) or not value.strip() or not value.isprintable():
+        raise refusal("the name of a mesh file in quotes")
+    return Path(value)
+
+
+FileName = Annotated[Path, BeforeValidator(_file_name), WithJsonSchema({"type": "string", "minLength": 1})]
+Text = Annotated[str, Strict(), AfterValidator(_printable)]
+Name = Annotated[
+    str,
+    Strict(),
+    AfterValidator(_identifier),
+    WithJsonSchema({"type": "string", "pattern": f"^{IDENTIFIER}$"}),
+]
+Direction = Annotated[Vector, AfterValidator(_direction)]
+Count = Annotated[int, Strict(), Field(ge=2, le=32)]
+Counts = Annotated[
+    tuple[Count, Count, Count],
+    list_of(3, "3 whole numbers [nx, ny, nz]"),
+    list_schema(3, type="integer", minimum=2, maximum=32),
+]
+NAME = "a name for the FMU's variables: letters, digits, underscores"
+Motion = Literal["fixed", "input"]
+
+
+class Lattice(Section):
+    """The volume around the object and its springs (Xia & Wang 2009, section 1)."""
+
+    points: Counts = quantity((4, 4, 4), "1", "control points per axis [nx, ny, nz], 2..32 each")
+    origin: Vector | None = quantity(None, "m", "lower corner of the box; default: that of the mesh's box grown by `margin`, or [0, 0, 0]")
+    size: PositiveVector | None = quantity(
+        None, "m", "edges of the box, > 0; default: those of the mesh's box grown by `margin`, or [1, 1, 1]"
+    )
+    margin: Number = quantity(0.0, "1", "share of the mesh's box added on every side", ge=0)
+    springs: Literal["distinct", "paper"] = key(
+        "distinct",
+        '"distinct" (468 springs for 4x4x4) or "paper" (504: those on the edges of the box doubled)',
+    )
+    basis: Literal["bezier", "bspline"] = key(
+        "bezier",
+        '"bezier": every control point moves the whole object; "bspline": uniform cubic, clamped, only what is near, for finer lattices',
+    )
+
+
+class MeshFile(Section):
+    """The embedded object."""
+
+    file: FileName = key(..., "a mesh file: OBJ, STL, PLY or GLB, relative to the scene file", examples=["car.obj"])
+    scale: Number = quantity(1.0, "1", "metres per unit of length of the file", gt=0)
+    up: Literal["x", "y", "z"] = key("z", "axis of the file that becomes +z")
+
+
+class Mass(Section):
+    """The object's mass and how it is spread over the control points."""
+
+    total: Number | None = quantity(None, "kg", "total mass; absent together with `density`: 1", gt=0)
+    density: Number | None = quantity(None, "kg/m3", "density, for a closed mesh, in place of `total`", gt=0)
+    distribution: Literal["uniform", "vertices", "surface", "volume"] = key(
+        "uniform",
+        '"uniform": equal points; "vertices", "surface", "volume": as it is spread over the mesh',
+    )
+    uniform_share: Number = quantity(
+        0.1,
+        "1",
+        "part of the total spread evenly over the points, so that none is nearly massless",
+        ge=0,
+        le=1,
+    )
+
+
+class Stiffness(Section):
+    """Stiffness by kind of spring."""
+
+    edge: Number = quantity(..., "N/m", "stiffness of the edge springs", ge=0, examples=[1e3])
+    face: Number = quantity(..., "N/m", "stiffness of the face diagonals", ge=0, examples=[1e3])
+    body: Number = quantity(..., "N/m", "stiffness of the body diagonals", ge=0, examples=[1e3])
+
+
+def _stiffness_form(value: Any) -> str | None:
+    if isinstance(value, dict | Stiffness):
+        return "<table>"
+    return "<number>" if isinstance(value, int | float) and not isinstance(value, bool) else None
+
+
+def _for_all_springs(value: float | Stiffness) -> Stiffness:
+    return value if isinstance(value, Stiffness) else Stiffness(edge=value, face=value, body=value)
+
+
+StiffnessInput = Annotated[
+    Annotated[Number, Field(ge=0), Tag("<number>")] | Annotated[Stiffness, Tag("<table>")],
+    Discriminator(
+        _stiffness_form,
+        custom_error_type="wanted",
+        custom_error_message="a number or a table { edge = , face = , body = }",
+    ),
+    AfterValidator(_for_all_springs),
+]
+
+
+class Material(Section):
+    """Springs and damping (Xia & Wang 2009, eq. (3) and (6))."""
+
+    stiffness: StiffnessInput = quantity(1e3, "N/m", "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }")
+    damping: Number = quantity(0.01, "N.s/m", "viscous damping of each control point: d_i of eq. (3)", ge=0)
+    volume_stiffness: Number = quantity(
+        0.0,
+        "Pa",
+        "keeps crushed cells from folding: resists where a cell's corner has lost half its volume, a good first value is "
+        "3 times stiffness by edge of a cell; 0: absent",
+        ge=0,
+    )
+
+
+class Region(Section):
+    """A local override; of several on one point or spring the last one wins."""
+
+    points: Selection = key(..., "the control points of the region: a selection", examples=["z-"])
+    stiffness: Number | None = quantity(None, "N/m", "stiffness of springs with both ends in the region", ge=0)
+    mass: Number | None = quantity(None, "kg", "mass of each control point of the region", gt=0)
+    damping: Number | None = quantity(None, "N.s/m", "damping of each control point of the region", ge=0)
+
+
+class Environment(Section):
+    """What acts everywhere."""
+
+    gravity: Vector | None = quantity(None, "m/s2", "gravity; absent: none, and no variable for it")
+
+
+class Plane(Section):
+    """An obstacle: the half-space behind the plane is solid."""
+
+    name: Name = key(..., NAME, examples=["ground"])
+    point: Vector = quantity((0.0, 0.0, 0.0), "m", "a point of the plane")
+    normal: Direction = quantity((0.0, 0.0, 1.0), "1", "points out of the solid; any length > 0")
+    velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of the obstacle at `point`")
+    angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about `point`")
+    friction: Number = quantity(0.4, "1", "Coulomb's coefficient of friction", ge=0)
+    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for pose and motion')
+
+
+class Pin(Section):
+    """Control points on a rigid frame; at rest its origin is their centroid, its axes are the world's."""
+
+    name: Name = key(..., NAME, examples=["base"])
+    points: Selection = key(..., "the pinned control points: a selection of at least one", examples=["z-"])
+    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for pose and motion')
+
+
+class Load(Section):
+    """A total force shared equally by its points; an input of the FMU."""
+
+    name: Name = key(..., NAME, examples=["push"])
+    points: Selection = key(..., "the loaded control points: a selection of at least one", examples=["x+"])
+
+
+class Inputs(Section):
+    """Inputs besides those of planes, pins and loads."""
+
+    forces: Selection = key("none", "control points with a force input each: a selection")
+
+
+class Initial(Section):
+    """The state at the start: x0 = origin + stretch (X - origin) + offset, X the rest position."""
+
+    stretch: Vector = quantity((1.0, 1.0, 1.0), "1", "factor per axis on the rest shape")
+    offset: Vector = quantity((0.0, 0.0, 0.0), "m", "displacement of the whole object")
+    velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of the whole object")
+    angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about the box's centre")
+
+
+class Probe(Section):
+    """A point of the object followed through the deformation: Q(u, v, w) of Xia & Wang 2009, eq. (1)."""
+
+    name: Name = key(..., NAME, examples=["nose"])
+    at: Vector = quantity(..., "m", "a place in the rest shape, inside the box", examples=[[0.5, 0.5, 0.5]])
+
+
+class Outputs(Section):
+    """What the FMU computes for others; what is not asked for does not exist."""
+
+    positions: Selection = key("all", "control points whose positions are outputs: a selection")
+    velocities: Selection = key("none", "control points whose velocities are outputs: a selection")
+    reactions: Switch = key(True, "force and torque on each plane and each pin")
+    energy: Switch = key(False, "kinetic, elastic, gravity and dissipated energy, work")
+    solver: Switch = key(False, "steps, error estimate, stable step, folded cells")
+
+
+class Solver(Section):
+    """How the equations of motion are integrated."""
+
+    method: Literal["auto", "central_difference", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2"] = key(
+        "auto", '"auto": chosen per communication step; "central_difference": as published'
+    )
+    tolerance: Number = quantity(1e-4, "m", "error at the end of the run for a box of 1 m, scaled by its largest side", gt=0)
+    step: Number = quantity(0.0, "s", "internal step; 0: chosen by stability and tolerance", ge=0)
+    error_estimate: Switch = key(False, "a second run beside this one estimates its error; costs 80 to 160 % more")
+
+
+class Experiment(Section):
+    """The default experiment of the FMU."""
+
+    stop_time: Number = quantity(1.0, "s", "end of the simulation", gt=0)
+    communication_step: Number = quantity(0.01, "s", "time between two exchanges of inputs and outputs", gt=0)

@@ -1,0 +1,105 @@
+"""Selections: the ways a scene file names a set of control points.
+
+`"all"`, `"none"`, a face `"x-" "x+" "y-" "y+" "z-" "z+"`, a list of indices `[[i, j, k], ...]`, or inclusive
+ranges `{ i = [0, 1], j = [2, 3] }` in which an absent axis means all of it. Indices start at 0, as p_ijk in
+Xia & Wang 2009, eq. (1).
+"""
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
+
+from softffd.scene.quantity import key, list_of, list_schema, refusal
+
+FACES = {f"{'xyz'[axis]}{side}": (axis, end) for axis in range(3) for side, end in (("-", 0), ("+", -1))}
+
+Word = Literal["all", "none", "x-", "x+", "y-", "y+", "z-", "z+"]
+Index = Annotated[int, Strict(), Field(ge=0)]
+Triple = Annotated[
+    tuple[Index, Index, Index],
+    list_of(3, "3 whole numbers [i, j, k]"),
+    list_schema(3, type="integer", minimum=0),
+]
+
+
+def _in_order(ends: tuple[int, int]) -> tuple[int, int]:
+    if ends[0] > ends[1]:
+        raise refusal("[first, last] with first <= last")
+    return ends
+
+
+Range = Annotated[
+    tuple[Index, Index],
+    list_of(2, "2 whole numbers [first, last]"),
+    AfterValidator(_in_order),
+    list_schema(2, type="integer", minimum=0),
+]
+
+
+class Ranges(BaseModel):
+    """Inclusive index ranges per axis; an absent axis means all of it."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    i: Range | None = key(None, "first and last index along x, both included; absent: all")
+    j: Range | None = key(None, "first and last index along y, both included; absent: all")
+    k: Range | None = key(None, "first and last index along z, both included; absent: all")
+
+
+def _kind(value: Any) -> str | None:
+    """The tag of the form a selection is written in (`<...>`: never a key of the file)."""
+    forms = ((str, "<word>"), ((list, tuple), "<list>"), ((dict, Ranges), "<ranges>"))
+    return next((tag for types, tag in forms if isinstance(value, types)), None)
+
+
+Selection = Annotated[
+    Annotated[Word, Tag("<word>")] | Annotated[tuple[Triple, ...], Tag("<list>")] | Annotated[Ranges, Tag("<ranges>")],
+    Discriminator(
+        _kind,
+        custom_error_type="wanted",
+        custom_error_message='"all", "none", a face such as "z-", [[i, j, k], ...] or { i = [first, last] }',
+    ),
+]
+
+
+def flat_indices(selection: Selection, counts: tuple[int, int, int]) -> np.ndarray:
+    """Flat indices p = i + nx (j + ny k) of a selection, (m,) int64: a list's in its order, else ascending.
+
+    `counts` are the control points per axis.
+    Raises ValueError where the selection leaves the lattice or names a point twice.
+    """
+    grid = np.arange(np.prod(counts), dtype=np.int64).reshape(counts, order="F")
+    if isinstance(selection, Ranges):
+        return _range_indices(selection, grid)
+    if isinstance(selection, tuple):
+        return _list_indices(selection, grid)
+    if selection in FACES:
+        axis, position = FACES[selection]
+        return np.sort(grid.take(position, axis=axis), axis=None)
+    return np.sort(grid, axis=None) if selection == "all" else np.empty(0, np.int64)
+
+
+def _range_indices(ranges: Ranges, grid: np.ndarray) -> np.ndarray:
+    slices = []
+    for axis, count in zip("ijk", grid.shape, strict=True):
+        first, last = getattr(ranges, axis) or (0, count - 1)
+        if last >= count:
+            raise ValueError(f"{_inside(grid.shape)}, got {axis} = [{first}, {last}]")
+        slices.append(slice(first, last + 1))
+    return np.sort(grid[tuple(slices)], axis=None)
+
+
+def _list_indices(points: tuple[tuple[int, int, int], ...], grid: np.ndarray) -> np.ndarray:
+    outside = [point for point in points if any(np.greater_equal(point, grid.shape))]
+    if outside:
+        raise ValueError(f"{_inside(grid.shape)}, got {', '.join(str(list(point)) for point in outside)}")
+    twice = [list(point) for n, point in enumerate(points) if point in points[:n]]
+    if twice:
+        raise ValueError(f"wanted each control point once, got {twice[0]} again")
+    return np.array([grid[point] for point in points], dtype=np.int64)
+
+
+def _inside(counts: tuple[int, ...]) -> str:
+    limits = ", ".join(f"{axis} 0..{count - 1}" for axis, count in zip("ijk", counts, strict=True))
+    return f"wanted control points of the {' x '.join(map(str, counts))} lattice ({limits})"

@@ -1,0 +1,120 @@
+"""The object in one frame, or at rest, as an image: its surface, its lattice and the obstacles, from the usual side."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from softffd.show.raster import FIELD, Camera, Canvas
+from softffd.show.raster_plane import Patch, draw_plane
+from softffd.show.stage import FREE, PAINT, PINNED, VIEW, Stage, round_length
+from softffd.show.surface import ShadingNormals, face_normals
+
+SMOOTH_FACES = 150_000
+"""Up to here normals are smoothed; the triangles of larger meshes are hardly larger than a pixel."""
+
+FILLED = 0.84
+"""Share of the image's width or height that the lattices may take."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """The lattice and the surface of `stage` in `frame`; None: at rest, and then without obstacles."""
+
+    stage: Stage
+    frame: int | None
+
+    @cached_property
+    def points(self):
+        """Control points, (nx, ny, nz, 3) [m]."""
+        return self.stage.rest if self.frame is None else self.stage.positions[self.frame]
+
+    @property
+    def middle(self):
+        """Middle of the lattice's bounding box, (3,) [m]."""
+        return _middle(self.points.reshape(-1, 3))
+
+
+class Panels:
+    """Images of `shapes` of one stage, `width` x `height` pixels each, all from the same distance.
+
+    The camera stands still but for shapes at rest, which are in the middle of their image.
+    """
+
+    def __init__(self, stage, shapes, width, height):
+        self._stage, self._shapes, self._width, self._height = stage, shapes, width, height
+        self._axes = view_axes(stage.up)
+        small = len(stage.faces) <= SMOOTH_FACES
+        self._normals = ShadingNormals(stage.vertices, stage.faces) if small else None
+        self._paint = face_colours(stage)
+        moving = [shape.points.reshape(-1, 3) for shape in shapes if shape.frame is not None]
+        points = np.concatenate(moving or [shapes[0].points.reshape(-1, 3)])
+        self._centre, self._half = _middle(points), np.ptp(points, axis=0) / 2
+        self._distance = max(self._needed(shape) for shape in shapes)
+
+    def image(self, shape):
+        """The image (height, width, 3), 0 .. 1, of one of the shapes."""
+        stage, target = self._stage, self._target(shape)
+        canvas = Canvas(Camera(target + self._distance * self._axes[2], target, stage.up), self._width, self._height)
+        surface = stage.deformed(shape.points), stage.faces
+        canvas.triangles(*surface, self._corner_normals(*surface), self._paint)
+        if shape.frame is not None:
+            self._draw_obstacles(canvas, shape.frame, surface)
+        self._draw_lattice(canvas, shape.points)
+        return canvas.image()
+
+    def _target(self, shape):
+        return shape.middle if shape.frame is None else self._centre
+
+    def _needed(self, shape):
+        """The distance [m] from which the shape's lattice fits into the image."""
+        right, above, back = self._axes @ (shape.points.reshape(-1, 3) - self._target(shape)).T
+        tall = FILLED * FIELD
+        return (back + np.maximum(np.abs(right) * self._height / self._width, np.abs(above)) / tall).max()
+
+    def _corner_normals(self, vertices, faces):
+        if self._normals:
+            return self._normals.corners(vertices)
+        return np.repeat(face_normals(vertices, faces)[:, None], 3, axis=1)
+
+    def _draw_obstacles(self, canvas, frame, surface):
+        reach, spacing = 0.8 * self._distance, round_length(0.15 * self._distance)
+        floors = [(p.points[frame], p.normals[frame]) for p in self._stage.planes if p.is_floor]
+        for plane in self._stage.planes:
+            pose = plane.points[frame], plane.normals[frame], plane.tangents[frame]
+            patch = Patch(*pose, self._centre, reach, spacing, plane.tint)
+            if not plane.is_floor:
+                plate = np.abs(patch.frame[:2]) @ self._half + 0.2 * np.linalg.norm(self._half)
+                patch = replace(patch, plate=plate, reach=plate.max(), floors=floors)
+            draw_plane(canvas, patch, surface=surface)
+
+    def _draw_lattice(self, canvas, points):
+        flat = points.transpose(2, 1, 0, 3).reshape(-1, 3)
+        colours = np.tile(FREE, (len(flat), 1))
+        colours[self._stage.pinned] = PINNED
+        canvas.lines(flat, self._stage.edges, width=max(0.8, self._height / 500))
+        canvas.balls(flat, radius=self._height / 90 * min(1.0, 4 / max(self._stage.counts)), colours=colours)
+
+
+def view_axes(up):
+    """Rows right, above, back (3, 3) of the usual view: from the side and a little above."""
+    turn, lift = VIEW
+    east = np.cross([0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [0.0, 0.0, 1.0], up)
+    east /= np.linalg.norm(east)
+    flat = np.cos(turn) * east + np.sin(turn) * np.cross(up, east)
+    right, back = np.cross(up, flat), np.cos(lift) * flat + np.sin(lift) * np.asarray(up)
+    return np.stack([right, np.cross(back, right), back])
+
+
+def face_colours(stage):
+    """Colours (F, 3) of the faces, or (3,) for all: the texture at each face's middle, without a texture the paint."""
+    if stage.texture is None:
+        return np.array(PAINT)
+    image = np.asarray(stage.texture.convert("RGB")) / 255.0
+    place = stage.uv[stage.faces].mean(axis=1) % 1.0
+    rows, columns = image.shape[:2]
+    return image[((1 - place[:, 1]) * rows).astype(int).clip(0, rows - 1), (place[:, 0] * columns).astype(int)]
+
+
+def _middle(points):
+    return (points.min(axis=0) + points.max(axis=0)) / 2

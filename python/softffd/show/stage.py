@@ -1,0 +1,189 @@
+"""What there is to see of a run: the object's surface, its lattice over time, the obstacles, and which way is up."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from PIL import Image
+
+from softffd.embedding.deform import Embedding
+from softffd.errors import SoftffdError
+from softffd.show.surface import cage_surface
+
+PAINT = (0.15, 0.45, 0.68)
+FREE, PINNED = (0.90, 0.42, 0.05), (0.10, 0.10, 0.12)
+OBSTACLES = ((0.63, 0.67, 0.73), (0.34, 0.71, 0.91), (0.80, 0.47, 0.65), (0.0, 0.62, 0.45), (0.90, 0.62, 0.0))
+"""Colours that remain apart for the colour-blind: the object, its control points, the planes in turn."""
+
+VIEW = (-1.0, 0.27)
+"""From where one looks first, rad: about the up direction, and above the horizon."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneTrack:
+    """An obstacle plane over time.
+
+    `points` (T, 3) [m], unit `normals` (T, 3) and, in the plane, unit `tangents` (T, 3); `tint` its colour. `is_floor`:
+    one could stand on it all the time; it is drawn as a floor without an edge, which hides what is below, and
+    every other plane as a plate as large as the scene.
+    """
+
+    name: str
+    tint: tuple[float, float, float]
+    is_floor: bool
+    points: np.ndarray
+    normals: np.ndarray
+    tangents: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A run as pictures see it.
+
+    `time` (T,) [s]; `positions` (T, nx, ny, nz, 3) [m], all finite. `origin`, `size` (3,) [m]: the box in which the
+    surface is embedded; `basis`: "bezier" or "bspline". `vertices` (V, 3) [m] and `faces` (F, 3): the surface at rest;
+    `uv` (V, 2) and `texture`: its image, or both None. `is_cage`: the surface is the boundary of the volume itself.
+    `pinned`: flat indices of attached control points. `up` (3,): unit. `centre`, `half` (3,) [m]: middle and half the
+    sides of the box of all that the lattice ever covers.
+    """
+
+    title: str
+    time: np.ndarray
+    positions: np.ndarray
+    origin: np.ndarray
+    size: np.ndarray
+    basis: str
+    vertices: np.ndarray
+    faces: np.ndarray
+    uv: np.ndarray | None
+    texture: Image.Image | None
+    is_cage: bool
+    planes: tuple[PlaneTrack, ...]
+    pinned: np.ndarray
+    up: np.ndarray
+    centre: np.ndarray
+    half: np.ndarray
+
+    @property
+    def counts(self):
+        return self.positions.shape[1:4]
+
+    @property
+    def radius(self):
+        """Half the diagonal of the box of all that the lattice ever covers, m."""
+        return float(np.linalg.norm(self.half))
+
+    @cached_property
+    def rest(self):
+        """The undeformed lattice, (nx, ny, nz, 3) [m]."""
+        axes = [np.linspace(0.0, 1.0, n) for n in self.counts]
+        return self.origin + self.size * np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+
+    @cached_property
+    def edges(self):
+        """Neighbours along the axes, (E, 2) flat indices: the lines of the lattice."""
+        nx, ny, nz = self.counts
+        index = np.arange(nx * ny * nz).reshape(nz, ny, nx)
+        pairs = [(index[:, :, :-1], index[:, :, 1:]), (index[:, :-1], index[:, 1:]), (index[:-1], index[1:])]
+        return np.concatenate([np.stack([a.ravel(), b.ravel()], axis=1) for a, b in pairs])
+
+    @cached_property
+    def _embedding(self):
+        return Embedding(self.vertices, self.origin, self.size, self.counts, self.basis)
+
+    def deformed(self, positions):
+        """The surface's vertices (V, 3) [m] for control points (nx, ny, nz, 3) [m]."""
+        return self._embedding.deform(positions)
+
+
+def stage_of(result, *, mesh=None, origin=None, size=None):
+    """The stage of a `Result` with `mesh` as its object, or without one the boundary of the volume.
+
+    origin, size: the box (3,) [m]; by default the lattice's, else the mesh's bounds, else those of the first frame.
+    Raises SoftffdError when positions of control points were not recorded.
+    """
+    positions = _recorded(result)
+    origin, size = _box(result, mesh, origin, size)
+    vertices, faces = (mesh.vertices, mesh.faces) if mesh is not None else cage_surface(origin, size, divisions=_divisions(positions))
+    up = up_direction(result.scene)
+    textured = mesh is not None and mesh.uv is not None and mesh.texture is not None
+    low, high = positions.min(axis=(0, 1, 2, 3)), positions.max(axis=(0, 1, 2, 3))
+    return Stage(
+        title=result.scene.title if result.scene is not None else str(result.summary.get("title", "")),
+        time=np.asarray(result.time, dtype=float),
+        positions=positions,
+        origin=origin,
+        size=size,
+        basis="bezier" if result.lattice is None else result.lattice.basis,
+        vertices=np.asarray(vertices, dtype=float),
+        faces=np.asarray(faces, dtype=np.int64),
+        uv=mesh.uv if textured else None,
+        texture=mesh.texture if textured else None,
+        is_cage=mesh is None,
+        planes=tuple(_track(i, name, up, *result.plane(name)) for i, name in enumerate(result.plane_names())),
+        pinned=_pinned(result.scene),
+        up=up,
+        centre=(low + high) / 2,
+        half=(high - low) / 2,
+    )
+
+
+def up_direction(scene):
+    """Unit vector (3,) against gravity; +z without a scene or without gravity."""
+    gravity = None if scene is None else scene.environment.gravity
+    pull = 0.0 if gravity is None else np.linalg.norm(gravity)
+    return np.array([0.0, 0.0, 1.0]) if pull == 0 else -np.asarray(gravity, float) / pull
+
+
+def _divisions(positions):
+    """Squares along each edge of the drawn box: several to a cell, so that its bends look round."""
+    return max(24, 3 * (max(positions.shape[1:4]) - 1))
+
+
+def _recorded(result):
+    positions = np.asarray(result.positions, dtype=float)
+    missing = np.isnan(positions).any(axis=(0, 4)) if len(positions) else np.ones(positions.shape[1:4], dtype=bool)
+    if missing.any():
+        raise SoftffdError(
+            f"The run cannot be shown: the positions of {missing.sum()} of its {missing.size} control points were not "
+            'recorded. Wanted: a scene with outputs.positions = "all".'
+        )
+    return positions
+
+
+def _box(result, mesh, origin, size):
+    if result.lattice is not None:
+        low, extent = result.lattice.origin, result.lattice.size
+    elif mesh is not None:
+        low, extent = mesh.bounds[0], mesh.bounds[1] - mesh.bounds[0]
+    else:
+        low = result.positions[0].min(axis=(0, 1, 2))
+        extent = result.positions[0].max(axis=(0, 1, 2)) - low
+    return np.array(low if origin is None else origin, float), np.array(extent if size is None else size, float)
+
+
+def _track(number, name, up, points, normals):
+    """The tangents follow one world axis through the run, the one that the normal comes least close to."""
+    normals = _unit(normals)
+    axis, spare = np.eye(3)[np.abs(normals).max(axis=0).argsort()[:2]]
+    axes = np.where(np.abs(normals @ axis)[:, None] < 0.999, axis, spare)
+    tangents = axes - normals * np.einsum("ta,ta->t", normals, axes)[:, None]
+    tint = OBSTACLES[number % len(OBSTACLES)]
+    is_floor = bool((normals @ up > 0.7).all())
+    return PlaneTrack(name, tint, is_floor, np.asarray(points, dtype=float), normals, _unit(tangents))
+
+
+def _unit(vectors):
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def _pinned(scene):
+    if scene is None or not scene.pin:
+        return np.zeros(0, dtype=np.int64)
+    return np.unique(np.concatenate([scene.select(pin.points) for pin in scene.pin]))
+
+
+def round_length(length):
+    """The largest of 1, 2, 5, 10, ... [m] not above `length`: a spacing for grids."""
+    power = 10.0 ** np.floor(np.log10(length))
+    return float(max(f * power for f in (1, 2, 5) if f * power <= length * (1 + 1e-9)))

@@ -1,0 +1,191 @@
+"""The interactive page of a run: one HTML file that needs nothing else.
+
+The page carries the surface at rest and the control points of every frame; its vertex shader evaluates the volume,
+so a frame costs the control points whatever the size of the mesh; of B-splines 64 of them count at a vertex.
+`view.html` is the page with its style, `view_drawing.js` and `view.glsl` draw, `view.js` listens and tells.
+"""
+
+import base64
+import html
+import json
+import re
+from importlib import resources
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+
+from softffd.embedding.basis import parameter
+from softffd.embedding.deform import deform
+from softffd.show.history import energies, reactions
+from softffd.show.stage import FREE, PAINT, PINNED, VIEW, round_length, stage_of
+from softffd.show.surface import split_at_creases
+
+MOST_FRAMES = 600
+MOST_POINT_BYTES = 24e6
+"""Of the control points of all frames, before they become text: 600 frames of up to 3300 points."""
+
+MOST_TEXELS = 1024
+SAMPLES = 1000
+ENERGY_MARKS = {"kinetic": "#0072b2", "elastic": "#d55e00"}
+
+
+def write_view(result, path, *, mesh=None, origin=None, size=None):
+    """Write the page that plays `result` to `path`; returns the path.
+
+    mesh: the object at rest, or None for the boundary of the volume. origin, size: its box (3,) [m] if not the scene's.
+    A run of more than 600 frames is thinned evenly, keeping the first and the last, and the page says so.
+    Raises SoftffdError when positions of control points were not recorded.
+    """
+    stage = stage_of(result, mesh=mesh, origin=origin, size=size)
+    frames = _frames(stage.positions)
+    run = {
+        **_words(stage, frames, mesh),
+        **_surface(stage),
+        **_colours(stage),
+        **_sights(stage),
+        "counts": stage.counts,
+        "splines": [stage.basis == "bspline" and n > 4 for n in stage.counts],
+        "time": _text(stage.time[frames], "<f8"),
+        "positions": _text(_flat(stage.positions[frames]) - stage.centre, "<f4"),
+        "pinned": stage.pinned.tolist(),
+        "planes": _planes(stage, frames),
+        "rows": _rows(result, stage, frames),
+        "largest": _largest(stage, frames),
+    }
+    Path(path).write_text(_page(run), encoding="utf-8")
+    return Path(path)
+
+
+def _page(run):
+    parts = resources.files("softffd.show")
+    texts = {
+        "title": html.escape(run["title"]),
+        "shaders": parts.joinpath("view.glsl").read_text(encoding="utf-8"),
+        "drawing": parts.joinpath("view_drawing.js").read_text(encoding="utf-8"),
+        "controls": parts.joinpath("view.js").read_text(encoding="utf-8"),
+        "run": json.dumps(run, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
+    }
+    page = parts.joinpath("view.html").read_text(encoding="utf-8")
+    return re.sub(r"{{(\w+)}}", lambda place: texts[place[1]], page)
+
+
+def _frames(positions):
+    """Which frames the page holds: all, or evenly chosen ones with the first and the last."""
+    count, points = len(positions), int(np.prod(positions.shape[1:4]))
+    most = max(2, min(MOST_FRAMES, int(MOST_POINT_BYTES / (12 * points))))
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
+
+
+def _words(stage, frames, mesh):
+    subtitle = " × ".join(str(n) for n in stage.counts) + " control points"
+    if mesh is not None:
+        subtitle += f" · {mesh.name}: {len(stage.vertices):,} vertices, {len(stage.faces):,} triangles"
+    thinned = len(frames) < len(stage.time)
+    note = f"{len(frames):,} of {len(stage.time):,} recorded frames are shown" if thinned else ""
+    return {"title": stage.title, "subtitle": subtitle, "note": note}
+
+
+def _surface(stage):
+    """Parameters (W, 3), normals (W, 4) of which three count, texture coordinates (W, 2), triangles (F, 3)."""
+    source, normals, faces = split_at_creases(stage.vertices, stage.faces)
+    places = zip(((stage.vertices[source] - stage.origin) / stage.size).T, stage.counts, strict=True)
+    uv = np.zeros((len(source), 2)) if stage.uv is None else stage.uv[source]
+    return {
+        "cage": int(stage.is_cage),
+        "coordinates": _text(np.stack([parameter(t, n, stage.basis) for t, n in places], axis=1), "<f4"),
+        "normals": _text(np.pad(normals * 32767.0, ((0, 0), (0, 1))).round(), "<i2"),
+        "uv": _text(uv, "<f4"),
+        "triangles": _text(faces, "<u4"),
+    }
+
+
+def _colours(stage):
+    ramp = colormaps["YlGnBu"](np.linspace(0.1, 1.0, 64))[:, :3]
+    return {
+        "paint": PAINT,
+        "free": FREE,
+        "fixed": PINNED,
+        "texture": None if stage.texture is None else _image(stage.texture),
+        "ramp": (255 * ramp).astype(int).ravel().tolist(),
+    }
+
+
+def _image(texture):
+    """A texture as a PNG inside the page, at most 1024 pixels wide and high."""
+    small = texture.convert("RGB")
+    small.thumbnail((MOST_TEXELS, MOST_TEXELS))
+    stream = BytesIO()
+    small.save(stream, "PNG", optimize=True)
+    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode("ascii")
+
+
+def _sights(stage):
+    """Where things are, relative to the stage's centre, so that single precision is enough anywhere in the world."""
+    return {
+        "origin": (stage.origin - stage.centre).tolist(),
+        "size": stage.size.tolist(),
+        "half": stage.half.tolist(),
+        "radius": stage.radius,
+        "up": stage.up.tolist(),
+        "view": VIEW,
+        "spacing": round_length(stage.radius / 2.5),
+    }
+
+
+def _planes(stage, frames):
+    """Poses (T, 9): a point relative to the stage's centre [m], the unit normal, a unit tangent."""
+    poses = [np.hstack([p.points - stage.centre, p.normals, p.tangents])[frames] for p in stage.planes]
+    return [
+        {"name": plane.name, "tint": plane.tint, "floor": plane.is_floor, "poses": _text(pose, "<f4")}
+        for plane, pose in zip(stage.planes, poses, strict=True)
+    ]
+
+
+def _rows(result, stage, frames):
+    """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J]."""
+    marks = {f"plane.{plane.name}": _hex(plane.tint) for plane in stage.planes}
+    rows = []
+    for name, force in reactions(result).items():
+        mark = marks.get(name, _hex(PINNED))
+        rows.append(_row(name.split(".")[1], "reaction", "N", mark, np.linalg.norm(force, axis=1)[frames], force[frames]))
+    recorded = energies(result)
+    for name, mark in ENERGY_MARKS.items():
+        if name in recorded:
+            rows.append(_row(name, "energy", "J", mark, recorded[name][frames]))
+    return rows
+
+
+def _row(label, kind, unit, mark, values, vectors=None):
+    vectors = None if vectors is None else _text(vectors, "<f4")
+    texts = {"label": label, "kind": kind, "unit": unit, "mark": mark}
+    return texts | {"values": _text(values, "<f4"), "vectors": vectors}
+
+
+def _hex(tint):
+    return "#" + "".join(f"{round(255 * 0.8 * c):02x}" for c in tint)
+
+
+def _largest(stage, frames):
+    """Ends of the colour scales, which 1 % of the worst frame's samples exceed: displacement [m], Green strain."""
+    chosen = np.linspace(0, len(stage.vertices) - 1, min(len(stage.vertices), SAMPLES)).astype(int)
+    samples = stage.vertices[chosen]
+    few = stage.positions[frames[:: max(1, len(frames) // 100)]]
+    box = {"origin": stage.origin, "size": stage.size, "basis": stage.basis}
+    moved = deform(samples, few, **box)
+    nudge = 1e-4 * stage.size * np.where(samples > stage.origin + stage.size / 2, -1.0, 1.0)
+    nudged = [deform(samples + nudge * axis, few, **box) for axis in np.eye(3)]
+    gradient = np.stack([(n - moved) / nudge[:, [a]] for a, n in enumerate(nudged)], axis=-1)
+    green = (np.einsum("tvab,tvac->tvbc", gradient, gradient) - np.eye(3)) / 2
+    sizes = {"displacement": np.linalg.norm(moved - samples, axis=2), "strain": np.linalg.norm(green, axis=(2, 3))}
+    return {name: float(np.quantile(size, 0.99, axis=1).max()) for name, size in sizes.items()}
+
+
+def _flat(positions):
+    """(T, nx, ny, nz, 3) to (T, n, 3) with the x index fastest."""
+    return positions.transpose(0, 3, 2, 1, 4).reshape(len(positions), -1, 3)
+
+
+def _text(values, kind):
+    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")

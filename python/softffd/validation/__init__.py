@@ -1,0 +1,1 @@
+"""What the program measures of itself: accuracy, stability, and the numpy twin."""

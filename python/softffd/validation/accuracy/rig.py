@@ -1,0 +1,195 @@
+"""A scene's FMU on the test rig: packaged once, then run again and again as a host would, with other settings of its solver."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import time as clock
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from tempfile import mkdtemp
+
+import numpy as np
+
+from softffd.errors import FmuError
+from softffd.fmu.component import Component
+from softffd.fmu.package import package_fmu
+from softffd.fmu.variables import spring_damping_present
+from softffd.run.inputs import Inputs
+from softffd.run.simulate import communication_points, positive, require_memory, step_lengths
+from softffd.scene.scene import Scene
+
+ENOUGH = 0.4
+"""Repeats of a run end when they have taken this much CPU time together [s]."""
+
+SHORT = 0.02
+"""A run of less CPU time [s] is repeated up to three times as often."""
+
+
+class TooLong(FmuError):
+    """A run that has needed more time than it was given."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How the solver is set: a method, with a fixed internal step, or with a tolerance."""
+
+    method: str
+    step: float = 0.0
+    """Fixed internal step [s]; 0: the step follows the tolerance"""
+    tolerance: float = 0.0
+    """Of `solver.tolerance`, relative to the box's largest side; 0: as in the scene"""
+
+    def __str__(self) -> str:
+        return f"{self.method}, {'step' if self.step else 'tolerance'} {self.step or self.tolerance:.3g}{' s' * (self.step > 0)}"
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One setting, run once or several times."""
+
+    positions: np.ndarray
+    """(T, n, 3) m at the communication points, control points in flat order"""
+    cpu_time: float
+    """Of the loop over the communication steps, smallest of the repeats [s]"""
+    repeats: int
+    steps: int
+    """Internal steps"""
+    rejected: int | None
+    """Rejected internal steps; None where the FMU does not count them"""
+
+
+class Rig:
+    """Use as a context manager. Inputs come from the CSV beside the scene, linear between the communication points."""
+
+    def __init__(self, scene: Scene, *, step: float | None = None):
+        """step: communication step [s], > 0, the scene's own by default. Raises FmuError, and SoftffdError as `package_fmu` does."""
+        self.communication_step = positive("communication step", step, scene.experiment.communication_step)
+        self.stop_time = scene.experiment.stop_time
+        self.scene = scene
+        self.side = max(scene.lattice.size)
+        self.damped = spring_damping_present(scene)
+        self.contact = bool(scene.plane)
+        require_memory(self.stop_time, self.communication_step, 24 * math.prod(scene.lattice.points))
+        self.times = communication_points(self.stop_time, self.communication_step)
+        self._steps = step_lengths(self.times, self.communication_step)
+        self._folder = Path(mkdtemp(prefix="softffd-"))
+        self._component: Component | None = None
+        try:
+            self._fmu = package_fmu(_observed(scene), self._folder / f"{scene.name}.fmu")
+            self._open()
+            self._read_inputs()
+            self._begin(Setting(scene.solver.method))
+            self.stable_step = self._read("solver.stable_step")
+        except BaseException:
+            self.close()
+            raise
+
+    def _open(self) -> None:
+        component = Component(self._fmu)
+        self._component = component
+        items = component.variable("solver.method").declaredType.items
+        self.methods = [item.name for item in items]
+        nx, ny, nz = self.scene.lattice.points
+        places = [f"position[{i},{j},{k}].{axis}" for k in range(nz) for j in range(ny) for i in range(nx) for axis in "xyz"]
+        self._positions = component.block(places)
+        self._fresh = True
+
+    def _read_inputs(self) -> None:
+        source = Inputs(self.scene.default_inputs)
+        names, self.driven_names = [*source.names, *source.derived_names], source.names
+        self._inputs, self._driven = self._component.block(names), self._component.block(source.names)
+        pairs = list(pairwise(self.times))
+        self.input_values = np.array([source.values(*pair) for pair in pairs]).reshape(len(pairs), -1)
+        self.input_rates = np.array([source.bends(*pair) for pair in pairs]).reshape(len(pairs), 3, -1)
+
+    def _begin(self, setting: Setting) -> None:
+        component = self._component
+        if not self._fresh:
+            component.reset()
+        self._fresh = False
+        component.messages.clear()
+        values = {"solver.method": setting.method, "solver.step": setting.step}
+        if setting.tolerance:
+            values["solver.tolerance"] = setting.tolerance
+        component.initialize(values, stop_time=self.stop_time)
+        if self._inputs.names:
+            self._inputs.values[:] = self.input_values[0]
+            component.set(self._inputs)
+        component.exit_initialization()
+
+    def run(self, setting: Setting, *, repeats: int = 1, most: float = math.inf, before: Run | None = None) -> Run:
+        """Runs from 0 to the stop time up to `repeats` times (three times as often when short, fewer when long); the smallest time is kept.
+
+        before: a run that this one may turn out to repeat bit by bit (a tolerance that changes nothing); then once is enough.
+        Raises FmuError with the component's own message, TooLong when more than `most` CPU time [s] is spent at a communication point.
+        """
+        try:
+            times = []
+            while not times or (len(times) < repeats * (3 if times[0] < SHORT else 1) and sum(times) + min(times) < ENOUGH):
+                self._begin(setting)
+                positions, elapsed = self._drive(most)
+                times.append(elapsed)
+                if before is not None and np.array_equal(positions, before.positions):
+                    break
+            rejected = self._count("solver.rejected")
+            return Run(positions, min(times), len(times), self._count("solver.steps"), rejected)
+        except FmuError:
+            self._component.close()
+            self._open()
+            raise
+
+    def _drive(self, most: float) -> tuple[np.ndarray, float]:
+        component, inputs = self._component, self._inputs
+        rows = np.empty((len(self.times), len(self._positions.values)))
+        self._record(rows[0])
+        times = self.times.tolist()
+        began = clock.process_time()
+        for row, step in enumerate(self._steps):
+            if inputs.names:
+                inputs.values[:] = self.input_values[row]
+                component.set(inputs)
+                component.set_rates(self._driven, self.input_rates[row])
+            component.do_step(times[row], step)
+            self._record(rows[row + 1])
+            if clock.process_time() - began > most:
+                raise TooLong(f"given up at {times[row + 1]:.3g} s: more than {most:.3g} s of CPU time")
+        elapsed = clock.process_time() - began
+        if not np.isfinite(rows).all():
+            raise FmuError("the positions are not finite")
+        return rows.reshape(len(rows), -1, 3), elapsed
+
+    def _record(self, row: np.ndarray) -> None:
+        self._component.get(self._positions)
+        row[:] = self._positions.values
+
+    def _count(self, name: str) -> int | None:
+        if name not in self._component.by_name:
+            return None
+        block = self._component.block([name], real=False)
+        self._component.get(block)
+        return int(block.values[0])
+
+    def _read(self, name: str) -> float:
+        block = self._component.block([name])
+        self._component.get(block)
+        return float(block.values[0])
+
+    def close(self) -> None:
+        """Frees the FMU and its files."""
+        if self._component is not None:
+            self._component.close()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def __enter__(self) -> Rig:
+        return self
+
+    def __exit__(self, *_exception) -> None:
+        self.close()
+
+
+def _observed(scene: Scene) -> Scene:
+    """The scene with all positions and the solver's counts among its outputs, and without a shadow run beside it."""
+    outputs = scene.outputs.model_copy(update={"positions": "all", "solver": True})
+    return scene.model_copy(update={"outputs": outputs, "solver": scene.solver.model_copy(update={"error_estimate": False})})

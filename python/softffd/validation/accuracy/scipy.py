@@ -1,0 +1,188 @@
+"""Outside anchors: SciPy's solvers on the same equations, as somebody would write them with numpy.
+
+    m_i a_i = sum over springs of k (1 - l / r) (x_j - x_i) - d_i v_i + m_i g + F_i(t)        Xia & Wang 2009, eq. (3) and (6)
+
+The springs' forces go through a sparse incidence matrix, one product to the springs and one back, which is the fastest of the usual ways
+in numpy. F is the cubic between communication points that the FMU's runs have. No obstacles, no pins.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import time as clock
+import warnings
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from softffd.errors import SoftffdError
+from softffd.fmu.package import scene_masses
+from softffd.scene.scene import Scene
+from softffd.validation.accuracy.records import Record, Records
+from softffd.validation.accuracy.rig import Rig, Setting
+from softffd.validation.twin.body import spring_list
+
+SOLVERS = ("DOP853", "RK45", "Radau", "LSODA")
+IMPLICIT_WITH_PATTERN = ("Radau",)
+"""Solvers that take the pattern of the Jacobian's entries; LSODA makes its own dense one."""
+
+TOLERANCES = tuple(10.0**-n for n in range(1, 12))
+MOST, QUICK_MOST = 5.0, 1.0
+"""CPU time of one run [s]; a solver's sweep ends at the first run that needs more."""
+
+
+class _TooLong(Exception):
+    """Stops a solver from inside its right-hand side."""
+
+
+def sweep_scipy(rig: Rig, records: Records, *, quick: bool = False, note: Callable[[str], None] = lambda text: None) -> Iterator[Record]:
+    """A record for every solver and tolerance; scenes with obstacles, pins or a volume stiffness have none, and `records.left_out` says so.
+
+    Raises SoftffdError where SciPy is not installed.
+    """
+    solve_ivp = solver()
+    if rig.scene.plane or rig.scene.pin:
+        records.left_out |= {f"SciPy {name}": "has no contact and no pins" for name in SOLVERS}
+        return
+    if rig.scene.material.volume_stiffness > 0:
+        records.left_out |= {f"SciPy {name}": "has no volume stiffness" for name in SOLVERS}
+        return
+    equations = Equations(rig.scene)
+    forces = nodal_forces(rig)
+    for name in SOLVERS:
+        for tolerance in TOLERANCES[:: 2 if quick else 1]:
+            note(f"{records.scene}: SciPy {name}, tolerance {tolerance:.3g}")
+            setting, most = Setting(name, tolerance=tolerance), QUICK_MOST if quick else MOST
+            record = _measured(solve_ivp, equations, forces, rig, records, setting, most)
+            yield record
+            if record.failure or record.error < records.floor:
+                break
+
+
+def solver() -> Callable:
+    """scipy.integrate.solve_ivp. Raises SoftffdError where SciPy is not installed."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core, as the FMU; read when SciPy's library is loaded
+    try:
+        from scipy.integrate import solve_ivp
+    except ImportError:
+        raise SoftffdError("--scipy needs SciPy, which is not installed here: pip install softffd[scipy]") from None
+    return solve_ivp
+
+
+def _measured(solve_ivp, equations, forces, rig, records, setting, most) -> Record:
+    began = clock.process_time()
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            positions, evaluations = integrate(solve_ivp, equations, forces, rig, setting, deadline=began + most)
+    except _TooLong:
+        return Record(setting, "scipy", failure=f"given up: more than {most:g} s of CPU time")
+    except (ValueError, FloatingPointError, np.linalg.LinAlgError, RuntimeError) as error:
+        return Record(setting, "scipy", failure=" ".join(str(error).split()))
+    elapsed = clock.process_time() - began
+    return Record(setting, "scipy", elapsed, 1, evaluations, None, records.reference.errors(positions, rig.side))
+
+
+def integrate(solve_ivp, equations: Equations, forces, rig: Rig, setting: Setting, *, deadline: float = np.inf) -> tuple[np.ndarray, int]:
+    """Positions (T, n, 3) [m] at the communication points, and how often the right-hand side was evaluated.
+
+    Raises RuntimeError with the solver's message where it gives up, _TooLong past the deadline (CPU time of the process, s).
+    """
+    options = {"method": setting.method, "rtol": max(setting.tolerance, 3e-14), "atol": setting.tolerance * rig.side}
+    if setting.method in IMPLICIT_WITH_PATTERN:
+        options["jac_sparsity"] = equations.pattern()
+    times = rig.times
+
+    def rate(t, y):
+        if clock.process_time() > deadline:
+            raise _TooLong
+        row = np.searchsorted(times[1:-1], t, side="right")
+        return equations.rate(y, at(forces[row], t - times[row]))
+
+    solution = solve_ivp(rate, (times[0], times[-1]), equations.start(), t_eval=times, **options)
+    if not solution.success:
+        raise RuntimeError(solution.message)
+    count = len(solution.y) // 2
+    return solution.y[:count].T.reshape(len(times), -1, 3), solution.nfev
+
+
+class Equations:
+    """Right-hand side of a scene without obstacles and pins; the state is all positions, then all velocities, flat."""
+
+    def __init__(self, scene: Scene):
+        from scipy import sparse
+
+        self.scene = scene
+        rest = scene.rest_positions()
+        self.mass = scene_masses(scene).mass[:, None]
+        pairs, kinds = spring_list(scene.lattice.points, scene.lattice.springs)
+        a, b = pairs.T
+        self.length = np.linalg.norm(rest[b] - rest[a], axis=1)
+        material = scene.material.stiffness
+        self.stiffness = np.array([0.0, material.edge, material.face, material.body])[kinds]
+        self.damping = np.full((len(rest), 1), scene.material.damping)
+        for region in scene.region:
+            inside = scene.select(region.points)
+            if region.stiffness is not None:
+                self.stiffness[np.isin(pairs, inside).all(axis=1)] = region.stiffness
+            if region.damping is not None:
+                self.damping[inside] = region.damping
+        springs = np.arange(len(pairs))
+        ends = np.concatenate([-np.ones(len(pairs)), np.ones(len(pairs))])
+        places = np.concatenate([springs, springs]), np.concatenate([a, b])
+        self._to_springs = sparse.csr_array((ends, places), shape=(len(pairs), len(rest)))
+        self._to_points = sparse.csr_array(-self._to_springs.T)
+        self._constant = self.mass * np.array(scene.environment.gravity or (0.0, 0.0, 0.0))
+        self._damped = bool(self.damping.any())
+
+    def start(self) -> np.ndarray:
+        """The state at time 0, (6 n,)."""
+        initial, rest = self.scene.initial, self.scene.rest_positions()
+        origin, size = np.array(self.scene.lattice.origin), np.array(self.scene.lattice.size)
+        x = origin + np.array(initial.stretch) * (rest - origin) + np.array(initial.offset)
+        centre = origin + np.array(initial.stretch) * size / 2 + np.array(initial.offset)
+        v = np.array(initial.velocity) + np.cross(np.array(initial.angular_velocity), x - centre)
+        return np.concatenate([x.ravel(), v.ravel()])
+
+    def rate(self, state: np.ndarray, force: np.ndarray) -> np.ndarray:
+        """Time derivative of the state, with outside forces (n, 3) [N] besides gravity."""
+        x, v = state.reshape(2, -1, 3)
+        way = self._to_springs @ x
+        pull = self.stiffness * (1.0 - self.length / np.sqrt((way * way).sum(axis=1)))
+        total = self._to_points @ (pull[:, None] * way) + self._constant + force
+        if self._damped:
+            total -= self.damping * v
+        return np.concatenate([v.ravel(), (total / self.mass).ravel()])
+
+    def pattern(self):
+        """Where the Jacobian of the rate can have entries, sparse (6 n, 6 n)."""
+        from scipy import sparse
+
+        neighbours = sparse.csr_array(abs(self._to_springs.T) @ abs(self._to_springs))
+        stiff = sparse.kron(neighbours, np.ones((3, 3)))
+        unit = sparse.eye_array(stiff.shape[0])
+        return sparse.csr_array(sparse.block_array([[None, unit], [stiff, unit]]))
+
+
+def nodal_forces(rig: Rig) -> np.ndarray:
+    """Outside forces besides gravity and their first to third derivative at every communication point but the last, (T - 1, 4, n, 3), in N
+    and s, from the rig's inputs."""
+    scene, (nx, ny, _) = rig.scene, rig.scene.lattice.points
+    points = {load.name: scene.select(load.points) for load in scene.load}
+    forces = np.zeros((len(rig.times) - 1, 4, len(scene.rest_positions()), 3))
+    courses = np.concatenate([rig.input_values[:, None], rig.input_rates], axis=1)  # (T - 1, 4, inputs)
+    for name, course in zip(rig.driven_names, np.moveaxis(courses, 2, 0), strict=True):
+        owner, axis = name.rsplit(".", 1)
+        if owner.startswith("load."):
+            chosen = points[owner.removeprefix("load.")]
+        else:
+            i, j, k = map(int, re.findall(r"\d+", owner))
+            chosen = np.array([i + nx * (j + ny * k)])
+        forces[:, :, chosen, "xyz".index(axis)] += (course / len(chosen))[:, :, None]
+    return forces
+
+
+def at(course: np.ndarray, time: float) -> np.ndarray:
+    """The forces `time` after the communication point whose derivatives are given, (4, n, 3)."""
+    return course[0] + time * (course[1] + time * (course[2] / 2 + time * course[3] / 6))

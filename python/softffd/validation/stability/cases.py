@@ -1,0 +1,23 @@
+"""The table of extreme cases."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from softffd.validation.stability import cases_contact as stability_cases_contact
+from softffd.validation.stability import cases_extreme as stability_cases_extreme
+from softffd.validation.stability import cases_standard as stability_cases_standard
+from softffd.validation.stability.verdict import Case, Outcome, run_cases
+
+PARTS = {
+    "The standard scenes and exact limits": stability_cases_standard,
+    "Contact": stability_cases_contact,
+    "Extremes": stability_cases_extreme,
+}
+
+CASES: dict[str, Case] = {case.name: case for part in PARTS.values() for case in part.cases()}
+
+
+def run_named(names: Sequence[str]) -> Iterator[Outcome]:
+    """Runs cases by name, one after the other."""
+    yield from run_cases(CASES, names)

@@ -1,0 +1,279 @@
+"""The map: stiffness against communication step, each cell run through the FMU and judged by an exact solution.
+
+Three scenes, all a box of 2 x 2 x 2 points, 1 m, 1 kg, all springs of stiffness k, undamped:
+
+vibration   released from a stretch of 1 % along every axis. By the cube's symmetry the box keeps its shape for ever: the points are at
+            centre + s (rest - centre) with s = 1 + 0.01 cos(omega t), omega = 8 sqrt(k / (1 kg)), exactly, at any amplitude; and
+            this is the lattice's highest frequency. Every method has to resolve it, or to say that it does not.
+rotation    set spinning at 1 rad/s without a stress. Exactly: angular momentum and energy stay what they are.
+contact     resting on a plane that is drawn away under it with friction, under gravity g = min(9.81 m/s2, k / (50 kg)), which a soft box
+            can carry, and slightly damped. Exactly: the friction impulse is mu times the normal one; momentum is what the impulses,
+            gravity and damping make it; the centre sinks by the static sag in the end, and on the way not much beyond twice of it.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from softffd.validation.stability.drive import Drive, Refused, StateTouched
+
+STRETCH, TOLERANCE = 0.01, 1e-5
+SPIN = 1.0
+"""rad/s"""
+
+TURNED = 1e-3
+"""Relative error of angular momentum and energy that counts as accurate."""
+
+GAIN = 1e-2
+"""Relative gain of energy from which on a rotation is WRONG, whatever is stated."""
+
+FRICTION, GRAVITY = 0.4, 9.81
+DAMPING = 0.4
+"""Damping rate of the contact scene in units of sqrt(k / (1 kg)): a few per cent of the critical one."""
+
+SETTLED = 12.0
+"""Damping rate times time from which on the box has to have come to rest."""
+
+MOMENTUM, LOOSE = 1e-3, 20.0
+"""Limits of soundness: missing momentum, relative to that of the weight (damping makes it an integration error); inner energy, relative to
+weight times static sag."""
+
+RIGHT = 10 * TOLERANCE
+"""Error of a position that counts as accurate [m]."""
+
+STATED = 10.0
+"""An error up to so many times the stated estimate is a stated one."""
+
+SLIDE = 1e-3
+"""Relative error of the friction impulse that counts as accurate."""
+
+BEHIND = 1e-12
+"""Penetration that rounding explains, relative to the box."""
+
+RADIANS = 400.0
+"""The highest mode is followed for so long where the communication step is short."""
+
+PATIENCE, HANG = 1.0, 4.0
+"""No further communication step after this time [s]; a cell is given up when a single one takes longer than the second."""
+
+CLASSES = ("accurate", "bounded", "divided", "unstated", "slow", "refused", "WRONG")
+"""bounded: an error that the component's estimate tells. divided: accurate or bounded after the component has divided a given step.
+unstated: with a given step, to which no tolerance applies, bounded but with an error beyond ten times the estimate; with a step of the
+component's choice that is WRONG. slow: no answer within the time. refused: fmi2Discard or fmi2Error. WRONG: fmi2OK all the same."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One map: a scene with a method, whose steps are chosen by the component or given."""
+
+    scene: str
+    method: str
+    given: bool = False
+    """solver.step = the communication step"""
+
+    def __str__(self) -> str:
+        return f"{self.scene}, {self.method}{', solver.step = H' * self.given}"
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One setting of a panel."""
+
+    panel: Panel
+    stiffness: float
+    """N/m"""
+    step: float
+    """Communication step [s]"""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What came of a cell."""
+
+    kind: str
+    """One of CLASSES"""
+    error: float = math.nan
+    """vibration: of a position [m]; rotation: of energy or angular momentum, relative; contact: of the friction impulse, relative"""
+    stated: float = math.nan
+    """The component's own estimate [m]"""
+    steps: int = 0
+    """Communication steps made"""
+    internal_steps: int = 0
+    run_time: float = 0.0
+    """s"""
+    why: str = ""
+
+
+def omega(stiffness: float) -> float:
+    """Highest frequency of the box [rad/s]."""
+    return 8 * math.sqrt(stiffness)
+
+
+def run_cells(cells: Sequence[Cell]) -> Iterator[Judged]:
+    """Runs cells of one panel one after the other."""
+    panel = cells[0].panel
+    with Drive(document(panel.scene)) as drive:
+        for cell in cells:
+            began = clock.perf_counter()
+            try:
+                judged = SCENES[panel.scene](drive, cell, began)
+            except Refused as refusal:
+                judged = Judged("refused", why=str(refusal), run_time=clock.perf_counter() - began)
+            except StateTouched as fault:
+                judged = Judged("WRONG", why=str(fault), run_time=clock.perf_counter() - began)
+            yield judged
+
+
+def document(scene: str) -> dict:
+    """The scene of a panel."""
+    box = {"lattice": {"points": [2, 2, 2]}, "material": {"stiffness": 1.0, "damping": 1.0 if scene == "contact" else 0.0}}
+    solver = {"tolerance": TOLERANCE, "error_estimate": True}
+    if scene == "vibration":
+        return box | {"initial": {"stretch": [1 + STRETCH] * 3}, "solver": solver}
+    if scene == "rotation":
+        return box | {"initial": {"angular_velocity": [0.0, 0.0, SPIN]}, "solver": solver}
+    ground = {"name": "ground", "friction": FRICTION, "motion": "input"}
+    return box | {"plane": [ground], "environment": {"gravity": [0.0, 0.0, -GRAVITY]}, "solver": solver}
+
+
+def settings(panel: Panel, stiffness: float, step: float) -> dict:
+    """Start values for a stiffness [N/m] and a communication step [s]."""
+    springs = {f"stiffness.{kind}": stiffness for kind in ("edge", "face", "body")}
+    return springs | {"solver.method": panel.method, "solver.step": step if panel.given else 0.0}
+
+
+def _steps(cell: Cell) -> int:
+    return min(max(math.ceil(RADIANS / (omega(cell.stiffness) * cell.step)), 4), 200)
+
+
+def _judged(drive: Drive, kind: str, error: float, steps: int, began: float, why: str = "") -> Judged:
+    stated = drive.value("solver.error_estimate")
+    divided = "above the stability bound" in drive.warned and kind in ("accurate", "bounded")
+    return Judged("divided" if divided else kind, error, stated, steps, int(drive.value("solver.steps")), clock.perf_counter() - began, why)
+
+
+def _vibration(drive: Drive, cell: Cell, began: float) -> Judged:
+    drive.body.stiffness[:] = cell.stiffness
+    drive.restart(settings(cell.panel, cell.stiffness, cell.step), _steps(cell) * cell.step)
+    frequency, middle = omega(cell.stiffness), drive.rest.mean(axis=0)
+    centre, error, far, done = middle + STRETCH / 2, 0.0, 0.0, 0
+    while done < _steps(cell) and (done == 0 or clock.perf_counter() - began < PATIENCE):
+        drive.step(cell.step)
+        done += 1
+        x = drive.x
+        exact = centre + (1 + STRETCH * math.cos(frequency * drive.time)) * (drive.rest - middle)
+        error = max(error, float(np.linalg.norm(x - exact, axis=1).max()))
+        far = max(far, float(np.linalg.norm(x - centre, axis=1).max()))
+    if not drive.finite():
+        return _judged(drive, "WRONG", math.inf, done, began, "not finite")
+    if error <= RIGHT:
+        return _judged(drive, "accurate", error, done, began)
+    if far > math.sqrt(3) / 2 * (1 + 1.5 * STRETCH):
+        return _judged(drive, "WRONG", error, done, began, "the vibration grows without end")
+    stated = drive.value("solver.error_estimate")
+    if error <= STATED * stated:
+        return _judged(drive, "bounded", error, done, began)
+    kind = "unstated" if cell.panel.given else "WRONG"
+    return _judged(drive, kind, error, done, began, f"error {error:.1e} m, but the estimate says {stated:.1e} m")
+
+
+def _rotation(drive: Drive, cell: Cell, began: float) -> Judged:
+    drive.body.stiffness[:] = cell.stiffness
+    drive.restart(settings(cell.panel, cell.stiffness, cell.step), _steps(cell) * cell.step)
+    spin, error, gain, done = drive.angular_momentum, 0.0, 0.0, 0
+    while done < _steps(cell) and (done == 0 or clock.perf_counter() - began < PATIENCE):
+        drive.step(cell.step)
+        done += 1
+        change = np.linalg.norm(drive.angular_momentum - spin) / np.linalg.norm(spin)
+        gain = max(gain, drive.energy() / drive.start_energy - 1)
+        error = max(error, float(change), abs(drive.energy() / drive.start_energy - 1))
+    if not drive.finite():
+        return _judged(drive, "WRONG", math.inf, done, began, "not finite")
+    if error <= TURNED:
+        return _judged(drive, "accurate", error, done, began)
+    stated, way = drive.value("solver.error_estimate"), error * SPIN * drive.time * math.sqrt(0.5)
+    if gain <= GAIN and way <= STATED * stated:
+        return _judged(drive, "bounded", error, done, began)
+    why = f"energy gained {gain:.1e}, energy or angular momentum wrong by {error:.1e}, {way:.1e} m; the estimate says {stated:.1e} m"
+    return _judged(drive, "WRONG", error, done, began, why)
+
+
+def _contact(drive: Drive, cell: Cell, began: float) -> Judged:
+    gravity, steps, rate = min(GRAVITY, cell.stiffness / 50), _steps(cell), DAMPING * math.sqrt(cell.stiffness)
+    pull = 100 * FRICTION * gravity * steps * cell.step
+    mass = drive.mass.sum()
+    drive.body.stiffness[:] = cell.stiffness
+    extra = {"gravity.z": -gravity, "plane.ground.velocity.x": pull, "damping": rate * drive.mass[0]}
+    drive.restart(settings(cell.panel, cell.stiffness, cell.step) | extra, steps * cell.step)
+    start, sag = drive.centre, gravity / cell.stiffness * unit_sag()
+    given, behind, off, loose, done = np.zeros(3), 0.0, 0.0, 0.0, 0
+    while done < steps and (done == 0 or clock.perf_counter() - began < PATIENCE):
+        drive.step(cell.step)
+        done += 1
+        given -= drive.reaction("plane.ground") * cell.step
+        behind = max(behind, -float(drive.x[:, 2].min()))
+        sunk = start[2] - drive.centre[2]
+        off = max(off, sunk - 2.5 * sag, -sunk)
+        loose = max(loose, _inner_energy(drive) / (mass * gravity * sag))
+    if rate * drive.time > SETTLED:
+        off = max(off, abs(sunk - sag) - 0.2 * sag)
+    weight = mass * gravity * drive.time
+    missing = drive.momentum - given + rate * mass * (drive.centre - start) + np.array([0.0, 0.0, weight])
+    found = {
+        "behind": behind,
+        "slide": float(np.hypot(given[0] - FRICTION * given[2], given[1])) / (FRICTION * weight),
+        "off": off,
+        "loose": loose,
+        "missing": float(np.abs(missing).max()) / weight,
+    }
+    return _contact_judged(drive, cell, began, done, found)
+
+
+def _contact_judged(drive: Drive, cell: Cell, began: float, done: int, found: dict[str, float]) -> Judged:
+    """Sound: none behind the plane, momentum balances, the inner energy stays below twenty times what the weight brings in."""
+    published = cell.panel.method == "central_difference"
+    words = ", ".join(f"{name} {value:.1e}" for name, value in found.items())
+    error, stated = found["slide"], drive.value("solver.error_estimate")
+    sound = (published or (found["behind"] <= BEHIND and found["missing"] <= MOMENTUM)) and found["loose"] <= LOOSE
+    if not (sound and drive.finite()):
+        return _judged(drive, "WRONG", error, done, began, words)
+    if error <= SLIDE and found["off"] <= RIGHT and found["behind"] <= BEHIND and found["missing"] <= MOMENTUM:
+        return _judged(drive, "accurate", error, done, began)
+    if published or (error <= SLIDE and found["off"] <= STATED * stated):
+        return _judged(drive, "bounded", error, done, began, words)
+    return _judged(drive, "WRONG", error, done, began, words)
+
+
+def _inner_energy(drive: Drive) -> float:
+    """Elastic energy and that of the motion about the centre [J]."""
+    a, b = drive.body.pairs.T
+    x, v = drive.x, drive.v - drive.momentum / drive.mass.sum()
+    stretch = np.linalg.norm(x[b] - x[a], axis=1) - drive.body.length
+    return float(0.5 * drive.body.stiffness @ stretch**2 + 0.5 * drive.mass @ (v**2).sum(axis=1))
+
+
+SCENES = {"vibration": _vibration, "rotation": _rotation, "contact": _contact}
+
+
+@cache
+def unit_sag() -> float:
+    """Static sag of the centre of the box on a plane for a gravity of 1 m/s2 and a stiffness of 1 N/m, by the linear theory [m]."""
+    with Drive(document("contact")) as drive:
+        a, b = drive.body.pairs.T
+        along = drive.rest[b] - drive.rest[a]
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        rows = np.zeros((len(a), 3 * len(drive.rest)))
+        for axis in range(3):
+            rows[np.arange(len(a)), 3 * a + axis] -= along[:, axis]
+            rows[np.arange(len(a)), 3 * b + axis] += along[:, axis]
+        weight = np.tile([0.0, 0.0, -1.0], (len(drive.rest), 1)) * drive.mass[:, None]
+        free = (np.arange(rows.shape[1]) % 3 != 2) | np.repeat(drive.rest[:, 2] > 0, 3)
+        moved = np.zeros(rows.shape[1])
+        moved[free] = np.linalg.lstsq((rows.T @ rows)[np.ix_(free, free)], weight.ravel()[free], rcond=1e-10)[0]
+        return float(-drive.mass @ moved.reshape(-1, 3)[:, 2])

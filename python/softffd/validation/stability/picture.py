@@ -1,0 +1,89 @@
+"""Pictures of the map: a small chart per method, stiffness to the right, communication step upwards, a colour for each class of cells."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from io import BytesIO
+
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.patches import Patch
+
+from softffd.show.picture import INK, SOFT, new_figure
+from softffd.validation.stability.map import CLASSES, Panel, omega
+from softffd.validation.stability.survey import Survey
+
+COLOURS = {
+    "accurate": "#3a9a6e", "bounded": "#b9dfa8", "divided": "#8fc6e8", "unstated": "#f2c14e", "slow": "#c9ced6", "refused": "#7d8794",
+    "WRONG": "#c8102e",
+}  # fmt: skip
+WORDS = {
+    "accurate": "accurate",
+    "bounded": "bounded, error stated",
+    "divided": "given step divided, with a warning",
+    "unstated": "given step too long, error not stated",
+    "slow": "given up for its time",
+    "refused": "refused",
+    "WRONG": "WRONG",
+}
+EMPTY = "#ffffff"
+COLUMNS = 4
+
+
+def map_picture(survey: Survey, panels: Sequence[Panel], title: str) -> bytes:
+    """PNG of these panels, with the line H = 2 / omega, and the measured border of the raw explicit scheme on it."""
+    rows = math.ceil(len(panels) / COLUMNS)
+    height = 1.3 + 2.85 * rows
+    figure = new_figure(13.0, height, dpi=110)
+    figure.text(0.02, 1 - 0.3 / height, title, fontsize=15, fontweight="bold", color=INK, va="center")
+    for place, panel in enumerate(panels):
+        row, column = divmod(place, COLUMNS)
+        box = (0.06 + 0.238 * column, 1 - (0.85 + 2.85 * row + 2.05) / height, 0.205, 2.05 / height)
+        _chart(figure.add_axes(box), survey, panel, first=column == 0)
+    present = {survey.cells[cell].kind for panel in panels for cell in survey.cells_of(panel) if cell in survey.cells}
+    handles = [Patch(color=COLOURS[kind], label=WORDS[kind]) for kind in CLASSES if kind in present]
+    lines = figure.axes[0].get_lines() if figure.axes else []
+    figure.legend(handles=[*handles, *lines], loc="lower left", bbox_to_anchor=(0.015, 0.0), ncol=6, frameon=False, fontsize=9,
+                  columnspacing=1.2, handlelength=1.4)  # fmt: skip
+    stream = BytesIO()
+    figure.savefig(stream, format="png", dpi=figure.dpi)
+    return stream.getvalue()
+
+
+def _chart(axes, survey: Survey, panel: Panel, *, first: bool) -> None:
+    steps = survey.steps_of(panel)
+    k, h = np.log10(survey.stiffnesses), np.log10(steps)
+    numbers = np.full((len(h), len(k)), -1)
+    for cell in survey.cells_of(panel):
+        if cell in survey.cells:
+            place = steps.index(cell.step), survey.stiffnesses.index(cell.stiffness)
+            numbers[place] = CLASSES.index(survey.cells[cell].kind)
+    colours = ListedColormap([EMPTY, *(COLOURS[kind] for kind in CLASSES)])
+    norm = BoundaryNorm(np.arange(-1.5, len(CLASSES)), len(CLASSES) + 1)
+    axes.pcolormesh(_edges(k), _edges(h), numbers, cmap=colours, norm=norm, edgecolors="white", linewidth=0.5)
+    axes.set_xlim(_edges(k)[[0, -1]])
+    axes.set_ylim(_edges(h)[[0, -1]])
+    line = np.array(axes.get_xlim())
+    axes.plot(line, [math.log10(2 / omega(10.0**value)) for value in line], color=INK, linewidth=1.4, label="H = 2 / omega")
+    axes.plot(np.log10([border.stiffness for border in survey.borders]), np.log10([border.raw for border in survey.borders]), "o",
+              color="white", markeredgecolor=INK, markersize=3.4, label="border of the raw explicit scheme, measured")  # fmt: skip
+    axes.set_title(panel.method, fontsize=10.5, color=INK, loc="left")
+    _label(axes.xaxis, k, 3)
+    _label(axes.yaxis, h, 1)
+    axes.tick_params(labelsize=8, length=2, colors=SOFT)
+    axes.set_xlabel("stiffness, N/m", fontsize=8.5, color=SOFT, labelpad=1)
+    if first:
+        axes.set_ylabel("communication step, s", fontsize=8.5, color=SOFT)
+    axes.spines[:].set_visible(False)
+
+
+def _edges(centres: np.ndarray) -> np.ndarray:
+    """Borders of cells around their centres, (n + 1,)."""
+    middle = (centres[1:] + centres[:-1]) / 2
+    return np.concatenate([[2 * centres[0] - middle[0]], middle, [2 * centres[-1] - middle[-1]]])
+
+
+def _label(axis, values: np.ndarray, every: int) -> None:
+    ticks = np.arange(math.ceil(values[0] - 1e-9), values[-1] + 1e-9, every)
+    axis.set_ticks(ticks, [f"$10^{{{tick:.0f}}}$" for tick in ticks])

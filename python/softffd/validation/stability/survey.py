@@ -1,0 +1,146 @@
+"""A survey of stiff and extreme scenes: which panels and cases, run one after the other, and what came of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+from softffd.errors import SoftffdError
+from softffd.scene.faults import did_you_mean, nearest_of
+from softffd.validation.stability.border import Border, borders
+from softffd.validation.stability.cases import CASES, run_named
+from softffd.validation.stability.drive import Drive
+from softffd.validation.stability.guard import Lost, guarded
+from softffd.validation.stability.map import HANG, SCENES, Cell, Judged, Panel, document, run_cells
+from softffd.validation.stability.verdict import Outcome, outcome_of
+
+LEAVES_CONTACT = ("bm4", "rkn12", "dop853", "ros34pw2")
+"""Methods that hand communication steps with contact to another one."""
+
+CHOSEN = "auto"
+MAP, EVERY_CASE = "map", "cases"
+"""Names of the map and of all cases among those of the cases."""
+
+QUICK_PANELS = (*(Panel(scene, CHOSEN) for scene in SCENES), Panel("vibration", "leapfrog", True))
+
+QUICK_PATIENCE = 10.0
+"""No case of a quick survey gets longer [s]."""
+
+Note = Callable[[str], None]
+
+
+@dataclass
+class Survey:
+    """What is to be run, and what has been so far."""
+
+    panels: list[Panel]
+    stiffnesses: list[float]
+    """N/m"""
+    steps: list[float]
+    """Communication steps [s]"""
+    names: list[str]
+    """Of cases"""
+    most_patience: float = math.inf
+    """No case gets longer [s]"""
+    slowness: float = 1.0
+    """So many times longer than usual each case gets"""
+    borders: list[Border] = field(default_factory=list)
+    cells: dict[Cell, Judged] = field(default_factory=dict)
+    outcomes: dict[str, Outcome] = field(default_factory=dict)
+
+    @property
+    def missing(self) -> list[str]:
+        """Panels and cases without results."""
+        left = [str(panel) for panel in self.panels if any(cell not in self.cells for cell in self.cells_of(panel))]
+        return left + [name for name in self.names if name not in self.outcomes]
+
+    def steps_of(self, panel: Panel) -> list[float]:
+        """Communication steps of a panel [s]: all for auto; of many, every second one for the others."""
+        return self.steps if panel.method == CHOSEN or len(self.steps) < 6 else self.steps[::2]
+
+    def cells_of(self, panel: Panel) -> list[Cell]:
+        """In the order in which they are run: soft ones first."""
+        return [Cell(panel, stiffness, step) for stiffness in self.stiffnesses for step in self.steps_of(panel)]
+
+    def wrong(self) -> list[str]:
+        """What ended with fmi2OK and a wrong answer, or in a crash: a line each."""
+        cells = [
+            f"map, {cell.panel}, k = {cell.stiffness:g} N/m, H = {cell.step:.3g} s: {judged.why}"
+            for cell, judged in self.cells.items() if judged.kind == "WRONG"
+        ]  # fmt: skip
+        return cells + [f"{name}: {_why(outcome)}" for name, outcome in self.outcomes.items() if outcome.verdict == "WRONG"]
+
+
+def _why(outcome: Outcome) -> str:
+    broken = "; ".join(str(check) for check in outcome.checks if check.verdict == "WRONG")
+    return broken or outcome.words
+
+
+def planned(only: Sequence[str] = (), *, quick: bool = False, slowness: float = 1.0) -> Survey:
+    """The survey of everything, or of what is named: "map", "cases", or a part of a case's name. SoftffdError where nothing is named so."""
+    chosen = {name for name, case in CASES.items() if not quick or case.quick}
+    with_map = True
+    if only:
+        chosen = {name for name in CASES for part in only if part == EVERY_CASE or part.lower() in name.lower()}
+        with_map = MAP in only
+        for part in only:
+            if part not in (MAP, EVERY_CASE) and not any(part.lower() in name.lower() for name in CASES):
+                nearest = did_you_mean(nearest_of(part, [MAP, EVERY_CASE, *CASES]))
+                raise SoftffdError(f"--only {part}: wanted {MAP!r}, {EVERY_CASE!r} or a part of a case's name{nearest}")
+    names = [name for name in CASES if name in chosen]
+    if not with_map:
+        return Survey([], [], [], names, slowness=slowness)
+    if quick:
+        return Survey(list(QUICK_PANELS), [1e-3, 1e3, 1e6, 1e9], [1e-5, 1e-3, 1e-1], names, QUICK_PATIENCE, slowness)
+    return Survey(_panels(), [10.0**n for n in range(-3, 13)], [10 ** (n / 2) for n in range(-10, 1)], names, slowness=slowness)
+
+
+def _panels() -> list[Panel]:
+    """Every method of the FMU's enumeration; with given steps all but auto, which is leapfrog then."""
+    with Drive(document("vibration")) as drive:
+        methods = [item.name for item in drive.component.variable("solver.method").declaredType.items]
+    vibration = [Panel("vibration", method) for method in methods]
+    given = [Panel("vibration", method, True) for method in methods if method != CHOSEN]
+    rotation = [Panel("rotation", method) for method in methods]
+    return [*vibration, *given, *rotation, *(Panel("contact", method) for method in methods if method not in LEAVES_CONTACT)]
+
+
+def run(survey: Survey, note: Note) -> Iterator[str]:
+    """Fills the survey; yields a line of news after each part, when it is worth keeping. note: told what is being run."""
+    if survey.panels:
+        note("the border of the explicit scheme")
+        survey.borders = borders(survey.stiffnesses)
+        yield _border_news(survey.borders)
+    for panel in survey.panels:
+        cells = survey.cells_of(panel)
+        for cell, result in zip(cells, guarded(run_cells, cells, lambda cell: HANG), strict=True):
+            survey.cells[cell] = _judged(result)
+            note(f"map, {panel}: k = {cell.stiffness:g} N/m, H = {cell.step:.3g} s")
+        yield _panel_news(survey, panel)
+    patience = {name: survey.slowness * min(CASES[name].patience, survey.most_patience) for name in survey.names}
+    results = guarded(run_named, survey.names, patience.get)
+    note(survey.names[0] if survey.names else "")
+    for place, (name, result) in enumerate(zip(survey.names, results, strict=True)):
+        outcome = survey.outcomes[name] = outcome_of(result, patience[name])
+        note(survey.names[min(place + 1, len(survey.names) - 1)])
+        yield f"{name}: {outcome.verdict}{f', {outcome.worst}' if outcome.worst else ''}"
+
+
+def _judged(result: Judged | Lost) -> Judged:
+    if isinstance(result, Judged):
+        return result
+    if result.how == "hang":
+        return Judged("slow", why=result.words, run_time=HANG)
+    return Judged("WRONG", why=f"{result.how}: {result.words}")
+
+
+def _border_news(found: Sequence[Border]) -> str:
+    ratios = [border.raw / border.theory for border in found]
+    return f"border of the explicit scheme: {min(ratios):.4f} to {max(ratios):.4f} of 2 / omega"
+
+
+def _panel_news(survey: Survey, panel: Panel) -> str:
+    kinds = [survey.cells[cell].kind for cell in survey.cells_of(panel)]
+    counts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+    return f"map, {panel}: {counts}"

@@ -1,0 +1,53 @@
+#include "forces/kick.hpp"
+
+#include "check.hpp"
+
+using namespace softffd;
+
+namespace {
+
+Body one_mass(double mass, double damping) {
+  const Lattice lattice{{2, 2, 2}};
+  Body body{.springs = Springs(lattice, Topology::distinct), .mass = {}, .damping = {}, .pinned = {}};
+  body.mass = Scalars::Constant(8, mass);
+  body.damping = Scalars::Constant(8, damping);
+  body.damped = damping > 0;
+  return body;
+}
+
+/// Velocity of point 0 after closing and opening half kicks of step h, starting from v.
+double full_kick(const Body& body, double h, double v, double f) {
+  HalfKicks kicks(8);
+  kicks.prepare(body, h);
+  Points velocity = Points::Constant(8, 3, v), force = Points::Constant(8, 3, f), none = Points::Zero(8, 3);
+  kicks.close(force, none, velocity);
+  kicks.open(force, none, velocity);
+  return velocity(0, 0);
+}
+
+}  // namespace
+
+TEST(two_halves_are_the_central_difference) {
+  const double m = 0.3, d = 0.5, h = 0.1, v = 2, f = 7, g = 0.5 * d * h / m;
+  CHECK_NEAR(full_kick(one_mass(m, d), h, v, f), ((1 - g) * v + h * f / m) / (1 + g), 1e-15);
+  CHECK_NEAR(full_kick(one_mass(m, 0), h, v, f), v + h * f / m, 1e-15);
+}
+
+TEST(heavy_damping_ends_at_the_terminal_velocity) {
+  for (double d : {1e3, 1e6, 1e9}) {
+    const Body body = one_mass(1e-2, d);
+    double v = 5;
+    for (int i = 0; i < 60; ++i) v = full_kick(body, 1e-2, v, 7);
+    CHECK_NEAR(v, 7 / d, 1e-12 * 7 / d + 1e-15);
+  }
+}
+
+TEST(heavy_damping_never_turns_the_velocity_round) {
+  const Body body = one_mass(1.0, 50.0);
+  double v = 1;
+  for (int i = 0; i < 10; ++i) {
+    const double next = full_kick(body, 0.1, v, 0);
+    CHECK(next >= 0 && next < v);
+    v = next;
+  }
+}

@@ -1,0 +1,77 @@
+#include "forces/stability.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include "check.hpp"
+
+using namespace softffd;
+
+namespace {
+
+Body make(const Lattice& lattice, double k) {
+  Body body{.springs = Springs(lattice, Topology::distinct), .mass = {}, .damping = {}, .pinned = {}};
+  body.springs.set_stiffness({k, k, k}, {});
+  body.mass = Scalars::Constant(lattice.points(), 1.0 / lattice.points());
+  body.damping = Scalars::Zero(lattice.points());
+  body.pinned.assign(lattice.points(), false);
+  return body;
+}
+
+/// Highest frequency of the linearised lattice, by differences of the force and a dense eigenvalue solver.
+double true_frequency(const Body& body, const Points& x) {
+  const int n = body.points();
+  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  Points y = x, above(n, 3), below(n, 3);
+  const double d = 1e-6;
+  for (int c = 0; c < 3 * n; ++c) {
+    if (body.pinned[c % n]) continue;
+    y.data()[c] = x.data()[c] + d;
+    body.springs.force(y, above);
+    y.data()[c] = x.data()[c] - d;
+    body.springs.force(y, below);
+    y.data()[c] = x.data()[c];
+    for (int r = 0; r < 3 * n; ++r)
+      if (!body.pinned[r % n]) h(r, c) = (below.data()[r] - above.data()[r]) / (2 * d) / std::sqrt(body.mass[r % n] * body.mass[c % n]);
+  }
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (h + h.transpose())).eigenvalues().maxCoeff());
+}
+
+double pseudo_random(int i) { return 0.5 + 0.5 * std::sin(12.9898 * i * i + 78.233 * i); }
+
+}  // namespace
+
+TEST(uniform_lattice_has_its_known_frequency_and_a_tight_bound) {
+  const Lattice lattice;
+  const Body body = make(lattice, 1e3);
+  Stability stability(64);
+  stability.prepare(body);
+  CHECK_NEAR(true_frequency(body, rest_positions(lattice)), 930.848018037389, 1e-3);
+  const double bound = stability.frequency(body, rest_positions(lattice));
+  CHECK(bound >= 930.848018037389 && bound <= 1.21 * 930.848018037389);
+}
+
+TEST(bound_holds_whatever_the_shape_masses_and_pins) {
+  for (int trial = 0; trial < 12; ++trial) {
+    const Lattice lattice{{3, 4, 2}};
+    Body body = make(lattice, 50);
+    Points x = rest_positions(lattice);
+    for (int i = 0; i < x.size(); ++i) x.data()[i] += 0.4 * (pseudo_random(100 * trial + i) - 0.5);
+    for (int p = 0; p < body.points(); ++p) body.mass[p] = std::pow(10.0, 4 * pseudo_random(7 * trial + p) - 3);
+    if (trial % 2) body.pinned[trial] = body.pinned[2 * trial] = true;
+    Stability stability(body.points());
+    stability.prepare(body);
+    const double truth = true_frequency(body, x);
+    CHECK(stability.frequency(body, x) >= truth * (1 - 1e-6));
+    CHECK(stability.any_frequency() >= truth * (1 - 1e-6));
+  }
+}
+
+TEST(one_light_point_is_bounded_sharply) {
+  const Lattice lattice;
+  Body body = make(lattice, 1e3);
+  body.mass[0] = 1e-6;
+  Stability stability(64);
+  stability.prepare(body);
+  const double truth = true_frequency(body, rest_positions(lattice));
+  CHECK(stability.frequency(body, rest_positions(lattice)) <= 1.2 * truth);
+}

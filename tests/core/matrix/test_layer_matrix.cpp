@@ -1,0 +1,222 @@
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <random>
+
+#include "check.hpp"
+#include "matrix/stiffness_matrix.hpp"
+
+using namespace softffd;
+
+namespace {
+
+const std::vector<Lattice> lattices{{{4, 4, 4}}, {{2, 2, 2}}, {{2, 3, 8}}, {{8, 2, 2}}, {{3, 5, 4}}};
+
+double noise() {
+  static std::mt19937 engine(7);
+  return double(engine()) / double(engine.max()) - 0.5;  // the same numbers in every standard library
+}
+
+int layer(const Lattice& lattice, int axis, int p) {
+  const auto& n = lattice.counts;
+  const int of[3] = {p % n[0], p / n[0] % n[1], p / (n[0] * n[1])};
+  return of[axis];
+}
+
+/// Dense copy of the lower triangle, both triangles filled; coordinate a of point p is row p + points * a, as in Points.
+Eigen::MatrixXd dense(const Lattice& lattice, LayerMatrix& matrix) {
+  const int n = lattice.points();
+  Eigen::MatrixXd full = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  for (int p = 0; p < n; ++p)
+    for (int q = 0; q < n; ++q)
+      if (std::abs(layer(lattice, matrix.axis(), p) - layer(lattice, matrix.axis(), q)) <= 1)
+        for (int a = 0; a < 3; ++a)
+          for (int b = 0; b < 3; ++b) full(p + n * a, q + n * b) = matrix.at(p, a, q, b);
+  return full;
+}
+
+/// A block-tridiagonal matrix without any zero inside its blocks, positive definite by its diagonal.
+void fill(const Lattice& lattice, LayerMatrix& matrix) {
+  const int n = lattice.points();
+  matrix.clear();
+  for (int p = 0; p < n; ++p)
+    for (int q = 0; q <= p; ++q)
+      if (std::abs(layer(lattice, matrix.axis(), p) - layer(lattice, matrix.axis(), q)) <= 1)
+        for (int a = 0; a < 3; ++a)
+          for (int b = 0; b < 3; ++b) matrix.at(p, a, q, b) = p == q && a == b ? 0.6 * n + noise() : noise();
+}
+
+struct Sample {
+  Lattice lattice;
+  Body body;
+  Points x;
+};
+
+Sample sample(const Lattice& lattice, double stretch, double crumple) {
+  const int n = lattice.points();
+  Sample s{lattice, {Springs(lattice, Topology::paper), Scalars::Constant(n, 0.1), Scalars::Zero(n), std::vector<bool>(n, false)}, {}};
+  s.body.springs.set_stiffness({1000, 700, 300}, {});
+  s.x = stretch * rest_positions(lattice);
+  for (int p = 0; p < n; ++p)
+    for (int a = 0; a < 3; ++a) s.x(p, a) += crumple * std::sin(7.0 * p + 3.0 * a);
+  return s;
+}
+
+Eigen::MatrixXd stiffness(const Sample& s, double diagonal = 0) {
+  LayerMatrix matrix(s.lattice);
+  Scalars sums(6 * s.body.points());
+  assemble(s.body, s.x, Scalars::Constant(s.body.points(), diagonal), sums, matrix);
+  return dense(s.lattice, matrix);
+}
+
+/// The formula of the header, spring by spring.
+Eigen::MatrixXd projected(const Sample& s) {
+  const int n = s.body.points();
+  Eigen::MatrixXd full = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  for (const Springs::Row& spring_row : s.body.springs.rows())
+    for (int lane = 0; lane < spring_row.lanes(); ++lane) {
+      const int p = spring_row.begin + lane, q = p + spring_row.offset;
+      const Vec3 d = row(s.x, q) - row(s.x, p);
+      const double r = d.norm(), e = r > 0 ? std::max(0.0, 1 - spring_row.rest_length[lane] / r) : 0;
+      if (r == 0) continue;
+      const Eigen::Matrix3d uu = d * d.transpose() / (r * r);
+      const Eigen::Matrix3d h = spring_row.stiffness[lane] * (uu + e * (Eigen::Matrix3d::Identity() - uu));
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) {
+          full(p + n * a, p + n * b) += h(a, b);
+          full(q + n * a, q + n * b) += h(a, b);
+          full(p + n * a, q + n * b) -= h(a, b);
+          full(q + n * a, p + n * b) -= h(a, b);
+        }
+    }
+  return full;
+}
+
+/// -dF/dx by central differences.
+Eigen::MatrixXd differences(const Sample& s) {
+  const int n = s.body.points();
+  const double d = 1e-6;
+  Eigen::MatrixXd full(3 * n, 3 * n);
+  Points x = s.x, above(n, 3), below(n, 3);
+  for (int j = 0; j < 3 * n; ++j) {
+    const double here = x.data()[j];
+    x.data()[j] = here + d;
+    s.body.springs.force(x, above);
+    x.data()[j] = here - d;
+    s.body.springs.force(x, below);
+    x.data()[j] = here;
+    for (int i = 0; i < 3 * n; ++i) full(i, j) = (below.data()[i] - above.data()[i]) / (2 * d);
+  }
+  return full;
+}
+
+double largest(const Eigen::MatrixXd& m) { return m.cwiseAbs().maxCoeff(); }
+
+}  // namespace
+
+TEST(layers_lie_across_the_axis_with_the_most_points) {
+  const int axes[] = {2, 2, 2, 0, 1}, layers[] = {4, 2, 8, 8, 5};
+  for (std::size_t i = 0; i < lattices.size(); ++i) {
+    const LayerMatrix matrix(lattices[i]);
+    CHECK(matrix.axis() == axes[i] && matrix.layers() == layers[i]);
+  }
+}
+
+TEST(every_coordinate_is_one_unknown) {
+  for (const Lattice& lattice : lattices) {
+    const LayerMatrix matrix(lattice);
+    std::vector<int> seen;
+    for (int p = 0; p < lattice.points(); ++p)
+      for (int a = 0; a < 3; ++a) seen.push_back(matrix.unknown(p, a));
+    std::sort(seen.begin(), seen.end());
+    CHECK(std::adjacent_find(seen.begin(), seen.end()) == seen.end());
+  }
+}
+
+TEST(solutions_are_those_of_a_dense_factor) {
+  for (const Lattice& lattice : lattices) {
+    LayerMatrix matrix(lattice);
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      fill(lattice, matrix);
+      const Eigen::MatrixXd full = dense(lattice, matrix);
+      CHECK(full == full.transpose());
+      Points b(lattice.points(), 3);
+      for (int i = 0; i < b.size(); ++i) b.data()[i] = noise();
+      const Eigen::VectorXd right = Eigen::Map<Eigen::VectorXd>(b.data(), b.size()), expected = full.llt().solve(right);
+      matrix.factor();
+      matrix.solve(b);
+      const Eigen::VectorXd found = Eigen::Map<Eigen::VectorXd>(b.data(), b.size());
+      CHECK_NEAR(largest(found - expected), 0.0, 1e-13 * largest(expected));  // condition about 10
+      CHECK_NEAR(largest(full * found - right), 0.0, 1e-14 * lattice.points());
+    }
+  }
+}
+
+TEST(a_matrix_that_is_not_positive_definite_gives_no_numbers) {
+  const Lattice lattice;
+  LayerMatrix matrix(lattice);
+  fill(lattice, matrix);
+  matrix.at(9, 1, 9, 1) = -1;
+  matrix.factor();
+  Points b = Points::Ones(lattice.points(), 3);
+  matrix.solve(b);
+  CHECK(!b.isFinite().all());
+}
+
+TEST(at_rest_and_stretched_the_stiffness_is_minus_the_derivative_of_the_forces) {
+  for (const Lattice& lattice : lattices)
+    for (double stretch : {1.0, 1.3}) {
+      const Sample s = sample(lattice, stretch, stretch > 1 ? 0.01 : 0.0);
+      CHECK_NEAR(largest(stiffness(s) - differences(s)), 0.0, 1e-4);  // differences of forces of some 1000 N over 2e-6 m
+    }
+}
+
+TEST(compressed_springs_have_no_transverse_stiffness) {
+  for (const Lattice& lattice : lattices) {
+    const Sample s = sample(lattice, 0.8, 0.1);
+    const Eigen::MatrixXd k = stiffness(s), formula = projected(s);
+    CHECK_NEAR(largest(k - formula), 0.0, 1e-13 * largest(formula));
+    CHECK(largest(k - differences(s)) > 1e-3 * largest(k));
+    CHECK(k == k.transpose());
+    const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues();
+    CHECK(eigenvalues.minCoeff() > -1e-13 * eigenvalues.maxCoeff());
+  }
+}
+
+TEST(there_are_matrices_for_layers_of_up_to_64_points) {
+  const auto fits = [](int nx, int ny, int nz) { return LayerMatrix::fits({{nx, ny, nz}}); };
+  CHECK(fits(8, 8, 8) && fits(8, 32, 8) && fits(2, 32, 32) && fits(16, 4, 32));
+  CHECK(!fits(9, 8, 9) && !fits(16, 16, 16) && !fits(32, 3, 32) && !fits(32, 32, 32));
+  CHECK(LayerMatrix::points_per_layer({{9, 8, 10}}) == 72);
+}
+
+TEST(coinciding_points_give_no_stiffness) {
+  Sample s = sample({}, 1, 0);
+  s.x.setZero();
+  CHECK(largest(stiffness(s)) == 0);
+}
+
+TEST(the_diagonal_is_added_once) {
+  const Sample s = sample({}, 1.1, 0.02);
+  const Eigen::MatrixXd difference = stiffness(s, 2048) - stiffness(s);
+  CHECK_NEAR(largest(difference - 2048 * Eigen::MatrixXd::Identity(192, 192)), 0.0, 1e-11);
+}
+
+TEST(pinned_points_keep_their_values_and_do_not_reach_the_others) {
+  Sample s = sample({}, 1.1, 0.02);
+  const Eigen::MatrixXd free = stiffness(s, 50);
+  for (int p : {0, 21, 40}) s.body.pinned[p] = true;
+  const Eigen::MatrixXd k = stiffness(s, 50);
+  for (int i = 0; i < 192; ++i)
+    for (int j = 0; j < 192; ++j) CHECK(k(i, j) == (s.body.pinned[i % 64] || s.body.pinned[j % 64] ? double(i == j) : free(i, j)));
+}
+
+TEST(the_product_is_that_of_the_matrix) {
+  const Sample s = sample({{3, 4, 5}}, 0.9, 0.1);
+  const int n = s.body.points();
+  Points u(n, 3), f(n, 3);
+  for (int i = 0; i < u.size(); ++i) u.data()[i] = noise();
+  stiffness_force(s.body, s.x, u, f);
+  const Eigen::VectorXd expected = -stiffness(s) * Eigen::Map<Eigen::VectorXd>(u.data(), u.size());
+  CHECK_NEAR(largest(Eigen::Map<Eigen::VectorXd>(f.data(), f.size()) - expected), 0.0, 1e-13 * largest(expected));
+}

@@ -1,0 +1,177 @@
+"""Facts about the free-form deformation, Xia & Wang 2009, eq. (1)."""
+
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+from softffd.embedding.basis import weights
+from softffd.embedding.deform import Embedding, deform
+from softffd.errors import MeshError
+from softffd.mesh.mesh import Mesh
+
+ORIGIN, SIZE = np.array([-1.0, 2.0, 0.5]), np.array([2.0, 0.7, 1.3])
+COUNTS = [(2, 2, 2), (4, 4, 4), (3, 5, 2), (32, 2, 7)]
+VOLUMES = [*((counts, "bezier") for counts in COUNTS), ((3, 5, 2), "bspline"), ((32, 4, 7), "bspline"), ((12, 12, 12), "bspline")]
+
+
+def rest_grid(counts):
+    axes = [o + s * np.arange(n) / (n - 1) for o, s, n in zip(ORIGIN, SIZE, counts, strict=True)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+
+
+def cloud(m=200, seed=1):
+    return ORIGIN + SIZE * np.random.default_rng(seed).random((m, 3))
+
+
+def moved_grid(counts, seed=2):
+    grid = rest_grid(counts)
+    return grid + np.random.default_rng(seed).normal(size=grid.shape)
+
+
+def on_box(u, v, w):
+    return ORIGIN + SIZE * np.array([[u, v, w]])
+
+
+@pytest.mark.parametrize(("counts", "basis"), VOLUMES)
+def test_the_rest_grid_leaves_every_point_where_it_is(counts, basis):
+    points = cloud()
+    moved = deform(points, rest_grid(counts), origin=ORIGIN, size=SIZE, basis=basis)
+    np.testing.assert_allclose(moved, points, atol=1e-14)
+
+
+@pytest.mark.parametrize(("counts", "basis"), VOLUMES)
+def test_affine_maps_are_reproduced(counts, basis):
+    matrix, offset = np.random.default_rng(3).normal(size=(3, 3)), np.array([5.0, -1.0, 2.0])
+    points = cloud()
+    moved = deform(points, rest_grid(counts) @ matrix.T + offset, origin=ORIGIN, size=SIZE, basis=basis)
+    np.testing.assert_allclose(moved, points @ matrix.T + offset, atol=1e-13)
+
+
+@pytest.mark.parametrize(("counts", "basis"), VOLUMES)
+def test_it_is_the_triple_sum_of_equation_1(counts, basis):
+    points, positions = cloud(20), moved_grid(counts)
+    u, v, w = (weights(t, n, basis) for t, n in zip(((points - ORIGIN) / SIZE).T, counts, strict=True))
+    expected = np.einsum("mi,mj,mk,ijkx->mx", u, v, w, positions)
+    np.testing.assert_allclose(deform(points, positions, origin=ORIGIN, size=SIZE, basis=basis), expected, atol=1e-13)
+
+
+@pytest.mark.parametrize(("counts", "basis"), [((4, 4, 4), "bezier"), ((9, 5, 12), "bspline")])
+def test_the_object_stays_in_the_convex_hull_of_the_control_points(counts, basis):
+    positions = moved_grid(counts)
+    moved = deform(cloud(500), positions, origin=ORIGIN, size=SIZE, basis=basis)
+    for direction in np.random.default_rng(4).normal(size=(50, 3)):
+        assert (moved @ direction).max() <= (positions @ direction).max()
+
+
+@pytest.mark.parametrize("corner", [(0, 0, 0), (1, 0, 1), (1, 1, 1)])
+def test_a_corner_of_the_box_follows_its_control_point(corner):
+    positions = moved_grid((4, 3, 5))
+    moved = deform(on_box(*corner), positions, origin=ORIGIN, size=SIZE)[0]
+    np.testing.assert_allclose(moved, positions[tuple(-c for c in corner)], rtol=0, atol=1e-14)
+
+
+def test_an_edge_of_the_box_follows_the_control_points_on_it():
+    positions = moved_grid((4, 4, 4))
+    moved = deform(on_box(1, 0, 0.4), positions, origin=ORIGIN, size=SIZE)[0]
+    np.testing.assert_allclose(moved, weights([0.4], 4)[0] @ positions[-1, 0], atol=1e-14)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("side", [0, 1])
+def test_a_face_of_the_box_follows_the_control_points_on_it(axis, side):
+    place = [0.3, 0.8, 0.55]
+    place[axis] = side
+    positions = moved_grid((4, 4, 4))
+    others = positions.copy()
+    np.moveaxis(others, axis, 0)[1 - side : 4 - side] += 100.0
+    before = deform(on_box(*place), positions, origin=ORIGIN, size=SIZE)
+    after = deform(on_box(*place), others, origin=ORIGIN, size=SIZE)
+    np.testing.assert_allclose(after, before, atol=1e-12)
+
+
+def test_many_instants_are_deformed_at_once():
+    points, positions = cloud(), np.stack([moved_grid((4, 4, 4), seed) for seed in range(5)])
+    together = deform(points, positions, origin=ORIGIN, size=SIZE)
+    assert together.shape == (5, 200, 3)
+    for moved, grid in zip(together, positions, strict=True):
+        np.testing.assert_allclose(moved, deform(points, grid, origin=ORIGIN, size=SIZE), atol=1e-13)
+
+
+def test_working_in_small_blocks_changes_nothing(monkeypatch):
+    points, positions = cloud(), moved_grid((4, 4, 4))
+    whole = deform(points, positions, origin=ORIGIN, size=SIZE)
+    module = import_module("softffd.embedding.deform")  # the package's attribute of this name is the function
+    monkeypatch.setattr(module, "_KEPT", 0)
+    monkeypatch.setattr(module, "_BLOCK", 500)
+    np.testing.assert_allclose(deform(points, positions, origin=ORIGIN, size=SIZE), whole, atol=1e-14)
+
+
+def test_a_large_lattice_of_bsplines_is_worked_point_by_point_with_the_same_result(monkeypatch):
+    """Only the points that count are looked at where all of them together would be too many."""
+    points, positions = cloud(), np.stack([moved_grid((16, 9, 12), seed) for seed in range(2)])
+    box = {"origin": ORIGIN, "size": SIZE, "basis": "bspline"}
+    whole, one = deform(points, positions, **box), deform(points, positions[0], **box)
+    monkeypatch.setattr(import_module("softffd.embedding.deform"), "_KEPT", 0)
+    np.testing.assert_allclose(deform(points, positions, **box), whole, atol=1e-13)
+    np.testing.assert_allclose(deform(points, positions[0], **box), one, atol=1e-13)
+
+
+def test_an_embedding_is_used_again_and_again():
+    points = cloud()
+    embedding = Embedding(points, ORIGIN, SIZE, (4, 4, 4))
+    for seed in range(3):
+        positions = moved_grid((4, 4, 4), seed)
+        expected = deform(points, positions, origin=ORIGIN, size=SIZE)
+        np.testing.assert_array_equal(embedding.deform(positions), expected)
+
+
+def test_the_box_is_by_default_the_bounding_box():
+    points = np.vstack([cloud(), ORIGIN[None], (ORIGIN + SIZE)[None]])
+    mesh = Mesh(points, np.array([[0, 1, 2]]))
+    np.testing.assert_allclose(deform(mesh, rest_grid((4, 4, 4))), points, atol=1e-14)
+
+
+def test_points_outside_the_box_are_refused_with_a_box_that_holds_them():
+    points = cloud()
+    with pytest.raises(MeshError, match=r"points lie outside .* leave both keys out .* use origin = \[") as refusal:
+        deform(points, rest_grid((4, 4, 4)), origin=ORIGIN, size=0.9 * SIZE)
+    box = str(refusal.value).split("use origin = ")[1].rstrip(".").split(" and size = ")
+    origin, size = (np.array(eval(text)) for text in box)
+    assert deform(points, rest_grid((4, 4, 4)), origin=origin, size=size).shape == points.shape
+
+
+def test_a_box_rounded_to_six_digits_still_holds_its_mesh():
+    points = np.vstack([cloud(), (ORIGIN + SIZE)[None]])
+    moved = deform(points, rest_grid((4, 4, 4)), origin=ORIGIN, size=SIZE * (1 - 5e-7))
+    np.testing.assert_allclose(moved, points, atol=2e-6)
+
+
+def test_points_that_are_not_numbers_are_refused():
+    points = cloud()
+    points[3, 1] = np.nan
+    with pytest.raises(MeshError, match="1 of the mesh's 200 points"):
+        Embedding(points, ORIGIN, SIZE, (4, 4, 4))
+
+
+def test_a_flat_box_is_refused():
+    with pytest.raises(MeshError, match=r"lattice\.size: wanted three sides > 0 m, got \[2, 0, 1\.3\]"):
+        Embedding(cloud(), ORIGIN, [2.0, 0.0, 1.3], (4, 4, 4))
+
+
+@pytest.mark.parametrize("shape", [(64, 3), (4, 4, 4), (4, 4, 4, 2), (4, 4, 33, 3), (1, 4, 4, 3)])
+def test_wrong_shapes_of_control_points_are_refused(shape):
+    with pytest.raises(ValueError, match="wanted"):
+        deform(cloud(), np.zeros(shape), origin=ORIGIN, size=SIZE)
+
+
+def test_an_embedding_refuses_another_lattice():
+    with pytest.raises(ValueError, match=r"wanted the shape \(4, 4, 4, 3\)"):
+        Embedding(cloud(), ORIGIN, SIZE, (4, 4, 4)).deform(np.zeros((3, 4, 4, 3)))
+
+
+@pytest.mark.parametrize("basis", ["Bspline", "bsplin", "xyz", None])
+def test_an_unknown_basis_is_refused_with_the_choices(basis):
+    near = ', did you mean "bspline"\\?' if basis in ("Bspline", "bsplin") else "$"
+    with pytest.raises(ValueError, match=f'basis: wanted "bezier" or "bspline", got {basis!r}{near}'):
+        deform(cloud(), rest_grid((4, 4, 4)), origin=ORIGIN, size=SIZE, basis=basis)

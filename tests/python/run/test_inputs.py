@@ -1,0 +1,130 @@
+"""Inputs over time: the three forms, and the velocities that follow from poses."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from softffd import FmuError
+from softffd.run.inputs import Inputs, read_csv
+from softffd.run.motion import derived_velocities
+
+
+def table(**columns) -> np.ndarray:
+    array = np.zeros(len(next(iter(columns.values()))), dtype=[(name, float) for name in columns])
+    for name, values in columns.items():
+        array[name] = values
+    return array
+
+
+def test_arrays_callables_and_files_give_the_same_values(tmp_path):
+    (tmp_path / "in.csv").write_text("# a comment\ntime, load.a.x\n0, 1\n1, 3\n")
+    sources = [table(time=[0, 1], **{"load.a.x": [1, 3]}), lambda t: {"load.a.x": min(3, 1 + 2 * t)}, tmp_path / "in.csv"]
+    for source in sources:
+        inputs = Inputs(source)
+        assert inputs.names == ["load.a.x"]
+        assert [inputs.values(t, t + 0.1)[0] for t in (0.0, 0.25, 2.0)] == pytest.approx([1.0, 1.5, 3.0])
+
+
+def test_a_given_point_brings_the_velocity_that_reaches_its_next_value():
+    inputs = Inputs(table(time=[0, 1], **{"plane.p.point.z": [0, 2]}))
+    assert inputs.derived_names == [f"plane.p.velocity.{c}" for c in "xyz"]
+    np.testing.assert_allclose(inputs.values(0.5, 0.6), [1.0, 0.0, 0.0, 2.0])
+
+
+def test_a_given_velocity_is_left_alone():
+    inputs = Inputs(lambda t: {"plane.p.point.z": t, "plane.p.velocity.z": 7.0})
+    assert inputs.derived_names == []
+
+
+def test_turning_normals_and_quaternions_bring_the_angular_velocity():
+    normal = {f"plane.p.normal.{c}": v for c, v in zip("xyz", [0, 0, 2.0], strict=True)}
+    turned = {f"plane.p.normal.{c}": v for c, v in zip("xyz", [np.sin(0.2), 0, np.cos(0.2)], strict=True)}
+    rates = derived_velocities(normal, turned, 0.1)
+    assert rates["plane.p.angular_velocity.y"] == pytest.approx(2.0)
+    at_rest = {f"pin.p.orientation.{c}": v for c, v in zip("wxyz", [1.0, 0, 0, 0], strict=True)}
+    turned = {f"pin.p.orientation.{c}": v for c, v in zip("wxyz", [np.cos(0.1), 0, 0, np.sin(0.1)], strict=True)}
+    assert derived_velocities(at_rest, turned, 0.1)["pin.p.angular_velocity.z"] == pytest.approx(2.0)
+    back = {name: -value for name, value in turned.items()}  # the same orientation
+    assert derived_velocities(at_rest, back, 0.1)["pin.p.angular_velocity.z"] == pytest.approx(2.0)
+
+
+JUMPS = [round(0.01 * n, 2) for n in range(5, 13)]
+
+
+@pytest.mark.parametrize("jump", JUMPS)
+def test_a_step_ends_before_a_jump_and_the_next_begins_after_it(jump):
+    inputs = Inputs(table(time=[0, jump, jump, 1], **{"plane.p.point.z": [1.2, 1.2, 0.9, 0.9]}))
+    times = 0.01 * np.arange(21)
+    at = int(np.abs(times - jump).argmin())
+    height, *velocity = np.array([inputs.values(*pair) for pair in pairwise(times)]).T
+    np.testing.assert_array_equal(height, np.where(np.arange(20) < at, 1.2, 0.9))
+    np.testing.assert_array_equal(velocity, 0.0)
+    np.testing.assert_array_equal([inputs.rates(*pair) for pair in pairwise(times)], 0.0)
+
+
+@pytest.mark.parametrize("jump", JUMPS)
+def test_cubics_reach_a_jump_from_before_and_leave_it_from_behind(jump):
+    """Each side of the jump is a straight line, which the cubic is then too; the other column does not jump."""
+    inputs = Inputs(table(time=[0, jump, jump, 1], **{"load.a.x": [0, jump, 5, 5 - 2 * (1 - jump)], "load.a.y": [0, jump, jump, 1]}))
+    times = 0.01 * np.arange(21)
+    for time, then in pairwise(times):
+        slope = 1.0 if then < jump + 1e-6 else -2.0
+        np.testing.assert_allclose(inputs.bends(time, then), [[slope, 1.0], [0, 0], [0, 0]], atol=1e-6)
+
+
+def test_a_function_must_give_the_same_names_at_every_time():
+    for late in ({}, {"plane.p.point.z": 1.0, "load.a.x": 0.0}, {"load.a.x": 0.0}):
+        inputs = Inputs(lambda t, late=late: {"plane.p.point.z": 1.0} if t < 0.1 else late)
+        inputs.values(0.0, 0.09)
+        wrong = ["missing: plane.p.point.z"] * ("plane.p.point.z" not in late) + ["additional: load.a.x"] * ("load.a.x" in late)
+        with pytest.raises(FmuError, match=f"at 0.15 s: wanted the same names as at 0 s, got {'; '.join(wrong)}"):
+            inputs.values(0.05, 0.15)
+
+
+@pytest.mark.parametrize(
+    "source, message",
+    [
+        ({"load.a.x": 1.0}, "wanted a function of time, a structured array or a CSV file, got dict"),
+        ([(0, 1.0)], "got list"),
+        (3, "got int"),
+        (lambda t: None, "at 0 s: wanted a dict of values by name, got None"),
+        (lambda t: {1: 1.1}, "at 0 s: wanted a dict of values by name, got {1: 1.1}"),
+        (lambda t: {"load.a.x": "1.1"}, "at 0 s: load.a.x: wanted a finite number, got '1.1'"),
+        (lambda t: {"load.a.x": np.nan}, "at 0 s: load.a.x: wanted a finite number, got nan"),
+        (np.zeros((2, 2)), "first field is `time`, got float64"),
+        (table(time=[], **{"load.a.x": []}), "at least one row"),
+        (np.zeros((1, 2), [("time", float), ("load.a.x", float)]), r"got the shape \(1, 2\)"),
+        (np.zeros(2, [("time", float), ("load.a.x", "U5")]), "load.a.x: wanted a column of numbers, got <U5"),
+        (table(time=[0, np.nan], **{"load.a.x": [0, 1]}), "row 1, time: wanted a finite number, got nan"),
+        (table(time=[0, 1, 0.5], **{"load.a.x": [0, 1, 2]}), "row 2: the times must not decrease, got 0.5 after 1"),
+    ],
+)
+def test_what_is_no_source_is_refused_in_words(source, message):
+    with pytest.raises(FmuError, match=f"inputs: .*{message}"):
+        Inputs(source)
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ("", "header line"),
+        ("time,a\n", "at least one row"),
+        ("t,a\n0,1\n", "line 1: wanted a header of `time`.*got 't'"),
+        ("Time,a\n0,1\n", "got 'Time' at its begin, did you mean \"time\"?"),
+        ("time [s],a\n0,1\n", 'did you mean "time"?'),
+        ("a,time\n0,1\n", "`time` must be the first"),
+        ("time;a\n0;1\n", "separated by commas, got semicolons"),
+        ("time\ta\n0\t1\n", "separated by commas, got tabs"),
+        ("time,a,a\n0,1,2\n", "each once.*got 'a' again"),
+        ("time,a\n0,1,2\n", "line 2: wanted 2 numbers"),
+        ("# two\n\ntime,a\n0,1\n\n1,x\n", "line 6, a: wanted a number, got 'x'"),
+        ("time,a\n0,nan\n", "line 2, a: wanted a finite number"),
+        ("time,a\n0,1\n1,1\n0.5,1\n", "line 4: the times must not decrease, got 0.5 after 1"),
+        ("time,a\n0," + "1" * 200000 + "\n", "line 2: is no line of a CSV file"),
+    ],
+)
+def test_a_faulty_file_says_where(tmp_path, text, message):
+    (tmp_path / "in.csv").write_text(text)
+    with pytest.raises(FmuError, match=rf"in\.csv: .*{message}"):
+        read_csv(tmp_path / "in.csv")

@@ -1,0 +1,156 @@
+"""Results: planes over time, the lattice and its mesh, files."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mesh_files import ball
+from softffd import FmuError, MeshError, Result, SoftffdError, deform, load_scene, package_fmu, save_mesh, simulate
+from softffd.show.stage import stage_of
+
+TURNING = """
+[[plane]]
+name = "mill"
+point = [0.5, 0.5, -3.0]
+normal = [0.0, 0.6, 0.8]
+velocity = [0.0, 0.0, 0.1]
+angular_velocity = [0.0, 0.0, 2.0]
+[[plane]]
+name = "hand"
+point = [0.0, 0.0, -5.0]
+motion = "input"
+[experiment]
+stop_time = 0.5
+"""
+
+
+@pytest.fixture
+def result(tmp_path) -> Result:
+    (tmp_path / "turning.toml").write_text(TURNING)
+    scene = load_scene(tmp_path / "turning.toml")
+    return simulate(scene, inputs=lambda t: {"plane.hand.point.z": -5.0 + t})
+
+
+def test_a_fixed_plane_with_a_motion_moves_on_from_its_start(result):
+    points, normals = result.plane("mill")
+    np.testing.assert_allclose(points[-1], [0.5, 0.5, -2.95], atol=1e-15)
+    np.testing.assert_allclose(normals[-1], [-0.6 * np.sin(1.0), 0.6 * np.cos(1.0), 0.8], atol=1e-15)
+
+
+def test_an_input_plane_is_where_its_inputs_put_it(result):
+    points, normals = result.plane("hand")
+    np.testing.assert_allclose(points[:, 2], -5.0 + result.time)
+    np.testing.assert_allclose(normals, np.tile([0.0, 0.0, 1.0], (len(result.time), 1)))
+    np.testing.assert_allclose(result.inputs["plane.hand.velocity.z"][:-1], 1.0)  # derived from the course of the point
+
+
+@pytest.mark.parametrize("interpolation", ["held", "linear"])
+@pytest.mark.parametrize("jump", [0.06, 0.1])
+def test_a_plane_that_jumps_at_a_communication_point_has_no_velocity(result, jump, interpolation):
+    rows = [(0.0, -5.0), (jump, -5.0), (jump, -4.0)]
+    course = np.array(rows, dtype=[("time", float), ("plane.hand.point.z", float)])
+    after = simulate(result.scene, inputs=course, interpolation=interpolation)
+    np.testing.assert_array_equal(after.inputs["plane.hand.velocity.z"], 0.0)
+    np.testing.assert_array_equal(after.inputs["plane.hand.point.z"], np.where(after.time < jump - 1e-9, -5.0, -4.0))
+
+
+def test_planes_are_listed_in_the_order_of_the_scene(result):
+    assert sorted(result.plane_names()) == ["hand", "mill"]
+
+
+def test_saved_arrays_come_back(result, tmp_path):
+    result.save(tmp_path)
+    loaded = np.load(tmp_path / "result.npz")
+    np.testing.assert_array_equal(loaded["positions"], result.positions)
+    np.testing.assert_array_equal(loaded["plane.mill.reaction.z"], result.outputs["plane.mill.reaction.z"])
+
+
+MARGIN = """
+[lattice]
+points = [7, 5, 5]
+margin = 0.1
+basis = "bspline"
+[mesh]
+file = "ball.obj"
+[initial]
+angular_velocity = [0.0, 0.0, 3.0]
+[[probe]]
+name = "vertex"
+at = {vertex}
+[outputs]
+positions = {positions}
+[experiment]
+stop_time = 0.05
+"""
+
+
+@pytest.fixture
+def margin(tmp_path):
+    """margin(positions): a B-spline lattice around a ball with a probe in one of its vertices."""
+    save_mesh(ball(), tmp_path / "ball.obj")
+    vertex = ball().vertices[7].round(4).tolist()
+
+    def scene(positions="all"):
+        text = positions if positions[0] == "{" else f'"{positions}"'
+        (tmp_path / "margin.toml").write_text(MARGIN.format(vertex=vertex, positions=text))
+        return load_scene(tmp_path / "margin.toml")
+
+    return scene
+
+
+def test_the_deformed_mesh_goes_with_the_probe_in_the_scene_s_own_box_and_basis(margin):
+    result = simulate(margin())
+    probe = np.stack([result.outputs[f"probe.vertex.{c}"] for c in "xyz"], axis=1)
+    np.testing.assert_allclose(result.deformed()[7], probe[-1], atol=2e-4)
+    np.testing.assert_allclose(result.deformed(row=slice(None))[:, 7], probe, atol=2e-4)
+    np.testing.assert_array_equal(result.deformed(ball().vertices[:9], row=2), result.deformed(ball(), row=2)[:9])
+    lattice = result.scene.lattice
+    given = deform(result.scene.loaded_mesh, result.positions[-1], origin=lattice.origin, size=lattice.size, basis="bspline")
+    np.testing.assert_array_equal(result.deformed(), given)
+
+
+@pytest.mark.parametrize("positions", ["all", "x-", "{ i = [0, 2] }", "none"])
+def test_an_fmu_gives_the_same_lattice_as_its_scene(margin, tmp_path, positions):
+    scene = margin(positions)
+    from_scene, from_fmu = simulate(scene), simulate(package_fmu(scene, tmp_path / "margin.fmu"))
+    np.testing.assert_array_equal(from_fmu.positions, from_scene.positions)
+    assert from_fmu.positions.shape == (6, 7, 5, 5, 3) and from_fmu.lattice == from_scene.lattice
+    if positions == "all":
+        stage = stage_of(from_fmu)
+        assert stage.basis == "bspline" and stage.size == pytest.approx(scene.lattice.size)
+    else:
+        for shown in (stage_of, lambda result: result.deformed(ball())):
+            with pytest.raises(SoftffdError, match=r'outputs\.positions = "all"'):
+                shown(from_fmu)
+
+
+def test_without_a_mesh_there_is_none_to_deform(result):
+    with pytest.raises(MeshError, match="wanted a mesh"):
+        result.deformed()
+
+
+@pytest.mark.parametrize("ending", [{"step": 1e-12}, {"step": 1e-300}, {"stop_time": 1e15}, {"stop_time": 1e300}])
+def test_more_communication_points_than_memory_are_refused_in_words(ending, result):
+    with pytest.raises(FmuError, match=r"make \S+ communication points, whose result would take \S+ GB; wanted at most"):
+        simulate(result.scene, **ending)
+
+
+@pytest.mark.parametrize(
+    "given, message",
+    [
+        ("box.toml", r'got the name of a scene; take load_scene\("box.toml"\)'),
+        (Path("press"), r'take load_scene\("press"\)'),
+        (None, "wanted a Scene or the path of an FMU, got NoneType"),
+    ],
+)
+def test_what_is_neither_scene_nor_fmu_is_refused(given, message):
+    with pytest.raises(FmuError, match=message):
+        simulate(given)
+    with pytest.raises(SoftffdError, match="package_fmu: wanted a Scene, got "):
+        package_fmu(given, "x.fmu")
+
+
+def test_a_name_that_is_no_text_is_an_unknown_variable(result):
+    with pytest.raises(FmuError, match="1: the FMU has no such variable"):
+        simulate(result.scene, start_values={1: 1})

@@ -1,0 +1,201 @@
+"""The wording of what pydantic finds: path, what was wanted, what was given, the nearest valid choice."""
+
+import datetime
+import math
+import re
+
+import numpy as np
+import pytest
+
+from softffd.errors import SceneError
+from softffd.scene.scene import scene_from, schema
+
+PLANE = {"name": "ground"}
+TWENTY = "a" * 200
+
+CASES = [
+    ({"titel": "x"}, 'titel: unknown key, did you mean "title"?'),
+    ({"material": {"stifness": 1.0}}, 'material.stifness: unknown key, did you mean "stiffness"?'),
+    ({"material": {"friction": 1.0}}, "material.friction: unknown key here; it belongs in [[plane]]"),
+    ({"solver": {"": 1}}, 'solver."": unknown key, wanted "method", "tolerance", "step" or "error_estimate"'),
+    ({"material": {"stiffness": -5}}, "material.stiffness: wanted >= 0 N/m, got -5"),
+    (
+        {"material": {"stiffness": "soft"}},
+        'material.stiffness: wanted a number or a table { edge = , face = , body = } (N/m), got "soft"',
+    ),
+    (
+        {"material": {"stiffness": {"edge": 1, "face": 1}}},
+        "material.stiffness.body: wanted stiffness of the body diagonals [N/m; >= 0], got nothing",
+    ),
+    ({"material": {"damping": math.nan}}, "material.damping: wanted a finite number (N.s/m), got nan"),
+    ({"material": {"damping": True}}, "material.damping: wanted a number (N.s/m), got true"),
+    ({"mass": {"total": 0}}, "mass.total: wanted > 0 kg, got 0"),
+    ({"mass": {"uniform_share": 1.5}}, "mass.uniform_share: wanted <= 1, got 1.5"),
+    (
+        {"mass": {"distribution": "vertex"}},
+        'mass.distribution: wanted "uniform", "vertices", "surface" or "volume", got "vertex", did you mean "vertices"?',
+    ),
+    ({"lattice": {"size": [1, 0, 1]}}, "lattice.size[1]: wanted > 0 m, got 0"),
+    ({"lattice": {"points": [4, 4]}}, "lattice.points: wanted 3 whole numbers [nx, ny, nz], got [4, 4]"),
+    ({"lattice": {"points": [4, 4.0, 4]}}, "lattice.points[1]: wanted a whole number, got 4.0"),
+    ({"lattice": {"points": [1, 4, 4]}}, "lattice.points[0]: wanted >= 2, got 1"),
+    ({"lattice": {"points": [4, 4, 33]}}, "lattice.points[2]: wanted <= 32, got 33"),
+    (
+        {"lattice": {"origin": TWENTY}},
+        f'lattice.origin: wanted 3 numbers [x, y, z] (m), got "{TWENTY[:66]}...',
+    ),
+    (
+        {"environment": {"gravity": -9.81}},
+        "environment.gravity: wanted 3 numbers [x, y, z] (m/s2), got -9.81",
+    ),
+    (
+        {"initial": {"offset": datetime.date(2020, 1, 1)}},
+        "initial.offset: wanted 3 numbers [x, y, z] (m), got 2020-01-01",
+    ),
+    ({"plane": [PLANE | {"friction": -0.1}]}, "plane[0].friction: wanted >= 0, got -0.1"),
+    (
+        {"plane": [PLANE, {"name": "b", "normal": [0, 0, 0]}]},
+        "plane[1].normal: wanted a vector of length > 0 (in double precision: 1e-100 to 1e100), got [0, 0, 0]",
+    ),
+    (
+        {"plane": [PLANE | {"point": [0, math.inf, 0]}]},
+        "plane[0].point[1]: wanted a finite number (m), got inf",
+    ),
+    (
+        {"plane": [{"name": "my plane"}]},
+        'plane[0].name: wanted a name of letters A-Z a-z, digits and underscores, no digit first, got "my plane", did you mean "my_plane"?',
+    ),
+    (
+        {"plane": [{}]},
+        "plane[0].name: wanted a name for the FMU's variables: letters, digits, underscores, got nothing",
+    ),
+    (
+        {"plane": PLANE},
+        'plane: wanted tables, each under a head [[plane]] in double brackets, got { name = "ground" }',
+    ),
+    ({"plane": [3]}, "plane[0]: wanted a table, got 3"),
+    (
+        {"mass": [{"total": 1}]},
+        "mass: wanted one table under the head [mass] in single brackets, got [{ total = 1 }]",
+    ),
+    (
+        {"mesh": {}},
+        "mesh.file: wanted a mesh file: OBJ, STL, PLY or GLB, relative to the scene file, got nothing",
+    ),
+    ({"mesh": {"file": ""}}, 'mesh.file: wanted the name of a mesh file in quotes, got ""'),
+    ({"outputs": {"energy": 1}}, "outputs.energy: wanted true or false, got 1"),
+    (
+        {"outputs": {"positions": "X+"}},
+        'outputs.positions: wanted "all", "none", "x-", "x+", "y-", "y+", "z-" or "z+", got "X+", did you mean "x+"?',
+    ),
+    (
+        {"outputs": {"positions": "-z"}},
+        'outputs.positions: wanted "all", "none", "x-", "x+", "y-", "y+", "z-" or "z+", got "-z", did you mean "z-"?',
+    ),
+    (
+        {"inputs": {"forces": 3}},
+        'inputs.forces: wanted "all", "none", a face such as "z-", [[i, j, k], ...] or { i = [first, last] }, got 3',
+    ),
+    ({"inputs": {"forces": [[0, 0]]}}, "inputs.forces[0]: wanted 3 whole numbers [i, j, k], got [0, 0]"),
+    (
+        {"inputs": {"forces": {"i": [2, 1]}}},
+        "inputs.forces.i: wanted [first, last] with first <= last, got [2, 1]",
+    ),
+    ({"inputs": {"forces": {"x": [0, 1]}}}, 'inputs.forces.x: unknown key, wanted "i", "j" or "k"'),
+    ({"title": 5}, "title: wanted text in quotes, got 5"),
+    ({"title": "a\0b"}, 'title: wanted text without control characters, got "a\\u0000b"'),
+    (
+        {"experiment": {"stop_time": 10**400}},
+        f"experiment.stop_time: wanted a number (s), got 1{'0' * 66}...",
+    ),
+]
+
+
+def problems(document):
+    with pytest.raises(SceneError) as caught:
+        scene_from(document)
+    return caught.value.problems
+
+
+@pytest.mark.parametrize(("document", "line"), CASES, ids=[line.split(" ")[0] + str(n) for n, (_, line) in enumerate(CASES)])
+def test_one_mistake_gives_one_line(document, line):
+    assert problems(document) == [line]
+
+
+def test_a_misspelt_key_that_must_be_given_is_one_problem_not_two():
+    assert problems({"plane": [{"nam": "a"}]}) == ['plane[0].nam: unknown key, did you mean "name"?']
+
+
+def test_a_misspelt_key_does_not_hide_a_fault_of_the_right_one():
+    found = problems({"plane": [{"nam": "a", "name": 3}]})
+    assert len(found) == 2 and any(line.startswith("plane[0].name: wanted text") for line in found)
+
+
+def test_problems_come_in_the_order_of_the_file():
+    document = {
+        "solver": {"step": -1},
+        "plane": [{"name": "a", "friction": -1}, {"name": "a", "friction": -1}],
+        "mass": {"total": -1},
+    }
+    places = [line.split(":")[0] for line in problems(document)]
+    assert places == ["solver.step", "plane[0].friction", "plane[1].friction", "plane[1].name", "mass.total"]
+
+
+def test_a_key_that_looks_like_a_union_tag_is_an_unknown_key():
+    assert problems({"<table>": 1})[0].startswith('"<table>": unknown key, wanted "title", ')
+    assert problems({"material": {"<number>": 1}})[0].startswith('material."<number>": unknown key, wanted ')
+
+
+VALUES = [
+    None,
+    True,
+    -1,
+    3,
+    1e308,
+    math.nan,
+    "x-",
+    "a",
+    "",
+    [],
+    {},
+    [3],
+    [0, 0, 1],
+    [[0, 0, 9]],
+    {"i": [0, 9]},
+    [{}],
+]
+
+
+def any_table(rng, keys):
+    value = {key: VALUES[rng.integers(len(VALUES))] for key in keys if rng.random() < 0.4}
+    return {key: entry for key, entry in value.items() if entry is not None}
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_any_document_gives_a_scene_or_problems_in_words(seed):
+    rng = np.random.default_rng(seed)
+    definition = schema()
+    document = any_table(rng, ["title", "<list>", "lattice", "plane", "mesh", "solver"])
+    for section, entry in definition["properties"].items():
+        table = (entry.get("items") or entry).get("$ref", "").rpartition("/")[2]
+        if table and section != "mesh" and rng.random() < 0.5:
+            keys = [*definition["$defs"][table]["properties"], "nam", "<table>"]
+            tables = [any_table(rng, keys) for _ in range(3)]
+            document[section] = tables if "items" in entry else tables[0]
+    try:
+        scene_from(document)
+    except SceneError as error:
+        assert all(re.match(r"[\w\"<\[].*: .+", line) for line in error.problems)
+
+
+def test_tables_that_a_script_uses_twice_are_mended_one_by_one():
+    shared = {}
+    found = problems({"mesh": shared, "lattice": shared, "plane": [shared, shared]})
+    assert [line.split(":")[0] for line in found] == ["mesh.file", "plane[0].name", "plane[1].name"]
+    assert shared == {}
+
+
+def test_numbers_and_arrays_of_numpy_are_numbers_and_lists():
+    document = {"lattice": {"points": np.array([3, 4, 5]), "size": np.ones(3)}, "mass": {"total": np.float32(2)}, "plane": [PLANE]}
+    scene = scene_from(document | {"outputs": {"positions": [[np.int64(0), 0, 0]]}})
+    assert scene.lattice.points == (3, 4, 5) and scene.mass.total == 2.0

@@ -1,0 +1,40 @@
+"""The standard set is what it says."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from softffd import load_scene
+from softffd.run.inputs import read_csv
+from softffd.validation.accuracy.rig import Rig, Setting
+
+GOLDEN = Path(__file__).resolve().parents[3].parent / "shared" / "golden"
+
+
+@pytest.mark.parametrize(
+    "name, largest", [("stiff_pull", {"load.right_0.x": 4e5, "load.left_3.x": -8e5}), ("stiff_layer", {"load.top.z": 80.0})]
+)
+def test_slow_loads_grow_as_the_smooth_step(name, largest):
+    scene = load_scene(name)
+    course = read_csv(scene.default_inputs)
+    u = np.clip(course["time"] / 0.5, 0, 1)
+    for variable, force in largest.items():
+        np.testing.assert_allclose(course[variable], force * (6 * u**5 - 15 * u**4 + 10 * u**3), rtol=1e-9, atol=1e-9)
+    assert set(course.dtype.names) == {"time", *(f"load.{load.name}.{'z' if name == 'stiff_layer' else 'x'}" for load in scene.load)}
+    assert np.all(np.diff(course["time"]) > 0) and course["time"][-1] >= scene.experiment.stop_time
+
+
+@pytest.mark.parametrize(
+    "name, stored, setting, allowed",
+    [
+        ("free_vibration", "S1", Setting("rkn12", tolerance=1e-12), 1e-11),
+        ("stiff_pull", "S2", Setting("leapfrog", step=1e-5), 5e-7),  # the load is linear over each 0.1 s here, smooth there
+    ],
+)
+def test_scenes_are_those_of_the_stored_references(name, stored, setting, allowed):
+    if not GOLDEN.is_dir():
+        pytest.skip("the reference data are not beside this checkout (folder shared/golden)")
+    with Rig(load_scene(name)) as rig:
+        positions = rig.run(setting).positions
+    assert np.abs(positions[1:] - np.load(GOLDEN / f"{stored}.npz")["x"]).max() < allowed

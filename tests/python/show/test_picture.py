@@ -1,0 +1,115 @@
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from made_up_run import SIZE, made_up_run
+from softffd.errors import SoftffdError
+from softffd.mesh.mesh import Mesh, load_mesh
+from softffd.show.panel import Panels, Shape, face_colours, view_axes
+from softffd.show.picture import draw_history, draw_run, draw_strip
+from softffd.show.stage import FREE, PINNED, stage_of
+from softffd.show.surface import cage_surface
+
+DATA = Path(__file__).resolve().parents[3].parent / "shared" / "data"
+
+
+def pixels(path):
+    return np.asarray(Image.open(path).convert("RGB")) / 255.0
+
+
+def near(image, colour, tolerance=0.12):
+    return (np.abs(image - colour).max(axis=-1) < tolerance).sum()
+
+
+def test_picture_of_a_run_shows_four_moments_and_curves(tmp_path):
+    image = pixels(draw_run(made_up_run(), tmp_path / "picture.png"))
+    assert image.shape == (988, 1690, 3)
+    upper, lower = image[80:560], image[640:]
+    quarters = np.array_split(upper, 4, axis=1)
+    assert all(near(q, FREE) > 200 for q in quarters)
+    assert not any(np.array_equal(a[:, :400], b[:, :400]) for a, b in pairwise(quarters))
+    assert near(lower, (0.0, 0.447, 0.698)) > 300 and near(lower, (0.835, 0.369, 0.0)) > 300
+
+
+def test_without_reactions_and_energies_the_picture_shows_the_height(tmp_path):
+    bare = replace(made_up_run(), outputs={}, inputs={}, parameters={}, scene=None)
+    image = pixels(draw_run(bare, tmp_path / "picture.png"))
+    assert near(image[640:], (0.0, 0.447, 0.698)) > 300
+
+
+def test_strip_is_wide_and_shows_the_shape_at_rest_without_obstacles(tmp_path):
+    image = pixels(draw_strip(made_up_run(), tmp_path / "strip.png"))
+    height, width, _ = image.shape
+    assert width > 4 * height
+    corners = [quarter[int(0.8 * height), 20] for quarter in np.array_split(image, 4, axis=1)]
+    assert corners[0].mean() > max(c.mean() for c in corners[1:])
+
+
+def test_strip_takes_times_and_labels(tmp_path):
+    one, two = (
+        pixels(draw_strip(made_up_run(), tmp_path / "s.png", moments=times, labels=labels))
+        for times, labels in (((1.2,), ("pressed",)), ((None, 2.0), None))
+    )
+    assert two.shape[1] == 2 * one.shape[1]
+
+
+def test_history_needs_no_positions(tmp_path):
+    result = made_up_run()
+    result.positions[:] = np.nan
+    assert near(pixels(draw_history(result, tmp_path / "history.png")), (0.0, 0.447, 0.698)) > 300
+
+
+def test_a_run_without_recorded_positions_is_refused(tmp_path):
+    result = made_up_run()
+    result.positions[:, 0] = np.nan
+    with pytest.raises(SoftffdError, match="16 of its 64 control points"):
+        draw_run(result, tmp_path / "picture.png")
+    assert not list(tmp_path.iterdir())
+
+
+def test_every_lattice_is_inside_its_image_and_fills_it():
+    stage = stage_of(made_up_run())
+    shapes = [Shape(stage, f) for f in (None, 0, 24)]
+    panels = Panels(stage, shapes, 120, 90)
+    drawn = [(np.abs(panels.image(s) - FREE).max(axis=-1) < 0.15) for s in shapes]
+    assert not any(d[[0, -1]].any() or d[:, [0, -1]].any() for d in drawn)
+    assert any(np.ptp(np.flatnonzero(d.any(axis=0))) > 70 or np.ptp(np.flatnonzero(d.any(axis=1))) > 50 for d in drawn)
+
+
+def test_pinned_control_points_are_dark():
+    plain, pinned = (stage_of(made_up_run(pins=p)) for p in ((), (np.arange(16), np.arange(48, 64))))
+    assert pinned.pinned.tolist() == [*range(16), *range(48, 64)]
+    dark = [near(Panels(s, [Shape(s, None)], 300, 200).image(Shape(s, None)), PINNED, 0.1) for s in (plain, pinned)]
+    assert dark[1] > dark[0] + 200
+
+
+@pytest.mark.parametrize("up", [(0, 0, 1.0), (0, 1.0, 0), (0.6, 0.0, -0.8)])
+def test_view_looks_down_a_little_with_up_upwards(up):
+    right, above, back = view_axes(np.array(up))
+    assert np.allclose(np.stack([right, above, back]) @ np.stack([right, above, back]).T, np.eye(3))
+    assert np.allclose(np.cross(right, above), back)
+    assert np.isclose(right @ up, 0) and above @ up > 0.9 and back @ up > 0.2
+
+
+def test_faces_take_their_colours_from_the_texture():
+    texture = Image.new("RGB", (4, 2))
+    texture.putdata([(255, 0, 0)] * 4 + [(0, 0, 255)] * 4)
+    vertices, faces = cage_surface([-1, -0.5, 0.2], SIZE, divisions=1)
+    uv = np.where(vertices[:, 2:] > 0.5, [0.5, 0.75], [0.5, 0.25])
+    colours = face_colours(stage_of(made_up_run(), mesh=Mesh(vertices, faces, uv=uv, texture=texture)))
+    height = vertices[faces][:, :, 2]
+    assert (colours[height.min(axis=1) > 0.5] == [1, 0, 0]).all()
+    assert (colours[height.max(axis=1) < 0.5] == [0, 0, 1]).all()
+
+
+def test_picture_of_a_real_mesh(tmp_path):
+    if not (DATA / "spot.obj").exists():
+        pytest.skip(f"spot.obj is not in {DATA}")
+    mesh = load_mesh(DATA / "spot.obj", up="y")
+    origin, size = mesh.bounds[0], np.ptp(mesh.bounds, axis=0)
+    image = pixels(draw_strip(made_up_run(), tmp_path / "s.png", mesh=mesh, moments=[1.2], origin=origin, size=size))
+    assert ((image[..., 2] > image[..., 0] + 0.2).sum()) > 3000

@@ -1,0 +1,255 @@
+"""Stiff and extreme scenes: the oracles see what is wrong, hangs and crashes are verdicts, and the command keeps its files."""
+
+import csv
+import json
+import math
+import os
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from softffd.cli.command import main
+from softffd.errors import SoftffdError
+from softffd.validation.stability import survey as survey_module
+from softffd.validation.stability.border import borders, grows
+from softffd.validation.stability.cases import CASES, run_named
+from softffd.validation.stability.drive import Drive, Refused
+from softffd.validation.stability.guard import Lost, guarded
+from softffd.validation.stability.map import Cell, Judged, Panel, document, omega, run_cells, settings, unit_sag
+from softffd.validation.stability.scenes import DOWN, box, plane
+from softffd.validation.stability.survey import Survey, planned, run
+from softffd.validation.stability.verdict import VERDICTS, Case, Check, Findings, Outcome, behind, outcome_of, run_case
+
+RIGHT_NOW = ("static stretch", "free fall, steps of 1 s", "all points at one place", "plane jumps", "force 1e12 N", "plane reversed")
+REFUSED_NOW = ("opposite planes meet", "force not a number", "force 1e308 N")
+
+
+def at_once(jobs) -> Iterator[str]:
+    """One result per job: itself, a hang, a crash, a fault."""
+    for job in jobs:
+        if job == "hang":
+            time.sleep(60)
+        if job == "crash":
+            os._exit(3)
+        if job == "fault":
+            raise ValueError("a fault")
+        yield job
+
+
+def test_hang_crash_and_fault_are_results_and_the_next_jobs_run():
+    jobs = ["one", "hang", "two", "crash", "fault", "three"]
+    results = list(guarded(at_once, jobs, lambda job: 1.0))
+    assert [result for result in results if isinstance(result, str)] == ["one", "two", "three"]
+    assert [results[1].how, results[3].how, results[4].how] == ["hang", "crash", "fault"]
+    assert "status 3" in results[3].words
+    assert "a fault" in results[4].words
+
+
+def test_lost_case_is_slow_or_wrong():
+    assert outcome_of(Lost("hang", ""), 2.0).verdict == "slow"
+    assert outcome_of(Lost("crash", "the process ended"), 2.0).verdict == "WRONG"
+
+
+@pytest.mark.parametrize(
+    "measured, bound, verdict",
+    [
+        (0.9, None, "right"),
+        (1.1, None, "WRONG"),
+        (1.1, 2.0, "bounded"),
+        (2.1, 2.0, "WRONG"),
+        (math.nan, 2.0, "WRONG"),
+        (math.inf, 2.0, "WRONG"),
+    ],
+)
+def test_verdict_of_a_check(measured, bound, verdict):
+    assert Check("error", measured, 1.0, bound).verdict == verdict
+
+
+def test_verdict_of_a_case_is_that_of_its_worst_check():
+    def run(findings: Findings) -> None:
+        findings.check("small", 0.5, 1.0)
+        findings.at_most("growing", 0.5, 1.0, bound=3.0)
+        findings.at_most("growing", 2.0, 1.0, bound=3.0)
+        findings.at_most("growing", 1.0, 1.0, bound=3.0)
+
+    outcome = run_case(Case("made up", "", "", run))
+    assert (outcome.verdict, outcome.worst.what, outcome.worst.measured) == ("bounded", "growing", 2.0)
+
+
+def test_answer_where_a_refusal_is_wanted_is_wrong_and_so_is_a_refusal_for_another_reason():
+    def answers(findings: Findings) -> None:
+        findings.check("nothing", 0.0, 1.0)
+
+    def refuses(findings: Findings) -> None:
+        raise Refused("no place to go")
+
+    assert run_case(Case("made up", "", "", answers, refusal="no place")).verdict == "WRONG"
+    assert run_case(Case("made up", "", "", refuses, refusal="no place")).verdict == "refused"
+    assert run_case(Case("made up", "", "", refuses, refusal="not finite")).verdict == "WRONG"
+    assert run_case(Case("made up", "", "", refuses)).verdict == "refused"
+
+
+def test_oracles_see_a_penetration_and_an_energy_that_comes_from_nowhere():
+    with Drive(box(1e3, plane=[plane(point=(0, 0, -0.5))], environment=DOWN)) as drive:
+        assert behind(drive, (0, 0, 0.25), (0, 0, 2)) == pytest.approx(0.25)
+        assert behind(drive, (0, 0, -0.1), (0, 0, 1)) == 0
+        drive.step(0.1)
+        assert abs(drive.balance()) < 1e-12
+        drive.start_energy -= 1.0
+        assert drive.balance() == pytest.approx(1.0)
+
+
+def test_own_mechanics_agree_with_the_outputs_of_the_fmu():
+    region = [{"points": "x-", "stiffness": 4e3, "mass": 0.3}]
+    sections = {"region": region, "initial": {"stretch": [1.1, 0.9, 1.0], "angular_velocity": [1.0, 0.0, 2.0]}, "environment": DOWN}
+    with Drive(box(1e3, points=(3, 2, 4), **sections)) as drive:
+        drive.run(0.03, 0.01)
+        told = sum(drive.value(f"energy.{part}") for part in ("kinetic", "elastic", "gravity"))
+        assert drive.energy() == pytest.approx(told, rel=1e-12)
+        assert drive.balance() == pytest.approx(0, abs=1e-3 * drive.start_energy)
+
+
+def test_border_of_the_raw_scheme_lies_on_the_theoretical_line():
+    for border in borders([1e-3, 1e9], rounds=9):
+        assert border.raw == pytest.approx(2 / omega(border.stiffness), rel=5e-3)  # resolution 4^(2^-9) - 1 = 0.3 %
+        assert border.divided <= border.raw * 1.003
+        assert border.bound <= border.theory * (1 + 1e-12)
+
+
+def test_growth_is_seen_above_the_border_only():
+    with Drive(document("vibration") | {"initial": {}}) as drive:
+        assert grows(drive.body, drive.rest, 1.01 * 2 / omega(1.0))
+        assert not grows(drive.body, drive.rest, 0.99 * 2 / omega(1.0))
+
+
+def test_breathing_box_is_an_exact_solution():
+    with Drive(document("vibration"), settings(Panel("vibration", "dop853"), 1.0, 0.0) | {"solver.tolerance": 1e-11}) as drive:
+        drive.run(2.0, 0.25)
+        size = np.ptp(drive.x[:, 0])
+        assert size == pytest.approx(1 + 0.01 * math.cos(omega(1.0) * 2.0), abs=1e-9)
+
+
+def test_unit_sag_is_the_static_one():
+    """k = 1 N/m and g = 0.02 m/s2: strongly damped, the box comes to rest where the linear theory says, to second order in the sag."""
+    with Drive(box(1.0, 0.5, points=(2, 2, 2), plane=[plane()], environment={"gravity": [0.0, 0.0, -0.02]})) as drive:
+        drive.run(60.0, 1.0)
+        assert 0.5 - drive.centre[2] == pytest.approx(0.02 * unit_sag(), rel=5e-3)
+
+
+def test_cells_are_judged_by_their_exact_solutions():
+    given = Panel("vibration", "leapfrog", True)
+    cells = [Cell(given, 1e3, 1e-5), Cell(given, 1e3, 0.9 * 2 / omega(1e3)), Cell(given, 1e3, 0.1)]
+    fine, coarse, divided = run_cells(cells)
+    assert (fine.kind, fine.error < 1e-8) == ("accurate", True)
+    assert coarse.kind in ("bounded", "unstated")
+    assert coarse.error > 1e-3
+    assert divided.kind in ("divided", "unstated")
+    assert divided.internal_steps > divided.steps
+
+
+@pytest.mark.parametrize("scene", ["vibration", "rotation", "contact"])
+def test_soft_cells_of_every_scene_are_accurate(scene):
+    (judged,) = run_cells([Cell(Panel(scene, "auto"), 1.0, 1e-3)])
+    assert judged.kind == "accurate", judged
+
+
+@pytest.mark.parametrize("name", RIGHT_NOW)
+def test_case_is_right(name):
+    outcome = run_case(CASES[name])
+    assert outcome.verdict == "right", [str(check) for check in outcome.checks]
+
+
+@pytest.mark.parametrize("name", REFUSED_NOW)
+def test_case_is_refused_with_its_reason(name):
+    assert run_case(CASES[name]).verdict == "refused"
+
+
+def test_names_are_chosen_by_parts_and_unknown_ones_refused():
+    assert planned(["S7 crush to 40"]).names == ["S7 crush to 40%", "S7 crush to 40%, volume", "S7 crush to 40%, very stiff"]
+    assert planned(["plane jumps"]).panels == []
+    assert planned(["map"]).names == []
+    assert (planned(["cases"]).names, planned(["cases"]).panels) == (list(CASES), [])
+    assert {name for name in CASES if CASES[name].quick} == set(planned(quick=True).names)
+    with pytest.raises(SoftffdError, match=r"plane jmps.*plane jumps"):
+        planned(["plane jmps"])
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """Makes the survey that is planned a small one."""
+    panels = [Panel("vibration", "leapfrog", True)]
+    monkeypatch.setattr(
+        "softffd.validation.stability.command.planned",
+        lambda only, quick, slowness: Survey(panels, [1e0, 1e3], [1e-3, 1e-2, 1e-1], ["plane jumps", "force not a number"]),
+    )
+
+
+def test_command_keeps_table_map_and_page(small, tmp_path, capsys):
+    folder = tmp_path / "kept"
+    assert main(["stability", "--quick", "-o", str(folder)]) == 0
+    rows = list(csv.DictReader((folder / "stability.csv").open()))
+    assert [row["part"] for row in rows] == ["map"] * 6 + ["case"] * 2
+    assert [row["verdict"] for row in rows[6:]] == ["right", "refused"]
+    document = json.loads((folder / "stability.json").read_text())
+    assert document["missing"] == document["wrong"] == []
+    assert {check["what"] for check in document["cases"][0]["checks"]} >= {"penetration / box", "speed at once, m/s"}
+    page = (folder / "report.html").read_text()
+    assert "data:image/png;base64," in page
+    assert "plane jumps" in page
+    assert "{{" not in page
+    assert (folder / "map_vibration_given_step.png").read_bytes().startswith(b"\x89PNG")
+    assert "plane jumps: right" in capsys.readouterr().out
+
+
+def test_wrong_answer_is_exit_status_1_and_is_kept(small, tmp_path, monkeypatch, capsys):
+    def wrong(names):
+        for _ in names:
+            yield Outcome("WRONG", (Check("energy out of nothing", 2.0, 1.0),))
+
+    monkeypatch.setattr(
+        survey_module, "guarded", lambda work, jobs, patience: wrong(jobs) if work is run_named else guarded(work, jobs, patience)
+    )
+    assert main(["stability", "-o", str(tmp_path)]) == 1
+    assert "plane jumps: energy out of nothing 2 (limit 1)" in capsys.readouterr().err
+    assert len(json.loads((tmp_path / "stability.json").read_text())["wrong"]) == 2
+
+
+def test_interrupt_keeps_what_is_done(small, tmp_path, monkeypatch, capsys):
+    def interrupted(work, jobs, patience):
+        yield Judged("accurate", 0.0, 0.0, 1, 1, 0.0)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(survey_module, "guarded", interrupted)
+    assert main(["stability", "-o", str(tmp_path)]) == 130
+    document = json.loads((tmp_path / "stability.json").read_text())
+    assert len(document["map"]) == 1
+    assert document["missing"] == ["vibration, leapfrog, solver.step = H", "plane jumps", "force not a number"]
+    assert "what is done is kept in" in capsys.readouterr().err
+
+
+def test_cases_get_so_many_times_longer(monkeypatch):
+    given = {}
+
+    def noted(work, jobs, patience):
+        given.update({name: patience(name) for name in jobs})
+        return (Lost("hang", "") for _ in jobs)
+
+    monkeypatch.setattr(survey_module, "guarded", noted)
+    list(run(planned(["S1", "1e7 steps"], slowness=10), lambda text: None))
+    assert given == {name: 10 * CASES[name].patience for name in ("S1 free vibration", "spin, 1e7 steps")}
+
+
+def test_lost_cells_do_not_end_the_survey(monkeypatch):
+    lost = {1e-3: Lost("hang", ""), 1e-2: Lost("crash", "")}
+    monkeypatch.setattr(survey_module, "guarded", lambda work, jobs, patience: (lost[job.step] for job in jobs))
+    survey = Survey([Panel("vibration", "auto")], [1.0], list(lost), [])
+    list(run(survey, lambda text: None))
+    assert [judged.kind for judged in survey.cells.values()] == ["slow", "WRONG"]
+
+
+def test_every_case_says_what_it_is_and_by_what_it_is_judged():
+    assert len(CASES) > 60
+    assert all(case.what and case.oracle and case.patience > 0 for case in CASES.values())
+    assert set(VERDICTS) == {"right", "bounded", "refused", "slow", "WRONG"}

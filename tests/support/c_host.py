@@ -1,0 +1,186 @@
+"""A host in Python on the C functions of the standard themselves, without an importer between: careless, but lawful."""
+
+from ctypes import CDLL, CFUNCTYPE, POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
+from pathlib import Path
+
+import fmpy
+
+from boxes import box_fmu
+
+OK, WARNING, DISCARD, ERROR = range(4)
+STEP, STEPS = 0.01, 25
+TIMES = [n * STEP for n in range(STEPS + 1)]
+
+Logger = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
+Allocate, Free = CFUNCTYPE(c_void_p, c_size_t, c_size_t), CFUNCTYPE(None, c_void_p)
+
+
+class Callbacks(Structure):
+    _fields_ = [("logger", Logger), ("allocate", Allocate), ("free", Free), ("finished", c_void_p), ("environment", c_void_p)]
+
+
+REFERENCES, REALS, INTEGERS = POINTER(c_uint), POINTER(c_double), POINTER(c_int)
+SIGNATURES = {
+    "SetDebugLogging": [c_int, c_size_t, POINTER(c_char_p)],
+    "SetupExperiment": [c_int, c_double, c_double, c_int, c_double],
+    "EnterInitializationMode": [],
+    "ExitInitializationMode": [],
+    "Terminate": [],
+    "Reset": [],
+    "CancelStep": [],
+    "GetReal": [REFERENCES, c_size_t, REALS],
+    "SetReal": [REFERENCES, c_size_t, REALS],
+    "GetInteger": [REFERENCES, c_size_t, INTEGERS],
+    "SetInteger": [REFERENCES, c_size_t, INTEGERS],
+    "GetBoolean": [REFERENCES, c_size_t, INTEGERS],
+    "SetBoolean": [REFERENCES, c_size_t, INTEGERS],
+    "GetString": [REFERENCES, c_size_t, POINTER(c_char_p)],
+    "SetString": [REFERENCES, c_size_t, POINTER(c_char_p)],
+    "DoStep": [c_double, c_double, c_int],
+    "GetStatus": [c_int, INTEGERS],
+    "GetRealStatus": [c_int, REALS],
+    "GetIntegerStatus": [c_int, INTEGERS],
+    "GetBooleanStatus": [c_int, INTEGERS],
+    "GetStringStatus": [c_int, POINTER(c_char_p)],
+    "GetFMUstate": [POINTER(c_void_p)],
+    "SetFMUstate": [c_void_p],
+    "FreeFMUstate": [POINTER(c_void_p)],
+    "SerializedFMUstateSize": [c_void_p, POINTER(c_size_t)],
+    "SerializeFMUstate": [c_void_p, c_char_p, c_size_t],
+    "DeSerializeFMUstate": [c_char_p, c_size_t, POINTER(c_void_p)],
+    "GetDirectionalDerivative": [REFERENCES, c_size_t, REFERENCES, c_size_t, REALS, REALS],
+    "SetRealInputDerivatives": [REFERENCES, c_size_t, INTEGERS, REALS],
+    "GetRealOutputDerivatives": [REFERENCES, c_size_t, INTEGERS, REALS],
+}
+
+
+def opened(path: str) -> CDLL:
+    """The FMU's library with the signatures of the standard's header."""
+    library = CDLL(path)
+    for name, arguments in SIGNATURES.items():
+        getattr(library, f"fmi2{name}").argtypes = [c_void_p, *arguments]
+    library.fmi2Instantiate.argtypes = [c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int]
+    library.fmi2Instantiate.restype = c_void_p
+    library.fmi2FreeInstance.argtypes = [c_void_p]
+    library.fmi2FreeInstance.restype = None
+    return library
+
+
+class Fmu:
+    """An unpacked FMU: its library, guid, resources and value references by name."""
+
+    def __init__(self, text: str, folder: Path, library: CDLL | None = None):
+        folder.mkdir()
+        package = box_fmu(text, folder)
+        unpacked = folder / "fmu"
+        fmpy.extract(str(package), unzipdir=str(unpacked))
+        description = fmpy.read_model_description(str(package), validate=False)
+        self.path = str(next(unpacked.glob(f"binaries/{fmpy.platform}/softffd.*")))
+        self.library = library or opened(self.path)
+        self.guid, self.uri = description.guid.encode(), (unpacked / "resources").as_uri().encode()
+        self.names = {v.name: v.valueReference for v in description.modelVariables}
+        self.categories = {category.name.encode() for category in description.logCategories}
+        outputs = [v for v in description.modelVariables if v.causality == "output"]
+        self.reals = [v.valueReference for v in outputs if v.type == "Real"]
+        self.integers = [v.valueReference for v in outputs if v.type == "Integer"]
+        self.parameters = [v.valueReference for v in description.modelVariables if v.causality != "output" and v.type == "Real"]
+
+
+def doubles(values):
+    return (c_double * len(values))(*values)
+
+
+def uints(values):
+    return (c_uint * len(values))(*values)
+
+
+def ints(values):
+    return (c_int * len(values))(*values)
+
+
+class Host:
+    """One instance as a careless but lawful host holds it; keeps every message."""
+
+    def __init__(self, fmu: Fmu, *, logging: bool = False, name: bytes = b"host", logger: bool = True, **given):
+        self.fmu, self.messages = fmu, []
+        self._logger = Logger(self._note) if logger else Logger()
+        arguments = {"type": 1, "guid": fmu.guid, "uri": fmu.uri} | given
+        strings = [create_string_buffer(text) if text is not None else None for text in (name, arguments["guid"], arguments["uri"])]
+        callbacks = Callbacks(self._logger, Allocate(), Free(), None, 4711)
+        self.component = fmu.library.fmi2Instantiate(strings[0], arguments["type"], strings[1], strings[2], byref(callbacks), 0, logging)
+        for memory in (*strings, callbacks):  # valid during the call only
+            if memory is not None:
+                bytes_of(memory)[:] = b"\xee" * len(bytes_of(memory))
+
+    def _note(self, environment, instance, status, category, message) -> None:
+        self.messages.append((environment, instance, status, category, message))
+
+    def __call__(self, function: str, *arguments) -> int:
+        return getattr(self.fmu.library, f"fmi2{function}")(self.component, *arguments)
+
+    def must(self, function: str, *arguments) -> None:
+        status = self(function, *arguments)
+        assert status == OK, (function, status, self.messages[-1:])
+
+    def begin(self, initialize=lambda host: None) -> None:
+        self.must("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+        self.must("EnterInitializationMode")
+        initialize(self)
+        self.must("ExitInitializationMode")
+
+    def set(self, values: dict[str, float]) -> int:
+        return self("SetReal", uints([self.fmu.names[name] for name in values]), len(values), doubles(list(values.values())))
+
+    def reals(self, references) -> bytes:
+        values = (c_double * len(references))()
+        self.must("GetReal", uints(references), len(references), values)
+        return bytes(values)
+
+    def outputs(self) -> bytes:
+        """All outputs, bit by bit."""
+        counts = (c_int * len(self.fmu.integers))()
+        self.must("GetInteger", uints(self.fmu.integers), len(self.fmu.integers), counts)
+        return self.reals(self.fmu.reals) + bytes(counts)
+
+    def step(self, n: int) -> int:
+        return self("DoStep", TIMES[n], STEP, 1)
+
+    def save(self) -> c_void_p:
+        state = c_void_p()
+        self.must("GetFMUstate", byref(state))
+        return state
+
+    def serialized(self, state: c_void_p) -> bytes:
+        size = c_size_t()
+        self.must("SerializedFMUstateSize", state, byref(size))
+        buffer = create_string_buffer(size.value)
+        self.must("SerializeFMUstate", state, buffer, size)
+        return buffer.raw
+
+    def received(self, blob: bytes) -> c_void_p:
+        state = c_void_p()
+        self.must("DeSerializeFMUstate", blob, len(blob), byref(state))
+        return state
+
+    def forget(self, state: c_void_p) -> None:
+        self.must("FreeFMUstate", byref(state))
+        assert not state.value
+
+    def free(self) -> None:
+        self.fmu.library.fmi2FreeInstance(self.component)
+        self.component = None
+
+
+def bytes_of(memory):
+    return memoryview(memory).cast("B")
+
+
+def check_message(host: Host, wanted: str) -> None:
+    """Exactly one, by the contract."""
+    assert len(host.messages) == 1, host.messages
+    environment, instance, status, category, message = host.messages.pop()
+    text = message.decode("utf-8")
+    assert (environment, instance, status, category) == (4711, b"host", ERROR, b"logStatusError")
+    assert category in host.fmu.categories
+    assert wanted in text
+    assert text == text.strip() and "%" not in text.replace("%%", "") and "#" not in text.replace("##", "")

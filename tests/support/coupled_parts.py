@@ -1,0 +1,93 @@
+"""A plate and a soft body, their names and numbers, and a host that steps them in turn."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi2 import FMU2Slave
+
+from softffd import load_scene, package_fmu
+from softffd.fmu.component import Component
+
+pytest.importorskip("pythonfmu", reason="the driver FMUs are made with pythonfmu")
+from callbacks import own_callbacks
+from softffd.drivers.coupled import SCENE
+
+PLANE = "plane.plate."
+MOTION = [f"{family}.{axis}" for family in ("point", "velocity") for axis in "xyz"]
+FORCE = [f"reaction.{axis}" for axis in "xyz"]
+MECHANICAL = ["energy.kinetic", "energy.elastic", "energy.gravity"]
+GRAVITY, BODY_MASS = 9.81, 1.0
+REST_ENERGY = -0.5 * BODY_MASS * GRAVITY  # of the body at rest, its centre 0.5 m below the origin
+
+
+def body_fmu(folder: Path, *changes: tuple[str, str], step: float = 1e-4, more: str = "") -> Path:
+    """The shipped box with pieces of its text replaced."""
+    text = SCENE.read_text()
+    for old, new in (("step = 1e-4", f"step = {step}"), *changes):
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "body.toml").write_text(text + more)
+    return package_fmu(load_scene(folder / "body.toml"), folder / "body.fmu")
+
+
+@dataclass
+class Run:
+    """What an explicit run left behind, a row per communication point after a step."""
+
+    rows: list[np.ndarray] = field(default_factory=list)
+
+    def column(self, n: int) -> np.ndarray:
+        return np.array(self.rows)[:, n]
+
+
+def run_explicitly(folder, body_path, step, steps, *, body_start=None, plate_start=None, read=()) -> Run:
+    """Rows: plate's momentum (3), reaction (3), then the body's variables `read`."""
+    run = Run()
+    with Component(body_path) as body, Component(folder / "plate.fmu") as plate:
+        motion, moved = plate.block(MOTION), body.block([PLANE + name for name in MOTION])
+        reaction, pushed = body.block([PLANE + name for name in FORCE]), plate.block(FORCE)
+        momentum, observed = plate.block([f"momentum.{axis}" for axis in "xyz"]), body.block(list(read))
+        for part, start in ((body, body_start), (plate, plate_start)):
+            part.initialize(start or {})
+            part.exit_initialization()
+        for n in range(steps):
+            for source, out, target, into in ((plate, motion, body, moved), (body, reaction, plate, pushed)):
+                source.get(out)
+                into.values[:] = out.values
+                target.set(into)
+            for part in (plate, body):
+                part.do_step(n * step, step)
+            for part, block in ((plate, momentum), (body, reaction), (body, observed)):
+                part.get(block)
+            run.rows.append(np.concatenate([momentum.values, reaction.values, observed.values]))
+    return run
+
+
+class Part:
+    """One FMU in fmpy, by variable names."""
+
+    def __init__(self, path: Path, scratch: Path, **start: float):
+        unpacked = fmpy.extract(str(path), unzipdir=str(scratch / path.stem))
+        description = fmpy.read_model_description(unpacked)
+        self.variables = {variable.name: variable for variable in description.modelVariables}
+        identifier = description.coSimulation.modelIdentifier
+        self.fmu = FMU2Slave(guid=description.guid, unzipDirectory=unpacked, modelIdentifier=identifier, instanceName=path.stem)
+        self.fmu.instantiate(callbacks=own_callbacks([]))
+        self.fmu.setupExperiment()
+        self.set(start)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def set(self, values: dict[str, float]) -> None:
+        for name, value in values.items():
+            variable = self.variables[name]
+            (self.fmu.setReal if variable.type == "Real" else self.fmu.setInteger)([variable.valueReference], [value])
+
+    def __getitem__(self, name: str) -> float:
+        return self.fmu.getReal([self.variables[name].valueReference])[0]
+
+    def read(self, *names: str) -> list[float]:
+        return [self[name] for name in names]

@@ -1,0 +1,69 @@
+"""A run that nothing simulated: a box that falls, turns, is squashed between two planes and springs back."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from softffd.fmu.records import LatticeBox
+from softffd.run.result import Result
+
+ORIGIN, SIZE = np.array([-1.0, -0.5, 0.2]), np.array([2.0, 1.0, 0.8])
+PRESS = {"velocity": (0.0, 0.0, -1.0), "angular_velocity": (0.0, 0.0, 0.0), "normal": (0.0, 0.0, -1.0)}
+
+
+def made_up_run(*, counts=(4, 4, 4), frames=41, title="A soft box under a press", pins=()):
+    """A Result of 2 s with the planes "ground" (fixed) and "press" (moving), reactions, energies and a scene."""
+    time = np.linspace(0.0, 2.0, frames)
+    squash = np.sin(np.pi * (time - 0.8).clip(0, 0.8) / 0.8) ** 2
+    drops = (0.8 - time).clip(0)
+    positions = [squashed(rest_points(counts), s, drop) for s, drop in zip(squash, drops, strict=True)]
+    return Result(
+        time=time,
+        positions=np.stack(positions),
+        outputs=_outputs(squash),
+        inputs=_vectors("plane.press", PRESS) | _point("press", 1.6 - 0.6 * squash),
+        parameters=_vectors(
+            "plane.ground", {"velocity": (0, 0, 0), "angular_velocity": (0, 0, 0), "normal": (0, 0, 2.0), "point": (0, 0, 0.2)}
+        ),
+        summary={"title": title},
+        scene=_scene(title, pins),
+        lattice=LatticeBox(counts, tuple(ORIGIN), tuple(SIZE), "bezier"),
+    )
+
+
+def rest_points(counts):
+    """The regular lattice in the box, (nx, ny, nz, 3) m."""
+    axes = [np.linspace(0.0, 1.0, n) for n in counts]
+    return ORIGIN + SIZE * np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+
+
+def squashed(points, share, drop):
+    """Flatter and wider by `share` with a barrel's bulge, twisted, and `drop` m higher."""
+    x, y, z = np.moveaxis((points - ORIGIN - SIZE * [0.5, 0.5, 0.0]) / SIZE, -1, 0)
+    wide = 1 + share * (0.2 + z * (1 - z))
+    angle = 0.6 * share * z
+    moved = np.stack([wide * (x * np.cos(angle) - y * np.sin(angle)), wide * (x * np.sin(angle) + y * np.cos(angle))])
+    return ORIGIN + SIZE * [0.5, 0.5, 0.0] + SIZE * np.stack([*moved, z * (1 - 0.45 * share)], axis=-1) + [0, 0, drop]
+
+
+def _outputs(squash):
+    forces = {"plane.ground.reaction": -2e3 * squash, "plane.press.reaction": 2e3 * squash}
+    outputs = {f"{name}.{a}": force * (a == "z") for name, force in forces.items() for a in "xyz"}
+    return outputs | {"energy.kinetic": 5 * (1 - squash), "energy.elastic": 300 * squash**2}
+
+
+def _vectors(name, values):
+    return {f"{name}.{what}.{a}": float(vector["xyz".index(a)]) for what, vector in values.items() for a in "xyz"}
+
+
+def _point(name, height):
+    return {f"plane.{name}.point.x": 0.3, f"plane.{name}.point.y": 0.0, f"plane.{name}.point.z": height}
+
+
+def _scene(title, pins):
+    return SimpleNamespace(
+        title=title,
+        environment=SimpleNamespace(gravity=(0.0, 0.0, -9.81)),
+        pin=tuple(SimpleNamespace(name=f"pin{n}", points=n) for n in range(len(pins))),
+        select=lambda points: np.asarray(pins[points]),
+    )

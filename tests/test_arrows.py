@@ -1,0 +1,52 @@
+"""Arrows between the rooms point one way: a room uses rooms to its right, none to its left."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+CORE, PACKAGE = ROOT / "fmu_src" / "core", ROOT / "python" / "softffd"
+
+CORE_ROOMS = ["estimate", "soft_body", "stepping", "watch", "flight", "methods", "contact", "matrix", "forces", "model"]
+"""fmi is to the left of all: it lies beside the core, which has no way to it on its include path."""
+
+PACKAGE_ROOMS = [
+    *("cli", "validation", "show", "drivers", "run", "fmu", "scene", "embedding", "mesh"),
+    *("names", "lattice", "files", "installed", "spelling", "errors"),
+]
+"""The shipped scenes are data, and the package's own __init__ knows everybody."""
+
+CORE_FILES = sorted(file.relative_to(CORE).as_posix() for file in CORE.rglob("*.[ch]pp"))
+PACKAGE_FILES = sorted(file.relative_to(PACKAGE).as_posix() for file in PACKAGE.rglob("*.py"))
+
+
+def core_room(file: str) -> str:
+    return Path(file).parts[0].split(".")[0]
+
+
+def package_room(file_or_module: str) -> str:
+    return file_or_module.replace("/", ".").split(".")[0]
+
+
+@pytest.mark.parametrize("file", CORE_FILES)
+def test_no_include_of_the_core_points_up(file):
+    included = re.findall(r'^#include "(.+)"', (CORE / file).read_text(), re.MULTILINE)
+    place = CORE_ROOMS.index(core_room(file))
+    assert [name for name in included if CORE_ROOMS.index(core_room(name)) < place] == []
+
+
+def imported(file: str) -> set[str]:
+    """Modules below softffd that a file imports, anywhere in it but for type checking."""
+    tree = ast.parse((PACKAGE / file).read_text())
+    checked = [node for node in ast.walk(tree) if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)]
+    skipped = {id(inner) for node in checked for inner in ast.walk(node)}
+    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and id(node) not in skipped and not node.level]
+    return {node.module.removeprefix("softffd.") for node in nodes if node.module.startswith("softffd.")}
+
+
+@pytest.mark.parametrize("file", [name for name in PACKAGE_FILES if package_room(name) in PACKAGE_ROOMS])
+def test_no_import_of_the_package_points_up(file):
+    place = PACKAGE_ROOMS.index(package_room(file))
+    assert [name for name in imported(file) if PACKAGE_ROOMS.index(package_room(name)) < place] == []
