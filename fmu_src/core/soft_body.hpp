@@ -3,8 +3,8 @@
 #include <memory>
 #include <optional>
 
-#include "watch/energy_watch.hpp"
 #include "stepping/propagator.hpp"
+#include "watch/energy_watch.hpp"
 #include "watch/vibration.hpp"
 
 namespace softffd {

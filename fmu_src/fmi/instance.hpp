@@ -3,9 +3,9 @@
 #include <array>
 #include <memory>
 
-#include "model/basis.hpp"
 #include "error_estimate.hpp"
 #include "logger.hpp"
+#include "model/basis.hpp"
 #include "scene_file.hpp"
 #include "soft_body.hpp"
 #include "state_blob.hpp"

@@ -13,8 +13,8 @@
 #pragma once
 #include <vector>
 
-#include "forces/body.hpp"
 #include "contact/feasible.hpp"
+#include "forces/body.hpp"
 #include "matrix/layer_matrix.hpp"
 #include "model/surroundings.hpp"
 

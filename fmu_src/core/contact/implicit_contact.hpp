@@ -17,9 +17,9 @@
 ///
 /// What the planes are reported to receive is the momentum that the body lost, to rounding.
 #pragma once
+#include "contact/linear_contact.hpp"
 #include "forces/equations.hpp"
 #include "model/state.hpp"
-#include "contact/linear_contact.hpp"
 
 namespace softffd {
 

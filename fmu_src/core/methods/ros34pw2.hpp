@@ -19,8 +19,8 @@
 #include <array>
 
 #include "matrix/factored.hpp"
-#include "methods/one_step.hpp"
 #include "matrix/stiffness_matrix.hpp"
+#include "methods/one_step.hpp"
 
 namespace softffd {
 

@@ -14,17 +14,17 @@
 #include <cmath>
 #include <optional>
 
+#include "contact/implicit_contact.hpp"
+#include "contact/reach.hpp"
+#include "flight/floating_frame.hpp"
+#include "forces/stability.hpp"
 #include "methods/bm4.hpp"
 #include "methods/central_difference.hpp"
-#include "stepping/course.hpp"
 #include "methods/dop853.hpp"
-#include "flight/floating_frame.hpp"
-#include "contact/implicit_contact.hpp"
 #include "methods/leapfrog.hpp"
-#include "contact/reach.hpp"
 #include "methods/rkn12.hpp"
 #include "methods/ros34pw2.hpp"
-#include "forces/stability.hpp"
+#include "stepping/course.hpp"
 #include "stepping/traits.hpp"
 
 namespace softffd {

@@ -2,8 +2,8 @@
 #pragma once
 #include <limits>
 
-#include "stepping/course.hpp"
 #include "model/lattice.hpp"
+#include "stepping/course.hpp"
 
 namespace softffd {
 

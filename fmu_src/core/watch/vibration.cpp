@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "model/rigid_motion.hpp"
 #include "matrix/stiffness_matrix.hpp"
+#include "model/rigid_motion.hpp"
 #include "stepping/traits.hpp"
 
 namespace softffd {

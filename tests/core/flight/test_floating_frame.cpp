@@ -1,6 +1,6 @@
 #include "check.hpp"
-#include "methods/dop853.hpp"
 #include "flight/floating_frame.hpp"
+#include "methods/dop853.hpp"
 #include "model/rigid_motion.hpp"
 
 using namespace softffd;
