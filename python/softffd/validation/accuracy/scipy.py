@@ -9,7 +9,6 @@ in numpy. F is the cubic between communication points that the FMU's runs have. 
 from __future__ import annotations
 
 import os
-import re
 import time as clock
 import warnings
 from collections.abc import Callable, Iterator
@@ -17,11 +16,11 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from softffd.errors import SoftffdError
-from softffd.fmu.package import scene_masses
 from softffd.scene.scene import Scene
 from softffd.validation.accuracy.records import Record, Records
 from softffd.validation.accuracy.rig import Rig, Setting
-from softffd.validation.twin.body import spring_list
+from softffd.validation.mechanics import Body, outside_force, start
+from softffd.validation.resolved import resolved
 
 SOLVERS = ("DOP853", "RK45", "Radau", "LSODA")
 IMPLICIT_WITH_PATTERN = ("Radau",)
@@ -113,37 +112,20 @@ class Equations:
     def __init__(self, scene: Scene):
         from scipy import sparse
 
-        self.scene = scene
-        rest = scene.rest_positions()
-        self.mass = scene_masses(scene).mass[:, None]
-        pairs, kinds = spring_list(scene.lattice.points, scene.lattice.springs)
-        a, b = pairs.T
-        self.length = np.linalg.norm(rest[b] - rest[a], axis=1)
-        material = scene.material.stiffness
-        self.stiffness = np.array([0.0, material.edge, material.face, material.body])[kinds]
-        self.damping = np.full((len(rest), 1), scene.material.damping)
-        for region in scene.region:
-            inside = scene.select(region.points)
-            if region.stiffness is not None:
-                self.stiffness[np.isin(pairs, inside).all(axis=1)] = region.stiffness
-            if region.damping is not None:
-                self.damping[inside] = region.damping
-        springs = np.arange(len(pairs))
-        ends = np.concatenate([-np.ones(len(pairs)), np.ones(len(pairs))])
-        places = np.concatenate([springs, springs]), np.concatenate([a, b])
-        self._to_springs = sparse.csr_array((ends, places), shape=(len(pairs), len(rest)))
+        self._resolved = resolved(scene)
+        body = Body.of(self._resolved)
+        self.mass, self.stiffness, self.length, self.damping = body.mass[:, None], body.stiffness, body.length, body.damping[:, None]
+        count = len(body.pairs)
+        ends = np.repeat([-1.0, 1.0], count)
+        places = np.tile(np.arange(count), 2), body.pairs.T.ravel()
+        self._to_springs = sparse.csr_array((ends, places), shape=(count, len(body.mass)))
         self._to_points = sparse.csr_array(-self._to_springs.T)
         self._constant = self.mass * np.array(scene.environment.gravity or (0.0, 0.0, 0.0))
         self._damped = bool(self.damping.any())
 
     def start(self) -> np.ndarray:
         """The state at time 0, (6 n,)."""
-        initial, rest = self.scene.initial, self.scene.rest_positions()
-        origin, size = np.array(self.scene.lattice.origin), np.array(self.scene.lattice.size)
-        x = origin + np.array(initial.stretch) * (rest - origin) + np.array(initial.offset)
-        centre = origin + np.array(initial.stretch) * size / 2 + np.array(initial.offset)
-        v = np.array(initial.velocity) + np.cross(np.array(initial.angular_velocity), x - centre)
-        return np.concatenate([x.ravel(), v.ravel()])
+        return np.concatenate([each.ravel() for each in start(self._resolved)])
 
     def rate(self, state: np.ndarray, force: np.ndarray) -> np.ndarray:
         """Time derivative of the state, with outside forces (n, 3) [N] besides gravity."""
@@ -168,19 +150,9 @@ class Equations:
 def nodal_forces(rig: Rig) -> np.ndarray:
     """Outside forces besides gravity and their first to third derivative at every communication point but the last, (T - 1, 4, n, 3), in N
     and s, from the rig's inputs."""
-    scene, (nx, ny, _) = rig.scene, rig.scene.lattice.points
-    points = {load.name: scene.select(load.points) for load in scene.load}
-    forces = np.zeros((len(rig.times) - 1, 4, len(scene.rest_positions()), 3))
     courses = np.concatenate([rig.input_values[:, None], rig.input_rates], axis=1)  # (T - 1, 4, inputs)
-    for name, course in zip(rig.driven_names, np.moveaxis(courses, 2, 0), strict=True):
-        owner, axis = name.rsplit(".", 1)
-        if owner.startswith("load."):
-            chosen = points[owner.removeprefix("load.")]
-        else:
-            i, j, k = map(int, re.findall(r"\d+", owner))
-            chosen = np.array([i + nx * (j + ny * k)])
-        forces[:, :, chosen, "xyz".index(axis)] += (course / len(chosen))[:, :, None]
-    return forces
+    forces = outside_force(resolved(rig.scene), dict(zip(rig.driven_names, np.moveaxis(courses, 2, 0), strict=True)))
+    return np.broadcast_to(forces, (*courses.shape[:2], *forces.shape[-2:]))
 
 
 def at(course: np.ndarray, time: float) -> np.ndarray:

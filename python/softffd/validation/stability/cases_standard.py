@@ -9,6 +9,7 @@ import numpy as np
 
 from softffd.run.inputs import Inputs
 from softffd.scene.scene import load_scene
+from softffd.validation.mechanics import outside_force
 from softffd.validation.stability.drive import Drive
 from softffd.validation.stability.scenes import DOWN, GRAVITY, ORIGIN, Z, box, plane
 from softffd.validation.stability.verdict import Case, Findings
@@ -51,22 +52,10 @@ def _pulled(name: str, findings: Findings) -> None:
         inputs = Inputs(scene.default_inputs)
         drive.run(scene.experiment.stop_time, scene.experiment.communication_step, inputs=inputs)
         findings.sound(drive)
-        load = _load(drive, dict(zip(inputs.names, inputs.values(drive.time, drive.time), strict=False)))
+        load = outside_force(drive.resolved, dict(zip(inputs.names, inputs.values(drive.time, drive.time), strict=False)))
         left_over = drive.net_force() + load
         findings.check("unbalanced force / load", np.abs(left_over).max() / np.abs(load).max(), 1e-2, bound=0.1)
         findings.check("momentum of the fall, relative", abs(drive.momentum[2] / _fall(drive) - 1), 1e-6)
-
-
-def _load(drive: Drive, values: dict[str, float]) -> np.ndarray:
-    """Outside forces (n, 3) [N] by the scene's loads and force inputs."""
-    scene, load = drive.scene, np.zeros_like(drive.rest)
-    for section in scene.load:
-        points = scene.select(section.points)
-        load[points] += np.array([values.get(f"load.{section.name}.{axis}", 0.0) for axis in "xyz"]) / len(points)
-    for p in scene.select(scene.inputs.forces):
-        place = ",".join(map(str, np.unravel_index(p, scene.lattice.points, order="F")))
-        load[p] += [values.get(f"force[{place}].{axis}", 0.0) for axis in "xyz"]
-    return load
 
 
 def _fall(drive: Drive) -> float:
@@ -149,9 +138,7 @@ def crush(share: float, *, stiffness: float = 1e3, volume: float = 0.0, step: fl
 
 
 def _strain(drive: Drive) -> float:
-    a, b = drive.body.pairs.T
-    x = drive.x
-    return float(np.abs(np.linalg.norm(x[b] - x[a], axis=1) / drive.body.length - 1).max())
+    return float(np.abs(drive.body.stretch(drive.x) / drive.body.length).max())
 
 
 def _gain(drive: Drive) -> float:

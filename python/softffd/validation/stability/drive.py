@@ -12,10 +12,11 @@ import numpy as np
 
 from softffd.errors import FmuError
 from softffd.fmu.component import DISCARD, Component
-from softffd.fmu.package import package_fmu, scene_masses
+from softffd.fmu.package import package_fmu
 from softffd.run.inputs import Inputs
 from softffd.scene.scene import Scene, scene_from
-from softffd.validation.twin.body import Body, spring_list
+from softffd.validation.mechanics import Body
+from softffd.validation.resolved import resolved
 
 
 class Refused(Exception):
@@ -35,10 +36,11 @@ class Drive:
 
     def __init__(self, document: Mapping[str, Any] | Scene, settings: Mapping[str, Any] | None = None):
         self.scene = _observed(document)
-        self.mass = scene_masses(self.scene).mass
         self.side = max(self.scene.lattice.size)
         self.rest = self.scene.rest_positions()
-        self.body = _springs(self.scene, self.rest, self.mass)
+        self.resolved = resolved(self.scene)
+        self.body = Body.of(self.resolved)
+        self.mass = self.body.mass
         self.time = 0.0
         self._folder = Path(mkdtemp(prefix="softffd-"))
         try:
@@ -164,10 +166,8 @@ class Drive:
     def energy(self) -> float:
         """Kinetic, elastic and gravity energy of the points and springs as they are now [J], by numpy and not by the FMU's outputs."""
         x, v = self.x, self.v
-        a, b = self.body.pairs.T
-        stretch = np.linalg.norm(x[b] - x[a], axis=1) - self.body.length
         gravity = np.array(self.scene.environment.gravity or (0.0, 0.0, 0.0))
-        return float(0.5 * self.mass @ (v**2).sum(axis=1) + 0.5 * self.body.stiffness @ stretch**2 - self.mass @ (x @ gravity))
+        return self.body.kinetic_energy(v) + self.body.elastic_energy(x) - float(self.mass @ (x @ gravity))
 
     def balance(self) -> float:
         """What the FMU's own energies miss: now, with what was dissipated and less the work, minus the start [J]."""
@@ -195,18 +195,3 @@ def _observed(document: Mapping[str, Any] | Scene) -> Scene:
     if isinstance(document, Scene):
         return document.model_copy(update={"outputs": document.outputs.model_copy(update=outputs)})
     return scene_from({**document, "outputs": outputs | document.get("outputs", {})}, path="case.toml")
-
-
-def _springs(scene, rest: np.ndarray, mass: np.ndarray) -> Body:
-    pairs, kinds = spring_list(scene.lattice.points, scene.lattice.springs)
-    given = scene.material.stiffness
-    stiffness = np.array([given.edge, given.face, given.body])[kinds - 1]
-    damping = np.full(len(rest), scene.material.damping)
-    for region in scene.region:
-        inside = np.isin(np.arange(len(rest)), scene.select(region.points))
-        if region.stiffness is not None:
-            stiffness[inside[pairs].all(axis=1)] = region.stiffness
-        if region.damping is not None:
-            damping[inside] = region.damping
-    length = np.linalg.norm(rest[pairs[:, 1]] - rest[pairs[:, 0]], axis=1)
-    return Body(pairs, stiffness, length, mass, damping)

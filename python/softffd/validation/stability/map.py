@@ -252,10 +252,7 @@ def _contact_judged(drive: Drive, cell: Cell, began: float, done: int, found: di
 
 def _inner_energy(drive: Drive) -> float:
     """Elastic energy and that of the motion about the centre [J]."""
-    a, b = drive.body.pairs.T
-    x, v = drive.x, drive.v - drive.momentum / drive.mass.sum()
-    stretch = np.linalg.norm(x[b] - x[a], axis=1) - drive.body.length
-    return float(0.5 * drive.body.stiffness @ stretch**2 + 0.5 * drive.mass @ (v**2).sum(axis=1))
+    return drive.body.elastic_energy(drive.x) + drive.body.kinetic_energy(drive.v - drive.momentum / drive.mass.sum())
 
 
 SCENES = {"vibration": _vibration, "rotation": _rotation, "contact": _contact}

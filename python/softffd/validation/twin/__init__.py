@@ -25,15 +25,17 @@ from softffd.embedding.basis import weights
 from softffd.errors import SoftffdError
 from softffd.fmu.model_description import GUID_PLACE, model_description
 from softffd.fmu.package import fmu_path, scene_masses
-from softffd.fmu.variables import table, variables
+from softffd.fmu.variables import variables
+from softffd.installed import table
 from softffd.scene.scene import Scene
+from softffd.validation.resolved import point_name, resolved
 
 __all__ = ["build_twin", "resolved_scene"]
 
 PACKAGE, SCRIPT = "softffd_twin", "softffd_twin_slave"
 """Names of the twin's own package and of pythonfmu's script inside the FMU, which does not need softffd."""
 
-SCRIPT_TEXT = f"""from {PACKAGE}.slave import TwinSlave  # noqa: F401
+SCRIPT_TEXT = f"""from {PACKAGE}.twin.slave import TwinSlave  # noqa: F401
 from {MENDING.stem} import mend
 
 mend(globals())
@@ -58,11 +60,7 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
     text = json.dumps(content)
     with TemporaryDirectory(prefix="softffd-") as name, _imports_undone():
         folder = Path(name)
-        package, script = folder / PACKAGE, folder / f"{SCRIPT}.py"
-        package.mkdir()
-        (package / "__init__.py").touch()
-        for part in ("body.py", "fixtures.py", "methods.py", "model.py", "slave.py"):
-            copy(Path(__file__).parent / part, package)
+        package, script = _travelling_package(folder / PACKAGE), folder / f"{SCRIPT}.py"
         script.write_text(SCRIPT_TEXT, encoding="utf-8")
         files = {"scene.json": text, "description.xml": _description(scene, mass, text), MENDING.name: MENDING.read_text(encoding="utf-8")}
         for file, words in files.items():
@@ -71,31 +69,34 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
     return path
 
 
+def _travelling_package(folder: Path) -> Path:
+    """Copies of the files that run in the FMU, where their relative imports find each other."""
+    here = Path(__file__).parent
+    (folder / here.name).mkdir(parents=True)
+    for package in (folder, folder / here.name):
+        (package / "__init__.py").touch()
+    copy(here.parent / "mechanics.py", folder)
+    for part in ("fixtures.py", "methods.py", "model.py", "slave.py"):
+        copy(here / part, folder / here.name)
+    return folder
+
+
 def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
-    """What softffd.twin.model.Model needs of a scene, as it stands in the FMU's resources.
+    """What `twin.model.Model` needs of a scene, as it stands in the FMU's resources.
 
     mass: (n,) kg, region overrides included.
     """
 
-    def points(selection) -> list[int]:
-        return scene.select(selection).tolist()
+    def at_points(family: str, selection) -> dict[str, int]:
+        return {point_name(family, p, scene): p for p in scene.select(selection).tolist()}
 
-    return {
-        "counts": scene.lattice.points,
-        "origin": scene.lattice.origin,
-        "size": scene.lattice.size,
-        "topology": scene.lattice.springs,
-        "mass": mass.tolist(),
-        "regions": [{"points": points(r.points), "stiffness": r.stiffness, "damping": r.damping} for r in scene.region],
+    return resolved(scene, mass) | {
         "planes": [{"name": plane.name, "motion": plane.motion} for plane in scene.plane],
-        "pins": [{"name": pin.name, "motion": pin.motion, "points": points(pin.points)} for pin in scene.pin],
-        "loads": {load.name: points(load.points) for load in scene.load},
+        "pins": [{"name": pin.name, "motion": pin.motion, "points": scene.select(pin.points).tolist()} for pin in scene.pin],
         "probes": {probe.name: _embedded(probe.at, scene.lattice) for probe in scene.probe},
-        "forces": points(scene.inputs.forces),
-        "position": points(scene.outputs.positions),
-        "velocity": points(scene.outputs.velocities),
+        "position": at_points("position", scene.outputs.positions),
+        "velocity": at_points("velocity", scene.outputs.velocities),
         "reactions": scene.outputs.reactions,
-        "initial": scene.initial.model_dump(),
         "methods": {str(method["value"]): method["key"] for method in table()["method"]},
         "variables": [{"name": v.name, "reference": v.reference, "start": v.start} for v in variables(scene, mass)],
     }

@@ -1,6 +1,6 @@
 """How the twin moves: leapfrog with contact by local restart, central difference as published, obstacles.
 
-Contact follows the essays of the component (fmu_src/core/contact.hpp, kick.hpp, central_difference.hpp) and
+Contact follows the essays of the component (in fmu_src/core: contact/contact.hpp, forces/kick.hpp, methods/central_difference.hpp) and
 takes all points that meet a plane at once. A point that two planes hold at a time is refused, and so is a
 pinned one behind a plane.
 """
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .body import Body
+from ..mechanics import Body
 from .fixtures import TOUCHING, HalfSpace, Pin, Surroundings, TwinError
 
 TWO_PLANES = "two planes hold one control point: the twin has one plane per point"

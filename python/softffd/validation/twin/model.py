@@ -11,30 +11,22 @@ from math import ceil
 
 import numpy as np
 
-from .body import Body, rest_positions, spring_list
+from ..mechanics import AXES, Body, outside_force, start
 from .fixtures import TOUCHING, Fixture, HalfSpace, Obstacle, Pin, Surroundings, TwinError, rotation
 from .methods import METHODS, TWO_PLANES, CentralDifference, Motion, quotient
 
-AXES = "xyz"
 MATERIAL = ("mass", "damping", "stiffness.edge", "stiffness.face", "stiffness.body")
 
 
 class Model:
-    """A resolved scene (the dictionary that softffd.twin.resolved_scene makes) in motion."""
+    """A resolved scene (the dictionary that softffd.validation.twin.resolved_scene makes) in motion."""
 
     def __init__(self, scene: dict):
-        self.scene = scene
-        self.rest = rest_positions(scene["counts"], scene["origin"], scene["size"])
-        self.pairs, self.kinds = spring_list(scene["counts"], scene["topology"])
-        self.length = np.linalg.norm(self.rest[self.pairs[:, 0]] - self.rest[self.pairs[:, 1]], axis=1)
+        self.scene, self.rest = scene, np.array(scene["rest"])
 
     def initialize(self, values: Mapping[str, float], time: float) -> None:
         """The state at the start; points behind a plane are moved onto it."""
-        scene, initial = self.scene, {key: np.array(value) for key, value in self.scene["initial"].items()}
-        origin = np.array(scene["origin"])
-        x = origin + initial["stretch"] * (self.rest - origin) + initial["offset"]
-        centre = origin + initial["stretch"] * np.array(scene["size"]) / 2 + initial["offset"]
-        self.motion = Motion(time, x, initial["velocity"] + np.cross(initial["angular_velocity"], x - centre))
+        self.motion = Motion(time, *start(self.scene))
         self.start_time, self.elapsed, self._material = time, 1.0, None
         self._take(values)
         self._place_pins(book=False)
@@ -57,8 +49,8 @@ class Model:
         """Values of all outputs by name."""
         found, scene = {}, self.scene
         for what, rows in (("position", self.motion.x), ("velocity", self.motion.v)):
-            for p in scene[what]:
-                found |= _vector(self._at_point(what, p), rows[p])
+            for name, p in scene[what].items():
+                found |= _vector(name, rows[p])
         for name, (points, weights) in scene["probes"].items():
             found |= _vector(f"probe.{name}", np.array(weights) @ self.motion.x[points])
         if scene["reactions"]:
@@ -73,10 +65,6 @@ class Model:
         force = _vector(f"{name}.reaction", fixture.impulse / self.elapsed)
         return force | _vector(f"{name}.torque", fixture.moment / self.elapsed)
 
-    def _at_point(self, what: str, p: int) -> str:
-        """The name of a variable that belongs to a control point."""
-        return f"{what}[{','.join(map(str, np.unravel_index(p, self.scene['counts'], order='F')))}]"
-
     def _take(self, values: Mapping[str, float]) -> None:
         """Body, obstacles and forces as the variables have them now."""
         material = [values.get(name) for name in MATERIAL]
@@ -85,25 +73,12 @@ class Model:
         obstacles = [self._obstacle(plane, values) for plane in self.scene["planes"]]
         pins = [self._pin(pin, values) for pin in self.scene["pins"]]
         gravity = _read(values, "gravity") if "gravity.x" in values else np.zeros(3)
-        force = self.body.mass[:, None] * gravity
-        for p in self.scene["forces"]:
-            force[p] += _read(values, self._at_point("force", p))
-        for name, points in self.scene["loads"].items():
-            force[points] += _read(values, f"load.{name}") / len(points)
+        force = self.body.mass[:, None] * gravity + outside_force(self.scene, values)
         self.around = Surroundings(obstacles, pins, force, max(self.scene["size"]))
 
     def _make_body(self, values: Mapping[str, float]) -> Body:
-        mass = np.array(self.scene["mass"])
-        by_kind = np.array([values[f"stiffness.{kind}"] for kind in ("edge", "face", "body")])
-        stiffness = by_kind[self.kinds - 1]
-        damping = np.full(len(mass), values.get("damping", 0.0))
-        for region in self.scene["regions"]:
-            inside = np.isin(self.pairs, region["points"]).all(axis=1)
-            if region["stiffness"] is not None:
-                stiffness = np.where(inside, region["stiffness"], stiffness)
-            if region["damping"] is not None:
-                damping[region["points"]] = region["damping"]
-        return Body(self.pairs, stiffness, self.length, mass * (values["mass"] / mass.sum()), damping)
+        stiffness = [values[f"stiffness.{kind}"] for kind in ("edge", "face", "body")]
+        return Body.of(self.scene, total=values["mass"], stiffness=stiffness, damping=values.get("damping", 0.0))
 
     def _obstacle(self, plane: dict, values: Mapping[str, float]) -> Obstacle:
         name = f"plane.{plane['name']}"
