@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from softffd.fmu.records import LatticeBox
+from softffd.lattice import LatticeBox
 from softffd.run.result import Result
 
 ORIGIN, SIZE = np.array([-1.0, -0.5, 0.2]), np.array([2.0, 1.0, 0.8])

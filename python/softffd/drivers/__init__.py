@@ -18,6 +18,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from softffd.errors import SoftffdError
+from softffd.files import write_bytes
 
 DRIVERS = ("plate", "actuator")
 HERE = Path(__file__).parent
@@ -50,7 +51,7 @@ def build_driver(name: str, folder: str | Path, *, start_values: Mapping[str, An
         if done.returncode != 0:
             raise SoftffdError(f"{path}: pythonfmu could not build it: {done.stderr.strip() or done.stdout.strip()}")
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes((Path(scratch) / f"{name.capitalize()}.fmu").read_bytes())
+        write_bytes(path, (Path(scratch) / f"{name.capitalize()}.fmu").read_bytes())
     return path
 
 

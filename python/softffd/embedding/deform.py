@@ -18,7 +18,7 @@ import numpy as np
 from softffd.embedding.basis import local_weights, support, weights
 from softffd.errors import MeshError
 from softffd.mesh.mesh import Mesh
-from softffd.scene.faults import did_you_mean, nearest_of
+from softffd.spelling import did_you_mean, nearest_of
 
 BASES = ("bezier", "bspline")
 

@@ -22,7 +22,7 @@ from fmpy.fmi2 import (
 
 from softffd.errors import FmuError
 from softffd.fmu.records import read_lattice
-from softffd.scene.faults import did_you_mean, nearest_of
+from softffd.spelling import did_you_mean, nearest_of
 
 WARNING, DISCARD = 1, 2
 LIFE_CYCLE = ("fmi2EnterInitializationMode", "fmi2ExitInitializationMode", "fmi2Terminate", "fmi2Reset")

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import zipfile
 from pathlib import Path
 
 from softffd.embedding.mass import Masses, point_masses
 from softffd.errors import SoftffdError
+from softffd.files import replacing
 from softffd.fmu.model_description import GUID_PLACE, model_description
 from softffd.fmu.records import NAME, scene_records, scene_text
 from softffd.fmu.variables import variables
 from softffd.installed import data_folder, libraries
-from softffd.scene.faults import did_you_mean
 from softffd.scene.scene import Scene
+from softffd.spelling import did_you_mean
 
 
 def scene_masses(scene: Scene) -> Masses:
@@ -81,17 +81,12 @@ def _files_below(folder: Path, name: str) -> dict[str, bytes]:
 
 
 def _write_archive(path: Path, entries: dict[str, bytes]) -> None:
-    """Sorted entries, fixed time stamps and modes; written beside the target and moved into place, so never half there."""
+    """Sorted entries, fixed time stamps and modes."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(path.name + ".partial")
-    try:
-        with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name in sorted(entries, key=lambda entry: (entry != "modelDescription.xml", entry)):
-                info = zipfile.ZipInfo(name, (2020, 1, 1, 0, 0, 0))
-                info.compress_type = zipfile.ZIP_DEFLATED
-                info.create_system = 3
-                info.external_attr = 0o644 << 16
-                archive.writestr(info, entries[name])
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
+    with replacing(path) as stream, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(entries, key=lambda entry: (entry != "modelDescription.xml", entry)):
+            info = zipfile.ZipInfo(name, (2020, 1, 1, 0, 0, 0))
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.create_system = 3
+            info.external_attr = 0o644 << 16
+            archive.writestr(info, entries[name])

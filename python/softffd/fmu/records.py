@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from softffd.fmu.variables import method_value, spring_damping_present
+from softffd.lattice import LatticeBox
 from softffd.scene.scene import Scene
 
 NAME, HEAD = "scene.txt", "softffd-scene 1"
@@ -67,20 +67,6 @@ def scene_text(records: str, guid: str) -> str:
     """The whole file: head with the checksum of all that follows, guid, records."""
     body = f"guid {guid}\n{records}"
     return f"{HEAD} {_fnv1a(body.encode()):016x}\n{body}"
-
-
-@dataclass(frozen=True)
-class LatticeBox:
-    """A lattice as embeddings and pictures need it."""
-
-    points: tuple[int, int, int]
-    """Control points per axis"""
-    origin: tuple[float, float, float]
-    """Lower corner of the box at rest [m]"""
-    size: tuple[float, float, float]
-    """Its sides [m]"""
-    basis: str
-    """ "bezier" or "bspline" """
 
 
 def read_lattice(resources: Path) -> LatticeBox | None:

@@ -8,6 +8,7 @@ import numpy as np
 from PIL import Image
 
 from softffd.errors import MeshError
+from softffd.files import write_bytes
 from softffd.mesh.glb import quiet_trimesh, read_glb
 from softffd.mesh.obj import read_obj, write_obj
 from softffd.mesh.ply import read_ply
@@ -120,7 +121,7 @@ def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = Non
         if path.suffix.lower() == ".obj":
             write_obj(path, vertices, mesh.faces, mesh.uv, texture=mesh.texture, decimals=decimals)
         else:
-            path.write_bytes(_exported(mesh, vertices, path.suffix.lower()[1:]))
+            write_bytes(path, _exported(mesh, vertices, path.suffix.lower()[1:]))
     except OSError as fault:
         raise MeshError(f"{path}: cannot be written: {fault.strerror or fault}") from None
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from softffd.files import replacing, write_text
 from softffd.mesh.polygons import Triangles, assemble, damaged, first_outside, open_texture
 
 
@@ -31,8 +32,9 @@ def write_obj(path: Path, vertices: np.ndarray, faces: np.ndarray, uv: np.ndarra
     """Write an OBJ file; a texture goes beside it, as NAME.mtl and NAME.png."""
     lines = []
     if texture is not None:
-        texture.save(path.with_suffix(".png"))
-        path.with_suffix(".mtl").write_text(f"newmtl surface\nmap_Kd {path.with_suffix('.png').name}\n")
+        with replacing(path.with_suffix(".png")) as stream:
+            texture.save(stream, "PNG")
+        write_text(path.with_suffix(".mtl"), f"newmtl surface\nmap_Kd {path.with_suffix('.png').name}\n")
         lines += [f"mtllib {path.with_suffix('.mtl').name}", "usemtl surface"]
     lines += _rows("v", vertices, decimals)
     corners = [f"{i}" for i in range(1, len(vertices) + 1)]
@@ -41,7 +43,7 @@ def write_obj(path: Path, vertices: np.ndarray, faces: np.ndarray, uv: np.ndarra
         lines += _rows("vt", texels, decimals)
         corners = [f"{corner}/{t}" for corner, t in zip(corners, texel.reshape(-1) + 1, strict=True)]
     lines += [f"f {corners[a]} {corners[b]} {corners[c]}" for a, b, c in faces.tolist()]
-    path.write_text("\n".join(lines) + "\n")
+    write_text(path, "\n".join(lines) + "\n")
 
 
 def _rows(key: str, rows: np.ndarray, decimals: int) -> list[str]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from softffd.fmu.records import LatticeBox
+from softffd.lattice import LatticeBox
 from softffd.run.result import Result
 from softffd.show.history import energies, reactions
 

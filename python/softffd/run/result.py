@@ -12,7 +12,8 @@ import numpy as np
 
 from softffd.embedding.deform import deform
 from softffd.errors import MeshError, SoftffdError
-from softffd.fmu.records import LatticeBox
+from softffd.files import replacing
+from softffd.lattice import LatticeBox
 from softffd.mesh.mesh import Mesh
 from softffd.scene.scene import Scene
 
@@ -81,10 +82,8 @@ class Result:
         folder.mkdir(parents=True, exist_ok=True)
         files = {"result.npz": self._write_npz, "result.csv": self._write_csv, "summary.json": self._write_summary}
         for name, write in files.items():
-            partial = folder / f".{name}.partial"
-            with partial.open("wb") as stream:
+            with replacing(folder / name) as stream:
                 write(stream)
-            os.replace(partial, folder / name)
         return [folder / name for name in files]
 
     def _write_npz(self, stream: Any) -> None:

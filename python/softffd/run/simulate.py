@@ -17,11 +17,11 @@ import numpy as np
 from softffd.errors import FmuError
 from softffd.fmu.component import Block, Component
 from softffd.fmu.package import package_fmu
-from softffd.fmu.records import LatticeBox
+from softffd.lattice import LatticeBox
 from softffd.run.inputs import Inputs, Source
 from softffd.run.result import Result
-from softffd.scene.faults import did_you_mean, nearest_of
 from softffd.scene.scene import Scene, shipped_scenes
+from softffd.spelling import did_you_mean, nearest_of
 
 Progress = Callable[[float, float], None]
 Interpolation = Literal["held", "linear", "cubic"]

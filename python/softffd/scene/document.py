@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 
 from softffd.errors import SceneError
-from softffd.scene.faults import did_you_mean, nearest_of
+from softffd.spelling import did_you_mean, nearest_of
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
 ZIP = b"PK\x03\x04"

@@ -3,10 +3,8 @@
 A path in the file is a tuple such as ("plane", 1, "normal"), written plane[1].normal; positions count from 0.
 """
 
-import difflib
 import json
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, get_args, get_origin
 
@@ -14,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from softffd.scene.quantity import SIGNS
+from softffd.spelling import did_you_mean, nearest_of
 
 KeyPath = tuple[str | int, ...]
 
@@ -90,19 +89,6 @@ def toml_text(value: Any, *, longest: int = 70) -> str:
     else:
         text = str(value)
     return text if len(text) <= longest else text[: longest - 3] + "..."
-
-
-def nearest_of(given: str, choices: Iterable[str]) -> str | None:
-    """The choice spelt most like `given`, else one of the same letters ("-z": "z-"); None where none is near."""
-    by_fold = {choice.casefold(): choice for choice in choices}
-    near = difflib.get_close_matches(given.casefold(), by_fold, n=1)
-    near += [fold for fold in by_fold if sorted(fold) == sorted(given.casefold())]
-    return by_fold[near[0]] if near else None
-
-
-def did_you_mean(nearest: str | None) -> str:
-    """`, did you mean "..."?`, or nothing."""
-    return f', did you mean "{nearest}"?' if nearest else ""
 
 
 def field_at(model: type[BaseModel], path: KeyPath) -> FieldInfo | None:

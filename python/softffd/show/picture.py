@@ -8,6 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
+from softffd.files import replacing
 from softffd.show.history import energies, heights, reactions
 from softffd.show.moments import first_contact, largest_deformation, telling_moments
 from softffd.show.panel import Panels, Shape
@@ -130,5 +131,6 @@ def new_figure(width, height, *, dpi):
 
 
 def _save(figure, path):
-    figure.savefig(path, format="png", dpi=figure.dpi)
+    with replacing(path) as stream:
+        figure.savefig(stream, format="png", dpi=figure.dpi)
     return Path(path)

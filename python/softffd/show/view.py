@@ -18,6 +18,7 @@ from matplotlib import colormaps
 
 from softffd.embedding.basis import parameter
 from softffd.embedding.deform import deform
+from softffd.files import write_text
 from softffd.show.history import energies, reactions
 from softffd.show.stage import FREE, PAINT, PINNED, VIEW, round_length, stage_of
 from softffd.show.surface import split_at_creases
@@ -54,7 +55,7 @@ def write_view(result, path, *, mesh=None, origin=None, size=None):
         "rows": _rows(result, stage, frames),
         "largest": _largest(stage, frames),
     }
-    Path(path).write_text(_page(run), encoding="utf-8")
+    write_text(path, _page(run))
     return Path(path)
 
 

@@ -13,6 +13,7 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
+from softffd.files import write_bytes
 from softffd.validation.accuracy.records import CHOSEN, LEVELS, Record, Records, level_words
 from softffd.validation.accuracy.report import report_page
 
@@ -29,19 +30,10 @@ def keep(folder: Path, measured: Sequence[Records], missing: Mapping[str, str], 
     """Writes accuracy.csv, accuracy.json, report.html and a SCENE.png of each scene into `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
     for records in measured:
-        _put(folder / f"{records.scene}.png", pictures[records.scene][0])
-    _put(folder / "accuracy.csv", _csv(measured).encode())
-    _put(folder / "accuracy.json", (json.dumps(_document(measured, missing, about), indent=1, allow_nan=False) + "\n").encode())
-    _put(folder / "report.html", report_page(measured, missing, about, pictures).encode())
-
-
-def _put(path: Path, content: bytes) -> None:
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        partial.write_bytes(content)
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
+        write_bytes(folder / f"{records.scene}.png", pictures[records.scene][0])
+    write_bytes(folder / "accuracy.csv", _csv(measured).encode())
+    write_bytes(folder / "accuracy.json", (json.dumps(_document(measured, missing, about), indent=1, allow_nan=False) + "\n").encode())
+    write_bytes(folder / "report.html", report_page(measured, missing, about, pictures).encode())
 
 
 def _csv(measured: Sequence[Records]) -> str:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import csv
 import json
 import math
-import os
 from collections.abc import Mapping
 from dataclasses import asdict
 from io import StringIO
 from pathlib import Path
 from typing import Any
 
+from softffd.files import write_bytes
 from softffd.validation.stability.cases import CASES
 from softffd.validation.stability.map import Cell, Judged
 from softffd.validation.stability.picture import map_picture
@@ -47,19 +47,10 @@ def keep(folder: Path, survey: Survey, about: Mapping[str, Any]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     drawn = pictures(survey)
     for name, content in drawn.items():
-        _put(folder / f"{name}.png", content)
-    _put(folder / "stability.csv", _csv(survey).encode())
-    _put(folder / "stability.json", (json.dumps(_finite(_document(survey, about)), indent=1, allow_nan=False) + "\n").encode())
-    _put(folder / "report.html", report_page(survey, about, drawn).encode())
-
-
-def _put(path: Path, content: bytes) -> None:
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        partial.write_bytes(content)
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
+        write_bytes(folder / f"{name}.png", content)
+    write_bytes(folder / "stability.csv", _csv(survey).encode())
+    write_bytes(folder / "stability.json", (json.dumps(_finite(_document(survey, about)), indent=1, allow_nan=False) + "\n").encode())
+    write_bytes(folder / "report.html", report_page(survey, about, drawn).encode())
 
 
 def _csv(survey: Survey) -> str:

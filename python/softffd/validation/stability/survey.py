@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from softffd.errors import SoftffdError
-from softffd.scene.faults import did_you_mean, nearest_of
+from softffd.spelling import did_you_mean, nearest_of
 from softffd.validation.stability.border import Border, borders
 from softffd.validation.stability.cases import CASES, run_named
 from softffd.validation.stability.drive import Drive

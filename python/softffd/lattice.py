@@ -1,0 +1,83 @@
+"""The lattice: its box, its grid at rest, and the one order of its control points.
+
+A control point p_ijk (Xia & Wang 2009, eq. (1)) stands in the i-th plane of points along x, the j-th along y and the k-th along z,
+each from 0. Where points are numbered, p_ijk has the flat index
+
+    p = i + nx (j + ny k)        i runs fastest, then j, then k
+
+and every list, record, block of variables and file goes in this order. Arrays have one of two forms:
+
+    flat   (..., n, c)              row p
+    grid   (..., nx, ny, nz, c)     entry [i, j, k]
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+Counts = Sequence[int]
+"""Control points along x, y and z."""
+
+Point = tuple[int, int, int]
+"""Indices (i, j, k) of a control point."""
+
+
+@dataclass(frozen=True)
+class LatticeBox:
+    """A lattice as embeddings and pictures need it."""
+
+    points: tuple[int, int, int]
+    """Control points per axis"""
+    origin: tuple[float, float, float]
+    """Lower corner of the box at rest [m]"""
+    size: tuple[float, float, float]
+    """Its sides [m]"""
+    basis: str
+    """ "bezier" or "bspline" """
+
+    def rest(self) -> np.ndarray:
+        """The control points at rest as a grid, (nx, ny, nz, 3) [m]."""
+        return rest_grid(self.points, self.origin, self.size)
+
+
+def rest_grid(counts: Counts, origin: Sequence[float] | np.ndarray, size: Sequence[float] | np.ndarray) -> np.ndarray:
+    """The control points at rest, (nx, ny, nz, 3) [m]: X = origin + size (i / (nx - 1), ...)."""
+    axes = np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in counts), indexing="ij")
+    return np.asarray(origin) + np.asarray(size) * np.stack(axes, axis=-1)
+
+
+def index_grid(counts: Counts) -> np.ndarray:
+    """The flat index of every control point, (nx, ny, nz) int64."""
+    return np.arange(math.prod(counts), dtype=np.int64).reshape(counts, order="F")
+
+
+def flat_index(point: Point, counts: Counts) -> int:
+    """p of (i, j, k)."""
+    (i, j, k), (nx, ny, _) = point, counts
+    return i + nx * (j + ny * k)
+
+
+def point_at(index: int, counts: Counts) -> Point:
+    """(i, j, k) of p."""
+    nx, ny, _ = counts
+    return index % nx, index // nx % ny, index // nx // ny
+
+
+def all_points(counts: Counts) -> Iterator[Point]:
+    """(i, j, k) of every control point, in flat order."""
+    nx, ny, nz = counts
+    return ((i, j, k) for k, j, i in product(range(nz), range(ny), range(nx)))
+
+
+def to_grid(flat: np.ndarray, counts: Counts) -> np.ndarray:
+    """(..., n, c) as (..., nx, ny, nz, c): a view."""
+    nx, ny, nz = counts
+    return flat.reshape(*flat.shape[:-2], nz, ny, nx, flat.shape[-1]).swapaxes(-4, -2)
+
+
+def to_flat(grid: np.ndarray) -> np.ndarray:
+    """(..., nx, ny, nz, c) as (..., n, c)."""
+    return grid.swapaxes(-4, -2).reshape(*grid.shape[:-4], -1, grid.shape[-1])

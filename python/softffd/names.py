@@ -1,0 +1,132 @@
+"""Names of variables: the table's rows turned into names and names into rows, here and nowhere else.
+
+A row's name is a pattern (variables.toml): `position[{i},{j},{k}].{c}`, `plane.{name}.point.{c}`, `stiffness.edge`. What stands for
+{i},{j},{k} or {name} is the *instance*: a control point (i, j, k), or the name of a plane, pin, load or probe; {c} is the *component*.
+The pose of a fixed plane has the same names as that of an input plane; as family it counts the first in the table, the input.
+"""
+
+import re
+from collections.abc import Iterable
+from functools import cache
+from typing import Any, NamedTuple
+
+from softffd.installed import table
+from softffd.lattice import Point
+
+IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
+"""What a plane, pin, load or probe may be called."""
+
+_PART_NAME = re.compile(IDENTIFIER)
+_AT_POINT = re.compile(r"([a-z_]+)\[(0|[1-9]\d*),(0|[1-9]\d*),(0|[1-9]\d*)\](?:\.(\w+))?")
+_AT_POINT_PATTERN = re.compile(r"([a-z_]+)\[{i},{j},{k}\](\.{c})?")
+
+
+class Name(NamedTuple):
+    """A variable's name, taken apart."""
+
+    family: str
+    """Key of its row in the table"""
+    instance: str | Point | None
+    """Name of the plane, pin, load or probe, or the control point; None where there is one only"""
+    component: str
+    """"x", "y", "z" or "w"; empty for scalars"""
+
+    @property
+    def part(self) -> str:
+        """What the variable belongs to: "plane.ground", "pin.base"; of others the name's first word."""
+        kind = _row(self.family)["name"].partition(".")[0]
+        return f"{kind}.{self.instance}" if isinstance(self.instance, str) else kind.partition("[")[0]
+
+
+def variable_name(family: str, instance: str | Point | None = None, component: str = "") -> str:
+    """The name of one variable of a family: variable_name("plane_point", "ground", "z") is plane.ground.point.z."""
+    stem = _stem(_row(family), instance)
+    return f"{stem}.{component}" if component else stem
+
+
+def variable_names(family: str, instances: Iterable[str | Point | None] = (None,)) -> list[str]:
+    """The names of a family for several instances, one instance with all its components after the other, as in the FMU."""
+    row = _row(family)
+    stems = (_stem(row, instance) for instance in instances)
+    components = row.get("components", "")
+    return [f"{stem}.{component}" for stem in stems for component in components] if components else list(stems)
+
+
+def vector_names(family: str, instance: str | Point | None = None) -> list[str]:
+    """The names of all components for one instance."""
+    return variable_names(family, (instance,))
+
+
+def parse_name(name: str) -> Name | None:
+    """Family, instance and component of a name; None for what is no name of the table."""
+    at_points, others = _shapes()
+    if "[" in name:
+        if (found := _AT_POINT.fullmatch(name)) is None or (row := at_points.get(found[1])) is None:
+            return None
+        component = found[5] or ""
+        return Name(row["key"], (int(found[2]), int(found[3]), int(found[4])), component) if _has(row, component) else None
+    words = tuple(name.split("."))
+    last = words[-1]
+    shapes: list[tuple[tuple[str | None, ...], str | None, str]] = [(words, None, ""), ((*words[:-1], None), None, last)]
+    if len(words) > 2:
+        kind, owner, *rest = words
+        shapes += [((kind, None, *rest), owner, ""), ((kind, None, *rest[:-1], None), owner, last)]
+    for shape, part, component in shapes:
+        row = others.get(shape)
+        if row is not None and _has(row, component) and (part is None or _PART_NAME.fullmatch(part)):
+            return Name(row["key"], part, component)
+    return None
+
+
+def part_names(kind: str, names: Iterable[str]) -> list[str]:
+    """The planes, pins, loads or probes (`kind`: "plane", ...) that names of variables speak of, in the order of the scene.
+
+    Each row of the table goes through its parts in that order. So the family with most parts leads, and what it has not got follows; but
+    one whose names are those of two rows (input planes, then fixed ones) comes last.
+    """
+    by_family: dict[str, dict[str, None]] = {}
+    for name in names:
+        if name.startswith(kind) and (found := parse_name(name)) and isinstance(found.instance, str):
+            by_family.setdefault(found.family, {})[found.instance] = None
+    patterns = [row["name"] for row in _rows().values()]
+    families = sorted(by_family, key=lambda family: (patterns.count(_row(family)["name"]), -len(by_family[family])))
+    return list(dict.fromkeys(part for family in families for part in by_family[family]))
+
+
+def _stem(row: dict[str, Any], instance: str | Point | None) -> str:
+    """A name without its component, which comes last in every pattern."""
+    pattern = row["name"].removesuffix(".{c}")
+    if instance is None or isinstance(instance, str):
+        return pattern.format(name=instance)
+    i, j, k = instance
+    return pattern.format(i=i, j=j, k=k)
+
+
+def _has(row: dict[str, Any], component: str) -> bool:
+    components = row.get("components", "")
+    return component in components if component else not components
+
+
+@cache
+def _rows() -> dict[str, dict[str, Any]]:
+    return {row["key"]: row for row in table()["family"]}
+
+
+def _row(family: str) -> dict[str, Any]:
+    return _rows()[family]
+
+
+Rows = dict[str, dict[str, Any]]
+
+
+@cache
+def _shapes() -> tuple[Rows, dict[tuple[str | None, ...], dict[str, Any]]]:
+    """The rows by what their names look like: of those at control points the first word, of the others all words, None for any."""
+    at_points: Rows = {}
+    others: dict[tuple[str | None, ...], dict[str, Any]] = {}
+    for row in _rows().values():
+        if found := _AT_POINT_PATTERN.fullmatch(row["name"]):
+            at_points.setdefault(found[1], row)
+        else:
+            others.setdefault(tuple(None if word.startswith("{") else word for word in row["name"].split(".")), row)
+    return at_points, others

@@ -1,0 +1,17 @@
+"""A wrong word's nearest right one: every message about a name that does not exist ends with it."""
+
+import difflib
+from collections.abc import Iterable
+
+
+def nearest_of(given: str, choices: Iterable[str]) -> str | None:
+    """The choice spelt most like `given`, else one of the same letters ("-z": "z-"); None where none is near."""
+    by_fold = {choice.casefold(): choice for choice in choices}
+    near = difflib.get_close_matches(given.casefold(), by_fold, n=1)
+    near += [fold for fold in by_fold if sorted(fold) == sorted(given.casefold())]
+    return by_fold[near[0]] if near else None
+
+
+def did_you_mean(nearest: str | None) -> str:
+    """`, did you mean "..."?`, or nothing."""
+    return f', did you mean "{nearest}"?' if nearest else ""

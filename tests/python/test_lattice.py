@@ -1,0 +1,36 @@
+"""The grid at rest and the flat order."""
+
+import numpy as np
+import pytest
+
+from softffd.lattice import LatticeBox, all_points, flat_index, index_grid, point_at, rest_grid, to_flat, to_grid
+
+COUNTS = (3, 2, 4)
+
+
+def test_i_runs_fastest_then_j_then_k():
+    assert list(all_points(COUNTS))[:4] == [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0)]
+    assert [flat_index(point, COUNTS) for point in all_points(COUNTS)] == list(range(24))
+    assert [point_at(p, COUNTS) for p in range(24)] == list(all_points(COUNTS))
+
+
+def test_the_grid_of_indices_holds_them_at_their_points():
+    grid = index_grid(COUNTS)
+    assert grid.shape == COUNTS and all(grid[point] == flat_index(point, COUNTS) for point in all_points(COUNTS))
+
+
+@pytest.mark.parametrize("before", [(), (5,)])
+def test_flat_and_grid_hold_the_same_rows(before):
+    flat = np.random.default_rng(1).normal(size=(*before, 24, 3))
+    grid = to_grid(flat, COUNTS)
+    assert grid.shape == (*before, *COUNTS, 3)
+    for i, j, k in all_points(COUNTS):
+        np.testing.assert_array_equal(grid[..., i, j, k, :], flat[..., flat_index((i, j, k), COUNTS), :])
+    np.testing.assert_array_equal(to_flat(grid), flat)
+
+
+def test_at_rest_the_points_divide_the_box_evenly():
+    box = LatticeBox(COUNTS, (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), "bezier")
+    for i, j, k in [(0, 0, 0), (2, 1, 3), (1, 0, 2)]:
+        np.testing.assert_allclose(box.rest()[i, j, k], [1 + 4 * i / 2, 2 + 5 * j / 1, 3 + 6 * k / 3], rtol=1e-15)
+    np.testing.assert_array_equal(box.rest(), rest_grid(COUNTS, box.origin, box.size))
