@@ -8,6 +8,7 @@ from softffd.fmu.package import package_fmu
 from softffd.mesh.mesh import load_mesh, save_mesh
 from softffd.run.result import Result
 from softffd.run.simulate import simulate
+from softffd.run.simulation import Simulation
 from softffd.scene.scene import Scene, load_scene
 
 __all__ = [
@@ -16,6 +17,7 @@ __all__ = [
     "Result",
     "Scene",
     "SceneError",
+    "Simulation",
     "SoftffdError",
     "deform",
     "load_mesh",

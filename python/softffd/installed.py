@@ -1,10 +1,12 @@
 """What the build puts beside the Python files: the library, the table of variables, the documentation that goes into every FMU."""
 
 import math
+import sys
 import tomllib
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from platform import machine
 from typing import Any
 
 from softffd.errors import SoftffdError
@@ -36,6 +38,13 @@ def available_methods(counts: tuple[int, int, int]) -> list[dict[str, Any]]:
     """
     layer = math.prod(sorted(counts)[:2])
     return [method for method in table()["method"] if layer <= method.get("widest_layer", math.inf)]
+
+
+def host_library() -> Path:
+    """The library for the machine that this runs on; SoftffdError where the installation has none for it."""
+    arm = machine().lower() in ("aarch64", "arm64")
+    system = {"win32": "win64", "darwin": "darwin64"}.get(sys.platform, "aarch64-linux" if arm else "linux64")
+    return libraries([system])[system]
 
 
 def libraries(platforms: list[str] | None = None) -> dict[str, Path]:

@@ -49,13 +49,13 @@ class Driven(Component):
 
     def set_rates(self, rates: dict[str, float], order: int = 1) -> int:
         names = list(rates)
-        references = (c_uint * len(names))(*(self.variable(name).valueReference for name in names))
+        references = (c_uint * len(names))(*(self.variable(name).reference for name in names))
         orders = (c_int * len(names))(*[order] * len(names))
         values = (c_double * len(names))(*rates.values())
         return self._library.fmi2SetRealInputDerivatives(c_void_p(self._slave.component), references, len(names), orders, values)
 
     def rate(self, name: str, order: int = 1) -> float | int:
-        value, reference, number = c_double(), c_uint(self.variable(name).valueReference), c_int(order)
+        value, reference, number = c_double(), c_uint(self.variable(name).reference), c_int(order)
         call = self._library.fmi2GetRealOutputDerivatives
         status = call(c_void_p(self._slave.component), byref(reference), 1, byref(number), byref(value))
         return value.value if status == 0 else -status

@@ -16,8 +16,8 @@ from fmpy.ssp.ssd import Parameter, ParameterSet
 
 from importers import Missing, Run, Tool, drive, ecos, fmutool, libcosim, vdmcheck
 from softffd import load_scene, package_fmu, simulate
+from softffd.names import parse_name
 from softffd.run.inputs import Inputs
-from softffd.run.simulate import POSITION
 from softffd.scene.scene import shipped_scenes
 
 STEP, STEPS = 0.01, 100
@@ -134,11 +134,11 @@ def ours(fmu: Path, names: list[str], inputs=None) -> np.ndarray:
 
 
 def column(result, name: str) -> np.ndarray:
-    point = POSITION.fullmatch(name)
-    if not point:
+    found = parse_name(name)
+    if found is None or found.family != "position":
         return result.outputs[name]
-    i, j, k, c = point.groups()
-    return result.positions[:, int(i), int(j), int(k), "xyz".index(c)]
+    i, j, k = found.instance
+    return result.positions[:, i, j, k, "xyz".index(found.component)]
 
 
 def agree(names: list[str], theirs, expected: np.ndarray) -> None:

@@ -46,7 +46,7 @@ class Stepper:
     @property
     def messages(self) -> list[str]:
         """What the component has said so far."""
-        return [text for _, text in self._component.messages]
+        return [message.text for message in self._component.messages]
 
     def methods(self) -> list[tuple[str, str]]:
         """The methods that took over and why, in their order, from the messages "method: reason; internal step ..."."""

@@ -1,15 +1,18 @@
-"""An FMU opened for a run: fmpy unpacks, reads and loads it; the calls of the loop go straight to its library with kept buffers."""
+"""An FMU opened for a run: fmpy loads its library; the calls of the loop go straight to it with kept buffers.
+
+This is the thin layer over the C functions, which a host drives through softffd.Simulation.
+"""
 
 from __future__ import annotations
 
 import shutil
-from ctypes import POINTER, c_double, c_int, c_size_t, c_uint, c_void_p
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from ctypes import POINTER, byref, c_char, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
+from functools import cached_property
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import fmpy
 import numpy as np
 from fmpy import calloc, free
 from fmpy.fmi2 import (
@@ -21,74 +24,146 @@ from fmpy.fmi2 import (
 )
 
 from softffd.errors import FmuError
+from softffd.fmu.interface import ScalarVariable, read_interface
 from softffd.fmu.records import read_lattice
+from softffd.lattice import LatticeBox
 from softffd.spelling import did_you_mean, nearest_of
 
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
+
 WARNING, DISCARD = 1, 2
-LIFE_CYCLE = ("fmi2EnterInitializationMode", "fmi2ExitInitializationMode", "fmi2Terminate", "fmi2Reset")
+STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
+CALLS = (
+    *("fmi2SetupExperiment", "fmi2EnterInitializationMode", "fmi2ExitInitializationMode", "fmi2Terminate", "fmi2Reset", "fmi2DoStep"),
+    *("fmi2SetReal", "fmi2GetReal", "fmi2SetInteger", "fmi2GetInteger", "fmi2SetRealInputDerivatives"),
+    *("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate"),
+    *("fmi2SerializedFMUstateSize", "fmi2SerializeFMUstate", "fmi2DeSerializeFMUstate"),
+)
 
 
-@dataclass(frozen=True)
+class Message(NamedTuple):
+    """What a component said; its text is its str."""
+
+    status: int
+    """fmi2Status: 0 ok, 1 warning, 2 discard, 3 error, 4 fatal"""
+    category: str
+    """Log category: "solver", "logStatusWarning", "logStatusError\""""
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
 class Block:
-    """Variables of one type that are set or got together; `values` is the buffer that the library writes to or reads from."""
+    """Variables of one type that are set or got together; `values` is the buffer (m,) that the library reads from and writes to."""
 
-    names: tuple[str, ...]
-    real: bool
-    references: Any
-    values: np.ndarray
-    pointer: Any
+    def __init__(self, component: Component, variables: Sequence[ScalarVariable]):
+        """variables: all Reals, or none of them; FmuError otherwise."""
+        self.names = tuple(variable.name for variable in variables)
+        self.real = all(variable.type == "Real" for variable in variables)
+        if not self.real and (mixed := next((v.name for v in variables if v.type == "Real"), None)):
+            raise FmuError(f"{mixed}: wanted variables of one type in a block, got a Real beside others")
+        self.values: np.ndarray = np.zeros(len(variables), dtype=np.float64 if self.real else np.int32)
+        self.references = (c_uint * len(variables))(*(variable.reference for variable in variables))
+        self.count = c_size_t(len(variables))
+        self.pointer = self.values.ctypes.data_as(POINTER(c_double if self.real else c_int))
+        self._component = component
+        self._output = next((variable.name for variable in variables if variable.causality == "output"), None)
 
-    @classmethod
-    def of(cls, variables: list[Any], real: bool) -> Block:
-        references = (c_uint * len(variables))(*(variable.valueReference for variable in variables))
-        values = np.zeros(len(variables), dtype=np.float64 if real else np.int32)
-        pointer = values.ctypes.data_as(POINTER(c_double if real else c_int))
-        return cls(tuple(variable.name for variable in variables), real, references, values, pointer)
+    def get(self) -> np.ndarray:
+        """Fills `values` from the component and returns it: the kept buffer, which the next call changes."""
+        self._component.get(self)
+        return self.values
+
+    def set(self, values: Any = None) -> None:
+        """Hands `values` to the component; values (m,): to be put there before. FmuError for outputs and for what the component refuses."""
+        if self._output:
+            raise FmuError(f"{self._output}: wanted an input or a parameter, got an output")
+        if values is not None:
+            self.values[:] = values
+        self._component.set(self)
+
+    def set_rates(self, rates: Any) -> None:
+        """Time derivatives of these inputs, which hold for the next step only; shapes as in Component.set_rates."""
+        self._component.set_rates(self, np.asarray(rates, dtype=float))
 
 
 class Component:
-    """One instance of one FMU. Use as a context manager; every failing call raises FmuError with the component's own message."""
+    """One instance of one FMU. Use as a context manager; every failing call raises FmuError with the component's own message.
 
-    def __init__(self, path: str | Path):
-        path = Path(path)
-        if not path.is_file():
-            raise FmuError(f"{path}: there is no such FMU")
+    source: the path of an FMU; or a scene, whose FMU is written unpacked and whose library is the installed one.
+    """
+
+    def __init__(self, source: Scene | str | Path):
+        if isinstance(source, str | Path) and not Path(source).is_file():
+            raise FmuError(f"{source}: there is no such FMU")
+        self.messages: list[Message] = []
+        """What the component has said since it was opened; may be cleared"""
+        self.listener: Callable[[Message], None] | None = None
+        """Is called with every message"""
+        self._states: set[int] = set()
+        self._slave: Any = None
         self._folder = mkdtemp(prefix="softffd-")
         try:
-            self._open(path)
+            self._open(source)
         except BaseException:
-            shutil.rmtree(self._folder, ignore_errors=True)
+            self.close()
             raise
 
-    def _open(self, path: Path) -> None:
-        self.messages: list[tuple[int, str]] = []
-        self._slave = None
+    def _open(self, source: Scene | str | Path) -> None:
+        library = self._unpack(Path(source)) if isinstance(source, str | Path) else self._write(source)
+        self._callbacks = self._make_callbacks()
+        try:
+            slave = FMU2Slave(
+                guid=self.interface.guid, unzipDirectory=self._folder, modelIdentifier=self.interface.identifier,
+                instanceName=self.interface.name, libraryPath=library,
+            )  # fmt: skip
+        except Exception as error:
+            raise FmuError(f"{self._name}: cannot be opened as an FMU: {error}") from error
+        try:
+            slave.instantiate(callbacks=self._callbacks, loggingOn=True)
+        except Exception as error:
+            slave.freeLibrary()
+            raise FmuError(f"{self._name}: {self._last_message() or error}") from error
+        self._slave, self._library = slave, slave.dll
+        self.lattice: LatticeBox | None = read_lattice(Path(self._folder) / "resources")
+        """Of an FMU of this package"""
+        instance = c_void_p(slave.component)
+        self._calls = {name: _bound(getattr(slave.dll, name), instance, self._check) for name in CALLS}
+        self._keep_loop_calls()
+
+    def _unpack(self, path: Path) -> None:
+        """Unpacks and reads an FMU; its library lies where the standard says."""
+        import fmpy
+
+        self._name = str(path)
         try:
             fmpy.extract(str(path), unzipdir=self._folder)
-            self.description = fmpy.read_model_description(self._folder, validate=False)
-            simulation = self.description.coSimulation
-            if simulation is None or self.description.fmiVersion != "2.0":
+            description = self.description
+            if description.coSimulation is None or description.fmiVersion != "2.0":
                 raise FmuError(f"{path}: wanted an FMI 2.0 co-simulation FMU")
-            slave = FMU2Slave(
-                guid=self.description.guid,
-                unzipDirectory=self._folder,
-                modelIdentifier=simulation.modelIdentifier,
-                instanceName=self.description.modelName,
-            )
+            self.interface = read_interface(description)
         except FmuError:
             raise
         except Exception as error:
             raise FmuError(f"{path}: cannot be opened as an FMU: {error}") from error
-        self._callbacks = self._make_callbacks()
-        self._library = slave.dll
-        try:
-            slave.instantiate(callbacks=self._callbacks, loggingOn=True)
-        except Exception as error:
-            raise FmuError(f"{path}: {self._last_message() or error}") from error
-        self._slave = slave
-        self.lattice = read_lattice(Path(self._folder) / "resources")
-        self.by_name = {variable.name: variable for variable in self.description.modelVariables}
-        self._prepare_calls()
+
+    def _write(self, scene: Scene) -> str:
+        """Writes a scene's FMU unpacked and returns the path of the library, which stays where it is installed."""
+        from softffd.fmu.package import write_folder
+        from softffd.installed import host_library
+
+        self.interface = write_folder(scene, Path(self._folder))
+        self._name = scene.name
+        return str(host_library())
+
+    @cached_property
+    def description(self) -> Any:
+        """fmpy's reading of the modelDescription.xml."""
+        import fmpy
+
+        return fmpy.read_model_description(self._folder, validate=False)
 
     def _make_callbacks(self) -> fmi2CallbackFunctions:
         callbacks = fmi2CallbackFunctions()
@@ -97,88 +172,59 @@ class Component:
         callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
         return callbacks
 
-    def _note(self, _environment, _instance, status: int, _category, message: bytes) -> None:
-        self.messages.append((status, message.decode("utf-8", "replace").replace("%%", "%").replace("##", "#")))
+    def _note(self, _environment: Any, _instance: Any, status: int, category: bytes | None, text: bytes) -> None:
+        said = text.decode("utf-8", "replace").replace("%%", "%").replace("##", "#")
+        message = Message(status, (category or b"").decode("utf-8", "replace"), said)
+        self.messages.append(message)
+        if self.listener:
+            self.listener(message)
 
     def _last_message(self) -> str:
-        return self.messages[-1][1] if self.messages else ""
+        return self.messages[-1].text if self.messages else ""
 
-    def _prepare_calls(self) -> None:
-        """The loop's calls, bound once to the library's functions and the instance."""
-        instance, library = c_void_p(self._slave.component), self._library
+    def _keep_loop_calls(self) -> None:
+        calls = self._calls
+        self._do_step, self._set_rates = calls["fmi2DoStep"], calls["fmi2SetRealInputDerivatives"]
+        self._set_real, self._get_real = calls["fmi2SetReal"], calls["fmi2GetReal"]
+        self._set_integer, self._get_integer = calls["fmi2SetInteger"], calls["fmi2GetInteger"]
 
-        def bound(function):
-            return lambda *arguments: self._check(function(instance, *arguments))
+    def _check(self, status: int) -> None:
+        if status >= DISCARD:
+            word = "discarded the step" if status == DISCARD else "reported an error"
+            raise FmuError(f"the component {word}: {self._last_message() or 'no message'}")
 
-        self._do_step = bound(library.fmi2DoStep)
-        self._set_real, self._get_real = bound(library.fmi2SetReal), bound(library.fmi2GetReal)
-        self._set_integer, self._get_integer = bound(library.fmi2SetInteger), bound(library.fmi2GetInteger)
-        self._set_rates = bound(library.fmi2SetRealInputDerivatives)
-        self._life = {name: bound(getattr(library, name)) for name in LIFE_CYCLE}
+    # ---- variables ----
 
-    def variables(self, causality: str, *, real: bool = True) -> list[Any]:
-        """The description's variables of a causality, Reals or the others."""
-        return [v for v in self.description.modelVariables if v.causality == causality and (v.type == "Real") == real]
+    @property
+    def by_name(self) -> dict[str, ScalarVariable]:
+        """All variables by name."""
+        return self.interface.variables
 
-    def block(self, names: list[str], *, real: bool = True) -> Block:
-        """A block of the named variables; FmuError with the nearest spelling for an unknown name."""
-        return Block.of([self.variable(name) for name in names], real)
+    def variables(self, causality: str, *, real: bool = True) -> list[ScalarVariable]:
+        """The variables of a causality, Reals or the others."""
+        return self.interface.of(causality, real=real)
 
-    def variable(self, name: str) -> Any:
-        """The description's variable of this name; FmuError with the nearest spelling otherwise."""
+    def variable(self, name: str) -> ScalarVariable:
+        """The variable of this name; FmuError with the nearest spelling otherwise."""
         if name not in self.by_name:
             raise FmuError(f"{name}: the FMU has no such variable{did_you_mean(nearest_of(str(name), self.by_name))}")
         return self.by_name[name]
 
-    def set_start_values(self, values: dict[str, Any]) -> None:
-        """Sets variables by name; numbers, or the item's name for an enumeration."""
-        for name, value in values.items():
-            variable = self.variable(name)
-            real = variable.type == "Real"
-            block = Block.of([variable], real)
-            block.values[0] = self._number(variable, value)
-            self.set(block)
+    def block(self, names: Sequence[str], *, real: bool = True) -> Block:
+        """A block of the named variables; FmuError with the nearest spelling for an unknown name. real: what an empty block is of."""
+        return self.block_of([self.variable(name) for name in names])
 
-    def _number(self, variable: Any, value: Any) -> float | int:
-        if variable.type == "Enumeration" and isinstance(value, str):
-            items = {item.name: int(item.value) for item in variable.declaredType.items}
-            if value in items:
-                return items[value]
-            if not value.lstrip("-").isdigit():
-                raise FmuError(f"{variable.name}: wanted one of {', '.join(items)}, got {value!r}{did_you_mean(nearest_of(value, items))}")
-        try:
-            return float(value) if variable.type == "Real" else int(value)
-        except (TypeError, ValueError):
-            kind = "a number" if variable.type == "Real" else "an integer"
-            raise FmuError(f"{variable.name}: wanted {kind}, got {value!r}") from None
-
-    def initialize(self, start_values: dict[str, Any], *, start_time: float = 0.0, stop_time: float | None = None) -> None:
-        """From instantiated to ready for a step, with start values (by name) set before."""
-        self.set_start_values(start_values)
-        self._slave.setupExperiment(startTime=start_time, stopTime=stop_time)
-        self._life["fmi2EnterInitializationMode"]()
-
-    def exit_initialization(self) -> None:
-        """fmi2ExitInitializationMode."""
-        self._life["fmi2ExitInitializationMode"]()
-
-    def terminate(self) -> None:
-        """fmi2Terminate."""
-        self._life["fmi2Terminate"]()
-
-    def reset(self) -> None:
-        """fmi2Reset: as right after opening."""
-        self._life["fmi2Reset"]()
+    def block_of(self, variables: Sequence[ScalarVariable]) -> Block:
+        """A block of variables of this component."""
+        return Block(self, variables)
 
     def set(self, block: Block) -> None:
         """Hands the block's values to the component."""
-        call = self._set_real if block.real else self._set_integer
-        call(block.references, c_size_t(len(block.names)), block.pointer)
+        (self._set_real if block.real else self._set_integer)(block.references, block.count, block.pointer)
 
     def get(self, block: Block) -> None:
         """Fills the block's values."""
-        call = self._get_real if block.real else self._get_integer
-        call(block.references, c_size_t(len(block.names)), block.pointer)
+        (self._get_real if block.real else self._get_integer)(block.references, block.count, block.pointer)
 
     def set_rates(self, block: Block, rates: np.ndarray) -> None:
         """Time derivatives of a block of m Real inputs; they hold for the next step only.
@@ -186,8 +232,8 @@ class Component:
         rates: (m,) of first order [unit / s], or (n, m) of orders 1 to n [unit / s^order]; zeros of higher orders are not sent.
         FmuError for an FMU that does not interpolate its inputs, or not to this order.
         """
-        if not self.description.coSimulation.canInterpolateInputs:
-            raise FmuError(f"{self.description.modelName}: this FMU does not interpolate its inputs; hold them over each step instead")
+        if not self.interface.interpolates:
+            raise FmuError(f"{self.interface.name}: this FMU does not interpolate its inputs; hold them over each step instead")
         rates = np.atleast_2d(rates)
         sent = rates != 0
         sent[0] = True
@@ -197,28 +243,138 @@ class Component:
         orders = (c_int * len(values))(*(int(row) + 1 for row in rows))
         self._set_rates(references, c_size_t(len(values)), orders, values.ctypes.data_as(POINTER(c_double)))
 
+    def set_start_values(self, values: Mapping[str, Any]) -> None:
+        """Sets variables by name; numbers, or the item's name for an enumeration."""
+        for name, value in values.items():
+            variable = self.variable(name)
+            block = Block(self, [variable])
+            block.values[0] = number_of(variable, value)
+            self.set(block)
+
+    # ---- life ----
+
+    def set_up(self, *, start_time: float = 0.0, stop_time: float | None = None, tolerance: float | None = None) -> None:
+        """fmi2SetupExperiment and fmi2EnterInitializationMode. tolerance: relative to the box's largest side."""
+        self._calls["fmi2SetupExperiment"](
+            c_int(tolerance is not None),
+            c_double(tolerance or 0.0),
+            c_double(start_time),
+            c_int(stop_time is not None),
+            c_double(stop_time or 0.0),
+        )
+        self._calls["fmi2EnterInitializationMode"]()
+
+    def initialize(self, start_values: Mapping[str, Any], *, start_time: float = 0.0, stop_time: float | None = None) -> None:
+        """From instantiated to ready for a step, with start values (by name) set before."""
+        self.set_start_values(start_values)
+        self.set_up(start_time=start_time, stop_time=stop_time)
+
+    def exit_initialization(self) -> None:
+        """fmi2ExitInitializationMode."""
+        self._calls["fmi2ExitInitializationMode"]()
+
     def do_step(self, time: float, step: float) -> None:
         """One communication step [s]."""
         self._do_step(c_double(time), c_double(step), c_int(1))
 
+    def terminate(self) -> None:
+        """fmi2Terminate."""
+        self._calls["fmi2Terminate"]()
+
+    def reset(self) -> None:
+        """fmi2Reset: as right after opening."""
+        self._calls["fmi2Reset"]()
+
     def warnings(self) -> list[str]:
         """What the component warned of so far."""
-        return [message for status, message in self.messages if status >= WARNING]
+        return [message.text for message in self.messages if message.status >= WARNING]
 
-    def _check(self, status: int) -> None:
-        if status >= DISCARD:
-            word = "discarded the step" if status == DISCARD else "reported an error"
-            raise FmuError(f"the component {word}: {self._last_message() or 'no message'}")
+    # ---- states ----
+
+    def get_state(self) -> int:
+        """A handle of the FMU's state of this moment; `free_state` or closing the component frees it."""
+        if not self.interface.saves:
+            raise FmuError(f"{self.interface.name}: this FMU cannot save and restore its state")
+        state = c_void_p()
+        self._calls["fmi2GetFMUstate"](byref(state))
+        return self._kept(state)
+
+    def _kept(self, state: c_void_p) -> int:
+        assert state.value is not None
+        self._states.add(state.value)
+        return state.value
+
+    def set_state(self, handle: int) -> None:
+        """Back to the moment of a state of this component."""
+        if handle not in self._states:
+            raise FmuError("the state was freed, or belongs to another component")
+        self._calls["fmi2SetFMUstate"](c_void_p(handle))
+
+    def free_state(self, handle: int) -> None:
+        """Frees a state; one that is freed already is passed over."""
+        if handle in self._states:
+            self._states.remove(handle)
+            self._calls["fmi2FreeFMUstate"](byref(c_void_p(handle)))
+
+    def state_bytes(self, handle: int) -> bytes:
+        """A state as bytes that any component of the same scene takes, in another process too."""
+        if not self.interface.serializes:
+            raise FmuError(f"{self.interface.name}: this FMU cannot turn its states into bytes")
+        if handle not in self._states:
+            raise FmuError("the state was freed, or belongs to another component")
+        size = c_size_t()
+        self._calls["fmi2SerializedFMUstateSize"](c_void_p(handle), byref(size))
+        data = (c_char * size.value)()
+        self._calls["fmi2SerializeFMUstate"](c_void_p(handle), data, size)
+        return data.raw
+
+    def state_from(self, data: bytes) -> int:
+        """The handle of a state from its bytes; FmuError for bytes that are damaged or of another scene."""
+        if not self.interface.serializes:
+            raise FmuError(f"{self.interface.name}: this FMU cannot make states from bytes")
+        state = c_void_p()
+        buffer = create_string_buffer(data, len(data))
+        self._calls["fmi2DeSerializeFMUstate"](buffer, c_size_t(len(data)), byref(state))
+        return self._kept(state)
+
+    # ---- end ----
 
     def close(self) -> None:
-        """Frees the instance and the unpacked files."""
+        """Frees the states, the instance and the unpacked files. A closed component answers every call with FmuError."""
         if self._slave is not None:
+            for handle in list(self._states):
+                self.free_state(handle)
             self._slave.freeInstance()
             self._slave = None
+            self._calls = dict.fromkeys(CALLS, _closed)
+            self._keep_loop_calls()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def __enter__(self) -> Component:
         return self
 
-    def __exit__(self, *_exception) -> None:
+    def __exit__(self, *_exception: object) -> None:
         self.close()
+
+
+def number_of(variable: ScalarVariable, value: Any) -> float | int:
+    """The number that stands for a value of a variable, an enumeration's item by its name too; FmuError says what was wanted."""
+    if variable.items is not None and isinstance(value, str):
+        if value in variable.items:
+            return variable.items[value]
+        if not value.lstrip("-").isdigit():
+            nearest = did_you_mean(nearest_of(value, variable.items))
+            raise FmuError(f"{variable.name}: wanted one of {', '.join(variable.items)}, got {value!r}{nearest}")
+    try:
+        return float(value) if variable.type == "Real" else int(value)
+    except (TypeError, ValueError):
+        kind = "a number" if variable.type == "Real" else "an integer"
+        raise FmuError(f"{variable.name}: wanted {kind}, got {value!r}") from None
+
+
+def _bound(function: Callable[..., int], instance: c_void_p, check: Callable[[int], None]) -> Callable[..., None]:
+    return lambda *arguments: check(function(instance, *arguments))
+
+
+def _closed(*_arguments: object) -> None:
+    raise FmuError("the component is closed")

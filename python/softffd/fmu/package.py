@@ -5,10 +5,12 @@ from __future__ import annotations
 import hashlib
 import zipfile
 from pathlib import Path
+from typing import Any
 
 from softffd.embedding.mass import Masses, point_masses
 from softffd.errors import SoftffdError
 from softffd.files import replacing
+from softffd.fmu.interface import Interface, scene_interface
 from softffd.fmu.model_description import GUID_PLACE, model_description
 from softffd.fmu.records import NAME, scene_records, scene_text
 from softffd.fmu.variables import variables
@@ -43,22 +45,45 @@ def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None =
     path: a file name ending in .fmu; folders are made where absent.
     platforms: FMI platform names (linux64, ...) to carry; all that this installation has by default. SoftffdError if one is missing.
     """
-    if not isinstance(scene, Scene):
-        raise SoftffdError(f"package_fmu: wanted a Scene, got {scene!r:.70}; load_scene gives the scene of a file")
+    _require_scene(scene, "package_fmu")
     path = fmu_path(path)
-    mass = scene_masses(scene).mass
-    description = model_description(scene, variables(scene, mass))
-    records = scene_records(scene, mass)
-    guid = _guid(description, records)
+    texts, _ = _texts(scene)
     entries = {
-        "modelDescription.xml": description.replace(GUID_PLACE, guid).encode(),
-        f"resources/{NAME}": scene_text(records, guid).encode(),
+        **texts,
         **_files_below(data_folder() / "documentation", "documentation"),
         "model.png": (data_folder() / "model.png").read_bytes(),
         **{f"binaries/{name}/{file.name}": file.read_bytes() for name, file in libraries(platforms).items()},
     }
     _write_archive(path, entries)
     return path
+
+
+def write_folder(scene: Scene, folder: Path) -> Interface:
+    """Writes what a run of the scene's FMU reads to a folder that exists: no archive, and the library stays where it is installed."""
+    _require_scene(scene, "a run")
+    texts, interface = _texts(scene)
+    (folder / "resources").mkdir()
+    for name, text in texts.items():
+        (folder / name).write_bytes(text)
+    return interface
+
+
+def _require_scene(scene: Any, who: str) -> None:
+    if not isinstance(scene, Scene):
+        raise SoftffdError(f"{who}: wanted a Scene, got {scene!r:.70}; load_scene gives the scene of a file")
+
+
+def _texts(scene: Scene) -> tuple[dict[str, bytes], Interface]:
+    """The two files of an FMU that differ from scene to scene, and what they say to a host."""
+    mass = scene_masses(scene).mass
+    listed = variables(scene, mass)
+    description, records = model_description(scene, listed), scene_records(scene, mass)
+    guid = _guid(description, records)
+    texts = {
+        "modelDescription.xml": description.replace(GUID_PLACE, guid).encode(),
+        f"resources/{NAME}": scene_text(records, guid).encode(),
+    }
+    return texts, scene_interface(scene, listed, guid)
 
 
 def fmu_path(path: str | Path) -> Path:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import re
-import tempfile
 import time as clock
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -16,16 +14,17 @@ import numpy as np
 
 from softffd.errors import FmuError
 from softffd.fmu.component import Block, Component
-from softffd.fmu.package import package_fmu
+from softffd.fmu.interface import ScalarVariable
 from softffd.lattice import LatticeBox
 from softffd.run.inputs import Inputs, Source
+from softffd.run.parts import is_position, places
 from softffd.run.result import Result
-from softffd.scene.scene import Scene, shipped_scenes
+from softffd.run.simulation import Simulation, open_component
+from softffd.scene.scene import Scene
 from softffd.spelling import did_you_mean, nearest_of
 
 Progress = Callable[[float, float], None]
 Interpolation = Literal["held", "linear", "cubic"]
-POSITION = re.compile(r"position\[(\d+),(\d+),(\d+)\]\.([xyz])")
 
 
 def simulate(
@@ -38,11 +37,12 @@ def simulate(
     interpolation: Interpolation = "held",
     progress: Progress | None = None,
 ) -> Result:
-    """Runs a scene (packaged on the way) or an FMU from time 0 and returns all its outputs.
+    """Runs a scene or an FMU from time 0 and returns all its outputs.
 
     stop_time, step: end and communication step [s], > 0; the scene's or FMU's own by default. A last step that is left over is shorter.
-    start_values: parameters and inputs by variable name. inputs: values over time (see softffd.inputs.Inputs); none by default: a scene's
-    own CSV file drives it only where it is given, inputs=scene.default_inputs, as `softffd run SCENE` does.
+    start_values: parameters and inputs by name, numbers or vectors.
+    inputs: values over time (see softffd.run.inputs.Inputs); none by default: a scene's own CSV file drives it only where it is given,
+    inputs=scene.default_inputs, as `softffd run SCENE` does.
     interpolation: between communication points inputs are "held", "linear" or "cubic": forces and loads with continuous slopes, the others
     linear (fmi2SetRealInputDerivatives). The values at the next communication point must then be known in advance.
     progress: called as progress(share of the run in 0..1, simulated time [s]).
@@ -51,48 +51,30 @@ def simulate(
     if interpolation not in (choices := get_args(Interpolation)):
         nearest = did_you_mean(nearest_of(str(interpolation), choices))
         raise FmuError(f"interpolation: wanted one of {', '.join(choices)}, got {interpolation!r}{nearest}")
-    if isinstance(scene_or_fmu, Scene):
-        with tempfile.TemporaryDirectory(prefix="softffd-") as folder:
-            fmu = package_fmu(scene_or_fmu, Path(folder) / f"{scene_or_fmu.name}.fmu")
-            return _run(fmu, scene_or_fmu, stop_time, step, start_values, inputs, interpolation, progress)
-    return _run(_fmu_path(scene_or_fmu), None, stop_time, step, start_values, inputs, interpolation, progress)
-
-
-def _fmu_path(fmu: Any) -> Path:
-    if not isinstance(fmu, str | Path):
-        raise FmuError(f"simulate: wanted a Scene or the path of an FMU, got {type(fmu).__name__}")
-    path = Path(fmu)
-    if path.suffix == ".toml" or (str(fmu) in shipped_scenes() and not path.exists()):
-        raise FmuError(f'{fmu}: wanted a Scene or the path of an FMU, got the name of a scene; take load_scene("{fmu}")')
-    return path
-
-
-def _run(fmu, scene, stop_time, step, start_values, inputs, interpolation, progress) -> Result:
-    with Component(fmu) as component:
-        experiment = component.description.defaultExperiment
-        stop_time = positive("stop time", stop_time, experiment and experiment.stopTime)
-        step = positive("communication step", step, experiment and experiment.stepSize)
+    with open_component(scene_or_fmu, "simulate") as component:
+        interface = component.interface
+        stop_time = positive("stop time", stop_time, interface.stop_time)
+        step = positive("communication step", step, interface.step)
         source = Inputs(inputs)
-        start_values = dict(start_values or {})
-        component.initialize(start_values, stop_time=stop_time)
-        recorder = _Recorder.of(component, source, stop_time, step, interpolation)
-        recorder.apply_inputs(component, 0)
-        component.exit_initialization()
-        began, began_cpu = clock.perf_counter(), clock.process_time()
-        recorder.run(component, progress)
-        elapsed, elapsed_cpu = clock.perf_counter() - began, clock.process_time() - began_cpu
-        title = component.description.description or component.description.modelName
-        summary = {
-            "title": title,
-            "simulated_time_s": stop_time,
-            "run_time_s": elapsed,
-            "cpu_time_s": elapsed_cpu,
-            "real_time_factor": stop_time / elapsed if elapsed > 0 else math.inf,
-            "communication_step_s": step,
-            "communication_steps": len(recorder.times) - 1,
-            "warnings": component.warnings(),
-        }
-        return recorder.result(component, start_values, summary, scene)
+        with Simulation(component, start_values=start_values, stop_time=stop_time) as simulation:
+            recorder = _Recorder.of(simulation, source, stop_time, step, interpolation)
+            recorder.apply_inputs(0)
+            simulation.initialize()
+            began, began_cpu = clock.perf_counter(), clock.process_time()
+            recorder.run(progress)
+            elapsed, elapsed_cpu = clock.perf_counter() - began, clock.process_time() - began_cpu
+            summary = {
+                "title": interface.title,
+                "simulated_time_s": stop_time,
+                "run_time_s": elapsed,
+                "cpu_time_s": elapsed_cpu,
+                "real_time_factor": stop_time / elapsed if elapsed > 0 else math.inf,
+                "communication_step_s": step,
+                "communication_steps": len(recorder.times) - 1,
+                "warnings": simulation.warnings,
+            }
+            scene = None if isinstance(scene_or_fmu, str | Path) else scene_or_fmu
+            return recorder.result(summary, scene)
 
 
 def positive(what: str, given: float | None, default: Any) -> float:
@@ -141,6 +123,7 @@ def step_lengths(times: np.ndarray, step: float) -> list[float]:
 class _Recorder:
     """Buffers of a run: what is set and got at each communication point."""
 
+    simulation: Simulation
     times: np.ndarray
     steps: list[float]
     source: Inputs
@@ -150,69 +133,76 @@ class _Recorder:
     """Those of `inputs` that the source gives itself"""
     reals: Block
     integers: Block
+    starts: dict[str, float]
+    """Parameters and inputs before the first communication point"""
     input_rows: np.ndarray
     real_rows: np.ndarray
     integer_rows: np.ndarray
 
     @classmethod
-    def of(cls, component: Component, source: Inputs, stop_time: float, step: float, interpolation: Interpolation) -> _Recorder:
+    def of(cls, simulation: Simulation, source: Inputs, stop_time: float, step: float, interpolation: Interpolation) -> _Recorder:
+        component = simulation.component
         given = [_input(component, source, name) for name in source.names]
-        inputs = Block.of([*given, *(_input(component, source, name) for name in source.derived_names)], True)
-        reals = Block.of(component.variables("output"), True)
-        integers = Block.of(component.variables("output", real=False), False)
+        inputs = component.block_of([*given, *(_input(component, source, name) for name in source.derived_names)])
+        reals = component.block_of(component.variables("output"))
+        integers = component.block_of(component.variables("output", real=False))
         places = math.prod(component.lattice.points) if component.lattice else len(reals.names) // 3
         held = len(inputs.names) + len(component.variables("input"))
         require_memory(stop_time, step, 8 * (held + len(reals.names) + len(integers.names) + 3 * places + 8))
         times = communication_points(stop_time, step)
         rows = len(times)
         return cls(
-            times, step_lengths(times, step), source, interpolation, inputs, Block.of(given, True), reals, integers,
+            simulation, times, step_lengths(times, step), source, interpolation, inputs, component.block_of(given), reals, integers,
+            {**_read(component, "input"), **_read(component, "parameter")},
             np.zeros((rows, len(inputs.names))), np.zeros((rows, len(reals.names))), np.zeros((rows, len(integers.names)), np.int64),
         )  # fmt: skip
 
-    def apply_inputs(self, component: Component, row: int) -> None:
+    def apply_inputs(self, row: int) -> None:
         if not self.inputs.names:
             return
         time, then = self.times[row], self.times[min(row + 1, len(self.steps))]
-        self.inputs.values[:] = self.source.values(time, then)
+        self.inputs.set(self.source.values(time, then))
         self.input_rows[row] = self.inputs.values
-        component.set(self.inputs)
         if self.interpolation != "held" and then > time:
             course = self.source.rates if self.interpolation == "linear" else self.source.bends
-            component.set_rates(self.driven, course(time, then))
+            self.driven.set_rates(course(time, then))
 
-    def record(self, component: Component, row: int) -> None:
-        component.get(self.reals)
-        self.real_rows[row] = self.reals.values
+    def record(self, row: int) -> None:
+        self.real_rows[row] = self.reals.get()
         if self.integers.names:
-            component.get(self.integers)
-            self.integer_rows[row] = self.integers.values
+            self.integer_rows[row] = self.integers.get()
 
-    def run(self, component: Component, progress: Progress | None) -> None:
+    def run(self, progress: Progress | None) -> None:
         last, times = len(self.times) - 1, self.times.tolist()
-        self.record(component, 0)
+        self.record(0)
         report_every = max(1, last // 200)
         for row in range(last):
             if row > 0:
-                self.apply_inputs(component, row)
-            component.do_step(times[row], self.steps[row])
-            self.record(component, row + 1)
+                self.apply_inputs(row)
+            self.simulation.step(self.steps[row], end=times[row + 1])
+            self.record(row + 1)
             if progress and (row + 1) % report_every == 0:
                 progress((row + 1) / last, times[row + 1])
-        self.apply_inputs(component, last)
+        self.apply_inputs(last)
 
-    def result(self, component: Component, start_values: dict[str, Any], summary: dict[str, Any], scene: Scene | None) -> Result:
+    def result(self, summary: dict[str, Any], scene: Scene | None) -> Result:
+        component = self.simulation.component
         columns = dict(zip(self.reals.names, self.real_rows.T, strict=True))
-        positions = _positions(columns, len(self.times), component.lattice)
-        others = {name: column for name, column in columns.items() if not POSITION.fullmatch(name)}
-        others |= dict(zip(self.integers.names, self.integer_rows.T, strict=True))
-        held = {v.name: np.full(len(self.times), float(start_values.get(v.name, v.start))) for v in component.variables("input")}
+        moved = {name: columns.pop(name) for name in self.reals.names if is_position(name)}
+        positions = _positions(moved, len(self.times), component.lattice)
+        others = columns | dict(zip(self.integers.names, self.integer_rows.T, strict=True))
+        held = {v.name: np.full(len(self.times), self.starts[v.name]) for v in component.variables("input")}
         held |= dict(zip(self.inputs.names, self.input_rows.T, strict=True))
-        parameters = {v.name: float(start_values.get(v.name, v.start)) for v in component.variables("parameter")}
+        parameters = {v.name: self.starts[v.name] for v in component.variables("parameter")}
         return Result(self.times, positions, others, held, parameters, summary, scene, component.lattice)
 
 
-def _input(component: Component, source: Inputs, name: str) -> Any:
+def _read(component: Component, causality: str) -> dict[str, float]:
+    block = component.block_of(component.variables(causality))
+    return dict(zip(block.names, block.get().tolist(), strict=True))
+
+
+def _input(component: Component, source: Inputs, name: str) -> ScalarVariable:
     """The input of this name; FmuError that tells the source otherwise."""
     try:
         variable = component.variable(name)
@@ -225,11 +215,9 @@ def _input(component: Component, source: Inputs, name: str) -> Any:
 
 def _positions(columns: dict[str, np.ndarray], rows: int, lattice: LatticeBox | None) -> np.ndarray:
     """(T, nx, ny, nz, 3) from the columns position[i,j,k].c; NaN where there is none. Without a lattice the largest indices count."""
-    found = {name: match for name in columns if (match := POSITION.fullmatch(name))}
-    indices = [tuple(map(int, match.groups()[:3])) for match in found.values()]
-    counts = lattice.points if lattice else tuple(np.max(indices, axis=0) + 1 if indices else (0, 0, 0))
+    indices = places(list(columns))
+    counts = lattice.points if lattice else tuple(indices[:, :3].max(axis=0, initial=-1) + 1)
     positions = np.full((rows, *counts, 3), np.nan)
-    for name, match in found.items():
-        i, j, k = map(int, match.groups()[:3])
-        positions[:, i, j, k, "xyz".index(match.group(4))] = columns[name]
+    if columns:
+        positions[:, *indices.T] = np.stack(list(columns.values()), axis=1)
     return positions

@@ -89,8 +89,7 @@ class Rig:
     def _open(self) -> None:
         component = Component(self._fmu)
         self._component = component
-        items = component.variable("solver.method").declaredType.items
-        self.methods = [item.name for item in items]
+        self.methods = list(component.variable("solver.method").items or {})
         nx, ny, nz = self.scene.lattice.points
         places = [f"position[{i},{j},{k}].{axis}" for k in range(nz) for j in range(ny) for i in range(nx) for axis in "xyz"]
         self._positions = component.block(places)

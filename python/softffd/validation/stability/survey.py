@@ -99,7 +99,7 @@ def planned(only: Sequence[str] = (), *, quick: bool = False, slowness: float = 
 def _panels() -> list[Panel]:
     """Every method of the FMU's enumeration; with given steps all but auto, which is leapfrog then."""
     with Drive(document("vibration")) as drive:
-        methods = [item.name for item in drive.component.variable("solver.method").declaredType.items]
+        methods = list(drive.component.variable("solver.method").items or {})
     vibration = [Panel("vibration", method) for method in methods]
     given = [Panel("vibration", method, True) for method in methods if method != CHOSEN]
     rotation = [Panel("rotation", method) for method in methods]

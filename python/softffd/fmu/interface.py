@@ -1,0 +1,119 @@
+"""What an FMU offers its host: its name and guid, its variables, its default experiment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from softffd.installed import available_methods
+
+if TYPE_CHECKING:
+    from softffd.fmu.variables import Variable
+    from softffd.scene.scene import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class ScalarVariable:
+    """One variable as modelDescription.xml declares it."""
+
+    name: str
+    reference: int
+    """Its value reference"""
+    type: str
+    """ "Real", "Integer", "Enumeration", "Boolean" or "String" """
+    causality: str
+    """ "input", "output", "parameter", ..."""
+    variability: str
+    """ "fixed", "tunable", "continuous", "discrete", ..."""
+    start: float | int | str | None
+    unit: str | None
+    description: str
+    items: dict[str, int] | None = None
+    """Values of an enumeration by the items' names"""
+
+
+@dataclass(frozen=True)
+class Interface:
+    """The part of a model description that a run needs."""
+
+    name: str
+    """modelName"""
+    title: str
+    """Its description, else its name"""
+    identifier: str
+    """modelIdentifier: the library's name"""
+    guid: str
+    variables: dict[str, ScalarVariable]
+    """By name, in the description's order"""
+    stop_time: float | None
+    """Of the default experiment [s]"""
+    step: float | None
+    """Its communication step [s]"""
+    interpolates: bool
+    """Whether derivatives of inputs are taken"""
+    saves: bool
+    """Whether states can be got and set"""
+    serializes: bool
+    """Whether states can be turned into bytes and back"""
+
+    def of(self, causality: str, *, real: bool = True) -> list[ScalarVariable]:
+        """The variables of a causality, Reals or the others."""
+        return [v for v in self.variables.values() if v.causality == causality and (v.type == "Real") == real]
+
+
+def scene_interface(scene: Scene, variables: list[Variable], guid: str) -> Interface:
+    """The interface of a scene's FMU, without a look at its XML."""
+    methods = {method["key"]: method["value"] for method in available_methods(scene.lattice.points)}
+    return Interface(
+        name=scene.name,
+        title=scene.title,
+        identifier="softffd",
+        guid=guid,
+        variables={variable.name: _scalar(variable, methods) for variable in variables},
+        stop_time=scene.experiment.stop_time,
+        step=scene.experiment.communication_step,
+        interpolates=True,
+        saves=True,
+        serializes=True,
+    )
+
+
+def _scalar(variable: Variable, methods: dict[str, int]) -> ScalarVariable:
+    family = variable.family
+    kind = family.get("type", "Real")
+    items = methods if kind == "Enumeration" else None
+    return ScalarVariable(
+        variable.name, variable.reference, kind, family["causality"], family["variability"],
+        variable.start, family.get("unit"), variable.description, items,
+    )  # fmt: skip
+
+
+def read_interface(description: Any) -> Interface:
+    """The interface from fmpy's reading of a modelDescription.xml (FMI 2.0, co-simulation)."""
+    simulation, experiment = description.coSimulation, description.defaultExperiment
+    return Interface(
+        name=description.modelName,
+        title=description.description or description.modelName,
+        identifier=simulation.modelIdentifier,
+        guid=description.guid,
+        variables={variable.name: _declared(variable) for variable in description.modelVariables},
+        stop_time=_number(experiment.stopTime) if experiment else None,
+        step=_number(experiment.stepSize) if experiment else None,
+        interpolates=bool(simulation.canInterpolateInputs),
+        saves=bool(simulation.canGetAndSetFMUstate),
+        serializes=bool(simulation.canSerializeFMUstate),
+    )
+
+
+def _number(value: Any) -> float | None:
+    return None if value is None else float(value)
+
+
+def _declared(variable: Any) -> ScalarVariable:
+    items = None
+    if variable.type == "Enumeration" and variable.declaredType is not None:
+        items = {item.name: int(item.value) for item in variable.declaredType.items}
+    return ScalarVariable(
+        variable.name, variable.valueReference, variable.type, variable.causality, variable.variability,
+        variable.start, variable.unit, variable.description or "", items,
+    )  # fmt: skip

@@ -1,0 +1,417 @@
+"""A running FMU: stepped, read, set, saved and restored by name. Every host of this package stands on it."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable, Iterable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from softffd.errors import FmuError
+from softffd.fmu.component import Block, Component, Message, number_of
+from softffd.fmu.interface import ScalarVariable
+from softffd.names import parse_name, part_names
+from softffd.run.parts import Parts, Pin, Plane, PointVectors, Vector, Vectors, places
+from softffd.spelling import did_you_mean, nearest_of
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from softffd.lattice import LatticeBox
+    from softffd.scene.scene import Scene
+
+HEAD = struct.Struct("<8sd?")
+"""Before the FMU's own bytes of a state: a mark, the time [s], whether the first step is still to come"""
+MARK = b"softffd1"
+
+
+class State:
+    """A moment of a simulation, made by `Simulation.save`. `bytes(state)` goes to a file or another process.
+
+    It is freed with the last reference to it, or with the simulation.
+    """
+
+    def __init__(self, component: Component, time: float, initializing: bool):
+        self._component, self._handle = component, component.get_state()
+        self.time, self.initializing = time, initializing
+
+    def __bytes__(self) -> bytes:
+        return HEAD.pack(MARK, self.time, self.initializing) + self._component.state_bytes(self._handle)
+
+    def __del__(self) -> None:
+        if hasattr(self, "_handle"):
+            self._component.free_state(self._handle)
+
+
+class Simulation:
+    """One FMU of a scene, from its start on. Use as a context manager.
+
+        with softffd.Simulation(scene, tolerance=1e-5) as sim:
+            sim.plane["plate"].point = (0, 0, 0.9)
+            sim.step(0.01)
+            print(sim.time, sim.positions.shape, sim.plane["plate"].reaction[2])
+
+    scene_or_fmu: a scene, the path of an FMU, or an opened Component, which is closed at the end.
+    tolerance: error aimed at in any control point at the end of the run, relative to the box's largest side; the scene's own by default.
+    method: of the time integration, as `solver.method` in the scene.
+    start_values: parameters and inputs by name, numbers or vectors.
+    start_time, stop_time: of the run [s]; without a stop time the tolerance holds for one second, with one no step may go past it.
+    log: is called with each Message (status, category, text) when it is said, e.g. `print`; `sim.log` has all of them.
+
+    Until the first step, `initialize` or `restart` everything can be set, fixed parameters too; then inputs and tunable parameters.
+    Vectors are set as a whole or by component. What is read is a copy, but for blocks, whose buffers are kept.
+    Wrong names, values out of range and refused steps raise FmuError; a discarded step leaves the simulation as it was before.
+    """
+
+    def __init__(
+        self,
+        scene_or_fmu: Scene | str | Path | Component,
+        *,
+        tolerance: float | None = None,
+        method: str | None = None,
+        start_values: Mapping[str, Any] | None = None,
+        start_time: float = 0.0,
+        stop_time: float | None = None,
+        log: Callable[[Message], object] | None = None,
+    ):
+        self.component = open_component(scene_or_fmu, "Simulation")
+        """The thin layer below: its calls are those of the standard"""
+        self.component.listener = log
+        self._blocks: dict[str | tuple[str, ...], Block] = {}
+        try:
+            self._begin(tolerance, method, start_values, start_time, stop_time)
+        except BaseException:
+            self.component.close()
+            raise
+
+    # ---- life ----
+
+    def _begin(
+        self,
+        tolerance: float | None,
+        method: str | None,
+        start_values: Mapping[str, Any] | None,
+        start_time: float,
+        stop_time: float | None,
+    ) -> None:
+        self.time = float(start_time)
+        """Of the communication point [s]"""
+        self.initializing = True
+        """Whether the first step is still to come, so that everything can be set"""
+        for name, value in {**({"solver.method": method} if method is not None else {}), **(start_values or {})}.items():
+            self[name] = value
+        if tolerance is not None and not (tolerance > 0 and math.isfinite(tolerance)):
+            raise FmuError(f"tolerance: wanted > 0, got {tolerance:g}")
+        self.component.set_up(start_time=start_time, stop_time=stop_time, tolerance=tolerance)
+
+    def initialize(self) -> None:
+        """Ends the initialization, which the first step does otherwise. FmuError where what was set cannot be started from."""
+        if self.initializing:
+            self.component.exit_initialization()
+            self.initializing = False
+
+    def step(self, length: float | None = None, *, end: float | None = None) -> None:
+        """One communication step.
+
+        length: [s], > 0; by default the communication step of the scene.
+        end: the time [s] that it is then, for a host that counts it otherwise, as a multiple of its step; time + length by default.
+        Raises FmuError with the component's words for a step that it refuses or discards; time and state are then those before.
+        """
+        if length is None:
+            length = self.component.interface.step
+            if length is None:
+                raise FmuError("step: wanted a length > 0 s, got none; the FMU names no default")
+        if self.initializing:
+            self.initialize()
+        self.component.do_step(self.time, length)
+        self.time = self.time + length if end is None else end
+
+    def restart(
+        self,
+        *,
+        tolerance: float | None = None,
+        method: str | None = None,
+        start_values: Mapping[str, Any] | None = None,
+        start_time: float = 0.0,
+        stop_time: float | None = None,
+    ) -> None:
+        """Begins again as if just opened, with the settings given here alone; forgets the log. Saved states keep their use."""
+        self.component.reset()
+        self.component.messages.clear()
+        self._begin(tolerance, method, start_values, start_time, stop_time)
+
+    def close(self) -> None:
+        """Frees the instance, its states and its files."""
+        self.component.close()
+
+    def __enter__(self) -> Simulation:
+        return self
+
+    def __exit__(self, *_exception: object) -> None:
+        self.close()
+
+    # ---- states ----
+
+    def save(self) -> State:
+        """This moment, to go back to as often as wanted; the time belongs to it. bytes(state) are for files and other processes."""
+        return State(self.component, self.time, self.initializing)
+
+    def restore(self, state: State | bytes) -> None:
+        """Back to a saved moment, also one of another simulation of the same scene or its bytes; it continues with the same bits.
+
+        Raises FmuError for damaged bytes and states of other scenes; the simulation is then as it was before.
+        """
+        component = self.component
+        if isinstance(state, State) and state._component is component:
+            component.set_state(state._handle)
+            self.time, self.initializing = state.time, state.initializing
+            return
+        data = bytes(state)
+        if len(data) < HEAD.size or not data.startswith(MARK):
+            raise FmuError(f"restore: wanted a state of Simulation.save or its bytes, got {data[:20]!r}")
+        _, time, initializing = HEAD.unpack_from(data)
+        handle = component.state_from(data[HEAD.size :])
+        try:
+            component.set_state(handle)
+        finally:
+            component.free_state(handle)
+        self.time, self.initializing = time, initializing
+
+    # ---- variables by name ----
+
+    @property
+    def variables(self) -> dict[str, ScalarVariable]:
+        """All scalar variables by name: type, causality, variability, start, unit, description."""
+        return self.component.by_name
+
+    def __contains__(self, name: object) -> bool:
+        return isinstance(name, str) and bool(self._components(name))
+
+    def __getitem__(self, name: str) -> Any:
+        """A variable's value: a number, an enumeration's item by name, or, where `name` has components .x .y .z, a Vector."""
+        if name not in self.variables:
+            return self.vector(name)
+        return self.number(name) if (items := self.variables[name].items) is None else _item(items, int(self.number(name)))
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        """Sets a variable, or all components of a vector. FmuError for outputs and numbers that are not finite."""
+        variables = [self.variables[each] for each in self._named(name)]
+        for variable in variables:
+            self._require_settable(variable)
+        values = [value] if name in self.variables else _components_of(name, value, len(variables))
+        numbers = [number_of(variable, each) for variable, each in zip(variables, values, strict=True)]
+        for variable, number in zip(variables, numbers, strict=True):
+            if not math.isfinite(number):
+                raise FmuError(f"{variable.name}: wanted a finite number, got {number:g}")
+        self._block(name).set(numbers)
+
+    def number(self, name: str) -> float | int:
+        """The value of one scalar variable."""
+        self.component.variable(name)
+        value = self._block(name).get()[0]
+        return value.item()
+
+    def vector(self, name: str) -> Vector:
+        """The components (3,) or (4,) of a vector; assigning to one of them sets it."""
+        if name in self.variables:
+            raise FmuError(f"{name}: wanted a vector, got a single number of that name")
+
+        def send(values: np.ndarray) -> None:
+            self[name] = values
+
+        return Vector.of(self._block(name).get(), send)
+
+    def _components(self, name: str) -> list[str]:
+        """The scalar variables that a name means: itself, or its components."""
+        if name in self.variables:
+            return [name]
+        return [full for c in "wxyz" if (full := f"{name}.{c}") in self.variables]
+
+    def _named(self, name: str) -> list[str]:
+        if found := self._components(name) if isinstance(name, str) else []:
+            return found
+        vectors = {each[:-2]: None for each in self.variables if each[-2:] in (".w", ".x", ".y", ".z")}
+        nearest = nearest_of(str(name), [*self.variables, *vectors])
+        raise FmuError(f"{name}: the FMU has no such variable{did_you_mean(nearest)}")
+
+    def _require_settable(self, variable: ScalarVariable) -> None:
+        if variable.causality not in ("input", "parameter"):
+            raise FmuError(f"{variable.name}: wanted an input or a parameter, got an {variable.causality}")
+        if variable.variability == "fixed" and not self.initializing:
+            raise FmuError(f"{variable.name}: a fixed parameter can be set before the first step only; `restart` takes other start values")
+
+    def _block(self, name: str) -> Block:
+        if name not in self._blocks:
+            self._blocks[name] = self.component.block(self._named(name))
+        return self._blocks[name]
+
+    def block(self, names: Iterable[str]) -> Block:
+        """Variables that are set or got together, the fastest way: `block.values` is a kept buffer (m,), `block.get()` fills and returns
+        it, `block.set()` hands it over, `block.set_rates(...)` takes derivatives of inputs. A vector's name means all its components."""
+        return self.component.block([each for name in names for each in self._named(name)])
+
+    def set_rates(self, rates: Mapping[str, Any]) -> None:
+        """Time derivatives of inputs during the next step, by name: instead of being held, they move from the value that is set.
+
+        Of a number its rate [unit / s], or a list of its first to third derivatives [unit / s, unit / s2, unit / s3]; of a vector an array
+        (3,), or (orders, 3). Forces and loads take orders 1 to 3, poses and velocities order 1.
+        """
+        columns: dict[str, np.ndarray] = {}
+        for name, given in rates.items():
+            names = self._named(name)
+            table = np.atleast_1d(np.asarray(given, dtype=float))
+            table = table[:, None] if name in self.variables else np.atleast_2d(table)
+            if table.ndim != 2 or table.shape[1] != len(names):
+                raise FmuError(f"{name}: wanted derivatives of {len(names)} components, got the shape {np.shape(given)}")
+            columns |= dict(zip(names, table.T, strict=True))
+        orders = max((len(column) for column in columns.values()), default=1)
+        block = self.component.block(list(columns))
+        block.set_rates(np.stack([np.pad(column, (0, orders - len(column))) for column in columns.values()], axis=1))
+
+    # ---- the body and its parts ----
+
+    @property
+    def lattice(self) -> LatticeBox | None:
+        """Counts, box at rest and basis; None for an FMU that is not of this package."""
+        return self.component.lattice
+
+    @property
+    def positions(self) -> np.ndarray:
+        """The control points (nx, ny, nz, 3) [m], a copy; NaN for those that are not among the outputs."""
+        return self._position_field.read()
+
+    @property
+    def velocities(self) -> np.ndarray:
+        """Their velocities (nx, ny, nz, 3) [m/s], a copy; NaN for those that are not among the outputs. FmuError where none is."""
+        return self._velocity_field.read()
+
+    @property
+    def forces(self) -> np.ndarray:
+        """The outside forces on the control points (nx, ny, nz, 3) [N], a copy, to be assigned as a whole; NaN where there is no input."""
+        return self._force_field.read()
+
+    @forces.setter
+    def forces(self, values: ArrayLike) -> None:
+        self._force_field.write(values)
+
+    @cached_property
+    def _position_field(self) -> _Field:
+        return _Field(self, "position")
+
+    @cached_property
+    def _velocity_field(self) -> _Field:
+        return _Field(self, "velocity")
+
+    @cached_property
+    def _force_field(self) -> _Field:
+        return _Field(self, "force")
+
+    @cached_property
+    def plane(self) -> Parts[Plane]:
+        """The obstacles by name: .point .normal .velocity .angular_velocity .friction .reaction .torque .contacts"""
+        return Parts("plane", part_names("plane", self.variables), lambda name: Plane(self, f"plane.{name}"))
+
+    @cached_property
+    def pin(self) -> Parts[Pin]:
+        """The pins by name: .position .orientation .velocity .angular_velocity .reaction .torque"""
+        return Parts("pin", part_names("pin", self.variables), lambda name: Pin(self, f"pin.{name}"))
+
+    @cached_property
+    def load(self) -> Vectors:
+        """The loads by name: total forces (3,) [N], to be set as a whole or by component."""
+        return Vectors("load", part_names("load", self.variables), self)
+
+    @cached_property
+    def probe(self) -> Vectors:
+        """The probes by name: points (3,) [m] of the object where it is now."""
+        return Vectors("probe", part_names("probe", self.variables), self)
+
+    @cached_property
+    def force(self) -> PointVectors:
+        """Outside forces on single control points: sim.force[i, j, k] = (0, 0, -1) [N]."""
+        return PointVectors("force", self)
+
+    # ---- what it says ----
+
+    @property
+    def log(self) -> list[Message]:
+        """All messages so far: status, category, text."""
+        return self.component.messages
+
+    @property
+    def warnings(self) -> list[str]:
+        """The texts of warnings and worse so far."""
+        return self.component.warnings()
+
+    def methods(self) -> list[tuple[str, str]]:
+        """The methods that took over so far and why, in their order."""
+        said = [message.text.split("; internal step")[0] for message in self.log if "; internal step" in message.text]
+        return [(method, reason) for method, _, reason in (text.partition(": ") for text in said)]
+
+
+class _Field:
+    """Vectors of all control points as one array (nx, ny, nz, 3)."""
+
+    def __init__(self, simulation: Simulation, family: str):
+        names = [name for name in simulation.variables if name.startswith(f"{family}[") and parse_name(name)]
+        if not names:
+            where = {"position": "outputs.positions", "velocity": "outputs.velocities", "force": "inputs.forces"}[family]
+            raise FmuError(f"{family}[i,j,k]: the FMU has no such variables; wanted a scene with {where}")
+        indices = places(names)
+        box = simulation.lattice
+        counts = box.points if box else tuple(int(count) for count in indices[:, :3].max(axis=0) + 1)
+        self._family, self._block = family, simulation.component.block(names)
+        self._shape = (*counts, 3)
+        self._flat = np.ravel_multi_index(tuple(indices.T), self._shape)
+
+    def read(self) -> np.ndarray:
+        array = np.full(self._shape, np.nan)
+        array.reshape(-1)[self._flat] = self._block.get()
+        return array
+
+    def write(self, values: ArrayLike) -> None:
+        array = np.broadcast_to(np.asarray(values, dtype=float), self._shape).reshape(-1)
+        rest = np.delete(array, self._flat)
+        if not np.isfinite(array[self._flat]).all() or np.any(rest[~np.isnan(rest)]):
+            raise FmuError(f"{self._family}[i,j,k]: wanted finite numbers, and zeros or NaN where the FMU has no such variable")
+        self._block.set(array[self._flat])
+
+
+def open_component(scene_or_fmu: Any, who: str) -> Component:
+    """The component of a scene or of an FMU's path, or the one given; FmuError, which begins with `who`, for anything else."""
+    if isinstance(scene_or_fmu, Component):
+        return scene_or_fmu
+    if isinstance(scene_or_fmu, str | Path):
+        return Component(_fmu_path(scene_or_fmu))
+    from softffd.scene.scene import Scene
+
+    if not isinstance(scene_or_fmu, Scene):
+        raise FmuError(f"{who}: wanted a Scene or the path of an FMU, got {type(scene_or_fmu).__name__}")
+    return Component(scene_or_fmu)
+
+
+def _fmu_path(fmu: str | Path) -> Path:
+    from softffd.scene.document import shipped_scenes
+
+    path = Path(fmu)
+    if path.suffix == ".toml" or (str(fmu) in shipped_scenes() and not path.exists()):
+        raise FmuError(f'{fmu}: wanted a Scene or the path of an FMU, got the name of a scene; take load_scene("{fmu}")')
+    return path
+
+
+def _components_of(name: str, value: Any, count: int) -> list[Any]:
+    try:
+        values = list(value)
+    except TypeError:
+        values = []
+    if len(values) != count:
+        raise FmuError(f"{name}: wanted {count} numbers, got {value!r:.70}")
+    return values
+
+
+def _item(items: Mapping[str, int], value: int) -> str | int:
+    return next((name for name, each in items.items() if each == value), value)
