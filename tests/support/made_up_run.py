@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from softffd.lattice import LatticeBox
+from softffd.lattice import LatticeBox, rest_grid
 from softffd.run.result import Result
 
 ORIGIN, SIZE = np.array([-1.0, -0.5, 0.2]), np.array([2.0, 1.0, 0.8])
@@ -33,8 +33,7 @@ def made_up_run(*, counts=(4, 4, 4), frames=41, title="A soft box under a press"
 
 def rest_points(counts):
     """The regular lattice in the box, (nx, ny, nz, 3) m."""
-    axes = [np.linspace(0.0, 1.0, n) for n in counts]
-    return ORIGIN + SIZE * np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    return rest_grid(counts, ORIGIN, SIZE)
 
 
 def squashed(points, share, drop):

@@ -17,6 +17,7 @@ import numpy as np
 
 from softffd.embedding.basis import local_weights, support, weights
 from softffd.errors import MeshError
+from softffd.lattice import to_flat
 from softffd.mesh.mesh import Mesh
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -72,7 +73,7 @@ class Embedding:
         if self._near is not None:
             moved = np.stack([self._moved_by_few(frame) for frame in frames])
             return moved[0] if positions.ndim == 4 else moved
-        control = frames.transpose(0, 4, 3, 2, 1).reshape(3 * len(frames), -1)
+        control = to_flat(frames).swapaxes(1, 2).reshape(3 * len(frames), -1)
         moved = np.empty((len(frames), len(self.coordinates), 3))
         for part in self._parts(len(frames)):
             block = self._products(part) if self._kept is None else self._kept[:, part]

@@ -21,6 +21,7 @@ from softffd.embedding.deform import lattice_coordinates
 from softffd.embedding.mass_bspline import sample_shares, triangle_shares
 from softffd.embedding.quadrature import sufficient_degrees, triangle_rule
 from softffd.errors import SoftffdError
+from softffd.lattice import rest_grid, to_flat
 from softffd.mesh.mesh import Mesh, merge_by_position
 
 DISTRIBUTIONS = ("uniform", "vertices", "surface", "volume")
@@ -70,7 +71,7 @@ def point_masses(
     blended = (1 - uniform_share) * shares + uniform_share / shares.size
     _require_all_positive(blended, uniform_share)
     shift = _centre(blended, origin, size) - _centre(shares, origin, size)
-    return Masses(total * blended.transpose(2, 1, 0).reshape(-1), shift)
+    return Masses(total * to_flat(blended[..., None])[:, 0], shift)
 
 
 def enclosed_volume(mesh: Mesh) -> float:
@@ -147,8 +148,8 @@ def _require_all_positive(shares: np.ndarray, uniform_share: float) -> None:
 
 def _centre(shares: np.ndarray, origin, size) -> np.ndarray:
     """Centre of mass (3,) m of shares (nx, ny, nz) that sum to one."""
-    grid = np.meshgrid(*(np.linspace(0, 1, n) for n in shares.shape), indexing="ij")
-    return np.asarray(origin) + np.asarray(size) * [float((shares * axis).sum()) for axis in grid]
+    grid = rest_grid(shares.shape, np.zeros(3), np.ones(3))
+    return np.asarray(origin) + np.asarray(size) * [float((shares * grid[..., axis]).sum()) for axis in range(3)]
 
 
 def _area_vectors(mesh: Mesh) -> np.ndarray:

@@ -6,9 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from softffd.lattice import LatticeBox
+from softffd.run.history import energies, reactions
 from softffd.run.result import Result
-from softffd.show.history import energies, reactions
 
 ESTIMATE = "solver.error_estimate"
 """The output that estimates the error so far [m]."""
@@ -41,16 +40,10 @@ def largest_indentation(result: Result) -> tuple[float, int]:
     """Largest departure of a control point from the best-fitting rigid motion of the lattice [m], and its row in time."""
     rows, *_, _ = result.positions.shape
     x = result.positions.reshape(rows, -1, 3)
-    rest = x[0] if result.lattice is None else _rest(result.lattice)
+    rest = x[0] if result.lattice is None else result.lattice.rest().reshape(-1, 3)
     depths = [_departure(rest, now) for now in x]
     frame = int(np.argmax(depths))
     return float(depths[frame]), frame
-
-
-def _rest(lattice: LatticeBox) -> np.ndarray:
-    """The control points at rest, (n, 3) [m], the last axis fastest."""
-    share = np.stack(np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in lattice.points), indexing="ij"), axis=-1)
-    return np.array(lattice.origin) + np.array(lattice.size) * share.reshape(-1, 3)
 
 
 def _departure(rest: np.ndarray, now: np.ndarray) -> float:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from softffd.installed import available_methods, table
+from softffd.lattice import point_at
 from softffd.scene.draft import Draft
 from softffd.scene.faults import Fault, KeyPath, path_text, toml_text
 from softffd.scene.sections import Lattice
@@ -72,7 +73,7 @@ def _pinned_twice(pinned: dict[KeyPath, np.ndarray], counts: tuple[int, int, int
     for (first, ours), (second, theirs) in itertools.combinations(pinned.items(), 2):
         common = np.intersect1d(ours, theirs)
         if len(common):
-            i, j, k = (int(index) for index in np.unravel_index(common[0], counts, order="F"))
+            i, j, k = point_at(int(common[0]), counts)
             more = f" and {len(common) - 1} more" * (len(common) > 1)
             got = f"got [{i}, {j}, {k}]{more}, held by {path_text(first[:2])} too"
             yield Fault(second, f"wanted control points that no other pin holds, {got}")

@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import PrivateAttr
 
 from softffd.errors import MeshError, SceneError
+from softffd.lattice import rest_grid, to_flat
 from softffd.scene import sections as sections
 from softffd.scene.checks import cross_check
 from softffd.scene.document import find_scene, read_document, shipped_scenes, shown
@@ -74,10 +75,8 @@ class Scene(sections.Section):
         return flat_indices(selection, self.lattice.points)
 
     def rest_positions(self) -> np.ndarray:
-        """The control points at rest in flat order, (n, 3) [m]: X = origin + size (i / (nx - 1), ...)."""
-        u, v, w = (np.linspace(0.0, 1.0, count) for count in self.lattice.points)
-        share = np.stack(np.meshgrid(w, v, u, indexing="ij")[::-1], axis=-1).reshape(-1, 3)
-        return np.array(self.lattice.origin) + np.array(self.lattice.size) * share
+        """The control points at rest in flat order, (n, 3) [m]."""
+        return to_flat(rest_grid(self.lattice.points, self.lattice.origin, self.lattice.size))
 
 
 def load_scene(path_or_name: str | Path) -> Scene:

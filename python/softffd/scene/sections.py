@@ -17,6 +17,7 @@ from pydantic import (
     WithJsonSchema,
 )
 
+from softffd.names import IDENTIFIER
 from softffd.scene.quantity import (
     Number,
     PositiveVector,
@@ -35,9 +36,6 @@ class Section(BaseModel):
     """A table of the scene file: immutable, and closed to unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
-
-
-IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
 
 
 def _printable(text: str) -> str:

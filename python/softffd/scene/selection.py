@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 
+from softffd.lattice import index_grid
 from softffd.scene.quantity import key, list_of, list_schema, refusal
 
 FACES = {f"{'xyz'[axis]}{side}": (axis, end) for axis in range(3) for side, end in (("-", 0), ("+", -1))}
@@ -69,7 +70,7 @@ def flat_indices(selection: Selection, counts: tuple[int, int, int]) -> np.ndarr
     `counts` are the control points per axis.
     Raises ValueError where the selection leaves the lattice or names a point twice.
     """
-    grid = np.arange(np.prod(counts), dtype=np.int64).reshape(counts, order="F")
+    grid = index_grid(counts)
     if isinstance(selection, Ranges):
         return _range_indices(selection, grid)
     if isinstance(selection, tuple):

@@ -8,6 +8,7 @@ from PIL import Image
 
 from softffd.embedding.deform import Embedding
 from softffd.errors import SoftffdError
+from softffd.lattice import index_grid, rest_grid
 from softffd.show.surface import cage_surface
 
 PAINT = (0.15, 0.45, 0.68)
@@ -76,14 +77,12 @@ class Stage:
     @cached_property
     def rest(self):
         """The undeformed lattice, (nx, ny, nz, 3) [m]."""
-        axes = [np.linspace(0.0, 1.0, n) for n in self.counts]
-        return self.origin + self.size * np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+        return rest_grid(self.counts, self.origin, self.size)
 
     @cached_property
     def edges(self):
         """Neighbours along the axes, (E, 2) flat indices: the lines of the lattice."""
-        nx, ny, nz = self.counts
-        index = np.arange(nx * ny * nz).reshape(nz, ny, nx)
+        index = index_grid(self.counts).T
         pairs = [(index[:, :, :-1], index[:, :, 1:]), (index[:, :-1], index[:, 1:]), (index[:-1], index[1:])]
         return np.concatenate([np.stack([a.ravel(), b.ravel()], axis=1) for a, b in pairs])
 
