@@ -7,7 +7,7 @@ The pose of a fixed plane has the same names as that of an input plane; as famil
 
 import re
 from collections.abc import Iterable
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, NamedTuple
 
 from softffd.installed import table
@@ -31,11 +31,15 @@ class Name(NamedTuple):
     component: str
     """"x", "y", "z" or "w"; empty for scalars"""
 
-    @property
-    def part(self) -> str:
-        """What the variable belongs to: "plane.ground", "pin.base"; of others the name's first word."""
-        kind = _row(self.family)["name"].partition(".")[0]
-        return f"{kind}.{self.instance}" if isinstance(self.instance, str) else kind.partition("[")[0]
+
+class Part(NamedTuple):
+    """A plane, pin, load or probe; as text "plane.ground", the beginning of its variables' names."""
+
+    kind: str
+    name: str
+
+    def __str__(self) -> str:
+        return f"{self.kind}.{self.name}"
 
 
 def variable_name(family: str, instance: str | Point | None = None, component: str = "") -> str:
@@ -57,6 +61,7 @@ def vector_names(family: str, instance: str | Point | None = None) -> list[str]:
     return variable_names(family, (instance,))
 
 
+@lru_cache(maxsize=4096)  # the inputs of a run come back at every step
 def parse_name(name: str) -> Name | None:
     """Family, instance and component of a name; None for what is no name of the table."""
     at_points, others = _shapes()

@@ -4,7 +4,7 @@ import pytest
 
 from softffd.installed import table
 from softffd.lattice import all_points
-from softffd.names import Name, parse_name, part_names, variable_name, variable_names, vector_names
+from softffd.names import Name, Part, parse_name, part_names, variable_name, variable_names, vector_names
 
 AT_POINT, NAMED = ("force", "position", "velocity"), ("load", "plane", "pin", "probe")
 
@@ -47,9 +47,8 @@ def test_names_go_instance_by_instance_and_component_by_component():
     assert variable_name("load", "push", "z") == "load.push.z"
 
 
-def test_a_variable_tells_what_it_belongs_to():
-    assert parse_name("plane.ground.reaction.x").part == "plane.ground"
-    assert parse_name("position[0,1,2].x").part == "position" and parse_name("energy.work").part == "energy"
+def test_a_part_as_text_begins_the_names_of_its_variables():
+    assert vector_names("plane_reaction", "ground")[0].startswith(f"{Part('plane', 'ground')}.reaction")
 
 
 def test_parts_are_listed_in_the_order_of_the_family_that_has_them_all():

@@ -5,18 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from softffd import Result
+from softffd.lattice import all_points, to_flat
+from softffd.names import variable_names, vector_names
+from softffd.rotation import turned
 
 
 def points(result: Result) -> np.ndarray:
     """Positions (T, n, 3) [m] in flat order, p = i + nx (j + ny k)."""
-    return result.positions.transpose(0, 3, 2, 1, 4).reshape(len(result.time), -1, 3)
+    return to_flat(result.positions)
 
 
 def velocities(result: Result) -> np.ndarray:
     """Velocities (T, n, 3) [m/s] in flat order; the scene has outputs.velocities = "all"."""
-    nx, ny, nz = result.scene.lattice.points
-    names = [f"velocity[{i},{j},{k}]" for k in range(nz) for j in range(ny) for i in range(nx)]
-    return np.stack([vector(result, name) for name in names], axis=1)
+    columns = [result.outputs[name] for name in variable_names("velocity", all_points(result.scene.lattice.points))]
+    return np.stack(columns, axis=1).reshape(len(result.time), -1, 3)
 
 
 def vector(result: Result, name: str) -> np.ndarray:
@@ -29,16 +31,6 @@ def centre(values: np.ndarray) -> np.ndarray:
     return values.mean(axis=1)
 
 
-def rotation(angles: np.ndarray) -> np.ndarray:
-    """The matrix (3, 3) of a rotation vector [rad], by Rodrigues' formula."""
-    angle = np.linalg.norm(angles)
-    if angle == 0:
-        return np.eye(3)
-    x, y, z = angles / angle
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
-
-
 def plane_poses(result: Result, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Points (T, 3) [m] and unit normals (T, 3) of an obstacle where its motion has taken it at each communication point.
 
@@ -46,7 +38,7 @@ def plane_poses(result: Result, name: str) -> tuple[np.ndarray, np.ndarray]:
     """
 
     def given(what: str, row: int) -> np.ndarray:
-        names = [f"plane.{name}.{what}.{axis}" for axis in "xyz"]
+        names = vector_names(f"plane_{what}", name)
         return np.array([result.inputs[key][row] if key in result.inputs else result.parameters[key] for key in names])
 
     fixed = f"plane.{name}.point.x" in result.parameters
@@ -56,7 +48,7 @@ def plane_poses(result: Result, name: str) -> tuple[np.ndarray, np.ndarray]:
         age = time - result.time[base]
         normal = given("normal", base)
         places.append(given("point", base) + age * given("velocity", base))
-        normals.append(rotation(age * given("angular_velocity", base)) @ normal / np.linalg.norm(normal))
+        normals.append(turned(normal, age * given("angular_velocity", base)) / np.linalg.norm(normal))
     return np.array(places), np.array(normals)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from readings import assert_nothing_is_behind, gaps, plane_poses, points, rotation, vector, velocities
+from readings import assert_nothing_is_behind, gaps, plane_poses, points, vector, velocities
 from softffd import FmuError, simulate
 from stepping import Stepper
 
@@ -215,7 +215,7 @@ def test_a_plane_moved_by_input_is_the_plane_of_the_scene(scene):
 
 def test_a_plane_turned_by_input_is_the_plane_of_the_scene(scene):
     def turned(time):
-        normal = rotation(np.array([0.3, -0.4, 0.5]) * time) @ [0.0, 0.0, 1.0]
+        normal = turned(np.array([0.0, 0.0, 1.0]), np.array([0.3, -0.4, 0.5]) * time)
         named = {"normal": normal, "angular_velocity": (0.3, -0.4, 0.5)}
         return {f"plane.lift.{what}.{c}": v for what, values in named.items() for c, v in zip("xyz", values, strict=True)}
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import reference
-from readings import points, rotation, vector, velocities
+from readings import points, vector, velocities
 from softffd import FmuError, simulate
+from softffd.rotation import turned
 
 HANGING = """
 [mass]
@@ -128,8 +129,8 @@ def test_led_points_have_the_velocity_of_the_frame(scene):
 @pytest.mark.parametrize("method", METHODS)
 def test_a_turning_pin_turns_its_points(scene, method):
     result = led(scene, spin, method=method)
-    turned = [(REST[HELD] - CENTROID) @ rotation(SPIN * time).T + CENTROID for time in result.time]
-    assert points(result)[:, HELD] == pytest.approx(np.array(turned), abs=1e-14)
+    moved = [turned(REST[HELD] - CENTROID, SPIN * time) + CENTROID for time in result.time]
+    assert points(result)[:, HELD] == pytest.approx(np.array(moved), abs=1e-14)
 
 
 def test_points_of_a_turning_pin_have_its_velocity(scene):

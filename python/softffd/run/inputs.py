@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from softffd.errors import FmuError
+from softffd.names import parse_name
 from softffd.run.inputs_csv import read_csv
 from softffd.run.motion import derived_velocities
 
@@ -35,7 +36,7 @@ class Inputs:
         self.where = f"{source}: " if isinstance(source, str | Path) else "inputs: "
         """How messages about the source begin"""
         self._at, self.names = _course(source, self.where)
-        self._takes_bends = [name.startswith(("force[", "load.")) for name in self.names]
+        self._takes_bends = [(found := parse_name(name)) is not None and found.family in ("force", "load") for name in self.names]
         now = self._at(0.0, False)
         self.derived_names = list(derived_velocities(now, now, 1.0))
         """Velocities that follow from given poses"""

@@ -13,8 +13,10 @@ import numpy as np
 from softffd.embedding.deform import deform
 from softffd.errors import MeshError, SoftffdError
 from softffd.files import replacing
-from softffd.lattice import LatticeBox
+from softffd.lattice import LatticeBox, all_points
 from softffd.mesh.mesh import Mesh
+from softffd.names import part_names, variable_names, vector_names
+from softffd.rotation import turned
 from softffd.scene.scene import Scene
 
 
@@ -55,25 +57,21 @@ class Result:
 
     def plane_names(self) -> list[str]:
         """Names of the obstacle planes, in the order of the scene."""
-        known = [*self.parameters, *self.inputs]
-        return list(dict.fromkeys(name.split(".")[1] for name in known if name.startswith("plane.")))
+        return part_names("plane", [*self.parameters, *self.inputs])
 
     def plane(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Points (T, 3) [m] and normals (T, 3) of a plane over time."""
 
         def vector(what: str) -> np.ndarray:
-            columns = []
-            for c in "xyz":
-                key = f"plane.{name}.{what}.{c}"
-                value = self.inputs[key] if key in self.inputs else self.parameters[key]
-                columns.append(np.broadcast_to(value, self.time.shape))
-            return np.stack(columns, axis=1)
+            names = vector_names(f"plane_{what}", name)
+            columns = [self.inputs[key] if key in self.inputs else self.parameters[key] for key in names]
+            return np.stack([np.broadcast_to(column, self.time.shape) for column in columns], axis=1)
 
         points, normals = vector("point"), vector("normal")
-        if f"plane.{name}.point.x" in self.parameters:  # the pose is that of the start time, moved on since
+        if vector_names("plane_point", name)[0] in self.parameters:  # the pose is that of the start time, moved on since
             age = (self.time - self.time[0])[:, None]
             points = points + age * vector("velocity")
-            normals = _turned(age * vector("angular_velocity"), normals)
+            normals = turned(normals, age * vector("angular_velocity"))
         return points, normals
 
     def save(self, folder: str | Path) -> list[Path]:
@@ -95,15 +93,9 @@ class Result:
         np.savetxt(stream, np.stack(list(columns.values()), axis=1), fmt="%.17g", delimiter=",", header=header, comments="")
 
     def _position_columns(self) -> dict[str, np.ndarray]:
-        _, nx, ny, nz, _ = self.positions.shape
-        return {
-            f"position[{i},{j},{k}].{axis}": self.positions[:, i, j, k, a]
-            for k in range(nz)
-            for j in range(ny)
-            for i in range(nx)
-            if not np.isnan(self.positions[0, i, j, k, 0])
-            for a, axis in enumerate("xyz")
-        }
+        recorded = [point for point in all_points(self.positions.shape[1:4]) if not np.isnan(self.positions[0, *point, 0])]
+        columns = (self.positions[:, *point, axis] for point in recorded for axis in range(3))
+        return dict(zip(variable_names("position", recorded), columns, strict=True))
 
     def _write_summary(self, stream: Any) -> None:
         stream.write((json.dumps(self.summary, indent=2) + "\n").encode())
@@ -116,11 +108,3 @@ def require_writable(folder: Path) -> None:
         raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} is a file")
     if not os.access(there, os.W_OK | os.X_OK):
         raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} may not be written to")
-
-
-def _turned(rotations: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """vectors (T, 3) turned by rotation vectors (T, 3) [rad] (Rodrigues)."""
-    angle = np.linalg.norm(rotations, axis=1, keepdims=True)
-    axis = np.divide(rotations, angle, out=np.zeros_like(rotations), where=angle > 0)
-    along = (axis * vectors).sum(axis=1, keepdims=True) * axis
-    return along + np.cos(angle) * (vectors - along) + np.sin(angle) * np.cross(axis, vectors)

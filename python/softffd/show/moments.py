@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from softffd.show.history import reactions
+from softffd.run.history import reactions
 
 
 def telling_moments(result, stage):
@@ -20,7 +20,7 @@ def telling_moments(result, stage):
 
 def first_contact(result):
     """The first frame in which a plane reports a reaction, or None."""
-    forces = [force for name, force in reactions(result).items() if name.startswith("plane.")]
+    forces = [force for part, force in reactions(result).items() if part.kind == "plane"]
     touching = np.flatnonzero(np.any([force.any(axis=1) for force in forces], axis=0)) if forces else []
     return int(touching[0]) if len(touching) else None
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
 from softffd.files import replacing
-from softffd.show.history import energies, heights, reactions
+from softffd.run.history import energies, heights, reactions
 from softffd.show.moments import first_contact, largest_deformation, telling_moments
 from softffd.show.panel import Panels, Shape
 from softffd.show.stage import stage_of, up_direction
@@ -96,7 +96,7 @@ def _draw_panels(figure, stage, frames, captions, *, box):
 
 def _draw_curves(figure, result, *, bottom, top):
     """One axes per kind of curve, side by side; returns them."""
-    forces = {name.split(".")[1]: np.linalg.norm(force, axis=1) for name, force in reactions(result).items()}
+    forces = {part.name: np.linalg.norm(force, axis=1) for part, force in reactions(result).items()}
     kinds = [("reaction", "N", forces, "steps-pre"), ("energy", "J", energies(result), "default")]
     fallback = ("height of the lattice", "m", heights(result, up_direction(result.scene)), "default")
     kinds = [kind for kind in kinds if kind[2]] or [fallback]

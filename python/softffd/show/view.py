@@ -19,7 +19,9 @@ from matplotlib import colormaps
 from softffd.embedding.basis import parameter
 from softffd.embedding.deform import deform
 from softffd.files import write_text
-from softffd.show.history import energies, reactions
+from softffd.lattice import to_flat
+from softffd.names import Part
+from softffd.run.history import energies, reactions
 from softffd.show.stage import FREE, PAINT, PINNED, VIEW, round_length, stage_of
 from softffd.show.surface import split_at_creases
 
@@ -49,7 +51,7 @@ def write_view(result, path, *, mesh=None, origin=None, size=None):
         "counts": stage.counts,
         "splines": [stage.basis == "bspline" and n > 4 for n in stage.counts],
         "time": _text(stage.time[frames], "<f8"),
-        "positions": _text(_flat(stage.positions[frames]) - stage.centre, "<f4"),
+        "positions": _text(to_flat(stage.positions[frames]) - stage.centre, "<f4"),
         "pinned": stage.pinned.tolist(),
         "planes": _planes(stage, frames),
         "rows": _rows(result, stage, frames),
@@ -146,11 +148,11 @@ def _planes(stage, frames):
 
 def _rows(result, stage, frames):
     """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J]."""
-    marks = {f"plane.{plane.name}": _hex(plane.tint) for plane in stage.planes}
+    marks = {Part("plane", plane.name): _hex(plane.tint) for plane in stage.planes}
     rows = []
-    for name, force in reactions(result).items():
-        mark = marks.get(name, _hex(PINNED))
-        rows.append(_row(name.split(".")[1], "reaction", "N", mark, np.linalg.norm(force, axis=1)[frames], force[frames]))
+    for part, force in reactions(result).items():
+        mark = marks.get(part, _hex(PINNED))
+        rows.append(_row(part.name, "reaction", "N", mark, np.linalg.norm(force, axis=1)[frames], force[frames]))
     recorded = energies(result)
     for name, mark in ENERGY_MARKS.items():
         if name in recorded:
@@ -181,11 +183,6 @@ def _largest(stage, frames):
     green = (np.einsum("tvab,tvac->tvbc", gradient, gradient) - np.eye(3)) / 2
     sizes = {"displacement": np.linalg.norm(moved - samples, axis=2), "strain": np.linalg.norm(green, axis=(2, 3))}
     return {name: float(np.quantile(size, 0.99, axis=1).max()) for name, size in sizes.items()}
-
-
-def _flat(positions):
-    """(T, nx, ny, nz, 3) to (T, n, 3) with the x index fastest."""
-    return positions.transpose(0, 3, 2, 1, 4).reshape(len(positions), -1, 3)
 
 
 def _text(values, kind):

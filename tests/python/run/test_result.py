@@ -11,6 +11,11 @@ from softffd.show.stage import stage_of
 
 TURNING = """
 [[plane]]
+name = "left"
+point = [-5.0, 0.0, 0.0]
+normal = [1.0, 0.0, 0.0]
+motion = "input"
+[[plane]]
 name = "mill"
 point = [0.5, 0.5, -3.0]
 normal = [0.0, 0.6, 0.8]
@@ -20,6 +25,10 @@ angular_velocity = [0.0, 0.0, 2.0]
 name = "hand"
 point = [0.0, 0.0, -5.0]
 motion = "input"
+[[plane]]
+name = "right"
+point = [5.0, 0.0, 0.0]
+normal = [-1.0, 0.0, 0.0]
 [experiment]
 stop_time = 0.5
 """
@@ -56,7 +65,7 @@ def test_a_plane_that_jumps_at_a_communication_point_has_no_velocity(result, jum
 
 
 def test_planes_are_listed_in_the_order_of_the_scene(result):
-    assert sorted(result.plane_names()) == ["hand", "mill"]
+    assert result.plane_names() == ["left", "mill", "hand", "right"]
 
 
 def test_saved_arrays_come_back(result, tmp_path):

@@ -1,0 +1,34 @@
+"""The numbers of a run that are worth a curve: reactions of planes and pins, energies, and the lattice's height."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from softffd.names import Part, part_names, variable_name, vector_names
+
+if TYPE_CHECKING:
+    from softffd.run.result import Result
+
+ENERGIES = ("kinetic", "elastic", "gravity", "dissipated", "work")
+REACTIONS = {"plane": "plane_reaction", "pin": "pin_reaction"}
+
+
+def reactions(result: Result) -> dict[Part, np.ndarray]:
+    """Forces of the object on its obstacles and fixtures, (T, 3) [N] each; a part as text is "plane.ground" or "pin.base"."""
+    parts = [Part(kind, name) for kind in REACTIONS for name in part_names(kind, result.outputs)]
+    recorded = {part: vector_names(REACTIONS[part.kind], part.name) for part in parts}
+    return {part: np.stack([result.outputs[name] for name in names], axis=1) for part, names in recorded.items()}
+
+
+def energies(result: Result) -> dict[str, np.ndarray]:
+    """The recorded energies: "kinetic", "elastic", ... -> (T,) [J]."""
+    names = {kind: variable_name(f"energy_{kind}") for kind in ENERGIES}
+    return {kind: result.outputs[name] for kind, name in names.items() if name in result.outputs}
+
+
+def heights(result: Result, up: np.ndarray) -> dict[str, np.ndarray]:
+    """The lattice's highest and lowest place along `up` (3,): words -> (T,) [m]."""
+    along = result.positions @ np.asarray(up)
+    return {"highest point": along.max(axis=(1, 2, 3)), "lowest point": along.min(axis=(1, 2, 3))}
