@@ -4,6 +4,14 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
+
+Note = Callable[[str], None]
+"""Is told in words how far something is, as `ProgressLine.note` and `.say` are."""
+
+
+def silent(_text: str) -> None:
+    """A Note for nobody."""
 
 
 class ProgressLine:

@@ -1,5 +1,6 @@
 """Pictures of a run: its telling moments in a row, and the curves of its reactions and energies below."""
 
+from io import BytesIO
 from itertools import cycle
 from pathlib import Path
 
@@ -8,7 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
-from softffd.files import replacing
+from softffd.files import write_bytes
 from softffd.run.history import energies, heights, reactions
 from softffd.show.moments import first_contact, largest_deformation, telling_moments
 from softffd.show.panel import Panels, Shape
@@ -130,7 +131,13 @@ def new_figure(width, height, *, dpi):
     return figure
 
 
+def png_of(figure):
+    """The figure as the bytes of a PNG."""
+    stream = BytesIO()
+    figure.savefig(stream, format="png", dpi=figure.dpi)
+    return stream.getvalue()
+
+
 def _save(figure, path):
-    with replacing(path) as stream:
-        figure.savefig(stream, format="png", dpi=figure.dpi)
+    write_bytes(path, png_of(figure))
     return Path(path)

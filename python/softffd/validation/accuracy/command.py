@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from datetime import UTC, datetime
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from softffd.errors import FmuError
+from softffd.run.progress import Note, silent
 from softffd.run.simulate import positive
 from softffd.scene.scene import load_scene
-from softffd.validation.accuracy.files import keep, machine, versions
+from softffd.validation.accuracy.files import keep
 from softffd.validation.accuracy.measure import Interrupted, measure
 from softffd.validation.accuracy.picture import course_picture, front_picture
 from softffd.validation.accuracy.records import CHOSEN, LEVELS, MISSED, Records, level_words
-from softffd.validation.accuracy.report import factor_words, time_words
+from softffd.validation.accuracy.report import factor_words
+from softffd.validation.conditions import conditions
+from softffd.validation.page import time_words
 
 STANDARD = ("free_vibration", "stiff_pull", "stiff_layer", "sliding_drop", "light_corner", "spin")
 """The standard set, S1 .. S6: soft, undamped; stiff and slow; one stiff layer; contact with friction; a nearly massless point; rotation."""
-
-Note = Callable[[str], None]
 
 
 def report_accuracy(
@@ -30,7 +30,7 @@ def report_accuracy(
     scipy: bool = False,
     quick: bool = False,
     repeats: int = 5,
-    note: Note = lambda text: None,
+    note: Note = silent,
     say: Note = print,
 ) -> list[Records]:
     """Measures scenes (names or files; the standard set if there are none) and keeps CSV, JSON, pictures and page in `folder` after each.
@@ -76,13 +76,8 @@ def report_accuracy(
 def _about(scenes: Sequence[str], *, step: float | None, scipy: bool, quick: bool, repeats: int) -> dict[str, Any]:
     """Date, command line, machine, versions and settings, for the files."""
     options = [f"--step {step:g}" if step else "", "--scipy" * scipy, "--quick" * quick, f"--repeats {repeats}" * (repeats != 5)]
-    return {
-        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "command": " ".join(word for word in ["softffd accuracy", *scenes, *options] if word),
-        "machine": machine(),
-        "versions": versions(scipy=scipy),
-        "settings": {"communication_step_s": step, "scipy": scipy, "quick": quick, "repeats": repeats},
-    }
+    settings = {"communication_step_s": step, "scipy": scipy, "quick": quick, "repeats": repeats}
+    return conditions(["softffd accuracy", *scenes, *options], *(["scipy"] if scipy else [])) | {"settings": settings}
 
 
 def _outcome(records: Records) -> list[str]:

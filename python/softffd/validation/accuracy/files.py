@@ -1,21 +1,14 @@
-"""The files that a measurement is kept in; each appears whole or not at all."""
+"""The files that a measurement is kept in."""
 
 from __future__ import annotations
 
-import csv
-import json
-import math
-import os
-import platform
 from collections.abc import Mapping, Sequence
-from importlib.metadata import PackageNotFoundError, version
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from softffd.files import write_bytes
 from softffd.validation.accuracy.records import CHOSEN, LEVELS, Record, Records, level_words
 from softffd.validation.accuracy.report import report_page
+from softffd.validation.kept import csv_text, finite, json_text, keep_files
 
 COLUMNS = (
     "scene", "method", "origin", "step_s", "tolerance", "communication_step_s", "cpu_time_s", "repeats", "error", "error_claimed",
@@ -28,22 +21,12 @@ Pictures = Mapping[str, Sequence[bytes]]
 
 def keep(folder: Path, measured: Sequence[Records], missing: Mapping[str, str], about: Mapping[str, Any], pictures: Pictures) -> None:
     """Writes accuracy.csv, accuracy.json, report.html and a SCENE.png of each scene into `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for records in measured:
-        write_bytes(folder / f"{records.scene}.png", pictures[records.scene][0])
-    write_bytes(folder / "accuracy.csv", _csv(measured).encode())
-    write_bytes(folder / "accuracy.json", (json.dumps(_document(measured, missing, about), indent=1, allow_nan=False) + "\n").encode())
-    write_bytes(folder / "report.html", report_page(measured, missing, about, pictures).encode())
-
-
-def _csv(measured: Sequence[Records]) -> str:
-    stream = StringIO()
-    writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    for records in measured:
-        for run in records.runs:
-            writer.writerow({name: "" if value is None else value for name, value in _row(records, run).items()})
-    return stream.getvalue()
+    files = {
+        "accuracy.csv": csv_text(COLUMNS, (_row(records, run) for records in measured for run in records.runs)),
+        "accuracy.json": json_text(_document(measured, missing, about)),
+        "report.html": report_page(measured, missing, about, pictures),
+    }
+    keep_files(folder, {f"{records.scene}.png": pictures[records.scene][0] for records in measured} | files)
 
 
 def _row(records: Records, run: Record) -> dict[str, Any]:
@@ -58,7 +41,7 @@ def _row(records: Records, run: Record) -> dict[str, Any]:
         "cpu_time_s": None if failed else run.cpu_time,
         "repeats": run.repeats,
         "error": None if failed else run.error,
-        "error_claimed": None if failed else _finite(records.claimed(run)),
+        "error_claimed": None if failed else finite(records.claimed(run)),
         "internal_steps": run.steps,
         "rejected_steps": run.rejected,
         "failure": run.failure,
@@ -82,7 +65,7 @@ def _scene(records: Records) -> dict[str, Any]:
             "method": reference.method,
             "compared_with": reference.check,
             "confirmed": reference.confirmed,
-            "uncertainty": _finite(reference.uncertainty),
+            "uncertainty": reference.uncertainty,
         },
         "left_out": records.left_out,
         "levels": {level_words(level): _level(records, level) for level in LEVELS},
@@ -119,30 +102,3 @@ def _worst(run: Record) -> dict[str, float]:
 
 def _rounded(run: Record) -> list[float] | None:
     return None if run.errors is None else [float(f"{error:.3e}") for error in run.errors]
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def machine() -> dict[str, Any]:
-    """What the times belong to: processor, cores, system."""
-    return {"processor": _processor(), "cores": os.cpu_count(), "system": platform.platform(terse=True)}
-
-
-def _processor() -> str:
-    table = Path("/proc/cpuinfo")
-    lines = table.read_text().splitlines() if table.is_file() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor() or platform.machine()
-
-
-def versions(*, scipy: bool) -> dict[str, str]:
-    """Of softffd, Python and the packages whose speed or results count."""
-    found = {"Python": platform.python_version()}
-    for name in ("softffd", "numpy", "fmpy", *(["scipy"] if scipy else [])):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "?"
-    return found

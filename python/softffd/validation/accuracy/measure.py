@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from softffd.errors import FmuError
+from softffd.run.progress import Note, silent
 from softffd.scene.scene import Scene
 from softffd.validation.accuracy.records import Record, Records
 from softffd.validation.accuracy.reference import find_reference
@@ -29,8 +30,6 @@ BUDGET, QUICK_BUDGET = 2.0, 0.2
 FAILURES = 6
 """A method's sweep ends after this many failed runs in a row."""
 
-Note = Callable[[str], None]
-
 
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C during a measurement; `records` holds what is done."""
@@ -48,7 +47,7 @@ def measure(
     scipy: bool = False,
     quick: bool = False,
     repeats: int = 5,
-    note: Note = lambda text: None,
+    note: Note = silent,
 ) -> Records:
     """Runs every applicable method over its steps or tolerances against a much tighter reference.
 

@@ -1,11 +1,9 @@
 """Pictures of a scene's records: error against run time, and error against simulated time."""
 
-from io import BytesIO
-
 import numpy as np
 from matplotlib.ticker import EngFormatter, LogLocator, NullFormatter
 
-from softffd.show.picture import CURVES, INK, SOFT, new_figure
+from softffd.show.picture import CURVES, INK, SOFT, new_figure, png_of
 from softffd.validation.accuracy.records import CHOSEN, CLAIM, LEVELS, PUBLISHED
 
 LOOKS = {
@@ -35,7 +33,7 @@ def front_picture(records) -> bytes:
     _head(figure, records, "error against run time, lower left is better; pale: the front")
     front = [run for run in records.front() if run.error <= LARGEST]
     axes.plot(*_points(front), color=BAND, linewidth=17, zorder=1, solid_capstyle="round", solid_joinstyle="round")
-    for name in _drawn(records):
+    for name in drawn_order(records):
         runs = [run for run in records.good(name) if run.error <= LARGEST]
         if runs:
             axes.plot(*_points(runs), label=LABELS.get(name, name), **_look(name, records))
@@ -45,7 +43,7 @@ def front_picture(records) -> bytes:
     axes.set_xlabel("CPU time of the run")
     axes.set_ylabel("largest error / largest side of the box")
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), frameon=False, fontsize=10.5, labelspacing=0.8)
-    return _png(figure)
+    return png_of(figure)
 
 
 def course_picture(records) -> bytes:
@@ -53,7 +51,7 @@ def course_picture(records) -> bytes:
     figure = new_figure(13.0, 5.4, dpi=120)
     axes = figure.add_axes((0.07, 0.12, 0.60, 0.71))
     _head(figure, records, "error against simulated time, each method's cheapest run within 1e-6, or else its best")
-    for name in _drawn(records):
+    for name in drawn_order(records):
         run = records.typical(name)
         if run is None:
             continue
@@ -65,7 +63,7 @@ def course_picture(records) -> bytes:
     axes.set_ylabel("error / largest side of the box")
     axes.set_xlim(0, records.stop_time)
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), frameon=False, fontsize=10.5)
-    return _png(figure)
+    return png_of(figure)
 
 
 def setting_words(run) -> str:
@@ -77,8 +75,8 @@ def _points(runs):
     return [run.cpu_time for run in runs], [max(run.error, SMALLEST) for run in runs]
 
 
-def _drawn(records):
-    """Methods in the order of the legend: auto, the published scheme, the others."""
+def drawn_order(records):
+    """Methods in the order of legends and tables: auto, the published scheme, the others."""
     return sorted(records.names(), key=lambda name: (name not in (CHOSEN, PUBLISHED), name != CHOSEN))
 
 
@@ -118,9 +116,3 @@ def _dress_errors(axes, records):
         words = "  not resolved by the reference"
         axes.text(0.0, axes.get_ylim()[0], words, transform=axes.get_yaxis_transform(), fontsize=9, color=SOFT, va="bottom")
     axes.spines[["top", "right"]].set_visible(False)
-
-
-def _png(figure) -> bytes:
-    stream = BytesIO()
-    figure.savefig(stream, format="png", dpi=figure.dpi)
-    return stream.getvalue()

@@ -8,12 +8,13 @@ With obstacles only leapfrog resolves contact at every step: there is one method
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from softffd.errors import FmuError
+from softffd.run.progress import Note, silent
 from softffd.validation.accuracy.rig import Rig, Run, Setting
 
 TIGHT = (1e-13, 1e-12, 1e-11)
@@ -37,8 +38,6 @@ PATIENCE, QUICK_PATIENCE = 15.0, 1.0
 
 FAILURES = 6
 """Steps that may fail before the method is given up."""
-
-Note = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +78,7 @@ class _Candidate:
     words: str
 
 
-def find_reference(rig: Rig, *, quick: bool = False, note: Note = lambda text: None) -> Reference:
+def find_reference(rig: Rig, *, quick: bool = False, note: Note = silent) -> Reference:
     """The best reference that the FMU's methods allow. Raises FmuError when no method can run the scene at all."""
     patience = QUICK_PATIENCE if quick else PATIENCE
     if rig.contact:

@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from softffd.errors import SoftffdError
+from softffd.run.progress import Note, silent
 from softffd.scene.scene import Scene
 from softffd.validation.accuracy.records import Record, Records
 from softffd.validation.accuracy.rig import Rig, Setting
@@ -35,7 +36,7 @@ class _TooLong(Exception):
     """Stops a solver from inside its right-hand side."""
 
 
-def sweep_scipy(rig: Rig, records: Records, *, quick: bool = False, note: Callable[[str], None] = lambda text: None) -> Iterator[Record]:
+def sweep_scipy(rig: Rig, records: Records, *, quick: bool = False, note: Note = silent) -> Iterator[Record]:
     """A record for every solver and tolerance; scenes with obstacles, pins or a volume stiffness have none, and `records.left_out` says so.
 
     Raises SoftffdError where SciPy is not installed.

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from datetime import UTC, datetime
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from softffd.errors import SoftffdError
+from softffd.run.progress import Note, silent
 from softffd.run.simulate import positive
-from softffd.validation.accuracy.files import machine, versions
+from softffd.validation.conditions import conditions
 from softffd.validation.stability.files import keep
 from softffd.validation.stability.survey import Survey, planned, run
-
-Note = Callable[[str], None]
 
 SHOWN = 20
 """Wrong answers that are told one by one on stderr."""
@@ -25,7 +23,7 @@ def report_stability(
     only: Sequence[str] = (),
     quick: bool = False,
     slowness: float = 1.0,
-    note: Note = lambda text: None,
+    note: Note = silent,
     say: Note = print,
 ) -> Survey:
     """Runs the map and the cases, or those that `only` names, and keeps CSV, JSON, pictures and page in `folder`.
@@ -54,11 +52,6 @@ def report_stability(
 
 
 def _about(only: Sequence[str], quick: bool, slowness: float) -> dict[str, Any]:
-    named = " ".join(["--only", *(f"'{name}'" for name in only)]) if only else ""
-    options = ["--quick" * quick, f"--slowness {slowness:g}" * (slowness != 1), named]
-    return {
-        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "command": " ".join(word for word in ["softffd stability", *options] if word),
-        "machine": machine(),
-        "versions": versions(scipy=False),
-    }
+    named = ["--only", *(f"'{name}'" for name in only)] if only else []
+    options = ["--quick" * quick, f"--slowness {slowness:g}" * (slowness != 1), *named]
+    return conditions(["softffd stability", *options])

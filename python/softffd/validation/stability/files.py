@@ -1,17 +1,14 @@
-"""The files that a survey is kept in; each appears whole or not at all."""
+"""The files that a survey is kept in."""
 
 from __future__ import annotations
 
-import csv
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from softffd.files import write_bytes
+from softffd.validation.kept import csv_text, json_text, keep_files
 from softffd.validation.stability.cases import CASES
 from softffd.validation.stability.map import Cell, Judged
 from softffd.validation.stability.picture import map_picture
@@ -44,22 +41,15 @@ def pictures(survey: Survey) -> dict[str, bytes]:
 
 def keep(folder: Path, survey: Survey, about: Mapping[str, Any]) -> None:
     """Writes stability.csv, stability.json, report.html and the pictures of the map into `folder`."""
-    folder.mkdir(parents=True, exist_ok=True)
     drawn = pictures(survey)
-    for name, content in drawn.items():
-        write_bytes(folder / f"{name}.png", content)
-    write_bytes(folder / "stability.csv", _csv(survey).encode())
-    write_bytes(folder / "stability.json", (json.dumps(_finite(_document(survey, about)), indent=1, allow_nan=False) + "\n").encode())
-    write_bytes(folder / "report.html", report_page(survey, about, drawn).encode())
-
-
-def _csv(survey: Survey) -> str:
-    stream = StringIO()
-    writer = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(_cell_row(cell, judged) for cell, judged in survey.cells.items())
-    writer.writerows(_case_row(name, outcome) for name, outcome in survey.outcomes.items())
-    return stream.getvalue()
+    rows = [_cell_row(cell, judged) for cell, judged in survey.cells.items()]
+    rows += [_case_row(name, outcome) for name, outcome in survey.outcomes.items()]
+    files = {
+        "stability.csv": csv_text(COLUMNS, rows),
+        "stability.json": json_text(_document(survey, about)),
+        "report.html": report_page(survey, about, drawn),
+    }
+    keep_files(folder, {f"{name}.png": png for name, png in drawn.items()} | files)
 
 
 def _cell_row(cell: Cell, judged: Judged) -> dict[str, Any]:
@@ -111,12 +101,3 @@ def _case(name: str, outcome: Outcome) -> dict[str, Any]:
         "name": name, "what": case.what, "oracle": case.oracle, "verdict": outcome.verdict, "run_time_s": outcome.run_time,
         "words": outcome.words, "checks": checks,
     }  # fmt: skip
-
-
-def _finite(value: Any) -> Any:
-    """The same without numbers that JSON does not have: they become null."""
-    if isinstance(value, dict):
-        return {name: _finite(entry) for name, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from io import BytesIO
 
 import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
-from softffd.show.picture import INK, SOFT, new_figure
+from softffd.show.picture import INK, SOFT, new_figure, png_of
 from softffd.validation.stability.map import CLASSES, Panel, omega
 from softffd.validation.stability.survey import Survey
 
@@ -46,9 +45,7 @@ def map_picture(survey: Survey, panels: Sequence[Panel], title: str) -> bytes:
     lines = figure.axes[0].get_lines() if figure.axes else []
     figure.legend(handles=[*handles, *lines], loc="lower left", bbox_to_anchor=(0.015, 0.0), ncol=6, frameon=False, fontsize=9,
                   columnspacing=1.2, handlelength=1.4)  # fmt: skip
-    stream = BytesIO()
-    figure.savefig(stream, format="png", dpi=figure.dpi)
-    return stream.getvalue()
+    return png_of(figure)
 
 
 def _chart(axes, survey: Survey, panel: Panel, *, first: bool) -> None:

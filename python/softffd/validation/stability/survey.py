@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from softffd.errors import SoftffdError
+from softffd.run.progress import Note
 from softffd.spelling import did_you_mean, nearest_of
 from softffd.validation.stability.border import Border, borders
 from softffd.validation.stability.cases import CASES, run_named
@@ -26,8 +27,6 @@ QUICK_PANELS = (*(Panel(scene, CHOSEN) for scene in SCENES), Panel("vibration", 
 
 QUICK_PATIENCE = 10.0
 """No case of a quick survey gets longer [s]."""
-
-Note = Callable[[str], None]
 
 
 @dataclass

@@ -1,0 +1,45 @@
+"""What a measurement belongs to: the command, the day, the machine, and the versions of what took part."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+
+def conditions(command: Iterable[str], *packages: str) -> dict[str, Any]:
+    """For files and pages. command: its words, empty ones are left out; packages: whose speed or results count, besides softffd's own."""
+    return {
+        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "command": " ".join(word for word in command if word),
+        "machine": {"processor": _processor(), "cores": os.cpu_count(), "system": platform.platform(terse=True)},
+        "versions": {
+            "Python": platform.python_version(),
+            **{name: _version(name) for name in ("softffd", "numpy", "fmpy", *packages)},
+        },
+    }
+
+
+def condition_words(about: Mapping[str, Any]) -> str:
+    """The same in a line."""
+    machine = about["machine"]
+    names = ", ".join(f"{name} {number}" for name, number in about["versions"].items())
+    return f"{about['command']}; {about['date']}; {machine['processor']}, {machine['cores']} cores, {machine['system']}; {names}"
+
+
+def _processor() -> str:
+    table = Path("/proc/cpuinfo")
+    lines = table.read_text().splitlines() if table.is_file() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "?"
