@@ -99,7 +99,7 @@ def main():
         return build_release(PYTHON)
     if arguments[0] == "test":
         return subprocess.call([PYTHON, "-m", "pytest", *arguments[1:]], cwd=ROOT, env=compiler_environment())
-    program = [ROOT / "benchmarks" / "feature_cost.py"] if arguments[0] == "bench" else ["-m", "softffd_command", *arguments]
+    program = [ROOT / "benchmarks" / "feature_cost.py"] if arguments[0] == "bench" else ["-m", "softffd", *arguments]
     return subprocess.call([PYTHON, *program])
 
 

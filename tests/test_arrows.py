@@ -14,7 +14,7 @@ CORE_ROOMS = ["estimate", "soft_body", "stepping", "watch", "flight", "methods",
 
 PACKAGE_ROOMS = [
     *("cli", "validation", "show", "drivers", "run", "fmu", "scene", "embedding", "mesh"),
-    *("names", "lattice", "rotation", "files", "installed", "spelling", "errors"),
+    *("names", "lattice", "rotation", "files", "installed", "spelling", "moved", "errors"),
 ]
 """The shipped scenes are data, and the package's own __init__ knows everybody."""
 

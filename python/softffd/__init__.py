@@ -1,16 +1,21 @@
 """softffd: a soft object (mass-spring Bezier free-form deformation) as an FMI 2.0 co-simulation component."""
 
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from softffd import moved as moved
+
+if TYPE_CHECKING:
+    from softffd.embedding.deform import deform
+    from softffd.errors import FmuError, MeshError, SceneError, SoftffdError
+    from softffd.fmu.package import package_fmu
+    from softffd.mesh.mesh import load_mesh, save_mesh
+    from softffd.run.result import Result
+    from softffd.run.simulate import simulate
+    from softffd.run.simulation import Simulation
+    from softffd.scene.scene import Scene, load_scene
+
 __version__ = "0.1.0"
-
-from softffd.embedding.deform import deform
-from softffd.errors import FmuError, MeshError, SceneError, SoftffdError
-from softffd.fmu.package import package_fmu
-from softffd.mesh.mesh import load_mesh, save_mesh
-from softffd.run.result import Result
-from softffd.run.simulate import simulate
-from softffd.run.simulation import Simulation
-from softffd.scene.scene import Scene, load_scene
-
 __all__ = [
     "FmuError",
     "MeshError",
@@ -26,3 +31,36 @@ __all__ = [
     "save_mesh",
     "simulate",
 ]
+
+HOMES = {
+    "FmuError": "errors",
+    "MeshError": "errors",
+    "Result": "run.result",
+    "Scene": "scene.scene",
+    "SceneError": "errors",
+    "Simulation": "run.simulation",
+    "SoftffdError": "errors",
+    "deform": "embedding.deform",
+    "load_mesh": "mesh.mesh",
+    "load_scene": "scene.scene",
+    "package_fmu": "fmu.package",
+    "save_mesh": "mesh.mesh",
+    "simulate": "run.simulate",
+}
+"""The module of each public name, imported when the name is asked for: numpy, pydantic and fmpy take most of a second."""
+
+moved.install()
+
+if not TYPE_CHECKING:  # which knows the names from above, and wrong ones too
+
+    def __getattr__(name):
+        if name not in HOMES:
+            from softffd.spelling import did_you_mean, nearest_of
+
+            raise AttributeError(f"softffd has no {name!r}{did_you_mean(nearest_of(name, HOMES))}", name=name, obj=None)
+        globals()[name] = value = getattr(import_module(f"softffd.{HOMES[name]}"), name)
+        return value
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

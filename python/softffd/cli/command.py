@@ -122,7 +122,7 @@ def _build(options: argparse.Namespace) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from softffd.run.keep import keep_run, run_scene_or_fmu
+    from softffd.cli.keep import keep_run, run_scene_or_fmu
 
     settings = dict(_setting(text) for text in options.settings)
     folder = options.output or Path(f"softffd-{Path(options.what).stem}")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from softffd.cli.keep import keep_run, run_mesh, run_scene_or_fmu
 from softffd.fmu.package import package_fmu
-from softffd.run.keep import keep_run, run_mesh, run_scene_or_fmu
 from softffd.run.progress import ProgressLine
 from softffd.scene.scene import load_scene
 from softffd.show.picture import draw_history, draw_strip

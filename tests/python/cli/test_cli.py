@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import trimesh
 
-import softffd_command
+import softffd.__main__
 from mesh_files import ball
 from softffd import deform, load_scene, save_mesh
 from softffd.cli.command import main
@@ -256,7 +256,7 @@ def test_a_folder_that_cannot_be_is_refused_before_anything_runs(command, quick,
 
 
 def test_a_reader_that_has_enough_ends_the_command_quietly():
-    code = "import sys; from softffd_command import main; sys.exit(main())"
+    code = "import sys; from softffd.__main__ import main; sys.exit(main())"
     for command in ("schema", "scenes"):
         writer = subprocess.Popen([sys.executable, "-c", code, command], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         writer.stdout.close()
@@ -273,7 +273,7 @@ def test_an_interrupt_at_any_time_is_one_line(when, monkeypatch, capsys):
         monkeypatch.setattr(sys, "meta_path", [SimpleNamespace(find_spec=interrupt)])
     else:
         monkeypatch.setattr("softffd.cli.command._parser", interrupt)
-    assert softffd_command.main() == 130
+    assert softffd.__main__.main() == 130
     assert capsys.readouterr().err == "softffd: interrupted\n"
 
 

@@ -1,5 +1,0 @@
-import sys
-
-from softffd_command import main
-
-sys.exit(main())
