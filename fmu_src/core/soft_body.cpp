@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/arithmetic.hpp"
 #include "model/rigid_motion.hpp"
 
 namespace softffd {

@@ -182,7 +182,7 @@ class SoftBody {
 
   Definition definition_;
   Body body_;
-  Surroundings around_;
+  Drive around_;
   std::vector<StiffnessOverride> overrides_;
   std::vector<Vec3> pin_origins_;
   Cells cells_;

@@ -3,7 +3,7 @@
 #include <array>
 #include <memory>
 
-#include "error_estimate.hpp"
+#include "estimate.hpp"
 #include "logger.hpp"
 #include "model/basis.hpp"
 #include "scene_file.hpp"

@@ -3,7 +3,7 @@
 #include <iterator>
 
 #include "instance.hpp"
-#include "stepping/traits.hpp"
+#include "methods/traits.hpp"
 
 namespace softffd::fmi {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "error_estimate.hpp"
+#include "estimate.hpp"
 
 namespace softffd::fmi {
 

@@ -11,7 +11,7 @@ namespace softffd {
 struct Scene {
   Lattice lattice;
   Body body;
-  Surroundings around;
+  Drive around;
   State start;
   double duration;  ///< [s]
 };

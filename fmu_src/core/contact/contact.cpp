@@ -33,7 +33,7 @@ Contact::Contact(int points, int planes)
   active_.reserve(planes);
 }
 
-StepStatus Contact::clear_jumps(const Body& body, const Surroundings& around, double time, Points& x, bool& moved) {
+StepStatus Contact::clear_jumps(const Body& body, const Drive& around, double time, Points& x, bool& moved) {
   const int n = body.points();
   bool any = false;
   for (std::size_t q = 0; q < around.planes.size(); ++q) {

@@ -27,7 +27,8 @@
 #pragma once
 #include "contact/feasible.hpp"
 #include "forces/kick.hpp"
-#include "model/surroundings.hpp"
+#include "model/drive.hpp"
+#include "model/exchange.hpp"
 
 namespace softffd {
 
@@ -35,7 +36,7 @@ namespace softffd {
 struct StepView {
   const Body& body;
   const HalfKicks& kicks;
-  const Surroundings& around;
+  const Drive& around;
   const Points& spring;  ///< spring forces [N]
   const Points& force;   ///< outside forces [N]
   const Points& x0;      ///< positions at t0 [m]
@@ -47,7 +48,7 @@ class Contact {
   Contact(int points, int planes);
 
   /// Moves points out of planes at a communication point; velocities stay. Sets `moved` if there was any.
-  StepStatus clear_jumps(const Body& body, const Surroundings& around, double time, Points& x, bool& moved);
+  StepStatus clear_jumps(const Body& body, const Drive& around, double time, Points& x, bool& moved);
 
   /// After the free drift x1 = x0 + h v: corrects x1 and v of the points that would be behind a plane. `before`: v before the kick.
   StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, Exchange& exchange);

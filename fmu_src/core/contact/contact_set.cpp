@@ -34,7 +34,7 @@ ContactSet::ContactSet(const Lattice& lattice, int planes)
         }
 }
 
-void ContactSet::open(const Body& body, const Surroundings& around, double t, double h) {
+void ContactSet::open(const Body& body, const Drive& around, double t, double h) {
   for (std::size_t q = 0; q < around.planes.size(); ++q) {
     middle_[q] = around.planes[q].at(t + 0.5 * h);
     end_[q] = around.planes[q].at(t + h);

@@ -16,7 +16,7 @@
 #include "contact/feasible.hpp"
 #include "forces/body.hpp"
 #include "matrix/layer_matrix.hpp"
-#include "model/surroundings.hpp"
+#include "model/drive.hpp"
 
 namespace softffd {
 
@@ -41,7 +41,7 @@ class ContactSet {
   ContactSet(const Lattice& lattice, int planes);
 
   /// Opens a step from t to t + h; nothing touches yet. Pinned points have no freedom.
-  void open(const Body& body, const Surroundings& around, double t, double h);
+  void open(const Body& body, const Drive& around, double t, double h);
   const HalfSpace& plane(int q) const { return end_[q]; }
   /// Velocity of plane q's material under a point during the step, seen at mid-step [m/s].
   Vec3 material_velocity(int q, const Vec3& x) const { return middle_[q].material_velocity(x); }

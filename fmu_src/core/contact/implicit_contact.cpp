@@ -279,7 +279,7 @@ Vec3 ImplicitContact::pin_impulse(const Step& step, int p) const {
 }
 
 void ImplicitContact::book(const Step& step, bool watch, Exchange& exchange) const {
-  const Surroundings& around = step.equations.around;
+  const Drive& around = step.equations.around;
   for (int p : contacts_.points()) {
     for (int i = 0; i < contacts_.touches(p); ++i) {
       const int q = contacts_.touch(p, i).plane;

@@ -31,8 +31,7 @@ bool Reach::may_touch(const Equations& equations, const State& state, double H) 
   });
 }
 
-bool Reach::passed(const Surroundings& around, double t0, double t1, const Points& x0, const Points& v0, const Points& x1,
-                   const Points& v1) {
+bool Reach::passed(const Drive& around, double t0, double t1, const Points& x0, const Points& v0, const Points& x1, const Points& v1) {
   const double way = speed_margin * (t1 - t0) * std::max(largest_speed(v0), largest_speed(v1));
   return std::any_of(around.planes.begin(), around.planes.end(), [&](const Plane& plane) {
     const double after = least_gap(plane.at(t1), x1);
@@ -40,7 +39,7 @@ bool Reach::passed(const Surroundings& around, double t0, double t1, const Point
   });
 }
 
-bool Reach::clear(const Body& body, const Surroundings& around, double t, const Points& x) {
+bool Reach::clear(const Body& body, const Drive& around, double t, const Points& x) {
   return std::all_of(around.planes.begin(), around.planes.end(),
                      [&](const Plane& plane) { return least_gap(plane.at(t), x) > touching * body.length; });
 }

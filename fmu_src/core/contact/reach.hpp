@@ -11,9 +11,9 @@ class Reach {
   /// Could a point come to an obstacle within H, at its present speed and under the outside forces? A forecast.
   bool may_touch(const Equations& equations, const State& state, double H);
   /// Is a point behind an obstacle at t1, or could one have been in between, going by the gaps and speeds at both ends?
-  bool passed(const Surroundings& around, double t0, double t1, const Points& x0, const Points& v0, const Points& x1, const Points& v1);
+  bool passed(const Drive& around, double t0, double t1, const Points& x0, const Points& v0, const Points& x1, const Points& v1);
   /// Is every point at x off all obstacles at time t?
-  bool clear(const Body& body, const Surroundings& around, double t, const Points& x);
+  bool clear(const Body& body, const Drive& around, double t, const Points& x);
 
  private:
   double least_gap(const HalfSpace& obstacle, const Points& x);

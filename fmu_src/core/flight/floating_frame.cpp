@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "methods/traits.hpp"
 #include "model/rigid_motion.hpp"
-#include "stepping/traits.hpp"
 
 namespace softffd {
 

@@ -36,7 +36,7 @@ class FloatingFrame final : public OneStep {
 
   Ros34pw2& deformation_;
   RigidBody body_;
-  Surroundings around_;          ///< in the frame
+  Drive around_;                 ///< in the frame
   State shape_;                  ///< in the frame, at the start
   Points rest_, arm_, outside_;  ///< rest positions; arms at the start, world axes [m]
   Eigen::Matrix3d attitude_;     ///< Q

@@ -5,13 +5,14 @@
 /// Pinned points are no unknowns: they are where their frame is at the time of the stage, and their acceleration counts as zero.
 #pragma once
 #include "forces/body.hpp"
-#include "model/surroundings.hpp"
+#include "model/drive.hpp"
+#include "model/exchange.hpp"
 
 namespace softffd {
 
 struct Equations {
   const Body& body;
-  const Surroundings& around;
+  const Drive& around;
 
   /// Puts the pinned points of x on their frames at time t.
   void place_pins(double t, Points& x) const;

@@ -32,7 +32,7 @@ Vec3 collide(double friction, const HalfSpace& now, double inertia, double h, co
 
 }  // namespace
 
-void CentralDifference::step(const Body& body, const Surroundings& around, double t, double h, bool watch, const State& state,
+void CentralDifference::step(const Body& body, const Drive& around, double t, double h, bool watch, const State& state,
                              Exchange* exchange) {
   force_ = around.force;
   if (around.ramped) around.force_at(t, force_);
@@ -81,21 +81,21 @@ void CentralDifference::step(const Body& body, const Surroundings& around, doubl
   }
 }
 
-StepStatus CentralDifference::advance(const Body& body, const Surroundings& around, const Task& task, bool watch, State& state,
+StepStatus CentralDifference::advance(const Body& body, const Drive& around, const Span& span, bool watch, State& state,
                                       Exchange& exchange) {
-  if (state.previous_h != task.h) {
-    around.force_at(task.time(0), force_);
-    start(body, force_, task.h, state);
+  if (state.previous_h != span.h) {
+    around.force_at(span.time(0), force_);
+    start(body, force_, span.h, state);
   }
-  for (Count i = 0; i < task.steps; ++i) {
-    step(body, around, task.time(i), task.h, watch, state, &exchange);
-    if (watch && around.ramped) exchange.work += around.ramp_dot(task.time(i) + 0.5 * task.h, next_ - state.x);
+  for (Count i = 0; i < span.steps; ++i) {
+    step(body, around, span.time(i), span.h, watch, state, &exchange);
+    if (watch && around.ramped) exchange.work += around.ramp_dot(span.time(i) + 0.5 * span.h, next_ - state.x);
     state.previous.swap(state.x);
     state.x.swap(next_);
     body.internal_force(state.x, state.spring);
   }
-  step(body, around, task.time(task.steps), task.h, watch, state, nullptr);
-  state.v = (next_ - state.previous) / (2 * task.h);
+  step(body, around, span.time(span.steps), span.h, watch, state, nullptr);
+  state.v = (next_ - state.previous) / (2 * span.h);
   return StepStatus::ok;
 }
 

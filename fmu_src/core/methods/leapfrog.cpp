@@ -55,19 +55,19 @@ double damping_loss(const Body& body, double h, const Points& v0, const Points& 
 Leapfrog::Leapfrog(int points, int planes)
     : kicks_(points), contact_(points, planes), before_(points, 3), start_(points, 3), next_(points, 3), force_(points, 3) {}
 
-StepStatus Leapfrog::advance(const Body& body, const Surroundings& around, const Task& task, bool watch, State& state, Exchange& exchange) {
+StepStatus Leapfrog::advance(const Body& body, const Drive& around, const Span& span, bool watch, State& state, Exchange& exchange) {
   const bool planes = !around.planes.empty(), pins = !around.pins.empty();
   const Points& force = around.ramped ? force_ : around.force;
   const std::size_t n = state.x.size();
-  kicks_.prepare(body, task.h);
-  if (around.ramped) around.force_at(task.time(0), force_);
-  for (Count i = 0; i < task.steps; ++i) {
-    const double t0 = task.time(i), t1 = task.time(i + 1);
-    const StepView step{body, kicks_, around, state.spring, force, state.x, t0, t1, task.h};
+  kicks_.prepare(body, span.h);
+  if (around.ramped) around.force_at(span.time(0), force_);
+  for (Count i = 0; i < span.steps; ++i) {
+    const double t0 = span.time(i), t1 = span.time(i + 1);
+    const StepView step{body, kicks_, around, state.spring, force, state.x, t0, t1, span.h};
     if (planes || pins) before_ = state.v;
     if (watch && body.damped) start_ = state.v;
     kicks_.open(state.spring, force, state.v);
-    kernels::drift(n, task.h, state.x.data(), state.v.data(), next_.data());
+    kernels::drift(n, span.h, state.x.data(), state.v.data(), next_.data());
     if (pins) drift_pins(step, before_, state.v, next_, exchange);
     if (planes) {
       const StepStatus status = contact_.drift(step, before_, state.v, next_, exchange);
@@ -85,7 +85,7 @@ StepStatus Leapfrog::advance(const Body& body, const Surroundings& around, const
       const StepStatus status = contact_.close(step, before_, state.x, state.v, exchange);
       if (status != StepStatus::ok) return status;
     }
-    if (watch && body.damped) exchange.dissipated += damping_loss(body, task.h, start_, state.v);
+    if (watch && body.damped) exchange.dissipated += damping_loss(body, span.h, start_, state.v);
   }
   return StepStatus::ok;
 }

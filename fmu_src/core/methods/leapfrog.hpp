@@ -11,7 +11,7 @@ class Leapfrog {
   Leapfrog(int points, int planes);
   void body_changed() { kicks_.invalidate(); }
   /// Advances the state; on failure the state is spoilt and the caller restores it. `watch`: accumulate dissipated energy and work.
-  StepStatus advance(const Body& body, const Surroundings& around, const Task& task, bool watch, State& state, Exchange& exchange);
+  StepStatus advance(const Body& body, const Drive& around, const Span& span, bool watch, State& state, Exchange& exchange);
   /// Impacts so far (Contact::impacts).
   Count impacts() const { return contact_.impacts(); }
 

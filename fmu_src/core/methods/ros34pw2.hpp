@@ -18,9 +18,9 @@
 #pragma once
 #include <array>
 
-#include "matrix/factored.hpp"
 #include "matrix/stiffness_matrix.hpp"
 #include "methods/one_step.hpp"
+#include "model/factored.hpp"
 
 namespace softffd {
 

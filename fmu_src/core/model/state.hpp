@@ -1,7 +1,6 @@
-/// What the time integrators share: the state they advance and the task they are given.
+/// What the time integrators share: the state they advance and the span of time they are given.
 #pragma once
-#include "forces/body.hpp"
-#include "model/surroundings.hpp"
+#include "model/types.hpp"
 
 namespace softffd {
 
@@ -16,7 +15,7 @@ struct State {
 
 /// `steps` internal steps of size h; number i of them starts at origin + (first + i) h. Times are counted, not summed: cutting a stretch
 /// of time in two gives the same bits.
-struct Task {
+struct Span {
   double origin;
   Count first;
   double h;

@@ -1,13 +1,10 @@
 /// What the propagator is asked for, and what it remembers from one communication step to the next.
 #pragma once
-#include "matrix/factored.hpp"
+#include "model/factored.hpp"
+#include "model/method.hpp"
 #include "model/state.hpp"
 
 namespace softffd {
-
-/// Time integration methods; `automatic` takes one of the others for each communication step, `backward_euler` only where a stiff body is
-/// in contact, `floating_frame` only where one flies and turns.
-enum class Method { automatic, central_difference, leapfrog, bm4, rkn12, dop853, ros34pw2, backward_euler, floating_frame };
 
 /// Why a method took a communication step.
 enum class Reason {

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "methods/traits.hpp"
+#include "model/arithmetic.hpp"
 #include "model/rigid_motion.hpp"
-#include "stepping/traits.hpp"
 
 namespace softffd {
 

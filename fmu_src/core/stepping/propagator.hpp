@@ -24,8 +24,8 @@
 #include "methods/leapfrog.hpp"
 #include "methods/rkn12.hpp"
 #include "methods/ros34pw2.hpp"
+#include "methods/traits.hpp"
 #include "stepping/course.hpp"
-#include "stepping/traits.hpp"
 
 namespace softffd {
 
@@ -68,7 +68,7 @@ class Propagator {
   StepStatus run_fitted(const Job& job, Method method, double end, double pause_at);
   StepStatus run_controlled(const Job& job, Method method, double end, double pause_at);
   StepStatus run_stretch(const Job& job, Method method, double h, Count steps);
-  StepStatus take_steps(const Job& job, Method method, const Task& task, State& state, Exchange& exchange);
+  StepStatus take_steps(const Job& job, Method method, const Span& span, State& state, Exchange& exchange);
   double step_limit(const Job& job, Method method, bool given);
   double bound(const Job& job);
   double turning_limit(const Job& job, const Points& x, const Points& v);

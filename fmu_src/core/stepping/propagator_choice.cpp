@@ -2,8 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "methods/traits.hpp"
+#include "model/arithmetic.hpp"
 #include "stepping/propagator.hpp"
-#include "stepping/traits.hpp"
 #include "watch/vibration.hpp"
 
 namespace softffd {
@@ -33,31 +34,6 @@ constexpr double quiet_share = 0.3;
 constexpr double resolved = 8;
 
 }  // namespace
-
-double power(double base, int exponent) {
-  double product = 1;
-  for (int i = 0; i < exponent; ++i) product *= base;
-  return product;
-}
-
-Count divisions(double length, double limit) {
-  constexpr double most = 0x1p53;
-  return std::max(Count{1}, Count(std::min(most, std::ceil(length / limit * (1 - 1e-12)))));
-}
-
-double root(double value, int exponent, double low, double high) {
-  for (int i = 0; i < 40; ++i) {
-    const double middle = 0.5 * (low + high);
-    (power(middle, exponent) < value ? low : high) = middle;
-  }
-  return low;
-}
-
-ImplicitWork::ImplicitWork(const Lattice& lattice) {
-  const double layers = *std::max_element(lattice.counts.begin(), lattice.counts.end()), per_layer = lattice.points() / layers / 16;
-  factor = 30 * per_layer * per_layer;
-  step = 8 + 15 * per_layer;
-}
 
 bool Propagator::calibration_due(const Job& job, const Calibration& calibration, double H, bool jolt) {
   const Course& course = job.course;
@@ -98,8 +74,8 @@ double Propagator::trial_error(const Job& job, Method method, double h, Count st
   const double stretch = double(steps) * h;
   for (State* state : {&coarse_, &fine_}) {
     const Count parts = state == &fine_ ? 2 : 1;
-    const Task task{job.state.time, 0, h / double(parts), steps * parts};
-    if (take_steps(job, method, task, *state, scratch_) != StepStatus::ok) return 0;
+    const Span span{job.state.time, 0, h / double(parts), steps * parts};
+    if (take_steps(job, method, span, *state, scratch_) != StepStatus::ok) return 0;
   }
   return growing(job, coarse_, fine_, stretch);
 }
@@ -220,9 +196,9 @@ bool Propagator::fast_modes_are_quiet(const Job& job, Method method, double H, d
   const double way = std::min(H, 40 / bound(job));
   const Count steps = divisions(way, step_limit(job, Method::leapfrog, false));
   fine_ = job.state;
-  const Task task{job.state.time, 0, way / double(steps), steps};
+  const Span span{job.state.time, 0, way / double(steps), steps};
   spent += double(steps) * traits(Method::leapfrog).work + implicit_.step + implicit_.factor;
-  if (take_steps(job, Method::leapfrog, task, fine_, scratch_) != StepStatus::ok) return false;
+  if (take_steps(job, Method::leapfrog, span, fine_, scratch_) != StepStatus::ok) return false;
   trial_course_ = job.course;
   attempt({job.equations, job.request, job.state, trial_course_, scratch_}, method, job.state.time, way);
   fine_.x -= controlled(method).x;

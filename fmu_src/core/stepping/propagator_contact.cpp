@@ -2,8 +2,9 @@
 /// own trial. It is run twice, with h and h / 2, and the finer run counts; where that differs too much, again with smaller steps.
 #include <algorithm>
 
+#include "methods/traits.hpp"
+#include "model/arithmetic.hpp"
 #include "stepping/propagator.hpp"
-#include "stepping/traits.hpp"
 
 namespace softffd {
 

@@ -3,8 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include "methods/traits.hpp"
+#include "model/arithmetic.hpp"
 #include "stepping/propagator.hpp"
-#include "stepping/traits.hpp"
 
 namespace softffd {
 
@@ -87,30 +88,30 @@ StepStatus Propagator::run_fitted(const Job& job, Method method, double end, dou
 }
 
 StepStatus Propagator::run_stretch(const Job& job, Method method, double h, Count steps) {
-  const Task task{job.course.clock.origin, job.course.clock.count, h, steps};
+  const Span span{job.course.clock.origin, job.course.clock.count, h, steps};
   job.course.clock.count += steps;
   job.course.steps += steps;
   job.course.work += double(steps) * traits(method).work;
-  return take_steps(job, method, task, job.state, job.exchange);
+  return take_steps(job, method, span, job.state, job.exchange);
 }
 
-StepStatus Propagator::take_steps(const Job& job, Method method, const Task& task, State& state, Exchange& exchange) {
+StepStatus Propagator::take_steps(const Job& job, Method method, const Span& span, State& state, Exchange& exchange) {
   const Equations& equations = job.equations;
   const auto& [body, around] = equations;
   const bool watch = job.request.watch, planes = !around.planes.empty();
-  if (method == Method::central_difference) return central_difference_.advance(body, around, task, watch, state, exchange);
-  if (method == Method::leapfrog) return leapfrog_.advance(body, around, task, watch, state, exchange);
-  for (Count i = 0; i < task.steps; ++i) {
-    const double t = task.time(i);
+  if (method == Method::central_difference) return central_difference_.advance(body, around, span, watch, state, exchange);
+  if (method == Method::leapfrog) return leapfrog_.advance(body, around, span, watch, state, exchange);
+  for (Count i = 0; i < span.steps; ++i) {
+    const double t = span.time(i);
     if (planes) x0_ = state.x, v0_ = state.v;
     if (method == Method::bm4) {
-      bm4_.step(equations, t, task.h, watch, state, exchange);
+      bm4_.step(equations, t, span.h, watch, state, exchange);
     } else {
       job.course.factored.h = 0;  // nobody looks at the error of a given step: an old factor could spoil it
-      attempt({equations, job.request, state, job.course, exchange}, method, t, task.h);
+      attempt({equations, job.request, state, job.course, exchange}, method, t, span.h);
       accept(controlled(method), equations, state, exchange);
     }
-    if (planes && passes(equations, method, t, task.h, x0_, v0_, state.x, state.v)) return StepStatus::contact_ahead;
+    if (planes && passes(equations, method, t, span.h, x0_, v0_, state.x, state.v)) return StepStatus::contact_ahead;
   }
   return StepStatus::ok;
 }

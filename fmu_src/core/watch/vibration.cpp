@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "matrix/stiffness_matrix.hpp"
+#include "model/arithmetic.hpp"
 #include "model/rigid_motion.hpp"
-#include "stepping/traits.hpp"
 
 namespace softffd {
 

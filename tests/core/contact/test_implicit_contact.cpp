@@ -75,7 +75,7 @@ struct Scene {
 
   Lattice lattice;
   Body body;
-  Surroundings around;
+  Drive around;
   State state;
 };
 

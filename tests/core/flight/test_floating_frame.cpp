@@ -10,7 +10,7 @@ namespace {
 struct Scene {
   Lattice lattice;
   Body body;
-  Surroundings around;
+  Drive around;
   State start;
   Equations equations() const { return {body, around}; }
 };

@@ -11,7 +11,7 @@ using Matrix = Eigen::Matrix3d;
 struct Scene {
   Lattice lattice;
   Body body;
-  Surroundings around;
+  Drive around;
   Points x, v;
   Equations equations() const { return {body, around}; }
 };

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "model/lattice.hpp"
-#include "stepping/course.hpp"
+#include "model/method.hpp"
 
 namespace softffd {
 
@@ -50,12 +50,5 @@ struct ImplicitWork {
   double step, factor, frame = 10;
   explicit ImplicitWork(const Lattice& lattice);
 };
-
-/// base^exponent by multiplication.
-double power(double base, int exponent);
-/// Equal parts of a length that are not longer than the limit.
-Count divisions(double length, double limit);
-/// The root x of x^exponent = value, between low and high. Bisection: the C library's power differs in the last bit between processors.
-double root(double value, int exponent, double low, double high);
 
 }  // namespace softffd

@@ -1,4 +1,4 @@
-#include "error_estimate.hpp"
+#include "estimate.hpp"
 
 #include <cstdio>
 

@@ -1,10 +1,11 @@
-#include "error_estimate.hpp"
+#include "estimate.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "stepping/traits.hpp"
+#include "methods/traits.hpp"
+#include "model/arithmetic.hpp"
 
 namespace softffd {
 

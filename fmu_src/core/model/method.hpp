@@ -1,0 +1,10 @@
+/// The names of the time integration methods.
+#pragma once
+
+namespace softffd {
+
+/// Time integration methods; `automatic` takes one of the others for each communication step, `backward_euler` only where a stiff body is
+/// in contact, `floating_frame` only where one flies and turns.
+enum class Method { automatic, central_difference, leapfrog, bm4, rkn12, dop853, ros34pw2, backward_euler, floating_frame };
+
+}  // namespace softffd
