@@ -35,7 +35,7 @@ def _method(draft: Draft) -> Iterator[Fault]:
 
 def _names(draft: Draft) -> Iterator[Fault]:
     for section in ("plane", "pin", "load", "probe"):
-        owners = {}
+        owners: dict[str, KeyPath] = {}
         for position, item in enumerate(getattr(draft.scene, section)):
             path = (section, position, "name")
             if draft.sound(*path) and (owner := owners.setdefault(item.name, path)) != path:
@@ -62,7 +62,7 @@ def _selections(draft: Draft) -> Iterator[Fault]:
 def _all_selections(draft: Draft) -> Iterator[tuple[KeyPath, Any]]:
     scene = draft.scene
     single = (("inputs", "forces"), ("outputs", "positions"), ("outputs", "velocities"))
-    found = [(path, getattr(getattr(scene, path[0]), path[1])) for path in single]
+    found: list[tuple[KeyPath, Any]] = [(path, getattr(getattr(scene, path[0]), path[1])) for path in single]
     for section in ("region", "pin", "load"):
         found += [((section, n, "points"), item.points) for n, item in enumerate(getattr(scene, section))]
     if draft.sound("lattice", "points"):
@@ -157,7 +157,8 @@ def _not_in_box(bounds: np.ndarray, lattice: Lattice) -> list[str]:
 
 
 def _box_span(lattice: Lattice) -> str:
-    return _span(lattice.origin, np.add(lattice.origin, lattice.size))
+    lower = np.array(lattice.origin)
+    return _span(lower, lower + np.array(lattice.size))
 
 
 def _span(lower: Any, upper: Any) -> str:

@@ -6,6 +6,7 @@ the key must be given). The rest is a complete scene, on which the cross checks 
 first whether the values that it reads are the user's own.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -38,7 +39,7 @@ class Draft:
 
 def read_draft(document: dict, model: type[BaseModel]) -> Draft:
     """The draft of `model` from a parsed TOML file."""
-    document = _unshared(document)
+    document = unshared(document)
     draft = Draft(None)
     while draft.scene is None:
         try:
@@ -51,12 +52,17 @@ def read_draft(document: dict, model: type[BaseModel]) -> Draft:
     return draft
 
 
-def _unshared(value: Any) -> Any:
-    """A copy in which no two places hold the same table, so that one can be mended without the other; numpy's numbers as Python's."""
+def unshared(value: Any) -> Any:
+    """A copy in which no two places hold the same table, so that one can be mended without the other.
+
+    numpy's numbers become Python's, and sections the tables of the keys that were given.
+    """
     value = value.tolist() if isinstance(value, np.generic | np.ndarray) else value
-    if isinstance(value, dict):
-        return {key: _unshared(entry) for key, entry in value.items()}
-    return [_unshared(entry) for entry in value] if isinstance(value, list | tuple) else value
+    if isinstance(value, BaseModel):
+        value = {key: getattr(value, key) for key in value.model_fields_set}
+    if isinstance(value, Mapping):
+        return {key: unshared(entry) for key, entry in value.items()}
+    return [unshared(entry) for entry in value] if isinstance(value, list | tuple) else value
 
 
 def _overlap(one: KeyPath, other: KeyPath) -> bool:
@@ -76,7 +82,7 @@ def _take_out(document: dict, fault: Fault, model: type[BaseModel]) -> None:
     value = table.pop(key, None)
     if fault.meant and _required(model, fault.meant):
         table.setdefault(fault.meant[-1], value)
-    elif field := _required(model, fault.path[:length]):
+    elif (field := _required(model, fault.path[:length])) and field.examples:
         table[key] = field.examples[0]
 
 
@@ -85,13 +91,14 @@ def _required(model: type[BaseModel], path: KeyPath) -> FieldInfo | None:
     return field if field and field.is_required() else None
 
 
-def _key_around(document: dict, path: KeyPath) -> tuple[dict | list, str | int, int]:
+def _key_around(document: dict, path: KeyPath) -> tuple[dict | list, Any, int]:
     """The table, the key in it (of a list of tables: the position), and the path's length up to it."""
-    node, place = document, (document, path[0], 1)
+    node: Any = document
+    place: tuple[dict | list, Any, int] = (document, path[0], 1)
     for length, part in enumerate(path, start=1):
         if isinstance(node, dict) or (length == 2 and isinstance(node, list)):
             place = (node, part, length)
-        inside = part in node if isinstance(node, dict) else isinstance(node, list) and part < len(node)
+        inside = part in node if isinstance(node, dict) else isinstance(node, list) and isinstance(part, int) and part < len(node)
         if not inside:
             break
         node = node[part]

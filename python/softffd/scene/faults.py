@@ -5,6 +5,7 @@ A path in the file is a tuple such as ("plane", 1, "normal"), written plane[1].n
 
 import json
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, get_args, get_origin
 
@@ -93,10 +94,11 @@ def toml_text(value: Any, *, longest: int = 70) -> str:
 
 def field_at(model: type[BaseModel], path: KeyPath) -> FieldInfo | None:
     """The field that the last key of `path` names, None where there is no such key."""
-    field = None
+    field: FieldInfo | None = None
+    table: type[BaseModel] | None = model
     for key in (part for part in path if isinstance(part, str)):
-        field = model.model_fields.get(key) if model else None
-        model = _table_in(field.annotation) if field else None
+        field = table.model_fields.get(key) if table else None
+        table = _table_in(field.annotation) if field else None
     return field
 
 
@@ -106,14 +108,14 @@ def _table_in(annotation: Any) -> type[BaseModel] | None:
     return next((table for part in get_args(annotation) if (table := _table_in(part))), None)
 
 
-def _explain(entry: dict, path: KeyPath, model: type[BaseModel]) -> str:
+def _explain(entry: Mapping[str, Any], path: KeyPath, model: type[BaseModel]) -> str:
     field = field_at(model, path)
     got = "nothing" if entry["type"] == "missing" else toml_text(entry["input"])
     return f"wanted {_wanted(entry, field, path)}, got {got}{_nearest(entry, field)}"
 
 
 def _unknown_key(path: KeyPath, model: type[BaseModel]) -> Fault:
-    if nearest := nearest_of(path[-1], _keys_at(model, path[:-1])):
+    if nearest := nearest_of(str(path[-1]), _keys_at(model, path[:-1])):
         return Fault(path, f"unknown key{did_you_mean(nearest)}", meant=(*path[:-1], nearest))
     homes = [_head(name, model) for name in model.model_fields if path[-1] in _keys_at(model, (name,))]
     if homes:
@@ -133,21 +135,26 @@ def _head(name: str, model: type[BaseModel]) -> str:
     return f"[[{name}]]" if get_origin(model.model_fields[name].annotation) is tuple else f"[{name}]"
 
 
-def _wanted(entry: dict, field: FieldInfo | None, path: KeyPath) -> str:
+def _wanted(entry: Mapping[str, Any], field: FieldInfo | None, path: KeyPath) -> str:
     kind, context = entry["type"], entry.get("ctx", {})
-    if kind == "missing":
-        return field.description
-    if kind == "literal_error":
+    if kind == "missing" and field:
+        return field.description or "a value"
+    if kind == "literal_error" and field:
         return _either(_words(field.annotation))
     if kind in ("tuple_type", "model_type", "model_attributes_type"):
         return _table_form(entry, path)
-    unit = ((field.json_schema_extra or {}).get("unit", "1") if field else "1").replace("1", "")
+    unit = _unit(field).replace("1", "")
     for bound in SIGNS.keys() & context.keys():
         return f"{SIGNS[bound]} {context[bound]:g} {unit}".rstrip()
     return KINDS.get(kind, entry["msg"]) + (f" ({unit})" if unit else "")
 
 
-def _table_form(entry: dict, path: KeyPath) -> str:
+def _unit(field: FieldInfo | None) -> str:
+    extra = field.json_schema_extra if field else None
+    return str(extra.get("unit", "1")) if isinstance(extra, dict) else "1"
+
+
+def _table_form(entry: Mapping[str, Any], path: KeyPath) -> str:
     """What to write where a table is wanted: the single and the double brackets are easily confused."""
     if entry["type"] == "tuple_type":
         return f"tables, each under a head [[{path_text(path)}]] in double brackets"
@@ -166,7 +173,7 @@ def _either(words: list[str]) -> str:
     return " or ".join([", ".join(quoted[:-1]), quoted[-1]] if len(quoted) > 1 else quoted)
 
 
-def _nearest(entry: dict, field: FieldInfo | None) -> str:
-    if entry["type"] == "literal_error" and isinstance(entry["input"], str):
+def _nearest(entry: Mapping[str, Any], field: FieldInfo | None) -> str:
+    if entry["type"] == "literal_error" and field and isinstance(entry["input"], str):
         return did_you_mean(nearest_of(entry["input"], _words(field.annotation)))
     return did_you_mean(entry.get("ctx", {}).get("nearest"))

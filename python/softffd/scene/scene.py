@@ -1,20 +1,23 @@
 """The scene: one TOML file that says what the soft object is, what acts on it and what is wanted of it."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import PrivateAttr
+from pydantic import PrivateAttr, ValidationInfo, model_validator
 
-from softffd.errors import MeshError, SceneError
-from softffd.lattice import rest_grid, to_flat
-from softffd.scene import sections as sections
-from softffd.scene.checks import cross_check
+from softffd.errors import SceneError
+from softffd.lattice import LatticeBox, rest_grid, to_flat
+from softffd.scene.changes import changed
 from softffd.scene.document import find_scene, read_document, shipped_scenes, shown
-from softffd.scene.draft import Draft, read_draft
-from softffd.scene.faults import Fault, in_file_order
-from softffd.scene.quantity import key
+from softffd.scene.draft import unshared
+from softffd.scene.keys import SceneKeys
+from softffd.scene.schema import schema
 from softffd.scene.selection import Selection, flat_indices
+from softffd.scene.settle import settled
 from softffd.scene.template import template
 
 if TYPE_CHECKING:
@@ -22,32 +25,58 @@ if TYPE_CHECKING:
 
 __all__ = ["Scene", "load_scene", "scene_from", "schema", "shipped_scenes", "template"]
 
+NAMELESS = Path("scene.toml")
+"""Where a scene without a file would stand."""
 
-class Scene(sections.Section):
-    """A complete, valid scene, made by `load_scene` or `scene_from`; its attributes are the keys of the file.
 
-    Nothing is left open: `lattice.origin` and `.size` are filled, and one of `mass.total` and `.density`.
+class Scene(SceneKeys):
+    """A complete, valid scene that runs; its attributes are the keys of the file. There is no other: whatever makes one checks all of it.
+
+    `load_scene` reads a file; `Scene(material={"stiffness": 2e3}, ...)` and `Scene.model_validate(document)` take what a file would hold;
+    `replace` and `model_copy(update=...)` change one. All raise SceneError with all problems.
+    Nothing is left open: `lattice.origin` and `.size` are filled, and one of `mass.total` and `.density`. What was filled in is not taken
+    for given: it is filled anew in a changed scene. Scenes are equal when their keys, files and meshes are.
     """
 
-    title: sections.Text = key("Soft object", "what the scene shows, in one line: the FMU's description")
-    lattice: sections.Lattice = key(sections.Lattice(), "the volume around the object and its springs")
-    mesh: sections.MeshFile | None = key(None, "the embedded object; absent: the box alone")
-    mass: sections.Mass = key(sections.Mass(), "mass and how it is spread")
-    material: sections.Material = key(sections.Material(), "stiffness and damping")
-    region: tuple[sections.Region, ...] = key((), "local overrides; later ones win")
-    environment: sections.Environment = key(sections.Environment(), "what acts everywhere")
-    plane: tuple[sections.Plane, ...] = key((), "obstacles: half-spaces")
-    pin: tuple[sections.Pin, ...] = key((), "control points attached to rigid frames")
-    load: tuple[sections.Load, ...] = key((), "forces shared by several control points")
-    inputs: sections.Inputs = key(sections.Inputs(), "inputs besides those of planes, pins and loads")
-    initial: sections.Initial = key(sections.Initial(), "the state at the start")
-    probe: tuple[sections.Probe, ...] = key((), "points followed through the deformation")
-    outputs: sections.Outputs = key(sections.Outputs(), "what the FMU computes for others")
-    solver: sections.Solver = key(sections.Solver(), "how the motion is integrated")
-    experiment: sections.Experiment = key(sections.Experiment(), "the FMU's default experiment")
-
     _path: Path = PrivateAttr()
-    _mesh: "Mesh | None" = PrivateAttr(None)
+    _mesh: Mesh | None = PrivateAttr(None)
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _whole(cls, data: Any, handler: Callable[[Any], Scene], info: ValidationInfo) -> Scene:
+        """The scene of a document that stands at the context's `path`."""
+        if isinstance(data, Scene):
+            return data
+        path = Path((info.context or {}).get("path", NAMELESS)).absolute()
+        draft = settled(data, folder=path.parent, where=_called(path))
+        scene = handler({name: getattr(draft.scene, name) for name in draft.scene.model_fields_set})
+        scene._path, scene._mesh = path, draft.mesh
+        return scene
+
+    def replace(self, changes: Mapping[str, Any]) -> Scene:
+        """A scene with other values: scene.replace({"material.stiffness": 2e3, "plane.plate.friction": 0.1}).
+
+        An entry of a list goes by its name or its number from 0: plane.plate or plane[0]. None takes a key away, so that its default holds.
+        Raises SceneError with all problems.
+        """
+        document, problems = changed(unshared(self._given()), changes)
+        if problems:
+            raise SceneError(_called(self._path), problems)
+        return scene_from(document, path=self._path)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Scene:
+        """A copy, with other sections where `update` has some; checked like any scene."""
+        if not update:
+            return super().model_copy(deep=deep)
+        return scene_from({**self._given(), **update}, path=self._path)
+
+    def _given(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in self.model_fields_set}
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Scene):
+            return NotImplemented
+        return self.__dict__ == other.__dict__ and self._path == other._path and _same_mesh(self._mesh, other._mesh)
 
     @property
     def path(self) -> Path:
@@ -56,11 +85,18 @@ class Scene(sections.Section):
 
     @property
     def name(self) -> str:
-        """The file's stem: the FMU's modelName."""
+        """The file's stem, the FMU's modelName; "scene" without a file."""
         return self._path.stem
 
     @property
-    def loaded_mesh(self) -> "Mesh | None":
+    def box(self) -> LatticeBox:
+        """Counts, box at rest and basis of the lattice."""
+        lattice = self.lattice
+        assert lattice.origin is not None and lattice.size is not None  # filled in
+        return LatticeBox(lattice.points, lattice.origin, lattice.size, lattice.basis)
+
+    @property
+    def loaded_mesh(self) -> Mesh | None:
         """The mesh as it was read when the scene was loaded [m]; None without [mesh]."""
         return self._mesh
 
@@ -76,7 +112,7 @@ class Scene(sections.Section):
 
     def rest_positions(self) -> np.ndarray:
         """The control points at rest in flat order, (n, 3) [m]."""
-        return to_flat(rest_grid(self.lattice.points, self.lattice.origin, self.lattice.size))
+        return to_flat(rest_grid(self.lattice.points, self.box.origin, self.box.size))
 
 
 def load_scene(path_or_name: str | Path) -> Scene:
@@ -85,74 +121,21 @@ def load_scene(path_or_name: str | Path) -> Scene:
     return scene_from(read_document(path), path=path)
 
 
-def scene_from(document: dict[str, Any], *, path: str | Path = "scene.toml") -> Scene:
-    """The scene of a parsed TOML file (for sweeps that change a value and try again).
+def scene_from(document: Mapping[str, Any], *, path: str | Path = NAMELESS) -> Scene:
+    """The scene of a parsed TOML file.
 
     `path` is where the file might stand: its stem becomes the scene's name, its folder holds a mesh file.
     Raises SceneError with all problems.
     """
-    path = Path(path).absolute()
-    draft = read_draft(document, Scene)
-    _settle(draft, path.parent)
-    faults = draft.faults + cross_check(draft)
-    if faults:
-        raise SceneError(shown(path), [str(fault) for fault in in_file_order(faults, document)])
-    draft.scene._path, draft.scene._mesh = path, draft.mesh
-    return draft.scene
+    return Scene.model_validate(document, context={"path": path})
 
 
-def schema() -> dict[str, Any]:
-    """The JSON schema of the scene file, for editors that complete and check TOML."""
-    head = {"$schema": "http://json-schema.org/draft-07/schema#"}
-    about = {
-        "title": "softffd scene",
-        "description": "A soft object, what acts on it and what is wanted of it.",
-    }
-    return head | _without_null(Scene.model_json_schema()) | about
+def _called(path: Path) -> str:
+    """What messages call a scene: its file as one would name it, or "scene" where it has none."""
+    return shown(path) if path.name != NAMELESS.name or path.is_file() else NAMELESS.stem
 
 
-def _settle(draft: Draft, folder: Path) -> None:
-    """Loads the mesh and fills in what the file leaves open: the box, and the default of the total mass."""
-    scene, changes = draft.scene, {}
-    if scene.mesh is not None and draft.sound("mesh"):
-        changes["mesh"] = _filled(scene.mesh, file=folder / scene.mesh.file)
-        draft.mesh = _load_mesh(draft, changes["mesh"])
-    origin, size = _box(scene.lattice, draft.mesh)
-    changes["lattice"] = _filled(scene.lattice, origin=origin, size=size)
-    if scene.mass.density is None:
-        changes["mass"] = _filled(scene.mass, total=1.0 if scene.mass.total is None else scene.mass.total)
-    draft.scene = scene.model_copy(update=changes)
-
-
-def _filled(section: sections.Section, **values: Any) -> sections.Section:
-    """A copy with other values; `model_fields_set` still names the keys that the file gave."""
-    return type(section).model_construct(section.model_fields_set, **(dict(section) | values))
-
-
-def _load_mesh(draft: Draft, source: sections.MeshFile) -> "Mesh | None":
-    from softffd.mesh.mesh import load_mesh  # only scenes with a mesh pay for the import
-
-    try:
-        return load_mesh(source.file, scale=source.scale, up=source.up)
-    except MeshError as error:
-        draft.note(Fault(("mesh", "file"), " ".join(str(error).split())))
-        return None
-
-
-def _box(lattice: sections.Lattice, mesh: "Mesh | None") -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Origin and size [m]: as given, else those of the mesh's box grown by the margin, else the unit box."""
-    lower, upper = np.array([[0.0] * 3, [1.0] * 3]) if mesh is None else mesh.bounds
-    grown = lattice.margin * (upper - lower) if mesh is not None else np.zeros(3)
-    origin = lattice.origin or tuple((lower - grown).tolist())
-    return origin, lattice.size or tuple((upper - lower + 2 * grown).tolist())
-
-
-def _without_null(node: Any) -> Any:
-    """A schema without `null`, which TOML does not have: an absent key is simply not there."""
-    if isinstance(node, list):
-        return [_without_null(entry) for entry in node]
-    if not isinstance(node, dict):
-        return node
-    rest = {name: _without_null(value) for name, value in node.items() if value is not None}
-    arms = [arm for arm in rest.pop("anyOf", []) if arm != {"type": "null"}]
-    return rest | (arms[0] if len(arms) == 1 else {"anyOf": arms} if arms else {})
+def _same_mesh(one: Mesh | None, other: Mesh | None) -> bool:
+    if one is None or other is None or one is other:
+        return one is other
+    return np.array_equal(one.vertices, other.vertices) and np.array_equal(one.faces, other.faces)

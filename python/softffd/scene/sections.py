@@ -3,7 +3,7 @@
 import re
 import unicodedata
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
@@ -149,15 +149,18 @@ def _for_all_springs(value: float | Stiffness) -> Stiffness:
     return value if isinstance(value, Stiffness) else Stiffness(edge=value, face=value, body=value)
 
 
-StiffnessInput = Annotated[
-    Annotated[Number, Field(ge=0), Tag("<number>")] | Annotated[Stiffness, Tag("<table>")],
-    Discriminator(
-        _stiffness_form,
-        custom_error_type="wanted",
-        custom_error_message="a number or a table { edge = , face = , body = }",
-    ),
-    AfterValidator(_for_all_springs),
-]
+if TYPE_CHECKING:
+    StiffnessInput = Stiffness  # what either form becomes
+else:
+    StiffnessInput = Annotated[
+        Annotated[Number, Field(ge=0), Tag("<number>")] | Annotated[Stiffness, Tag("<table>")],
+        Discriminator(
+            _stiffness_form,
+            custom_error_type="wanted",
+            custom_error_message="a number or a table { edge = , face = , body = }",
+        ),
+        AfterValidator(_for_all_springs),
+    ]
 
 
 class Material(Section):

@@ -1,0 +1,25 @@
+"""All keys of a scene file, section by section, before anything is filled in or checked across sections."""
+
+from softffd.scene import sections
+from softffd.scene.quantity import key
+
+
+class SceneKeys(sections.Section):
+    """The keys of a scene file, each sound by itself."""
+
+    title: sections.Text = key("Soft object", "what the scene shows, in one line: the FMU's description")
+    lattice: sections.Lattice = key(sections.Lattice(), "the volume around the object and its springs")
+    mesh: sections.MeshFile | None = key(None, "the embedded object; absent: the box alone")
+    mass: sections.Mass = key(sections.Mass(), "mass and how it is spread")
+    material: sections.Material = key(sections.Material(), "stiffness and damping")
+    region: tuple[sections.Region, ...] = key((), "local overrides; later ones win")
+    environment: sections.Environment = key(sections.Environment(), "what acts everywhere")
+    plane: tuple[sections.Plane, ...] = key((), "obstacles: half-spaces")
+    pin: tuple[sections.Pin, ...] = key((), "control points attached to rigid frames")
+    load: tuple[sections.Load, ...] = key((), "forces shared by several control points")
+    inputs: sections.Inputs = key(sections.Inputs(), "inputs besides those of planes, pins and loads")
+    initial: sections.Initial = key(sections.Initial(), "the state at the start")
+    probe: tuple[sections.Probe, ...] = key((), "points followed through the deformation")
+    outputs: sections.Outputs = key(sections.Outputs(), "what the FMU computes for others")
+    solver: sections.Solver = key(sections.Solver(), "how the motion is integrated")
+    experiment: sections.Experiment = key(sections.Experiment(), "the FMU's default experiment")

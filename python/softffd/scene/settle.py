@@ -1,0 +1,69 @@
+"""From the keys that a document gives to a scene in which nothing is open: mesh read, box and mass filled in, all checked."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from softffd.errors import MeshError, SceneError
+from softffd.scene.checks import cross_check
+from softffd.scene.draft import Draft, read_draft
+from softffd.scene.faults import Fault, in_file_order, toml_text
+from softffd.scene.keys import SceneKeys
+from softffd.scene.sections import Lattice, MeshFile, Section
+
+if TYPE_CHECKING:
+    from softffd.mesh.mesh import Mesh
+
+AnySection = TypeVar("AnySection", bound=Section)
+
+
+def settled(document: Any, *, folder: Path, where: str) -> Draft:
+    """The draft of a document, complete and without faults; sections may be tables or instances, of which only what was given counts.
+
+    folder: holds the mesh file. where: what the scene is called in messages. Raises SceneError with all problems.
+    """
+    if not isinstance(document, Mapping):
+        raise SceneError(where, [f"wanted a table of sections, got {toml_text(document)}"])
+    draft = read_draft(dict(document), SceneKeys)
+    _settle(draft, folder)
+    if faults := draft.faults + cross_check(draft):
+        raise SceneError(where, [str(fault) for fault in in_file_order(faults, dict(document))])
+    return draft
+
+
+def _settle(draft: Draft, folder: Path) -> None:
+    """Loads the mesh and fills in what the file leaves open: the box, and the default of the total mass."""
+    scene, changes = draft.scene, {}
+    if scene.mesh is not None and draft.sound("mesh"):
+        changes["mesh"] = _filled(scene.mesh, file=folder / scene.mesh.file)
+        draft.mesh = _load_mesh(draft, changes["mesh"])
+    origin, size = _box(scene.lattice, draft.mesh)
+    changes["lattice"] = _filled(scene.lattice, origin=origin, size=size)
+    if scene.mass.density is None:
+        changes["mass"] = _filled(scene.mass, total=1.0 if scene.mass.total is None else scene.mass.total)
+    draft.scene = scene.model_copy(update=changes)
+
+
+def _filled(section: AnySection, **values: Any) -> AnySection:
+    """A copy with other values; `model_fields_set` still names the keys that the file gave."""
+    return type(section).model_construct(section.model_fields_set, **(dict(section) | values))
+
+
+def _load_mesh(draft: Draft, source: MeshFile) -> "Mesh | None":
+    from softffd.mesh.mesh import load_mesh  # only scenes with a mesh pay for the import
+
+    try:
+        return load_mesh(source.file, scale=source.scale, up=source.up)
+    except MeshError as error:
+        draft.note(Fault(("mesh", "file"), " ".join(str(error).split())))
+        return None
+
+
+def _box(lattice: Lattice, mesh: "Mesh | None") -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Origin and size [m]: as given, else those of the mesh's box grown by the margin, else the unit box."""
+    lower, upper = np.array([[0.0] * 3, [1.0] * 3]) if mesh is None else mesh.bounds
+    grown = lattice.margin * (upper - lower) if mesh is not None else np.zeros(3)
+    origin = lattice.origin or tuple((lower - grown).tolist())
+    return origin, lattice.size or tuple((upper - lower + 2 * grown).tolist())
