@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from softffd.fmu.package import scene_masses
+from softffd.lattice import point_at
+from softffd.names import variable_name
 from softffd.scene.scene import Scene
 
 
@@ -27,12 +29,7 @@ def resolved(scene: Scene, mass: np.ndarray | None = None) -> dict[str, Any]:
         "stiffness": [stiffness.edge, stiffness.face, stiffness.body],
         "damping": scene.material.damping,
         "regions": [{"points": points(r.points), "stiffness": r.stiffness, "damping": r.damping} for r in scene.region],
-        "forces": {f"load.{load.name}": points(load.points) for load in scene.load}
-        | {point_name("force", p, scene): [p] for p in points(scene.inputs.forces)},
+        "forces": {variable_name("load", load.name): points(load.points) for load in scene.load}
+        | {variable_name("force", point_at(p, lattice.points)): [p] for p in points(scene.inputs.forces)},
         "initial": scene.initial.model_dump(),
     }
-
-
-def point_name(family: str, p: int, scene: Scene) -> str:
-    """The name, without its axis, of a variable that belongs to a control point: "position[0,1,2]"."""
-    return f"{family}[{','.join(map(str, np.unravel_index(p, scene.lattice.points, order='F')))}]"

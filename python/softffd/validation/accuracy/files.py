@@ -21,12 +21,12 @@ Pictures = Mapping[str, Sequence[bytes]]
 
 def keep(folder: Path, measured: Sequence[Records], missing: Mapping[str, str], about: Mapping[str, Any], pictures: Pictures) -> None:
     """Writes accuracy.csv, accuracy.json, report.html and a SCENE.png of each scene into `folder`."""
-    files = {
+    files: dict[str, bytes | str] = {
         "accuracy.csv": csv_text(COLUMNS, (_row(records, run) for records in measured for run in records.runs)),
         "accuracy.json": json_text(_document(measured, missing, about)),
         "report.html": report_page(measured, missing, about, pictures),
     }
-    keep_files(folder, {f"{records.scene}.png": pictures[records.scene][0] for records in measured} | files)
+    keep_files(folder, files | {f"{records.scene}.png": pictures[records.scene][0] for records in measured})
 
 
 def _row(records: Records, run: Record) -> dict[str, Any]:

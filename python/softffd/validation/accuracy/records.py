@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from softffd.validation.accuracy.reference import Reference
+from softffd.validation.accuracy.reference import NO_REFERENCE, Reference
 from softffd.validation.accuracy.rig import Setting
 
 LEVELS = (1e-2, 1e-4, 1e-6, 1e-8)
@@ -78,7 +78,7 @@ class Records:
     points: int
     tolerance: float
     """The scene's own"""
-    reference: Reference | None = None
+    reference: Reference = NO_REFERENCE
     runs: list[Record] = field(default_factory=list)
     left_out: dict[str, str] = field(default_factory=dict)
     """Methods that were not run, and why"""

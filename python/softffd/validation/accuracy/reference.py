@@ -72,6 +72,10 @@ class Reference:
         return f"{self.method}, unconfirmed: {alone}{self.check} differs by {difference}"
 
 
+NO_REFERENCE = Reference(np.empty((0, 0, 3)), math.inf, "none", "nothing", False)
+"""As long as none is found."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Candidate:
     positions: np.ndarray

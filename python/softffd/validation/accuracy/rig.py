@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-import shutil
 import time as clock
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
-from tempfile import mkdtemp
 
 import numpy as np
 
 from softffd.errors import FmuError
-from softffd.fmu.component import Component
-from softffd.fmu.package import package_fmu
 from softffd.fmu.variables import spring_damping_present
+from softffd.lattice import all_points
+from softffd.names import variable_names
 from softffd.run.inputs import Inputs
 from softffd.run.simulate import communication_points, positive, require_memory, step_lengths
+from softffd.run.simulation import Simulation
 from softffd.scene.scene import Scene
 
 ENOUGH = 0.4
@@ -74,49 +72,36 @@ class Rig:
         require_memory(self.stop_time, self.communication_step, 24 * math.prod(scene.lattice.points))
         self.times = communication_points(self.stop_time, self.communication_step)
         self._steps = step_lengths(self.times, self.communication_step)
-        self._folder = Path(mkdtemp(prefix="softffd-"))
-        self._component: Component | None = None
+        self._source = Inputs(scene.default_inputs)
+        self._open()
         try:
-            self._fmu = package_fmu(_observed(scene), self._folder / f"{scene.name}.fmu")
-            self._open()
             self._read_inputs()
             self._begin(Setting(scene.solver.method))
-            self.stable_step = self._read("solver.stable_step")
+            self.stable_step = float(self._simulation.number("solver.stable_step"))
         except BaseException:
             self.close()
             raise
 
     def _open(self) -> None:
-        component = Component(self._fmu)
-        self._component = component
-        self.methods = list(component.variable("solver.method").items or {})
-        nx, ny, nz = self.scene.lattice.points
-        places = [f"position[{i},{j},{k}].{axis}" for k in range(nz) for j in range(ny) for i in range(nx) for axis in "xyz"]
-        self._positions = component.block(places)
-        self._fresh = True
+        """A new simulation with its kept buffers: that of the positions, of all inputs, and of those that the source gives itself."""
+        simulation = self._simulation = Simulation(_observed(self.scene))
+        self.methods = list(simulation.variables["solver.method"].items or {})
+        self._positions = simulation.block(variable_names("position", all_points(self.scene.lattice.points)))
+        self._inputs = simulation.block([*self._source.names, *self._source.derived_names])
+        self._driven = simulation.block(self._source.names)
 
     def _read_inputs(self) -> None:
-        source = Inputs(self.scene.default_inputs)
-        names, self.driven_names = [*source.names, *source.derived_names], source.names
-        self._inputs, self._driven = self._component.block(names), self._component.block(source.names)
         pairs = list(pairwise(self.times))
-        self.input_values = np.array([source.values(*pair) for pair in pairs]).reshape(len(pairs), -1)
-        self.input_rates = np.array([source.bends(*pair) for pair in pairs]).reshape(len(pairs), 3, -1)
+        self.driven_names = self._source.names
+        self.input_values = np.array([self._source.values(*pair) for pair in pairs]).reshape(len(pairs), -1)
+        self.input_rates = np.array([self._source.bends(*pair) for pair in pairs]).reshape(len(pairs), 3, -1)
 
     def _begin(self, setting: Setting) -> None:
-        component = self._component
-        if not self._fresh:
-            component.reset()
-        self._fresh = False
-        component.messages.clear()
-        values = {"solver.method": setting.method, "solver.step": setting.step}
-        if setting.tolerance:
-            values["solver.tolerance"] = setting.tolerance
-        component.initialize(values, stop_time=self.stop_time)
+        values = {"solver.step": setting.step} | ({"solver.tolerance": setting.tolerance} if setting.tolerance else {})
+        self._simulation.restart(method=setting.method, start_values=values, stop_time=self.stop_time)
         if self._inputs.names:
-            self._inputs.values[:] = self.input_values[0]
-            component.set(self._inputs)
-        component.exit_initialization()
+            self._inputs.set(self.input_values[0])
+        self._simulation.initialize()
 
     def run(self, setting: Setting, *, repeats: int = 1, most: float = math.inf, before: Run | None = None) -> Run:
         """Runs from 0 to the stop time up to `repeats` times (three times as often when short, fewer when long); the smallest time is kept.
@@ -125,33 +110,31 @@ class Rig:
         Raises FmuError with the component's own message, TooLong when more than `most` CPU time [s] is spent at a communication point.
         """
         try:
-            times = []
+            times: list[float] = []
             while not times or (len(times) < repeats * (3 if times[0] < SHORT else 1) and sum(times) + min(times) < ENOUGH):
                 self._begin(setting)
                 positions, elapsed = self._drive(most)
                 times.append(elapsed)
                 if before is not None and np.array_equal(positions, before.positions):
                     break
-            rejected = self._count("solver.rejected")
-            return Run(positions, min(times), len(times), self._count("solver.steps"), rejected)
+            return Run(positions, min(times), len(times), int(self._simulation.number("solver.steps")), self._rejected())
         except FmuError:
-            self._component.close()
+            self._simulation.close()
             self._open()
             raise
 
     def _drive(self, most: float) -> tuple[np.ndarray, float]:
-        component, inputs = self._component, self._inputs
-        rows = np.empty((len(self.times), len(self._positions.values)))
-        self._record(rows[0])
-        times = self.times.tolist()
+        inputs, positions, step = self._inputs, self._positions, self._simulation.step
+        driven, times = bool(inputs.names), self.times.tolist()
+        rows = np.empty((len(self.times), len(positions.names)))
+        rows[0] = positions.get()
         began = clock.process_time()
-        for row, step in enumerate(self._steps):
-            if inputs.names:
-                inputs.values[:] = self.input_values[row]
-                component.set(inputs)
-                component.set_rates(self._driven, self.input_rates[row])
-            component.do_step(times[row], step)
-            self._record(rows[row + 1])
+        for row, length in enumerate(self._steps):
+            if driven:
+                inputs.set(self.input_values[row])
+                self._driven.set_rates(self.input_rates[row])
+            step(length, end=times[row + 1])
+            rows[row + 1] = positions.get()
             if clock.process_time() - began > most:
                 raise TooLong(f"given up at {times[row + 1]:.3g} s: more than {most:.3g} s of CPU time")
         elapsed = clock.process_time() - began
@@ -159,27 +142,13 @@ class Rig:
             raise FmuError("the positions are not finite")
         return rows.reshape(len(rows), -1, 3), elapsed
 
-    def _record(self, row: np.ndarray) -> None:
-        self._component.get(self._positions)
-        row[:] = self._positions.values
-
-    def _count(self, name: str) -> int | None:
-        if name not in self._component.by_name:
-            return None
-        block = self._component.block([name], real=False)
-        self._component.get(block)
-        return int(block.values[0])
-
-    def _read(self, name: str) -> float:
-        block = self._component.block([name])
-        self._component.get(block)
-        return float(block.values[0])
+    def _rejected(self) -> int | None:
+        name = "solver.rejected"
+        return int(self._simulation.number(name)) if name in self._simulation else None
 
     def close(self) -> None:
         """Frees the FMU and its files."""
-        if self._component is not None:
-            self._component.close()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        self._simulation.close()
 
     def __enter__(self) -> Rig:
         return self

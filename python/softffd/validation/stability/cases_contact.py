@@ -217,7 +217,7 @@ def _corner(stiffness: float, findings: Findings) -> None:
         def each() -> None:
             findings.sound(drive, seen)
             conserves(findings, drive, scale=GRAVITY)
-            force.append(sum(drive.reaction(f"plane.{name}") for name in "abc"))
+            force.append(np.sum([drive.reaction(f"plane.{name}") for name in "abc"], axis=0))
 
         drive.run(3.0, 1e-2, each)
         error = np.abs(np.mean(force[-100:], axis=0) - gravity * drive.mass.sum()).max()

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import shutil
-from collections.abc import Callable, Mapping
-from pathlib import Path
-from tempfile import mkdtemp
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 
 from softffd.errors import FmuError
-from softffd.fmu.component import DISCARD, Component
-from softffd.fmu.package import package_fmu
+from softffd.fmu.component import DISCARD, Block
+from softffd.lattice import all_points
+from softffd.names import variable_names
 from softffd.run.inputs import Inputs
+from softffd.run.simulation import Simulation
 from softffd.scene.scene import Scene, scene_from
 from softffd.validation.mechanics import Body
 from softffd.validation.resolved import resolved
@@ -41,65 +41,52 @@ class Drive:
         self.resolved = resolved(self.scene)
         self.body = Body.of(self.resolved)
         self.mass = self.body.mass
-        self.time = 0.0
-        self._folder = Path(mkdtemp(prefix="softffd-"))
+        with _refusals():
+            self.simulation = Simulation(self.scene, start_values=settings)
         try:
-            self.component = Component(package_fmu(self.scene, self._folder / "case.fmu"))
-            nx, ny, nz = self.scene.lattice.points
-            places = [f"[{i},{j},{k}].{axis}" for k in range(nz) for j in range(ny) for i in range(nx) for axis in "xyz"]
-            self._x = self.component.block([f"position{place}" for place in places])
-            self._v = self.component.block([f"velocity{place}" for place in places])
-            self._blocks = {}
-            self._begin(settings or {})
+            points = list(all_points(self.scene.lattice.points))
+            self._x, self._v = (self.simulation.block(variable_names(family, points)) for family in ("position", "velocity"))
+            self._blocks: dict[str, Block] = {}
+            self._start()
         except BaseException:
             self.close()
             raise
 
-    def _begin(self, settings: Mapping[str, Any], stop_time: float | None = None) -> None:
-        self.time, self.moved, self.last_step = 0.0, {}, 0.0
-        self.component.messages.clear()
-        try:
-            self.component.initialize(dict(settings), stop_time=stop_time)
-            self.component.exit_initialization()
-        except FmuError as error:
-            raise Refused(str(error)) from None
+    def _start(self) -> None:
+        self.last_step = 0.0
+        with _refusals():
+            self.simulation.initialize()
         self.start_energy = self.energy()
 
     def restart(self, settings: Mapping[str, Any], stop_time: float | None = None) -> None:
         """From the start again, with other start values; stop_time [s]: what the host says of the end, for which the tolerance holds."""
-        self.component.reset()
-        self._begin(settings, stop_time)
+        with _refusals():
+            self.simulation.restart(start_values=settings, stop_time=stop_time)
+        self._start()
 
     def set(self, **vectors: Any) -> None:
         """Sets inputs: names with two underscores for a dot, values for all components: plane__lid__point=(0, 0, 1)."""
         for name, values in vectors.items():
-            name = name.replace("__", ".")
-            numbers = np.atleast_1d(np.asarray(values, float))
-            names = [name] if len(numbers) == 1 else [f"{name}.{axis}" for axis in ("xyz" if len(numbers) == 3 else "wxyz")]
-            block = self._block(tuple(names), True)
-            block.values[:] = numbers
-            self.component.set(block)
+            self._block(name.replace("__", ".")).set(values)
 
     def step(self, length: float) -> None:
         """One communication step [s]. Refused with the component's message; StateTouched when a discarded step has changed something."""
         before = self.x, self.v
         try:
-            self.component.do_step(self.time, length)
+            self.simulation.step(length)
         except FmuError as error:
-            if self.component.messages and self.component.messages[-1][0] == DISCARD and not self._is(*before):
+            if self.simulation.log and self.simulation.log[-1].status == DISCARD and not self._is(*before):
                 raise StateTouched(f"a discarded step has changed the state: {error}") from None
             raise Refused(str(error)) from None
-        self.time += length
         self.last_step = length
 
     def run(self, duration: float, step: float, each: Callable[[], None] | None = None, inputs: Inputs | None = None) -> None:
         """Steps of one length for a time [s]; each: called after every step; inputs: go linearly from step to step."""
-        block = self._block((*inputs.names, *inputs.derived_names), True) if inputs else None
+        given, driven = (self.simulation.block(names) for names in _input_names(inputs))
         for _ in range(max(1, round(duration / step))):
             if inputs:
-                block.values[:] = inputs.values(self.time, self.time + step)
-                self.component.set(block)
-                self.component.set_rates(self._block(tuple(inputs.names), True), inputs.rates(self.time, self.time + step))
+                given.set(inputs.values(self.time, self.time + step))
+                driven.set_rates(inputs.rates(self.time, self.time + step))
             self.step(step)
             if each:
                 each()
@@ -111,42 +98,39 @@ class Drive:
     def _is(self, x: np.ndarray, v: np.ndarray) -> bool:
         return np.array_equal(self.x, x) and np.array_equal(self.v, v)
 
-    def _block(self, names: tuple[str, ...], real: bool):
-        if names not in self._blocks:
-            self._blocks[names] = self.component.block(list(names), real=real)
-        return self._blocks[names]
+    def _block(self, name: str) -> Block:
+        """The kept block of a number or a vector."""
+        if name not in self._blocks:
+            self._blocks[name] = self.simulation.block([name])
+        return self._blocks[name]
 
-    def _vector(self, name: str) -> np.ndarray:
-        block = self._block(tuple(f"{name}.{axis}" for axis in "xyz"), True)
-        self.component.get(block)
-        return block.values.copy()
+    @property
+    def time(self) -> float:
+        """s"""
+        return self.simulation.time
 
     @property
     def x(self) -> np.ndarray:
         """Control points (n, 3) [m]."""
-        self.component.get(self._x)
-        return self._x.values.reshape(-1, 3).copy()
+        return self._x.get().reshape(-1, 3).copy()
 
     @property
     def v(self) -> np.ndarray:
         """Their velocities (n, 3) [m/s]."""
-        self.component.get(self._v)
-        return self._v.values.reshape(-1, 3).copy()
+        return self._v.get().reshape(-1, 3).copy()
 
     def reaction(self, plane: str) -> np.ndarray:
         """Mean force of the object on a plane or pin over the last step (3,) [N]; name as in the FMU: "plane.ground"."""
-        return self._vector(f"{plane}.reaction")
+        return self._block(f"{plane}.reaction").get().copy()
 
     def value(self, name: str) -> float:
         """A scalar output."""
-        block = self._block((name,), self.component.variable(name).type == "Real")
-        self.component.get(block)
-        return float(block.values[0])
+        return float(self._block(name).get()[0])
 
     @property
     def warned(self) -> str:
         """The component's warnings so far, in one text."""
-        return "; ".join(self.component.warnings())
+        return "; ".join(self.simulation.warnings)
 
     @property
     def centre(self) -> np.ndarray:
@@ -179,15 +163,26 @@ class Drive:
 
     def close(self) -> None:
         """Frees the FMU and its files."""
-        if component := getattr(self, "component", None):
-            component.close()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        self.simulation.close()
 
     def __enter__(self) -> Drive:
         return self
 
     def __exit__(self, *_exception) -> None:
         self.close()
+
+
+@contextmanager
+def _refusals() -> Iterator[None]:
+    try:
+        yield
+    except FmuError as error:
+        raise Refused(str(error)) from None
+
+
+def _input_names(inputs: Inputs | None) -> tuple[list[str], list[str]]:
+    """All that are set, and those of them that the source gives itself."""
+    return ([*inputs.names, *inputs.derived_names], inputs.names) if inputs else ([], [])
 
 
 def _observed(document: Mapping[str, Any] | Scene) -> Scene:

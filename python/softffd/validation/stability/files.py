@@ -44,12 +44,12 @@ def keep(folder: Path, survey: Survey, about: Mapping[str, Any]) -> None:
     drawn = pictures(survey)
     rows = [_cell_row(cell, judged) for cell, judged in survey.cells.items()]
     rows += [_case_row(name, outcome) for name, outcome in survey.outcomes.items()]
-    files = {
+    files: dict[str, bytes | str] = {
         "stability.csv": csv_text(COLUMNS, rows),
         "stability.json": json_text(_document(survey, about)),
         "report.html": report_page(survey, about, drawn),
     }
-    keep_files(folder, {f"{name}.png": png for name, png in drawn.items()} | files)
+    keep_files(folder, files | {f"{name}.png": png for name, png in drawn.items()})
 
 
 def _cell_row(cell: Cell, judged: Judged) -> dict[str, Any]:

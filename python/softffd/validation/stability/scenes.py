@@ -15,7 +15,7 @@ def box(
     stiffness: float = 1e3, damping: float = 0.0, *, points: tuple[int, int, int] = (4, 4, 4), method: str = "auto", **sections: Any
 ) -> dict[str, Any]:
     """A box of 1 m and 1 kg with springs of one stiffness [N/m] and a damping of each control point [N s/m]; other sections as given."""
-    document = {
+    document: dict[str, Any] = {
         "lattice": {"points": list(points)},
         "material": {"stiffness": stiffness, "damping": damping},
         "solver": {"method": method},

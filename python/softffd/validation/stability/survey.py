@@ -98,7 +98,7 @@ def planned(only: Sequence[str] = (), *, quick: bool = False, slowness: float = 
 def _panels() -> list[Panel]:
     """Every method of the FMU's enumeration; with given steps all but auto, which is leapfrog then."""
     with Drive(document("vibration")) as drive:
-        methods = list(drive.component.variable("solver.method").items or {})
+        methods = list(drive.simulation.variables["solver.method"].items or {})
     vibration = [Panel("vibration", method) for method in methods]
     given = [Panel("vibration", method, True) for method in methods if method != CHOSEN]
     rotation = [Panel("rotation", method) for method in methods]
@@ -118,7 +118,7 @@ def run(survey: Survey, note: Note) -> Iterator[str]:
             note(f"map, {panel}: k = {cell.stiffness:g} N/m, H = {cell.step:.3g} s")
         yield _panel_news(survey, panel)
     patience = {name: survey.slowness * min(CASES[name].patience, survey.most_patience) for name in survey.names}
-    results = guarded(run_named, survey.names, patience.get)
+    results = guarded(run_named, survey.names, patience.__getitem__)
     note(survey.names[0] if survey.names else "")
     for place, (name, result) in enumerate(zip(survey.names, results, strict=True)):
         outcome = survey.outcomes[name] = outcome_of(result, patience[name])

@@ -7,6 +7,7 @@ import re
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import SupportsFloat
 
 from softffd.validation.stability.drive import Drive, Refused, StateTouched
 from softffd.validation.stability.guard import Lost
@@ -44,15 +45,15 @@ class Findings:
     checks: list[Check] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
-    def check(self, what: str, measured: float, limit: float, *, bound: float | None = None) -> None:
+    def check(self, what: str, measured: SupportsFloat, limit: float, *, bound: float | None = None) -> None:
         """Adds an oracle."""
         self.checks.append(Check(what, float(measured), limit, bound))
 
-    def at_most(self, what: str, measured: float, limit: float, *, bound: float | None = None) -> None:
+    def at_most(self, what: str, measured: SupportsFloat, limit: float, *, bound: float | None = None) -> None:
         """The same for an oracle that is asked again and again: the worst is kept."""
         for place, check in enumerate(self.checks):
             if check.what == what:
-                if not measured <= check.measured:  # NaN is worst
+                if not float(measured) <= check.measured:  # NaN is worst
                     self.checks[place] = Check(what, float(measured), limit, bound)
                 return
         self.check(what, measured, limit, bound=bound)

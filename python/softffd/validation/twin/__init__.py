@@ -27,8 +27,10 @@ from softffd.fmu.model_description import GUID_PLACE, model_description
 from softffd.fmu.package import fmu_path, scene_masses
 from softffd.fmu.variables import variables
 from softffd.installed import table
+from softffd.lattice import point_at
+from softffd.names import variable_name
 from softffd.scene.scene import Scene
-from softffd.validation.resolved import point_name, resolved
+from softffd.validation.resolved import resolved
 
 __all__ = ["build_twin", "resolved_scene"]
 
@@ -88,7 +90,7 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
     """
 
     def at_points(family: str, selection) -> dict[str, int]:
-        return {point_name(family, p, scene): p for p in scene.select(selection).tolist()}
+        return {variable_name(family, point_at(p, scene.lattice.points)): p for p in scene.select(selection).tolist()}
 
     return resolved(scene, mass) | {
         "planes": [{"name": plane.name, "motion": plane.motion} for plane in scene.plane],
@@ -121,7 +123,7 @@ def _description(scene: Scene, mass: np.ndarray, content: str) -> str:
     guid = hashlib.sha256((text + content).encode()).hexdigest()[:32]
     root = Xml.fromstring(text.replace(GUID_PLACE, guid))
     root.set("generationTool", f"{root.get('generationTool')}, twin in numpy")
-    simulation = root.find("CoSimulation")
+    simulation, categories = (next(root.iter(tag)) for tag in ("CoSimulation", "LogCategories"))
     simulation.attrib.clear()
     simulation.attrib |= {
         "modelIdentifier": PACKAGE,
@@ -129,7 +131,6 @@ def _description(scene: Scene, mass: np.ndarray, content: str) -> str:
         "canHandleVariableCommunicationStepSize": "true",
         "canNotUseMemoryManagementFunctions": "true",
     }
-    categories = root.find("LogCategories")
     categories.clear()
     for category, words in _pythonfmu().Fmi2Slave.log_categories.items():
         Xml.SubElement(categories, "Category", name=category, description=words)

@@ -7,9 +7,10 @@ pinned one behind a plane.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..mechanics import Body
 from .fixtures import TOUCHING, HalfSpace, Pin, Surroundings, TwinError
@@ -24,7 +25,7 @@ class Motion:
     time: float
     x: np.ndarray
     v: np.ndarray
-    previous: np.ndarray | None = None
+    previous: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
     previous_step: float = 0.0
 
 
@@ -33,7 +34,7 @@ def size_of(vectors: np.ndarray) -> np.ndarray:
     return np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
-def quotient(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def quotient(a: ArrayLike, b: ArrayLike) -> np.ndarray:
     """a / b, and 0 where b is 0."""
     a, b = np.broadcast_arrays(a, b)
     return np.divide(a, b, out=np.zeros(b.shape), where=b > 0)

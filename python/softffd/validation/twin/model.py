@@ -23,6 +23,7 @@ class Model:
 
     def __init__(self, scene: dict):
         self.scene, self.rest = scene, np.array(scene["rest"])
+        self._material: list[float | None] | None = None
 
     def initialize(self, values: Mapping[str, float], time: float) -> None:
         """The state at the start; points behind a plane are moved onto it."""
@@ -47,7 +48,8 @@ class Model:
 
     def outputs(self) -> dict[str, float]:
         """Values of all outputs by name."""
-        found, scene = {}, self.scene
+        found: dict[str, float] = {}
+        scene = self.scene
         for what, rows in (("position", self.motion.x), ("velocity", self.motion.v)):
             for name, p in scene[what].items():
                 found |= _vector(name, rows[p])
