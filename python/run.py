@@ -2,7 +2,8 @@
 """Sets everything up in this folder and runs the program: needs Python 3.11 with venv, nothing else.
 
     python3 python/run.py demo                the car, with pictures
-    python3 python/run.py test [ARGUMENTS]    the test suite (pytest's arguments)
+    python3 python/run.py test [ARGUMENTS]    the tests, on all cores (pytest's arguments; -n 0: in one process)
+    python3 python/run.py test --full         with the long ones: complete matrices, endurance, importers, surveys
     python3 python/run.py bench               what each part of a scene costs
     python3 python/run.py release             a wheel with the libraries of all platforms (some ten minutes)
     python3 python/run.py build SCENE ...     any other command of softffd
@@ -23,6 +24,7 @@ from release import build_release
 ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / ".venv"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+BUILD = ROOT / "build" / "native"
 STAMP = VENV / "softffd-built"
 BUILT_FROM = ("pyproject.toml", "CMakeLists.txt", "LICENSE", "fmu_src", "modelDescription")
 LEAST_PYTHON = (3, 11)
@@ -77,6 +79,21 @@ def fingerprint():
     return digest.hexdigest()
 
 
+def requirements():
+    """What building, the package and its tests need."""
+    import tomllib  # with Python 3.11, which has been looked for by now
+
+    table = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    project = table["project"]
+    return [*table["build-system"]["requires"], *project["dependencies"], *project["optional-dependencies"]["test"]]
+
+
+def building_environment():
+    """That of the compiler, with the tools of .venv first."""
+    env = compiler_environment()
+    return env | {"PATH": f"{PYTHON.parent}{os.pathsep}{env['PATH']}"}
+
+
 def set_up():
     if sys.version_info < LEAST_PYTHON:
         stop(f"wanted Python {'.'.join(map(str, LEAST_PYTHON))} or newer, this is {platform.python_version()}")
@@ -85,7 +102,20 @@ def set_up():
         return
     make_venv()
     print("run.py: building and installing into .venv (a minute or two, once)", flush=True)
-    pip("install", "-e", f"{ROOT}[test]", env=compiler_environment())
+    pip("install", *requirements())
+    # in this environment and in a folder that stays: the C++ tests are made of the same objects
+    pip(
+        "install",
+        "--no-deps",
+        "--no-build-isolation",
+        "-C",
+        f"build-dir={BUILD}",
+        "-C",
+        "cmake.define.SOFTFFD_TESTS=OFF",
+        "-e",
+        ROOT,
+        env=building_environment(),
+    )
     STAMP.write_text(print_once)
 
 
@@ -98,7 +128,8 @@ def main():
     if arguments[0] == "release":
         return build_release(PYTHON)
     if arguments[0] == "test":
-        return subprocess.call([PYTHON, "-m", "pytest", *arguments[1:]], cwd=ROOT, env=compiler_environment())
+        parallel = ["-n", "auto", "--dist", "worksteal"]
+        return subprocess.call([PYTHON, "-m", "pytest", *parallel, *arguments[1:]], cwd=ROOT, env=compiler_environment())
     program = [ROOT / "benchmarks" / "feature_cost.py"] if arguments[0] == "bench" else ["-m", "softffd", *arguments]
     return subprocess.call([PYTHON, *program])
 

@@ -7,20 +7,22 @@ from pathlib import Path
 
 import pytest
 
+from locks import one_at_a_time
+
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted([*ROOT.glob("tests/core/**/test_*.cpp"), *ROOT.glob("tests/fmi/test_*.cpp")])
 
 
 @pytest.fixture(scope="session")
 def built() -> Path:
-    """The folder of the built test programs; configured once, rebuilt only where sources changed."""
-    folder = ROOT / "build" / "tests"
+    """The folder of the built test programs: run.py builds the library there too, so that objects are compiled once."""
+    folder = ROOT / "build" / "native"
     environment = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     options = ["-DCMAKE_BUILD_TYPE=Release", "-DSOFTFFD_TESTS=ON", f"-DPython3_EXECUTABLE={sys.executable}"]
-    commands = [["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", *options], ["cmake", "--build", folder]]
-    for command in commands:
-        done = subprocess.run(command, env=environment, capture_output=True, text=True)
-        assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    with one_at_a_time(folder):
+        for command in [["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", *options], ["cmake", "--build", folder]]:
+            done = subprocess.run(command, env=environment, capture_output=True, text=True)
+            assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
     return folder
 
 

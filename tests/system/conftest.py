@@ -1,13 +1,12 @@
-"""Scenes from text, and the stored reference data."""
+"""Scenes from text, and the driver FMUs."""
 
+import os
 from pathlib import Path
 
-import numpy as np
 import pytest
 
+from locks import one_at_a_time
 from softffd import load_scene
-
-GOLDEN = Path(__file__).resolve().parents[2].parent / "shared" / "golden"
 
 
 @pytest.fixture
@@ -22,24 +21,14 @@ def scene(tmp_path):
     return load
 
 
-@pytest.fixture
-def golden():
-    """golden(name) is the archive of a reference trajectory; the test is skipped where the data are not at hand."""
-
-    def load(name: str):
-        path = GOLDEN / f"{name}.npz"
-        if not path.is_file():
-            pytest.skip(f"the reference data {name}.npz are not beside this checkout (folder shared/golden)")
-        return np.load(path)
-
-    return load
-
-
 @pytest.fixture(scope="session")
 def drivers(tmp_path_factory) -> Path:
-    """A folder with the driver FMUs."""
+    """A folder with the driver FMUs, which all processes of a run share."""
     from softffd.drivers import build_drivers  # needs pythonfmu
 
-    folder = tmp_path_factory.mktemp("drivers")
-    build_drivers(folder)
+    run = tmp_path_factory.getbasetemp()
+    folder = (run.parent if "PYTEST_XDIST_WORKER" in os.environ else run) / "drivers"
+    with one_at_a_time(folder):
+        if not any(folder.iterdir()):
+            build_drivers(folder)
     return folder
