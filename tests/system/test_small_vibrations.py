@@ -47,8 +47,8 @@ def excited(stepper, frequency, shape, steps):
 def test_each_mode_vibrates_alone_with_its_own_frequency(scene, golden, topology, count):
     modes = golden("modes")
     with Stepper(scene(FREE.replace("TOPOLOGY", topology).replace("DAMPING", "0.0"))) as stepper:
-        for number in (6, 7, 8, 11, 20, 50, 99, 150, 190, 191):
-            frequency, shape = modes[f"omega_{count}"][number], modes[f"modes_{count}"][:, number]
+        for number, shape in zip(modes["numbers"], modes[f"modes_{count}"].T, strict=True):
+            frequency = modes[f"omega_{count}"][number]
             measured, expected = excited(stepper, frequency, shape, 100)
             # springs are linear but for terms of the order of the square of the amplitude over a spring's length
             assert np.abs(measured - expected).max() < 1e-4 * AMPLITUDE, f"mode {number}"
@@ -58,7 +58,7 @@ def test_each_mode_vibrates_alone_with_its_own_frequency(scene, golden, topology
 def test_the_topologies_differ_in_frequency_and_the_test_above_would_tell(scene, golden):
     modes = golden("modes")
     with Stepper(scene(FREE.replace("TOPOLOGY", "paper").replace("DAMPING", "0.0"))) as stepper:
-        measured, expected = excited(stepper, modes["omega_468"][6], modes["modes_468"][:, 6], 100)
+        measured, expected = excited(stepper, modes["omega_468"][6], modes["modes_468"][:, 0], 100)
     assert np.abs(measured - expected).max() > 0.1 * AMPLITUDE
 
 

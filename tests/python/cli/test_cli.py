@@ -20,8 +20,6 @@ from softffd.cli.command import main
 from softffd.fmu.component import Component
 from softffd.scene.scene import shipped_scenes
 
-SHARED = Path(__file__).resolve().parents[3].parent / "shared"
-
 QUICK = """
 title = "A quick box"
 [environment]
@@ -170,18 +168,14 @@ def test_the_mesh_that_run_writes_is_deformed_in_the_scene_s_basis(tmp_path):
 
 
 @pytest.mark.parametrize("file, distribution", MESHES)
-def test_real_meshes_run_with_every_fitting_distribution(file, distribution, tmp_path):
-    if not SHARED.is_dir():
-        pytest.skip("the folder of real meshes is not beside the project")
-    scene = mesh_scene(tmp_path, SHARED / "data" / file, distribution)
+def test_real_meshes_run_with_every_fitting_distribution(file, distribution, real_meshes, tmp_path):
+    scene = mesh_scene(tmp_path, real_meshes / file, distribution)
     assert main(["run", str(scene), "-o", str(tmp_path / "out")]) == 0
     assert (tmp_path / "out" / "deformed.obj").stat().st_size > 1e4
 
 
-def test_volume_of_an_open_mesh_is_refused_with_the_reason(tmp_path, capsys):
-    if not SHARED.is_dir():
-        pytest.skip("the folder of real meshes is not beside the project")
-    message = refused(capsys, "run", mesh_scene(tmp_path, SHARED / "data" / "beetle.obj", "volume"))
+def test_volume_of_an_open_mesh_is_refused_with_the_reason(real_meshes, tmp_path, capsys):
+    message = refused(capsys, "run", mesh_scene(tmp_path, real_meshes / "beetle.obj", "volume"))
     assert "mass.distribution" in message and "open" in message
 
 

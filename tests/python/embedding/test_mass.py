@@ -2,7 +2,6 @@
 
 from importlib import import_module
 from math import factorial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from softffd.embedding.quadrature import sufficient_degrees, triangle_rule
 from softffd.errors import SoftffdError
 from softffd.mesh.mesh import Mesh, load_mesh
 
-SHARED = Path(__file__).resolve().parents[3].parent / "shared" / "data"
 COUNTS = [(2, 2, 2), (4, 4, 4), (3, 6, 2), (9, 4, 12)]
 VOLUMES = [*((counts, "bezier") for counts in COUNTS), ((5, 6, 7), "bspline"), ((9, 4, 12), "bspline"), ((12, 8, 3), "bspline")]
 
@@ -326,10 +324,8 @@ def test_a_mesh_outside_the_box_is_refused():
 
 
 @pytest.mark.parametrize(("name", "closed"), [("beetle.obj", False), ("spot.obj", True)])
-def test_real_meshes_keep_total_and_centre_of_mass(name, closed):
-    if not SHARED.is_dir():
-        pytest.skip(f"the folder of real meshes, {SHARED}, is absent")
-    mesh = load_mesh(SHARED / name, up="y")
+def test_real_meshes_keep_total_and_centre_of_mass(name, closed, real_meshes):
+    mesh = load_mesh(real_meshes / name, up="y")
     for distribution in ["surface", "volume"][: 1 + closed]:
         found = masses(distribution, mesh, total=1200.0)
         assert found.mass.sum() == pytest.approx(1200.0, rel=1e-13)

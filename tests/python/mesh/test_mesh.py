@@ -12,8 +12,6 @@ from mesh_files import CORNERS, ENDINGS, FACES, PLY_TEXT, TETRAHEDRON, ball, bin
 from softffd.errors import MeshError
 from softffd.mesh.mesh import Mesh, load_mesh, merge_by_position, save_mesh
 
-SHARED = Path(__file__).resolve().parents[3].parent / "shared" / "data"
-
 
 @pytest.mark.parametrize("kind", ENDINGS)
 def test_a_mesh_survives_saving_and_loading(kind, tmp_path):
@@ -216,21 +214,20 @@ def test_trimesh_keeps_quiet_and_its_log_is_left_as_it_was(tmp_path, capsys, cap
     assert logging.getLogger("trimesh").level == level
 
 
-@pytest.mark.skipif(not SHARED.is_dir(), reason=f"the folder of real meshes, {SHARED}, is absent")
 class TestRealMeshes:
-    def test_the_beetle_is_open_and_has_no_texture(self):
-        beetle = load_mesh(SHARED / "beetle.obj", up="y")
+    def test_the_beetle_is_open_and_has_no_texture(self, real_meshes):
+        beetle = load_mesh(real_meshes / "beetle.obj", up="y")
         assert (len(beetle.vertices), len(beetle.faces)) == (1148, 2053)
         assert not beetle.closed and beetle.uv is None
 
-    def test_spot_is_closed_across_the_seams_of_its_texture(self):
-        spot = load_mesh(SHARED / "spot.obj", up="y")
+    def test_spot_is_closed_across_the_seams_of_its_texture(self, real_meshes):
+        spot = load_mesh(real_meshes / "spot.obj", up="y")
         assert len(merge_by_position(spot.vertices)[1]) == 2930 < len(spot.vertices)
         assert spot.closed and spot.uv.shape == (len(spot.vertices), 2)
 
     @pytest.mark.parametrize("kind", ["obj", "ply", "glb"])
-    def test_spot_s_texture_coordinates_survive(self, kind, tmp_path):
-        spot = load_mesh(SHARED / "spot.obj", up="y")
+    def test_spot_s_texture_coordinates_survive(self, kind, real_meshes, tmp_path):
+        spot = load_mesh(real_meshes / "spot.obj", up="y")
         save_mesh(spot, tmp_path / f"spot.{kind}")
         again = load_mesh(tmp_path / f"spot.{kind}")
         np.testing.assert_array_equal(again.faces, spot.faces)

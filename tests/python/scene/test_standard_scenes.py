@@ -1,15 +1,11 @@
 """The standard set is what it says."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from softffd import load_scene
 from softffd.run.inputs import read_csv
 from softffd.validation.accuracy.rig import Rig, Setting
-
-GOLDEN = Path(__file__).resolve().parents[3].parent / "shared" / "golden"
 
 
 @pytest.mark.parametrize(
@@ -32,9 +28,7 @@ def test_slow_loads_grow_as_the_smooth_step(name, largest):
         ("stiff_pull", "S2", Setting("leapfrog", step=1e-5), 5e-7),  # the load is linear over each 0.1 s here, smooth there
     ],
 )
-def test_scenes_are_those_of_the_stored_references(name, stored, setting, allowed):
-    if not GOLDEN.is_dir():
-        pytest.skip("the reference data are not beside this checkout (folder shared/golden)")
+def test_scenes_are_those_of_the_stored_references(name, stored, setting, allowed, golden):
     with Rig(load_scene(name)) as rig:
         positions = rig.run(setting).positions
-    assert np.abs(positions[1:] - np.load(GOLDEN / f"{stored}.npz")["x"]).max() < allowed
+    assert np.abs(positions[1:] - golden(stored)["x"]).max() < allowed

@@ -1,6 +1,5 @@
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,8 +12,6 @@ from softffd.show.panel import Panels, Shape, face_colours, view_axes
 from softffd.show.picture import draw_history, draw_run, draw_strip
 from softffd.show.stage import FREE, PINNED, stage_of
 from softffd.show.surface import cage_surface
-
-DATA = Path(__file__).resolve().parents[3].parent / "shared" / "data"
 
 
 def pixels(path):
@@ -106,10 +103,8 @@ def test_faces_take_their_colours_from_the_texture():
     assert (colours[height.max(axis=1) < 0.5] == [0, 0, 1]).all()
 
 
-def test_picture_of_a_real_mesh(tmp_path):
-    if not (DATA / "spot.obj").exists():
-        pytest.skip(f"spot.obj is not in {DATA}")
-    mesh = load_mesh(DATA / "spot.obj", up="y")
+def test_picture_of_a_real_mesh(real_meshes, tmp_path):
+    mesh = load_mesh(real_meshes / "spot.obj", up="y")
     origin, size = mesh.bounds[0], np.ptp(mesh.bounds, axis=0)
     image = pixels(draw_strip(made_up_run(), tmp_path / "s.png", mesh=mesh, moments=[1.2], origin=origin, size=size))
     assert ((image[..., 2] > image[..., 0] + 0.2).sum()) > 3000

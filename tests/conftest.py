@@ -1,0 +1,109 @@
+"""Which tests run, and the stored data that they are compared with.
+
+    pytest                  the short run: every feature, representative cells of the large matrices
+    pytest --full           everything
+    pytest --rotate KEY     of what the short run leaves out, the group that KEY (a commit's hash) chooses
+
+A test marked `full` is left to the long runs; a parametrised one marked `short("a-*", "b")` but for the cells of these ids.
+A test that is named on the command line (file::test) always runs.
+"""
+
+import gzip
+import json
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rotation import chosen_group
+
+DATA = Path(__file__).resolve().parent / "data"
+SECONDS = DATA / "seconds.json"
+
+
+def pytest_addoption(parser):
+    group = parser.getgroup("softffd")
+    group.addoption("--full", action="store_true", help="run the long tests too")
+    group.addoption("--rotate", metavar="KEY", help="run one group of the long tests, which KEY (a commit's hash) chooses")
+    group.addoption("--keep-seconds", action="store_true", help=f"write what each test took to {SECONDS.name}, by which groups are made")
+
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "full: left to the long runs")
+    config.addinivalue_line("markers", "short(*ids): of this matrix the short run takes the cells of these ids (with * and ?)")
+
+
+def pytest_collection_modifyitems(config, items):
+    refuse_idle_patterns(config, items)
+    if config.option.rotate:
+        long_ones = sorted(item.nodeid for item in items if is_long(item))
+        seconds = json.loads(SECONDS.read_text()) if SECONDS.is_file() else {}
+        wanted, config.rotation = chosen_group(long_ones, seconds, config.option.rotate)
+        keep(config, items, lambda item: item.nodeid in wanted)
+    elif not config.option.full and not any("::" in argument for argument in config.args):
+        keep(config, items, lambda item: not is_long(item))
+
+
+def is_long(item) -> bool:
+    cells = item.get_closest_marker("short")
+    if cells and not any(fnmatchcase(item.callspec.id, pattern) for pattern in cells.args):
+        return True
+    return item.get_closest_marker("full") is not None
+
+
+def keep(config, items, wanted) -> None:
+    config.hook.pytest_deselected(items=[item for item in items if not wanted(item)])
+    items[:] = [item for item in items if wanted(item)]
+
+
+def refuse_idle_patterns(config, items) -> None:
+    """A pattern of `short` that fits no cell says something that is not so."""
+    cells: dict[tuple[str, str], list[str]] = {}
+    for item in items:
+        for pattern in getattr(item.get_closest_marker("short"), "args", ()):
+            cells.setdefault((item.nodeid.partition("[")[0], pattern), []).append(item.callspec.id)
+    if any("::" in argument for argument in config.args):
+        return
+    for (test, pattern), ids in cells.items():
+        if not any(fnmatchcase(found, pattern) for found in ids):
+            raise pytest.UsageError(f"{test}: short({pattern!r}) fits none of its cells, {', '.join(ids[:5])}, ...")
+
+
+def pytest_sessionfinish(session):
+    if hasattr(session.config, "workeroutput"):  # a process of pytest-xdist
+        session.config.workeroutput["rotation"] = getattr(session.config, "rotation", None)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node):
+    node.config.rotation = getattr(node, "workeroutput", {}).get("rotation")
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    if rotation := getattr(config, "rotation", None):
+        terminalreporter.write_line(rotation)
+    if config.option.keep_seconds:
+        took: dict[str, float] = {}
+        for reports in terminalreporter.stats.values():
+            for report in reports:
+                if hasattr(report, "duration"):
+                    took[report.nodeid] = took.get(report.nodeid, 0.0) + report.duration
+        kept = json.loads(SECONDS.read_text()) if SECONDS.is_file() else {}
+        kept |= {test: round(seconds, 1) for test, seconds in took.items()}
+        SECONDS.write_text(json.dumps(dict(sorted(kept.items())), indent=0) + "\n")
+
+
+@pytest.fixture
+def golden():
+    """golden(name) is the archive of a reference solution in tests/data."""
+    return lambda name: np.load(DATA / f"{name}.npz")
+
+
+@pytest.fixture(scope="session")
+def real_meshes(tmp_path_factory) -> Path:
+    """A folder with beetle.obj (open) and spot.obj (closed, with texture coordinates); y is up."""
+    folder = tmp_path_factory.mktemp("real_meshes")
+    for packed in DATA.glob("*.obj.gz"):
+        (folder / packed.stem).write_bytes(gzip.decompress(packed.read_bytes()))
+    return folder

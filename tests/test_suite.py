@@ -1,0 +1,21 @@
+"""The long tests are shared out among groups that rotate."""
+
+from rotation import GROUP_SECONDS, chosen_group, groups
+
+TESTS = [f"tests/a.py::test_{number}" for number in range(400)]
+SECONDS = {test: 1.0 + 37 * number % 23 for number, test in enumerate(TESTS[:300])}
+
+
+def test_every_long_test_is_in_one_group():
+    assert sorted(test for part in groups(TESTS, SECONDS) for test in part) == sorted(TESTS)
+
+
+def test_groups_are_evenly_filled_and_short_enough():
+    filled = [sum(SECONDS.get(test, 3.0) for test in part) for part in groups(TESTS, SECONDS)]
+    assert len(filled) > 4 and max(filled) <= GROUP_SECONDS and max(filled) - min(filled) <= 23.0  # s; the longest test
+
+
+def test_the_same_key_chooses_the_same_group_and_keys_reach_every_group():
+    chosen = {frozenset(chosen_group(TESTS, SECONDS, f"commit {number}")[0]) for number in range(200)}
+    assert chosen == {frozenset(part) for part in groups(TESTS, SECONDS)}
+    assert chosen_group(TESTS, SECONDS, "abc") == chosen_group(TESTS, SECONDS, "abc")
