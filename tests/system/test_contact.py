@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+import reference
 from readings import assert_nothing_is_behind, gaps, plane_poses, points, vector, velocities
 from softffd import FmuError, simulate
+from softffd.rotation import turned
 from stepping import Stepper
 
 BOUNCING = """
@@ -214,13 +216,13 @@ def test_a_plane_moved_by_input_is_the_plane_of_the_scene(scene):
 
 
 def test_a_plane_turned_by_input_is_the_plane_of_the_scene(scene):
-    def turned(time):
+    def pose(time):
         normal = turned(np.array([0.0, 0.0, 1.0]), np.array([0.3, -0.4, 0.5]) * time)
         named = {"normal": normal, "angular_velocity": (0.3, -0.4, 0.5)}
         return {f"plane.lift.{what}.{c}": v for what, values in named.items() for c, v in zip("xyz", values, strict=True)}
 
     fixed = simulate(scene(LIFTED.replace("MOTION", "angular_velocity = [0.3, -0.4, 0.5]")), step=5e-3)
-    moved = simulate(scene(LIFTED.replace("MOTION", 'motion = "input"')), step=5e-3, inputs=turned)
+    moved = simulate(scene(LIFTED.replace("MOTION", 'motion = "input"')), step=5e-3, inputs=pose)
     assert_nothing_is_behind(moved)
     assert points(moved) == pytest.approx(points(fixed), abs=1e-11)
 
@@ -239,12 +241,20 @@ def test_a_plane_that_jumps_into_the_body_moves_points_without_giving_them_veloc
 
 def test_a_jump_compresses_the_springs_which_then_push_back(scene):
     text = LIFTED.replace("MOTION", 'motion = "input"').replace("[environment]\ngravity = [0.0, 0.0, -9.81]\n", "")
+    h = 5e-4
     with Stepper(scene(text)) as stepper:
+        jumped = stepper.positions()
+        jumped[:16, 2] = 0.05
         stepper.set({"plane.lift.point.z": 0.05})
-        stepper.step(5e-4)
-        assert stepper.positions()[:16, 2] == pytest.approx(np.full(16, 0.05), abs=1e-15)
-        assert np.abs(stepper.velocities()).max() < 5e-4 * 64 * 2e3 * 0.05 * 9  # one step of nine springs a point
-        assert stepper.vector("plane.lift.reaction")[2] < -1000
+        stepper.step(h)
+        x, v, reaction = stepper.positions(), stepper.velocities(), stepper.vector("plane.lift.reaction")
+    model, share = reference.cube(stiffness=2e3, damping=0.05), 0.05 * 64 * h / 2
+    before = 32 * h * model.spring_force(jumped)  # half a kick of leapfrog, then the next one where the points are now
+    after = ((1 - share) * before + 64 * h * model.spring_force(x)) / (1 + share)
+    assert x[:16, 2] == pytest.approx(np.full(16, 0.05), abs=1e-15) and np.all(v[:16, 2] == 0)
+    assert x[16:] == pytest.approx((jumped + h * before)[16:], abs=1e-15)
+    assert v[16:] == pytest.approx((0.5 * (before + after))[16:], abs=1e-12)  # up to 12 m/s; rounding
+    assert -reaction[2] == pytest.approx(-0.5 * (model.spring_force(jumped) + model.spring_force(x))[:16, 2].sum(), rel=1e-9)
 
 
 def test_a_plane_behind_the_body_at_the_start_lifts_it_out(scene):

@@ -29,7 +29,7 @@ error_estimate = true
 @pytest.mark.parametrize("method", ["leapfrog", "central_difference", "bm4", "rkn12", "dop853", "ros34pw2"])
 @pytest.mark.parametrize("radians", [3.0, 8.0, 800.0, 8000.0])
 def test_the_estimate_tells_of_a_vibration_that_the_steps_lose(scene, method, radians):
-    """Exactly: centre + (1 + 0.01 cos(omega t)) (rest - centre), omega = 8 sqrt(k / (1 kg)). 10: what counts as stated elsewhere too."""
+    """Exactly: centre + (1 + 0.01 cos(omega t)) (rest - centre), omega = 8 sqrt(k / (1 kg)). Stated is 0.41 to 3.3 times the error."""
     omega = 8 * math.sqrt(1e4)
     H, error = radians / omega, 0.0
     with Stepper(scene(BOX.format(method=method, step=H))) as box:
@@ -39,19 +39,19 @@ def test_the_estimate_tells_of_a_vibration_that_the_steps_lose(scene, method, ra
             exact = 0.5 * (1 + STRETCH) + (1 + STRETCH * math.cos(omega * box.time)) * rest
             error = max(error, np.linalg.norm(box.positions() - exact, axis=1).max())
         stated = box.read("solver.error_estimate")[0]
-    assert error <= 10 * stated
-    assert stated <= 20 * max(error, 1e-3)
+    assert error / 3 <= stated <= 4 * error
 
 
-@pytest.mark.parametrize("method", ["leapfrog", "bm4", "rkn12", "dop853"])
-def test_where_nothing_is_lost_the_estimate_is_what_it_was(scene, method):
-    """Steps of a tenth of a radian: estimate and error agree within a factor of three."""
+@pytest.mark.parametrize(("method", "radians"), [("leapfrog", 0.1), ("bm4", 0.1), ("rkn12", 3.0), ("dop853", 1.0)])
+def test_where_nothing_is_lost_the_estimate_is_what_it_was(scene, method, radians):
+    """Steps that resolve the vibration, with errors above rounding: the estimate is the error of the coordinate that has most of it."""
     omega = 8 * math.sqrt(1e4)
-    H, error = 0.1 / omega, 0.0
+    H, error = radians / omega, 0.0
     with Stepper(scene(BOX.format(method=method, step=H))) as box:
         rest = (box.positions() - 0.5 * (1 + STRETCH)) / (1 + STRETCH)
         for _ in range(200):
             box.step(H)
             exact = 0.5 * (1 + STRETCH) + (1 + STRETCH * math.cos(omega * box.time)) * rest
             error = max(error, np.abs(box.positions() - exact).max())
-        assert box.read("solver.error_estimate")[0] == pytest.approx(error, rel=2.0, abs=1e-13)
+        assert error > 1e-11
+        assert box.read("solver.error_estimate")[0] == pytest.approx(error, rel=0.05)
