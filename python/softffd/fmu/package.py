@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-import zipfile
 from pathlib import Path
 from typing import Any
 
 from softffd.embedding.mass import Masses, point_masses
 from softffd.errors import SoftffdError
-from softffd.files import replacing
+from softffd.fmu.archive import write_archive
+from softffd.fmu.deflated import deflate, deflated_file
 from softffd.fmu.interface import Interface, scene_interface
 from softffd.fmu.model_description import GUID_PLACE, model_description
 from softffd.fmu.records import NAME, scene_records, scene_text
@@ -47,21 +47,21 @@ def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None =
     """
     _require_scene(scene, "package_fmu")
     path = fmu_path(path)
-    texts, _ = _texts(scene)
-    entries = {
-        **texts,
+    texts, _ = scene_texts(scene)
+    files = {
         **_files_below(data_folder() / "documentation", "documentation"),
-        "model.png": (data_folder() / "model.png").read_bytes(),
-        **{f"binaries/{name}/{file.name}": file.read_bytes() for name, file in libraries(platforms).items()},
+        "model.png": data_folder() / "model.png",
+        **{f"binaries/{name}/{file.name}": file for name, file in libraries(platforms).items()},
     }
-    _write_archive(path, entries)
+    entries = {name: deflate(text) for name, text in texts.items()} | {name: deflated_file(file) for name, file in files.items()}
+    write_archive(path, entries)
     return path
 
 
 def write_folder(scene: Scene, folder: Path) -> Interface:
     """Writes what a run of the scene's FMU reads to a folder that exists: no archive, and the library stays where it is installed."""
     _require_scene(scene, "a run")
-    texts, interface = _texts(scene)
+    texts, interface = scene_texts(scene)
     (folder / "resources").mkdir()
     for name, text in texts.items():
         (folder / name).write_bytes(text)
@@ -73,7 +73,7 @@ def _require_scene(scene: Any, who: str) -> None:
         raise SoftffdError(f"{who}: wanted a Scene, got {scene!r:.70}; load_scene gives the scene of a file")
 
 
-def _texts(scene: Scene) -> tuple[dict[str, bytes], Interface]:
+def scene_texts(scene: Scene) -> tuple[dict[str, bytes], Interface]:
     """The two files of an FMU that differ from scene to scene, and what they say to a host."""
     mass = scene_masses(scene).mass
     listed = variables(scene, mass)
@@ -101,17 +101,5 @@ def _guid(description: str, records: str) -> str:
     return "{" + "-".join([digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32]]) + "}"
 
 
-def _files_below(folder: Path, name: str) -> dict[str, bytes]:
-    return {f"{name}/{file.relative_to(folder).as_posix()}": file.read_bytes() for file in folder.rglob("*") if file.is_file()}
-
-
-def _write_archive(path: Path, entries: dict[str, bytes]) -> None:
-    """Sorted entries, fixed time stamps and modes."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as stream, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name in sorted(entries, key=lambda entry: (entry != "modelDescription.xml", entry)):
-            info = zipfile.ZipInfo(name, (2020, 1, 1, 0, 0, 0))
-            info.compress_type = zipfile.ZIP_DEFLATED
-            info.create_system = 3
-            info.external_attr = 0o644 << 16
-            archive.writestr(info, entries[name])
+def _files_below(folder: Path, name: str) -> dict[str, Path]:
+    return {f"{name}/{file.relative_to(folder).as_posix()}": file for file in folder.rglob("*") if file.is_file()}
