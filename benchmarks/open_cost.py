@@ -5,7 +5,8 @@
 A run of one communication step of the shipped `press`: from the scene (its folder is written, the installed library is loaded), and from
 its FMU (packed, unpacked, its XML read), which is how scenes ran before. Packing with the library compressed at build time, and with
 zipfile compressing it anew. The same with a library for each of four platforms installed (copies of this machine's one). Last, importing
-softffd against importing numpy and fmpy's ctypes layer, each in a process of its own. Smallest of several times; the ratios are what to read.
+softffd against importing numpy and fmpy's ctypes layer, each in a process of its own. Smallest of several
+times; the ratios are what to read.
 
 Predicted: of 70 ms for a run of one step 40 were compression, 8 unpacking, 8 reading XML; left are the masses, the text of 250 variables
 and binding 34 functions, 15 ms: 0.2. Packing without compression leaves the texts' own: 0.2. The import of nothing but a table: below 0.1.

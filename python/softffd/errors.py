@@ -19,3 +19,9 @@ class MeshError(SoftffdError):
 
 class FmuError(SoftffdError):
     """An FMU, one of its variables or one of its steps that cannot be used as asked."""
+
+
+class UnknownName(FmuError, KeyError):
+    """A name that is not there; also a KeyError, as mappings want it."""
+
+    __str__ = Exception.__str__

@@ -23,7 +23,7 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
 )
 
-from softffd.errors import FmuError
+from softffd.errors import FmuError, UnknownName
 from softffd.fmu.interface import ScalarVariable, read_interface
 from softffd.fmu.records import read_lattice
 from softffd.lattice import LatticeBox
@@ -207,7 +207,7 @@ class Component:
     def variable(self, name: str) -> ScalarVariable:
         """The variable of this name; FmuError with the nearest spelling otherwise."""
         if name not in self.by_name:
-            raise FmuError(f"{name}: the FMU has no such variable{did_you_mean(nearest_of(str(name), self.by_name))}")
+            raise UnknownName(f"{name}: the FMU has no such variable{did_you_mean(nearest_of(str(name), self.by_name))}")
         return self.by_name[name]
 
     def block(self, names: Sequence[str], *, real: bool = True) -> Block:

@@ -1,11 +1,13 @@
 """A triangle mesh and its files: nothing damaged comes through, every fault is one clear paragraph."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from PIL import Image
 
 from softffd.errors import MeshError
 from softffd.files import write_bytes
@@ -13,6 +15,9 @@ from softffd.mesh.glb import quiet_trimesh, read_glb
 from softffd.mesh.obj import read_obj, write_obj
 from softffd.mesh.ply import read_ply
 from softffd.mesh.stl import read_stl
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 _READERS = {".obj": read_obj, ".stl": read_stl, ".ply": read_ply, ".glb": read_glb}
 

@@ -1,12 +1,16 @@
 """What a mesh file holds, polygons with their texture coordinates apart, and how triangles are made of it."""
 
+from __future__ import annotations
+
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from PIL import Image
 
 from softffd.errors import MeshError
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 
 class Triangles(NamedTuple):
@@ -37,6 +41,8 @@ def assemble(positions, corners, counts, *, texels=None, texel_corners=None, tex
 
 def open_texture(file: Path) -> Image.Image | None:
     """Return the image, or None where it is missing or damaged: a mesh without its picture still deforms."""
+    from PIL import Image  # only files with a texture pay for the import
+
     try:
         with Image.open(file) as image:
             image.load()

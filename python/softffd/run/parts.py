@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast, overload
 
 import numpy as np
 
-from softffd.errors import FmuError
+from softffd.errors import FmuError, UnknownName
 from softffd.names import parse_name, vector_names
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -187,7 +187,7 @@ def require_name(kind: str, name: str, names: list[str]) -> None:
     """FmuError with the nearest name where there is no part of this name."""
     if name not in names:
         there = f"; there is {', '.join(names)}" if names else ""
-        raise FmuError(f"{kind} {name}: there is no such {kind}{did_you_mean(nearest_of(str(name), names)) or there}")
+        raise UnknownName(f"{kind} {name}: there is no such {kind}{did_you_mean(nearest_of(str(name), names)) or there}")
 
 
 def is_position(name: str) -> bool:

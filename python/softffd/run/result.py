@@ -4,20 +4,36 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from softffd.embedding.deform import deform
-from softffd.errors import MeshError, SoftffdError
+from softffd.errors import MeshError, SoftffdError, UnknownName
 from softffd.files import replacing
 from softffd.lattice import LatticeBox, all_points
 from softffd.mesh.mesh import Mesh
 from softffd.names import part_names, variable_names, vector_names
 from softffd.rotation import turned
+from softffd.run.parts import require_name
 from softffd.scene.scene import Scene
+from softffd.spelling import did_you_mean, nearest_of
+
+T = TypeVar("T")
+
+
+class ByName(dict[str, T]):
+    """Values by variable name; a name that is not there is answered with the nearest one that is."""
+
+    def __init__(self, values: Mapping[str, T], what: str):
+        super().__init__(values)
+        self._what = what
+
+    def __missing__(self, name: str) -> T:
+        raise UnknownName(f"{name}: there is no {self._what} of this name in the result{did_you_mean(nearest_of(str(name), self))}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +57,10 @@ class Result:
     lattice: LatticeBox | None = None
     """Counts, box at rest and basis, as the FMU has them; None for an FMU that is not of this package"""
 
+    def __post_init__(self) -> None:
+        for field_name, what in (("outputs", "output"), ("inputs", "input"), ("parameters", "parameter")):
+            object.__setattr__(self, field_name, ByName(getattr(self, field_name), what))
+
     def deformed(self, mesh: Mesh | np.ndarray | None = None, *, row: int | slice = -1) -> np.ndarray:
         """The deformed vertices (V, 3) [m] of a mesh in the run's lattice at a row of `time`, the last by default; (T, V, 3) for a slice.
 
@@ -60,7 +80,8 @@ class Result:
         return part_names("plane", [*self.parameters, *self.inputs])
 
     def plane(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Points (T, 3) [m] and normals (T, 3) of a plane over time."""
+        """Points (T, 3) [m] and normals (T, 3) of a plane over time; FmuError with the nearest name for one that is not there."""
+        require_name("plane", name, self.plane_names())
 
         def vector(what: str) -> np.ndarray:
             names = vector_names(f"plane_{what}", name)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from softffd.errors import FmuError
+from softffd.errors import FmuError, UnknownName
 from softffd.fmu.component import Block, Component, Message, number_of
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import parse_name, part_names
@@ -64,7 +64,8 @@ class Simulation:
 
     Until the first step, `initialize` or `restart` everything can be set, fixed parameters too; then inputs and tunable parameters.
     Vectors are set as a whole or by component. What is read is a copy, but for blocks, whose buffers are kept.
-    Wrong names, values out of range and refused steps raise FmuError; a discarded step leaves the simulation as it was before.
+    Wrong names, values out of range and refused steps raise FmuError. A discarded step leaves time and state as they were; the standard
+    then allows to read, `restore` and `restart`.
     """
 
     def __init__(
@@ -236,7 +237,7 @@ class Simulation:
             return found
         vectors = {each[:-2]: None for each in self.variables if each[-2:] in (".w", ".x", ".y", ".z")}
         nearest = nearest_of(str(name), [*self.variables, *vectors])
-        raise FmuError(f"{name}: the FMU has no such variable{did_you_mean(nearest)}")
+        raise UnknownName(f"{name}: the FMU has no such variable{did_you_mean(nearest)}")
 
     def _require_settable(self, variable: ScalarVariable) -> None:
         if variable.causality not in ("input", "parameter"):

@@ -1,0 +1,93 @@
+"""The package as it is imported: what it shows, what it loads, and where old names lead."""
+
+import subprocess
+import sys
+import warnings
+
+import pytest
+
+import softffd
+
+PUBLIC = [
+    *("FmuError", "MeshError", "Result", "Scene", "SceneError", "Simulation", "SoftffdError"),
+    *("deform", "load_mesh", "load_scene", "package_fmu", "save_mesh", "simulate"),
+]
+
+
+def loaded_after(program: str) -> set[str]:
+    """The packages that a new interpreter has loaded after a program."""
+    program = f"{program}\nimport sys; print(*{{name.partition('.')[0] for name in sys.modules}})"
+    done = subprocess.run(
+        [sys.executable, "-W", "error::DeprecationWarning:softffd", "-c", program], capture_output=True, text=True, check=True
+    )
+    return set(done.stdout.split())
+
+
+def test_dir_shows_the_public_interface_and_nothing_else():
+    assert dir(softffd) == sorted([*PUBLIC, "__version__"])
+
+
+def test_every_public_name_is_there_and_is_no_module():
+    for name in PUBLIC:
+        assert callable(getattr(softffd, name)), name
+
+
+def test_no_module_of_the_package_hides_behind_a_public_name():
+    program = (
+        "import pkgutil, softffd\n"
+        f"assert not {{module.name for module in pkgutil.iter_modules(softffd.__path__)}} & set({PUBLIC})\n"
+        "import softffd.run.simulate, softffd.embedding.deform\n"
+        "assert softffd.simulate.__name__ == 'simulate' and not hasattr(softffd.deform, '__path__')\n"
+        "assert callable(softffd.simulate) and callable(softffd.deform)"
+    )
+    assert "softffd" in loaded_after(program)
+
+
+def test_a_name_that_is_not_there_is_answered_with_the_nearest_one():
+    with pytest.raises(AttributeError, match='did you mean "simulate"'):
+        _ = softffd.simulat
+    assert not hasattr(softffd, "nobody")
+
+
+HEAVY = {"numpy", "fmpy", "pydantic", "PIL", "matplotlib", "trimesh", "scipy", "pythonfmu"}
+
+
+@pytest.mark.parametrize(
+    "program, wanted",
+    [
+        ("import softffd; dir(softffd); softffd.__version__; softffd.FmuError", set()),
+        ("import softffd; softffd.load_scene('press')", {"numpy", "pydantic"}),
+        ("import softffd; softffd.deform, softffd.load_mesh", {"numpy"}),
+        ("import softffd; softffd.simulate, softffd.Simulation, softffd.package_fmu", {"numpy", "fmpy", "pydantic"}),
+    ],
+)
+def test_packages_are_loaded_when_they_are_needed(program, wanted):
+    assert loaded_after(program) & HEAVY <= wanted
+
+
+@pytest.mark.parametrize(
+    "old, name, new",
+    [
+        ("softffd.component", "Component", "softffd.fmu.component"),
+        ("softffd.inputs", "Inputs", "softffd.run.inputs"),
+        ("softffd.package", "scene_masses", "softffd.fmu.package"),
+        ("softffd.result", "Result", "softffd.run.result"),
+        ("softffd.scene", "scene_from", "softffd.scene.scene"),
+        ("softffd.mesh", "Mesh", "softffd.mesh.mesh"),
+    ],
+)
+def test_old_names_lead_to_the_new_ones_with_a_warning(old, name, new, monkeypatch):
+    if old not in ("softffd.scene", "softffd.mesh"):  # which are packages of that name
+        monkeypatch.delitem(sys.modules, old, raising=False)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        found = getattr(__import__(old, fromlist=[name]), name)
+    assert found is getattr(__import__(new, fromlist=[name]), name)
+    deprecated = [warning for warning in said if warning.category is DeprecationWarning and new in str(warning.message)]
+    assert deprecated and deprecated[-1].filename == __file__
+
+
+def test_the_package_says_that_it_is_typed():
+    from importlib.resources import files
+
+    assert files("softffd").joinpath("py.typed").is_file()
