@@ -66,7 +66,7 @@ class Rig:
         self.communication_step = positive("communication step", step, scene.experiment.communication_step)
         self.stop_time = scene.experiment.stop_time
         self.scene = scene
-        self.side = max(scene.lattice.size)
+        self.side = max(scene.box.size)
         self.damped = spring_damping_present(scene)
         self.contact = bool(scene.plane)
         require_memory(self.stop_time, self.communication_step, 24 * math.prod(scene.lattice.points))
@@ -159,5 +159,4 @@ class Rig:
 
 def _observed(scene: Scene) -> Scene:
     """The scene with all positions and the solver's counts among its outputs, and without a shadow run beside it."""
-    outputs = scene.outputs.model_copy(update={"positions": "all", "solver": True})
-    return scene.model_copy(update={"outputs": outputs, "solver": scene.solver.model_copy(update={"error_estimate": False})})
+    return scene.replace({"outputs.positions": "all", "outputs.solver": True, "solver.error_estimate": False})

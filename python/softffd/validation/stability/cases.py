@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from softffd.validation.stability import cases_contact as stability_cases_contact
-from softffd.validation.stability import cases_extreme as stability_cases_extreme
-from softffd.validation.stability import cases_standard as stability_cases_standard
+from softffd.validation.stability import cases_contact, cases_extreme, cases_standard
 from softffd.validation.stability.verdict import Case, Outcome, run_cases
 
 PARTS = {
-    "The standard scenes and exact limits": stability_cases_standard,
-    "Contact": stability_cases_contact,
-    "Extremes": stability_cases_extreme,
+    "The standard scenes and exact limits": cases_standard,
+    "Contact": cases_contact,
+    "Extremes": cases_extreme,
 }
 
 CASES: dict[str, Case] = {case.name: case for part in PARTS.values() for case in part.cases()}

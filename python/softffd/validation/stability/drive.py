@@ -36,7 +36,7 @@ class Drive:
 
     def __init__(self, document: Mapping[str, Any] | Scene, settings: Mapping[str, Any] | None = None):
         self.scene = _observed(document)
-        self.side = max(self.scene.lattice.size)
+        self.side = max(self.scene.box.size)
         self.rest = self.scene.rest_positions()
         self.resolved = resolved(self.scene)
         self.body = Body.of(self.resolved)
@@ -188,5 +188,5 @@ def _input_names(inputs: Inputs | None) -> tuple[list[str], list[str]]:
 def _observed(document: Mapping[str, Any] | Scene) -> Scene:
     outputs = {"positions": "all", "velocities": "all", "energy": True, "solver": True}
     if isinstance(document, Scene):
-        return document.model_copy(update={"outputs": document.outputs.model_copy(update=outputs)})
+        return document.replace({f"outputs.{name}": value for name, value in outputs.items()})
     return scene_from({**document, "outputs": outputs | document.get("outputs", {})}, path="case.toml")

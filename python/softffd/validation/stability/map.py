@@ -122,7 +122,7 @@ def run_cells(cells: Sequence[Cell]) -> Iterator[Judged]:
         for cell in cells:
             began = clock.perf_counter()
             try:
-                judged = SCENES[panel.scene](drive, cell, began)
+                judged = SCENES[panel.scene](Trial(drive, cell, began))
             except Refused as refusal:
                 judged = Judged("refused", why=str(refusal), run_time=clock.perf_counter() - began)
             except StateTouched as fault:
@@ -148,74 +148,89 @@ def settings(panel: Panel, stiffness: float, step: float) -> dict:
     return springs | {"solver.method": panel.method, "solver.step": step if panel.given else 0.0}
 
 
-def _steps(cell: Cell) -> int:
-    return min(max(math.ceil(RADIANS / (omega(cell.stiffness) * cell.step)), 4), 200)
+class Trial:
+    """A cell on its way: its communication steps, and the verdict."""
+
+    def __init__(self, drive: Drive, cell: Cell, began: float):
+        """began: by the clock [s], from which on the patience counts."""
+        self.drive, self.cell, self.began = drive, cell, began
+        self.wanted = min(max(math.ceil(RADIANS / (omega(cell.stiffness) * cell.step)), 4), 200)
+        self.done = 0
+        drive.body.stiffness[:] = cell.stiffness
+
+    def start(self, **more: float) -> None:
+        """more: start values besides those of the map."""
+        cell = self.cell
+        self.drive.restart(settings(cell.panel, cell.stiffness, cell.step) | more, self.wanted * cell.step)
+
+    def steps(self) -> Iterator[None]:
+        """After each communication step, until there are enough of them or the time is over; at least one."""
+        while self.done < self.wanted and (self.done == 0 or clock.perf_counter() - self.began < PATIENCE):
+            self.drive.step(self.cell.step)
+            self.done += 1
+            yield
+
+    @property
+    def stated(self) -> float:
+        """The component's own estimate of the error [m]."""
+        return self.drive.value("solver.error_estimate")
+
+    def judged(self, kind: str, error: float, why: str = "") -> Judged:
+        """The verdict now."""
+        divided = "above the stability bound" in self.drive.warned and kind in ("accurate", "bounded")
+        internal, elapsed = int(self.drive.value("solver.steps")), clock.perf_counter() - self.began
+        return Judged("divided" if divided else kind, error, self.stated, self.done, internal, elapsed, why)
 
 
-def _judged(drive: Drive, kind: str, error: float, steps: int, began: float, why: str = "") -> Judged:
-    stated = drive.value("solver.error_estimate")
-    divided = "above the stability bound" in drive.warned and kind in ("accurate", "bounded")
-    return Judged("divided" if divided else kind, error, stated, steps, int(drive.value("solver.steps")), clock.perf_counter() - began, why)
-
-
-def _vibration(drive: Drive, cell: Cell, began: float) -> Judged:
-    drive.body.stiffness[:] = cell.stiffness
-    drive.restart(settings(cell.panel, cell.stiffness, cell.step), _steps(cell) * cell.step)
-    frequency, middle = omega(cell.stiffness), drive.rest.mean(axis=0)
-    centre, error, far, done = middle + STRETCH / 2, 0.0, 0.0, 0
-    while done < _steps(cell) and (done == 0 or clock.perf_counter() - began < PATIENCE):
-        drive.step(cell.step)
-        done += 1
+def _vibration(trial: Trial) -> Judged:
+    drive, frequency = trial.drive, omega(trial.cell.stiffness)
+    trial.start()
+    middle, error, far = drive.rest.mean(axis=0), 0.0, 0.0
+    centre = middle + STRETCH / 2
+    for _ in trial.steps():
         x = drive.x
         exact = centre + (1 + STRETCH * math.cos(frequency * drive.time)) * (drive.rest - middle)
         error = max(error, float(np.linalg.norm(x - exact, axis=1).max()))
         far = max(far, float(np.linalg.norm(x - centre, axis=1).max()))
     if not drive.finite():
-        return _judged(drive, "WRONG", math.inf, done, began, "not finite")
+        return trial.judged("WRONG", math.inf, "not finite")
     if error <= RIGHT:
-        return _judged(drive, "accurate", error, done, began)
+        return trial.judged("accurate", error)
     if far > math.sqrt(3) / 2 * (1 + 1.5 * STRETCH):
-        return _judged(drive, "WRONG", error, done, began, "the vibration grows without end")
-    stated = drive.value("solver.error_estimate")
-    if error <= STATED * stated:
-        return _judged(drive, "bounded", error, done, began)
-    kind = "unstated" if cell.panel.given else "WRONG"
-    return _judged(drive, kind, error, done, began, f"error {error:.1e} m, but the estimate says {stated:.1e} m")
+        return trial.judged("WRONG", error, "the vibration grows without end")
+    if error <= STATED * trial.stated:
+        return trial.judged("bounded", error)
+    kind = "unstated" if trial.cell.panel.given else "WRONG"
+    return trial.judged(kind, error, f"error {error:.1e} m, but the estimate says {trial.stated:.1e} m")
 
 
-def _rotation(drive: Drive, cell: Cell, began: float) -> Judged:
-    drive.body.stiffness[:] = cell.stiffness
-    drive.restart(settings(cell.panel, cell.stiffness, cell.step), _steps(cell) * cell.step)
-    spin, error, gain, done = drive.angular_momentum, 0.0, 0.0, 0
-    while done < _steps(cell) and (done == 0 or clock.perf_counter() - began < PATIENCE):
-        drive.step(cell.step)
-        done += 1
+def _rotation(trial: Trial) -> Judged:
+    drive = trial.drive
+    trial.start()
+    spin, error, gain = drive.angular_momentum, 0.0, 0.0
+    for _ in trial.steps():
         change = np.linalg.norm(drive.angular_momentum - spin) / np.linalg.norm(spin)
         gain = max(gain, drive.energy() / drive.start_energy - 1)
         error = max(error, float(change), abs(drive.energy() / drive.start_energy - 1))
     if not drive.finite():
-        return _judged(drive, "WRONG", math.inf, done, began, "not finite")
+        return trial.judged("WRONG", math.inf, "not finite")
     if error <= TURNED:
-        return _judged(drive, "accurate", error, done, began)
-    stated, way = drive.value("solver.error_estimate"), error * SPIN * drive.time * math.sqrt(0.5)
+        return trial.judged("accurate", error)
+    stated, way = trial.stated, error * SPIN * drive.time * math.sqrt(0.5)
     if gain <= GAIN and way <= STATED * stated:
-        return _judged(drive, "bounded", error, done, began)
+        return trial.judged("bounded", error)
     why = f"energy gained {gain:.1e}, energy or angular momentum wrong by {error:.1e}, {way:.1e} m; the estimate says {stated:.1e} m"
-    return _judged(drive, "WRONG", error, done, began, why)
+    return trial.judged("WRONG", error, why)
 
 
-def _contact(drive: Drive, cell: Cell, began: float) -> Judged:
-    gravity, steps, rate = min(GRAVITY, cell.stiffness / 50), _steps(cell), DAMPING * math.sqrt(cell.stiffness)
-    pull = 100 * FRICTION * gravity * steps * cell.step
-    mass = drive.mass.sum()
-    drive.body.stiffness[:] = cell.stiffness
-    extra = {"gravity.z": -gravity, "plane.ground.velocity.x": pull, "damping": rate * drive.mass[0]}
-    drive.restart(settings(cell.panel, cell.stiffness, cell.step) | extra, steps * cell.step)
+def _contact(trial: Trial) -> Judged:
+    drive, cell = trial.drive, trial.cell
+    gravity, rate, mass = min(GRAVITY, cell.stiffness / 50), DAMPING * math.sqrt(cell.stiffness), drive.mass.sum()
+    pull = 100 * FRICTION * gravity * trial.wanted * cell.step
+    trial.start(**{"gravity.z": -gravity, "plane.ground.velocity.x": pull, "damping": rate * drive.mass[0]})
     start, sag = drive.centre, gravity / cell.stiffness * unit_sag()
-    given, behind, off, loose, done = np.zeros(3), 0.0, 0.0, 0.0, 0
-    while done < steps and (done == 0 or clock.perf_counter() - began < PATIENCE):
-        drive.step(cell.step)
-        done += 1
+    given, behind, off, loose = np.zeros(3), 0.0, 0.0, 0.0
+    for _ in trial.steps():
         given -= drive.reaction("plane.ground") * cell.step
         behind = max(behind, -float(drive.x[:, 2].min()))
         sunk = start[2] - drive.centre[2]
@@ -232,22 +247,22 @@ def _contact(drive: Drive, cell: Cell, began: float) -> Judged:
         "loose": loose,
         "missing": float(np.abs(missing).max()) / weight,
     }
-    return _contact_judged(drive, cell, began, done, found)
+    return _contact_judged(trial, found)
 
 
-def _contact_judged(drive: Drive, cell: Cell, began: float, done: int, found: dict[str, float]) -> Judged:
+def _contact_judged(trial: Trial, found: dict[str, float]) -> Judged:
     """Sound: none behind the plane, momentum balances, the inner energy stays below twenty times what the weight brings in."""
-    published = cell.panel.method == "central_difference"
+    published = trial.cell.panel.method == "central_difference"
     words = ", ".join(f"{name} {value:.1e}" for name, value in found.items())
-    error, stated = found["slide"], drive.value("solver.error_estimate")
-    sound = (published or (found["behind"] <= BEHIND and found["missing"] <= MOMENTUM)) and found["loose"] <= LOOSE
-    if not (sound and drive.finite()):
-        return _judged(drive, "WRONG", error, done, began, words)
-    if error <= SLIDE and found["off"] <= RIGHT and found["behind"] <= BEHIND and found["missing"] <= MOMENTUM:
-        return _judged(drive, "accurate", error, done, began)
-    if published or (error <= SLIDE and found["off"] <= STATED * stated):
-        return _judged(drive, "bounded", error, done, began, words)
-    return _judged(drive, "WRONG", error, done, began, words)
+    error = found["slide"]
+    balanced = found["behind"] <= BEHIND and found["missing"] <= MOMENTUM
+    if not ((published or balanced) and found["loose"] <= LOOSE and trial.drive.finite()):
+        return trial.judged("WRONG", error, words)
+    if error <= SLIDE and found["off"] <= RIGHT and balanced:
+        return trial.judged("accurate", error)
+    if published or (error <= SLIDE and found["off"] <= STATED * trial.stated):
+        return trial.judged("bounded", error, words)
+    return trial.judged("WRONG", error, words)
 
 
 def _inner_energy(drive: Drive) -> float:
