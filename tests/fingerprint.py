@@ -1,0 +1,197 @@
+"""The fingerprint of results: a hash of the bits that come out, for every shipped scene with every method it takes and for the stability
+cases that end within about two seconds.
+
+    python tests/fingerprint.py compare [NAME ...] [-j N]     says what differs from tests/data/fingerprint.json; status 1 if anything does
+    python tests/fingerprint.py record [NAME ...] [-j N]      writes that file anew; with names (parts of them), those entries alone
+
+Hashed are the control points' positions and the reactions of planes and pins at all communication points, and whether the component
+refused. Moving, renaming, splitting and merging code keeps every bit. Where bits change on purpose, a commit does only that, says by how
+much, and brings the entries that `record NAME ...` has made anew for what `compare` names. How long a scene runs stands in the file, so
+that a slower machine compares the same. With another processor or numpy the last bits of the masses may differ, and then so does all that
+follows: there, record on the code before and compare on the code after.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import math
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+
+from softffd import FmuError, Result, Scene, load_scene, simulate
+from softffd.installed import available_methods
+from softffd.scene.scene import shipped_scenes
+from softffd.validation.stability.cases import CASES
+from softffd.validation.stability.drive import Drive
+from softffd.validation.stability.guard import guarded
+from softffd.validation.stability.verdict import run_case
+
+FILE = Path(__file__).parent / "data" / "fingerprint.json"
+
+SCENE_TIME, CASE_TIME = 0.4, 2.0
+"""CPU time [s] of an entry, about: a scene's run ends earlier where it takes longer, a case that takes longer is left out."""
+
+PATIENCE = 600.0
+"""Time [s] in which any case has used up its CPU time, also on a busy machine."""
+
+Entry = dict[str, Any]
+
+
+def names() -> list[str]:
+    """Of all entries that the file can have: "scene NAME, METHOD" and "case NAME"."""
+    scenes = [f"scene {name}, {method}" for name in shipped_scenes() for method in _methods(load_scene(name))]
+    return scenes + [f"case {name}" for name in CASES]
+
+
+def kept() -> dict[str, Entry]:
+    """The file's entries by name."""
+    return json.loads(FILE.read_text())
+
+
+def entry(name: str, like: Entry) -> Entry:
+    """The entry of this name now; a scene runs as long as it did in `like`."""
+    kind, _, what = name.partition(" ")
+    if kind == "case":
+        return {"hash": _case(what)}
+    scene, method = what.split(", ")
+    return {"until": like["until"], "hash": _scene(load_scene(scene), method, like["until"])}
+
+
+def made(name: str) -> Entry | None:
+    """A new entry; None for a case that takes too long."""
+    kind, _, what = name.partition(" ")
+    if kind == "case":
+        found = next(guarded(_timed_cases, [what], lambda _: PATIENCE))
+        return {"hash": found[0]} if isinstance(found, tuple) and found[1] <= CASE_TIME else None
+    scene, method = what.split(", ")
+    loaded = load_scene(scene)
+    until = loaded.experiment.stop_time
+    while until:
+        try:
+            return {"until": until, "hash": _scene(loaded, method, until, Clock(SCENE_TIME))}
+        except Slow as slow:
+            until = slow.reached
+    return None
+
+
+class Slow(Exception):
+    """A run has taken its time."""
+
+    def __init__(self, reached: float):
+        super().__init__(f"{reached:g} s")
+        self.reached = reached
+
+
+class Clock:
+    """Ends a run that takes longer [s]."""
+
+    def __init__(self, most: float):
+        self.most, self.began = most, None
+
+    def __call__(self, share: float, reached: float) -> None:
+        """Told of a run's progress: the simulated time [s] that it has reached."""
+        self.began = self.began or time.process_time()
+        if time.process_time() - self.began > self.most:
+            raise Slow(reached if share < 1 else reached / 2)
+
+
+def _methods(scene: Scene) -> list[str]:
+    return [method["key"] for method in available_methods(scene.lattice.points)]
+
+
+def _scene(scene: Scene, method: str, until: float, clock: Clock | None = None) -> str:
+    observed = scene.replace({"outputs.positions": "all", "outputs.reactions": True})
+    settings, digest = {"solver.method": method}, hashlib.sha256()
+    try:
+        result = simulate(observed, stop_time=until, start_values=settings, inputs=scene.default_inputs, progress=clock)
+    except FmuError:
+        digest.update(b"refused")
+    else:
+        for numbers in (result.positions, *_reactions(result)):
+            digest.update(np.ascontiguousarray(numbers).tobytes())
+    return digest.hexdigest()[:16]
+
+
+def _reactions(result: Result) -> Iterator[np.ndarray]:
+    return (result.outputs[name] for name in sorted(result.outputs) if ".reaction." in name)
+
+
+def _case(name: str) -> str:
+    digest, step = hashlib.sha256(), Drive.step
+
+    def hashed(drive: Drive, length: float) -> None:
+        step(drive, length)
+        digest.update(drive.x.tobytes())
+        for fixture in [f"plane.{plane.name}" for plane in drive.scene.plane] + [f"pin.{pin.name}" for pin in drive.scene.pin]:
+            digest.update(drive.reaction(fixture).tobytes())
+
+    with patch.object(Drive, "step", hashed):
+        if run_case(CASES[name]).verdict == "refused":
+            digest.update(b"refused")
+    return digest.hexdigest()[:16]
+
+
+def _timed_cases(cases: list[str]) -> Iterator[tuple[str, float]]:
+    """Hashes and CPU times [s]; the system ends the process where one takes much too long."""
+    import resource  # not on Windows
+
+    resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(time.process_time() + CASE_TIME) + 1, resource.RLIM_INFINITY))
+    for name in cases:
+        began = time.process_time()
+        yield _case(name), time.process_time() - began
+
+
+def _compared(job: tuple[str, Entry]) -> tuple[str, bool]:
+    name, like = job
+    return name, entry(name, like) == like
+
+
+def compare(chosen: list[str], processes: int) -> int:
+    """Prints what differs; returns how many entries do."""
+    jobs = [(name, like) for name, like in kept().items() if _wanted(name, chosen)]
+    with ProcessPoolExecutor(processes) as pool:
+        differing = [name for name, same in pool.map(_compared, jobs) if not same]
+    for name in differing:
+        print(f"differs: {name}")
+    print(f"{len(jobs)} entries, {len(differing)} differ")
+    return len(differing)
+
+
+def record(chosen: list[str], processes: int) -> None:
+    """Writes the file anew, or the chosen entries."""
+    there = kept() if chosen and FILE.is_file() else {}
+    wanted = [name for name in names() if _wanted(name, chosen)]
+    with ProcessPoolExecutor(processes) as pool:
+        there |= dict(zip(wanted, pool.map(made, wanted), strict=True))
+    lines = [f"{json.dumps(name)}: {json.dumps(there[name])}" for name in names() if there.get(name)]
+    FILE.write_text("{\n" + ",\n".join(lines) + "\n}\n")
+    print(f"{FILE}: {len(lines)} entries")
+
+
+def _wanted(name: str, chosen: list[str]) -> bool:
+    return not chosen or any(part in name for part in chosen)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=("record", "compare"))
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("-j", dest="processes", type=int, default=1, metavar="N")
+    options = parser.parse_args()
+    if options.what == "record":
+        record(options.names, options.processes)
+        return 0
+    return 1 if compare(options.names, options.processes) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
