@@ -11,6 +11,7 @@ the control points: where no control point is behind a plane, nothing of the obj
 lost and the polynomials grow fast, so a point outside is an error here, not an extrapolation.
 """
 
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -37,7 +38,8 @@ def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=
     positions: control points (nx, ny, nz, 3) m, positions[i, j, k] = p_ijk; or (T, nx, ny, nz, 3), T instants.
     origin, size: lower corner and sides (3,) m of the lattice's box at rest; default the vertices' bounding box.
     basis: "bezier" or "bspline", as the scene's lattice.basis. For a run's own lattice `Result.deformed` knows all three.
-    Returns (V, 3), or (T, V, 3). Raises MeshError where a vertex lies outside the box, ValueError for arguments of no such form.
+    Returns (V, 3), or (T, V, 3); the last bits of a vertex depend on how many are deformed together.
+    Raises MeshError where a vertex lies outside the box, ValueError for arguments of no such form.
     """
     vertices = mesh.vertices if isinstance(mesh, Mesh) else np.asarray(mesh, dtype=float)
     positions = np.asarray(positions, dtype=float)
@@ -71,7 +73,7 @@ class Embedding:
             raise ValueError(f"positions: wanted the shape {(*self.counts, 3)}, or one axis of time before, got {positions.shape}")
         frames = positions.reshape(-1, *self.counts, 3)
         if self._near is not None:
-            moved = np.stack([self._moved_by_few(frame) for frame in frames])
+            moved = np.stack([self._moved_by_few(frame, self._near) for frame in frames])
             return moved[0] if positions.ndim == 4 else moved
         control = to_flat(frames).swapaxes(1, 2).reshape(3 * len(frames), -1)
         moved = np.empty((len(frames), len(self.coordinates), 3))
@@ -80,20 +82,20 @@ class Embedding:
             moved[:, part] = (control @ block).reshape(len(frames), 3, -1).transpose(0, 2, 1)
         return moved[0] if positions.ndim == 4 else moved
 
-    def _local(self):
+    def _local(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Per axis the first control point that counts at each vertex (V,), and the weights from there on (V, support)."""
         axes = zip(self.coordinates.T, self.counts, strict=True)
         return [local_weights(t, n, self.basis) for t, n in axes]
 
-    def _moved_by_few(self, frame: np.ndarray) -> np.ndarray:
+    def _moved_by_few(self, frame: np.ndarray, near: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
         """Vertices (V, 3) for control points (nx, ny, nz, 3): 64 of these count at a vertex, whatever their number."""
-        (i, u), (j, v), (k, w) = self._near
+        (i, u), (j, v), (k, w) = near
         moved = np.zeros_like(self.coordinates)
         for a, b, c in product(*(range(part.shape[1]) for part in (u, v, w))):
             moved += (u[:, a] * v[:, b] * w[:, c])[:, None] * frame[i + a, j + b, k + c]
         return moved
 
-    def _parts(self, frames: int):
+    def _parts(self, frames: int) -> Iterator[slice]:
         """Slices of the vertices, so short that a block's weights and results fit the memory set aside."""
         step = max(1, _BLOCK // (int(np.prod(self.counts)) + 3 * frames))
         return (slice(start, start + step) for start in range(0, len(self.coordinates), step))

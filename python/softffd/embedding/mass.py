@@ -65,7 +65,9 @@ def point_masses(
     """
     _require_values(distribution, mesh, total, density, uniform_share)
     if density is not None:
+        assert mesh is not None
         total = density * enclosed_volume(mesh)
+    assert total is not None
     shares = _shares(distribution, counts, origin, size, mesh, basis)
     shares /= shares.sum()
     blended = (1 - uniform_share) * shares + uniform_share / shares.size
@@ -111,6 +113,7 @@ def _shares(distribution: str, counts, origin, size, mesh: Mesh | None, basis: s
     """Shares (nx, ny, nz) of the control points, not yet summing to one."""
     if distribution == "uniform":
         return np.ones(counts)
+    assert mesh is not None
     if distribution == "vertices":
         _, positions = merge_by_position(mesh.vertices[np.unique(mesh.faces)])
         return _vertex_shares(lattice_coordinates(positions, origin, size), counts, basis)
@@ -163,7 +166,7 @@ def _vertex_shares(coordinates: np.ndarray, counts, basis: str) -> np.ndarray:
         return sample_shares(coordinates, np.ones(len(coordinates)), counts)
     step = max(1, _BLOCK // (int(counts[0]) * int(counts[1])))
     blocks = (coordinates[start : start + step] for start in range(0, len(coordinates), step))
-    return sum(_products(block, np.ones(len(block)), counts) for block in blocks)
+    return sum((_products(block, np.ones(len(block)), counts) for block in blocks), np.zeros(counts))
 
 
 def _products(coordinates: np.ndarray, masses: np.ndarray, counts) -> np.ndarray:

@@ -230,4 +230,6 @@ def _exported(mesh: Mesh, vertices: np.ndarray, kind: str) -> bytes:
         if mesh.uv is not None:
             visual = TextureVisuals(uv=mesh.uv, material=PBRMaterial(baseColorTexture=mesh.texture))
         body = trimesh.Trimesh(vertices, mesh.faces, visual=visual, process=False)
-        return body.export(file_type=kind)
+        content = body.export(file_type=kind)
+    assert isinstance(content, bytes)
+    return content

@@ -137,7 +137,8 @@ class _Records:
 
 def _texture_files(library: Path) -> dict[str, Path]:
     """The image file of each material of an MTL file that has one; nothing where the file is missing."""
-    files, material = {}, ""
+    files: dict[str, Path] = {}
+    material = ""
     try:
         lines = library.read_text(errors="replace").splitlines()
     except (OSError, ValueError):

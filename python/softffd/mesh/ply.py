@@ -31,12 +31,12 @@ class _Property(NamedTuple):
 
 class _Element(NamedTuple):
     name: str
-    count: int
+    records: int
     properties: list[_Property]
 
 
 class _Header(NamedTuple):
-    order: str | None
+    order: str
     elements: list[_Element]
     texture: str | None
 
@@ -138,7 +138,7 @@ class _BinaryBody:
         start = self._advance(records * sum(_BYTES[type_] * count for type_, count in groups))
         record = np.dtype([(f"f{n}", self.order + type_, (count,)) for n, (type_, count) in enumerate(groups)])
         table = np.frombuffer(self.body, record, count=records, offset=start)
-        return [table[name] for name in record.names]
+        return [table[f"f{n}"] for n in range(len(groups))]
 
     def _advance(self, size: int) -> int:
         if size > len(self.body) - self.at:
@@ -153,13 +153,13 @@ class _BinaryBody:
 
 def _read_element(reader, element: _Element) -> dict[str, np.ndarray | _Lists]:
     """The element's properties by name: (N,) for a number, _Lists for a list."""
-    if element.count == 0 or not element.properties:
+    if element.records == 0 or not element.properties:
         return {}
-    if element.count > reader.room(element.properties):
-        raise ValueError(f"the header promises {element.count} records '{element.name}', more than the file has room for")
+    if element.records > reader.room(element.properties):
+        raise ValueError(f"the header promises {element.records} records '{element.name}', more than the file has room for")
     if all(p.count_type is None for p in element.properties):
         types = [p.type for p in element.properties]
-        columns = reader.take_table(types, [1] * len(types), element.count)
+        columns = reader.take_table(types, [1] * len(types), element.records)
         return {p.name: column[:, 0] for p, column in zip(element.properties, columns, strict=True)}
     return _read_alike(reader, element) or _read_one_by_one(reader, element)
 
@@ -174,7 +174,7 @@ def _read_alike(reader, element: _Element) -> dict | None:
         types += [p.type] if p.count_type is None else [p.count_type, p.type]
         counts += [1] if p.count_type is None else [1, size]
     try:
-        columns = iter(reader.take_table(types, counts, element.count))
+        columns = iter(reader.take_table(types, counts, element.records))
     except ValueError:
         reader.at = start
         return None
@@ -192,8 +192,8 @@ def _read_alike(reader, element: _Element) -> dict | None:
 
 
 def _read_one_by_one(reader, element: _Element) -> dict[str, np.ndarray | _Lists]:
-    found = [[] for _ in element.properties]
-    for _ in range(element.count):
+    found: list[list[np.ndarray]] = [[] for _ in element.properties]
+    for _ in range(element.records):
         for values, record in zip(found, _read_record(reader, element), strict=True):
             values.append(record)
     columns = {}

@@ -113,7 +113,9 @@ def test_the_deformed_mesh_goes_with_the_probe_in_the_scene_s_own_box_and_basis(
     probe = np.stack([result.outputs[f"probe.vertex.{c}"] for c in "xyz"], axis=1)
     np.testing.assert_allclose(result.deformed()[7], probe[-1], atol=2e-4)
     np.testing.assert_allclose(result.deformed(row=slice(None))[:, 7], probe, atol=2e-4)
-    np.testing.assert_array_equal(result.deformed(ball().vertices[:9], row=2), result.deformed(ball(), row=2)[:9])
+    # a vertex is a sum of 175 products, in an order that BLAS picks by the number of vertices
+    rounding = 175 * np.finfo(float).eps
+    np.testing.assert_allclose(result.deformed(ball().vertices[:9], row=2), result.deformed(ball(), row=2)[:9], rtol=0, atol=rounding)
     lattice = result.scene.lattice
     given = deform(result.scene.loaded_mesh, result.positions[-1], origin=lattice.origin, size=lattice.size, basis="bspline")
     np.testing.assert_array_equal(result.deformed(), given)
