@@ -56,7 +56,8 @@ class Drive:
         self.last_step = 0.0
         with _refusals():
             self.simulation.initialize()
-        self.start_energy = self.energy()
+        self.start_energy, self.start_centre, self.start_momentum = self.energy(), self.centre, self.momentum
+        self.start_angular_momentum = self.angular_momentum
 
     def restart(self, settings: Mapping[str, Any], stop_time: float | None = None) -> None:
         """From the start again, with other start values; stop_time [s]: what the host says of the end, for which the tolerance holds."""
@@ -156,6 +157,17 @@ class Drive:
     def balance(self) -> float:
         """What the FMU's own energies miss: now, with what was dissipated and less the work, minus the start [J]."""
         return self.energy() + self.value("energy.dissipated") - self.value("energy.work") - self.start_energy
+
+    def missing_momentum(self, impulse: np.ndarray) -> np.ndarray:
+        """What the impulse of planes and pins, weight and damping (all points alike) since the start do not explain (3,) [kg m/s]."""
+        weight = self.mass.sum() * np.array(self.scene.environment.gravity or (0.0, 0.0, 0.0))
+        damped = self.body.damping.sum() * (self.centre - self.start_centre)
+        return self.momentum - self.start_momentum - impulse - weight * self.time + damped
+
+    def turning_change(self) -> float:
+        """Change of the angular momentum since the start, relative."""
+        before = self.start_angular_momentum
+        return float(np.linalg.norm(self.angular_momentum - before) / np.linalg.norm(before))
 
     def finite(self) -> bool:
         """Whether all positions and velocities are numbers."""

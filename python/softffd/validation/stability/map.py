@@ -207,11 +207,10 @@ def _vibration(trial: Trial) -> Judged:
 def _rotation(trial: Trial) -> Judged:
     drive = trial.drive
     trial.start()
-    spin, error, gain = drive.angular_momentum, 0.0, 0.0
+    error, gain = 0.0, 0.0
     for _ in trial.steps():
-        change = np.linalg.norm(drive.angular_momentum - spin) / np.linalg.norm(spin)
-        gain = max(gain, drive.energy() / drive.start_energy - 1)
-        error = max(error, float(change), abs(drive.energy() / drive.start_energy - 1))
+        gained = drive.energy() / drive.start_energy - 1
+        gain, error = max(gain, gained), max(error, drive.turning_change(), abs(gained))
     if not drive.finite():
         return trial.judged("WRONG", math.inf, "not finite")
     if error <= TURNED:
