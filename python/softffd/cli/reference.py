@@ -1,0 +1,158 @@
+"""The reference pages of the documentation, written from what the program itself goes by: `python -m softffd.cli.reference docs`.
+
+docs/scene.md comes from the keys of a scene, docs/variables.md from the table of variables.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from softffd.files import write_text
+from softffd.installed import table
+from softffd.scene import selection
+from softffd.scene.faults import toml_text
+from softffd.scene.keys import SceneKeys
+
+PRESENT = {
+    "forces": "each control point of `inputs.forces`",
+    "loads": "each `[[load]]`",
+    "input_planes": '`[[plane]]` with `motion = "input"`',
+    "fixed_planes": '`[[plane]]` with `motion = "fixed"`',
+    "planes": "each `[[plane]]`",
+    "input_pins": '`[[pin]]` with `motion = "input"`',
+    "always": "every scene",
+    "damping": "`material.damping` or that of a region > 0",
+    "gravity": "`environment.gravity`",
+    "positions": "each control point of `outputs.positions`",
+    "velocities": "each control point of `outputs.velocities`",
+    "probes": "each `[[probe]]`",
+    "plane_reactions": "each `[[plane]]`, `outputs.reactions`",
+    "pin_reactions": "each `[[pin]]`, `outputs.reactions`",
+    "energy": "`outputs.energy`",
+    "energy_gravity": "`outputs.energy` and gravity",
+    "solver": "`outputs.solver`",
+    "error_estimate": "`solver.error_estimate`",
+}
+"""When a variable is there, by the `part` of its row."""
+
+CAUSALITIES = {
+    "input": "## Inputs\n\nSet at a communication point, they act during the step that follows.",
+    "parameter": "## Parameters\n\nFixed ones are set before initialization; tunable ones at any communication point too.",
+    "output": "## Outputs",
+}
+
+SCENE_HEAD = """# The scene file
+
+A scene is a TOML file. SI units, a right-handed world frame; every section and key may be left out unless it says *must be given*.
+Sections in double brackets may stand several times. All problems of a file are reported at once, each with its place, what was wanted,
+what was given, and the nearest spelling. `softffd new NAME` writes a commented scene to start from, `softffd schema` the JSON schema for
+editors, and `softffd scenes` lists the scenes that come with the program.
+
+This page is made from the program's own description of the keys: `python -m softffd.cli.reference docs`.
+"""
+
+VARIABLES_HEAD = """# The variables of an FMU
+
+A scene's FMU has the variables that the scene needs and no others. `NAME` is that of a plane, pin, load or probe, and `i,j,k` are the
+indices of a control point from 0. Names with `.x .y .z` are vectors in the world frame, one variable a component. Of control points `i`
+runs fastest, then `j`, then `k`; the variables of a line are one block of value references.
+
+This page is made from the table of variables: `python -m softffd.cli.reference docs`.
+"""
+
+
+def scene_page() -> str:
+    """docs/scene.md."""
+    top = [(name, field) for name, field in SceneKeys.model_fields.items() if _section(field) is None]
+    sections = [(name, field) for name, field in SceneKeys.model_fields.items() if _section(field) is not None]
+    parts = [SCENE_HEAD, "## At the top of the file\n\n" + _keys(top)]
+    for name, field in sections:
+        section = _section(field)
+        assert section is not None
+        head = f"[[{name}]]" if get_origin(field.annotation) is tuple else f"[{name}]"
+        about = (section.__doc__ or "").strip()
+        parts.append(f"## `{head}`\n\n{about}\n\n" + _keys(list(section.model_fields.items())))
+    parts.append("## Selections\n\n" + _paragraphs(selection.__doc__ or "") + "\n")
+    return "\n".join(parts)
+
+
+def variables_page() -> str:
+    """docs/variables.md."""
+    parts = [VARIABLES_HEAD]
+    for causality, head in CAUSALITIES.items():
+        rows = [_variable(row) for row in table()["family"] if row["causality"] == causality]
+        parts.append(f"{head}\n\n" + _table(["Name", "Unit", "There is one for", "Kind", "Meaning"], rows))
+    methods = [[f"{method['value']}", f"`{method['key']}`", _limits(method)] for method in table()["method"]]
+    parts.append("## Values of `solver.method`\n\n" + _table(["Value", "Name", "Meaning"], methods))
+    categories = [[f"`{category['name']}`", category["description"]] for category in table()["log_category"]]
+    parts.append("## Log categories\n\n" + _table(["Name", "Holds"], categories))
+    return "\n".join(parts)
+
+
+def _keys(fields: list[tuple[str, FieldInfo]]) -> str:
+    return _table(["Key", "Default", "Unit, range", "Meaning"], [_key(name, field) for name, field in fields])
+
+
+def _key(name: str, field: FieldInfo) -> list[str]:
+    """Name, default, unit and range (which close the description of a quantity) or the words to choose from, meaning."""
+    meaning, facts = field.description or "", ""
+    if field.json_schema_extra and (found := re.fullmatch(r"(.*) \[([^\[\]]+)\]", meaning)):
+        meaning, facts = found.groups()
+    if get_origin(field.annotation) is Literal:
+        facts = ", ".join(f"`{toml_text(word)}`" for word in get_args(field.annotation))
+    return [f"`{name}`", _default(field), facts, meaning[:1].upper() + meaning[1:]]
+
+
+def _default(field: FieldInfo) -> str:
+    if field.is_required():
+        return "*must be given*"
+    return "absent" if field.default is None else f"`{toml_text(field.default)}`"
+
+
+def _section(field: FieldInfo) -> type[BaseModel] | None:
+    """The section that a key of the scene holds, alone or several times."""
+    candidates = [field.annotation, *get_args(field.annotation)]
+    return next((each for each in candidates if isinstance(each, type) and issubclass(each, BaseModel)), None)
+
+
+def _variable(row: dict[str, Any]) -> list[str]:
+    components = row.get("components", "")
+    words = {"name": "NAME", "i": "i", "j": "j", "k": "k", "c": "{c}"}
+    stem = row["name"].format(**words).removesuffix(".{c}")
+    name = " ".join([f"`{stem}.{components[0]}`", *(f"`.{component}`" for component in components[1:])]) if components else f"`{stem}`"
+    kind = ", ".join(word for word in (row["variability"], row.get("type", "")) if word)
+    meaning = row["description"].format(**words).replace(", {c};", ";").replace(", {c},", ",").replace(", {c}:", ":")
+    meaning = meaning.replace("component {c}", "components w, x, y, z").removesuffix(", {c}")
+    return [name, row.get("unit", ""), PRESENT[row["part"]], kind, meaning]
+
+
+def _limits(method: dict[str, Any]) -> str:
+    widest = method.get("widest_layer")
+    return method["description"] + (f" (lattices of at most {widest} control points in a layer across the longest axis)" if widest else "")
+
+
+def _table(head: list[str], rows: list[list[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |\n" for line in lines)
+
+
+def _paragraphs(text: str) -> str:
+    """A docstring's text without its first line's heading."""
+    return text.strip().partition("\n\n")[2].strip()
+
+
+def main() -> None:
+    """Writes both pages into the folder that is named."""
+    folder = Path(sys.argv[1])
+    write_text(folder / "scene.md", scene_page())
+    write_text(folder / "variables.md", variables_page())
+
+
+if __name__ == "__main__":
+    main()
