@@ -7,7 +7,7 @@ import warnings
 from importlib import import_module
 from importlib.machinery import ModuleSpec
 from types import ModuleType
-from typing import Any
+from typing import Any, cast
 
 MODULES = {
     "softffd.component": "softffd.fmu.component",
@@ -29,7 +29,7 @@ class _OldModules:
     """A finder and loader of the import system."""
 
     def find_spec(self, name: str, path: Any = None, target: ModuleType | None = None) -> ModuleSpec | None:
-        return ModuleSpec(name, self) if name in MODULES else None
+        return ModuleSpec(name, cast(Any, self)) if name in MODULES else None
 
     def create_module(self, spec: ModuleSpec) -> None:
         return None

@@ -79,7 +79,7 @@ def keep_run(result: Result, folder: Path) -> list[Path]:
     draw_run(result, folder / "picture.png", mesh=mesh)
     write_view(result, folder / "view.html", mesh=mesh)
     files += [folder / "picture.png", folder / "view.html"]
-    if mesh:
+    if mesh and result.scene and result.scene.mesh:
         path = folder / f"deformed{result.scene.mesh.file.suffix.lower()}"
         save_mesh(mesh, path, vertices=result.deformed())
         files.append(path)

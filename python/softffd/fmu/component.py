@@ -100,7 +100,7 @@ class Component:
             raise FmuError(f"{source}: there is no such FMU")
         self.messages: list[Message] = []
         """What the component has said since it was opened; may be cleared"""
-        self.listener: Callable[[Message], None] | None = None
+        self.listener: Callable[[Message], object] | None = None
         """Is called with every message"""
         self._states: set[int] = set()
         self._slave: Any = None
@@ -112,7 +112,11 @@ class Component:
             raise
 
     def _open(self, source: Scene | str | Path) -> None:
-        library = self._unpack(Path(source)) if isinstance(source, str | Path) else self._write(source)
+        library = None
+        if isinstance(source, str | Path):
+            self._unpack(Path(source))
+        else:
+            library = self._write(source)
         self._callbacks = self._make_callbacks()
         try:
             slave = FMU2Slave(
@@ -239,7 +243,7 @@ class Component:
         sent[0] = True
         rows, columns = np.nonzero(sent)
         values = rates[sent]
-        references = (c_uint * len(values))(*(block.references[column] for column in columns))
+        references = (c_uint * len(values))(*(block.references[int(column)] for column in columns))
         orders = (c_int * len(values))(*(int(row) + 1 for row in rows))
         self._set_rates(references, c_size_t(len(values)), orders, values.ctypes.data_as(POINTER(c_double)))
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -12,17 +13,19 @@ from softffd.lattice import LatticeBox
 from softffd.scene.scene import Scene
 
 NAME, HEAD = "scene.txt", "softffd-scene 1"
+T = TypeVar("T")
 
 
 def scene_records(scene: Scene, mass: np.ndarray) -> str:
     """All records but the guid; what the scene does not need is absent. mass: (n,) kg."""
     lattice, material, outputs = scene.lattice, scene.material, scene.outputs
+    basis: list[list[object]] = [["basis", lattice.basis]] if lattice.basis != "bezier" else []
     lines: list[list[object]] = [
         ["counts", *lattice.points],
-        ["origin", *lattice.origin],
-        ["size", *lattice.size],
+        ["origin", *(lattice.origin or ())],
+        ["size", *(lattice.size or ())],
         ["topology", lattice.springs],
-        *([["basis", lattice.basis]] if lattice.basis != "bezier" else []),
+        *basis,
         ["mass", *mass],
         ["stiffness", material.stiffness.edge, material.stiffness.face, material.stiffness.body],
     ]
@@ -75,20 +78,25 @@ def read_lattice(resources: Path) -> LatticeBox | None:
     text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
     if not text.startswith(HEAD):
         return None
-    records = {key: values for key, *values in (line.split() for line in text.splitlines() if line.strip())}
+    records: dict[str, Any] = {key: values for key, *values in (line.split() for line in text.splitlines() if line.strip())}
     return LatticeBox(
-        points=tuple(map(int, records["counts"])),
-        origin=tuple(map(float, records["origin"])),
-        size=tuple(map(float, records["size"])),
+        points=_three(int, records["counts"]),
+        origin=_three(float, records["origin"]),
+        size=_three(float, records["size"]),
         basis=records.get("basis", ["bezier"])[0],
     )
+
+
+def _three(read: Callable[[str], T], words: Iterable[str]) -> tuple[T, T, T]:
+    x, y, z = map(read, words)
+    return x, y, z
 
 
 def _line(values: Iterable[object]) -> str:
     return " ".join(value if isinstance(value, str) else _number(value) for value in values) + "\n"
 
 
-def _number(value: object) -> str:
+def _number(value: Any) -> str:
     """The shortest decimal that reads back as the same double."""
     return str(int(value)) if isinstance(value, int | np.integer) else repr(float(value))
 

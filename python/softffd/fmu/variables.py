@@ -10,6 +10,8 @@ import numpy as np
 
 from softffd.installed import table
 from softffd.scene.scene import Scene
+from softffd.scene.sections import Pin, Plane
+from softffd.scene.selection import Selection
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ def _point(scene: Scene, p: int) -> dict[str, Any]:
     return {"i": p % nx, "j": p // nx % ny, "k": p // nx // ny}
 
 
-def _plane(plane) -> dict[str, Any]:
+def _plane(plane: Plane) -> dict[str, Any]:
     return {
         "name": plane.name,
         "point": plane.point,
@@ -50,7 +52,7 @@ def _plane(plane) -> dict[str, Any]:
     }
 
 
-def _pin(scene: Scene, pin) -> dict[str, Any]:
+def _pin(scene: Scene, pin: Pin) -> dict[str, Any]:
     origin = scene.rest_positions()[scene.select(pin.points)].mean(axis=0)
     return {"name": pin.name, "position": tuple(map(float, origin)), "orientation": (1.0, 0.0, 0.0, 0.0)}
 
@@ -58,7 +60,7 @@ def _pin(scene: Scene, pin) -> dict[str, Any]:
 def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     """The instances of every part that a family can belong to, each with the values that fill its names and starts."""
 
-    def points(selection) -> list[dict[str, Any]]:
+    def points(selection: Selection) -> list[dict[str, Any]]:
         return [_point(scene, int(p)) for p in scene.select(selection)]
 
     def when(present: bool, **values: Any) -> list[dict[str, Any]]:

@@ -55,5 +55,5 @@ def _departure(rest: np.ndarray, now: np.ndarray) -> float:
 
 def energy_gap(parts: dict[str, np.ndarray]) -> float:
     """Largest departure of kinetic + elastic + gravity + dissipated - work from its start [J]."""
-    total = sum(values * (-1 if name == "work" else 1) for name, values in parts.items())
+    total = np.asarray(sum(values * (-1 if name == "work" else 1) for name, values in parts.items()))
     return float(np.abs(total - total[0]).max())

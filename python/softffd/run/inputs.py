@@ -132,7 +132,7 @@ def _number(value: Any) -> float:
 
 
 def _of_table(table: np.ndarray) -> tuple[Course, list[str]]:
-    times, names = table["time"].astype(float), list(table.dtype.names[1:])
+    times, names = table["time"].astype(float), list((table.dtype.names or ())[1:])
     columns = {name: table[name].astype(float) for name in names}
 
     def course(time: float, ends: bool) -> dict[str, float]:

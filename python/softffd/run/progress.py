@@ -45,5 +45,5 @@ class ProgressLine:
         if self._visible and self._shown:
             print("\r\033[K", end="", file=sys.stderr, flush=True)
 
-    def __exit__(self, *_exception) -> None:
+    def __exit__(self, *_exception: object) -> None:
         self._clear()

@@ -106,7 +106,8 @@ class Result:
         return [folder / name for name in files]
 
     def _write_npz(self, stream: Any) -> None:
-        np.savez_compressed(stream, time=self.time, positions=self.positions, **self.outputs)
+        arrays: dict[str, Any] = {"time": self.time, "positions": self.positions, **self.outputs}
+        np.savez_compressed(stream, **arrays)
 
     def _write_csv(self, stream: Any) -> None:
         columns = {"time": self.time, **self.outputs, **self._position_columns()}
