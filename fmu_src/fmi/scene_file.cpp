@@ -10,17 +10,12 @@
 #include <map>
 #include <memory>
 
+#include "checksum.hpp"
 #include "variable_table.hpp"
 
 namespace softffd::fmi {
 
 namespace {
-
-std::uint64_t fnv1a(std::string_view text) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (unsigned char c : text) hash = (hash ^ c) * 1099511628211u;
-  return hash;
-}
 
 /// The words of one record, taken one by one.
 class Record {

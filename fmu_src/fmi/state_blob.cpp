@@ -1,18 +1,12 @@
 #include "state_blob.hpp"
 
+#include "checksum.hpp"
+
 namespace softffd::fmi {
 
 namespace {
 
 constexpr std::uint64_t magic = 0x3144464646544f53, version = 6;
-
-std::uint64_t fnv1a(std::span<const unsigned char> bytes) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (unsigned char c : bytes) hash = (hash ^ c) * 1099511628211u;
-  return hash;
-}
-
-std::uint64_t fnv1a(const std::string& text) { return fnv1a(std::span(reinterpret_cast<const unsigned char*>(text.data()), text.size())); }
 
 }  // namespace
 
