@@ -6,8 +6,6 @@
 #include <iterator>
 #include <string_view>
 
-#include "variable_table.hpp"
-
 namespace softffd::fmi {
 
 namespace {

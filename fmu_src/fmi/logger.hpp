@@ -8,6 +8,8 @@ extern "C" {
 #include "fmi2FunctionTypes.h"
 }
 
+#include "variable_table.hpp"
+
 namespace softffd::fmi {
 
 class Logger {

@@ -116,7 +116,7 @@ void read_region_damping(Record& r, SceneFile& s) {
 void read_plane(Record& r, SceneFile& s) {
   SceneFile::Plane plane;
   plane.name = r.word();
-  plane.input = r.choice<bool>({{"input", true}, {"fixed", false}});
+  plane.moved_by_input = r.choice<bool>({{"input", true}, {"fixed", false}});
   plane.point = r.vector();
   plane.normal = r.vector();
   if (plane.normal.isZero(0)) r.fail("a plane's normal is zero");
@@ -129,7 +129,7 @@ void read_plane(Record& r, SceneFile& s) {
 void read_pin(Record& r, SceneFile& s) {
   SceneFile::Pin pin;
   pin.name = r.word();
-  pin.input = r.choice<bool>({{"input", true}, {"fixed", false}});
+  pin.moved_by_input = r.choice<bool>({{"input", true}, {"fixed", false}});
   s.pins.push_back(pin);
   s.definition.pins.push_back({r.points(count(s))});
   if (s.definition.pins.back().points.empty()) r.fail("a pin without points");

@@ -19,15 +19,12 @@ struct SceneFileError : std::runtime_error {
 };
 
 struct SceneFile {
-  struct Plane {
+  struct Plane : Settings::PlaneInput {
     std::string name;
-    bool input = false;
-    Vec3 point, normal, velocity, angular_velocity;
-    double friction = 0;
   };
   struct Pin {
     std::string name;
-    bool input = false;
+    bool moved_by_input = false;
   };
   struct Load {
     std::string name;

@@ -1,24 +1,27 @@
-/// Setting and getting by value reference: the part of Instance that is driven by the table of variables.
+#include "variables.hpp"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-
-#include "instance.hpp"
+#include <numeric>
+#include <utility>
 
 namespace softffd::fmi {
 
 namespace {
 
-const FamilyInfo* family_info(unsigned id) {
-  static const auto by_id = [] {
-    std::array<const FamilyInfo*, 128> table{};
-    for (const FamilyInfo& info : families) table[std::size_t(info.family)] = &info;
-    return table;
-  }();
-  return id < by_id.size() ? by_id[id] : nullptr;
-}
+constexpr std::size_t no_row = family_count;
 
-int components(const FamilyInfo& info) { return info.components.empty() ? 1 : int(info.components.size()); }
+/// Where a family's row is in the table, by its id.
+constexpr auto rows_by_id = [] {
+  std::array<std::size_t, 128> rows{};
+  rows.fill(no_row);
+  for (std::size_t row = 0; row < family_count; ++row) rows[std::size_t(families[row].family)] = row;
+  return rows;
+}();
+constexpr std::size_t row_of(Family family) { return rows_by_id[std::size_t(family)]; }
+
+int highest_order_of(Family family) { return family == Family::force || family == Family::load ? Variables::highest_order : 1; }
 
 /// Phases in which a variable may be set (FMI 2.0.4, section 4.2.4).
 unsigned settable_in(const FamilyInfo& info) {
@@ -40,104 +43,95 @@ std::string shortest(double value) {
   return error == std::errc() ? std::string(text.data(), end) : "?";
 }
 
+Method method_of(double value) {
+  switch (MethodValue(int(value))) {
+    case MethodValue::automatic: return Method::automatic;
+    case MethodValue::central_difference: return Method::central_difference;
+    case MethodValue::leapfrog: return Method::leapfrog;
+    case MethodValue::bm4: return Method::bm4;
+    case MethodValue::rkn12: return Method::rkn12;
+    case MethodValue::dop853: return Method::dop853;
+    case MethodValue::ros34pw2: return Method::ros34pw2;
+  }
+  return Method::automatic;
+}
+
+void set_starts(const SceneFile& scene, Settings& settings) {
+  settings.mass = std::accumulate(scene.definition.mass.begin(), scene.definition.mass.end(), 0.0);
+  settings.stiffness = scene.stiffness;
+  settings.damping = scene.damping.value_or(0);
+  settings.gravity = scene.gravity.value_or(Vec3::Zero());
+  settings.tolerance = scene.tolerance;
+  settings.step = scene.step;
+  std::copy(scene.planes.begin(), scene.planes.end(), settings.planes.begin());
+}
+
+Vec3 vector(const Variables::Table& table, Family family, std::size_t instance) {
+  return Eigen::Map<const Vec3>(table[row_of(family)].data() + 3 * instance);
+}
+
 }  // namespace
 
-std::size_t Instance::part_count(Part part) const {
-  switch (part) {
-    case Part::forces: return scene_.forces.size();
-    case Part::loads: return scene_.loads.size();
-    case Part::input_planes: return input_planes_.size();
-    case Part::fixed_planes: return fixed_planes_.size();
-    case Part::planes: return scene_.planes.size();
-    case Part::input_pins: return input_pins_.size();
-    case Part::always: return 1;
-    case Part::damping: return scene_.damping.has_value();
-    case Part::gravity: return scene_.gravity.has_value();
-    case Part::positions: return scene_.positions.size();
-    case Part::velocities: return scene_.velocities.size();
-    case Part::probes: return scene_.probes.size();
-    case Part::plane_reactions: return scene_.reactions ? scene_.planes.size() : 0;
-    case Part::pin_reactions: return scene_.reactions ? scene_.pins.size() : 0;
-    case Part::energy: return scene_.energy;
-    case Part::energy_gravity: return scene_.energy && scene_.gravity;
-    case Part::solver: return scene_.solver;
-    case Part::error_estimate: return scene_.error_estimate;
+Variables::Variables(const SceneFile& scene, Settings& settings) : scene_(scene) {
+  set_starts(scene, settings);
+  for (std::size_t row = 0; row < family_count; ++row) {
+    const FamilyInfo& info = families[row];
+    std::vector<int>& list = members_[std::size_t(info.part)];
+    if (list.empty()) list = binding_of(info.part).members(scene);
+    if (info.causality == Causality::output) continue;
+    const int components = Variable{row, 0}.components();
+    for (int member : list) {
+      const double* place = bindings[row].place ? bindings[row].place(settings, member) : nullptr;
+      for (int c = 0; c < components; ++c) starts_.numbers[row].push_back(place ? place[c] : 0.0);
+    }
+    for (int order = 1; order <= highest_order_of(info.family); ++order) starts_.rates[order - 1][row].resize(starts_.numbers[row].size());
   }
-  return 0;
+  starts_.numbers[row_of(Family::solver_method)] = {double(scene.method)};
+  for (const auto& probe : scene.probes) probes_.push_back(embed(scene.basis, scene.definition.lattice, probe.at));
+  reset();
 }
 
-std::string Instance::instance_name_of(Part part, int instance) const {
-  switch (part) {
-    case Part::loads: return scene_.loads[instance].name;
-    case Part::input_planes: return scene_.planes[input_planes_[instance]].name;
-    case Part::fixed_planes: return scene_.planes[fixed_planes_[instance]].name;
-    case Part::planes:
-    case Part::plane_reactions: return scene_.planes[instance].name;
-    case Part::input_pins: return scene_.pins[input_pins_[instance]].name;
-    case Part::pin_reactions: return scene_.pins[instance].name;
-    case Part::probes: return scene_.probes[instance].name;
-    case Part::forces:
-    case Part::positions:
-    case Part::velocities:
-    case Part::always:
-    case Part::damping:
-    case Part::gravity:
-    case Part::energy:
-    case Part::energy_gravity:
-    case Part::solver:
-    case Part::error_estimate: return {};
-  }
-  return {};
-}
-
-int Instance::control_point_of(Part part, int instance) const {
-  if (part == Part::forces) return scene_.forces[instance];
-  if (part == Part::positions) return scene_.positions[instance];
-  return part == Part::velocities ? scene_.velocities[instance] : 0;
-}
-
-void Instance::count_variables() {
-  for (const FamilyInfo& info : families) counts_[std::size_t(info.family)] = part_count(info.part) * components(info);
-}
-
-std::optional<Instance::Variable> Instance::find(fmi2ValueReference reference) const {
+std::optional<Variables::Variable> Variables::find(fmi2ValueReference reference) const {
   const unsigned id = reference >> 24;
-  const std::size_t index = reference & 0xffffff;
-  if (id >= counts_.size() || index >= counts_[id]) return std::nullopt;
-  return Variable{family_info(id), int(index)};
+  const Variable variable{id < rows_by_id.size() ? rows_by_id[id] : no_row, int(reference & 0xffffff)};
+  if (variable.row == no_row || variable.instance() >= int(members(variable.info().part).size())) return std::nullopt;
+  return variable;
 }
 
-std::string Instance::name(fmi2ValueReference reference) const {
+std::string Variables::name(fmi2ValueReference reference) const {
   const auto variable = find(reference);
   if (!variable) return "value reference " + std::to_string(reference);
-  const FamilyInfo& info = *variable->info;
-  const int instance = variable->index / components(info), point = control_point_of(info.part, instance);
-  const auto& counts = body_.lattice().counts;
+  const FamilyInfo& info = variable->info();
+  const PartBinding& part = binding_of(info.part);
+  const int own = member(*variable);
   std::string text(info.name);
-  replace(text, "{i}", std::to_string(point % counts[0]));
-  replace(text, "{j}", std::to_string(point / counts[0] % counts[1]));
-  replace(text, "{k}", std::to_string(point / counts[0] / counts[1]));
-  replace(text, "{name}", instance_name_of(info.part, instance));
-  if (!info.components.empty()) replace(text, "{c}", std::string(1, info.components[variable->index % components(info)]));
+  if (part.of_points) {
+    const auto& counts = scene_.definition.lattice.counts;
+    replace(text, "{i}", std::to_string(own % counts[0]));
+    replace(text, "{j}", std::to_string(own / counts[0] % counts[1]));
+    replace(text, "{k}", std::to_string(own / counts[0] / counts[1]));
+  }
+  if (part.name) replace(text, "{name}", part.name(scene_, own));
+  if (!info.components.empty()) replace(text, "{c}", std::string(1, info.components[variable->component()]));
   return text;
 }
 
-Instance::Variable Instance::checked(fmi2ValueReference reference, Type type) const {
+Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) const {
   const auto variable = find(reference);
   if (!variable) throw CallError(name(reference) + ": this scene has no such variable");
-  const Type own = variable->info->type, access = own == Type::Enumeration ? Type::Integer : own;
+  const Type own = variable->info().type, access = own == Type::Enumeration ? Type::Integer : own;
   if (access != type) throw CallError(name(reference) + ": is of type " + type_name(own) + ", got a call for " + type_name(type));
   return *variable;
 }
 
 /// Has this scene's lattice the method of this number?
-bool Instance::available(double method) const {
+bool Variables::available(double method) const {
   static_assert(widest_layer == LayerMatrix::widest, "variables.toml and layer_matrix.hpp must agree");
-  return MethodValue(int(method)) != MethodValue::ros34pw2 || LayerMatrix::fits(body_.lattice());
+  return MethodValue(int(method)) != MethodValue::ros34pw2 || LayerMatrix::fits(scene_.definition.lattice);
 }
 
-void Instance::check_settable(const Variable& variable, fmi2ValueReference reference, double value) const {
-  const FamilyInfo& info = *variable.info;
+void Variables::check_settable(Phase phase, fmi2ValueReference reference, Type type, double value) const {
+  const FamilyInfo& info = checked(reference, type).info();
   if (!(settable_in(info) & phase))
     throw CallError(name(reference) + ": cannot be set " +
                     (info.causality == Causality::output ? "(it is an output)" : "after initialization"));
@@ -153,59 +147,121 @@ void Instance::check_settable(const Variable& variable, fmi2ValueReference refer
   if (info.family == Family::solver_method && !available(value))
     throw CallError(name(reference) + ": ros34pw2 is for lattices with at most " + std::to_string(LayerMatrix::widest) +
                     " control points in a layer across the axis with most, this one has " +
-                    std::to_string(LayerMatrix::points_per_layer(body_.lattice())) +
+                    std::to_string(LayerMatrix::points_per_layer(scene_.definition.lattice)) +
                     "; wanted auto (1) or an explicit method, e.g. dop853 (" + std::to_string(int(MethodValue::dop853)) + ")");
 }
 
-void Instance::set(Type type, const fmi2ValueReference* references, std::size_t count, const double* numbers) {
-  for (std::size_t n = 0; n < count; ++n) check_settable(checked(references[n], type), references[n], numbers[n]);
-  for (std::size_t n = 0; n < count; ++n) {
-    const unsigned id = references[n] >> 24;
-    values_[id][references[n] & 0xffffff] = numbers[n];
-    changed_ = true;
-    material_changed_ = material_changed_ || family_info(id)->material;
-  }
-}
-
-void Instance::get(Type type, const fmi2ValueReference* references, std::size_t count, double* numbers) {
-  ensure_initial_state();
-  for (std::size_t n = 0; n < count; ++n) checked(references[n], type);
+void Variables::set(Phase phase, Type type, const fmi2ValueReference* references, std::size_t count, const double* numbers) {
+  for (std::size_t n = 0; n < count; ++n) check_settable(phase, references[n], type, numbers[n]);
   for (std::size_t n = 0; n < count; ++n) {
     const Variable variable = *find(references[n]);
-    numbers[n] = output(variable.info->family, variable.index);
+    values_.numbers[variable.row][variable.index] = numbers[n];
+    values_.changed = true;
+    values_.material_changed = values_.material_changed || variable.info().material;
   }
 }
 
-void Instance::set_input_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders,
-                                     const double* numbers) {
+void Variables::get(Type type, const fmi2ValueReference* references, std::size_t count, double* numbers, SoftBody& body,
+                    const ErrorEstimate* estimate) const {
+  for (std::size_t n = 0; n < count; ++n) checked(references[n], type);
+  const Observed observed{probes_, body, estimate};
   for (std::size_t n = 0; n < count; ++n) {
-    const Variable variable = checked(references[n], Type::Real);
-    if (variable.info->causality != Causality::input) throw CallError(name(references[n]) + ": is no input, it has no input derivative");
-    if (const int highest = highest_order_of(variable.info->family); orders[n] < 1 || orders[n] > highest)
+    const Variable variable = *find(references[n]);
+    const Binding::Output output = bindings[variable.row].output;
+    numbers[n] = output ? output(observed, member(variable), variable.component()) : values_.numbers[variable.row][variable.index];
+  }
+}
+
+void Variables::set_input_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders,
+                                      const double* numbers) {
+  for (std::size_t n = 0; n < count; ++n) {
+    const FamilyInfo& info = checked(references[n], Type::Real).info();
+    if (info.causality != Causality::input) throw CallError(name(references[n]) + ": is no input, it has no input derivative");
+    if (const int highest = highest_order_of(info.family); orders[n] < 1 || orders[n] > highest)
       throw CallError(name(references[n]) + ": wanted a derivative of order 1" + (highest > 1 ? " to " + std::to_string(highest) : "") +
                       ", got " + std::to_string(orders[n]));
     if (!std::isfinite(numbers[n])) throw CallError(name(references[n]) + ": wanted a finite derivative, got " + shortest(numbers[n]));
   }
   for (std::size_t n = 0; n < count; ++n) {
     const Variable variable = *find(references[n]);
-    rates_[orders[n] - 1][std::size_t(variable.info->family)][variable.index] = numbers[n];
-    changed_ = rated_ = true;
+    values_.rates[orders[n] - 1][variable.row][variable.index] = numbers[n];
+    values_.changed = values_.rated = true;
   }
 }
 
-void Instance::get_output_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, double* numbers) {
+void Variables::get_output_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, double* numbers,
+                                       SoftBody& body) const {
   for (std::size_t n = 0; n < count; ++n) {
-    const Family family = checked(references[n], Type::Real).info->family;
-    if (family != Family::position && family != Family::probe)
+    if (!bindings[checked(references[n], Type::Real).row].rate_output)
       throw CallError(name(references[n]) + ": has no output derivative; positions and probes have");
     if (orders[n] != 1) throw CallError(name(references[n]) + ": wanted a derivative of order 1, got " + std::to_string(orders[n]));
   }
+  const Observed observed{probes_, body, nullptr};
   for (std::size_t n = 0; n < count; ++n) {
     const Variable variable = *find(references[n]);
-    const int instance = variable.index / 3, axis = variable.index % 3;
-    const auto v = body_.state().v.col(axis);
-    numbers[n] = variable.info->family == Family::position ? v[scene_.positions[instance]] : probes_[instance](v);
+    numbers[n] = bindings[variable.row].rate_output(observed, member(variable), variable.component());
   }
+}
+
+void Variables::set_tolerance(double tolerance) {
+  values_.numbers[row_of(Family::solver_tolerance)] = {tolerance};
+  values_.changed = true;
+}
+
+/// Forces of points and loads, or their rates, on the control points.
+void Variables::spread(const Table& table, Points& force) const {
+  const auto& points = members(Part::forces);
+  for (std::size_t n = 0; n < points.size(); ++n) force.row(points[n]) += vector(table, Family::force, n).array().transpose();
+  for (std::size_t n = 0; n < scene_.loads.size(); ++n)
+    for (int p : scene_.loads[n].points)
+      force.row(p) += vector(table, Family::load, n).array().transpose() / double(scene_.loads[n].points.size());
+}
+
+bool Variables::apply(Settings& settings) {
+  const Table &numbers = values_.numbers, &rates = values_.rates[0];
+  for (std::size_t row = 0; row < family_count; ++row) {
+    const Binding& binding = bindings[row];
+    if (!binding.place || (families[row].material && !values_.material_changed)) continue;
+    const std::size_t components = Variable{row, 0}.components();
+    const auto& list = members(families[row].part);
+    for (std::size_t n = 0; n < list.size(); ++n) {
+      std::copy_n(&numbers[row][n * components], components, binding.place(settings, list[n]));
+      if (binding.rate_place) std::copy_n(&rates[row][n * components], components, binding.rate_place(settings, list[n]));
+    }
+  }
+  settings.method = method_of(numbers[row_of(Family::solver_method)][0]);
+  settings.force.setZero();
+  spread(numbers, settings.force);
+  Points* const force_rates[] = {&settings.force_rate, &settings.force_bend[0], &settings.force_bend[1]};
+  for (int order = 1; order <= highest_order; ++order) {
+    force_rates[order - 1]->setZero();
+    if (values_.rated) spread(values_.rates[order - 1], *force_rates[order - 1]);
+  }
+  const auto follow_pose = [&](Family pose, auto& moved) {  // the rate of a pose, where one is given, is the velocity
+    const auto& list = members(families[row_of(pose)].part);
+    for (std::size_t n = 0; n < list.size(); ++n)
+      if (const Vec3 way = vector(rates, pose, n); !way.isZero(0)) moved[list[n]].velocity = way, moved[list[n]].acceleration.setZero();
+  };
+  follow_pose(Family::plane_point, settings.planes);
+  follow_pose(Family::pin_position, settings.pins);
+  values_.changed = false;
+  return std::exchange(values_.material_changed, false);
+}
+
+void Variables::forget_rates() {
+  if (!values_.rated) return;
+  for (Table& order : values_.rates)
+    for (auto& list : order) std::fill(list.begin(), list.end(), 0.0);
+  values_.rated = false;
+  values_.changed = true;
+}
+
+bool Variables::sound(const Values& values) const {
+  for (std::size_t row = 0; row < family_count; ++row)
+    for (double v : values.numbers[row])
+      if (!(std::isfinite(v) && v >= families[row].min && v > families[row].above)) return false;
+  const double method = values.numbers[row_of(Family::solver_method)][0];
+  return method >= 1 && method <= method_count && available(method);
 }
 
 }  // namespace softffd::fmi

@@ -1,0 +1,159 @@
+#include "bindings.hpp"
+
+#include <numeric>
+
+namespace softffd::fmi {
+
+namespace {
+
+using Plane = Settings::PlaneInput;
+using Pin = Settings::PinInput;
+
+template <auto list>
+std::vector<int> all(const SceneFile& s) {
+  std::vector<int> members((s.*list).size());
+  std::iota(members.begin(), members.end(), 0);
+  return members;
+}
+
+template <auto list>
+std::vector<int> reacting(const SceneFile& s) {
+  return s.reactions ? all<list>(s) : std::vector<int>();
+}
+
+template <auto list, bool by_input>
+std::vector<int> moved(const SceneFile& s) {
+  std::vector<int> members;
+  for (std::size_t n = 0; n < (s.*list).size(); ++n)
+    if ((s.*list)[n].moved_by_input == by_input) members.push_back(int(n));
+  return members;
+}
+
+template <auto points>
+std::vector<int> listed(const SceneFile& s) {
+  return s.*points;
+}
+
+std::vector<int> one_if(bool present) { return std::vector<int>(present, 0); }
+
+template <auto list>
+std::string name_in(const SceneFile& s, int member) {
+  return (s.*list)[member].name;
+}
+
+constexpr auto planes = &SceneFile::planes;
+constexpr auto pins = &SceneFile::pins;
+
+constexpr PartBinding part_bindings[] = {
+    {Part::forces, listed<&SceneFile::forces>, nullptr, true},
+    {Part::loads, all<&SceneFile::loads>, name_in<&SceneFile::loads>},
+    {Part::input_planes, moved<planes, true>, name_in<planes>},
+    {Part::input_pins, moved<pins, true>, name_in<pins>},
+    {Part::fixed_planes, moved<planes, false>, name_in<planes>},
+    {Part::planes, all<planes>, name_in<planes>},
+    {Part::always, [](const SceneFile&) { return one_if(true); }},
+    {Part::damping, [](const SceneFile& s) { return one_if(s.damping.has_value()); }},
+    {Part::gravity, [](const SceneFile& s) { return one_if(s.gravity.has_value()); }},
+    {Part::positions, listed<&SceneFile::positions>, nullptr, true},
+    {Part::velocities, listed<&SceneFile::velocities>, nullptr, true},
+    {Part::probes, all<&SceneFile::probes>, name_in<&SceneFile::probes>},
+    {Part::plane_reactions, reacting<planes>, name_in<planes>},
+    {Part::pin_reactions, reacting<pins>, name_in<pins>},
+    {Part::energy, [](const SceneFile& s) { return one_if(s.energy); }},
+    {Part::energy_gravity, [](const SceneFile& s) { return one_if(s.energy && s.gravity); }},
+    {Part::solver, [](const SceneFile& s) { return one_if(s.solver); }},
+    {Part::error_estimate, [](const SceneFile& s) { return one_if(s.error_estimate); }},
+};
+
+constexpr bool every_part_is_bound() {
+  for (const FamilyInfo& info : families)
+    if (std::size_t(info.part) >= std::size(part_bindings) || part_bindings[std::size_t(info.part)].part != info.part) return false;
+  return true;
+}
+static_assert(every_part_is_bound(), "part_bindings must have the parts of variables.toml, in the order of their first family");
+
+template <auto field>
+double* of_plane(Settings& s, int q) {
+  return (s.planes[q].*field).data();
+}
+template <auto field>
+double* of_pin(Settings& s, int a) {
+  return (s.pins[a].*field).data();
+}
+
+/// Families whose values go into the settings in a way of their own (Variables::apply).
+constexpr Binding spread(Family family) { return {.family = family}; }
+constexpr Binding setting(Family family, Binding::Place place, Binding::Place rate = nullptr) {
+  return {.family = family, .place = place, .rate_place = rate};
+}
+constexpr Binding output(Family family, Binding::Output output, Binding::Output rate = nullptr) {
+  return {.family = family, .output = output, .rate_output = rate};
+}
+
+}  // namespace
+
+constexpr std::array<Binding, family_count> bindings{
+    spread(Family::force),
+    spread(Family::load),
+    setting(Family::plane_point, of_plane<&Plane::point>),
+    setting(Family::plane_normal, of_plane<&Plane::normal>, of_plane<&Plane::normal_rate>),
+    setting(Family::plane_velocity, of_plane<&Plane::velocity>, of_plane<&Plane::acceleration>),
+    setting(Family::plane_angular_velocity, of_plane<&Plane::angular_velocity>, of_plane<&Plane::angular_acceleration>),
+    setting(Family::pin_position, of_pin<&Pin::position>),
+    setting(Family::pin_orientation, of_pin<&Pin::orientation>, of_pin<&Pin::orientation_rate>),
+    setting(Family::pin_velocity, of_pin<&Pin::velocity>, of_pin<&Pin::acceleration>),
+    setting(Family::pin_angular_velocity, of_pin<&Pin::angular_velocity>, of_pin<&Pin::angular_acceleration>),
+    setting(Family::fixed_plane_point, of_plane<&Plane::point>),
+    setting(Family::fixed_plane_normal, of_plane<&Plane::normal>),
+    setting(Family::fixed_plane_velocity, of_plane<&Plane::velocity>),
+    setting(Family::fixed_plane_angular_velocity, of_plane<&Plane::angular_velocity>),
+    setting(Family::plane_friction, [](Settings& s, int q) { return &s.planes[q].friction; }),
+    setting(Family::mass, [](Settings& s, int) { return &s.mass; }),
+    setting(Family::stiffness_edge, [](Settings& s, int) { return &s.stiffness.edge; }),
+    setting(Family::stiffness_face, [](Settings& s, int) { return &s.stiffness.face; }),
+    setting(Family::stiffness_body, [](Settings& s, int) { return &s.stiffness.body; }),
+    setting(Family::damping, [](Settings& s, int) { return &s.damping; }),
+    setting(Family::gravity, [](Settings& s, int) { return s.gravity.data(); }),
+    spread(Family::solver_method),
+    setting(Family::solver_tolerance, [](Settings& s, int) { return &s.tolerance; }),
+    setting(Family::solver_step, [](Settings& s, int) { return &s.step; }),
+    output(
+        Family::position, [](const Observed& o, int p, int axis) { return o.body.state().x(p, axis); },
+        [](const Observed& o, int p, int axis) { return o.body.state().v(p, axis); }),
+    output(Family::velocity, [](const Observed& o, int p, int axis) { return o.body.state().v(p, axis); }),
+    output(
+        Family::probe, [](const Observed& o, int n, int axis) { return o.probes[n](o.body.state().x.col(axis)); },
+        [](const Observed& o, int n, int axis) { return o.probes[n](o.body.state().v.col(axis)); }),
+    output(Family::plane_reaction, [](const Observed& o, int q, int axis) { return o.body.plane_reaction(q)[axis]; }),
+    output(Family::plane_torque, [](const Observed& o, int q, int axis) { return o.body.plane_torque(q)[axis]; }),
+    output(Family::plane_contacts, [](const Observed& o, int q, int) { return double(o.body.plane_contacts(q)); }),
+    output(Family::pin_reaction, [](const Observed& o, int a, int axis) { return o.body.pin_reaction(a)[axis]; }),
+    output(Family::pin_torque, [](const Observed& o, int a, int axis) { return o.body.pin_torque(a)[axis]; }),
+    output(Family::energy_kinetic, [](const Observed& o, int, int) { return o.body.kinetic_energy(); }),
+    output(Family::energy_elastic, [](const Observed& o, int, int) { return o.body.elastic_energy(); }),
+    output(Family::energy_gravity, [](const Observed& o, int, int) { return o.body.gravity_energy(); }),
+    output(Family::energy_dissipated, [](const Observed& o, int, int) { return o.body.dissipated_energy(); }),
+    output(Family::energy_work, [](const Observed& o, int, int) { return o.body.work(); }),
+    output(Family::solver_steps, [](const Observed& o, int, int) { return double(o.body.steps()); }),
+    output(Family::solver_rejected, [](const Observed& o, int, int) { return double(o.body.rejected()); }),
+    output(Family::solver_contacts_resolved, [](const Observed& o, int, int) { return double(o.body.contacts_resolved()); }),
+    output(Family::solver_stable_step, [](const Observed& o, int, int) { return o.body.stable_step(); }),
+    output(Family::solver_folded_cells, [](const Observed& o, int, int) { return double(o.body.folded_cells()); }),
+    output(Family::solver_error_estimate, [](const Observed& o, int, int) { return o.estimate->value(); }),
+};
+
+namespace {
+
+constexpr bool every_family_is_bound() {
+  for (std::size_t n = 0; n < family_count; ++n)
+    if (bindings[n].family != families[n].family || (bindings[n].output != nullptr) != (families[n].causality == Causality::output))
+      return false;
+  return true;
+}
+static_assert(every_family_is_bound(), "bindings must have the families of variables.toml, in their order, outputs with their output");
+
+}  // namespace
+
+const PartBinding& binding_of(Part part) { return part_bindings[std::size_t(part)]; }
+
+}  // namespace softffd::fmi

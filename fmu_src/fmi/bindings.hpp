@@ -1,0 +1,42 @@
+/// What the rows of the table of variables stand for: a part's members in the scene, a family's place in the body's settings or its output.
+#pragma once
+#include "estimate.hpp"
+#include "scene_file.hpp"
+#include "variable_table.hpp"
+
+namespace softffd::fmi {
+
+inline constexpr std::size_t family_count = std::size(families);
+
+/// The members of a part, one instance of its families each: control points, or numbers in one of the scene's lists. A part without a list
+/// has one member or none.
+struct PartBinding {
+  Part part;
+  std::vector<int> (*members)(const SceneFile& scene);
+  std::string (*name)(const SceneFile& scene, int member) = nullptr;  ///< what {name} stands for
+  bool of_points = false;                                             ///< members are control points: {i} {j} {k}
+};
+const PartBinding& binding_of(Part part);
+
+/// What outputs are read from.
+struct Observed {
+  const std::vector<Embedding>& probes;
+  SoftBody& body;
+  const ErrorEstimate* estimate;  ///< null where the scene has none
+};
+
+/// A family has a place in the settings, or an output, or neither: then its values go into the settings in a way of their own.
+struct Binding {
+  using Place = double* (*)(Settings& settings, int member);
+  using Output = double (*)(const Observed& observed, int member, int axis);
+
+  Family family;
+  Place place = nullptr;         ///< of a member's first component
+  Place rate_place = nullptr;    ///< the same for the first time derivative
+  Output output = nullptr;       ///< a component
+  Output rate_output = nullptr;  ///< its time derivative
+};
+/// In the order of `families`.
+extern const std::array<Binding, family_count> bindings;
+
+}  // namespace softffd::fmi

@@ -1,0 +1,23 @@
+#include "life_cycle.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "logger.hpp"
+
+namespace softffd::fmi {
+
+void Times::check_step(double time, double step) const {
+  const double rounding = 16 * std::numeric_limits<double>::epsilon() * std::max(std::abs(now), std::abs(start));
+  const double slack = rounding + std::min(1e-9 * std::max(1.0, now - start), 0.01 * std::abs(step));
+  if (!std::isfinite(time) || !(std::abs(time - now) <= slack))
+    throw CallError("fmi2DoStep: currentCommunicationPoint: wanted " + number(now) + " s, got " + number(time) + ", " + number(time - now) +
+                    " s off");
+  if (!std::isfinite(step) || !(step > 0)) throw CallError("fmi2DoStep: communicationStepSize: wanted > 0 s, got " + number(step));
+  if (now + step > stop + rounding + 1e-9 * std::max(1.0, stop - start))
+    throw CallError("fmi2DoStep: a step to " + number(now + step) + " s goes past the stop time " + number(stop) + " s");
+}
+
+double Times::horizon() const { return std::isfinite(stop) && stop > start ? stop - start : 1.0; }
+
+}  // namespace softffd::fmi

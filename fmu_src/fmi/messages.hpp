@@ -1,0 +1,46 @@
+/// What an instance says of its own accord: the method it takes and why, and warnings, each once in a run.
+#pragma once
+#include "logger.hpp"
+#include "scene_file.hpp"
+
+namespace softffd::fmi {
+
+class Messages {
+ public:
+  /// Both must outlive this.
+  Messages(const SceneFile& scene, const Logger& logger) : scene_(scene), logger_(logger) {}
+
+  /// A new run: everything may be said again.
+  void reset() { said_ = {}; }
+  /// Looks at the initial state; time [s].
+  void begun(const SoftBody& body, double time);
+  /// Looks at a communication step that has been done and has led to this time [s].
+  void stepped(SoftBody& body, double time);
+
+ private:
+  enum Topic : unsigned { rubbing = 1, folding = 2, gain = 4, division = 8, turning = 16 };
+  struct Said {
+    unsigned topics = 0;
+    std::optional<Method> method;
+    Reason reason = Reason::asked;
+    double step = -1, share = 1;
+  };
+  /// Gives the warning that `text` returns, unless it is empty or there was one of this topic before.
+  template <class Text>
+  void once(Topic topic, Text&& text) {
+    if (said_.topics & topic) return;
+    const std::string warning = text();
+    if (warning.empty()) return;
+    said_.topics |= topic;
+    logger_.log(fmi2Warning, log_warning, warning);
+  }
+  void say_choice(SoftBody& body);
+  void say_share(const SoftBody& body, double time);
+  void warn_of_folding(const SoftBody& body, double time);
+
+  const SceneFile& scene_;
+  const Logger& logger_;
+  Said said_;
+};
+
+}  // namespace softffd::fmi

@@ -1,0 +1,71 @@
+#include "trouble.hpp"
+
+#include "logger.hpp"
+
+namespace softffd::fmi {
+
+namespace {
+
+/// Depth behind a plane relative to the box that is rounding.
+constexpr double slight = 1e-9;
+
+}  // namespace
+
+std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& body, double time, double step) {
+  const std::string where = "at time " + number(time) + " s: ";
+  switch (status) {
+    case StepStatus::ok:
+    case StepStatus::contact_ahead: return "done";
+    case StepStatus::impossible_planes:
+      return where + "the obstacle planes leave a control point no place to go; move or turn the planes so that they do not close on it";
+    case StepStatus::pin_behind_plane:
+      return where + "a pinned control point is behind an obstacle plane; the pin's and the plane's motions contradict each other";
+    case StepStatus::zero_normal: return where + "a plane's normal is the zero vector; wanted any other vector";
+    case StepStatus::zero_orientation: return where + "a pin's orientation is the zero quaternion; wanted any other, e.g. (1, 0, 0, 0)";
+    case StepStatus::undecided: return where + without_direction(scene, body);
+    case StepStatus::too_many_steps:
+      return where + "a communication step of " + number(step) + " s needs more than " + std::to_string(Propagator::most_steps) +
+             " internal steps; use a shorter communication step, a longer solver.step or less stiffness per mass";
+    case StepStatus::not_finite:
+      return where + "the result of a communication step of " + number(step) +
+             " s is not finite, and not with smaller internal steps either: forces, speeds or stiffness are beyond what they can follow";
+  }
+  return where + "unknown trouble";
+}
+
+std::string without_direction(const SceneFile& scene, const SoftBody& body) {
+  const bool drawn_flat = (scene.definition.stretch.array() == 0).any();
+  const std::string behind = drawn_flat ? "" : behind_planes(scene, body);
+  const std::string why = behind.empty() ? "control points that they join are at the same place" : behind;
+  std::string cure = behind.empty() ? "draw the points apart (no 0 in initial.stretch)" : clear_of_planes;
+  if (behind.empty() && !(body.settings.step > 0)) cure += ", or give a solver.step, to which none applies";
+  return "springs have no length, because " + why + ": rounding would decide which way they push, and no tolerance could hold; " + cure;
+}
+
+std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
+  const Definition& d = scene.definition;
+  if (body.settings.method == Method::central_difference) return {};  // moves none
+  std::vector<bool> pinned(d.lattice.points(), false);
+  for (const PinDefinition& pin : d.pins)
+    for (int p : pin.points) pinned[p] = true;
+  const Points start = start_positions(d);
+  std::string text;
+  for (std::size_t q = 0; q < scene.planes.size(); ++q) {
+    const Settings::PlaneInput& plane = body.settings.planes[q];
+    const Vec3 normal = plane.normal / plane.normal.stableNorm();
+    int count = 0;
+    double deepest = 0;
+    for (int p = 0; p < d.lattice.points(); ++p) {
+      const double depth = normal.dot(plane.point - row(start, p));
+      if (pinned[p] || !(depth > slight * d.lattice.largest_side())) continue;
+      ++count;
+      deepest = std::max(deepest, depth);
+    }
+    if (count > 0)
+      text += (text.empty() ? "" : " and ") + std::to_string(count) + " control point" + (count > 1 ? "s start" : " starts") +
+              " behind plane " + scene.planes[q].name + ", by up to " + number(deepest) + " m";
+  }
+  return text.empty() ? text : text + ", and are moved out at once";
+}
+
+}  // namespace softffd::fmi

@@ -1,0 +1,19 @@
+/// Why a body does not start or go on, in words.
+#pragma once
+#include "scene_file.hpp"
+
+namespace softffd::fmi {
+
+/// What the status means, with the time and the length of the communication step [s].
+std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& body, double time, double step);
+
+/// Why springs have no direction, and what helps.
+std::string without_direction(const SceneFile& scene, const SoftBody& body);
+
+/// Which control points the start has behind obstacle planes, whence they are moved at once; empty where there are none.
+std::string behind_planes(const SceneFile& scene, const SoftBody& body);
+
+/// What to do about it.
+inline constexpr const char* clear_of_planes = "to start clear of it move the plane or initial.offset, or turn the plane's normal round";
+
+}  // namespace softffd::fmi

@@ -1,0 +1,91 @@
+/// The variables of a scene by value reference: which there are, their names, what a host has set, and the checks of setting and getting.
+///
+/// A value reference is (family id << 24) | index, with index = instance * components + component.
+#pragma once
+#include <array>
+#include <optional>
+#include <vector>
+
+extern "C" {
+#include "fmi2TypesPlatform.h"
+}
+
+#include "bindings.hpp"
+#include "life_cycle.hpp"
+
+namespace softffd::fmi {
+
+class Variables {
+ public:
+  /// Highest order of the time derivatives that inputs take: forces and loads have all, the others the first.
+  static constexpr int highest_order = 3;
+
+  using Table = std::array<std::vector<double>, family_count>;  ///< in the order of `families`; outputs have no numbers
+  /// All that a host has set: its copy is a snapshot.
+  struct Values {
+    Table numbers;
+    std::array<Table, highest_order> rates;  ///< of inputs, for the next step, by order - 1
+    bool changed = true;                     ///< since they were applied
+    bool material_changed = true;            ///< among them mass, stiffness or damping
+    bool rated = false;                      ///< any rate was set
+  };
+
+  /// Puts the scene's start values into the settings. The scene must outlive this.
+  Variables(const SceneFile& scene, Settings& settings);
+  /// Back to the start values.
+  void reset() { values_ = starts_; }
+
+  /// Real, Integer and Enumeration variables share one access path. Throw CallError naming the variable; set all or nothing.
+  void set(Phase phase, Type type, const fmi2ValueReference* references, std::size_t count, const double* numbers);
+  void get(Type type, const fmi2ValueReference* references, std::size_t count, double* numbers, SoftBody& body,
+           const ErrorEstimate* estimate) const;
+  /// Time derivatives of Real inputs; they hold for the next step only. Orders 1 to 3 of forces and loads, order 1 of the others.
+  void set_input_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, const double* numbers);
+  /// First time derivatives of positions and probes.
+  void get_output_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, double* numbers,
+                              SoftBody& body) const;
+  void set_tolerance(double tolerance);  ///< > 0
+
+  /// Name of a variable as in modelDescription.xml; the bare number for an unknown one.
+  std::string name(fmi2ValueReference reference) const;
+
+  /// Whether the settings are behind what was set.
+  bool changed() const { return values_.changed; }
+  /// Has all applied anew.
+  void touch() { set_changed(true, true); }
+  /// Takes what has changed over into the settings. Returns whether mass, stiffness or damping are among it.
+  bool apply(Settings& settings);
+  void forget_rates();
+  void set_changed(bool changed, bool material_changed) { values_.changed = changed, values_.material_changed = material_changed; }
+
+  const Values& values() const { return values_; }
+  /// Takes values of this scene that are sound.
+  void restore(Values values) { values_ = std::move(values); }
+  /// Whether all values are such as `set` takes.
+  bool sound(const Values& values) const;
+
+ private:
+  /// A variable that there is: a row of the table, and its index there.
+  struct Variable {
+    std::size_t row;
+    int index;
+    const FamilyInfo& info() const { return families[row]; }
+    int components() const { return std::max(1, int(info().components.size())); }
+    int instance() const { return index / components(); }
+    int component() const { return index % components(); }
+  };
+  std::optional<Variable> find(fmi2ValueReference reference) const;
+  Variable checked(fmi2ValueReference reference, Type type) const;
+  void check_settable(Phase phase, fmi2ValueReference reference, Type type, double value) const;
+  int member(const Variable& variable) const { return members(variable.info().part)[variable.instance()]; }
+  const std::vector<int>& members(Part part) const { return members_[std::size_t(part)]; }
+  bool available(double method) const;
+  void spread(const Table& table, Points& force) const;
+
+  const SceneFile& scene_;
+  std::array<std::vector<int>, family_count> members_;  ///< by part; there are no more parts than families
+  std::vector<Embedding> probes_;
+  Values starts_, values_;
+};
+
+}  // namespace softffd::fmi
