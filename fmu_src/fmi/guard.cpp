@@ -1,0 +1,49 @@
+#include "guard.hpp"
+
+namespace softffd::fmi {
+
+namespace {
+
+const char* phase_name(Phase phase) {
+  switch (phase) {
+    case instantiated: return "instantiated";
+    case initializing: return "in initialization mode";
+    case stepping: return "ready for a step";
+    case step_failed: return "after a discarded step";
+    case terminated: return "terminated";
+    case failed: return "in the error state";
+  }
+  return "in no known state";
+}
+
+}  // namespace
+
+constinit Registry<Instance> instances;
+
+void check_phase(Phase phase, const Function& function) {
+  if (!(phase & function.allowed)) throw CallError(std::string(function.name) + ": not allowed " + phase_name(phase));
+}
+
+void check_arrays(const Function& function, const Arrays& arrays) {
+  for (const void* pointer : arrays.pointers)
+    if (!pointer && arrays.count > 0)
+      throw CallError(std::string(function.name) + ": got a null array for " + std::to_string(arrays.count) + " values");
+}
+
+fmi2Status refused(Instance& instance, const Function& function) {
+  const auto say = [&](std::string_view message) { instance.logger.log(fmi2Error, log_error, message); };
+  try {
+    throw;
+  } catch (const CallError& error) {
+    instance.phase = failed;
+    say(error.what());
+  } catch (const StateError& error) {  // foreign bytes: the instance is as it was
+    say(std::string(function.name) + ": " + error.what());
+  } catch (const std::exception& error) {
+    instance.phase = failed;
+    say(std::string(function.name) + ": " + error.what());
+  }
+  return fmi2Error;
+}
+
+}  // namespace softffd::fmi
