@@ -1,0 +1,278 @@
+#include "variables.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <set>
+
+#include "check.hpp"
+#include "small_scene.hpp"
+
+using namespace softffd::fmi;
+using softffd::ErrorEstimate;
+using softffd::Settings;
+using softffd::SoftBody;
+using softffd::Vec3;
+
+namespace {
+
+/// A scene with every part.
+const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiffness = 100, .initial = "1 1 1 0 0 0.5 1 0 0 0 0 0"}.text(
+    "damping 0.05\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 0.4\nplane lid input 0 0 9 0 0 -1 0 0 -1 0 0 0 0.1\n"
+    "pin foot fixed 0\npin hand input 7\nload push 1 2\nforces 2 3\nvelocities 5\nprobe nose 0.5 0.5 1\nreactions\nenergy\nsolver\n"
+    "error_estimate\n");
+
+struct Scene {
+  SceneFile file = parse_scene(text);
+  SoftBody body{file.definition};
+  Variables variables{file, body.settings};
+  ErrorEstimate estimate{file.definition};
+
+  Scene() {
+    variables.apply(body.settings);
+    body.initialize(0);
+    estimate.initialize(body, 0);
+  }
+  double get(fmi2ValueReference reference, Type type = Type::Real) {
+    double value = NAN;
+    variables.get(type, &reference, 1, &value, body, &estimate);
+    return value;
+  }
+  void set(fmi2ValueReference reference, double value, Type type = Type::Real, Phase phase = instantiated) {
+    variables.set(phase, type, &reference, 1, &value);
+  }
+  void rate(fmi2ValueReference reference, int order, double value) { variables.set_input_derivatives(&reference, 1, &order, &value); }
+  double output_rate(fmi2ValueReference reference, int order = 1) {
+    double value = NAN;
+    variables.get_output_derivatives(&reference, 1, &order, &value, body);
+    return value;
+  }
+};
+
+fmi2ValueReference reference_of(Family family, int index = 0) { return unsigned(family) << 24 | unsigned(index); }
+
+Type access(const FamilyInfo& info) { return info.type == Type::Real ? Type::Real : Type::Integer; }
+
+/// What a call is refused with; empty: it is not.
+template <class Call>
+std::string refusal(Call&& call) {
+  try {
+    call();
+  } catch (const CallError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+/// Number of variables of a family: as many indices as have a name.
+int count(const Scene& scene, const FamilyInfo& info) {
+  int n = 0;
+  while (scene.variables.name(reference_of(info.family, n)).find("value reference") != 0) ++n;
+  return n;
+}
+
+bool settable(const FamilyInfo& info) { return info.causality != Causality::output; }
+
+}  // namespace
+
+TEST(every_family_has_variables_with_names_of_their_own) {
+  const Scene scene;
+  std::set<std::string> names;
+  std::size_t all = 0;
+  for (const FamilyInfo& info : families) {
+    const int n = count(scene, info);
+    CHECK(n > 0);
+    all += n;
+    for (int i = 0; i < n; ++i) names.insert(scene.variables.name(reference_of(info.family, i)));
+  }
+  CHECK(names.size() == all);
+  for (const std::string& name : names) CHECK(name.find_first_of("{}") == name.npos);
+}
+
+TEST(names_tell_the_member_and_the_component) {
+  const Scene scene;
+  const auto name = [&](Family family, int index) { return scene.variables.name(reference_of(family, index)); };
+  CHECK(name(Family::force, 4) == "force[1,1,0].y" && name(Family::velocity, 2) == "velocity[1,0,1].z");
+  CHECK(name(Family::plane_point, 2) == "plane.lid.point.z" && name(Family::fixed_plane_point, 0) == "plane.ground.point.x");
+  CHECK(name(Family::plane_friction, 1) == "plane.lid.friction" && name(Family::plane_contacts, 0) == "plane.ground.contacts");
+  CHECK(name(Family::pin_orientation, 0) == "pin.hand.orientation.w" && name(Family::pin_reaction, 3) == "pin.hand.reaction.x");
+  CHECK(name(Family::load, 1) == "load.push.y" && name(Family::probe, 0) == "probe.nose.x" && name(Family::mass, 0) == "mass");
+}
+
+TEST(every_settable_variable_takes_a_value_and_gives_it_back) {
+  Scene scene;
+  for (const FamilyInfo& info : families)
+    for (int i = 0; settable(info) && i < count(scene, info); ++i) {
+      const double value = info.type == Type::Enumeration ? 3 : 0.5 + i;
+      scene.set(reference_of(info.family, i), value, access(info));
+      CHECK(scene.get(reference_of(info.family, i), access(info)) == value);
+    }
+  scene.variables.reset();
+  CHECK(scene.get(reference_of(Family::mass)) == 2 && scene.get(reference_of(Family::solver_method), Type::Integer) == 1);
+  CHECK(scene.get(reference_of(Family::plane_point, 2)) == 9 && scene.get(reference_of(Family::plane_velocity, 2)) == -1);
+  CHECK(scene.get(reference_of(Family::pin_position, 1)) == 1 && scene.get(reference_of(Family::pin_orientation)) == 1);
+}
+
+TEST(every_output_can_be_read_and_not_set) {
+  Scene scene;
+  for (const FamilyInfo& info : families) {
+    if (settable(info)) continue;
+    const fmi2ValueReference reference = reference_of(info.family);
+    CHECK(std::isfinite(scene.get(reference, access(info))));
+    CHECK(refusal([&] { scene.set(reference, 1, access(info)); }) == scene.variables.name(reference) + ": cannot be set (it is an output)");
+  }
+  CHECK(scene.get(reference_of(Family::position, 3 * 7 + 2)) == 1.0);  // the hand holds it
+  CHECK(scene.get(reference_of(Family::position, 3 * 5 + 2)) == 1.5 && scene.get(reference_of(Family::velocity, 0)) == 1);
+  CHECK(scene.get(reference_of(Family::probe, 2)) > 1);
+}
+
+TEST(references_of_no_variable_are_refused) {
+  Scene scene;
+  for (const FamilyInfo& info : families) {
+    const fmi2ValueReference beyond = reference_of(info.family, count(scene, info));
+    const std::string wanted = "value reference " + std::to_string(beyond) + ": this scene has no such variable";
+    CHECK(refusal([&] { scene.get(beyond, access(info)); }) == wanted && refusal([&] { scene.set(beyond, 1, access(info)); }) == wanted);
+  }
+  for (fmi2ValueReference reference : {0u, 0xffffffu, 127u << 24, 0x80000000u, 0xffffffffu})
+    CHECK(!refusal([&] { scene.get(reference); }).empty());
+}
+
+TEST(a_call_for_another_type_is_refused) {
+  Scene scene;
+  for (const FamilyInfo& info : families) {
+    const Type other = info.type == Type::Real ? Type::Integer : Type::Real;
+    CHECK(refusal([&] { scene.get(reference_of(info.family), other); }).find(": is of type ") != std::string::npos);
+    CHECK(refusal([&] { scene.set(reference_of(info.family), 1, other); }).find(": is of type ") != std::string::npos);
+  }
+}
+
+TEST(values_out_of_range_are_refused_and_nothing_is_set) {
+  Scene scene;
+  for (const FamilyInfo& info : families) {
+    if (!settable(info)) continue;
+    const fmi2ValueReference references[] = {info.type == Type::Real ? reference_of(Family::gravity) : reference_of(Family::solver_method),
+                                             reference_of(info.family)};
+    std::vector<double> bad{NAN, INFINITY, -INFINITY};
+    if (std::isfinite(info.min)) bad.push_back(std::nextafter(info.min, -1.0));
+    if (std::isfinite(info.above)) bad.push_back(info.above);
+    if (info.type == Type::Enumeration) bad.insert(bad.end(), {0, method_count + 1});
+    for (double value : bad) {
+      const double before[] = {scene.get(references[0], access(info)), scene.get(references[1], access(info))}, wanted[] = {3, value};
+      const std::string said = refusal([&] { scene.variables.set(instantiated, access(info), references, 2, wanted); });
+      CHECK(said.find(scene.variables.name(references[1]) + ": wanted ") == 0);
+      CHECK(scene.get(references[0], access(info)) == before[0] && scene.get(references[1], access(info)) == before[1]);
+    }
+    if (std::isfinite(info.min)) CHECK(refusal([&] { scene.set(references[1], info.min); }).empty());
+  }
+}
+
+TEST(what_may_be_set_when_follows_causality_and_variability) {
+  Scene scene;
+  for (const FamilyInfo& info : families) {
+    if (!settable(info)) continue;
+    const bool any_time = info.causality == Causality::input || info.variability == Variability::tunable;
+    const auto said = [&](Phase phase) { return refusal([&] { scene.set(reference_of(info.family), 1, access(info), phase); }); };
+    CHECK(said(instantiated).empty() && said(initializing).empty());
+    CHECK(said(stepping) == (any_time ? "" : scene.variables.name(reference_of(info.family)) + ": cannot be set after initialization"));
+  }
+}
+
+TEST(values_reach_their_places_in_the_settings) {
+  Scene scene;
+  double next = 1;
+  for (const FamilyInfo& info : families)
+    for (int i = 0; info.type == Type::Real && settable(info) && i < count(scene, info); ++i)
+      scene.set(reference_of(info.family, i), next++);
+  const auto value3 = [&](Family family, int member = 0) {
+    Vec3 v;
+    for (int c = 0; c < 3; ++c) v[c] = scene.get(reference_of(family, 3 * member + c));
+    return v;
+  };
+  Settings& s = scene.body.settings;
+  CHECK(scene.variables.changed() && scene.variables.apply(s) && !scene.variables.changed());
+  CHECK(s.planes[0].point == value3(Family::fixed_plane_point) && s.planes[0].normal == value3(Family::fixed_plane_normal));
+  CHECK(s.planes[0].velocity == value3(Family::fixed_plane_velocity));
+  CHECK(s.planes[0].angular_velocity == value3(Family::fixed_plane_angular_velocity) && !s.planes[0].moved_by_input);
+  CHECK(s.planes[1].point == value3(Family::plane_point) && s.planes[1].normal == value3(Family::plane_normal));
+  CHECK(s.planes[1].velocity == value3(Family::plane_velocity) && s.planes[1].angular_velocity == value3(Family::plane_angular_velocity));
+  CHECK(s.planes[1].moved_by_input && s.planes[1].friction == scene.get(reference_of(Family::plane_friction, 1)));
+  CHECK(s.pins[1].position == value3(Family::pin_position) && s.pins[1].velocity == value3(Family::pin_velocity));
+  CHECK(s.pins[1].angular_velocity == value3(Family::pin_angular_velocity));
+  for (int c = 0; c < 4; ++c) CHECK(s.pins[1].orientation[c] == scene.get(reference_of(Family::pin_orientation, c)));
+  CHECK(s.pins[0].position == Vec3::Zero());  // the fixed one stays where it is
+  CHECK(s.gravity == value3(Family::gravity) && s.mass == scene.get(reference_of(Family::mass)));
+  CHECK(s.stiffness.edge == scene.get(reference_of(Family::stiffness_edge)) && s.damping == scene.get(reference_of(Family::damping)));
+  CHECK(s.tolerance == scene.get(reference_of(Family::solver_tolerance)) && s.step == scene.get(reference_of(Family::solver_step)));
+  const Vec3 load = value3(Family::load), own = value3(Family::force, 0), other = value3(Family::force, 1);
+  for (int c = 0; c < 3; ++c) {
+    CHECK(s.force(1, c) == load[c] / 2 && s.force(2, c) == own[c] + load[c] / 2 && s.force(3, c) == other[c]);
+    CHECK(s.force(0, c) == 0);
+  }
+}
+
+TEST(only_changes_of_the_material_ask_for_it_anew) {
+  Scene scene;
+  for (const FamilyInfo& info : families) {
+    if (!settable(info)) continue;
+    scene.set(reference_of(info.family), 1, access(info));
+    CHECK(scene.variables.apply(scene.body.settings) == info.material);
+  }
+}
+
+TEST(rates_of_inputs_reach_their_places_and_hold_for_one_step) {
+  Scene scene;
+  Settings& s = scene.body.settings;
+  for (int order : {1, 2, 3}) scene.rate(reference_of(Family::load, 1), order, 10.0 * order);
+  scene.rate(reference_of(Family::plane_velocity, 2), 1, 4);
+  scene.rate(reference_of(Family::plane_normal, 0), 1, 5);
+  scene.rate(reference_of(Family::pin_orientation, 3), 1, 6);
+  scene.rate(reference_of(Family::pin_velocity, 0), 1, 7);
+  scene.rate(reference_of(Family::pin_position, 1), 1, 8);
+  scene.variables.apply(s);
+  CHECK(s.force_rate(1, 1) == 5 && s.force_bend[0](2, 1) == 10 && s.force_bend[1](2, 1) == 15);
+  CHECK(s.planes[1].acceleration == Vec3(0, 0, 4) && s.planes[1].normal_rate == Vec3(5, 0, 0) && s.pins[1].orientation_rate[3] == 6);
+  CHECK(s.pins[1].velocity == Vec3(0, 8, 0) && s.pins[1].acceleration == Vec3::Zero());  // the rate of a pose wins
+  scene.variables.forget_rates();
+  CHECK(scene.variables.changed());
+  scene.variables.apply(s);
+  CHECK(s.force_rate.isZero(0) && s.force_bend[0].isZero(0) && s.planes[1].acceleration == Vec3::Zero());
+  CHECK(s.pins[1].velocity == Vec3::Zero() && s.pins[1].orientation_rate[3] == 0);
+}
+
+TEST(rates_that_no_input_takes_are_refused) {
+  Scene scene;
+  for (const FamilyInfo& info : families) {
+    if (info.type != Type::Real) continue;
+    const auto said = [&](int order, double value) { return refusal([&] { scene.rate(reference_of(info.family), order, value); }); };
+    if (info.causality != Causality::input) {
+      CHECK(said(1, 1).find(": is no input") != std::string::npos);
+      continue;
+    }
+    const int highest = info.family == Family::force || info.family == Family::load ? 3 : 1;
+    for (int order = 1; order <= highest; ++order) CHECK(said(order, 1).empty() && !said(order, NAN).empty());
+    CHECK(said(0, 1).find(": wanted a derivative of order 1") != std::string::npos);
+    CHECK(said(highest + 1, 1).find(": wanted a derivative of order 1") != std::string::npos);
+  }
+}
+
+TEST(positions_and_probes_have_a_first_derivative) {
+  Scene scene;
+  for (const FamilyInfo& info : families) {
+    if (info.type != Type::Real) continue;
+    const std::string said = refusal([&] { scene.output_rate(reference_of(info.family)); });
+    CHECK(said.empty() == (info.family == Family::position || info.family == Family::probe));
+  }
+  CHECK(scene.output_rate(reference_of(Family::position, 3 * 5)) == 1 && scene.output_rate(reference_of(Family::position, 3 * 7)) == 0);
+  CHECK(scene.output_rate(reference_of(Family::probe, 0)) == 0.75);  // three of the four corners above move
+  CHECK(!refusal([&] { scene.output_rate(reference_of(Family::position), 2); }).empty());
+}
+
+TEST(a_part_that_the_scene_has_not_has_no_variables) {
+  const SceneFile bare = parse_scene(small_scene::Box{.side = 2}.text(""));
+  SoftBody body(bare.definition);
+  const Variables variables(bare, body.settings);
+  for (const FamilyInfo& info : families) {
+    const bool exists = info.part == Part::always || info.part == Part::positions;
+    CHECK((variables.name(reference_of(info.family)).find("value reference") != 0) == exists);
+  }
+}
