@@ -104,18 +104,8 @@ def set_up():
     print("run.py: building and installing into .venv (a minute or two, once)", flush=True)
     pip("install", *requirements())
     # in this environment and in a folder that stays: the C++ tests are made of the same objects
-    pip(
-        "install",
-        "--no-deps",
-        "--no-build-isolation",
-        "-C",
-        f"build-dir={BUILD}",
-        "-C",
-        "cmake.define.SOFTFFD_TESTS=OFF",
-        "-e",
-        ROOT,
-        env=building_environment(),
-    )
+    options = ["-C", f"build-dir={BUILD}", "-C", "cmake.define.SOFTFFD_TESTS=OFF"]
+    pip("install", "--no-deps", "--no-build-isolation", *options, "-e", ROOT, env=building_environment())
     STAMP.write_text(print_once)
 
 

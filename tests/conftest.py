@@ -94,7 +94,7 @@ def pytest_terminal_summary(terminalreporter, config):
         SECONDS.write_text(json.dumps(dict(sorted(kept.items())), indent=0) + "\n")
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def golden():
     """golden(name) is the archive of a reference solution in tests/data."""
     return lambda name: np.load(DATA / f"{name}.npz")

@@ -17,6 +17,7 @@ def resident() -> tuple[int, int]:
     return pages * os.sysconf("SC_PAGESIZE") // 1024, len(os.listdir("/proc/self/fd"))
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not LINUX, reason="reads /proc")
 def test_ten_thousand_instances_and_a_million_steps_leave_memory_and_files_as_they_were(fmus):
     bare = fmus[1]

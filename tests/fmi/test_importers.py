@@ -75,19 +75,19 @@ MASTERS = {"libcosim": Manners(libcosim, (), LIBCOSIM_NOTICES), "ecos": Manners(
 
 @pytest.fixture(scope="session", params=CHECKERS)
 def checker(request) -> tuple[str, Tool]:
-    return request.param, present(request.param, CHECKERS[request.param])
+    return request.param, present(CHECKERS[request.param])
 
 
 @pytest.fixture(scope="session", params=MASTERS)
 def master(request) -> tuple[str, Tool]:
-    return request.param, present(request.param, MASTERS[request.param])
+    return request.param, present(MASTERS[request.param])
 
 
-def present(name: str, manners: Manners) -> Tool:
+def present(manners: Manners) -> Tool:
     try:
         return manners.tool()
     except Missing as reason:
-        pytest.skip(f"{name} cannot be had here: {reason}")
+        pytest.skip(str(reason))
 
 
 @pytest.fixture(scope="session")
@@ -161,17 +161,20 @@ def with_description(fmu: Path, path: Path, pattern: str, replacement: str) -> P
     return path
 
 
+@pytest.mark.short("fmpy-standard", "fmpy-press")
 @pytest.mark.parametrize("scene", shipped_scenes())
 def test_checkers_find_nothing(checker, fmus, scene):
     assert check(*checker, fmus[scene]) == []
 
 
+@pytest.mark.short("fmpy")
 def test_checkers_find_a_missing_start_value(checker, fmus, tmp_path):
     start_of_mass = r'(name="mass"[^>]*>\s*<Real[^>]*) start="[^"]*"'
     damaged = with_description(fmus["spin"], tmp_path / "damaged.fmu", start_of_mass, r"\1")
     assert any("mass" in line for line in check(*checker, damaged))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("scene", shipped_scenes())
 def test_masters_get_our_numbers_without_a_warning(master, fmus, scene, tmp_path):
     name, tool = master
@@ -183,6 +186,7 @@ def test_masters_get_our_numbers_without_a_warning(master, fmus, scene, tmp_path
     agree(run.counts, rows["counts"], ours(fmu, run.counts, source))
 
 
+@pytest.mark.full
 def test_masters_show_what_the_fmu_refuses(master, fmus, tmp_path):
     name, tool = master
     foreign = with_description(fmus["spin"], tmp_path / "foreign.fmu", r'guid="\{[^}]*\}', 'guid="{no}')
@@ -190,6 +194,7 @@ def test_masters_show_what_the_fmu_refuses(master, fmus, tmp_path):
     assert any("fmuGUID: wanted {" in line for line in MASTERS[name].complaints(printed))
 
 
+@pytest.mark.short("standard", "press", "spin")
 @pytest.mark.parametrize("scene", shipped_scenes())
 def test_fmpy_gets_our_numbers_without_a_warning(fmus, scene):
     fmu, names, messages = fmus[scene], outputs(fmus[scene], "Real"), []

@@ -59,6 +59,7 @@ def damped_for(method, text):
 # Contact
 
 
+@pytest.mark.short("*-tilting", "auto-*")
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("method", [*SMOOTH, "auto"])
 def test_a_fall_ends_on_the_ground_where_leapfrog_takes_over(scene, method, motion):
@@ -67,7 +68,7 @@ def test_a_fall_ends_on_the_ground_where_leapfrog_takes_over(scene, method, moti
     result = simulate(body, start_values={"solver.method": method, "solver.tolerance": 1e-3})
     assert result.outputs["solver.contacts_resolved"][-1] > 20
     assert_nothing_is_behind(result)
-    assert np.abs(points(result) - points(fine)).max() < 1e-2  # ten times the tolerance, the unit box
+    assert np.abs(points(result) - points(fine)).max() < 1e-3  # the tolerance, of the unit box; measured: 0.9e-4 to 4.2e-4
 
 
 @pytest.mark.parametrize("method", [*SMOOTH, "auto"])
@@ -98,6 +99,7 @@ def beside_a_wall(scene, furthest, deep):
     return Stepper(scene(damped_for("rkn12", BOX) + wall))
 
 
+@pytest.mark.short("*-0.003")
 @pytest.mark.parametrize("deep", [1e-2, 3e-3, 1e-4])
 @pytest.mark.parametrize("method", SMOOTH)
 def test_a_step_that_met_a_wall_is_taken_back_and_redone_to_the_bit(scene, furthest, method, deep):
@@ -114,6 +116,7 @@ def test_a_step_that_met_a_wall_is_taken_back_and_redone_to_the_bit(scene, furth
     assert ends[0][-1] > 0
 
 
+@pytest.mark.short("*-0.001", "auto-*")
 @pytest.mark.parametrize("deep", [1e-2, 1e-3, 1e-4])
 @pytest.mark.parametrize("method", [*SMOOTH, "auto"])
 def test_a_wall_that_is_met_for_a_moment_is_not_passed(scene, furthest, method, deep):
@@ -131,6 +134,7 @@ def test_a_wall_that_is_met_for_a_moment_is_not_passed(scene, furthest, method, 
 RAM = '[[plane]]\nname = "ram"\npoint = [-9.5, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\nmotion = "input"\n'
 
 
+@pytest.mark.short("*-into the box and back", "auto-*")
 @pytest.mark.parametrize(
     ("speed", "slowing", "hits"),
     [(100.0, 0.0, True), (80.0, 0.0, False), (400.0, -8000.0, True), (360.0, -7200.0, False)],
@@ -166,6 +170,7 @@ def bits_tolerance(method):
 SCENES = {"free": BOX, "falling": FALLING}
 
 
+@pytest.mark.short("*-automatic step-falling", "*-fixed step-free")
 @pytest.mark.parametrize("text", SCENES.values(), ids=SCENES)
 @pytest.mark.parametrize("internal", [0.0, 3e-4], ids=["automatic step", "fixed step"])
 @pytest.mark.parametrize("method", METHODS)
@@ -186,6 +191,7 @@ def test_a_run_goes_on_from_a_saved_state_with_the_same_bits(scene, method, inte
     assert all(again == end for again in ends)
 
 
+@pytest.mark.short("*-falling", "auto-*")
 @pytest.mark.parametrize("text", SCENES.values(), ids=SCENES)
 @pytest.mark.parametrize("method", METHODS)
 def test_the_same_calls_give_the_same_bits(scene, method, text):
@@ -203,6 +209,7 @@ def test_the_same_calls_give_the_same_bits(scene, method, text):
 # Steps
 
 
+@pytest.mark.short("*-1e-06", "ros34pw2-0.001")
 @pytest.mark.parametrize(
     ("method", "tolerance"),
     [*((method, tolerance) for method in ("bm4", "rkn12", "dop853", "auto") for tolerance in (1e-3, 1e-6, 1e-9)), ("ros34pw2", 1e-3)],
@@ -239,6 +246,7 @@ def work(stepper):
 EXPLICIT = {"free_vibration": ["leapfrog", "bm4", "rkn12"], "light_corner": ["leapfrog", "bm4", "dop853"]}
 
 
+@pytest.mark.short("*-0.0001", "free_vibration-1e-08")
 @pytest.mark.parametrize(
     ("name", "tolerance"),
     [

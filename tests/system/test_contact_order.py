@@ -30,6 +30,7 @@ TILTED = np.array([np.sin(np.radians(20)), 0.5 * np.sin(np.radians(20)), np.cos(
 TILTED /= np.linalg.norm(TILTED)
 
 
+@pytest.mark.short("flat")
 @pytest.mark.parametrize("normal", [np.array([0.0, 0.0, 1.0]), TILTED], ids=["flat", "askew"])
 def test_a_dropped_sliding_box_converges_with_order_two(scene, normal):
     text = DROPPED.replace("GRAVITY", str((-9.81 * normal).tolist())).replace("NORMAL", str(normal.tolist()))

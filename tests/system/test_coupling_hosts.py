@@ -68,6 +68,7 @@ def test_the_system_runs_in_fmpy_as_in_our_own_loop(drivers, in_fmpy):
     assert in_fmpy[:, 2].max() > 90 and -0.005 < in_fmpy[:, 0].min() < -0.003  # the plate of 49 N swings about its place of rest
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name, script", [("libcosim", LIBCOSIM), ("ecos", ECOS)])
 def test_the_system_runs_elsewhere_as_in_fmpy(name, script, ssp, in_fmpy, tmp_path):
     try:

@@ -36,7 +36,15 @@ FLAGS = [
     "--window-size=900,600",
     "--virtual-time-budget=2000",
 ]
-needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine to look at the page with")
+needs_browser = pytest.mark.usefixtures("browser")
+
+
+@pytest.fixture
+def browser():
+    """In one place, so that pytest says it in one line."""
+    if CHROMIUM is None:
+        pytest.skip("no chromium on this machine to look at the page with")
+
 
 ASK_THE_SHADER = """
 <pre id="answer"></pre><script>
