@@ -64,6 +64,7 @@ def assert_nothing_is_behind(result: Result) -> None:
     1e-12 of the box and of the distances at hand: some rounding errors of a gap that is computed anew.
     """
     reach = max(np.abs(points(result)).max(), max(result.scene.lattice.size))
+    assert result.plane_names(), "wanted a run with obstacles"
     for name in result.plane_names():
         worst = gaps(result, name).min()
         assert worst >= -1e-12 * reach, f"a control point is {-worst:.3g} m behind plane {name}"
