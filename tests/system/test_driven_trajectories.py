@@ -5,35 +5,26 @@ import pytest
 
 import reference
 from readings import points
+from scenes import GRAVITY, box
 from softffd import simulate
 
-STIFF = """
-[material]
-stiffness = 1e7
-damping = 0.5
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[inputs]
-forces = "all"
-[solver]
-method = "leapfrog"
-step = 1.25e-5
-[experiment]
-stop_time = 1.0
-"""
-
-SHAKEN = """
-[material]
-stiffness = 1e3
-damping = 0.02
-[inputs]
-forces = [[3, 3, 3]]
-[solver]
-method = "leapfrog"
-[experiment]
-stop_time = 1.0
-communication_step = 0.01
-"""
+STIFF = {
+    "stiffness": 1e7,
+    "damping": 0.5,
+    "gravity": GRAVITY,
+    "forces": "all",
+    "method": "leapfrog",
+    "step": 1.25e-5,
+    "stop_time": 1.0,
+}
+SHAKEN = {
+    "stiffness": 1e3,
+    "damping": 0.02,
+    "forces": [[3, 3, 3]],
+    "method": "leapfrog",
+    "stop_time": 1.0,
+    "communication_step": 0.01,
+}
 
 
 def ramp(u):
@@ -63,27 +54,27 @@ def largest_error(result, stored):
     return np.linalg.norm(points(result)[every::every] - stored, axis=2).max()
 
 
-def test_a_stiff_box_under_a_slow_load_follows_the_stored_trajectory(scene, golden):
+def test_a_stiff_box_under_a_slow_load_follows_the_stored_trajectory(golden):
     """Inputs are held over a communication step H. A force taken from its middle is right on average, which leaves H^2 and the
     ringing of modes that are faster than the steps, some 1e-7 m; one taken from its beginning lags by 0.03 m * 3.75/s * H / 2."""
     h = 1.25e-4
-    stiff, stored = scene(STIFF), golden("S2")["x"]
+    stiff, stored = box(**STIFF), golden("S2")["x"]
     middle = simulate(stiff, step=h, inputs=lambda time: pull(time + h / 2))
     assert largest_error(middle, stored) < 5e-7
     late = simulate(stiff, step=5e-4, inputs=pull)
     assert 1e-6 < largest_error(late, stored) < 0.03 * 3.75 * 2.5e-4
 
 
-def test_a_held_force_gives_the_stored_trajectory_to_second_order(scene, golden):
-    shaken, stored, steps = scene(SHAKEN), golden("G_ZOH")["x"], [2.5e-4 / 2**n for n in range(5)]
+def test_a_held_force_gives_the_stored_trajectory_to_second_order(golden):
+    shaken, stored, steps = box(**SHAKEN), golden("G_ZOH")["x"], [2.5e-4 / 2**n for n in range(5)]
     errors = [largest_error(simulate(shaken, start_values={"solver.step": h}, inputs=shake), stored) for h in steps]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders == pytest.approx([2.0] * 4, abs=0.1)
     assert errors[-1] < 2.5e-7  # a force interpolated over the step instead of held would be 3.5e-2 m off
 
 
-def test_a_held_force_gives_the_references_trajectory_to_rounding(scene):
-    result, model = simulate(scene(SHAKEN), start_values={"solver.step": 5e-4}, inputs=shake), reference.cube(damping=0.02)
+def test_a_held_force_gives_the_references_trajectory_to_rounding():
+    result, model = simulate(box(**SHAKEN), start_values={"solver.step": 5e-4}, inputs=shake), reference.cube(damping=0.02)
     x, v = model.rest, np.zeros_like(model.rest)
     external = np.zeros_like(model.rest)
     for row in range(100):

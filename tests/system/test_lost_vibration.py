@@ -5,53 +5,47 @@ import math
 import numpy as np
 import pytest
 
+from scenes import box
 from stepping import Stepper
 
 STRETCH = 0.01
 
-BOX = """
-[lattice]
-points = [2, 2, 2]
-[material]
-stiffness = 1e4
-damping = 0.0
-[initial]
-stretch = [1.01, 1.01, 1.01]
-[outputs]
-solver = true
-[solver]
-method = "{method}"
-step = {step}
-error_estimate = true
-"""
+BOX = {
+    "points": [2, 2, 2],
+    "stiffness": 1e4,
+    "damping": 0.0,
+    "stretch": [1 + STRETCH] * 3,
+    "outputs": {"solver": True},
+    "error_estimate": True,
+}
 
 
 @pytest.mark.parametrize("method", ["leapfrog", "central_difference", "bm4", "rkn12", "dop853", "ros34pw2"])
 @pytest.mark.parametrize("radians", [3.0, 8.0, 800.0, 8000.0])
-def test_the_estimate_tells_of_a_vibration_that_the_steps_lose(scene, method, radians):
+def test_the_estimate_tells_of_a_vibration_that_the_steps_lose(method, radians):
     """Exactly: centre + (1 + 0.01 cos(omega t)) (rest - centre), omega = 8 sqrt(k / (1 kg)). Stated is 0.41 to 3.3 times the error."""
     omega = 8 * math.sqrt(1e4)
     H, error = radians / omega, 0.0
-    with Stepper(scene(BOX.format(method=method, step=H))) as box:
-        rest = (box.positions() - 0.5 * (1 + STRETCH)) / (1 + STRETCH)
+    with Stepper(box(**BOX, method=method, step=H)) as body:
+        rest = (body.positions() - 0.5 * (1 + STRETCH)) / (1 + STRETCH)
         for _ in range(4):
-            box.step(H)
-            exact = 0.5 * (1 + STRETCH) + (1 + STRETCH * math.cos(omega * box.time)) * rest
-            error = max(error, np.linalg.norm(box.positions() - exact, axis=1).max())
-        stated = box.read("solver.error_estimate")[0]
+            body.step(H)
+            exact = 0.5 * (1 + STRETCH) + (1 + STRETCH * math.cos(omega * body.time)) * rest
+            error = max(error, np.linalg.norm(body.positions() - exact, axis=1).max())
+        stated = body.read("solver.error_estimate")[0]
     assert error / 3 <= stated <= 4 * error
 
 
 @pytest.mark.parametrize(("method", "radians"), [("leapfrog", 0.1), ("bm4", 0.1), ("rkn12", 3.0), ("dop853", 1.0)])
-def test_where_nothing_is_lost_the_estimate_is_what_it_was(scene, method, radians):
+def test_where_nothing_is_lost_the_estimate_is_what_it_was(method, radians):
     """Steps that resolve the vibration, with errors above rounding: the estimate is the error of the coordinate that has most of it."""
     omega = 8 * math.sqrt(1e4)
     H, error = radians / omega, 0.0
-    with Stepper(scene(BOX.format(method=method, step=H))) as box:
-        rest = (box.positions() - 0.5 * (1 + STRETCH)) / (1 + STRETCH)
+    with Stepper(box(**BOX, method=method, step=H)) as body:
+        rest = (body.positions() - 0.5 * (1 + STRETCH)) / (1 + STRETCH)
         for _ in range(200):
-            box.step(H)
-            exact = 0.5 * (1 + STRETCH) + (1 + STRETCH * math.cos(omega * box.time)) * rest
-            error = max(error, np.abs(box.positions() - exact).max())
+            body.step(H)
+            exact = 0.5 * (1 + STRETCH) + (1 + STRETCH * math.cos(omega * body.time)) * rest
+            error = max(error, np.abs(body.positions() - exact).max())
         assert error > 1e-11
-        assert box.read("solver.error_estimate")[0] == pytest.approx(error, rel=0.05)
+        assert body.read("solver.error_estimate")[0] == pytest.approx(error, rel=0.05)

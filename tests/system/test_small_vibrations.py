@@ -4,20 +4,10 @@ import numpy as np
 import pytest
 
 import reference
+from scenes import box
 from stepping import Stepper
 
-FREE = """
-[lattice]
-springs = "TOPOLOGY"
-[material]
-stiffness = 1e3
-damping = DAMPING
-[inputs]
-forces = "all"
-[solver]
-method = "leapfrog"
-step = 1e-4
-"""
+FREE = {"stiffness": 1e3, "forces": "all", "method": "leapfrog", "step": 1e-4}
 H = 1e-4
 AMPLITUDE = 1e-6
 
@@ -44,9 +34,9 @@ def excited(stepper, frequency, shape, steps):
 
 
 @pytest.mark.parametrize(("topology", "count"), [("distinct", 468), ("paper", 504)])
-def test_each_mode_vibrates_alone_with_its_own_frequency(scene, golden, topology, count):
+def test_each_mode_vibrates_alone_with_its_own_frequency(golden, topology, count):
     modes = golden("modes")
-    with Stepper(scene(FREE.replace("TOPOLOGY", topology).replace("DAMPING", "0.0"))) as stepper:
+    with Stepper(box(**FREE, damping=0.0, springs=topology)) as stepper:
         for number, shape in zip(modes["numbers"], modes[f"modes_{count}"].T, strict=True):
             frequency = modes[f"omega_{count}"][number]
             measured, expected = excited(stepper, frequency, shape, 100)
@@ -55,16 +45,16 @@ def test_each_mode_vibrates_alone_with_its_own_frequency(scene, golden, topology
             stepper.restart({})
 
 
-def test_the_topologies_differ_in_frequency_and_the_test_above_would_tell(scene, golden):
+def test_the_topologies_differ_in_frequency_and_the_test_above_would_tell(golden):
     modes = golden("modes")
-    with Stepper(scene(FREE.replace("TOPOLOGY", "paper").replace("DAMPING", "0.0"))) as stepper:
+    with Stepper(box(**FREE, damping=0.0, springs="paper")) as stepper:
         measured, expected = excited(stepper, modes["omega_468"][6], modes["modes_468"][:, 0], 100)
     assert np.abs(measured - expected).max() > 0.1 * AMPLITUDE
 
 
-def test_a_damped_mode_decays_with_half_the_damping_rate(scene):
+def test_a_damped_mode_decays_with_half_the_damping_rate():
     frequencies, shapes = reference.cube().eigenmodes()
-    with Stepper(scene(FREE.replace("TOPOLOGY", "distinct").replace("DAMPING", "0.2"))) as stepper:
+    with Stepper(box(**FREE, damping=0.2)) as stepper:
         measured, _ = excited(stepper, frequencies[6], shapes[:, 6], 200)
     course = np.einsum("tpc,pc->t", measured, shapes[:, 6].reshape(-1, 3))
     t, rate = 7 * H * np.arange(200), 0.2 * 64 / 2

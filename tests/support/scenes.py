@@ -1,0 +1,33 @@
+"""Scenes as dictionaries: `box(stiffness=2e3, plane=[{"name": "ground"}])` is what the same keys in a file would be."""
+
+from typing import Any
+
+from softffd import Scene
+from softffd.scene.scene import scene_from
+
+GRAVITY = [0.0, 0.0, -9.81]
+"""m/s2"""
+SECTIONS = {
+    "lattice": ("points", "size", "springs", "basis"),
+    "material": ("stiffness", "damping", "volume_stiffness", "internal_damping"),
+    "environment": ("gravity",),
+    "inputs": ("forces",),
+    "initial": ("stretch", "offset", "velocity", "angular_velocity"),
+    "outputs": ("velocities", "reactions", "energy"),
+    "solver": ("method", "step", "tolerance", "error_estimate"),
+    "experiment": ("stop_time", "communication_step"),
+}
+SECTION_OF = {key: section for section, keys in SECTIONS.items() for key in keys}
+
+
+def box(**keys: Any) -> Scene:
+    """The scene of these keys: the common ones by their own names, the rest as sections; everything else is the default, a unit cube."""
+    document: dict[str, Any] = {}
+    for name, value in keys.items():
+        if name in SECTION_OF:
+            document.setdefault(SECTION_OF[name], {})[name] = value
+        elif isinstance(value, dict):
+            document.setdefault(name, {}).update(value)
+        else:
+            document[name] = value
+    return scene_from(document)
