@@ -22,12 +22,15 @@ from xml.etree import ElementTree as Xml
 
 from softffd.drivers import build_driver
 from softffd.errors import SoftffdError
+from softffd.files import replacing
 from softffd.fmu.package import package_fmu
+from softffd.names import variable_name
 from softffd.scene.scene import Scene, load_scene
 
 SCENE = Path(__file__).with_name("plate_on_box.toml")
 SSD, SSC = "http://ssp-standard.org/SSP1/SystemStructureDescription", "http://ssp-standard.org/SSP1/SystemStructureCommon"
 UNIT = {"reaction": "N", "point": "m", "velocity": "m/s"}
+"""What plate and body exchange: the reaction goes to the plate, its motion to the body"""
 
 
 def write_ssp(
@@ -47,7 +50,7 @@ def write_ssp(
     with TemporaryDirectory(prefix="softffd-") as folder:
         files = {"plate": build_driver("plate", folder, start_values=start), "body": package_fmu(scene, Path(folder) / "body.fmu")}
         path.parent.mkdir(parents=True, exist_ok=True)
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        with replacing(path) as stream, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr("SystemStructure.ssd", _structure(scene, surface.name))
             for name, file in files.items():
                 archive.write(file, f"resources/{name}.fmu")
@@ -72,13 +75,14 @@ def _structure(scene: Scene, plane: str) -> str:
     root = Xml.Element(f"{{{SSD}}}SystemStructureDescription", version="1.0", name=scene.name)
     system = Xml.SubElement(root, f"{{{SSD}}}System", name=scene.name, description=scene.title)
     elements = Xml.SubElement(system, f"{{{SSD}}}Elements")
-    both = [f"{family}.{axis}" for family in UNIT for axis in "xyz"]
-    _component(elements, "plate", {name: "input" if "reaction" in name else "output" for name in both})
-    _component(elements, "body", {f"plane.{plane}.{name}": "output" if "reaction" in name else "input" for name in both})
+    exchanged = [(what, f"{what}.{axis}", variable_name(f"plane_{what}", plane, axis)) for what in UNIT for axis in "xyz"]
+    taken = {what: what == "reaction" for what in UNIT}  # by the plate; the others by the body
+    _component(elements, "plate", [(own, "input" if taken[what] else "output", UNIT[what]) for what, own, _ in exchanged])
+    _component(elements, "body", [(variable, "output" if taken[what] else "input", UNIT[what]) for what, _, variable in exchanged])
     connections = Xml.SubElement(system, f"{{{SSD}}}Connections")
-    for name in both:
-        ends = [("plate", name), ("body", f"plane.{plane}.{name}")]
-        (source, out), (target, into) = reversed(ends) if "reaction" in name else ends
+    for what, own, variable in exchanged:
+        ends = [("plate", own), ("body", variable)]
+        (source, out), (target, into) = reversed(ends) if taken[what] else ends
         attributes = {"startElement": source, "startConnector": out, "endElement": target, "endConnector": into}
         Xml.SubElement(connections, f"{{{SSD}}}Connection", attributes)
     _units(root)
@@ -87,13 +91,14 @@ def _structure(scene: Scene, plane: str) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + Xml.tostring(root, encoding="unicode") + "\n"
 
 
-def _component(parent: Xml.Element, name: str, connectors: dict[str, str]) -> None:
+def _component(parent: Xml.Element, name: str, connectors: list[tuple[str, str, str]]) -> None:
+    """connectors: variable, "input" or "output", unit."""
     source = {"type": "application/x-fmu-sharedlibrary", "source": f"resources/{name}.fmu"}
     component = Xml.SubElement(parent, f"{{{SSD}}}Component", {"name": name, **source})
     listed = Xml.SubElement(component, f"{{{SSD}}}Connectors")
-    for variable, kind in connectors.items():
+    for variable, kind, unit in connectors:
         connector = Xml.SubElement(listed, f"{{{SSD}}}Connector", name=variable, kind=kind)
-        Xml.SubElement(connector, f"{{{SSC}}}Real", unit=UNIT[variable.split(".")[-2]])
+        Xml.SubElement(connector, f"{{{SSC}}}Real", unit=unit)
 
 
 def _units(root: Xml.Element) -> None:
