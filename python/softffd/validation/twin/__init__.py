@@ -37,7 +37,10 @@ __all__ = ["build_twin", "resolved_scene"]
 PACKAGE, SCRIPT = "softffd_twin", "softffd_twin_slave"
 """Names of the twin's own package and of pythonfmu's script inside the FMU, which does not need softffd."""
 
-SCRIPT_TEXT = f"""from {PACKAGE}.twin.slave import TwinSlave  # noqa: F401
+PARTS = ("rotation.py", "validation/mechanics.py", *(f"validation/twin/{name}.py" for name in ("fixtures", "methods", "model", "slave")))
+"""Files of softffd that run in the FMU; they import each other, relatively, and numpy."""
+
+SCRIPT_TEXT = f"""from {PACKAGE}.validation.twin.slave import TwinSlave  # noqa: F401
 from {MENDING.stem} import mend
 
 mend(globals())
@@ -72,14 +75,12 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
 
 
 def _travelling_package(folder: Path) -> Path:
-    """Copies of the files that run in the FMU, where their relative imports find each other."""
-    here = Path(__file__).parent
-    (folder / here.name).mkdir(parents=True)
-    for package in (folder, folder / here.name):
+    """Copies of the files that run in the FMU, in the places where their imports find each other."""
+    for part in PARTS:
+        (folder / part).parent.mkdir(parents=True, exist_ok=True)
+        copy(Path(__file__).parents[2] / part, folder / part)
+    for package in (folder, folder / "validation", folder / "validation/twin"):
         (package / "__init__.py").touch()
-    copy(here.parent / "mechanics.py", folder)
-    for part in ("fixtures.py", "methods.py", "model.py", "slave.py"):
-        copy(here / part, folder / here.name)
     return folder
 
 

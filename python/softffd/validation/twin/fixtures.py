@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...rotation import turned
+
 TOUCHING = 1e-12
 """A gap below this share of the box's largest side is contact."""
 PIN_SLACK = 1e-9
@@ -34,7 +36,7 @@ class HalfSpace:
 
     def surface(self, x: np.ndarray) -> np.ndarray:
         """Velocity of the obstacle's material at points (n, 3) [m/s]."""
-        return self.velocity + (x - self.point) @ cross_product_with(self.spin).T
+        return self.velocity + np.cross(self.spin, x - self.point)
 
     def snapped(self, x: np.ndarray) -> np.ndarray:
         """The points' feet on the plane (n, 3) [m]."""
@@ -70,7 +72,7 @@ class Obstacle(Fixture):
     def at(self, time: float) -> HalfSpace:
         """The half-space at a time [s]: the point moves on, the normal turns."""
         age, s = time - self.since, self.start
-        return HalfSpace(s.point + age * s.velocity, rotation(age * s.spin) @ s.normal, s.velocity, s.spin)
+        return HalfSpace(s.point + age * s.velocity, turned(s.normal, age * s.spin), s.velocity, s.spin)
 
 
 @dataclass(eq=False, kw_only=True)
@@ -86,23 +88,9 @@ class Pin(Fixture):
     def at(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Positions [m], velocities [m/s] and arms [m] of the points at a time [s], (m, 3) each."""
         age = time - self.since
-        arms = self.arms @ rotation(age * self.spin).T
-        velocities = self.velocity + arms @ cross_product_with(self.spin).T
+        arms = turned(self.arms, age * self.spin)
+        velocities = self.velocity + np.cross(self.spin, arms)
         return self.origin + age * self.velocity + arms, velocities, arms
-
-
-def rotation(turn: np.ndarray) -> np.ndarray:
-    """The matrix (3, 3) of a rotation vector (3,) [rad] (Rodrigues)."""
-    angle = np.linalg.norm(turn)
-    if angle == 0:
-        return np.eye(3)
-    across = cross_product_with(turn / angle)
-    return np.eye(3) + np.sin(angle) * across + (1 - np.cos(angle)) * across @ across
-
-
-def cross_product_with(w: np.ndarray) -> np.ndarray:
-    """The matrix (3, 3) of the cross product w x."""
-    return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
 
 
 @dataclass(frozen=True, eq=False)

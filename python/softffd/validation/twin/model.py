@@ -11,8 +11,9 @@ from math import ceil
 
 import numpy as np
 
+from ...rotation import turned
 from ..mechanics import AXES, Body, outside_force, start
-from .fixtures import TOUCHING, Fixture, HalfSpace, Obstacle, Pin, Surroundings, TwinError, rotation
+from .fixtures import TOUCHING, Fixture, HalfSpace, Obstacle, Pin, Surroundings, TwinError
 from .methods import METHODS, TWO_PLANES, CentralDifference, Motion, quotient
 
 MATERIAL = ("mass", "damping", "stiffness.edge", "stiffness.face", "stiffness.body")
@@ -101,7 +102,7 @@ class Model:
             if not (w or any(axis)):
                 raise TwinError(f"{name}.orientation: wanted any quaternion but zero")
             turn = 2 * np.arctan2(np.linalg.norm(axis), w)
-            arms = arms @ rotation(turn * quotient(np.array(axis), np.linalg.norm(axis))).T
+            arms = turned(arms, turn * quotient(np.array(axis), np.linalg.norm(axis)))
             origin, velocity, spin = (_read(values, f"{name}.{each}") for each in ("position", "velocity", "angular_velocity"))
         return Pin(points=points, arms=arms, origin=origin, velocity=velocity, spin=spin, since=self.motion.time)
 
