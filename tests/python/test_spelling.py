@@ -9,7 +9,7 @@ from softffd.spelling import did_you_mean, nearest_of
     "given, nearest",
     [
         ("stifness", "stiffness"),
-        ("STIFFNESS", "stiffness"),
+        ("STIFNESS", "stiffness"),
         ("-z", "z-"),
         ("unrelated", None),
     ],

@@ -144,3 +144,9 @@ def test_copies_are_equal_and_changes_are_not(embedded):
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_replacing_nothing_changes_no_shipped_scene(name):
     assert load_scene(name).replace({}) == load_scene(name)
+
+
+def test_scenes_with_other_meshes_are_not_equal(embedded):
+    (embedded.path.parent / "tetrahedron.obj").write_text(TETRAHEDRON.replace("v 0 1 0", "v 0.5 1 0"))
+    other = load_scene(embedded.path)
+    assert other != embedded and other.model_dump() == embedded.model_dump()

@@ -81,8 +81,10 @@ def test_round_lengths_are_one_two_or_five(length, rounded):
 
 def test_history_finds_reactions_and_energies_by_name():
     result = made_up_run()
-    assert [str(part) for part in reactions(result)] == ["plane.ground", "plane.press"]
-    assert reactions(result)["plane", "press"][:, 2].max() > 1900
+    on_pin = {f"pin.base.reaction.{c}": np.full(len(result.time), force) for c, force in zip("xyz", (1.0, 2.0, 3.0), strict=True)}
+    found = reactions(replace(result, outputs=on_pin | result.outputs))
+    assert [str(part) for part in found] == ["plane.ground", "plane.press", "pin.base"]
+    assert found["plane", "press"][:, 2].max() > 1900 and found["pin", "base"][-1].tolist() == [1, 2, 3]
     assert list(energies(result)) == ["kinetic", "elastic"]
 
 
