@@ -8,7 +8,6 @@ so a frame costs the control points whatever the size of the mesh; of B-splines 
 import base64
 import html
 import json
-import re
 from importlib import resources
 from io import BytesIO
 from pathlib import Path
@@ -24,6 +23,7 @@ from softffd.names import Part
 from softffd.run.history import energies, reactions
 from softffd.show.stage import FREE, PAINT, PINNED, VIEW, round_length, stage_of
 from softffd.show.surface import split_at_creases
+from softffd.show.template import filled
 
 MOST_FRAMES = 600
 MOST_POINT_BYTES = 24e6
@@ -70,8 +70,7 @@ def _page(run):
         "controls": parts.joinpath("view.js").read_text(encoding="utf-8"),
         "run": json.dumps(run, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
     }
-    page = parts.joinpath("view.html").read_text(encoding="utf-8")
-    return re.sub(r"{{(\w+)}}", lambda place: texts[place[1]], page)
+    return filled("softffd.show", "view.html", texts)
 
 
 def _frames(positions):

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import base64
 import html
-import re
 from collections.abc import Iterable, Mapping, Sequence
-from importlib import resources
 from typing import Any
 
+from softffd.show.template import filled
 from softffd.validation.conditions import condition_words
 
 NONE = "&ndash;"
@@ -23,8 +22,7 @@ def page(title: str, about: Mapping[str, Any], header: Iterable[str], sections: 
         "header": _joined(header),
         "sections": _joined(sections),
     }
-    template = resources.files("softffd.validation").joinpath("page.html").read_text(encoding="utf-8")
-    return re.sub(r"{{(\w+)}}", lambda place: parts[place[1]], template)
+    return filled("softffd.validation", "page.html", parts)
 
 
 def section(title: str, *parts: str, name: str = "") -> str:
