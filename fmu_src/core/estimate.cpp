@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "methods/ros34pw2.hpp"
 #include "methods/traits.hpp"
 #include "model/arithmetic.hpp"
 
@@ -44,7 +45,7 @@ double ErrorEstimate::choose_steps(const SoftBody& body, double H, Count taken) 
   const double h = body.internal_step(), steps = std::max(1.0, std::round(H / h));
   const bool equal = std::abs(double(taken) - steps) <= 0.05 * steps;
   if (settings.step == 0 && taken > 2 && (t.error_control() || !equal)) {
-    settings.step_share = finer;
+    settings.step_factor = finer;
     return power(finer, t.order);
   }
   settings.step = H / std::ceil(steps / finer);

@@ -32,11 +32,21 @@ class ErrorEstimate {
     double damped_away = 0;           ///< amplitude of what they have not [m]
     Count steps = 0;                  ///< that the run had taken
     bool lost = false;                ///< the shadow could not follow: no digits
+
+    template <class Self, class Fields>
+    static auto visit(Self& s, Fields&& fields) {
+      return fields(s.time, s.ratio_time, s.value, s.vibration, s.slopes, s.kept, s.damped_away, s.steps, s.lost);
+    }
   };
   /// What following changes, apart from the settings; part of every snapshot.
   struct Memory {
-    Progress shadow;
+    Run shadow;
     Tally tally;
+
+    template <class Self, class Fields>
+    static auto visit(Self& s, Fields&& fields) {
+      return fields(s.shadow, s.tally);
+    }
   };
 
   explicit ErrorEstimate(const Definition& definition);
@@ -47,7 +57,7 @@ class ErrorEstimate {
   /// Estimated error of the control points' positions: the largest over all points [m].
   double value() const { return tally_.value; }
 
-  Memory memory() const { return {shadow_.progress(), tally_}; }
+  Memory memory() const { return {shadow_.run(), tally_}; }
   /// Continues from a snapshot; `settings` are those of the body.
   void restore(const Memory& memory, const Settings& settings, double start_time);
 
@@ -62,5 +72,6 @@ class ErrorEstimate {
   Tally tally_;
   Points change_, force_;  ///< scratch
 };
+static_assert(visits_every_field<ErrorEstimate::Tally> && visits_every_field<ErrorEstimate::Memory>);
 
 }  // namespace softffd

@@ -3,6 +3,8 @@
 #include <memory>
 #include <optional>
 
+#include "contact/contact.hpp"
+#include "forces/cells.hpp"
 #include "stepping/propagator.hpp"
 #include "watch/energy_watch.hpp"
 #include "watch/vibration.hpp"
@@ -49,7 +51,7 @@ struct Settings : Material {
   Method method = Method::automatic;
   double tolerance = 1e-4;           ///< error aimed at, relative to the largest side of the box
   double step = 0;                   ///< internal step [s]; 0: by stability and tolerance
-  double step_share = 1;             ///< of the internal step that would be taken otherwise
+  double step_factor = 1;            ///< of the internal step that would be taken otherwise
   double horizon = 1;                ///< length of the run [s]
   Points force;                      ///< loads and point forces at the communication point (points, 3) [N]
   Points force_rate;                 ///< their time derivative [N/s]
@@ -71,19 +73,6 @@ struct Settings : Material {
   std::vector<PinInput> pins;
 };
 
-/// Everything that running changes: its copy is a snapshot.
-struct Progress {
-  State motion;
-  Course course;
-  Exchange exchange;                               ///< of the last communication step
-  double exchange_time = 1;                        ///< its length [s]
-  double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
-  Points outside;                                  ///< outside forces at the end of the last communication step [N]
-  EnergyWatch watch;
-  Count contacts_resolved = 0;
-  std::vector<Count> contacts;  ///< control points on each plane at the communication point
-};
-
 class SoftBody {
  public:
   explicit SoftBody(Definition definition);
@@ -98,35 +87,35 @@ class SoftBody {
   /// One communication step of length H > 0. On failure the state is as before.
   StepStatus advance(double H);
 
-  const State& state() const { return now_.motion; }
+  const State& state() const { return now_.path.motion; }
   /// A snapshot to read or copy.
-  const Progress& progress() const { return now_; }
+  const Run& run() const { return now_; }
   /// Continues from a snapshot of the same definition. `settings` must be those of the snapshot's moment: the start time and all values
   /// that had taken effect.
-  void restore(const Progress& progress, double start_time);
+  void restore(const Run& run, double start_time);
   const Lattice& lattice() const { return definition_.lattice; }
   /// Rest centroid of pin a's points: where its frame is at rest [m].
   Vec3 pin_origin(int a) const { return pin_origins_[a]; }
 
-  Vec3 plane_reaction(int q) const { return now_.exchange.planes[q].force / now_.exchange_time; }
-  Vec3 plane_torque(int q) const { return now_.exchange.planes[q].torque / now_.exchange_time; }
+  Vec3 plane_reaction(int q) const { return now_.path.exchange.planes[q].force / now_.exchange_time; }
+  Vec3 plane_torque(int q) const { return now_.path.exchange.planes[q].torque / now_.exchange_time; }
   Count plane_contacts(int q) const { return now_.contacts[q]; }
-  Vec3 pin_reaction(int a) const { return now_.exchange.pins[a].force / now_.exchange_time; }
-  Vec3 pin_torque(int a) const { return now_.exchange.pins[a].torque / now_.exchange_time; }
+  Vec3 pin_reaction(int a) const { return now_.path.exchange.pins[a].force / now_.exchange_time; }
+  Vec3 pin_torque(int a) const { return now_.path.exchange.pins[a].torque / now_.exchange_time; }
   double kinetic_energy() const;
-  double elastic_energy() const { return body_.elastic_energy(now_.motion.x); }
+  double elastic_energy() const { return model_.body.elastic_energy(now_.path.motion.x); }
   double gravity_energy() const;
   double dissipated_energy() const { return now_.dissipated; }
   double work() const { return now_.work; }
-  Count steps() const { return now_.course.steps; }
+  Count steps() const { return now_.path.steps; }
   Count rejected() const { return now_.course.rejected; }
   Count contacts_resolved() const { return now_.contacts_resolved; }
   /// Largest stable internal step of the current state, by bound [s]; the largest finite number if nothing resists.
-  double stable_step() { return propagator_.stable_step(body_, now_.motion.x); }
+  double stable_step() const { return model_.stability.stable_step(model_.body, now_.path.motion.x); }
   /// Number of cells with a corner that is turned inside out or flat.
-  int folded_cells() const { return cells_.folded(now_.motion.x); }
+  int folded_cells() const { return cells_.folded(now_.path.motion.x); }
   /// Internal step of the last communication step [s].
-  double internal_step() const { return now_.course.clock.h; }
+  double internal_step() const { return now_.path.clock.h; }
   /// Did an undamped body rub against an obstacle in the last communication step, at steps by which friction can feed vibrations?
   bool rubs_undamped();
   /// How fast the body turned before or after the last communication step, whichever is faster, if implicit contact steps took it; they
@@ -137,17 +126,17 @@ class SoftBody {
   /// What the internal steps of the last communication step were divided by, because with larger ones its result was not finite.
   double divided() const { return divided_; }
   /// Has the body more energy than it was given?
-  bool gains_energy() const { return now_.watch.alarm(noise_); }
-  double gained_energy() const { return now_.watch.gained; }  ///< out of nothing [J]
+  bool gains_energy() const { return alarm(now_.energy, model_.noise); }
+  double gained_energy() const { return now_.energy.gained; }  ///< out of nothing [J]
   /// What an undamped body should have more [J]: lost by the method. Below 0: gained.
   double lost_energy() const;
   /// Size of vibrations of this energy [J], of a time scale up to this [s], in all of the body [m].
-  double amplitude(double energy, double slowest) const { return propagator_.amplitude(body_, energy, slowest); }
-  bool damped() const { return body_.damped; }
-  /// Share of the usual internal step that automatic steps take since the usual one gained energy.
-  double step_share() const { return now_.watch.share; }
-  bool beyond_help() const { return now_.watch.hopeless; }      ///< and smaller automatic steps do not help
-  double largest_energy() const { return now_.watch.largest; }  ///< kinetic and elastic, so far [J]
+  double amplitude(double energy, double slowest) const { return softffd::amplitude(model_, energy, slowest); }
+  bool damped() const { return model_.body.damped; }
+  /// Factor of the usual internal step that automatic steps take since the usual one gained energy.
+  double step_share() const { return now_.energy.step_factor; }
+  bool beyond_help() const { return now_.energy.hopeless; }      ///< and smaller automatic steps do not help
+  double largest_energy() const { return now_.energy.largest; }  ///< kinetic and elastic, so far [J]
   /// Number of matrices factored since the start.
   Count factorizations() const { return propagator_.factorizations(); }
   /// The vibration that the start of the last communication step set off by jumps of the forces and by `kink`, the share of the change of
@@ -158,42 +147,35 @@ class SoftBody {
   /// The method that took the last communication step, and why.
   Method method() const { return now_.course.method; }
   Reason reason() const { return now_.course.reason; }
-  int spring_count() const { return body_.springs.count(); }
+  int spring_count() const { return model_.body.springs.count(); }
 
  private:
-  void refresh_body();
-  StepStatus refresh_surroundings();
+  void refresh_model();
+  StepStatus refresh_drive();
   StepStatus clear_jumps(bool& moved);
   void count_contacts();
   bool place_pins(bool book);
   double potential_energy() const { return elastic_energy() + gravity_energy(); }
-  /// A communication step with a share of the usual internal step; stale: the material had changed before it.
-  struct Attempt {
-    double H, share;
-    bool stale;
-  };
-  StepStatus advance_from_here(double H, double share);
-  StepStatus try_again(const Attempt& attempt, const EnergyWatch& watch);
-  StepStatus divide(Attempt attempt, StepStatus failure);
-  StepStatus take_back_gain(const Attempt& usual);
-  double open_watch(bool changed, bool moved);
-  void close_watch(double booked);
-  static double staggered_step(const Course& course);
+  void take_material();
+  StepStatus advance_from_here(double H, double step_factor, bool changed);
+  EnergyAccount account_at_start(bool changed) const;
+  double open_account(bool changed, bool moved);
+  void close_account(double booked);
 
   Definition definition_;
-  Body body_;
-  Drive around_;
+  Model model_;
+  Drive drive_;
   std::vector<StiffnessOverride> overrides_;
   std::vector<Vec3> pin_origins_;
   Cells cells_;
+  Run now_, before_;  ///< before: at the start of the last communication step
   Propagator propagator_;
   Contact jumps_;
-  Points begin_;                       ///< positions at the start of the communication step, where energy is watched
-  bool stale_ = true;                  ///< mass, stiffness or damping changed
-  double divided_ = 1;                 ///< by how much the last communication step's internal steps had to be divided to have a result
-  Material material_;                  ///< of the settings, what is in effect
-  double start_time_ = 0, noise_ = 0;  ///< noise: energy of displacements that are rounding [J]
-  Progress now_, backup_;
+  Points begin_;           ///< positions at the start of the communication step, where energy is watched
+  bool stale_ = true;      ///< mass, stiffness or damping changed
+  double divided_ = 1;     ///< by how much the last communication step's internal steps had to be divided to have a result
+  Material material_;      ///< of the settings, what is in effect
+  double start_time_ = 0;  ///< [s]
 };
 
 }  // namespace softffd

@@ -4,6 +4,7 @@
 
 #include "instance.hpp"
 #include "methods/traits.hpp"
+#include "stepping/thresholds.hpp"
 
 namespace softffd::fmi {
 
@@ -41,7 +42,7 @@ struct Whole {
   Place place;
   Variables::Values values;
   InEffect in_effect;
-  Progress progress;
+  Run run;
   std::optional<ErrorEstimate::Memory> memory;
 };
 
@@ -50,7 +51,7 @@ void pass(Archive& archive, Whole& whole) {
   pass(archive, whole.place);
   pass(archive, whole.values);
   pass(archive, whole.in_effect);
-  pass(archive, whole.progress);
+  pass(archive, whole.run);
   if (whole.memory) pass(archive, *whole.memory);
 }
 
@@ -74,25 +75,22 @@ bool counter(Count value) { return value >= 0 && value <= Count{1} << 53; }
 
 /// Whether all methods that the course names can run on this lattice.
 bool possible(const Course& course, const Lattice& lattice) {
-  return LayerMatrix::fits(lattice) || !(needs_matrices(course.method) || needs_matrices(course.favourite));
+  return LayerMatrix::fits(lattice) || !(needs_matrices(course.method) || needs_matrices(course.race.winner));
 }
 
-bool sound(const Course& course) {
-  return counter(course.clock.count) && course.clock.parts > 0 && course.clock.parts <= Propagator::most_steps && counter(course.steps) &&
-         counter(course.rejected) && counter(course.factored.uses);
-}
-
-bool sound(const Progress& progress) {
-  return sound(progress.course) && progress.watch.share > 0 && progress.watch.share <= 1 && progress.motion.x.allFinite() &&
-         progress.motion.v.allFinite() && progress.exchange_time > 0 && counter(progress.contacts_resolved) &&
-         counter(progress.exchange.contacts_resolved) && std::all_of(progress.contacts.begin(), progress.contacts.end(), counter);
+bool sound(const Run& run) {
+  const Clock& clock = run.path.clock;
+  return counter(clock.count) && clock.parts > 0 && clock.parts <= thresholds::most_steps && counter(run.path.steps) &&
+         counter(run.course.rejected) && counter(run.course.factored.uses) && run.energy.step_factor > 0 && run.energy.step_factor <= 1 &&
+         run.path.motion.x.allFinite() && run.path.motion.v.allFinite() && run.exchange_time > 0 && counter(run.contacts_resolved) &&
+         counter(run.path.exchange.contacts_resolved) && std::all_of(run.contacts.begin(), run.contacts.end(), counter);
 }
 
 bool sound(const Whole& whole, const Variables& variables, const Lattice& lattice) {
   const auto& memory = whole.memory;
-  return sound(whole.place) && sound(whole.in_effect) && sound(whole.progress) &&
+  return sound(whole.place) && sound(whole.in_effect) && sound(whole.run) &&
          (!memory || (sound(memory->shadow) && counter(memory->tally.steps))) && variables.sound(whole.values) &&
-         possible(whole.progress.course, lattice) && (!memory || possible(memory->shadow.course, lattice));
+         possible(whole.run.course, lattice) && (!memory || possible(memory->shadow.course, lattice));
 }
 
 }  // namespace
@@ -106,7 +104,7 @@ Whole Instance::whole() const {
   return {.place = {phase, values.changed || waits, values.material_changed || waits, values.rated, times_},
           .values = values,
           .in_effect = {material.mass, springs.edge, springs.face, springs.body, material.damping, body_.settings.gravity},
-          .progress = body_.progress(),
+          .run = body_.run(),
           .memory = error_estimate_ ? std::optional(error_estimate_->memory()) : std::nullopt};
 }
 
@@ -136,7 +134,7 @@ void Instance::load_state(const Bytes& bytes) {
   s.stiffness = {before.edge, before.face, before.body};
   s.damping = before.damping;
   s.gravity = before.gravity;
-  body_.restore(all.progress, 0);
+  body_.restore(all.run, 0);
   if (all.memory) error_estimate_->restore(*all.memory, s, 0);
   variables_.set_changed(place.changed, place.material_changed);
 }

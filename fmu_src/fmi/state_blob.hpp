@@ -91,61 +91,22 @@ class StateReader {
   std::span<const unsigned char> rest_;
 };
 
-/// Passes every value of a Course to a StateWriter or StateReader, in one order for both.
-template <class Archive>
-void pass(Archive& archive, Course& course) {
-  for (double* value : {&course.clock.origin, &course.clock.h,      &course.clock.unit,    &course.bound,
-                        &course.leapfrog.h,   &course.leapfrog.due, &course.leapfrog.soon, &course.leapfrog.window,
-                        &course.bm4.h,        &course.bm4.due,      &course.bm4.soon,      &course.bm4.window,
-                        &course.rkn12,        &course.dop853,       &course.ros34pw2,      &course.floating_frame,
-                        &course.factored.h,   &course.work,         &course.race_due,      &course.race_soon,
-                        &course.race_window,  &course.usual,        &course.race_pause,    &course.forecast,
-                        &course.contact.h})
-    archive.number(*value);
-  for (Count* value : {&course.clock.count, &course.clock.parts, &course.factored.uses, &course.steps, &course.rejected, &course.factors,
-                       &course.contact.free, &course.contact.free_next, &course.contact.impact, &course.contact.impact_next})
-    archive.integer(*value);
-  for (Method* value : {&course.method, &course.favourite}) archive.choice(*value, Method::floating_frame);
-  for (Reason* value : {&course.reason, &course.favourite_reason}) archive.choice(*value, Reason::free_flight);
-  archive.choice(course.factored.in_frame, true);
-  for (Points* points : {&course.bound_x, &course.factored.x}) archive.numbers(points->data(), points->size());
-}
-
-/// The same for a Progress.
-template <class Archive>
-void pass(Archive& archive, Progress& progress) {
-  State& motion = progress.motion;
-  for (double* value : {&motion.time, &motion.previous_h, &progress.exchange_time, &progress.dissipated, &progress.work,
-                        &progress.potential, &progress.exchange.dissipated, &progress.exchange.work})
-    archive.number(*value);
-  EnergyWatch& watch = progress.watch;
-  for (double* value :
-       {&watch.kinetic_elastic, &watch.forces, &watch.received, &watch.gained, &watch.balance, &watch.largest, &watch.due, &watch.share})
-    archive.number(*value);
-  archive.choice(watch.hopeless, true);
-  for (Count* value : {&progress.contacts_resolved, &progress.exchange.contacts_resolved}) archive.integer(*value);
-  for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous, &progress.outside})
-    archive.numbers(points->data(), points->size());
-  for (auto* impulses : {&progress.exchange.planes, &progress.exchange.pins})
-    for (Impulse& impulse : *impulses) {
-      archive.numbers(impulse.force.data(), 3);
-      archive.numbers(impulse.torque.data(), 3);
-    }
-  for (Count& count : progress.contacts) archive.integer(count);
-  pass(archive, progress.course);
-}
-
-/// The same for the memory of an error estimate.
-template <class Archive>
-void pass(Archive& archive, ErrorEstimate::Memory& memory) {
-  pass(archive, memory.shadow);
-  ErrorEstimate::Tally& tally = memory.tally;
-  for (double* value : {&tally.time, &tally.ratio_time, &tally.value, &tally.vibration.amplitude, &tally.vibration.frequency, &tally.kept,
-                        &tally.damped_away})
-    archive.number(*value);
-  archive.numbers(tally.slopes.data(), tally.slopes.size());
-  archive.integer(tally.steps);
-  archive.choice(tally.lost, true);
+/// Passes every value of a Run, or of the memory of an error estimate, to a StateWriter or StateReader, in the order of its fields.
+template <class Archive, Visited Value>
+void pass(Archive& archive, Value& value) {
+  each_leaf(value, [&](auto& leaf) {
+    using Leaf = std::remove_reference_t<decltype(leaf)>;
+    if constexpr (std::is_same_v<Leaf, double>)
+      archive.number(leaf);
+    else if constexpr (std::is_same_v<Leaf, Count>)
+      archive.integer(leaf);
+    else if constexpr (std::is_same_v<Leaf, bool>)
+      archive.choice(leaf, true);
+    else if constexpr (std::is_enum_v<Leaf>)
+      archive.choice(leaf, last(leaf));
+    else
+      archive.numbers(leaf.data(), leaf.size());
+  });
 }
 
 }  // namespace softffd::fmi

@@ -22,7 +22,7 @@ TEST(the_second_run_of_a_stiff_body_that_flies_near_an_obstacle_takes_long_steps
     CHECK(body.advance(0.01) == StepStatus::ok);
     estimate.follow(body, 0.01);
   }
-  const Course run = body.progress().course, second = estimate.memory().shadow.course;
+  const Course run = body.run().course, second = estimate.memory().shadow.course;
   CHECK(run.method == Method::floating_frame);
   CHECK(second.method == Method::floating_frame);
   std::printf("  work %g, second %g\n", run.work, second.work);

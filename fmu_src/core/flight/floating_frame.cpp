@@ -15,7 +15,7 @@ using Matrix = Eigen::Matrix3d;
 
 /// Forces left out turn vibrations out of their direction, step by step the same way, while of estimated errors a multiple of the
 /// tolerance may add up (traits.hpp).
-const double systematic = traits(Method::floating_frame).summed_share;
+const double systematic = traits(Method::floating_frame).tolerance_sum;
 
 /// The rotation next to a: its polar factor (Higham 1986). Unity for a matrix that is no deformed rotation; any frame will do.
 Matrix rotation_next_to(const Matrix& a) {
@@ -33,11 +33,19 @@ Matrix rotation_next_to(const Matrix& a) {
 }  // namespace
 
 FloatingFrame::FloatingFrame(const Lattice& lattice, Ros34pw2& deformation)
-    : OneStep(lattice.points(), 0, deformation.exponent), deformation_(deformation), rest_(rest_positions(lattice)) {
+    : OneStep(Method::floating_frame, lattice.points(), 0, deformation.exponent, true),
+      deformation_(deformation),
+      rest_(rest_positions(lattice)) {
   around_.ramped = true;
   for (Points* points : {&around_.force, &around_.force_rate, &shape_.x, &shape_.v, &shape_.spring, &arm_, &outside_})
     points->setZero(lattice.points(), 3);
 }
+
+Outcome FloatingFrame::attempt_in(const Equations& equations, double t, double h, Run& run) {
+  return deformation_.with_factor_of(run, true, [&] { return attempt(equations, t, h, run.path.motion); });
+}
+
+void FloatingFrame::take_material(const Model& model) { time_scale = deformation_.time_scale = model.time_scale; }
 
 double FloatingFrame::attempt(const Equations& equations, double t, double h, const State& state) {
   const Body& body = equations.body;

@@ -29,6 +29,8 @@ class FloatingFrame final : public OneStep {
   double attempt(const Equations& equations, double t, double h, const State& state) override;
 
  private:
+  Outcome attempt_in(const Equations& equations, double t, double h, Run& run) override;
+  void take_material(const Model& model) override;
   void enter_frame(const Body& body, const State& state, const RigidState& rigid);
   void load_frame(const Equations& equations, double t, const RigidState& rigid, Points& load);
   double leave_frame(const Equations& equations, double t, double h, const RigidState& rigid);

@@ -7,8 +7,9 @@ HalfKicks::HalfKicks(int points) {
 }
 
 void HalfKicks::prepare(const Body& body, double h) {
-  if (h == h_) return;
+  if (h == h_ && body.version == version_) return;
   h_ = h;
+  version_ = body.version;
   damped_ = body.damped;
   const int n = body.points();
   for (int p = 0; p < n; ++p) {

@@ -18,7 +18,6 @@ class HalfKicks {
   explicit HalfKicks(int points);
   /// Coefficients for internal step h; kept while neither h nor the body changes.
   void prepare(const Body& body, double h);
-  void invalidate() { h_ = -1; }
 
   void open(const Points& spring, const Points& external, Points& v) const { apply(open_, spring, external, v); }
   void close(const Points& spring, const Points& external, Points& v) const { apply(close_, spring, external, v); }
@@ -34,6 +33,7 @@ class HalfKicks {
   void apply(const Coefficients& c, const Points& spring, const Points& external, Points& v) const;
   Coefficients open_, close_;
   double h_ = -1;
+  Count version_ = -1;  ///< of the body
   bool damped_ = false;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace softffd {
 
@@ -47,7 +48,7 @@ void Stability::time_scales(const Body& body, Scalars& scales) const {
   for (int i = 0; i < 3 * n; ++i) scales[i] = std::min(4.3 / std::sqrt(std::max(any_squared_[i % n], 1e-300)), 100.0);
 }
 
-double Stability::frequency(const Body& body, const Points& x) {
+double Stability::frequency(const Body& body, const Points& x) const {
   const int n = body.points();
   sums_.setZero();
   const auto& rows = body.springs.rows();
@@ -61,6 +62,12 @@ double Stability::frequency(const Body& body, const Points& x) {
             2 * (part(3).square() + part(4).square() + part(5).square());
   const double squared = ((mean_ + 2 * (spread_ / 6).sqrt()) / body.mass).maxCoeff();
   return crushed ? std::sqrt(squared) : std::min(std::sqrt(squared), any_frequency_);
+}
+
+double Stability::stable_step(const Body& body, const Points& x) const {
+  if (!elastic_) return std::numeric_limits<double>::max();
+  const double step = 2 / frequency(body, x);
+  return step > 0 ? std::min(step, std::numeric_limits<double>::max()) : 0;
 }
 
 }  // namespace softffd

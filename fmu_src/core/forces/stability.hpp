@@ -26,7 +26,9 @@ class Stability {
   /// Recomputes what depends on masses and stiffness alone.
   void prepare(const Body& body);
   /// Upper bound of omega at configuration x [rad/s].
-  double frequency(const Body& body, const Points& x);
+  double frequency(const Body& body, const Points& x) const;
+  /// Largest stable leapfrog step at x, by bound [s]; the largest finite number if nothing resists.
+  double stable_step(const Body& body, const Points& x) const;
   /// Time in which a velocity error of a point becomes a position error, (3 * points) [s]: of the size of a period of the springs at the
   /// point over 2 pi, for the uniform lattice the inverse of the geometric mean of its lowest and highest frequency.
   void time_scales(const Body& body, Scalars& scales) const;
@@ -38,8 +40,8 @@ class Stability {
  private:
   std::vector<Scalars> first_, second_;  ///< k (1 + sqrt(mass ratio)) of each row's lanes, as seen from either end
   Scalars any_squared_;                  ///< (points) what each point contributes to the bound in every configuration [1/s2]
-  Scalars sums_;                         ///< S_p as xx yy zz xy xz yz, each (points)
-  Scalars mean_, spread_;                ///< workspace (points)
+  mutable Scalars sums_;                 ///< S_p as xx yy zz xy xz yz, each (points)
+  mutable Scalars mean_, spread_;        ///< workspace (points)
   double any_frequency_ = 0;
   bool elastic_ = false;
 };

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "methods/traits.hpp"
+
 namespace softffd {
 
 namespace {
@@ -38,8 +40,9 @@ Bm4::Bm4(int points, int pins)
 }
 
 void Bm4::prepare(const Body& body, double h) {
-  if (h == h_) return;
+  if (h == h_ && body.version == version_) return;
   h_ = h;
+  version_ = body.version;
   damped_ = body.damped;
   for (int k = 0; k < 4; ++k)
     for (int i = 0; i < body.inverse_mass.size(); ++i) {
@@ -73,9 +76,15 @@ void Bm4::kick(const Equations& equations, int k, double t, State& state) {
   ledger_.damp(equations, tau / 6, state.v);
 }
 
-void Bm4::step(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange) {
-  prepare(equations.body, h);
-  ledger_.open(equations, watch);
+Outcome Bm4::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
+  const Equations equations{model.body, drive};
+  prepare(model.body, span.h);
+  for (Count i = 0; i < span.steps; ++i) step(equations, span.time(i), span.h, run.path.motion, run.path.exchange);
+  return {.work = double(span.steps) * traits(Method::bm4).work};
+}
+
+void Bm4::step(const Equations& equations, double t, double h, State& state, Exchange& exchange) {
+  ledger_.open(equations, equations.around.watch);
   const bool recording = ledger_.recording(), pins = !equations.around.pins.empty();
   if (recording) start_x_ = state.x, start_v_ = state.v;
   double share = 0;

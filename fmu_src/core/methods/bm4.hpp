@@ -5,19 +5,17 @@
 #pragma once
 #include <array>
 
-#include "forces/equations.hpp"
-#include "model/state.hpp"
+#include "methods/integrator.hpp"
 
 namespace softffd {
 
-class Bm4 {
+class Bm4 final : public Integrator {
  public:
   Bm4(int points, int pins);
-  void body_changed() { h_ = -1; }
-  /// One step of size h from (t, state); `watch`: accumulate dissipated energy and work.
-  void step(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
+  Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) override;
 
  private:
+  void step(const Equations& equations, double t, double h, State& state, Exchange& exchange);
   struct Coefficients {
     Scalars a, b;  ///< (3 * points)
   };
@@ -26,6 +24,7 @@ class Bm4 {
 
   std::array<Coefficients, 4> kicks_, half_kicks_;  ///< half kicks give the velocity in the middle of a kick, for the dissipated energy
   double h_ = -1;
+  Count version_ = -1;  ///< of the body
   bool damped_ = false;
   Points outside_, next_, middle_, start_x_, start_v_;
   Ledger ledger_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "methods/traits.hpp"
+
 namespace softffd {
 
 namespace {
@@ -32,8 +34,7 @@ Vec3 collide(double friction, const HalfSpace& now, double inertia, double h, co
 
 }  // namespace
 
-void CentralDifference::step(const Body& body, const Drive& around, double t, double h, bool watch, const State& state,
-                             Exchange* exchange) {
+void CentralDifference::step(const Body& body, const Drive& around, double t, double h, const State& state, Exchange* exchange) {
   force_ = around.force;
   if (around.ramped) around.force_at(t, force_);
   for (int axis = 0; axis < 3; ++axis) {
@@ -74,29 +75,29 @@ void CentralDifference::step(const Body& body, const Drive& around, double t, do
       exchange->work += impulse.dot(frame.material_velocity(arm));
     }
   }
-  if (watch && exchange && body.damped) {
+  if (around.watch && exchange && body.damped) {
     double power = 0;
     for (int axis = 0; axis < 3; ++axis) power += (body.damping * ((next_.col(axis) - state.previous.col(axis)) / (2 * h)).square()).sum();
     exchange->dissipated += h * power;
   }
 }
 
-StepStatus CentralDifference::advance(const Body& body, const Drive& around, const Span& span, bool watch, State& state,
-                                      Exchange& exchange) {
+Outcome CentralDifference::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
+  State& state = run.path.motion;
   if (state.previous_h != span.h) {
-    around.force_at(span.time(0), force_);
-    start(body, force_, span.h, state);
+    drive.force_at(span.time(0), force_);
+    start(model.body, force_, span.h, state);
   }
   for (Count i = 0; i < span.steps; ++i) {
-    step(body, around, span.time(i), span.h, watch, state, &exchange);
-    if (watch && around.ramped) exchange.work += around.ramp_dot(span.time(i) + 0.5 * span.h, next_ - state.x);
+    step(model.body, drive, span.time(i), span.h, state, &run.path.exchange);
+    if (drive.watch && drive.ramped) run.path.exchange.work += drive.ramp_dot(span.time(i) + 0.5 * span.h, next_ - state.x);
     state.previous.swap(state.x);
     state.x.swap(next_);
-    body.internal_force(state.x, state.spring);
+    model.body.internal_force(state.x, state.spring);
   }
-  step(body, around, span.time(span.steps), span.h, watch, state, nullptr);
+  step(model.body, drive, span.time(span.steps), span.h, state, nullptr);
   state.v = (next_ - state.previous) / (2 * span.h);
-  return StepStatus::ok;
+  return {.work = double(span.steps) * traits(Method::central_difference).work};
 }
 
 }  // namespace softffd

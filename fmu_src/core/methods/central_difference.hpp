@@ -6,19 +6,18 @@
 /// is an elastic bounce, and the point is inside the obstacle by up to one step's travel at every contact. Friction takes from the slip
 /// x_{t+h} - x_t relative to the surface at most mu times the normal correction. Use leapfrog for anything else.
 #pragma once
-#include "forces/equations.hpp"
-#include "model/state.hpp"
+#include "methods/integrator.hpp"
 
 namespace softffd {
 
-class CentralDifference {
+class CentralDifference final : public Integrator {
  public:
   explicit CentralDifference(int points) : next_(points, 3), force_(points, 3) {}
-  /// As Leapfrog::advance. Velocities at the end are eq. (10) with one more step looked ahead.
-  StepStatus advance(const Body& body, const Drive& around, const Span& span, bool watch, State& state, Exchange& exchange);
+  /// Velocities at the end are eq. (10) with one more step looked ahead.
+  Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) override;
 
  private:
-  void step(const Body& body, const Drive& around, double t, double h, bool watch, const State& state, Exchange* exchange);
+  void step(const Body& body, const Drive& around, double t, double h, const State& state, Exchange* exchange);
   Points next_, force_;
 };
 

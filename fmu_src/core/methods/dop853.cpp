@@ -134,7 +134,7 @@ double combined(double third, double fifth) {
 }  // namespace
 
 Dop853::Dop853(int points, int pins)
-    : OneStep(points, pins, 8), stage_x_(points, 3), spring_(points, 3), outside_(points, 3), zero_(points, 3) {
+    : OneStep(Method::dop853, points, pins, 8), stage_x_(points, 3), spring_(points, 3), outside_(points, 3), zero_(points, 3) {
   zero_.setZero();
   for (auto* list : {&v_, &a_})
     for (Points& k : *list) k.setZero(points, 3);

@@ -1,5 +1,7 @@
 #include "methods/leapfrog.hpp"
 
+#include "methods/traits.hpp"
+
 namespace softffd {
 
 namespace {
@@ -55,38 +57,44 @@ double damping_loss(const Body& body, double h, const Points& v0, const Points& 
 Leapfrog::Leapfrog(int points, int planes)
     : kicks_(points), contact_(points, planes), before_(points, 3), start_(points, 3), next_(points, 3), force_(points, 3) {}
 
-StepStatus Leapfrog::advance(const Body& body, const Drive& around, const Span& span, bool watch, State& state, Exchange& exchange) {
-  const bool planes = !around.planes.empty(), pins = !around.pins.empty();
+Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
+  const Count before = contact_.impacts();
+  kicks_.prepare(model.body, span.h);
+  if (drive.ramped) drive.force_at(span.time(0), force_);
+  Outcome outcome{.work = double(span.steps) * traits(Method::leapfrog).work};
+  for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i)
+    outcome.status = step(model.body, drive, span, i, run.path.motion, run.path.exchange);
+  outcome.impacts = contact_.impacts() - before;
+  return outcome;
+}
+
+StepStatus Leapfrog::step(const Body& body, const Drive& around, const Span& span, Count i, State& state, Exchange& exchange) {
+  const bool planes = !around.planes.empty(), pins = !around.pins.empty(), watch = around.watch;
   const Points& force = around.ramped ? force_ : around.force;
-  const std::size_t n = state.x.size();
-  kicks_.prepare(body, span.h);
-  if (around.ramped) around.force_at(span.time(0), force_);
-  for (Count i = 0; i < span.steps; ++i) {
-    const double t0 = span.time(i), t1 = span.time(i + 1);
-    const StepView step{body, kicks_, around, state.spring, force, state.x, t0, t1, span.h};
-    if (planes || pins) before_ = state.v;
-    if (watch && body.damped) start_ = state.v;
-    kicks_.open(state.spring, force, state.v);
-    kernels::drift(n, span.h, state.x.data(), state.v.data(), next_.data());
-    if (pins) drift_pins(step, before_, state.v, next_, exchange);
-    if (planes) {
-      const StepStatus status = contact_.drift(step, before_, state.v, next_, exchange);
-      if (status != StepStatus::ok) return status;
-    }
-    if (watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (t0 + t1), next_ - state.x);
-    state.x.swap(next_);
-    body.internal_force(state.x, state.spring);
-    if (around.ramped) around.force_at(t1, force_);
-    const bool touched = planes && contact_.touched();
-    if (touched || pins) before_ = state.v;
-    kicks_.close(state.spring, force, state.v);
-    if (pins) close_pins(step, before_, state.v, exchange);
-    if (touched) {
-      const StepStatus status = contact_.close(step, before_, state.x, state.v, exchange);
-      if (status != StepStatus::ok) return status;
-    }
-    if (watch && body.damped) exchange.dissipated += damping_loss(body, span.h, start_, state.v);
+  const double t0 = span.time(i), t1 = span.time(i + 1);
+  const StepView view{body, kicks_, around, state.spring, force, state.x, t0, t1, span.h};
+  if (planes || pins) before_ = state.v;
+  if (watch && body.damped) start_ = state.v;
+  kicks_.open(state.spring, force, state.v);
+  kernels::drift(state.x.size(), span.h, state.x.data(), state.v.data(), next_.data());
+  if (pins) drift_pins(view, before_, state.v, next_, exchange);
+  if (planes) {
+    const StepStatus status = contact_.drift(view, before_, state.v, next_, exchange);
+    if (status != StepStatus::ok) return status;
   }
+  if (watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (t0 + t1), next_ - state.x);
+  state.x.swap(next_);
+  body.internal_force(state.x, state.spring);
+  if (around.ramped) around.force_at(t1, force_);
+  const bool touched = planes && contact_.touched();
+  if (touched || pins) before_ = state.v;
+  kicks_.close(state.spring, force, state.v);
+  if (pins) close_pins(view, before_, state.v, exchange);
+  if (touched) {
+    const StepStatus status = contact_.close(view, before_, state.x, state.v, exchange);
+    if (status != StepStatus::ok) return status;
+  }
+  if (watch && body.damped) exchange.dissipated += damping_loss(body, span.h, start_, state.v);
   return StepStatus::ok;
 }
 

@@ -2,20 +2,18 @@
 /// recurrence in positions loses to round-off; second order, symplectic without damping, one force evaluation per step.
 #pragma once
 #include "contact/contact.hpp"
-#include "model/state.hpp"
+#include "methods/integrator.hpp"
 
 namespace softffd {
 
-class Leapfrog {
+class Leapfrog final : public Integrator {
  public:
   Leapfrog(int points, int planes);
-  void body_changed() { kicks_.invalidate(); }
-  /// Advances the state; on failure the state is spoilt and the caller restores it. `watch`: accumulate dissipated energy and work.
-  StepStatus advance(const Body& body, const Drive& around, const Span& span, bool watch, State& state, Exchange& exchange);
-  /// Impacts so far (Contact::impacts).
-  Count impacts() const { return contact_.impacts(); }
+  Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) override;
 
  private:
+  StepStatus step(const Body& body, const Drive& drive, const Span& span, Count i, State& state, Exchange& exchange);
+
   HalfKicks kicks_;
   Contact contact_;
   Points before_, start_, next_;  ///< velocities before a half kick and before the step, positions after the drift

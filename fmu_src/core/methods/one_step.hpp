@@ -1,18 +1,30 @@
-/// What the methods with error control share: they try a step and say how large its error is; the propagator decides.
+/// What the methods with error control share: they offer a step and say how large its error is; the step size controller
+/// (stepping/controlled_steps.hpp) keeps or rejects it. A given step is kept unseen.
 #pragma once
 #include <algorithm>
 
-#include "forces/equations.hpp"
-#include "model/state.hpp"
+#include "methods/integrator.hpp"
 
 namespace softffd {
 
-class OneStep {
+class OneStep : public Integrator {
  public:
-  /// exponent: of the step size controller, order of the embedded method + 1.
-  OneStep(int points, int pins, int exponent)
-      : x(points, 3), v(points, 3), ledger(pins), exponent(exponent), time_scale(Scalars::Zero(3 * points)), error_(points, 3) {}
-  virtual ~OneStep() = default;
+  /// exponent: of the step size controller, order of the embedded method + 1. lossy: the method itself takes energy.
+  OneStep(Method name, int points, int pins, int exponent, bool lossy = false)
+      : x(points, 3),
+        v(points, 3),
+        ledger(pins),
+        exponent(exponent),
+        time_scale(Scalars::Zero(3 * points)),
+        error_(points, 3),
+        name_(name),
+        lossy_(lossy) {}
+
+  /// Offers a step of size h from (t, run.path.motion): fills x, v and the ledger, and leaves the motion as it is.
+  Outcome offer(const Model& model, const Drive& drive, double t, double h, Run& run);
+  /// Takes the step that was offered last.
+  void keep(const Model& model, Run& run);
+  Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) override;
 
   /// Tries a step of size h from (t, state), state.spring being the spring forces there; fills x, v and the ledger, which the caller has
   /// opened. Returns the estimated error [m]: the largest over all points, velocity errors times `time_scale`.
@@ -24,9 +36,18 @@ class OneStep {
   Scalars time_scale;  ///< (3 * points) position error that a velocity error amounts to [s]
 
  protected:
+  /// An attempt with what it needs from the run besides the motion. Methods that solve with a matrix have their own.
+  virtual Outcome attempt_in(const Equations& equations, double t, double h, Run& run);
+  /// Called before the first attempt with another version of the material.
+  virtual void take_material(const Model& model) { time_scale = model.time_scale; }
   double position_size(const Points& error) const { return kernels::largest(error.size(), error.data()); }
   double velocity_size(const Points& error) const { return kernels::largest_weighted(error.size(), time_scale.data(), error.data()); }
   Points error_;
+
+ private:
+  Method name_;
+  bool lossy_;
+  Count version_ = -1;  ///< of the body
 };
 
 }  // namespace softffd

@@ -234,7 +234,7 @@ constexpr std::array<double, 17> e_velocity{-0.004880833389821577,
 }  // namespace
 
 Rkn12::Rkn12(int points, int pins)
-    : OneStep(points, pins, 11), stage_(points, 3), spring_(points, 3), outside_(points, 3), zero_(points, 3) {
+    : OneStep(Method::rkn12, points, pins, 11), stage_(points, 3), spring_(points, 3), outside_(points, 3), zero_(points, 3) {
   zero_.setZero();
   for (Points& k : k_) k.setZero(points, 3);
 }

@@ -52,7 +52,11 @@ void combine(const Points& base, double scale, const Row& w, const std::array<Po
 }  // namespace
 
 Ros34pw2::Ros34pw2(const Lattice& lattice, int pins)
-    : OneStep(lattice.points(), pins, 3), matrix_(lattice), diagonal_(lattice.points()), sums_(6 * lattice.points()) {
+    : OneStep(Method::ros34pw2, lattice.points(), pins, 3),
+      matrix_(lattice),
+      implicit_(lattice),
+      diagonal_(lattice.points()),
+      sums_(6 * lattice.points()) {
   const int n = lattice.points();
   for (Points* points : {&factored.x, &held_.x, &mass_, &damping_, &free_, &stage_x_, &stage_v_, &spring_, &outside_, &p_, &q_, &zero_,
                          &pin_velocity_, &pin_rate_, &correction_})
@@ -73,6 +77,7 @@ void Ros34pw2::factorize(const Body& body) {
   assemble(body, factored.x, diagonal_, sums_, matrix_);
   matrix_.factor();
   held_ = factored;
+  version_ = body.version;
   ++factorizations_;
 }
 
@@ -82,7 +87,7 @@ void Ros34pw2::use_factor(const Body& body, double h, const Points& x) {
     factored.h = h;
     factored.uses = 0;
   }
-  if (held_.h != h || !same(held_.x, factored.x)) factorize(body);
+  if (held_.h != h || version_ != body.version || !same(held_.x, factored.x)) factorize(body);
   ++factored.uses;
 }
 
@@ -101,6 +106,10 @@ double Ros34pw2::kept(double y) {
                    p3 = 1.0 / 6 - 2 * gamma + 6 * gamma * gamma - 4 * gamma * gamma * gamma;
   const double real = 1 - p2 * y * y, imaginary = y * (p1 - p3 * y * y), below = 1 + gamma * gamma * y * y;
   return std::sqrt(real * real + imaginary * imaginary) / (below * below);
+}
+
+Outcome Ros34pw2::attempt_in(const Equations& equations, double t, double h, Run& run) {
+  return with_factor_of(run, false, [&] { return attempt(equations, t, h, run.path.motion); });
 }
 
 double Ros34pw2::attempt(const Equations& equations, double t, double h, const State& state) {

@@ -17,9 +17,11 @@
 /// step, the error grows as k a^3.
 #pragma once
 #include <array>
+#include <utility>
 
 #include "matrix/stiffness_matrix.hpp"
 #include "methods/one_step.hpp"
+#include "methods/traits.hpp"
 #include "model/factored.hpp"
 
 namespace softffd {
@@ -35,8 +37,18 @@ class Ros34pw2 final : public OneStep {
   /// Share of an undamped vibration's amplitude that a step leaves, by omega h.
   static double kept(double y);
 
-  /// Call when masses, stiffness, damping or the choice of pinned points change: the factor is made anew, from `factored`.
-  void body_changed() { held_.h = 0; }
+  /// An attempt with the factor that the run carries on, in the body's frame or out of it.
+  template <class Attempt>
+  Outcome with_factor_of(Run& run, bool in_frame, Attempt&& attempt) {
+    Factored& carried = run.course.factored;
+    if (carried.in_frame != in_frame) carried.in_frame = in_frame, carried.h = 0;
+    std::swap(factored, carried);
+    const double error = attempt();
+    std::swap(factored, carried);
+    const bool made = carried.uses == 1;  // not whether it was made now: after a restore it is made again
+    run.course.factors += made;
+    return {.error = error, .work = implicit_.step + (made ? implicit_.factor : 0) + (in_frame ? implicit_.frame : 0)};
+  }
   /// The next attempt takes the stiffness at its own state.
   void refresh() { factored.h = 0; }
   /// Number of factors made so far.
@@ -46,6 +58,9 @@ class Ros34pw2 final : public OneStep {
   /// every snapshot: the factor follows from it and from the body.
   Factored factored;
 
+ protected:
+  Outcome attempt_in(const Equations& equations, double t, double h, Run& run) override;
+
  private:
   void factorize(const Body& body);
   void use_factor(const Body& body, double h, const Points& x);
@@ -54,7 +69,9 @@ class Ros34pw2 final : public OneStep {
   bool pins_move(const Equations& equations, double t);
 
   LayerMatrix matrix_;
-  Factored held_;  ///< what matrix_ is the factor of
+  Factored held_;       ///< what matrix_ is the factor of
+  Count version_ = -1;  ///< of the body that it was made with
+  ImplicitWork implicit_;
   Count factorizations_ = 0;
   Points mass_, damping_, free_;  ///< per coordinate [kg], [N s/m], 1; 0 where pinned
   Scalars diagonal_, sums_;

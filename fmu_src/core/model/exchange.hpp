@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "model/types.hpp"
+#include "model/visit.hpp"
 
 namespace softffd {
 
@@ -14,7 +14,13 @@ struct Impulse {
     force += impulse;
     torque += arm.cross(impulse);
   }
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.force, s.torque);
+  }
 };
+static_assert(visits_every_field<Impulse>);
 
 /// What the outside received during the current communication step. Energies only accumulate when they are asked for.
 struct Exchange {
@@ -23,6 +29,20 @@ struct Exchange {
   double dissipated = 0;        ///< energy lost to damping, friction and impacts [J]
   double work = 0;              ///< work of moving obstacles and pins on the body [J]
   Count contacts_resolved = 0;
+
+  /// Nothing yet in this communication step.
+  void clear() {
+    for (auto* impulses : {&planes, &pins})
+      for (Impulse& impulse : *impulses) impulse = {};
+    dissipated = work = 0;
+    contacts_resolved = 0;
+  }
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.planes, s.pins, s.dissipated, s.work, s.contacts_resolved);
+  }
 };
+static_assert(visits_every_field<Exchange>);
 
 }  // namespace softffd

@@ -1,6 +1,8 @@
 /// What the time integrators share: the state they advance and the span of time they are given.
 #pragma once
-#include "model/types.hpp"
+#include <limits>
+
+#include "model/visit.hpp"
 
 namespace softffd {
 
@@ -11,7 +13,13 @@ struct State {
   Points spring;          ///< spring forces at x [N]
   Points previous;        ///< positions one internal step back; central difference only
   double previous_h = 0;  ///< the step that `previous` belongs to; 0: none
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.time, s.x, s.v, s.spring, s.previous, s.previous_h);
+  }
 };
+static_assert(visits_every_field<State>);
 
 /// `steps` internal steps of size h; number i of them starts at origin + (first + i) h. Times are counted, not summed: cutting a stretch
 /// of time in two gives the same bits.
@@ -20,6 +28,7 @@ struct Span {
   Count first;
   double h;
   Count steps;
+  double most_work = std::numeric_limits<double>::infinity();  ///< after which a step that iterates gives up; in evaluations of the forces
   double time(Count i) const { return origin + double(first + i) * h; }
 };
 
@@ -30,6 +39,12 @@ struct Clock {
   double unit = 0;  ///< the given step that h divides; 0: none was given
   Count parts = 1;  ///< internal steps per unit
   double time() const { return origin + double(count) * h; }
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.origin, s.h, s.count, s.unit, s.parts);
+  }
 };
+static_assert(visits_every_field<Clock>);
 
 }  // namespace softffd

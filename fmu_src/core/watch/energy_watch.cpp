@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "methods/traits.hpp"
+
 namespace softffd {
 
 namespace {
@@ -28,27 +30,35 @@ double squared_forces(const Equations& equations, const State& state) {
 
 }  // namespace
 
-void EnergyWatch::start(const Equations& equations, const State& state, double work) {
-  kinetic_elastic = kinetic_and_elastic(equations.body, state);
-  forces = squared_forces(equations, state);
-  received = 0;
-  largest = std::max(largest, kinetic_elastic);
-  due = work + (equations.body.damped ? damped_pause : pause);
+void start(EnergyAccount& account, const Equations& equations, const State& state, double work) {
+  account.kinetic_elastic = kinetic_and_elastic(equations.body, state);
+  account.forces = squared_forces(equations, state);
+  account.received = 0;
+  account.largest = std::max(account.largest, account.kinetic_elastic);
+  account.due = work + (equations.body.damped ? damped_pause : pause);
 }
 
-void EnergyWatch::jolt(const Body& body, const Points& spring, const Points& before, const Points& after) {
+void jolt(EnergyAccount& account, const Body& body, const Points& spring, const Points& before, const Points& after) {
   for (int i = 0; i < spring.size(); ++i) {
     const double old = spring.data()[i] + before.data()[i], now = spring.data()[i] + after.data()[i];
-    forces += body.inverse_mass[i] * (now - old) * (now + old);
+    account.forces += body.inverse_mass[i] * (now - old) * (now + old);
   }
 }
 
-void EnergyWatch::look(const Equations& equations, const State& state, double h, double work) {
-  const double energy = kinetic_elastic, before = forces, given = received;
-  start(equations, state, work);
-  const double change = kinetic_elastic - energy - given - h * h / 8 * (forces - before);
-  gained = std::max(0.0, gained + change);
-  balance += change;
+void look(EnergyAccount& account, const Equations& equations, const State& state, double h, double work) {
+  const double energy = account.kinetic_elastic, before = account.forces, given = account.received;
+  start(account, equations, state, work);
+  const double change = account.kinetic_elastic - energy - given - h * h / 8 * (account.forces - before);
+  account.gained = std::max(0.0, account.gained + change);
+  account.balance += change;
+}
+
+double staggered_step(const Run& run) { return traits(run.course.method).staggered ? run.path.clock.h : 0; }
+
+double lost(EnergyAccount account, const Equations& equations, const Run& run) {
+  if (account.kinetic_elastic < 0) return 0;
+  look(account, equations, run.path.motion, staggered_step(run), 0);
+  return -account.balance;
 }
 
 }  // namespace softffd

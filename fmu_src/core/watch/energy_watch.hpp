@@ -13,32 +13,24 @@
 /// steps are short: they cost an evaluation of the energy.
 #pragma once
 #include "forces/equations.hpp"
-#include "model/state.hpp"
+#include "model/run.hpp"
 
 namespace softffd {
 
-struct EnergyWatch {
-  /// Share of the largest energy so far from which on a gain is an alarm.
-  static constexpr double most_gain = 0.05;
+/// Part of the largest energy so far from which on a gain is an alarm [1]: smaller ones are errors within the tolerance, by experience.
+inline constexpr double most_gain = 0.05;
 
-  double kinetic_elastic = -1;  ///< when last looked at [J]; negative: not yet
-  double forces = 0;            ///< sum of F^2/m over the free points then [N^2/kg]
-  double received = 0;          ///< work of the outside since then, less what friction and impacts took [J]
-  double gained = 0;            ///< out of nothing, from the lowest point on [J]
-  double balance = 0;           ///< all gains and losses [J]
-  double largest = 0;           ///< energy so far [J]
-  double due = 0;               ///< work of the course at which the next look is due
-  double share = 1;             ///< of the usual internal step that has proved safe
-  bool hopeless = false;        ///< smaller steps did not help
-
-  /// Begins anew at a state that was not reached by motion alone.
-  void start(const Equations& equations, const State& state, double work);
-  /// The outside forces jump [N] while the spring forces are these: no gain, though what counts as energy jumps too.
-  void jolt(const Body& body, const Points& spring, const Points& before, const Points& after);
-  /// Looks at a state that steps of size h (0: of another method than leapfrog) have led to.
-  void look(const Equations& equations, const State& state, double h, double work);
-  /// Whether the body has gained more than it may. Below `noise` [J] everything is rounding.
-  bool alarm(double noise) const { return gained > most_gain * largest + noise; }
-};
+/// Begins anew at a state that was not reached by motion alone.
+void start(EnergyAccount& account, const Equations& equations, const State& state, double work);
+/// The outside forces jump [N] while the spring forces are these: no gain, though what counts as energy jumps too.
+void jolt(EnergyAccount& account, const Body& body, const Points& spring, const Points& before, const Points& after);
+/// Looks at a state that steps of size h (0: of another method than leapfrog) have led to.
+void look(EnergyAccount& account, const Equations& equations, const State& state, double h, double work);
+/// Whether the body has gained more than it may. Below `noise` [J] everything is rounding.
+inline bool alarm(const EnergyAccount& account, double noise) { return account.gained > most_gain * account.largest + noise; }
+/// What counts as h: the last step of leapfrog and of the central difference, whose velocities stand between positions.
+double staggered_step(const Run& run);
+/// Energy that the method has taken until now [J]; below 0: gained.
+double lost(EnergyAccount account, const Equations& equations, const Run& run);
 
 }  // namespace softffd

@@ -81,6 +81,16 @@ double present_vibration(const Equations& equations, const State& state, const S
   return size(equations, state, time_scale, false, slowest, held ? Vec3::Zero() : mean_acceleration(equations, state));
 }
 
+double amplitude(const Model& model, double energy, double slowest) {
+  double total = 0, weighted = 0;
+  for (int p = 0; p < model.body.points(); ++p) {
+    const double time = std::min(slowest, model.time_scale[p]);
+    total += model.body.mass[p];
+    weighted += model.body.mass[p] * time * time;
+  }
+  return std::sqrt(2 * energy * weighted) / total;
+}
+
 Vibration set_off(const Equations& equations, const State& start, const State& end, double kink, Points& jump, Points& u) {
   const auto& [body, around] = equations;
   Vibration largest;

@@ -2,6 +2,7 @@
 /// however long it has been adding up.
 #pragma once
 #include "forces/equations.hpp"
+#include "forces/model.hpp"
 #include "model/state.hpp"
 
 namespace softffd {
@@ -13,10 +14,19 @@ double vibration(const Equations& equations, const State& state, const Scalars& 
 /// and without the acceleration that a free body has as a whole.
 double present_vibration(const Equations& equations, const State& state, const Scalars& time_scale, double slowest);
 
+/// Size of vibrations of this energy [J], of a time scale up to `slowest` [s], spread over the body [m].
+double amplitude(const Model& model, double energy, double slowest);
+
 struct Vibration {
   double amplitude = 0;  ///< [m]
   double frequency = 0;  ///< [rad/s]
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.amplitude, s.frequency);
+  }
 };
+static_assert(visits_every_field<Vibration>);
 /// The vibration that a change of the outside sets off at the start of a stretch, to be seen from steps that damp it away: what deforms the
 /// body of a jump of the forces [N], or of the change of velocity until the end, `kink` of which came at once; whichever moves points
 /// further. By experience within a factor of 2, and of 10 where forces jump. jump, u: (points, 3), scratch afterwards.

@@ -416,17 +416,18 @@ TEST(it_converges_to_the_explicit_contact_with_first_order) {
     return s;
   };
   Scene exact = scene();
-  Exchange exchange;
-  exchange.planes.resize(1);
+  Run run;
+  run.path.exchange.planes.resize(1);
+  run.path.motion = exact.state;
   Leapfrog leapfrog(64, 1);
-  CHECK(leapfrog.advance(exact.body, exact.around, {0, 0, 2e-6, 50000}, false, exact.state, exchange) == StepStatus::ok);
+  CHECK(leapfrog.advance(Model(exact.body), exact.around, {0, 0, 2e-6, 50000}, run).status == StepStatus::ok);
   std::vector<double> error;
   for (double h : {4e-4, 2e-4, 1e-4}) {
     Scene s = scene();
     Runner runner(s);
     for (int i = 0; i < std::lround(0.1 / h); ++i)
       CHECK(runner.method.advance({s.body, s.around}, i * h, h, false, s.state, runner.exchange) == StepStatus::ok);
-    error.push_back((s.state.x - exact.state.x).abs().maxCoeff());
+    error.push_back((s.state.x - run.path.motion.x).abs().maxCoeff());
   }
   std::printf("  errors %.3g %.3g %.3g\n", error[0], error[1], error[2]);
   CHECK_NEAR(std::log2(error[0] / error[1]), 1.0, 0.15);

@@ -48,14 +48,14 @@ struct Flight {
   }
 };
 
-struct Run {
+struct Flown {
   State state;
   Exchange exchange;
   double error = 0;  ///< sum of the steps' estimates [m]
 };
 
-Run run(const Scene& s, OneStep& method, double duration, int steps, bool watch = true) {
-  Run r{s.start, {}, 0};
+Flown run(const Scene& s, OneStep& method, double duration, int steps, bool watch = true) {
+  Flown r{s.start, {}, 0};
   const double h = duration / steps;
   for (int i = 0; i < steps; ++i) {
     method.ledger.open(s.equations(), watch, true);
@@ -70,7 +70,7 @@ Run run(const Scene& s, OneStep& method, double duration, int steps, bool watch 
 }
 
 /// 0.5 s of explicit steps that resolve everything.
-Run reference(const Scene& s) {
+Flown reference(const Scene& s) {
   Dop853 explicit_steps(s.body.points(), 0);
   return run(s, explicit_steps, 0.5, 2000);
 }
@@ -93,7 +93,7 @@ TEST(stiff_bodies_fly_and_turn_as_explicit_steps_have_it) {
       const State exact = reference(s).state;
       for (const int steps : {5, 50}) {
         Flight frame(s.lattice);
-        const Run r = run(s, frame.method, 0.5, steps);
+        const Flown r = run(s, frame.method, 0.5, steps);
         CHECK_NEAR(distance(r.state.x, exact.x), 0, 1e-5);
         CHECK(r.error < 3e-3);
       }
@@ -105,7 +105,7 @@ TEST(stiffer_bodies_come_nearer) {
   for (const double stiffness : {1e4, 1e5, 1e6}) {
     const Scene s = turning(stiffness);
     Flight frame(s.lattice);
-    const Run r = run(s, frame.method, 0.5, 25), finer = run(s, frame.method, 0.5, 400);
+    const Flown r = run(s, frame.method, 0.5, 25), finer = run(s, frame.method, 0.5, 400);
     const double difference = distance(r.state.x, finer.state.x);
     if (before > 0) CHECK(difference < before / 5);
     before = difference;
@@ -127,7 +127,7 @@ TEST(what_the_deformation_loses_is_booked_as_dissipated) {
     for (const double damping : {0.0, 0.05}) {
       const Scene s = turning(1e5, true, ramped, damping);
       Flight frame(s.lattice);
-      const Run r = run(s, frame.method, 0.5, 50);
+      const Flown r = run(s, frame.method, 0.5, 50);
       const double constant = (s.around.force * (r.state.x - s.start.x)).sum(), before = energy(s, s.start);
       CHECK_NEAR(energy(s, r.state) + r.exchange.dissipated, before + constant + r.exchange.work, 1e-12 * before);
       CHECK(r.exchange.dissipated > 0);
@@ -159,7 +159,7 @@ TEST(change_of_shape_is_followed_beyond_first_order) {
 TEST(nothing_is_booked_unless_watched) {
   const Scene s = turning(1e5, true, true, 0.05);
   Flight frame(s.lattice);
-  const Run r = run(s, frame.method, 0.1, 10, false);
+  const Flown r = run(s, frame.method, 0.1, 10, false);
   CHECK(r.exchange.dissipated == 0 && r.exchange.work == 0);
 }
 
@@ -176,7 +176,7 @@ TEST(vibrations_end_and_the_rotation_stays) {
   for (int p = 0; p < s.body.points(); ++p) s.start.x(p, 0) += 1e-5 * std::cos(7.0 * p);
   s.body.springs.force(s.start.x, s.start.spring);
   Flight frame(s.lattice);
-  const Run few = run(s, frame.method, 0.1, 10), many = run(s, frame.method, 10, 1000);
+  const Flown few = run(s, frame.method, 0.1, 10), many = run(s, frame.method, 10, 1000);
   const double vibration = s.body.elastic_energy(s.start.x);
   CHECK_NEAR(few.exchange.dissipated, vibration, 0.5 * vibration);
   CHECK_NEAR(many.exchange.dissipated, few.exchange.dissipated, 1e-6 * energy(s, s.start));

@@ -1,0 +1,23 @@
+/// The body, its forces, and all that follows from the material: constant within a communication step.
+#pragma once
+#include "forces/stability.hpp"
+
+namespace softffd {
+
+struct Model {
+  explicit Model(Body of);
+
+  Body body;
+  Stability stability;
+  Scalars time_scale;          ///< (3 * points) position error that a velocity error amounts to [s]
+  Scalars memory;              ///< (3 * points) in which damping forgets an error [s]; infinite without damping
+  double longest_memory = 0;   ///< of all points [s]
+  double fastest_damping = 0;  ///< largest damping / mass [1/s]
+  double noise = 0;            ///< energy of displacements that are rounding [J]
+
+  /// Call when masses, stiffness, damping or the pinned points have changed: derives all the rest and makes a new version, by which
+  /// methods know that what they keep is old.
+  void renew();
+};
+
+}  // namespace softffd

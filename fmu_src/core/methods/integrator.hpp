@@ -1,0 +1,25 @@
+/// The one shape of all methods. A new one is a file here, a row in traits.cpp, its place in stepping/integrators.cpp and in the test list.
+#pragma once
+#include "forces/equations.hpp"
+#include "forces/model.hpp"
+#include "model/run.hpp"
+
+namespace softffd {
+
+struct Outcome {
+  StepStatus status = StepStatus::ok;
+  double error = 0;   ///< estimated, of the largest step [m]; 0 without error control
+  double work = 0;    ///< in evaluations of the spring forces
+  Count impacts = 0;  ///< points that came onto an obstacle
+};
+
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+
+  /// Takes the motion through the span, and adds to the run's exchange what goes to the outside; `run.path.motion.time`, clock and counts
+  /// are the caller's, who also books the work. Unless the status is ok motion and exchange are spoilt: a Trial takes them back.
+  virtual Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) = 0;
+};
+
+}  // namespace softffd

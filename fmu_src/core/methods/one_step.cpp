@@ -1,0 +1,39 @@
+#include "methods/one_step.hpp"
+
+#include "methods/traits.hpp"
+
+namespace softffd {
+
+Outcome OneStep::offer(const Model& model, const Drive& drive, double t, double h, Run& run) {
+  if (version_ != model.body.version) take_material(model);
+  version_ = model.body.version;
+  const Equations equations{model.body, drive};
+  ledger.open(equations, drive.watch, lossy_);
+  return attempt_in(equations, t, h, run);
+}
+
+Outcome OneStep::attempt_in(const Equations& equations, double t, double h, Run& run) {
+  return {.error = attempt(equations, t, h, run.path.motion), .work = traits(name_).work};
+}
+
+void OneStep::keep(const Model& model, Run& run) {
+  State& motion = run.path.motion;
+  motion.x.swap(x);
+  motion.v.swap(v);
+  model.body.internal_force(motion.x, motion.spring);
+  if (ledger.recording()) ledger.settle(run.path.exchange);
+}
+
+Outcome OneStep::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
+  Outcome outcome;
+  for (Count i = 0; i < span.steps; ++i) {
+    run.course.factored.h = 0;  // nobody looks at the error of a given step: an old factor could spoil it
+    const Outcome step = offer(model, drive, span.time(i), span.h, run);
+    keep(model, run);
+    outcome.error = std::max(outcome.error, step.error);
+    outcome.work += step.work;
+  }
+  return outcome;
+}
+
+}  // namespace softffd

@@ -1,0 +1,160 @@
+/// The whole value that stepping changes: its copy is a snapshot, and goes on exactly as the original would.
+///
+///      Path     where the body is, and what it gave back on the way: a stretch of time that is tried again goes back to it
+///      Course   what stepping has learnt and spent so far: it stays when a stretch is tried again
+///      EnergyAccount   whether the body has the energy it was given (watch/energy_watch.hpp)
+#pragma once
+#include "model/exchange.hpp"
+#include "model/factored.hpp"
+#include "model/method.hpp"
+#include "model/state.hpp"
+
+namespace softffd {
+
+/// Why a method took a communication step.
+enum class Reason {
+  asked,            ///< it was asked for
+  contact,          ///< an obstacle is within reach
+  damping,          ///< rkn12 was asked for, and the body is damped
+  given_step,       ///< automatic with a given internal step
+  stability,        ///< the largest stable step is accurate enough: nothing explicit costs less
+  least_work,       ///< least work for the tolerance among those tried
+  quiet_stiffness,  ///< stiff, and the fast modes are quiet: implicit steps pass them over
+  stiff_contact,    ///< an obstacle is within reach of a stiff body
+  free_flight       ///< stiff and free, and the fast modes are quiet: rigid motion, and implicit steps for the deformation
+};
+constexpr Reason last(Reason) { return Reason::free_flight; }
+
+/// Step of a fixed-step method by trial: what h and h / 2 give over a short stretch.
+struct Calibration {
+  double h = 0;       ///< largest step that keeps the tolerance [s]; 0: not known yet
+  double due = 0;     ///< work at which it is due again
+  double soon = 0;    ///< the same after a jolt
+  double window = 0;  ///< stretch of the last trial [s]: from a much shorter one little is learnt
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.h, s.due, s.soon, s.window);
+  }
+};
+static_assert(visits_every_field<Calibration>);
+
+/// Steps through contact, where every stretch is run twice unless experience says that the largest stable step is accurate enough.
+struct ContactSteps {
+  double h = 0;         ///< of the coarser of the two runs [s]; 0: none yet
+  Count free = 0;       ///< stretches without impact that may be run once, at the largest stable step
+  Count free_next = 1;  ///< how many after the next success
+  Count impact = 0;     ///< the same for stretches with an impact
+  Count impact_next = 1;
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.h, s.free, s.free_next, s.impact, s.impact_next);
+  }
+};
+static_assert(visits_every_field<ContactSteps>);
+
+/// What races between methods have shown, and when the next one is due, in work done by then.
+struct RaceRecord {
+  Method winner = Method::automatic;  ///< automatic: none yet
+  Reason reason = Reason::least_work;
+  double due = 0;       ///< work at which the next one is due
+  double soon = 0;      ///< the same after a jolt
+  double pause = 1;     ///< its distance, in multiples of a race's own work
+  double window = 0;    ///< communication step of the last one [s]
+  double forecast = 0;  ///< work that the winner should need for what is left of the communication step
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.winner, s.reason, s.due, s.soon, s.pause, s.window, s.forecast);
+  }
+};
+static_assert(visits_every_field<RaceRecord>);
+
+/// What stepping has learnt and spent.
+struct Course {
+  Points bound_x;                                        ///< configuration that `bound` belongs to
+  double bound = -1;                                     ///< bound of omega [rad/s]; negative: none yet
+  std::array<Calibration, method_count> calibrations{};  ///< of the methods of fixed steps
+  std::array<double, method_count> controlled{};         ///< steps of the methods with error control [s]; 0: none yet
+  ContactSteps contact{};
+  Factored factored{};
+  Method method = Method::automatic;  ///< that took the last communication step
+  Reason reason = Reason::asked;
+  RaceRecord race{};
+  double work = 0;   ///< done since the start, in evaluations of the spring forces
+  double usual = 0;  ///< length of communication steps of late [s]
+  Count rejected = 0;
+  Count factors = 0;  ///< matrices factored
+
+  Calibration& calibration(Method which) { return calibrations[std::size_t(which)]; }
+  double& controlled_step(Method which) { return controlled[std::size_t(which)]; }
+  /// What was learnt of another material does not hold; what it has cost does.
+  void forget_material() {
+    bound = -1;
+    calibrations = {};
+    contact = {};
+    factored.h = 0;
+    race.winner = Method::automatic;
+  }
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.bound_x, s.bound, s.calibrations, s.controlled, s.contact, s.factored, s.method, s.reason, s.race, s.work, s.usual,
+                  s.rejected, s.factors);
+  }
+};
+static_assert(visits_every_field<Course>);
+
+/// Where the body is, and what it gave back in this communication step.
+struct Path {
+  State motion;
+  Clock clock;
+  Exchange exchange;  ///< of the last communication step
+  Count steps = 0;    ///< internal steps since the start
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.motion, s.clock, s.exchange, s.steps);
+  }
+};
+static_assert(visits_every_field<Path>);
+
+/// Energy that came out of nothing, as watch/energy_watch.hpp counts it.
+struct EnergyAccount {
+  double kinetic_elastic = -1;  ///< when last looked at [J]; negative: not yet
+  double forces = 0;            ///< sum of F^2/m over the free points then [N^2/kg]
+  double received = 0;          ///< work of the outside since then, less what friction and impacts took [J]
+  double gained = 0;            ///< out of nothing, from the lowest point on [J]
+  double balance = 0;           ///< all gains and losses [J]
+  double largest = 0;           ///< energy so far [J]
+  double due = 0;               ///< work of the course at which the next look is due
+  double step_factor = 1;       ///< part of the usual internal step that has proved safe
+  bool hopeless = false;        ///< smaller steps did not help
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.kinetic_elastic, s.forces, s.received, s.gained, s.balance, s.largest, s.due, s.step_factor, s.hopeless);
+  }
+};
+static_assert(visits_every_field<EnergyAccount>);
+
+struct Run {
+  Path path;
+  Course course;
+  EnergyAccount energy;
+  double exchange_time = 1;                        ///< length of the last communication step [s]
+  double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
+  Points outside;                                  ///< outside forces at the end of the last communication step [N]
+  Count contacts_resolved = 0;
+  std::vector<Count> contacts;  ///< control points on each plane at the communication point
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.path, s.course, s.energy, s.exchange_time, s.dissipated, s.work, s.potential, s.outside, s.contacts_resolved,
+                  s.contacts);
+  }
+};
+static_assert(visits_every_field<Run>);
+
+}  // namespace softffd

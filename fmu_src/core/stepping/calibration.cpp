@@ -1,0 +1,71 @@
+#include "stepping/calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "model/arithmetic.hpp"
+#include "stepping/limits.hpp"
+#include "stepping/thresholds.hpp"
+#include "stepping/trial.hpp"
+#include "watch/vibration.hpp"
+
+namespace softffd {
+
+namespace {
+
+namespace use = thresholds;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+bool Calibrator::due(const Job& job, Method method, double H, bool jolt) const {
+  const Course& course = job.run.course;
+  const Calibration& calibration = job.run.course.calibration(method);
+  if (calibration.h == 0) return true;
+  if (H < use::sliver * course.usual) return false;
+  const double window = job.model.stability.any_frequency() > 0 ? std::min(H, use::calibration_window / bound(job)) : H;
+  return course.work >= (jolt ? calibration.soon : calibration.due) || use::sliver * window > calibration.window;
+}
+
+double Calibrator::calibrate(Integrators& integrators, const Job& job, Method method, double H, int rounds) {
+  const Traits& t = traits(method);
+  Calibration& calibration = job.run.course.calibration(method);
+  const double window = job.model.stability.elastic() ? std::min(H, use::calibration_window / bound(job)) : H;
+  const double allowed = use::forecast_tolerance * job.request.tolerance;
+  const double pairs = power(2, t.order), c = pairs / (pairs - 1);
+  const Count most = method == Method::bm4 ? use::calibration_steps_bm4 : use::calibration_steps;
+  const bool harmless = vibration(job.equations(), job.run.path.motion, job.model.time_scale) <= allowed;
+  double h = std::min({H, step_limit(job, method, false), calibration.h > 0 ? calibration.h : infinity}), work = 0;
+  for (int round = 0; round < rounds && !harmless; ++round) {
+    const Count steps = std::min(divisions(window, h), most);
+    h = std::min(h, window / double(steps));
+    const double error = c * trial_error(integrators, job, method, h, steps);
+    work += 3 * double(steps) * t.work;
+    const double factor = error > 0 ? root(std::min(1e30, allowed / error), t.order, use::calibration_shrink, use::calibration_growth)
+                                    : use::calibration_growth;
+    calibration.h = h * factor;
+    if (factor > use::calibrated) break;
+    h = calibration.h;
+  }
+  if (harmless) calibration.h = infinity;
+  const double done = job.run.course.work;
+  calibration.window = window;
+  calibration.soon = done + std::max(use::calibration_pause_after_jolt * work, use::shortest_pause);
+  calibration.due = done + std::max(use::calibration_pause * work, use::shortest_pause);
+  return work;
+}
+
+/// What h and h / 2 will differ by at the end of the run.
+double Calibrator::trial_error(Integrators& integrators, const Job& job, Method method, double h, Count steps) {
+  Path& path = job.run.path;
+  Trial trial(path, start_);
+  const double begin = path.motion.time;
+  if (integrators.take(job, method, {begin, 0, h, steps}).status != StepStatus::ok) return 0;
+  std::swap(coarse_, path.motion);
+  trial.back();
+  if (integrators.take(job, method, {begin, 0, h / 2, 2 * steps}).status != StepStatus::ok) return 0;
+  return growing(job, coarse_, path.motion, double(steps) * h);
+}
+
+}  // namespace softffd

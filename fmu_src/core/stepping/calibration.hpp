@@ -1,0 +1,27 @@
+/// How long a fixed step may be by the tolerance. Every now and then a short stretch is run twice, with h and h / 2, and taken back. What
+/// they differ by, D, grows with the length of the run, so that the step that ends within the tolerance is
+///
+///      h (tolerance / (c D T / stretch))^(1/p),      c = 2^p / (2^p - 1),
+///
+/// where T is the length of the run or the time in which damping forgets, whichever is shorter.
+#pragma once
+#include "stepping/integrators.hpp"
+
+namespace softffd {
+
+class Calibrator {
+ public:
+  explicit Calibrator(const Run& run) : start_(run.path), coarse_(run.path.motion) {}
+
+  /// Is there a new calibration to be made for what is left [s] of the communication step?
+  bool due(const Job& job, Method method, double H, bool jolt) const;
+  /// Sets run.course.calibration(method); returns the work.
+  double calibrate(Integrators& integrators, const Job& job, Method method, double H, int rounds);
+
+ private:
+  double trial_error(Integrators& integrators, const Job& job, Method method, double h, Count steps);
+  Path start_;
+  State coarse_;
+};
+
+}  // namespace softffd

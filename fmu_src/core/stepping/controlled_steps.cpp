@@ -1,0 +1,107 @@
+#include "stepping/controlled_steps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "model/arithmetic.hpp"
+#include "stepping/limits.hpp"
+#include "stepping/thresholds.hpp"
+
+namespace softffd {
+
+namespace {
+
+namespace use = thresholds;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// What one step of length h may err by [m]: errors add up until damping forgets them.
+class Allowance {
+ public:
+  Allowance(const Job& job, const Traits& traits)
+      : traits_(traits),
+        forgets_(std::min(job.request.horizon, job.model.longest_memory)),
+        rounding_(use::rounding * std::max(job.model.body.length, largest(job.run.path.motion.x))),
+        tolerance_(job.request.tolerance * power(job.request.step_factor, traits.order)) {}
+  double operator()(double h) const {
+    return std::max(rounding_, std::min(traits_.tolerance_step, traits_.tolerance_sum * h / forgets_) * tolerance_);
+  }
+
+ private:
+  static double largest(const Points& x) { return kernels::largest(x.size(), x.data()); }
+  const Traits& traits_;
+  double forgets_, rounding_, tolerance_;
+};
+
+/// The size of the step after one of size `step` with `ratio` of its allowance: the controller.
+struct Controller {
+  double factor(double ratio, bool turned, int exponent) const {
+    if (turned) return use::turned_shrink;
+    if (ratio > 0) return use::safety * root(1 / ratio, exponent, use::shrink, use::growth);
+    return ratio == 0 ? use::growth_without_error : use::shrink;
+  }
+  double after_rejection(double step, double factor, bool old_factor) const {
+    return step * (old_factor ? std::clamp(factor, use::old_factor_shrink, use::old_factor_keep) : std::min(factor, use::after_rejection));
+  }
+  /// h: the step wanted so far, of which the communication point may have cut `step`. Such a step says that it can be longer only as far as
+  /// it was tried. keeps_factor: with the step a method's matrix stays.
+  double after_success(double h, double step, double factor, bool keeps_factor) const {
+    if (keeps_factor && factor > use::keep_below && factor < use::keep_above) return h;
+    const bool says_something = factor * step > h || (factor < use::growth_without_error && step > use::cut_short * h);
+    return says_something ? step * factor : h;
+  }
+};
+
+}  // namespace
+
+StepStatus run_controlled(Integrators& integrators, const Job& job, Method method, double end, double pause_at) {
+  Run& run = job.run;
+  State& motion = run.path.motion;
+  Course& course = run.course;
+  OneStep& integrator = integrators.one_step(method);
+  const Traits& t = traits(method);
+  const Allowance allowed(job, t);
+  const Controller controller;
+  double& h = course.controlled_step(method);
+  const bool planes = !job.drive.planes.empty(), straight = t.turning == Turning::straight, in_frame = t.turning == Turning::in_frame;
+  const double least = use::shortest_step * std::max(std::abs(end), end - motion.time);
+  double limit = step_limit(job, method, false);
+  // In the frame the first step is as long as may be: short ones would follow the vibrations that it is to pass over.
+  const bool short_first = job.model.stability.elastic() && !in_frame;
+  if (!(h > 0)) h = job.request.step_factor * std::min(end - motion.time, short_first ? use::first_step / bound(job) : infinity);
+  run.path.clock = {motion.time, h, 0};
+  const double begun = course.work;
+  for (Count tries = 1; motion.time < end; ++tries) {
+    if (course.work - begun > double(use::most_steps)) return StepStatus::too_many_steps;
+    const double left = end - motion.time;
+    const Count ahead = divisions(left, std::min(h, limit));  // equal parts, so that no sliver is left at the end
+    const double step = ahead == 1 ? left : left / double(ahead);
+    if (!(step > least)) return StepStatus::not_finite;
+    const Outcome offered = integrator.offer(job.model, job.drive, motion.time, step, run);
+    course.work += offered.work;
+    const double ratio = offered.error / allowed(step);
+    const bool turned = straight && step > use::turned_too_far * turning_limit(job, integrator.x, integrator.v);
+    if (straight) limit = step_limit(job, method, false);
+    const double factor = controller.factor(ratio, turned, integrator.exponent);
+    if (!(ratio <= 1) || turned) {
+      ++course.rejected;
+      const bool old_factor = t.solves && course.factored.uses > 1;
+      if (old_factor) course.factored.h = 0;
+      h = controller.after_rejection(step, factor, old_factor);
+      if (in_frame && course.work >= pause_at) return StepStatus::ok;
+      continue;
+    }
+    h = controller.after_success(h, step, factor, t.solves);
+    if (planes && integrators.passes(job, method, motion.time, step, motion.x, motion.v, integrator.x, integrator.v))
+      return StepStatus::contact_ahead;
+    integrator.keep(job.model, run);
+    ++run.path.steps;
+    run.path.clock.h = step;
+    motion.time = ahead == 1 ? end : motion.time + step;
+    if (course.work >= pause_at) return StepStatus::ok;
+    if (tries % use::look_every == 0 && deformed_since_bound(job)) limit = step_limit(job, method, false);
+  }
+  return StepStatus::ok;
+}
+
+}  // namespace softffd

@@ -1,0 +1,10 @@
+/// Steps under error control: the step size controller of the methods that say how large their error is.
+#pragma once
+#include "stepping/integrators.hpp"
+
+namespace softffd {
+
+/// From the present time to `end`, or to the first step after `pause_at` [work].
+StepStatus run_controlled(Integrators& integrators, const Job& job, Method method, double end, double pause_at);
+
+}  // namespace softffd

@@ -1,0 +1,26 @@
+/// Leapfrog through contact with steps that follow the tolerance: impacts spoil what was true a moment ago, so that every stretch is its
+/// own trial. It is run twice, with h and h / 2, and the finer run counts; where that differs too much, again with smaller steps. Where
+/// experience says that the largest stable step is accurate enough, stretches are run once.
+#pragma once
+#include "stepping/integrators.hpp"
+
+namespace softffd {
+
+class DoubledSteps {
+ public:
+  explicit DoubledSteps(const Run& run) : start_(run.path), coarse_(run.path.motion) {}
+  StepStatus run(Integrators& integrators, const Job& job, double end);
+
+ private:
+  /// The next stretch of what is left.
+  struct Stretch {
+    double limit, h;  ///< largest stable step, step of the coarser run [s]
+    double end;       ///< of the communication step [s]
+    bool at_limit() const { return h == limit; }
+  };
+  StepStatus run_stretch(Integrators& integrators, const Job& job, Stretch stretch, Count& taken);
+  Path start_;
+  State coarse_;
+};
+
+}  // namespace softffd

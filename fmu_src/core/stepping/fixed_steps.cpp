@@ -1,0 +1,113 @@
+#include "stepping/fixed_steps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "model/arithmetic.hpp"
+#include "stepping/limits.hpp"
+#include "stepping/thresholds.hpp"
+
+namespace softffd {
+
+namespace {
+
+namespace use = thresholds;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Cuts the internal steps of the unit that has begun into so many.
+void refine(Clock& clock, Count times) {
+  const Count into = clock.count % clock.parts, parts = clock.parts * times;
+  clock = {clock.origin + double(clock.count - into) * clock.h, clock.unit / double(parts), into * times, clock.unit, parts};
+}
+
+/// Divides the given step as stability asks for at the present state. What a look says of a divided step holds from the next unit on, or at
+/// once if it must be finer. A step that has to be divided gets the distance from the limit that automatic ones keep; close to it every
+/// vibration would change the division, and feed itself by that.
+StepStatus divide_unit(const Job& job, Method method) {
+  Clock& clock = job.run.path.clock;
+  const double unit = job.request.step, wanted = unit * job.request.step_factor;
+  const Count into = clock.unit == unit ? clock.count % clock.parts : 0;
+  const double limit = std::min(wanted, step_limit(job, method, true));
+  const bool again = job.request.step_factor < 1;  // without a result so far: as divided as it must be, anew at every unit
+  const double target = limit < wanted && !again ? std::min(limit, step_limit(job, method, false)) : limit;
+  if (!(unit / target <= double(use::most_steps))) return refusal(unit / target);
+  const bool too_long = divisions(clock.h, limit) > 1;
+  if (into == 0 && (clock.unit != unit || too_long || again || target > use::regrowth * clock.h)) {
+    const Count parts = divisions(unit, target);
+    clock = {job.run.path.motion.time, unit / double(parts), 0, unit, parts};
+  } else if (too_long) {
+    refine(clock, divisions(clock.h, target));
+  }
+  return StepStatus::ok;
+}
+
+StepStatus run_stretch(Integrators& integrators, const Job& job, Method method, Count steps) {
+  Path& path = job.run.path;
+  const Span span{path.clock.origin, path.clock.count, path.clock.h, steps};
+  path.clock.count += steps;
+  path.steps += steps;
+  const Outcome outcome = integrators.take(job, method, span);
+  job.run.course.work += outcome.work;
+  return outcome.status;
+}
+
+}  // namespace
+
+Count counted_units(const Request& request, double H) {
+  const double units = request.step > 0 ? std::round(H / request.step) : 0;
+  return units >= 1 && units <= double(use::most_steps) && std::abs(H - units * request.step) <= 1e-9 * H ? Count(units) : 0;
+}
+
+/// Looks are counted, so that they fall on the same moments however the time is cut.
+StepStatus run_counted(Integrators& integrators, const Job& job, Method method, Count units) {
+  Clock& clock = job.run.path.clock;
+  while (units > 0) {
+    const bool other = clock.unit != job.request.step;
+    const bool begins_divided = !other && clock.parts > 1 && clock.count % clock.parts == 0;
+    if (other || job.run.course.bound < 0 || clock.count % use::look_every == 0 || begins_divided || job.request.step_factor < 1)
+      if (const StepStatus status = divide_unit(job, method); status != StepStatus::ok) return status;
+    if (double(units) * double(clock.parts) > double(use::most_steps)) return StepStatus::too_many_steps;
+    const Count left = clock.parts > 1 ? clock.parts - clock.count % clock.parts : units;
+    const Count ahead = std::min(left, use::look_every - clock.count % use::look_every);
+    const StepStatus status = run_stretch(integrators, job, method, ahead);
+    if (status != StepStatus::ok) return status;
+    job.run.path.motion.time = clock.time();
+    if (clock.parts == 1)
+      units -= ahead;
+    else if (clock.count % clock.parts == 0)
+      --units;
+  }
+  return StepStatus::ok;
+}
+
+StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const Job& job, Method method, double end, double pause_at) {
+  State& motion = job.run.path.motion;
+  Clock& clock = job.run.path.clock;
+  const Request& request = job.request;
+  const bool given = request.step > 0;
+  const bool stable_only = method == Method::central_difference && !job.drive.planes.empty();  // its contact does not converge
+  Calibration& calibration = job.run.course.calibration(method);
+  Count steps = 0;
+  while (true) {
+    if (stable_only)
+      calibration.h = infinity;
+    else if (!given && calibrator.due(job, method, end - motion.time, request.jolt && steps == 0))
+      calibrator.calibrate(integrators, job, method, end - motion.time, use::calibration_rounds);
+    const double limit = std::min(step_limit(job, method, given), request.step_factor * (given ? request.step : calibration.h));
+    if (steps == 0 || clock.h > limit || limit > use::regrowth * clock.h) {
+      const double left = end - motion.time;
+      if (!(left / limit <= double(use::most_steps))) return refusal(left / limit);
+      steps = divisions(left, limit);
+      clock = {motion.time, left / double(steps), 0};
+    }
+    const Count ahead = std::min(steps, use::look_every);
+    const StepStatus status = run_stretch(integrators, job, method, ahead);
+    if (status != StepStatus::ok) return status;
+    steps -= ahead;
+    motion.time = steps == 0 ? end : clock.time();
+    if (steps == 0 || job.run.course.work >= pause_at) return StepStatus::ok;
+  }
+}
+
+}  // namespace softffd

@@ -1,0 +1,15 @@
+/// Steps of one size: a given one, counted so that no cut of the time changes it, and one that fits stability and tolerance.
+#pragma once
+#include "stepping/calibration.hpp"
+#include "stepping/integrators.hpp"
+
+namespace softffd {
+
+/// The given steps in a communication step, if they fit it without a rest and are not too many; else 0.
+Count counted_units(const Request& request, double H);
+/// So many given steps, each divided where stability asks for it.
+StepStatus run_counted(Integrators& integrators, const Job& job, Method method, Count units);
+/// From the present time to `end`, or to the first look after `pause_at` [work].
+StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const Job& job, Method method, double end, double pause_at);
+
+}  // namespace softffd

@@ -1,0 +1,61 @@
+#include "stepping/integrators.hpp"
+
+#include "flight/floating_frame.hpp"
+#include "matrix/layer_matrix.hpp"
+#include "methods/backward_euler.hpp"
+#include "methods/bm4.hpp"
+#include "methods/central_difference.hpp"
+#include "methods/dop853.hpp"
+#include "methods/leapfrog.hpp"
+#include "methods/rkn12.hpp"
+
+namespace softffd {
+
+Integrators::Integrators(const Lattice& lattice, int planes, int pins)
+    : implicit_work_(lattice), reach_(lattice.points()), x0_(lattice.points(), 3), v0_(lattice.points(), 3) {
+  const int points = lattice.points();
+  const auto add = [&]<class T>(Method method, std::unique_ptr<T> integrator) {
+    T* added = integrator.get();
+    all_[std::size_t(method)] = std::move(integrator);
+    return added;
+  };
+  add(Method::central_difference, std::make_unique<CentralDifference>(points));
+  add(Method::leapfrog, std::make_unique<Leapfrog>(points, planes));
+  add(Method::bm4, std::make_unique<Bm4>(points, pins));
+  add(Method::rkn12, std::make_unique<Rkn12>(points, pins));
+  add(Method::dop853, std::make_unique<Dop853>(points, pins));
+  if (!LayerMatrix::fits(lattice)) return;
+  Ros34pw2* ros34pw2 = add(Method::ros34pw2, std::make_unique<Ros34pw2>(lattice, pins));
+  add(Method::floating_frame, std::make_unique<FloatingFrame>(lattice, *ros34pw2));
+  backward_euler_ = add(Method::backward_euler, std::make_unique<BackwardEuler>(lattice, planes));
+  ros34pw2_ = ros34pw2;
+}
+
+Integrators::~Integrators() = default;
+
+Count Integrators::factorizations() const { return matrices() ? ros34pw2_->factorizations() + backward_euler_->factorizations() : 0; }
+
+Outcome Integrators::take(const Job& job, Method method, const Span& span) {
+  Integrator& integrator = (*this)[method];
+  if (job.drive.planes.empty() || resolves_contact(method)) return integrator.advance(job.model, job.drive, span, job.run);
+  const State& motion = job.run.path.motion;
+  Outcome total;
+  for (Count i = 0; i < span.steps && total.status == StepStatus::ok; ++i) {
+    x0_ = motion.x;
+    v0_ = motion.v;
+    const Outcome step = integrator.advance(job.model, job.drive, {span.origin, span.first + i, span.h, 1}, job.run);
+    total.work += step.work;
+    total.error = std::max(total.error, step.error);
+    if (passes(job, method, span.time(i), span.h, x0_, v0_, motion.x, motion.v)) total.status = StepStatus::contact_ahead;
+  }
+  if (!traits(method).error_control()) total.work = double(span.steps) * traits(method).work;
+  return total;
+}
+
+bool Integrators::passes(const Job& job, Method method, double t, double h, const Points& x0, const Points& v0, const Points& x,
+                         const Points& v) {
+  if (traits(method).turning == Turning::in_frame) return !reach_.clear(job.model.body, job.drive, t + h, x);
+  return reach_.passed(job.drive, t, t + h, x0, v0, x, v);
+}
+
+}  // namespace softffd

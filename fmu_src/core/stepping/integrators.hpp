@@ -1,0 +1,47 @@
+/// All methods of a lattice, by name; and internal steps of any of them, which stop where one goes behind an obstacle that its method does
+/// not know.
+#pragma once
+#include <array>
+#include <memory>
+
+#include "contact/reach.hpp"
+#include "methods/one_step.hpp"
+#include "methods/traits.hpp"
+#include "stepping/job.hpp"
+
+namespace softffd {
+
+class BackwardEuler;
+class Ros34pw2;
+
+class Integrators {
+ public:
+  Integrators(const Lattice& lattice, int planes, int pins);
+  ~Integrators();
+
+  Integrator& operator[](Method method) { return *all_[std::size_t(method)]; }
+  /// Of those with error control.
+  OneStep& one_step(Method method) { return static_cast<OneStep&>((*this)[method]); }
+  /// Whether the lattice is narrow enough for matrices (layer_matrix.hpp): otherwise there are no implicit steps.
+  bool matrices() const { return ros34pw2_ != nullptr; }
+  const ImplicitWork& implicit_work() const { return implicit_work_; }
+  /// Number of matrices factored since the start: none unless implicit steps are tried.
+  Count factorizations() const;
+
+  /// Internal steps of the run. contact_ahead: one went behind an obstacle.
+  Outcome take(const Job& job, Method method, const Span& span);
+  /// Does a step of length h from (t, x0, v0) to (x, v) go behind an obstacle? In the body's frame the end decides, as it does for the
+  /// implicit contact step, which would take over.
+  bool passes(const Job& job, Method method, double t, double h, const Points& x0, const Points& v0, const Points& x, const Points& v);
+  Reach& reach() { return reach_; }
+
+ private:
+  std::array<std::unique_ptr<Integrator>, method_count> all_;
+  const Ros34pw2* ros34pw2_ = nullptr;
+  const BackwardEuler* backward_euler_ = nullptr;
+  ImplicitWork implicit_work_;
+  Reach reach_;
+  Points x0_, v0_;
+};
+
+}  // namespace softffd

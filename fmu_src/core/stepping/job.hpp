@@ -1,0 +1,33 @@
+/// The communication step at hand.
+#pragma once
+#include <cmath>
+
+#include "forces/equations.hpp"
+#include "forces/model.hpp"
+#include "model/drive.hpp"
+#include "model/run.hpp"
+
+namespace softffd {
+
+struct Request {
+  Method method = Method::automatic;
+  double tolerance = 1e-4;  ///< error aimed at, at the end of the run [m]
+  double step = 0;          ///< internal step [s]; 0: by stability and tolerance
+  double horizon = 1;       ///< length of the run [s], over which errors add up
+  bool jolt = false;        ///< the outside forces have jumped since the last communication step
+  double step_factor = 1;   ///< of the internal step that would be taken otherwise
+};
+
+struct Job {
+  const Model& model;
+  const Drive& drive;
+  const Request& request;
+  Run& run;
+
+  Equations equations() const { return {model.body, drive}; }
+};
+
+/// Of a number of internal steps that cannot be: not a number where the state has gone astray.
+inline StepStatus refusal(double steps) { return std::isnan(steps) ? StepStatus::not_finite : StepStatus::too_many_steps; }
+
+}  // namespace softffd

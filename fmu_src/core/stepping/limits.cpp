@@ -1,0 +1,73 @@
+#include "stepping/limits.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "model/rigid_motion.hpp"
+#include "stepping/thresholds.hpp"
+
+namespace softffd {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double spin(const Model& model, const Points& x, const Points& v) { return rigid_motion(model.body.mass, x, v).spin.norm(); }
+
+}  // namespace
+
+double bound(const Job& job) {
+  Course& course = job.run.course;
+  if (course.bound < 0 || deformed_since_bound(job)) {
+    course.bound = job.model.stability.frequency(job.model.body, job.run.path.motion.x);
+    course.bound_x = job.run.path.motion.x;
+  }
+  return course.bound;
+}
+
+bool deformed_since_bound(const Job& job) {
+  const Body& body = job.model.body;
+  const double relative = body.volume ? thresholds::deformation_with_volume : thresholds::deformation;
+  for (const Springs::Row& row : body.springs.rows()) {
+    if (row.direction.kind() != SpringKind::edge) break;
+    kernels::SpringRow edges = row.view();
+    if (body.volume) edges.stiffness = row.multiplicity.data();  // edges without stiffness count too
+    const double limit = relative * row.rest_length[0];
+    const double change =
+        kernels::largest_change(edges, body.points(), job.run.path.motion.x.data(), job.run.course.bound_x.data(), body.springs.scratch());
+    if (change > limit * limit) return true;
+  }
+  return false;
+}
+
+double step_limit(const Job& job, Method method, bool given) {
+  double limit = infinity;
+  const Traits& t = traits(method);
+  const State& motion = job.run.path.motion;
+  if (job.model.stability.elastic()) limit = (given ? t.given : t.automatic) * 2 / bound(job);
+  if (!given && t.long_run < 1 && job.request.horizon * bound(job) > thresholds::long_run) limit *= t.long_run;
+  if (t.damping < infinity) limit = std::min(limit, t.damping / job.model.fastest_damping);
+  if (!given && t.turning == Turning::straight) limit = std::min(limit, turning_limit(job, motion.x, motion.v));
+  if (!given && t.turning == Turning::in_frame)
+    limit = std::min(thresholds::stiffest / bound(job), thresholds::frame_angle / spin(job.model, motion.x, motion.v));
+  return limit * job.request.step_factor;
+}
+
+double turning_limit(const Job& job, const Points& x, const Points& v) {
+  double fastest = spin(job.model, x, v);
+  for (const Pin& pin : job.drive.pins) fastest = std::max(fastest, pin.at(job.run.path.motion.time).spin.norm());
+  return std::min({thresholds::stiffest / bound(job), std::sqrt(thresholds::straight_turn / (bound(job) * fastest)),
+                   thresholds::straight_angle / fastest});
+}
+
+double growing(const Job& job, const State& a, const State& b, double stretch) {
+  const Scalars &time_scale = job.model.time_scale, &memory = job.model.memory;
+  double error = 0;
+  for (int i = 0; i < memory.size(); ++i) {
+    const double dx = std::abs(a.x.data()[i] - b.x.data()[i]), dv = std::abs(a.v.data()[i] - b.v.data()[i]) * time_scale[i];
+    error = std::max(error, std::max(dx, dv) * std::max(1.0, std::min(job.request.horizon, memory[i]) / stretch));
+  }
+  return error;
+}
+
+}  // namespace softffd

@@ -1,0 +1,108 @@
+#include "stepping/plan.hpp"
+
+#include <limits>
+
+#include "methods/traits.hpp"
+#include "stepping/thresholds.hpp"
+
+namespace softffd {
+
+namespace {
+
+namespace use = thresholds;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// What is asked for, but for rkn12, whose stages have no velocity.
+struct Asked {
+  Method method;
+  Reason reason;
+};
+
+Asked asked(const Facts& facts) {
+  if (facts.asked == Method::rkn12 && facts.damped) return {Method::dop853, Reason::damping};
+  return {facts.asked, Reason::asked};
+}
+
+Plan wanting(Want want) { return {.want = want}; }
+
+/// No obstacle is in the way, or the method knows them.
+Plan plan_free(const Facts& facts, const Asked& asked, Retreat retreat) {
+  const bool automatic = asked.method == Method::automatic;
+  const Method method = automatic ? Method::leapfrog : asked.method;
+  const Reason reason = automatic && facts.given_step ? Reason::given_step : asked.reason;
+  const bool controlled = traits(method).error_control() && !facts.given_step;
+  const Steps steps = facts.counted                    ? Steps::counted
+                      : automatic && !facts.given_step ? Steps::raced
+                      : controlled                     ? Steps::controlled
+                                                       : Steps::fitted;
+  return {.method = method, .steps = steps, .reason = reason, .retreat = retreat};
+}
+
+/// Stiff bodies take implicit steps through contact; what is not on an obstacle yet flies on if that does not end behind one, as
+/// first-order steps would take its spin. All others, and those for which there is no solution, take leapfrog.
+Plan plan_contact(const Facts& facts, const Asked& asked) {
+  if (!facts.stiffness) return wanting(Want::stiffness);
+  const bool implicit = facts.matrices && (asked.method == Method::automatic || is_implicit(asked.method)) && !facts.given_step;
+  if (implicit && !facts.no_solution && *facts.stiffness > use::stiff_contact && *facts.stiffness < use::stiffest) {
+    const bool may_fly = asked.method != Method::ros34pw2 && !facts.pins && !facts.flight_ended;
+    if (may_fly && !facts.clear) return wanting(Want::clear);
+    if (may_fly && *facts.clear)
+      return {.method = Method::floating_frame, .steps = Steps::controlled, .reason = Reason::free_flight, .retreat = Retreat::from_flight};
+    return {
+        .method = Method::backward_euler, .steps = Steps::implicit, .reason = Reason::stiff_contact, .retreat = Retreat::from_no_solution};
+  }
+  const Steps steps = !facts.given_step ? Steps::doubled : facts.counted ? Steps::counted : Steps::fitted;
+  return {.method = Method::leapfrog, .steps = steps, .reason = asked.method == Method::leapfrog ? asked.reason : Reason::contact};
+}
+
+}  // namespace
+
+Plan plan(const Facts& facts) {
+  const Asked wanted = asked(facts);
+  if (wanted.method == Method::backward_euler) return {.method = wanted.method, .steps = Steps::implicit, .reason = wanted.reason};
+  if (!facts.obstacles || wanted.method == Method::central_difference) return plan_free(facts, wanted, Retreat::never);
+  if (facts.came_upon_obstacle) return plan_contact(facts, wanted);
+  const bool in_frame = wanted.method == Method::floating_frame;  // decides by the end of its steps
+  if (in_frame && !facts.clear) return wanting(Want::clear);
+  if (!in_frame || !*facts.clear) {
+    if (!facts.within_reach) return wanting(Want::within_reach);
+    if (*facts.within_reach) return plan_contact(facts, wanted);
+  }
+  return plan_free(facts, wanted, wanted.method == Method::leapfrog ? Retreat::never : Retreat::from_obstacle);
+}
+
+bool plans_every_given_step(const Facts& facts) { return facts.obstacles && facts.counted && !resolves_contact(asked(facts).method); }
+
+bool implicit_may_pay(double H_omega) { return H_omega > 2 * use::stiff; }
+
+Method implicit_method(bool pins, double H_omega, bool turning_cuts) {
+  return !pins && H_omega > 2 * use::stiff_turning && turning_cuts ? Method::floating_frame : Method::ros34pw2;
+}
+
+bool implicit_may_win(double work, double leapfrog_least) { return !(work > use::implicit_gain * leapfrog_least); }
+bool too_loud(double vibration, double tolerance) { return !(vibration <= use::loud * tolerance); }
+bool quiet(double difference, double tolerance) { return difference <= use::quiet * tolerance; }
+
+Contest::Contest() : implicit_work(infinity), leapfrog(infinity), adaptive_work(infinity), bm4(infinity) {}
+
+bool leapfrog_is_enough(const Contest& contest) { return !(contest.leapfrog > use::enough * contest.least); }
+
+/// An implicit candidate wins by having done it within its budget. Among the others a challenger needs clearly less work than the last
+/// race's winner.
+Winner settle(const Contest& contest) {
+  if (contest.implicit_work < infinity)
+    return {contest.implicit, contest.implicit_work,
+            contest.implicit == Method::floating_frame ? Reason::free_flight : Reason::quiet_stiffness};
+  Winner winner{Method::leapfrog, contest.leapfrog, Reason::stability};
+  if (leapfrog_is_enough(contest)) return winner;
+  winner.reason = Reason::least_work;
+  const auto handicapped = [&](Method method, double work) { return method == contest.before ? work : use::challenge * work; };
+  const auto consider = [&](Method method, double work) {
+    if (handicapped(method, work) < handicapped(winner.method, winner.work)) winner = {method, work, Reason::least_work};
+  };
+  consider(contest.adaptive, contest.adaptive_work);
+  consider(Method::bm4, contest.bm4);
+  return winner;
+}
+
+}  // namespace softffd

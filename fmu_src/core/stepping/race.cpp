@@ -1,0 +1,131 @@
+#include "stepping/race.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "methods/ros34pw2.hpp"
+#include "model/arithmetic.hpp"
+#include "stepping/controlled_steps.hpp"
+#include "stepping/limits.hpp"
+#include "stepping/thresholds.hpp"
+#include "stepping/trial.hpp"
+#include "watch/vibration.hpp"
+
+namespace softffd {
+
+namespace {
+
+namespace use = thresholds;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double fixed_work(const Job& job, Method method, double H) {
+  const double h = std::min(step_limit(job, method, false), job.run.course.calibration(method).h);
+  return double(divisions(H, h)) * traits(method).work;
+}
+
+}  // namespace
+
+bool Race::due(const Job& job, double H) {
+  const Course& course = job.run.course;
+  const bool due = course.work >= (job.request.jolt ? course.race.soon : course.race.due) && H >= use::sliver * course.usual;
+  return course.race.winner == Method::automatic || due || use::sliver * H > course.race.window;
+}
+
+void Race::run(Integrators& integrators, Calibrator& calibrator, const Job& job, double H) {
+  const auto calibrate = [&](Method method, int rounds) { spent_ += calibrator.calibrate(integrators, job, method, H, rounds); };
+  spent_ = 0;
+  Contest contest;
+  contest.before = job.run.course.race.winner;
+  contest.least = std::max(1.0, H / step_limit(job, Method::leapfrog, false)) * traits(Method::leapfrog).work;
+  if (integrators.matrices() && job.model.stability.elastic() && implicit_may_pay(H * bound(job)))
+    try_implicit(integrators, job, H, contest);
+  if (!(contest.implicit_work < infinity)) {
+    calibrate(Method::leapfrog, use::race_rounds);
+    contest.leapfrog = fixed_work(job, Method::leapfrog, H);
+    if (!leapfrog_is_enough(contest)) {
+      contest.adaptive = job.model.body.damped ? Method::dop853 : Method::rkn12;
+      contest.adaptive_work = controlled_work(integrators, job, contest.adaptive, H);
+      calibrate(Method::bm4, use::race_rounds_bm4);
+      contest.bm4 = fixed_work(job, Method::bm4, H);
+      if (settle(contest).method == Method::leapfrog) calibrate(Method::leapfrog, use::race_rounds_left);
+    }
+  }
+  const Winner winner = settle(contest);
+  RaceRecord& record = job.run.course.race;
+  const double work = job.run.course.work;
+  record.winner = winner.method;
+  record.reason = winner.reason;
+  record.forecast = winner.work;
+  record.window = H;
+  record.pause = winner.method == contest.before ? std::min(2 * record.pause, use::longest_race_pause) : use::race_pause;
+  record.soon = work + std::max(use::race_pause_after_jolt * spent_, use::shortest_pause);
+  record.due = work + std::max(record.pause * spent_, use::shortest_pause);
+}
+
+/// Without touching a matrix first: could implicit steps pay, and is there nothing that vibrates by more than they may ignore?
+void Race::try_implicit(Integrators& integrators, const Job& job, double H, Contest& contest) {
+  const State& motion = job.run.path.motion;
+  contest.implicit = implicit_method(!job.drive.pins.empty(), H * bound(job), turning_limit(job, motion.x, motion.v) < H);
+  const double step_work = integrators.implicit_work().step;
+  if (!implicit_may_win(H / step_limit(job, contest.implicit, false) * step_work, contest.least)) return;
+  const double shortest = H * step_work / (use::implicit_gain * contest.least);  // step that would still pay
+  if (too_loud(present_vibration(job.equations(), motion, job.model.time_scale, use::resolved * shortest), job.request.tolerance)) return;
+  const double budget = std::min(use::implicit_gain * contest.least, use::longest_trial);
+  contest.implicit_work = implicit_work(integrators, job, contest.implicit, H, budget);
+}
+
+/// Does one implicit step agree with explicit ones that resolve everything? Error estimates of implicit steps do not see what they damp.
+bool Race::fast_modes_are_quiet(Integrators& integrators, const Job& job, Method method, double H) {
+  const ImplicitWork& implicit = integrators.implicit_work();
+  State& motion = job.run.path.motion;
+  const double way = std::min(H, use::calibration_window / bound(job)), begin = motion.time;
+  const Count steps = divisions(way, step_limit(job, Method::leapfrog, false));
+  spent_ += double(steps) * traits(Method::leapfrog).work + implicit.step + implicit.factor;
+  Trial trial(job.run, start_);
+  if (integrators.take(job, Method::leapfrog, {begin, 0, way / double(steps), steps}).status != StepStatus::ok) return false;
+  std::swap(fine_, motion);
+  trial.back();
+  OneStep& step = integrators.one_step(method);
+  step.offer(job.model, job.drive, begin, way, job.run);
+  fine_.x -= step.x;
+  fine_.v -= step.v;
+  const std::size_t n = fine_.x.size();
+  const double by_velocity = kernels::largest_weighted(n, job.model.time_scale.data(), fine_.v.data());
+  return quiet(std::max(kernels::largest(n, fine_.x.data()), by_velocity), job.request.tolerance);
+}
+
+/// Work of an implicit method for H, by doing it; infinite beyond the budget, or where fast modes that it would damp are at work.
+double Race::implicit_work(Integrators& integrators, const Job& job, Method method, double H, double budget) {
+  if (!fast_modes_are_quiet(integrators, job, method, H)) return infinity;
+  Run& run = job.run;
+  Trial trial(run, start_);
+  const Run& before = trial.before();
+  const double end = run.path.motion.time + H;
+  const StepStatus status = run_controlled(integrators, job, method, end, run.course.work + budget);
+  const double work = run.course.work - before.course.work;
+  spent_ += work;
+  if (status != StepStatus::ok || run.path.motion.time < end) return infinity;
+  const double passed_over = use::resolved * run.course.controlled_step(method);
+  if (too_loud(present_vibration(job.equations(), before.path.motion, job.model.time_scale, passed_over), job.request.tolerance))
+    return infinity;
+  trial.keep();
+  // a factor is kept for later communication steps
+  const double made = double(run.course.factors - before.course.factors), used = std::max(1.0, double(run.path.steps - before.path.steps));
+  return work - integrators.implicit_work().factor * std::max(0.0, made - used / double(Ros34pw2::most_uses));
+}
+
+double Race::controlled_work(Integrators& integrators, const Job& job, Method method, double H) {
+  const double window = std::min(H, use::controlled_window / bound(job));
+  double h = 0;
+  {
+    Trial trial(job.run, start_);
+    const StepStatus status = run_controlled(integrators, job, method, job.run.path.motion.time + window, infinity);
+    spent_ += job.run.course.work - trial.before().course.work;
+    if (status != StepStatus::ok) return infinity;
+    h = job.run.course.controlled_step(method);
+  }
+  job.run.course.controlled_step(method) = h;
+  return double(divisions(H, std::min(h, step_limit(job, method, false)))) * traits(method).work;
+}
+
+}  // namespace softffd

@@ -1,0 +1,166 @@
+/// Every threshold of the choice of method and step, with its unit, what it trades, and what it rests on.
+///
+/// "Work" is counted in evaluations of the spring forces, about a microsecond each on 4 x 4 x 4. Races and calibrations are trials of a
+/// short stretch whose result is taken back. "Measured" means error against processor time on free vibration, slow loads on stiff bodies,
+/// a stiff layer, a light corner, a spinning body and a dropped one; "by experience" on these and on the stability survey's cases.
+#pragma once
+#include "model/types.hpp"
+
+namespace softffd::thresholds {
+
+// ---- bounds of the frequency, and largest steps ----
+
+/// Change of an edge's vector relative to its rest length from which on the stability bound is computed anew [1]. Smaller: more bounds to
+/// compute; larger: the bound of a state that has gone. By experience the distance that chosen steps keep from the bound covers it.
+inline constexpr double deformation = 0.2;
+/// The same with a volume stiffness, which grows fast once a corner begins to fold: there no bound holds in every configuration [1].
+inline constexpr double deformation_with_volume = 0.05;
+/// Internal steps between two looks at the deformation: more looks cost more, fewer come late for a body that stiffens. By experience.
+inline constexpr Count look_every = 8;
+/// Vibrations of a run, its length times omega, from which on it is long: rkn12 takes a millionth of a vibration's energy per step near the
+/// end of its stability interval, which adds up [rad]. The factor by which its steps are shorter then is in its row of traits.cpp.
+inline constexpr double long_run = 1e5;
+/// (omega h) (spin h) of an implicit step: points go along straight lines, which stretches springs, and the energy of the rotation errs by
+/// about its square [1]. By experience on spinning bodies.
+inline constexpr double straight_turn = 1e-4;
+/// Angle that such a step may turn through, however soft the body [rad]: the torque on turning pins errs as the cube of it.
+inline constexpr double straight_angle = 0.005;
+/// Angle that a step in the body's own frame may turn through [rad]: the rigid motion is exact, but the loads' directions in the frame are
+/// linear in between.
+inline constexpr double frame_angle = 1;
+/// omega h of an implicit step above which the masses are lost in the rounding of the stiffness matrix [1]: (omega h)^2 reaches 1 / 2.2e-16
+/// at 7e7.
+inline constexpr double stiffest = 2e7;
+/// Internal steps that one call may take; a longer communication step is refused. Twenty seconds on 4 x 4 x 4.
+inline constexpr Count most_steps = 20'000'000;
+/// Work of a communication step by forecast, relative to most_steps, at which it is refused before it is done [1]: forecasts err.
+inline constexpr double too_long = 1.2;
+
+// ---- obstacles ----
+
+/// Explicit steps in a communication step above which contact is implicit [1]: an implicit step costs 150 evaluations or more, and damps
+/// what it does not resolve. Measured: up to 100 to 300 the explicit rule wins on error against time.
+inline constexpr double stiff_contact = 200;
+/// Work that an attempt to fly on beside an obstacle may take: that of the implicit contact step, which it would save.
+inline constexpr double flight_work = 150;
+/// Work that an implicit step may take at least before explicit ones are tried: where a body buckles these are no shorter way.
+inline constexpr double buckling_work = 1e6;
+/// Work of explicit steps through contact in that of plain steps [1]: stretches are run twice, some of them again. By experience.
+inline constexpr double doubled_work = 8;
+
+// ---- given steps, fitted steps ----
+
+/// A step is made longer again only by this factor or more [1]: every change costs a method its coefficients for the step.
+inline constexpr double regrowth = 1.25;
+/// Factor of the tolerance that the summed errors of fixed steps may take by forecast [1]: the forecast takes errors to grow linearly, and
+/// by experience those at the end lie below.
+inline constexpr double forecast_tolerance = 1.5;
+
+// ---- calibration of fixed steps ----
+
+/// Stretch of a calibration in units of 1 / omega [1]: six periods of the fastest vibrations. Measured in races.
+inline constexpr double calibration_window = 40;
+/// Steps of the coarser run at most: leapfrog, bm4.
+inline constexpr Count calibration_steps = 40, calibration_steps_bm4 = 16;
+/// Work between two calibrations, in multiples of a calibration's own [1]: so they cost at most a tenth of a run; and after a jolt.
+inline constexpr double calibration_pause = 10, calibration_pause_after_jolt = 3;
+/// Work between two trials of any kind at least: less is not worth being precise about.
+inline constexpr double shortest_pause = 100;
+/// A factor of the step from which on a calibration is good enough, its extrapolation being that of the method's order [1].
+inline constexpr double calibrated = 0.35;
+/// Bounds of the factor by which one calibration may change the step [1].
+inline constexpr double calibration_shrink = 1e-4, calibration_growth = 4;
+/// Rounds of a calibration: within a run; in a race the first of leapfrog, of bm4, the others of leapfrog.
+inline constexpr int calibration_rounds = 4, race_rounds = 1, race_rounds_bm4 = 2, race_rounds_left = 3;
+/// A communication step shorter than this fraction of those of late is no measure for the others [1].
+inline constexpr double sliver = 0.2;
+/// What is left per communication step of the length that is remembered of those of late [1].
+inline constexpr double usual_decay = 0.8;
+
+// ---- races ----
+
+/// Work between two races, in multiples of a race's own, and its limit while the winner stays [1]; after a jolt. Measured before the pause
+/// was bound to their work: races took 5 to 30 % of a run of a second. Now a tenth at most, and less while the winner stays.
+inline constexpr double race_pause = 10, longest_race_pause = 160, race_pause_after_jolt = 3;
+/// A challenger has to need this much less work than the last winner [1]: measured without it winners changed up to 27 times in a run.
+inline constexpr double challenge = 1.2;
+/// H omega / 2 from which on implicit steps are worth a trial [1]: measured, 10 gave no gain.
+inline constexpr double stiff = 25;
+/// The same for a body that turns freely, whose frame takes work too. By experience.
+inline constexpr double stiff_turning = 100;
+/// Work that a trial of implicit steps may take, and as a fraction of what leapfrog needs: one that wins has to win clearly.
+inline constexpr double longest_trial = 20'000, implicit_gain = 0.8;
+/// Fraction of the tolerance by which one implicit step may differ from explicit ones that resolve everything [1]. Error estimates of
+/// implicit steps do not see what they damp: measured, a light corner under tension ended 77 times the tolerance off without this.
+inline constexpr double quiet = 0.3;
+/// Vibration in units of the tolerance above which implicit steps must not pass over it [1]: what is compared is a bound. By experience.
+inline constexpr double loud = 3;
+/// Vibrations with time scales above this many implicit steps are resolved by their error control [1]. By experience.
+inline constexpr double resolved = 8;
+/// Leapfrog's work in units of what stability asks for, up to which nothing else is tried [1]: per evaluation of the forces nothing is
+/// stable for as long as leapfrog (bm4 has a third of its interval), so that the trials would cost more than they find.
+inline constexpr double enough = 1.7;
+/// Stretch of the trial of a method with error control in units of 1 / omega [1]: some steps, until it has found their size.
+inline constexpr double controlled_window = 30;
+/// A winner that needs so many times the forecast runs again [1].
+inline constexpr double overrun = 2.5;
+
+// ---- step size controller of the methods with error control ----
+
+/// Safety factor of the next step; bounds of its change; growth where the error is zero [1] (Hairer, Norsett, Wanner 1993, section II.4).
+inline constexpr double safety = 0.9, shrink = 0.1, growth = 6, growth_without_error = 5;
+/// After a rejected step the next is at most this much of it [1].
+inline constexpr double after_rejection = 0.9;
+/// The same where an old factor may be at fault: it is made anew, at a step between these [1].
+inline constexpr double old_factor_shrink = 0.5, old_factor_keep = 0.95;
+/// Between these the step of an implicit method stays, and with it the factor of its matrix [1]: measured, a kept factor is worth a
+/// factor of 1.5 to 2.4.
+inline constexpr double keep_below = 0.95, keep_above = 1.5;
+/// A step that turns the body by more than twice the limit is halved [1].
+inline constexpr double turned_too_far = 2, turned_shrink = 0.5;
+/// A step that the communication point has cut to less than this fraction says nothing about the next [1].
+inline constexpr double cut_short = 0.2;
+/// First step in units of 1 / omega [1].
+inline constexpr double first_step = 3;
+/// Error that is rounding, relative to the size of the positions; shortest step relative to the times [1].
+inline constexpr double rounding = 1e-15, shortest_step = 1e-14;
+
+// ---- steps run twice through contact ----
+
+/// Steps of the coarser run in a stretch.
+inline constexpr Count stretch_steps = 24;
+/// A stretch is run again if its error is this many times what it may be [1]; a single one may exceed its part.
+inline constexpr double too_much = 4;
+/// Where contact makes the difference jump, steps are not cut below this fraction of the stable one [1].
+inline constexpr double least_doubled = 1.0 / 1000;
+/// Times that a stretch is run again.
+inline constexpr int most_reruns = 4;
+/// Stretches that may be run once after a success, at least and at most [1]. By experience on dropped and sliding bodies, as all of these.
+inline constexpr double shortest_trust = 8, longest_trust = 128;
+/// Of the allowed error, what the coarser run may have for that [1].
+inline constexpr double trusted = 0.5;
+/// Bounds of the step's change after a stretch, and before it is run again; growth where the error is zero [1].
+inline constexpr double next_shrink = 0.5, next_growth = 1.5, rerun_shrink = 0.2, rerun_growth = 0.7, doubled_growth = 2;
+
+// ---- retries of a communication step ----
+
+/// How often the internal step of a communication step without a finite result is halved: by experience on crushed and on collapsing bodies
+/// what five halvings do not mend more do not.
+inline constexpr int most_halvings = 5;
+/// Work of all trials of a communication step together: five seconds on 4 x 4 x 4.
+inline constexpr double retry_work = 5e6;
+/// Smallest factor of the usual internal step that a gain of energy leads to [1]: by experience what it does not mend has another cause.
+inline constexpr double least_step_factor = 1.0 / 32;
+/// Of the energy gained, what may be left with smaller steps if it was these that were at fault [1].
+inline constexpr double mended = 0.25;
+
+// ---- what is seen from outside ----
+
+/// Change of the outside forces relative to their size, between two communication steps, that is a jolt [1].
+inline constexpr double jolt = 0.01;
+/// Displacement relative to the box from which on a jump of points begins the energy account anew [1].
+inline constexpr double jump = 1e-3;
+/// Given step in units of 2 / omega above which friction can feed the vibrations of an undamped body [1]: up to it none has been seen to.
+inline constexpr double rubbing = 0.3;
+
+}  // namespace softffd::thresholds
