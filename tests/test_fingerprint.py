@@ -1,7 +1,8 @@
-"""Results keep their bits: tests/fingerprint.py says what is hashed, and how to record anew where bits change on purpose."""
+"""Results keep their bits: tests/support/fingerprint.py says what is hashed, and how to record anew where bits change on purpose."""
+
+import pytest
 
 import fingerprint
-import pytest
 
 KEPT = fingerprint.kept()
 

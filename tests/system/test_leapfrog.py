@@ -137,6 +137,7 @@ def test_a_run_taken_back_by_the_reference_returns_to_its_start(scene):
     assert v == pytest.approx(np.zeros_like(v), abs=1e-10)
 
 
+@pytest.mark.full
 def test_a_million_steps_at_nine_tenths_of_the_bound_stay_bounded(scene):
     text = STRETCHED.replace('velocities = "all"', 'positions = "none"')
     with Stepper(scene(text)) as stepper:

@@ -50,6 +50,7 @@ def test_given_steps_too_long_to_have_a_result_are_divided_with_a_warning(scene)
         assert f"internal steps of {H / 8:.9g} s give a result that is not finite" in warning
 
 
+@pytest.mark.full
 def test_a_saved_run_divides_them_again(scene):
     with Stepper(scene(CRUSH.format(method="leapfrog", step=H / 8))) as box:
         crush(box, range(2))
@@ -62,6 +63,7 @@ def test_a_saved_run_divides_them_again(scene):
         assert len(divided(box)) == 1
 
 
+@pytest.mark.short("0.0-*", "0.001-auto")
 @pytest.mark.parametrize("method", ["auto", "leapfrog", "rkn12", "ros34pw2"])
 @pytest.mark.parametrize("step", [0.0, 1e-3])
 def test_what_no_step_can_follow_is_refused_by_name_and_changes_nothing(scene, method, step):

@@ -1,8 +1,8 @@
 """The fingerprint of results: a hash of the bits that come out, for every shipped scene with every method it takes and for the stability
 cases that end within about two seconds.
 
-    python tests/fingerprint.py compare [NAME ...] [-j N]     says what differs from tests/data/fingerprint.json; status 1 if anything does
-    python tests/fingerprint.py record [NAME ...] [-j N]      writes that file anew; with names (parts of them), those entries alone
+    python tests/support/fingerprint.py compare [NAME ...] [-j N]   says what differs from tests/data/fingerprint.json; status 1 if anything does
+    python tests/support/fingerprint.py record [NAME ...] [-j N]    writes that file anew; with names (parts of them), those entries alone
 
 Hashed are the control points' positions and the reactions of planes and pins at all communication points, and whether the component
 refused. Moving, renaming, splitting and merging code keeps every bit. Where bits change on purpose, a commit does only that, says by how
@@ -35,7 +35,7 @@ from softffd.validation.stability.drive import Drive
 from softffd.validation.stability.guard import guarded
 from softffd.validation.stability.verdict import run_case
 
-FILE = Path(__file__).parent / "data" / "fingerprint.json"
+FILE = Path(__file__).resolve().parents[1] / "data" / "fingerprint.json"
 
 SCENE_TIME, CASE_TIME = 0.4, 2.0
 """CPU time [s] of an entry, about: a scene's run ends earlier where it takes longer, a case that takes longer is left out."""
