@@ -1,7 +1,7 @@
 """The fingerprint of results: a hash of the bits that come out, for every shipped scene with every method it takes and for the stability
 cases that end within about two seconds.
 
-    python tests/support/fingerprint.py compare [NAME ...] [-j N]   says what differs from tests/data/fingerprint.json; status 1 if anything does
+    python tests/support/fingerprint.py compare [NAME ...] [-j N]   what differs from tests/data/fingerprint.json; status 1 if anything does
     python tests/support/fingerprint.py record [NAME ...] [-j N]    writes that file anew; with names (parts of them), those entries alone
 
 Hashed are the control points' positions and the reactions of planes and pins at all communication points, and whether the component
