@@ -9,8 +9,11 @@ class SceneError(SoftffdError):
     """A scene file that cannot be used; `problems` lists every fault found, each with its path in the file."""
 
     def __init__(self, where: str, problems: list[str]):
-        self.problems = problems
+        self.where, self.problems = where, problems
         super().__init__("\n".join([f"{where}: {len(problems)} problem{'s' * (len(problems) > 1)}", *(f"  {p}" for p in problems)]))
+
+    def __reduce__(self) -> tuple[type["SceneError"], tuple[str, list[str]]]:
+        return type(self), (self.where, self.problems)  # it comes whole from another process
 
 
 class MeshError(SoftffdError):

@@ -1,14 +1,25 @@
 """The lattice: its box, its grid at rest, and the one order of its control points.
 
-A control point p_ijk (Xia & Wang 2009, eq. (1)) stands in the i-th plane of points along x, the j-th along y and the k-th along z,
-each from 0. Where points are numbered, p_ijk has the flat index
+A control point p_ijk (Xia & Wang 2009, eq. (1)) is the i-th along x, the j-th along y and the k-th along z, each counted from 0. Where
+points are numbered, p_ijk has the flat index
 
     p = i + nx (j + ny k)        i runs fastest, then j, then k
 
-and every list, record, block of variables and file goes in this order. Arrays have one of two forms:
+    z (k)                    9---10---11
+    |    y (j)              /|  /    /|
+    |   /                  6---7----8 |        the indices of a 3 x 2 x 2 lattice
+    |  /                   | 3 | 4  | 5
+    | /                    |/  |    |/
+    +------ x (i)          0---1----2
+
+and every list, record, block of variables and file goes in this order. Arrays have one of two forms, whose memory differs: flat arrays
+follow p, grids follow numpy's habit, in which the last index runs fastest. `to_grid` and `to_flat` lead from one to the other; a bare
+reshape does not.
 
     flat   (..., n, c)              row p
     grid   (..., nx, ny, nz, c)     entry [i, j, k]
+
+At rest the points stand at equal distances in the box: X_ijk = origin + size (i / (nx - 1), j / (ny - 1), k / (nz - 1)).
 """
 
 import math
@@ -44,7 +55,7 @@ class LatticeBox:
 
 
 def rest_grid(counts: Counts, origin: Sequence[float] | np.ndarray, size: Sequence[float] | np.ndarray) -> np.ndarray:
-    """The control points at rest, (nx, ny, nz, 3) [m]: X = origin + size (i / (nx - 1), ...)."""
+    """The control points at rest, (nx, ny, nz, 3) [m]."""
     axes = np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in counts), indexing="ij")
     return np.asarray(origin) + np.asarray(size) * np.stack(axes, axis=-1)
 

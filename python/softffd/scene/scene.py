@@ -38,6 +38,10 @@ class Scene(SceneKeys):
     for given: it is filled anew in a changed scene. Scenes are equal when their keys, files and meshes are.
     """
 
+    if TYPE_CHECKING:
+
+        def __init__(self, **keys: Any) -> None: ...  # sections as tables or instances
+
     _path: Path = PrivateAttr()
     _mesh: Mesh | None = PrivateAttr(None)
 
@@ -107,7 +111,7 @@ class Scene(SceneKeys):
         return beside if beside.is_file() else None
 
     def select(self, selection: Selection) -> np.ndarray:
-        """Flat indices p = i + nx (j + ny k), (m,) int64. Raises ValueError outside the lattice."""
+        """Flat indices of a selection, (m,) int64. Raises ValueError outside the lattice."""
         return flat_indices(selection, self.lattice.points)
 
     def rest_positions(self) -> np.ndarray:

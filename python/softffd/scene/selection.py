@@ -65,7 +65,7 @@ Selection = Annotated[
 
 
 def flat_indices(selection: Selection, counts: tuple[int, int, int]) -> np.ndarray:
-    """Flat indices p = i + nx (j + ny k) of a selection, (m,) int64: a list's in its order, else ascending.
+    """Flat indices (lattice.py) of a selection, (m,) int64: a list's in its order, else ascending.
 
     `counts` are the control points per axis.
     Raises ValueError where the selection leaves the lattice or names a point twice.

@@ -150,3 +150,10 @@ def test_scenes_with_other_meshes_are_not_equal(embedded):
     (embedded.path.parent / "tetrahedron.obj").write_text(TETRAHEDRON.replace("v 0 1 0", "v 0.5 1 0"))
     other = load_scene(embedded.path)
     assert other != embedded and other.model_dump() == embedded.model_dump()
+
+
+def test_what_was_refused_in_another_process_is_told_in_full():
+    with pytest.raises(SceneError) as caught:
+        Scene(**DAMPED)
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert str(again) == str(caught.value) and again.problems == [REFUSAL]
