@@ -38,6 +38,13 @@ def turns_on(findings: Findings, drive: Drive, limit: float, *, bound: float | N
     findings.check("change of angular momentum, relative", drive.turning_change(), limit, bound=bound)
 
 
+def slides(findings: Findings, drive: Drive, *, missing: float, beyond: float) -> None:
+    """On the ground with friction 0.4: momentum balances, and friction stays within Coulomb's cone."""
+    weight = drive.mass.sum() * drive.time * GRAVITY
+    findings.check("missing momentum / that of the weight", np.abs(drive.missing_momentum()).max() / weight, missing)
+    findings.check("friction impulse / (mu normal impulse) - 1", np.hypot(*drive.impulse[:2]) / (0.4 * drive.impulse[2]) - 1, beyond)
+
+
 def _free(name: str, findings: Findings) -> None:
     scene = load_scene(name)
     with Drive(scene) as drive:
@@ -72,17 +79,13 @@ def _fall(drive: Drive) -> float:
 def _sliding_drop(findings: Findings) -> None:
     scene = load_scene("sliding_drop")
     with Drive(scene) as drive:
-        impulse = np.zeros(3)
 
         def each() -> None:
-            impulse[:] -= drive.reaction("plane.ground") * drive.last_step
             findings.sound(drive, [GROUND])
             conserves(findings, drive)
 
         drive.run(scene.experiment.stop_time, scene.experiment.communication_step, each)
-        weight = drive.mass.sum() * drive.time * GRAVITY
-        findings.check("missing momentum / that of the weight", np.abs(drive.missing_momentum(impulse)).max() / weight, 1e-5)
-        findings.check("friction impulse / (mu normal impulse) - 1", np.hypot(*impulse[:2]) / (0.4 * impulse[2]) - 1, 1e-9)
+        slides(findings, drive, missing=1e-5, beyond=1e-9)
 
 
 def _spin(turns: int, findings: Findings) -> None:

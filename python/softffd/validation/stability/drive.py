@@ -30,6 +30,8 @@ class StateTouched(Exception):
 class Drive:
     """One scene from its start on. Use as a context manager.
 
+    `impulse` (3,) [N s] is what planes and pins have given to the object since the start.
+
     document: a scene, or what its TOML file would give; all positions, velocities, reactions, energies and solver outputs are added.
     settings: start values by variable name. Raises SceneError for a scene that cannot be, Refused where the FMU does not start.
     """
@@ -47,15 +49,16 @@ class Drive:
             points = list(all_points(self.scene.lattice.points))
             self._x, self._v = (self.simulation.block(variable_names(family, points)) for family in ("position", "velocity"))
             self._blocks: dict[str, Block] = {}
+            self._fixtures = [f"plane.{plane.name}" for plane in self.scene.plane] + [f"pin.{pin.name}" for pin in self.scene.pin]
             self._start()
         except BaseException:
             self.close()
             raise
 
     def _start(self) -> None:
-        self.last_step = 0.0
         with _refusals():
             self.simulation.initialize()
+        self.impulse = np.zeros(3)
         self.start_energy, self.start_centre, self.start_momentum = self.energy(), self.centre, self.momentum
         self.start_angular_momentum = self.angular_momentum
 
@@ -79,7 +82,8 @@ class Drive:
             if self.simulation.log and self.simulation.log[-1].status == DISCARD and not self._is(*before):
                 raise StateTouched(f"a discarded step has changed the state: {error}") from None
             raise Refused(str(error)) from None
-        self.last_step = length
+        for fixture in self._fixtures:
+            self.impulse -= self.reaction(fixture) * length
 
     def run(self, duration: float, step: float, each: Callable[[], None] | None = None, inputs: Inputs | None = None) -> None:
         """Steps of one length for a time [s]; each: called after every step; inputs: go linearly from step to step."""
@@ -158,11 +162,11 @@ class Drive:
         """What the FMU's own energies miss: now, with what was dissipated and less the work, minus the start [J]."""
         return self.energy() + self.value("energy.dissipated") - self.value("energy.work") - self.start_energy
 
-    def missing_momentum(self, impulse: np.ndarray) -> np.ndarray:
-        """What the impulse of planes and pins, weight and damping (all points alike) since the start do not explain (3,) [kg m/s]."""
+    def missing_momentum(self) -> np.ndarray:
+        """What planes, pins, weight and damping (all points alike) have not given since the start (3,) [kg m/s]."""
         weight = self.mass.sum() * np.array(self.scene.environment.gravity or (0.0, 0.0, 0.0))
         damped = self.body.damping.sum() * (self.centre - self.start_centre)
-        return self.momentum - self.start_momentum - impulse - weight * self.time + damped
+        return self.momentum - self.start_momentum - self.impulse - weight * self.time + damped
 
     def turning_change(self) -> float:
         """Change of the angular momentum since the start, relative."""
@@ -198,7 +202,7 @@ def _input_names(inputs: Inputs | None) -> tuple[list[str], list[str]]:
 
 
 def _observed(document: Mapping[str, Any] | Scene) -> Scene:
-    outputs = {"positions": "all", "velocities": "all", "energy": True, "solver": True}
+    outputs = {"positions": "all", "velocities": "all", "reactions": True, "energy": True, "solver": True}
     if isinstance(document, Scene):
         return document.replace({f"outputs.{name}": value for name, value in outputs.items()})
     return scene_from({**document, "outputs": outputs | document.get("outputs", {})}, path="case.toml")

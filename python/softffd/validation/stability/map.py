@@ -228,16 +228,15 @@ def _contact(trial: Trial) -> Judged:
     pull = 100 * FRICTION * gravity * trial.wanted * cell.step
     trial.start(**{"gravity.z": -gravity, "plane.ground.velocity.x": pull, "damping": rate * drive.mass[0]})
     start, sag = drive.centre, gravity / cell.stiffness * unit_sag()
-    given, behind, off, loose = np.zeros(3), 0.0, 0.0, 0.0
+    behind = off = loose = 0.0
     for _ in trial.steps():
-        given -= drive.reaction("plane.ground") * cell.step
         behind = max(behind, -float(drive.x[:, 2].min()))
         sunk = start[2] - drive.centre[2]
         off = max(off, sunk - 2.5 * sag, -sunk)
         loose = max(loose, _inner_energy(drive) / (mass * gravity * sag))
     if rate * drive.time > SETTLED:
         off = max(off, abs(sunk - sag) - 0.2 * sag)
-    weight = mass * gravity * drive.time
+    given, weight = drive.impulse, mass * gravity * drive.time
     missing = drive.momentum - given + rate * mass * (drive.centre - start) + np.array([0.0, 0.0, weight])
     found = {
         "behind": behind,
