@@ -120,7 +120,7 @@ def main():
     if arguments[0] == "test":
         parallel = ["-n", "auto", "--dist", "worksteal"]
         return subprocess.call([PYTHON, "-m", "pytest", *parallel, *arguments[1:]], cwd=ROOT, env=compiler_environment())
-    program = [ROOT / "benchmarks" / "feature_cost.py"] if arguments[0] == "bench" else ["-m", "softffd", *arguments]
+    program = [ROOT / "benchmarks" / "feature_cost.py", *arguments[1:]] if arguments[0] == "bench" else ["-m", "softffd", *arguments]
     return subprocess.call([PYTHON, *program])
 
 

@@ -1,0 +1,117 @@
+"""Every command and script of the README, the documents and the examples runs, in the order in which it stands there.
+
+A block marked `sh full` takes minutes and runs with --full; a block marked `text` is not run: it is what another platform or a compiler that
+is not everywhere would need.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "fmu_src").rglob("README.md"))]
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+SUITE = "python3 python/run.py test"
+"""This suite, which does not run itself."""
+MINUTES = ("python3 python/run.py demo",)
+"""Commands of blocks for everybody that take a minute or more; the demonstration runs in tests/python/cli with a shorter course too."""
+
+
+def blocks(document: Path) -> list[tuple[str, str]]:
+    """Kind and text of the document's blocks of code."""
+    return re.findall(r"^```([\w ]*)\n(.*?)^```$", document.read_text(), re.MULTILINE | re.DOTALL)
+
+
+def commands() -> list:
+    """Every line of every block `sh`, by document."""
+    found = []
+    for document in DOCUMENTS:
+        for kind, text in blocks(document):
+            lines = [line.split("#")[0].strip() for line in text.splitlines()] if kind.split()[:1] == ["sh"] else []
+            for line in lines:
+                if line and not line.startswith(SUITE):
+                    long = kind == "sh full" or line.startswith(MINUTES)
+                    marks = [pytest.mark.full] if long else []
+                    found.append(pytest.param(line, marks=marks, id=f"{document.name}: {line}"))
+    return found
+
+
+def scripts() -> list:
+    """Every block `python` of the documents, and the examples."""
+    found = []
+    for document in DOCUMENTS:
+        texts = [text for kind, text in blocks(document) if kind == "python"]
+        found += [pytest.param(text, id=f"{document.name}: script {n + 1}") for n, text in enumerate(texts)]
+    return found + [pytest.param(file.read_text(), id=file.name) for file in EXAMPLES]
+
+
+@pytest.fixture(scope="module")
+def reader(tmp_path_factory) -> Path:
+    """Where a reader would work: the README's scene under the name that it gives, and its FMU."""
+    folder = tmp_path_factory.mktemp("reader")
+    (folder / "box.toml").write_text(next(text for kind, text in blocks(DOCUMENTS[0]) if kind == "toml"))
+    run([sys.executable, "-m", "softffd", "build", "box.toml"], folder)
+    return folder
+
+
+@pytest.fixture
+def folder(reader, tmp_path) -> Path:
+    """The reader's folder, anew for every command."""
+    shutil.copytree(reader, tmp_path / "here")
+    return tmp_path / "here"
+
+
+def run(command: list, folder: Path, *, minutes: float = 5) -> str:
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(command, cwd=folder, env=os.environ | {"PATH": path}, capture_output=True, text=True, timeout=60 * minutes)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_the_documents_have_their_examples():
+    assert SUITE in DOCUMENTS[0].read_text()
+    assert len(commands()) >= 12 and len(scripts()) >= 6 and EXAMPLES
+
+
+@pytest.mark.parametrize("line", commands())
+def test_command_runs(line, folder):
+    words = line.split()
+    if words[:3] == ["python3", "python/run.py", "bench"]:
+        words = [sys.executable, str(ROOT / "benchmarks" / "feature_cost.py"), *words[3:]]
+    elif words == ["python3", "python/run.py", "release"]:
+        words = [sys.executable, str(ROOT / "python" / "run.py"), "release"]
+    elif words[:2] == ["python3", "python/run.py"]:  # hands over to the same program once it has set up
+        words = [sys.executable, "-m", "softffd", *words[2:]]
+    elif words[0] == "softffd":
+        words = [sys.executable, "-m", *words]
+    run(words, folder, minutes=60)
+
+
+@pytest.mark.parametrize("code", scripts())
+def test_script_runs(code, folder):
+    assert run([sys.executable, "-c", code], folder)
+
+
+def test_the_coupled_plate_presses_with_its_weight(folder):
+    code = next(text for kind, text in blocks(DOCUMENTS[0]) if kind == "python" and "Simulation" in text)
+    newtons = float(re.search(r"with (\S+) N", run([sys.executable, "-c", code], folder))[1])
+    assert newtons == pytest.approx(5 * 9.81, rel=1e-2)
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda document: document.name)
+def test_every_place_that_a_document_names_exists(document):
+    text = document.read_text()
+    for name in re.findall(r"`((?:python|fmu_src|tests|modelDescription|docs|examples|benchmarks)/[\w/.]+)`", text):
+        assert (ROOT / name).exists(), name
+    for name in re.findall(r"\]\((?!https?:)([^)#]+)\)", text):
+        assert (document.parent / name).exists(), name
+
+
+def test_no_document_is_left_out():
+    readme = DOCUMENTS[0].read_text()
+    assert [file.name for file in (ROOT / "docs").glob("*.md") if f"docs/{file.name}" not in readme] == []
