@@ -1,7 +1,7 @@
 """Every command and script of the README, the documents and the examples runs, in the order in which it stands there.
 
-A block marked `sh full` takes minutes and runs with --full; a block marked `text` is not run: it is what another platform or a compiler that
-is not everywhere would need.
+A block marked `sh full` takes minutes and runs with --full; a block marked `text` is not run: it is what another platform or a compiler
+that is not everywhere would need.
 """
 
 import os
