@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast, overload
 import numpy as np
 
 from softffd.errors import FmuError, UnknownName
-from softffd.names import parse_name, vector_names
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
@@ -167,36 +166,8 @@ class Vectors(Parts[Vector]):
         self._simulation[f"{self._kind}.{name}"] = value
 
 
-class PointVectors:
-    """Vectors of control points, by indices: [i, j, k]."""
-
-    def __init__(self, family: str, simulation: Simulation):
-        self._family, self._simulation = family, simulation
-
-    def _name(self, place: tuple[int, int, int]) -> str:
-        return vector_names(self._family, place)[0].rpartition(".")[0]
-
-    def __getitem__(self, place: tuple[int, int, int]) -> Vector:
-        return self._simulation.vector(self._name(place))
-
-    def __setitem__(self, place: tuple[int, int, int], value: ArrayLike) -> None:
-        self._simulation[self._name(place)] = value
-
-
 def require_name(kind: str, name: str, names: list[str]) -> None:
     """FmuError with the nearest name where there is no part of this name."""
     if name not in names:
         there = f"; there is {', '.join(names)}" if names else ""
         raise UnknownName(f"{kind} {name}: there is no such {kind}{did_you_mean(nearest_of(str(name), names)) or there}")
-
-
-def is_position(name: str) -> bool:
-    """Whether a variable is a component of a control point's position."""
-    return bool((found := parse_name(name)) and found.family == "position")
-
-
-def places(names: list[str]) -> np.ndarray:
-    """Indices (m, 4) of the variables of control points: i, j, k, number of the component."""
-    found = [parse_name(name) for name in names]
-    rows = [[*name.instance, "xyz".index(name.component)] for name in found if name and isinstance(name.instance, tuple)]
-    return np.array(rows, dtype=int).reshape(-1, 4)

@@ -17,7 +17,7 @@ from softffd.fmu.component import Block, Component
 from softffd.fmu.interface import ScalarVariable
 from softffd.lattice import LatticeBox
 from softffd.run.inputs import Inputs, Source
-from softffd.run.parts import is_position, places
+from softffd.run.points import is_position, places
 from softffd.run.result import Result
 from softffd.run.simulation import Simulation, open_component
 from softffd.scene.scene import Scene

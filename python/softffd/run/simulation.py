@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import struct
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -14,8 +13,10 @@ import numpy as np
 from softffd.errors import FmuError, UnknownName
 from softffd.fmu.component import Block, Component, Message, number_of
 from softffd.fmu.interface import ScalarVariable
-from softffd.names import parse_name, part_names
-from softffd.run.parts import Parts, Pin, Plane, PointVectors, Vector, Vectors, places
+from softffd.names import part_names
+from softffd.run.parts import Parts, Pin, Plane, Vector, Vectors
+from softffd.run.points import PointField, PointVectors
+from softffd.run.states import State, taken_apart
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
@@ -23,28 +24,6 @@ if TYPE_CHECKING:
 
     from softffd.lattice import LatticeBox
     from softffd.scene.scene import Scene
-
-HEAD = struct.Struct("<8sd?")
-"""Before the FMU's own bytes of a state: a mark, the time [s], whether the first step is still to come"""
-MARK = b"softffd1"
-
-
-class State:
-    """A moment of a simulation, made by `Simulation.save`. `bytes(state)` goes to a file or another process.
-
-    It is freed with the last reference to it, or with the simulation.
-    """
-
-    def __init__(self, component: Component, time: float, initializing: bool):
-        self._component, self._handle = component, component.get_state()
-        self.time, self.initializing = time, initializing
-
-    def __bytes__(self) -> bytes:
-        return HEAD.pack(MARK, self.time, self.initializing) + self._component.state_bytes(self._handle)
-
-    def __del__(self) -> None:
-        if hasattr(self, "_handle"):
-            self._component.free_state(self._handle)
 
 
 class Simulation:
@@ -167,15 +146,12 @@ class Simulation:
         Raises FmuError for damaged bytes and states of other scenes; the simulation is then as it was before.
         """
         component = self.component
-        if isinstance(state, State) and state._component is component:
-            component.set_state(state._handle)
+        if isinstance(state, State) and state.component is component:
+            component.set_state(state.handle)
             self.time, self.initializing = state.time, state.initializing
             return
-        data = bytes(state)
-        if len(data) < HEAD.size or not data.startswith(MARK):
-            raise FmuError(f"restore: wanted a state of Simulation.save or its bytes, got {data[:20]!r}")
-        _, time, initializing = HEAD.unpack_from(data)
-        handle = component.state_from(data[HEAD.size :])
+        time, initializing, own = taken_apart(bytes(state))
+        handle = component.state_from(own)
         try:
             component.set_state(handle)
         finally:
@@ -300,16 +276,16 @@ class Simulation:
         self._force_field.write(values)
 
     @cached_property
-    def _position_field(self) -> _Field:
-        return _Field(self, "position")
+    def _position_field(self) -> PointField:
+        return PointField(self, "position")
 
     @cached_property
-    def _velocity_field(self) -> _Field:
-        return _Field(self, "velocity")
+    def _velocity_field(self) -> PointField:
+        return PointField(self, "velocity")
 
     @cached_property
-    def _force_field(self) -> _Field:
-        return _Field(self, "force")
+    def _force_field(self) -> PointField:
+        return PointField(self, "force")
 
     @cached_property
     def plane(self) -> Parts[Plane]:
@@ -352,34 +328,6 @@ class Simulation:
         """The methods that took over so far and why, in their order."""
         said = [message.text.split("; internal step")[0] for message in self.log if "; internal step" in message.text]
         return [(method, reason) for method, _, reason in (text.partition(": ") for text in said)]
-
-
-class _Field:
-    """Vectors of all control points as one array (nx, ny, nz, 3)."""
-
-    def __init__(self, simulation: Simulation, family: str):
-        names = [name for name in simulation.variables if name.startswith(f"{family}[") and parse_name(name)]
-        if not names:
-            where = {"position": "outputs.positions", "velocity": "outputs.velocities", "force": "inputs.forces"}[family]
-            raise FmuError(f"{family}[i,j,k]: the FMU has no such variables; wanted a scene with {where}")
-        indices = places(names)
-        box = simulation.lattice
-        counts = box.points if box else tuple(int(count) for count in indices[:, :3].max(axis=0) + 1)
-        self._family, self._block = family, simulation.component.block(names)
-        self._shape = (*counts, 3)
-        self._flat = np.ravel_multi_index(tuple(indices.T), self._shape)
-
-    def read(self) -> np.ndarray:
-        array = np.full(self._shape, np.nan)
-        array.reshape(-1)[self._flat] = self._block.get()
-        return array
-
-    def write(self, values: ArrayLike) -> None:
-        array = np.broadcast_to(np.asarray(values, dtype=float), self._shape).reshape(-1)
-        rest = np.delete(array, self._flat)
-        if not np.isfinite(array[self._flat]).all() or np.any(rest[~np.isnan(rest)]):
-            raise FmuError(f"{self._family}[i,j,k]: wanted finite numbers, and zeros or NaN where the FMU has no such variable")
-        self._block.set(array[self._flat])
 
 
 def open_component(scene_or_fmu: Any, who: str) -> Component:

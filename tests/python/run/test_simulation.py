@@ -3,13 +3,11 @@
 import pickle
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import softffd
-from softffd import FmuError, Simulation, package_fmu, simulate
+from softffd import FmuError, Simulation, installed, package_fmu, simulate
 from softffd.fmu.component import Component
 from softffd.scene.scene import scene_from
 
@@ -472,10 +470,10 @@ def test_states_are_freed_with_their_last_reference_and_with_the_simulation(monk
     monkeypatch.setattr(Component, "free_state", lambda component, handle: (freed.append(handle), free(component, handle)))
     with Simulation(scene()) as opened:
         kept, dropped = opened.save(), opened.save()
-        handle = dropped._handle
+        handle = dropped.handle
         del dropped
         assert freed == [handle]
-    assert freed == [handle, kept._handle]
+    assert freed == [handle, kept.handle]
     with pytest.raises(FmuError):
         bytes(kept)
 
@@ -556,9 +554,22 @@ def test_what_is_neither_scene_nor_fmu_is_refused(wrong, words):
     assert words in str(refused.value)
 
 
+def test_a_run_takes_the_library_of_this_machine_alone(tmp_path, monkeypatch):
+    """Whatever else is installed: libraries of other platforms are not read."""
+    own = installed.host_library()
+    binaries = tmp_path / "binaries"
+    for name, file in installed.LIBRARY_NAME.items():
+        (binaries / name).mkdir(parents=True)
+        (binaries / name / file).write_bytes(b"no library")
+    (binaries / own.parent.name / own.name).write_bytes(own.read_bytes())
+    installed.table()  # read before, from where it is
+    monkeypatch.setattr(installed, "data_folder", lambda: tmp_path)
+    with Simulation(scene()) as opened:
+        step(opened)
+
+
 def test_many_run_side_by_side_in_one_process():
     with Simulation(scene()) as one, Simulation(scene(HELD)) as two, Simulation(scene()) as three:
         for each in (one, two, three, three, one, two):
             step(each)
         np.testing.assert_array_equal(one.positions, three.positions)
-    assert Path(softffd.__file__).parent.is_dir()
