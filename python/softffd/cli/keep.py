@@ -15,8 +15,7 @@ from softffd.run.findings import ESTIMATE, findings
 from softffd.run.inputs import Source
 from softffd.run.result import Result
 from softffd.run.simulate import Interpolation, Progress, simulate
-from softffd.scene.document import find_scene, read_document
-from softffd.scene.scene import Scene, load_scene, scene_from
+from softffd.scene.scene import Scene, load_scene
 
 
 def run_scene_or_fmu(
@@ -47,7 +46,8 @@ def run_scene_or_fmu(
 def _opened(what: str | Path, error: bool) -> Scene | Path:
     """The scene or the path of the FMU, with the estimate of the error in it if that is asked for."""
     if not str(what).endswith(".fmu"):
-        return _with_estimate(find_scene(what)) if error else load_scene(what)
+        scene = load_scene(what)
+        return scene.replace({"solver.error_estimate": True}) if error else scene
     path = Path(what)
     if error:
         with Component(path) as component:
@@ -57,13 +57,6 @@ def _opened(what: str | Path, error: bool) -> Scene | Path:
                     "build it anew with that, or run the scene itself with --error"
                 )
     return path
-
-
-def _with_estimate(path: Path) -> Scene:
-    """The scene of a file, with error_estimate = true whatever the file says."""
-    document = read_document(path)
-    solver = document.get("solver", {})
-    return scene_from(document | {"solver": solver | {"error_estimate": True} if isinstance(solver, dict) else solver}, path=path)
 
 
 def keep_run(result: Result, folder: Path) -> list[Path]:
