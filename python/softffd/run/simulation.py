@@ -58,6 +58,8 @@ class Simulation:
         stop_time: float | None = None,
         log: Callable[[Message], object] | None = None,
     ):
+        if log is not None and not callable(log):
+            raise FmuError(f"log: wanted a function that takes a message, such as print, got {log!r:.70}")
         self.component = open_component(scene_or_fmu, "Simulation")
         """The thin layer below: its calls are those of the standard"""
         self.component.listener = log
@@ -105,6 +107,8 @@ class Simulation:
             length = self.component.interface.step
             if length is None:
                 raise FmuError("step: wanted a length > 0 s, got none; the FMU names no default")
+        if not (length > 0 and math.isfinite(length)):
+            raise FmuError(f"step: wanted a length > 0 s, got {length:g}")
         if self.initializing:
             self.initialize()
         self.component.do_step(self.time, length)

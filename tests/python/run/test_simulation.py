@@ -127,6 +127,14 @@ def test_a_tolerance_that_is_none_is_refused():
             Simulation(scene(), tolerance=wrong)
 
 
+@pytest.mark.parametrize("length", [0.0, -STEP, float("nan"), float("inf")])
+def test_a_length_that_is_none_is_refused_and_stepping_goes_on(sim, length):
+    with pytest.raises(FmuError, match="step: wanted a length > 0 s"):
+        sim.step(length)
+    step(sim)
+    assert sim.time == STEP
+
+
 # ---- reading ----
 
 
@@ -474,6 +482,7 @@ def test_states_are_freed_with_their_last_reference_and_with_the_simulation(monk
         del dropped
         assert freed == [handle]
     assert freed == [handle, kept.handle]
+    opened.component.free_state(kept.handle)  # which is passed over
     with pytest.raises(FmuError):
         bytes(kept)
 
@@ -503,6 +512,11 @@ def test_the_log_has_status_category_and_text_and_is_told_at_once():
         assert {message.category for message in heard} == {"solver", "logStatusWarning"}
         warning = next(message for message in heard if message.status == 1)
         assert "start behind plane ground" in warning.text == str(warning) and low.warnings == [warning.text]
+
+
+def test_a_log_that_cannot_be_called_is_refused():
+    with pytest.raises(FmuError, match="log: wanted a function"):
+        Simulation(scene(), log=True)
 
 
 def test_methods_tells_which_took_over_and_why(sim):
