@@ -10,7 +10,9 @@ from xml.etree import ElementTree
 import fmpy
 import pytest
 
+from scenes import box
 from softffd import load_scene, package_fmu
+from softffd.fmu.package import scene_texts
 
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 
@@ -79,6 +81,19 @@ def test_every_output_is_listed_with_its_dependencies(standard):
     first = root.find("ModelStructure/InitialUnknowns")[0].get("dependencies").split()
     names = {variables[int(index) - 1].get("name").rsplit(".", 1)[0] for index in first}
     assert names == {f"plane.{plane}.{what}" for plane in ("lower", "upper") for what in ("point", "normal")}
+
+
+@pytest.mark.parametrize("key", ["stiffness", "damping"])
+def test_scenes_that_differ_only_in_what_the_library_alone_reads_have_different_guids(key):
+    """The guid refuses states of another scene, so it has to know all of it; nothing of regional springs is in the description."""
+
+    def described(value: float) -> tuple[str, str]:
+        scene = box(damping=0.1, region=[{"points": "z-", key: value}])
+        root = ElementTree.fromstring(scene_texts(scene)[0]["modelDescription.xml"])
+        return root.attrib.pop("guid"), ElementTree.tostring(root, encoding="unicode")
+
+    (guid, text), (other_guid, other_text) = described(1.0), described(2.0)
+    assert text == other_text and guid != other_guid
 
 
 def test_units_names_and_references_are_sound(standard):

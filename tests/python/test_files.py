@@ -36,6 +36,14 @@ def test_while_it_is_written_the_old_file_is_there(tmp_path):
     assert path.read_text() == "new"
 
 
+def test_who_reads_the_old_file_reads_it_to_its_end(tmp_path):
+    path = tmp_path / "result.csv"
+    path.write_text("old")
+    with path.open() as reader:
+        write_text(path, "new")
+        assert reader.read() == "old"
+
+
 def test_a_new_file_has_the_rights_of_any_new_file(tmp_path):
     (tmp_path / "plain").write_text("")
     write_text(tmp_path / "written", "")

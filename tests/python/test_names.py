@@ -61,3 +61,8 @@ def test_parts_are_listed_in_the_order_of_the_family_that_has_them_all():
     ]
     assert part_names("plane", names) == ["a", "b", "c", "d"] and part_names("pin", names) == ["e"]
     assert part_names("load", names) == []
+
+
+def test_parts_of_which_only_some_are_inputs_keep_the_order_of_the_scene():
+    names = [*variable_names("pin_position", ["b"]), *variable_names("pin_reaction", ["a", "b", "c"])]
+    assert part_names("pin", names) == ["a", "b", "c"]

@@ -73,6 +73,15 @@ def test_cubics_reach_a_jump_from_before_and_leave_it_from_behind(jump):
         np.testing.assert_allclose(inputs.bends(time, then), [[slope, 1.0], [0, 0], [0, 0]], atol=1e-6)
 
 
+def test_a_cubic_between_steep_neighbours_only_rises():
+    """Slopes up to three times a step's mean are the most with which no cubic turns back (Fritsch, Carlson 1980)."""
+    inputs = Inputs(table(time=[0, 1, 2, 3], **{"load.a.x": [0, 10, 11, 21]}))
+    first, second, third = inputs.bends(1.0, 2.0)[:, 0]
+    s = np.linspace(0, 1, 101)
+    rate = first + second * s + third * s**2 / 2
+    assert rate[0] > 1 and rate.min() > -1e-12
+
+
 def test_a_function_must_give_the_same_names_at_every_time():
     for late in ({}, {"plane.p.point.z": 1.0, "load.a.x": 0.0}, {"load.a.x": 0.0}):
         inputs = Inputs(lambda t, late=late: {"plane.p.point.z": 1.0} if t < 0.1 else late)
