@@ -50,13 +50,13 @@ def released() -> dict[str, np.ndarray]:
 
 
 def slowly_pulled() -> dict[str, np.ndarray]:
-    """S2: a stiff cube under a slow load; implicit, for its fast modes are silent."""
+    """S2: a stiff cube under a slow load."""
     model = reference.cube(stiffness=1e7, damping=0.5)
     pull = np.zeros((64, 3))
     for sign, points in zip((1, -1), FACES, strict=True):
         pull[points, 0] = sign * 1e5 * (1 + np.arange(64)[points] // 4 % 4 / 3)
     weight = np.outer(model.mass, [0, 0, -9.81])
-    return motion(model, model.rest, lambda time: weight + ramp(time / 0.5) * pull, method="Radau")
+    return motion(model, model.rest, lambda time: weight + ramp(time / 0.5) * pull, method="DOP853")
 
 
 def shaken() -> dict[str, np.ndarray]:

@@ -86,6 +86,7 @@ def test_the_estimate_is_close_to_the_error(exact, name, method, tolerance):
     check(result, exact(name, method), name, IMPLICIT if implicit else EXPLICIT)
 
 
+@pytest.mark.short("stiff_layer-1e-06")
 @pytest.mark.parametrize("tolerance", (1e-2, 1e-4, 1e-6, 1e-8))
 @pytest.mark.parametrize("name", ["stiff_pull", "stiff_layer"])
 def test_loads_without_kinks_set_off_nothing(exact, name, tolerance):

@@ -192,14 +192,15 @@ def test_the_stable_step_is_a_bound_of_the_stretched_box_too(scene, stretch):
     with Stepper(scene(STRETCHED.replace("[1.1, 1.0, 1.0]", str(stretch)))) as stepper:
         bound = stepper.read("solver.stable_step")[0]
     exact = 2 / reference.cube().highest_frequency(reference.rest_lattice() * stretch)
-    assert exact / 1.4 < bound <= exact
+    assert 0.75 * exact < bound <= exact  # 0.87, 0.83, 0.76
 
 
 def test_a_given_step_beyond_stability_is_shortened_and_said_so(scene):
     result = stretched(scene, 5e-3)
     assert np.abs(points(result)).max() < 2
     assert result.outputs["solver.steps"][-1] > 400
-    assert any("solver.step" in warning for warning in result.summary["warnings"])
+    (warning,) = result.summary["warnings"]
+    assert "internal step 0.00125 s, a part of solver.step = 0.005 s, which is above the stability bound" in warning
 
 
 def test_more_internal_steps_than_allowed_are_refused(scene):

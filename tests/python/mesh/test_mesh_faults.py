@@ -148,11 +148,13 @@ def test_a_file_cut_anywhere_is_refused_or_has_fewer_faces_only_in_obj(kind, tmp
     """OBJ counts nothing, so a cut between two faces cannot be seen; all other cuts are."""
     whole = text_stl().encode() if kind == "text.stl" else (ply() + PLY_TEXT).encode()
     whole = whole if kind.startswith("text") else saved(tmp_path, kind)
+    faces = len(loaded(tmp_path, "whole." + kind.removeprefix("text."), whole).faces)
     ends = range(1, len(whole.rstrip()), max(1, len(whole) // 120))
     for end in ends:
         file = written(tmp_path, "cut." + kind.removeprefix("text."), whole[:end])
         if kind == "obj":
-            _load_or_refuse(file)
+            mesh = _load_or_refuse(file)
+            assert mesh is None or len(mesh.faces) < faces or whole.rstrip().count(b"\n") == whole[:end].count(b"\n")
         elif end < len(whole.rstrip()) - 1:
             with pytest.raises(MeshError):
                 load_mesh(file)
@@ -174,5 +176,6 @@ def _load_or_refuse(file):
     try:
         mesh = load_mesh(file)
     except MeshError:
-        return
+        return None
     assert np.isfinite(mesh.vertices).all() and mesh.faces.max() < len(mesh.vertices)
+    return mesh

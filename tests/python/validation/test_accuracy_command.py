@@ -82,7 +82,7 @@ def test_a_scene_that_cannot_be_measured_leaves_the_others(folder, few, monkeypa
 
 def test_an_unknown_scene_is_refused_before_anything_runs(folder, capsys):
     assert main(["accuracy", "small.toml", "spni", "-o", "out"]) == 1
-    assert "spin" in capsys.readouterr().err and not Path("out").exists()
+    assert 'did you mean "spin"?' in capsys.readouterr().err and not Path("out").exists()
     assert main(["accuracy", "small.toml", "--step", "-1", "-o", "out"]) == 1
     assert "communication step: wanted > 0 s" in capsys.readouterr().err
     assert main(["accuracy", "small.toml", "--repeats", "0"]) == 1
