@@ -31,6 +31,7 @@ Integrators::Integrators(const Lattice& lattice, int planes, int pins)
   ros34pw2_ = ros34pw2;
 }
 
+Integrators::Integrators(Integrators&&) noexcept = default;
 Integrators::~Integrators() = default;
 
 Count Integrators::factorizations() const { return matrices() ? ros34pw2_->factorizations() + backward_euler_->factorizations() : 0; }

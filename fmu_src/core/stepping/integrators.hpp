@@ -17,6 +17,7 @@ class Ros34pw2;
 class Integrators {
  public:
   Integrators(const Lattice& lattice, int planes, int pins);
+  Integrators(Integrators&&) noexcept;
   ~Integrators();
 
   Integrator& operator[](Method method) { return *all_[std::size_t(method)]; }
