@@ -3,6 +3,8 @@ cases that end within about two seconds.
 
     python tests/support/fingerprint.py compare [NAME ...] [-j N]   what differs from tests/data/fingerprint.json; status 1 if anything does
     python tests/support/fingerprint.py record [NAME ...] [-j N]    writes that file anew; with names (parts of them), those entries alone
+    ... --library FILE                                              with this library instead of the installed one
+    ... --part K/N                                                  of the entries every N-th, from the K-th
 
 Hashed are the control points' positions and the reactions of planes and pins at all communication points, and whether the component
 refused. Moving, renaming, splitting and merging code keeps every bit. Where bits change on purpose, a commit does only that, says by how
@@ -21,13 +23,14 @@ import sys
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 
-from softffd import FmuError, Result, Scene, load_scene, simulate
+from softffd import FmuError, Result, Scene, installed, load_scene, simulate
 from softffd.installed import available_methods
 from softffd.scene.scene import shipped_scenes
 from softffd.validation.stability.cases import CASES
@@ -104,6 +107,12 @@ class Clock:
             raise Slow(reached if share < 1 else reached / 2)
 
 
+def use_library(file: Path | None) -> None:
+    """From here on this process runs scenes with this library."""
+    if file:
+        installed.host_library = lambda: file
+
+
 def _methods(scene: Scene) -> list[str]:
     return [method["key"] for method in available_methods(scene.lattice.points)]
 
@@ -155,30 +164,38 @@ def _compared(job: tuple[str, Entry]) -> tuple[str, bool]:
     return name, entry(name, like) == like
 
 
-def compare(chosen: list[str], processes: int) -> int:
+def compare(chosen: Chosen, pool: ProcessPoolExecutor) -> int:
     """Prints what differs; returns how many entries do."""
-    jobs = [(name, like) for name, like in kept().items() if _wanted(name, chosen)]
-    with ProcessPoolExecutor(processes) as pool:
-        differing = [name for name, same in pool.map(_compared, jobs) if not same]
+    there = kept()
+    jobs = [(name, there[name]) for name in chosen.of(list(there))]
+    differing = [name for name, same in pool.map(_compared, jobs) if not same]
     for name in differing:
         print(f"differs: {name}")
     print(f"{len(jobs)} entries, {len(differing)} differ")
     return len(differing)
 
 
-def record(chosen: list[str], processes: int) -> None:
+def record(chosen: Chosen, pool: ProcessPoolExecutor) -> None:
     """Writes the file anew, or the chosen entries."""
-    there = kept() if chosen and FILE.is_file() else {}
-    wanted = [name for name in names() if _wanted(name, chosen)]
-    with ProcessPoolExecutor(processes) as pool:
-        there |= dict(zip(wanted, pool.map(made, wanted), strict=True))
+    there = kept() if chosen != Chosen() and FILE.is_file() else {}
+    wanted = chosen.of(names())
+    there |= dict(zip(wanted, pool.map(made, wanted), strict=True))
     lines = [f"{json.dumps(name)}: {json.dumps(there[name])}" for name in names() if there.get(name)]
     FILE.write_text("{\n" + ",\n".join(lines) + "\n}\n")
     print(f"{FILE}: {len(lines)} entries")
 
 
-def _wanted(name: str, chosen: list[str]) -> bool:
-    return not chosen or any(part in name for part in chosen)
+@dataclass(frozen=True)
+class Chosen:
+    """Some of the entries: with one of these texts in their names, and of those every `parts`-th, from the `part`-th."""
+
+    texts: tuple[str, ...] = ()
+    part: int = 1
+    parts: int = 1
+
+    def of(self, entries: list[str]) -> list[str]:
+        found = [name for name in entries if not self.texts or any(text in name for text in self.texts)]
+        return found[self.part - 1 :: self.parts]
 
 
 def main() -> int:
@@ -186,11 +203,16 @@ def main() -> int:
     parser.add_argument("what", choices=("record", "compare"))
     parser.add_argument("names", nargs="*", metavar="NAME")
     parser.add_argument("-j", dest="processes", type=int, default=1, metavar="N")
+    parser.add_argument("--library", type=Path, metavar="FILE")
+    parser.add_argument("--part", default="1/1", metavar="K/N")
     options = parser.parse_args()
-    if options.what == "record":
-        record(options.names, options.processes)
-        return 0
-    return 1 if compare(options.names, options.processes) else 0
+    part, parts = map(int, options.part.split("/"))
+    chosen = Chosen(tuple(options.names), part, parts)
+    with ProcessPoolExecutor(options.processes, initializer=use_library, initargs=(options.library,)) as pool:
+        if options.what == "compare":
+            return 1 if compare(chosen, pool) else 0
+        record(chosen, pool)
+    return 0
 
 
 if __name__ == "__main__":
