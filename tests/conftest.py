@@ -31,6 +31,7 @@ def pytest_addoption(parser):
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "full: left to the long runs")
+    config.addinivalue_line("markers", "bundle(name): --rotate keeps tests of this name in one group, as they share a long preparation")
     config.addinivalue_line("markers", "short(*ids): of this matrix the short run takes the cells of these ids (with * and ?)")
 
 
@@ -39,7 +40,8 @@ def pytest_collection_modifyitems(config, items):
     if config.option.rotate:
         long_ones = sorted(item.nodeid for item in items if is_long(item))
         seconds = json.loads(SECONDS.read_text()) if SECONDS.is_file() else {}
-        wanted, config.rotation = chosen_group(long_ones, seconds, config.option.rotate)
+        bundle = {item.nodeid: mark.args[0] for item in items if (mark := item.get_closest_marker("bundle"))}
+        wanted, config.rotation = chosen_group(long_ones, seconds, config.option.rotate, bundle)
         keep(config, items, lambda item: item.nodeid in wanted)
     elif not config.option.full and not any("::" in argument for argument in config.args):
         keep(config, items, lambda item: not is_long(item))

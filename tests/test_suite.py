@@ -15,6 +15,13 @@ def test_groups_are_evenly_filled_and_short_enough():
     assert len(filled) > 4 and max(filled) <= GROUP_SECONDS and max(filled) - min(filled) <= 23.0  # s; the longest test
 
 
+def test_a_bundle_stays_in_one_group():
+    bundle = dict.fromkeys(TESTS[::7], "built together")
+    assert sum(bool(set(part) & set(bundle)) for part in groups(TESTS, SECONDS)) > 1
+    (holding,) = (part for part in groups(TESTS, SECONDS, bundle) if set(part) & set(bundle))
+    assert set(bundle) <= set(holding)
+
+
 def test_the_same_key_chooses_the_same_group_and_keys_reach_every_group():
     chosen = {frozenset(chosen_group(TESTS, SECONDS, f"commit {number}")[0]) for number in range(200)}
     assert chosen == {frozenset(part) for part in groups(TESTS, SECONDS)}

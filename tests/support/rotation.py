@@ -1,29 +1,37 @@
 """Groups of long tests, each short enough for one run on two cores, and the choice of one by a commit's hash."""
 
 import hashlib
+from collections.abc import Mapping
 
 GROUP_SECONDS = 700.0
 """s of tests in a group, as recorded one core each: half of what two cores have in twelve minutes. The rest is for slower machines."""
 UNKNOWN_SECONDS = 3.0
 """s for a test whose time was never recorded."""
+NONE: Mapping[str, str] = {}
 
 
-def groups(tests: list[str], seconds: dict[str, float]) -> list[list[str]]:
-    """The tests in as few groups as there must be, evenly filled; the same lists give the same groups."""
-    took = {test: seconds.get(test, UNKNOWN_SECONDS) for test in tests}
+def groups(tests: list[str], seconds: dict[str, float], bundle: Mapping[str, str] = NONE) -> list[list[str]]:
+    """The tests in as few groups as there must be, evenly filled; the same lists give the same groups.
+
+    Tests with the same entry in `bundle` come into the same group, also where that makes it longer than others.
+    """
+    bundles: dict[str, list[str]] = {}
+    for test in tests:
+        bundles.setdefault(bundle.get(test, test), []).append(test)
+    took = {name: sum(seconds.get(test, UNKNOWN_SECONDS) for test in bundled) for name, bundled in bundles.items()}
     count = max(1, -(-int(sum(took.values())) // int(GROUP_SECONDS)))
     parts: list[list[str]] = [[] for _ in range(count)]
     filled = [0.0] * count
-    for test in sorted(tests, key=lambda test: (-took[test], test)):
+    for name in sorted(bundles, key=lambda name: (-took[name], name)):
         least = filled.index(min(filled))
-        parts[least].append(test)
-        filled[least] += took[test]
+        parts[least] += bundles[name]
+        filled[least] += took[name]
     return parts
 
 
-def chosen_group(tests: list[str], seconds: dict[str, float], key: str) -> tuple[set[str], str]:
+def chosen_group(tests: list[str], seconds: dict[str, float], key: str, bundle: Mapping[str, str] = NONE) -> tuple[set[str], str]:
     """The group for this key, and a line that says which it is."""
-    parts = groups(tests, seconds)
+    parts = groups(tests, seconds, bundle)
     number = int.from_bytes(hashlib.sha256(key.encode()).digest()[:8]) % len(parts)
     line = f"group {number + 1} of {len(parts)} of the long tests: {len(parts[number])} of {len(tests)}, chosen by {key}"
     return set(parts[number]), line
