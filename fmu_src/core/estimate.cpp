@@ -22,16 +22,8 @@ ErrorEstimate::ErrorEstimate(const Definition& definition)
   tally_.slopes = change_;
 }
 
-void ErrorEstimate::take_settings(const Settings& settings) {
-  const Settings& old = shadow_.settings;
-  const bool same = old.mass == settings.mass && old.damping == settings.damping && old.stiffness.edge == settings.stiffness.edge &&
-                    old.stiffness.face == settings.stiffness.face && old.stiffness.body == settings.stiffness.body;
-  shadow_.settings = settings;
-  if (!same) shadow_.settings_changed();
-}
-
 void ErrorEstimate::initialize(const SoftBody& body, double t0) {
-  take_settings(body.settings);
+  shadow_.settings = body.settings;
   tally_ = {.vibration = {}, .slopes = tally_.slopes};
   tally_.slopes.setZero();
   tally_.lost = shadow_.initialize(t0) != StepStatus::ok;
@@ -40,9 +32,10 @@ void ErrorEstimate::initialize(const SoftBody& body, double t0) {
 /// Sets the shadow's steps for a communication step; returns r^p.
 double ErrorEstimate::choose_steps(const SoftBody& body, double H, Count taken) {
   Settings& settings = shadow_.settings;
-  settings.method = body.method();
+  const Readings run = body.readings();
+  settings.method = run.method();
   const Traits t = traits(settings.method);
-  const double h = body.internal_step(), steps = std::max(1.0, std::round(H / h));
+  const double h = run.internal_step(), steps = std::max(1.0, std::round(H / h));
   const bool equal = std::abs(double(taken) - steps) <= 0.05 * steps;
   if (settings.step == 0 && taken > 2 && (t.error_control() || !equal)) {
     settings.step_factor = finer;
@@ -54,10 +47,10 @@ double ErrorEstimate::choose_steps(const SoftBody& body, double H, Count taken) 
 
 void ErrorEstimate::follow(const SoftBody& body, double H) {
   if (tally_.lost) return;
-  take_settings(body.settings);
+  shadow_.settings = body.settings;
   const bool given = body.settings.step > 0;
-  const Count taken = std::max(Count{1}, body.steps() - tally_.steps);
-  tally_.steps = body.steps();
+  const Count taken = std::max(Count{1}, body.readings().steps() - tally_.steps);
+  tally_.steps = body.readings().steps();
   const double ratio = choose_steps(body, H, taken);
   tally_.lost = shadow_.advance(H) != StepStatus::ok;
   if (tally_.lost) {
@@ -71,23 +64,25 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
   for (int i = 0; i < x.size(); ++i) difference = std::max(difference, std::abs(x.data()[i] - y.data()[i]));
   follow_vibration(body, H, taken);
   const double estimate = std::max(difference * tally_.time / tally_.ratio_time, tally_.damped_away);
-  const bool free = given && !body.damped();
+  const bool free = given && !body.readings().damped();
   tally_.value = free && out_of_phase() ? std::max(tally_.value, estimate) : estimate;
   if (free) tally_.value = std::max(tally_.value, lost_vibration(body));
 }
 
 /// Has the estimate ever said that vibrations are about as wrong as they are large?
 bool ErrorEstimate::out_of_phase() const {
-  return tally_.value > 0.1 * shadow_.amplitude(shadow_.largest_energy(), std::numeric_limits<double>::infinity());
+  const Readings shadow = shadow_.readings();
+  return tally_.value > 0.1 * shadow.amplitude(shadow.largest_energy(), std::numeric_limits<double>::infinity());
 }
 
 /// Size of the vibrations that steps too long for them have taken away. A method with error control damps what it does not resolve, and
 /// both runs alike, so that they agree; what they should have more of is energy. Losses of motions that the steps do resolve are much
 /// smaller in the shadow.
 double ErrorEstimate::lost_vibration(const SoftBody& body) const {
-  if (!traits(body.method()).error_control()) return 0;
-  const double lost = shadow_.lost_energy(), rounding = 1e-10 * shadow_.largest_energy();
-  return lost > rounding && lost > 0.5 * body.lost_energy() ? shadow_.amplitude(lost, shadow_.internal_step()) : 0;
+  if (!traits(body.readings().method()).error_control()) return 0;
+  const Readings shadow = shadow_.readings();
+  const double lost = shadow.lost_energy(), rounding = 1e-10 * shadow.largest_energy();
+  return lost > rounding && lost > 0.5 * body.readings().lost_energy() ? shadow.amplitude(lost, shadow.internal_step()) : 0;
 }
 
 /// Share of the change of the forces' slopes, from before this communication step to its end, that came at once; where they have not
@@ -106,11 +101,11 @@ double ErrorEstimate::follow_slopes(double H) {
 
 /// Run and shadow lose what implicit steps damp away; the body itself takes longer.
 void ErrorEstimate::follow_vibration(const SoftBody& body, double H, Count taken) {
-  const double remains = shadow_.remaining(H), kink = follow_slopes(H);
+  const double remains = shadow_.readings().remaining(H), kink = follow_slopes(H);
   tally_.vibration.amplitude *= remains;
   tally_.damped_away *= remains;
-  if (!is_implicit(body.method())) return;
-  const Vibration vibration = shadow_.set_off(kink, change_, force_);
+  if (!is_implicit(body.readings().method())) return;
+  const Vibration vibration = shadow_.readings().set_off(kink, change_, force_);
   if (vibration.amplitude * remains > tally_.vibration.amplitude) {
     tally_.vibration = {vibration.amplitude * remains, vibration.frequency};
     tally_.kept = 1;

@@ -67,7 +67,6 @@ class ErrorEstimate {
   void follow_vibration(const SoftBody& body, double H, Count taken);
   bool out_of_phase() const;
   double lost_vibration(const SoftBody& body) const;
-  void take_settings(const Settings& settings);
   SoftBody shadow_;
   Tally tally_;
   Points change_, force_;  ///< scratch

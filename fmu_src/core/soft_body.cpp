@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "model/rigid_motion.hpp"
 #include "stepping/retry.hpp"
 #include "stepping/thresholds.hpp"
 
@@ -199,7 +198,6 @@ bool SoftBody::place_pins(bool book) {
 StepStatus SoftBody::initialize(double t0) {
   const Lattice& lattice = definition_.lattice;
   refresh_model();
-  stale_ = false;
   State& motion = now_.path.motion;
   start_time_ = motion.time = t0;
   const StepStatus status = refresh_drive();
@@ -228,7 +226,7 @@ StepStatus SoftBody::initialize(double t0) {
   model_.body.internal_force(motion.x, motion.spring);
   if (definition_.watch_energy) now_.potential = potential_energy();
   if (!finite(now_)) return StepStatus::not_finite;
-  return settings.step == 0 && undecided() ? StepStatus::undecided : StepStatus::ok;
+  return settings.step == 0 && readings().undecided() ? StepStatus::undecided : StepStatus::ok;
 }
 
 /// A communication step from the run as it is. changed: the material is another than before it.
@@ -251,7 +249,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   if (!watched) now_.energy.kinetic_elastic = -1;
   const double jump = (drive_.force - now_.outside).abs().maxCoeff();
   if (watched && jump > 0) jolt(now_.energy, model_.body, motion.spring, now_.outside, drive_.force);
-  const double booked = watched ? open_account(changed, moved) : 0;
+  const double booked = watched ? open_account(now_, before_, model_, drive_, changed, moved) : 0;
   drive_.watch = definition_.watch_energy || (watched && drive_.ramped);
   const Request request{.method = settings.method,
                         .tolerance = settings.tolerance * model_.body.length,
@@ -262,7 +260,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   const StepStatus ran = propagator_.advance({model_, drive_, request, now_}, H);
   if (ran != StepStatus::ok) return ran;
   drive_.force_at(motion.time, now_.outside);
-  if (watched) close_account(booked);
+  if (watched) close_account(now_, model_, drive_, begin_, booked);
   count_contacts();
   now_.contacts_resolved += exchange.contacts_resolved;
   if (definition_.watch_energy) {
@@ -280,62 +278,16 @@ void SoftBody::count_contacts() {
 
 void SoftBody::restore(const Run& run, double start_time) {
   refresh_model();
-  stale_ = false;
   start_time_ = start_time;
   now_ = run;
 }
 
-double SoftBody::kinetic_energy() const { return 0.5 * (model_.body.mass * now_.path.motion.v.square().rowwise().sum()).sum(); }
-
-double SoftBody::gravity_energy() const {
-  double energy = 0;
-  for (int axis = 0; axis < 3; ++axis) energy -= settings.gravity[axis] * (model_.body.mass * now_.path.motion.x.col(axis)).sum();
-  return energy;
-}
-
-Vibration SoftBody::set_off(double kink, Points& scratch, Points& more) const {
-  const bool followed = is_implicit(before_.course.method);
-  const State& start = before_.path.motion;
-  if (followed) {
-    scratch = drive_.force - before_.outside;
-  } else {  // what is left over of the forces once they hold the body on its turn
-    const RigidMotion rigid = rigid_motion(model_.body.mass, start.x, start.v);
-    scratch = drive_.force + start.spring;
-    for (int p = 0; p < model_.body.points(); ++p) {
-      const Vec3 arm = row(start.x, p) - rigid.centre;
-      set_row(scratch, p, row(scratch, p) - model_.body.mass[p] * rigid.spin.cross(rigid.spin.cross(arm)));
-    }
-  }
-  return softffd::set_off({model_.body, drive_}, start, now_.path.motion, followed || drive_.bent ? kink : 1, scratch, more);
-}
-
-double SoftBody::remaining(double t) const {
-  const double rate = 0.5 * (model_.body.damping / model_.body.mass).minCoeff();
-  double growth = 1 + rate * t / 1024;  // exp without the C library, to the power of 1024
-  for (int i = 0; i < 10; ++i) growth *= growth;
-  return 1 / growth;
-}
-
-/// Where nothing moves at all, nothing is to be decided.
-bool SoftBody::undecided() const {
-  const State& motion = now_.path.motion;
-  if (motion.spring.isZero(0)) return false;
-  for (const Springs::Row& springs : model_.body.springs.rows())
-    for (int lane = 0; lane < springs.lanes(); ++lane) {
-      const int p = springs.begin + lane, q = p + springs.offset;
-      const bool apart = row(motion.x, p) != row(motion.x, q) || row(motion.v, p) != row(motion.v, q);
-      if (!apart && springs.stiffness[lane] > 0 && !(model_.body.pinned[p] && model_.body.pinned[q])) return true;
-    }
-  return false;
-}
-
 StepStatus SoftBody::advance(double H) {
   divided_ = 1;
-  const bool changed = stale_;
+  const bool changed = material_waits();
   const Material in_effect = material_;
   Trial trial(now_, before_);
   if (changed) refresh_model();
-  stale_ = false;
   const bool automatic = settings.step == 0;
   const double usual = automatic ? now_.energy.step_factor : 1;
   const auto attempt = [&](double step_factor) { return advance_from_here(H, step_factor, changed); };
@@ -343,8 +295,8 @@ StepStatus SoftBody::advance(double H) {
   const bool astray = status == StepStatus::too_many_steps && now_.course.work > before_.course.work;  // not from the start
   if (status == StepStatus::not_finite || astray)
     status = retry_divided(now_, trial, usual, status, divided_, attempt);
-  else if (status == StepStatus::ok && automatic && !now_.energy.hopeless && gains_energy())
-    status = retry_gained(now_, trial, account_at_start(changed), attempt);
+  else if (status == StepStatus::ok && automatic && !now_.energy.hopeless && readings().gains_energy())
+    status = retry_gained(now_, trial, account_at_start(before_, model_, drive_, changed), attempt);
   if (status == StepStatus::ok) {
     trial.keep();
     return status;
@@ -354,59 +306,7 @@ StepStatus SoftBody::advance(double H) {
     refresh_model();
     static_cast<Material&>(settings) = wanted;
   }
-  stale_ = changed;
   return status;
-}
-
-/// The energy account at the start of the communication step, as a look there shows it.
-EnergyAccount SoftBody::account_at_start(bool changed) const {
-  EnergyAccount account = before_.energy;
-  if (changed || account.kinetic_elastic < 0) return account;
-  const State& motion = before_.path.motion;
-  jolt(account, model_.body, motion.spring, before_.outside, drive_.force);
-  look(account, {model_.body, drive_}, motion, staggered_step(before_), 0);
-  jolt(account, model_.body, motion.spring, drive_.force, before_.outside);
-  return account;
-}
-
-/// Books what moved points without the body's own motion. Returns what of the exchange's work is booked already.
-double SoftBody::open_account(bool changed, bool moved) {
-  EnergyAccount& account = now_.energy;
-  const State &motion = now_.path.motion, &before = before_.path.motion;
-  const bool far = moved && (motion.x - before.x).abs().maxCoeff() > thresholds::jump * model_.body.length;
-  if (account.kinetic_elastic < 0 || changed || far) {
-    start(account, {model_.body, drive_}, motion, now_.course.work);
-    return now_.path.exchange.work;
-  }
-  if (moved) account.received -= 0.5 * ((motion.spring + before.spring) * (motion.x - before.x)).sum();
-  return 0;
-}
-
-/// The same with and without energy outputs: what only they have counted is not read.
-void SoftBody::close_account(double booked) {
-  EnergyAccount& account = now_.energy;
-  if (now_.course.method == Method::backward_euler) {  // has a guard of its own
-    account.kinetic_elastic = -1;
-    return;
-  }
-  const Exchange& exchange = now_.path.exchange;
-  const double taken = model_.body.damped ? 0 : exchange.dissipated;
-  account.received += (drive_.force * (now_.path.motion.x - begin_)).sum() + exchange.work - booked - taken;
-  if (now_.course.work >= account.due) look(account, {model_.body, drive_}, now_.path.motion, staggered_step(now_), now_.course.work);
-}
-
-double SoftBody::damped_spin() const {
-  if (now_.course.method != Method::backward_euler) return 0;
-  const auto spin = [&](const State& state) { return rigid_motion(model_.body.mass, state.x, state.v).spin.norm(); };
-  return std::max(spin(before_.path.motion), spin(now_.path.motion));
-}
-
-double SoftBody::lost_energy() const { return lost(now_.energy, {model_.body, drive_}, now_); }
-
-bool SoftBody::rubs_undamped() {
-  if (model_.body.damped || settings.step == 0 || now_.path.exchange.contacts_resolved == 0) return false;
-  const auto rubs = [](const Plane& plane) { return plane.friction > 0; };
-  return std::any_of(drive_.planes.begin(), drive_.planes.end(), rubs) && internal_step() > thresholds::rubbing * stable_step();
 }
 
 }  // namespace softffd

@@ -38,7 +38,7 @@ void Instance::exit_initialization() {
 }
 
 void Instance::apply_values() {
-  if (variables_.apply(body_.settings)) body_.settings_changed();
+  variables_.apply(body_.settings);
   body_.settings.horizon = times_.horizon();
 }
 

@@ -47,34 +47,38 @@ std::string reason_text(Reason reason) {
 std::string at_time(double time) { return "at time " + number(time) + " s: "; }
 
 std::string rubbing_warning(SoftBody& body) {
-  if (!body.rubs_undamped()) return {};
+  const Readings now = body.readings();
+  if (!now.rubs_undamped()) return {};
   return "an undamped body rubs against an obstacle at solver.step = " + number(body.settings.step) +
-         " s: friction can feed its vibrations; take less than " + number(quiet_share * body.stable_step()) +
+         " s: friction can feed its vibrations; take less than " + number(quiet_share * now.stable_step()) +
          " s, leave solver.step at 0, or give the body some damping";
 }
 
 /// Steps of the component's choice are made smaller instead, as long as that helps.
 std::string gain_warning(SoftBody& body, double time) {
+  const Readings now = body.readings();
   const double given = body.settings.step;
-  if (!body.gains_energy() || (given == 0 && !body.beyond_help())) return {};
-  std::string text = "up to time " + number(time) + " s the body has gained " + number(body.gained_energy()) +
-                     " J that nothing outside gave it, of " + number(body.largest_energy()) + " J at most: ";
+  if (!now.gains_energy() || (given == 0 && !now.beyond_help())) return {};
+  std::string text = "up to time " + number(time) + " s the body has gained " + number(now.gained_energy()) +
+                     " J that nothing outside gave it, of " + number(now.largest_energy()) + " J at most: ";
   if (given > 0)
     text += "solver.step = " + number(given) + " s feeds its vibrations; take less than " +
-            number(std::min(0.5 * given, quiet_share * body.stable_step())) + " s, leave solver.step at 0, or give the body more damping";
+            number(std::min(0.5 * given, quiet_share * now.stable_step())) + " s, leave solver.step at 0, or give the body more damping";
   else
     text += "smaller internal steps did not help; give the body more damping, or a smaller tolerance";
   return text;
 }
 
 std::string division_warning(const SoftBody& body, double time) {
+  const Readings now = body.readings();
   if (body.divided() == 1) return {};
-  return "up to time " + number(time) + " s internal steps of " + number(body.internal_step() * body.divided()) +
-         " s give a result that is not finite; the communication step was done again with steps of " + number(body.internal_step()) + " s";
+  return "up to time " + number(time) + " s internal steps of " + number(now.internal_step() * body.divided()) +
+         " s give a result that is not finite; the communication step was done again with steps of " + number(now.internal_step()) + " s";
 }
 
 std::string turning_warning(const SoftBody& body, double time) {
-  const double spin = body.damped_spin(), h = body.internal_step();
+  const Readings now = body.readings();
+  const double spin = now.damped_spin(), h = now.internal_step();
   if (!(spin * h > damped_turn)) return {};
   return "at time " + number(time) + " s the stiff body in contact turns at omega = " + number(spin) +
          " rad/s in implicit steps of h = " + number(h) + " s, which take the share omega h / 2 = " + number(0.5 * spin * h) +
@@ -84,7 +88,7 @@ std::string turning_warning(const SoftBody& body, double time) {
 
 /// That cells are turned inside out is a state of the model like any other, but seldom a wanted one.
 std::string folding_warning(const SoftBody& body, double volume_stiffness, double time) {
-  const int folded = body.folded_cells();
+  const int folded = body.readings().folded_cells();
   if (folded == 0) return {};
   std::string text = "at time " + number(time) + " s " + std::to_string(folded) + " of the lattice's cells " +
                      (folded == 1 ? "is" : "are") + " turned inside out (solver.folded_cells); ";
@@ -101,7 +105,7 @@ std::string folding_warning(const SoftBody& body, double volume_stiffness, doubl
 
 void Messages::begun(const SoftBody& body, double time) {
   warn_of_folding(body, time);
-  if (body.undecided())  // passes with a given step only
+  if (body.readings().undecided())  // passes with a given step only
     logger_.log(fmi2Warning, log_warning, at_time(time) + without_direction(scene_, body));
   else if (const std::string behind = behind_planes(scene_, body); !behind.empty())
     logger_.log(fmi2Warning, log_warning, at_time(time) + behind + "; " + clear_of_planes);
@@ -123,8 +127,9 @@ void Messages::warn_of_folding(const SoftBody& body, double time) {
 }
 
 void Messages::say_share(const SoftBody& body, double time) {
-  if (body.step_share() >= said_.share) return;
-  said_.share = body.step_share();
+  const Readings now = body.readings();
+  if (now.step_factor() >= said_.share) return;
+  said_.share = now.step_factor();
   logger_.log(
       fmi2OK, log_solver,
       at_time(time) + "the body gained energy at its usual internal steps; it takes " + number(said_.share) + " of them from here on");
@@ -132,18 +137,19 @@ void Messages::say_share(const SoftBody& body, double time) {
 
 /// The method of a step and why it is taken, where either is another than before, or where a given step has to be divided much further.
 void Messages::say_choice(SoftBody& body) {
-  const double h = body.internal_step(), asked = body.settings.step;
-  const bool divided = asked > h * (1 + 1e-9) && asked > body.stable_step();
-  if (body.method() == said_.method && body.reason() == said_.reason && !(divided && h < 0.5 * said_.step)) return;
-  said_.method = body.method();
-  said_.reason = body.reason();
+  const Readings now = body.readings();
+  const double h = now.internal_step(), asked = body.settings.step;
+  const bool divided = asked > h * (1 + 1e-9) && asked > now.stable_step();
+  if (now.method() == said_.method && now.reason() == said_.reason && !(divided && h < 0.5 * said_.step)) return;
+  said_.method = now.method();
+  said_.reason = now.reason();
   said_.step = h;
   const char* category = divided ? log_warning : log_solver;
   if (!logger_.on(category)) return;
-  std::string text = method_name(body.method()) + ": " + reason_text(body.reason());
+  std::string text = method_name(now.method()) + ": " + reason_text(now.reason());
   if (divided)
     text += "; internal step " + number(h) + " s, a part of solver.step = " + number(asked) + " s, which is above the stability bound " +
-            number(body.stable_step()) + " s";
+            number(now.stable_step()) + " s";
   else
     text += "; internal step of this communication step " + number(h) + " s";
   logger_.log(divided ? fmi2Warning : fmi2OK, category, text);

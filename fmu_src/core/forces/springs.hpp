@@ -22,6 +22,7 @@ enum class Topology {
 struct Stiffness {
   double edge = 0, face = 0, body = 0;  ///< >= 0 [N/m]
   double of(SpringKind kind) const { return kind == SpringKind::edge ? edge : kind == SpringKind::face ? face : body; }
+  bool operator==(const Stiffness&) const = default;
 };
 
 /// Springs with both ends among the points keep this stiffness; later overrides win.

@@ -158,9 +158,5 @@ inline constexpr double mended = 0.25;
 
 /// Change of the outside forces relative to their size, between two communication steps, that is a jolt [1].
 inline constexpr double jolt = 0.01;
-/// Displacement relative to the box from which on a jump of points begins the energy account anew [1].
-inline constexpr double jump = 1e-3;
-/// Given step in units of 2 / omega above which friction can feed the vibrations of an undamped body [1]: up to it none has been seen to.
-inline constexpr double rubbing = 0.3;
 
 }  // namespace softffd::thresholds

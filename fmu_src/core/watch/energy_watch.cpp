@@ -61,4 +61,38 @@ double lost(EnergyAccount account, const Equations& equations, const Run& run) {
   return -account.balance;
 }
 
+double open_account(Run& now, const Run& before, const Model& model, const Drive& drive, bool changed, bool moved) {
+  EnergyAccount& account = now.energy;
+  const State &motion = now.path.motion, &start_motion = before.path.motion;
+  const bool far = moved && (motion.x - start_motion.x).abs().maxCoeff() > far_jump * model.body.length;
+  if (account.kinetic_elastic < 0 || changed || far) {
+    start(account, {model.body, drive}, motion, now.course.work);
+    return now.path.exchange.work;
+  }
+  if (moved) account.received -= 0.5 * ((motion.spring + start_motion.spring) * (motion.x - start_motion.x)).sum();
+  return 0;
+}
+
+void close_account(Run& now, const Model& model, const Drive& drive, const Points& begin, double booked) {
+  EnergyAccount& account = now.energy;
+  if (now.course.method == Method::backward_euler) {  // has a guard of its own
+    account.kinetic_elastic = -1;
+    return;
+  }
+  const Exchange& exchange = now.path.exchange;
+  const double taken = model.body.damped ? 0 : exchange.dissipated;
+  account.received += (drive.force * (now.path.motion.x - begin)).sum() + exchange.work - booked - taken;
+  if (now.course.work >= account.due) look(account, {model.body, drive}, now.path.motion, staggered_step(now), now.course.work);
+}
+
+EnergyAccount account_at_start(const Run& before, const Model& model, const Drive& drive, bool changed) {
+  EnergyAccount account = before.energy;
+  if (changed || account.kinetic_elastic < 0) return account;
+  const State& motion = before.path.motion;
+  jolt(account, model.body, motion.spring, before.outside, drive.force);
+  look(account, {model.body, drive}, motion, staggered_step(before), 0);
+  jolt(account, model.body, motion.spring, drive.force, before.outside);
+  return account;
+}
+
 }  // namespace softffd

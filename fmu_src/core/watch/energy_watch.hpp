@@ -13,6 +13,7 @@
 /// steps are short: they cost an evaluation of the energy.
 #pragma once
 #include "forces/equations.hpp"
+#include "forces/model.hpp"
 #include "model/run.hpp"
 
 namespace softffd {
@@ -32,5 +33,18 @@ inline bool alarm(const EnergyAccount& account, double noise) { return account.g
 double staggered_step(const Run& run);
 /// Energy that the method has taken until now [J]; below 0: gained.
 double lost(EnergyAccount account, const Equations& equations, const Run& run);
+
+// ---- the account of a communication step ----
+
+/// Displacement relative to the box from which on a jump of points begins the account anew [1]. By experience.
+inline constexpr double far_jump = 1e-3;
+
+/// Books what moved points without the body's own motion. changed: the material is another than before; moved: planes or pins have moved
+/// points. Returns what of the exchange's work is booked already.
+double open_account(Run& now, const Run& before, const Model& model, const Drive& drive, bool changed, bool moved);
+/// The same with and without energy outputs: what only they have counted is not read. begin: positions at the start.
+void close_account(Run& now, const Model& model, const Drive& drive, const Points& begin, double booked);
+/// The account at the start of the communication step, as a look there shows it.
+EnergyAccount account_at_start(const Run& before, const Model& model, const Drive& drive, bool changed);
 
 }  // namespace softffd

@@ -34,14 +34,14 @@ TEST(a_point_stops_on_the_plane_and_stays) {
     CHECK(body.state().x(0, 2) >= 0);
   }
   CHECK(body.state().x(0, 2) == 0 && body.state().v(0, 2) == 0);
-  CHECK_NEAR(body.plane_reaction(0).z(), -9.81, 1e-12);
+  CHECK_NEAR(body.readings().plane_reaction(0).z(), -9.81, 1e-12);
 }
 
 TEST(momentum_of_an_impact_goes_to_the_plane_exactly) {
   SoftBody body = box(1, {0, 0, 0.005}, {0, 0, -1});
   body.initialize(0);
   CHECK(body.advance(0.01) == StepStatus::ok);
-  CHECK_NEAR(body.plane_reaction(0).z() * 0.01, -0.5, 1e-15);  // the four lower points of 1 kg in all
+  CHECK_NEAR(body.readings().plane_reaction(0).z() * 0.01, -0.5, 1e-15);  // the four lower points of 1 kg in all
 }
 
 TEST(friction_stops_a_slide_after_v_squared_over_two_mu_g) {
@@ -73,7 +73,7 @@ TEST(a_jumping_plane_gives_no_velocity) {
   CHECK(body.advance(0.01) == StepStatus::ok);
   CHECK_NEAR(body.state().x(0, 2), 0.25, 1e-15);
   CHECK(body.state().v.isZero(0));
-  CHECK(body.plane_reaction(0).isZero(0));
+  CHECK(body.readings().plane_reaction(0).isZero(0));
 }
 
 TEST(a_closing_gap_without_room_is_an_error_and_leaves_the_state) {

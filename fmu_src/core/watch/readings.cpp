@@ -1,0 +1,67 @@
+#include "watch/readings.hpp"
+
+#include <algorithm>
+
+#include "methods/traits.hpp"
+#include "model/rigid_motion.hpp"
+
+namespace softffd {
+
+double Readings::kinetic_energy() const { return 0.5 * (model.body.mass * now.path.motion.v.square().rowwise().sum()).sum(); }
+
+double Readings::gravity_energy() const {
+  double energy = 0;
+  for (int axis = 0; axis < 3; ++axis) energy -= gravity[axis] * (model.body.mass * now.path.motion.x.col(axis)).sum();
+  return energy;
+}
+
+double Readings::lost_energy() const { return lost(now.energy, {model.body, drive}, now); }
+
+bool Readings::rubs_undamped() const {
+  if (model.body.damped || given_step == 0 || now.path.exchange.contacts_resolved == 0) return false;
+  const auto rubs = [](const Plane& plane) { return plane.friction > 0; };
+  return std::any_of(drive.planes.begin(), drive.planes.end(), rubs) && internal_step() > rubbing * stable_step();
+}
+
+double Readings::damped_spin() const {
+  if (now.course.method != Method::backward_euler) return 0;
+  const auto spin = [&](const State& state) { return rigid_motion(model.body.mass, state.x, state.v).spin.norm(); };
+  return std::max(spin(before.path.motion), spin(now.path.motion));
+}
+
+bool Readings::undecided() const {
+  const State& motion = now.path.motion;
+  if (motion.spring.isZero(0)) return false;
+  for (const Springs::Row& springs : model.body.springs.rows())
+    for (int lane = 0; lane < springs.lanes(); ++lane) {
+      const int p = springs.begin + lane, q = p + springs.offset;
+      const bool apart = row(motion.x, p) != row(motion.x, q) || row(motion.v, p) != row(motion.v, q);
+      if (!apart && springs.stiffness[lane] > 0 && !(model.body.pinned[p] && model.body.pinned[q])) return true;
+    }
+  return false;
+}
+
+Vibration Readings::set_off(double kink, Points& scratch, Points& more) const {
+  const bool followed = is_implicit(before.course.method);
+  const State& start = before.path.motion;
+  if (followed) {
+    scratch = drive.force - before.outside;
+  } else {  // what is left over of the forces once they hold the body on its turn
+    const RigidMotion rigid = rigid_motion(model.body.mass, start.x, start.v);
+    scratch = drive.force + start.spring;
+    for (int p = 0; p < model.body.points(); ++p) {
+      const Vec3 arm = row(start.x, p) - rigid.centre;
+      set_row(scratch, p, row(scratch, p) - model.body.mass[p] * rigid.spin.cross(rigid.spin.cross(arm)));
+    }
+  }
+  return softffd::set_off({model.body, drive}, start, now.path.motion, followed || drive.bent ? kink : 1, scratch, more);
+}
+
+double Readings::remaining(double t) const {
+  const double rate = 0.5 * (model.body.damping / model.body.mass).minCoeff();
+  double growth = 1 + rate * t / 1024;  // exp without the C library, to the power of 1024
+  for (int i = 0; i < 10; ++i) growth *= growth;
+  return 1 / growth;
+}
+
+}  // namespace softffd

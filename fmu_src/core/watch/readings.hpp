@@ -1,0 +1,77 @@
+/// What can be read of a soft body after a communication step: reactions, energies, and what is worth a warning. A view: it changes nothing
+/// and is valid until the body changes.
+#pragma once
+#include "forces/cells.hpp"
+#include "forces/model.hpp"
+#include "model/drive.hpp"
+#include "watch/energy_watch.hpp"
+#include "watch/vibration.hpp"
+
+namespace softffd {
+
+/// Step in units of the largest stable one above which friction can feed the vibrations of an undamped body [1]: up to it none has been
+/// seen to.
+inline constexpr double rubbing = 0.3;
+
+struct Readings {
+  const Model& model;
+  const Drive& drive;
+  const Cells& cells;
+  const Run &now, &before;  ///< after and before the last communication step
+  Vec3 gravity;             ///< [m/s2]
+  double given_step;        ///< internal step that the user gives [s]; 0: none
+
+  Vec3 plane_reaction(int q) const { return now.path.exchange.planes[q].force / now.exchange_time; }
+  Vec3 plane_torque(int q) const { return now.path.exchange.planes[q].torque / now.exchange_time; }
+  Count plane_contacts(int q) const { return now.contacts[q]; }
+  Vec3 pin_reaction(int a) const { return now.path.exchange.pins[a].force / now.exchange_time; }
+  Vec3 pin_torque(int a) const { return now.path.exchange.pins[a].torque / now.exchange_time; }
+
+  double kinetic_energy() const;
+  double elastic_energy() const { return model.body.elastic_energy(now.path.motion.x); }
+  double gravity_energy() const;
+  double dissipated_energy() const { return now.dissipated; }
+  double work() const { return now.work; }
+
+  Count steps() const { return now.path.steps; }
+  Count rejected() const { return now.course.rejected; }
+  Count contacts_resolved() const { return now.contacts_resolved; }
+  /// The method that took the last communication step, and why.
+  Method method() const { return now.course.method; }
+  Reason reason() const { return now.course.reason; }
+  /// Internal step of the last communication step [s].
+  double internal_step() const { return now.path.clock.h; }
+  /// Largest stable internal step of the current state, by bound [s]; the largest finite number if nothing resists.
+  double stable_step() const { return model.stability.stable_step(model.body, now.path.motion.x); }
+  /// Number of cells with a corner that is turned inside out or flat.
+  int folded_cells() const { return cells.folded(now.path.motion.x); }
+
+  bool damped() const { return model.body.damped; }
+  /// Has the body more energy than it was given?
+  bool gains_energy() const { return alarm(now.energy, model.noise); }
+  double gained_energy() const { return now.energy.gained; }  ///< out of nothing [J]
+  /// What an undamped body should have more [J]: lost by the method. Below 0: gained.
+  double lost_energy() const;
+  double largest_energy() const { return now.energy.largest; }  ///< kinetic and elastic, so far [J]
+  /// Factor of the usual internal step that automatic steps take since the usual one gained energy.
+  double step_factor() const { return now.energy.step_factor; }
+  bool beyond_help() const { return now.energy.hopeless; }  ///< and smaller automatic steps do not help
+  /// Did an undamped body rub against an obstacle in the last communication step, at given steps by which friction can feed vibrations?
+  bool rubs_undamped() const;
+  /// How fast the body turned before or after the last communication step, whichever is faster, if implicit contact steps took it; they
+  /// damp that. Otherwise 0 [rad/s].
+  double damped_spin() const;
+  /// Do springs have no length and would push their ends apart, if rounding gave them a direction? Where nothing moves at all, nothing is
+  /// to be decided.
+  bool undecided() const;
+
+  /// Size of vibrations of this energy [J], of a time scale up to this [s], in all of the body [m].
+  double amplitude(double energy, double slowest) const { return softffd::amplitude(model, energy, slowest); }
+  /// The vibration that the start of the last communication step set off by jumps of the forces and by `kink`, the fraction of the change
+  /// of velocity that came at once; any that was there, if the step before was explicit.
+  Vibration set_off(double kink, Points& scratch, Points& more) const;
+  /// Fraction of a vibration that the slowest damping leaves after a time t [s].
+  double remaining(double t) const;
+};
+
+}  // namespace softffd
