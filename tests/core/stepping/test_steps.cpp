@@ -25,7 +25,7 @@ struct Bench {
     const int n = lattice.points();
     model.body.springs.set_stiffness({100, 100, 100}, {});
     model.renew();
-    drive.force.setZero(n, 3);
+    for (Points* points : {&drive.force, &drive.force_rate, &drive.force_bend[0], &drive.force_bend[1]}) points->setZero(n, 3);
     State& motion = run.path.motion;
     motion.x = rest_positions(lattice);
     motion.x.col(0) *= 1.1;
