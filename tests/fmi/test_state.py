@@ -84,9 +84,10 @@ def test_outputs_right_after_rolling_back_are_those_of_the_saved_moment(slave):
     assert slave.outputs() == before
 
 
-def test_a_pending_parameter_change_is_part_of_the_state(slave):
+@pytest.mark.parametrize("name, value", [("stiffness.edge", 5e3), ("damping", 0.9), ("gravity.z", -3.0)])
+def test_a_pending_parameter_change_is_part_of_the_state_and_not_yet_in_effect(slave, name, value):
     slave.advance(0, 10)
-    slave.set("stiffness.edge", 5e3)
+    slave.set(name, value)
     before, state = slave.outputs(), slave.getFMUstate()
     slave.advance(10, 20)
     straight = slave.outputs()

@@ -121,3 +121,15 @@ def test_a_longer_run_is_stepped_more_finely(method):
             stepper.step(0.1, times=10)
             steps.append(stepper.integer("solver.steps"))
     assert steps[1] > 1.05 * steps[0]
+
+
+@pytest.mark.parametrize("start", [-8.0, 256.0])
+def test_the_length_of_a_run_counts_from_its_start(start):
+    """The tolerance is shared out over the same second, to the bit, wherever it lies."""
+    with Stepper(load_scene("free_vibration")) as stepper:
+        ends = []
+        for begin in (0.0, start):
+            stepper.restart({"solver.method": "leapfrog", "solver.tolerance": 1e-4}, start_time=begin, stop_time=begin + 1.0)
+            stepper.step(0.125, times=8)
+            ends.append(stepper.positions())
+    assert np.array_equal(*ends)
