@@ -1,0 +1,80 @@
+#include "messages.hpp"
+
+#include <cstdlib>
+#include <vector>
+
+#include "check.hpp"
+#include "instance.hpp"
+#include "small_scene.hpp"
+
+using namespace softffd::fmi;
+
+namespace {
+
+std::vector<std::string> heard;
+
+void hear(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String category, fmi2String message, ...) {
+  heard.push_back(std::string(category) + ": " + message);
+}
+
+/// How many messages hold a text.
+int count(const std::string& text) {
+  int n = 0;
+  for (const std::string& message : heard) n += message.find(text) != message.npos;
+  return n;
+}
+
+struct Run {
+  Instance instance;
+
+  Run(const std::string& initial, const std::string& parts, bool logging = true)
+      : instance(parse_scene(small_scene::Box{.initial = initial}.text(parts)),
+                 Logger({hear, std::calloc, std::free, nullptr, nullptr}, "told", logging)) {
+    heard.clear();
+  }
+  void start() {
+    instance.enter_initialization();
+    instance.exit_initialization();
+  }
+  void steps(int first, int last) {
+    for (int n = first; n < last; ++n) CHECK(instance.do_step(n * 0.01, 0.01) == fmi2OK);
+  }
+};
+
+const std::string turned_inside_out = "-1 1 1 0 0 0 0 0 0 0 0 0", as_drawn = "1 1 1 0 0 0 0 0 0 0 0 0";
+
+}  // namespace
+
+TEST(a_warning_is_given_once_in_a_run_and_again_in_the_next) {
+  Run run(turned_inside_out, "damping 0.1\n");
+  run.start();
+  CHECK(count("logStatusWarning: at time 0 s 8 of the lattice's cells are turned inside out") == 1);
+  run.steps(0, 3);
+  CHECK(count("turned inside out") == 1);
+  run.instance.reset();
+  run.start();
+  CHECK(count("turned inside out") == 2);
+}
+
+TEST(the_method_is_told_when_it_is_another) {
+  Run run("1.1 1 1 0 0 0 0 0 0 0 0 0", "damping 0.1\nmethod 3\n");
+  run.start();
+  run.steps(0, 3);
+  CHECK(heard.size() == 1 && count("solver: leapfrog: as asked; internal step of this communication step ") == 1);
+}
+
+TEST(a_start_behind_a_plane_is_told_with_the_plane_and_the_depth) {
+  Run run(as_drawn, "damping 0.1\nplane table fixed 0 0 0.25 0 0 1 0 0 0 0 0 0 0\nstep 1e-4\n");
+  run.start();
+  CHECK(count("9 control points start behind plane table, by up to 0.25 m, and are moved out at once") == 1);
+}
+
+TEST(what_is_not_counted_while_nobody_listens_is_told_as_soon_as_somebody_does) {
+  Run run(turned_inside_out, "damping 0.1\n", false);
+  run.start();
+  run.steps(0, 1);
+  CHECK(heard.empty());
+  run.instance.logger.switch_categories(true, {});
+  run.steps(1, 2);
+  CHECK(count("turned inside out") == 1);
+}
