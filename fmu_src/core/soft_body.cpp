@@ -131,32 +131,21 @@ void SoftBody::take_material() {
 StepStatus SoftBody::refresh_drive() {
   const double time = now_.path.motion.time;
   for (std::size_t q = 0; q < drive_.planes.size(); ++q) {
-    const Settings::PlaneInput& input = settings.planes[q];
-    const double size = input.normal.stableNorm();
+    const double size = settings.planes[q].normal.stableNorm();
     if (!(size > 0)) return StepStatus::zero_normal;
-    drive_.planes[q] = {.point = input.point,
-                        .normal = input.normal / size,
-                        .velocity = input.velocity,
-                        .angular_velocity = input.angular_velocity,
-                        .acceleration = input.acceleration,
-                        .angular_acceleration = input.angular_acceleration,
-                        .normal_rate = input.normal_rate / size,
-                        .friction = input.friction,
-                        .since = input.moved_by_input ? time : start_time_};
+    Plane& plane = drive_.planes[q];
+    static_cast<PlaneMotion&>(plane) = settings.planes[q];
+    plane.normal /= size;
+    plane.normal_rate /= size;
+    plane.since = plane.moved_by_input ? time : start_time_;
   }
   for (std::size_t a = 0; a < drive_.pins.size(); ++a) {
-    const Settings::PinInput& input = settings.pins[a];
-    const Eigen::Map<const Eigen::Vector4d> q(input.orientation.data());
-    const double size = q.stableNorm();
+    const double size = Eigen::Map<const Eigen::Vector4d>(settings.pins[a].orientation.data()).stableNorm();
     if (!(size > 0)) return StepStatus::zero_orientation;
     Pin& pin = drive_.pins[a];
-    pin.position = input.position;
-    for (int i = 0; i < 4; ++i) pin.orientation[i] = q[i] / size;
-    for (int i = 0; i < 4; ++i) pin.orientation_rate[i] = input.orientation_rate[i] / size;
-    pin.velocity = input.velocity;
-    pin.angular_velocity = input.angular_velocity;
-    pin.acceleration = input.acceleration;
-    pin.angular_acceleration = input.angular_acceleration;
+    static_cast<PinMotion&>(pin) = settings.pins[a];
+    for (double& component : pin.orientation) component /= size;
+    for (double& component : pin.orientation_rate) component /= size;
     pin.since = time;
   }
   for (int axis = 0; axis < 3; ++axis) drive_.force.col(axis) = settings.force.col(axis) + settings.gravity[axis] * model_.body.mass;

@@ -56,21 +56,8 @@ struct Settings : Material {
   Points force;                      ///< loads and point forces at the communication point (points, 3) [N]
   Points force_rate;                 ///< their time derivative [N/s]
   std::array<Points, 2> force_bend;  ///< their second and third [N/s2, N/s3]
-  struct PlaneInput {
-    Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ(), velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
-    double friction = 0;
-    bool moved_by_input = false;  ///< the pose belongs to the communication point; otherwise to the start time
-    Vec3 acceleration = Vec3::Zero(), angular_acceleration = Vec3::Zero(), normal_rate = Vec3::Zero();
-  };
-  std::vector<PlaneInput> planes;
-  struct PinInput {
-    Vec3 position = Vec3::Zero();
-    std::array<double, 4> orientation{1, 0, 0, 0};
-    Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
-    Vec3 acceleration = Vec3::Zero(), angular_acceleration = Vec3::Zero();
-    std::array<double, 4> orientation_rate{};
-  };
-  std::vector<PinInput> pins;
+  std::vector<PlaneMotion> planes;
+  std::vector<PinMotion> pins;
 };
 
 class SoftBody {

@@ -6,9 +6,6 @@ namespace softffd::fmi {
 
 namespace {
 
-using Plane = Settings::PlaneInput;
-using Pin = Settings::PinInput;
-
 template <auto list>
 std::vector<int> all(const SceneFile& s) {
   std::vector<int> members((s.*list).size());
@@ -95,18 +92,18 @@ constexpr Binding output(Family family, Binding::Output output, Binding::Output 
 constexpr std::array<Binding, family_count> bindings{
     spread(Family::force),
     spread(Family::load),
-    setting(Family::plane_point, of_plane<&Plane::point>),
-    setting(Family::plane_normal, of_plane<&Plane::normal>, of_plane<&Plane::normal_rate>),
-    setting(Family::plane_velocity, of_plane<&Plane::velocity>, of_plane<&Plane::acceleration>),
-    setting(Family::plane_angular_velocity, of_plane<&Plane::angular_velocity>, of_plane<&Plane::angular_acceleration>),
-    setting(Family::pin_position, of_pin<&Pin::position>),
-    setting(Family::pin_orientation, of_pin<&Pin::orientation>, of_pin<&Pin::orientation_rate>),
-    setting(Family::pin_velocity, of_pin<&Pin::velocity>, of_pin<&Pin::acceleration>),
-    setting(Family::pin_angular_velocity, of_pin<&Pin::angular_velocity>, of_pin<&Pin::angular_acceleration>),
-    setting(Family::fixed_plane_point, of_plane<&Plane::point>),
-    setting(Family::fixed_plane_normal, of_plane<&Plane::normal>),
-    setting(Family::fixed_plane_velocity, of_plane<&Plane::velocity>),
-    setting(Family::fixed_plane_angular_velocity, of_plane<&Plane::angular_velocity>),
+    setting(Family::plane_point, of_plane<&PlaneMotion::point>),
+    setting(Family::plane_normal, of_plane<&PlaneMotion::normal>, of_plane<&PlaneMotion::normal_rate>),
+    setting(Family::plane_velocity, of_plane<&PlaneMotion::velocity>, of_plane<&PlaneMotion::acceleration>),
+    setting(Family::plane_angular_velocity, of_plane<&PlaneMotion::angular_velocity>, of_plane<&PlaneMotion::angular_acceleration>),
+    setting(Family::pin_position, of_pin<&PinMotion::position>),
+    setting(Family::pin_orientation, of_pin<&PinMotion::orientation>, of_pin<&PinMotion::orientation_rate>),
+    setting(Family::pin_velocity, of_pin<&PinMotion::velocity>, of_pin<&PinMotion::acceleration>),
+    setting(Family::pin_angular_velocity, of_pin<&PinMotion::angular_velocity>, of_pin<&PinMotion::angular_acceleration>),
+    setting(Family::fixed_plane_point, of_plane<&PlaneMotion::point>),
+    setting(Family::fixed_plane_normal, of_plane<&PlaneMotion::normal>),
+    setting(Family::fixed_plane_velocity, of_plane<&PlaneMotion::velocity>),
+    setting(Family::fixed_plane_angular_velocity, of_plane<&PlaneMotion::angular_velocity>),
     setting(Family::plane_friction, [](Settings& s, int q) { return &s.planes[q].friction; }),
     setting(Family::mass, [](Settings& s, int) { return &s.mass; }),
     setting(Family::stiffness_edge, [](Settings& s, int) { return &s.stiffness.edge; }),

@@ -19,7 +19,7 @@ struct SceneFileError : std::runtime_error {
 };
 
 struct SceneFile {
-  struct Plane : Settings::PlaneInput {
+  struct Plane : PlaneMotion {
     std::string name;
   };
   struct Pin {

@@ -51,7 +51,7 @@ std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
   const Points start = start_positions(d);
   std::string text;
   for (std::size_t q = 0; q < scene.planes.size(); ++q) {
-    const Settings::PlaneInput& plane = body.settings.planes[q];
+    const PlaneMotion& plane = body.settings.planes[q];
     const Vec3 normal = plane.normal / plane.normal.stableNorm();
     int count = 0;
     double deepest = 0;

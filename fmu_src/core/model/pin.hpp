@@ -20,18 +20,23 @@ struct Frame {
   Vec3 material_velocity(const Vec3& arm) const;
 };
 
-/// The frame at rest has its origin at the centroid of the pinned points' rest positions and the world's axes.
-struct Pin {
-  std::vector<int> points;                        ///< control points, each in one pin only
-  std::vector<Vec3> local;                        ///< their rest positions in the frame [m]
-  Vec3 position = Vec3::Zero();                   ///< origin at time `since` [m]
-  std::array<double, 4> orientation{1, 0, 0, 0};  ///< at time `since`: unit quaternion w x y z
-  Vec3 velocity = Vec3::Zero();                   ///< of the origin, at time `since` [m/s]
-  Vec3 angular_velocity = Vec3::Zero();           ///< at time `since` [rad/s]
+/// Pose and motion of the frame at one moment, as a host gives them.
+struct PinMotion {
+  Vec3 position = Vec3::Zero();                   ///< origin [m]
+  std::array<double, 4> orientation{1, 0, 0, 0};  ///< quaternion w x y z of any length but 0
+  Vec3 velocity = Vec3::Zero();                   ///< of the origin [m/s]
+  Vec3 angular_velocity = Vec3::Zero();           ///< [rad/s]
   Vec3 acceleration = Vec3::Zero();               ///< [m/s2]
   Vec3 angular_acceleration = Vec3::Zero();       ///< [rad/s2]
   std::array<double, 4> orientation_rate{};       ///< where not zero, turns the frame instead of the angular velocity [1/s]
-  double since = 0;                               ///< [s]
+};
+
+/// The same from time `since` on, with a quaternion of unit length, and what hangs on the frame. The frame at rest has its origin at the
+/// centroid of the pinned points' rest positions and the world's axes.
+struct Pin : PinMotion {
+  std::vector<int> points;  ///< control points, each in one pin only
+  std::vector<Vec3> local;  ///< their rest positions in the frame [m]
+  double since = 0;         ///< [s]
 
   Frame at(double time) const;
 };

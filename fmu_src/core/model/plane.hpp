@@ -16,17 +16,23 @@ struct HalfSpace {
   Vec3 material_velocity(const Vec3& x) const;
 };
 
-/// Pose and motion from time `since` on. The normal turns with the angular velocity, or, where a rate of the normal is given, follows it.
-struct Plane {
-  Vec3 point = Vec3::Zero();                 ///< at time `since` [m]
-  Vec3 normal = Vec3::UnitZ();               ///< at time `since`, unit length; the solid is on the other side
-  Vec3 velocity = Vec3::Zero();              ///< of the obstacle at `point`, at time `since` [m/s]
-  Vec3 angular_velocity = Vec3::Zero();      ///< about `point`, at time `since` [rad/s]
+/// Pose and motion at one moment, as a host gives them.
+struct PlaneMotion {
+  Vec3 point = Vec3::Zero();                 ///< [m]
+  Vec3 normal = Vec3::UnitZ();               ///< of any length but 0; the solid is on the other side
+  Vec3 velocity = Vec3::Zero();              ///< of the obstacle at `point` [m/s]
+  Vec3 angular_velocity = Vec3::Zero();      ///< about `point` [rad/s]
+  double friction = 0;                       ///< Coulomb coefficient, >= 0
+  bool moved_by_input = false;               ///< the pose belongs to the communication point; otherwise to the start time
   Vec3 acceleration = Vec3::Zero();          ///< [m/s2]
   Vec3 angular_acceleration = Vec3::Zero();  ///< [rad/s2]
   Vec3 normal_rate = Vec3::Zero();           ///< time derivative of `normal` before normalising [1/s]
-  double friction = 0;                       ///< Coulomb coefficient, >= 0
-  double since = 0;                          ///< [s]
+};
+
+/// The same from time `since` on, with a normal of unit length, which turns with the angular velocity, or, where a rate of the normal is
+/// given, follows it.
+struct Plane : PlaneMotion {
+  double since = 0;  ///< [s]
 
   HalfSpace at(double time) const;
 };
