@@ -3,6 +3,7 @@
 import pickle
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -580,6 +581,16 @@ def test_a_run_takes_the_library_of_this_machine_alone(tmp_path, monkeypatch):
     monkeypatch.setattr(installed, "data_folder", lambda: tmp_path)
     with Simulation(scene()) as opened:
         step(opened)
+
+
+def test_the_installed_library_stays_loaded_between_runs():
+    """Loading it anew would leave 70 kB each time, which its C++ runtime takes and never gives back."""
+    loaded = Path("/proc/self/maps")
+    if not loaded.is_file():
+        pytest.skip("this system does not list what a process has loaded")
+    with Simulation(scene()):
+        pass
+    assert str(installed.host_library().resolve()) in loaded.read_text()
 
 
 def test_many_run_side_by_side_in_one_process():
