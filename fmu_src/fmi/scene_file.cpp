@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "checksum.hpp"
+#include "matrix/layer_matrix.hpp"
 #include "variable_table.hpp"
 
 namespace softffd::fmi {

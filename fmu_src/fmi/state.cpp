@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "instance.hpp"
+#include "matrix/layer_matrix.hpp"
 #include "methods/traits.hpp"
 #include "stepping/thresholds.hpp"
 

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "matrix/layer_matrix.hpp"
+
 namespace softffd::fmi {
 
 namespace {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "matrix/volume_hessian.hpp"
+
 namespace softffd {
 
 namespace {
@@ -62,7 +64,7 @@ bool LinearContact::solve_with_touches(const Problem& problem, ContactSet& conta
   for (;;) {
     if (stale_) {
       hessian_.fill(problem.body, problem.diagonal, matrix_);
-      if (problem.body.volume) problem.body.volume->add_stiffness(x_, problem.body.pinned, matrix_);
+      if (problem.body.volume) add_stiffness(*problem.body.volume, x_, problem.body.pinned, matrix_);
       contacts.constrain(matrix_);
       matrix_.factor();
       ++factorizations_;
@@ -135,7 +137,7 @@ void LinearContact::respond(const Problem& problem, const ContactSet& contacts, 
 void LinearContact::forces_of(const Problem& problem, const Points& u, Points& f) const {
   f.setZero();
   hessian_.subtract_product(problem.body.springs, u, f);
-  if (problem.body.volume) problem.body.volume->subtract_stiffness_product(x_, u, f);
+  if (problem.body.volume) subtract_stiffness_product(*problem.body.volume, x_, u, f);
   for (int axis = 0; axis < 3; ++axis) f.col(axis) = problem.diagonal * u.col(axis) - f.col(axis);
 }
 

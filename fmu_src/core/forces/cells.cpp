@@ -115,15 +115,14 @@ Cells::Cells(const Lattice& lattice) : points_(lattice.points()), edges_(Scalars
       for (int i = 0; i + 1 < n[0]; ++i) absent_[lattice.index(i, j, k)] = 0;
 }
 
-bool Cells::any_below(double limit, const Points& x) const {
+const Scalars& Cells::smallest(const Points& x) const {
   kernels::corner_volumes(points_, lanes(), offset_.data(), per_length_.data(), absent_.data(), x.data(), edges_.data(), smallest_.data());
-  return kernels::any_below(lanes(), limit, smallest_.data());
+  return smallest_;
 }
 
-int Cells::folded(const Points& x) const {
-  any_below(0, x);
-  return int((smallest_ <= 0).count());
-}
+bool Cells::any_below(double limit, const Points& x) const { return kernels::any_below(lanes(), limit, smallest(x).data()); }
+
+int Cells::folded(const Points& x) const { return int((smallest(x) <= 0).count()); }
 
 Cells::Corner Cells::corner(const Points& x, int lane, int a, int b, int c) const {
   const std::array<int, 3> place{a, b, c};
@@ -146,7 +145,8 @@ Cells::Corner Cells::corner(const Points& x, int lane, int a, int b, int c) cons
   return corner;
 }
 
-void Cells::add_squares(double limit, double factor, Points& f) const {
+void Cells::add_squares(double limit, double factor, const Points& x, Points& f) const {
+  if (!any_below(limit, x)) return;
   const std::array<double, 3> scaled{factor * per_length_[0], factor * per_length_[1], factor * per_length_[2]};
   kernels::add_squares(points_, lanes(), offset_.data(), scaled.data(), limit, absent_.data(), edges_.data(), pulls_.data(), f.data());
 }

@@ -22,14 +22,14 @@ class Cells {
  public:
   explicit Cells(const Lattice& lattice);
 
-  /// Whether any corner has J < limit at configuration x, (points, 3).
+  /// Smallest J of each lane's corners at configuration x, (points, 3); infinite without a cell. (lanes), until the next call.
+  const Scalars& smallest(const Points& x) const;
+  /// Whether any corner has J < limit.
   bool any_below(double limit, const Points& x) const;
   /// Number of cells with a corner of J <= 0, turned inside out or flat there.
   int folded(const Points& x) const;
 
   int lanes() const { return int(absent_.size()); }
-  /// Smallest J of a lane's corners at the configuration that one of the functions above was last called with; infinite without a cell.
-  double smallest(int lane) const { return smallest_[lane]; }
 
   struct Corner {
     double volume;                 ///< J
@@ -38,9 +38,21 @@ class Cells {
   };
   Corner corner(const Points& x, int lane, int a, int b, int c) const;
 
-  /// f += factor times the sum over all corners with J < limit of (limit - J)^2 dJ/dx, at the configuration that `any_below` was last
-  /// called with.
-  void add_squares(double limit, double factor, Points& f) const;
+  /// Calls visit(corner) for every corner with J < limit. Returns whether there was any.
+  template <class Visit>
+  bool visit_below(double limit, const Points& x, Visit visit) const {
+    if (!any_below(limit, x)) return false;
+    for (int lane = 0; lane < lanes(); ++lane) {
+      if (!(smallest_[lane] < limit)) continue;
+      for (int number = 0; number < 8; ++number) {
+        const Corner here = corner(x, lane, number & 1, number >> 1 & 1, number >> 2);
+        if (here.volume < limit) visit(here);
+      }
+    }
+    return true;
+  }
+  /// f += factor times the sum over all corners with J < limit of (limit - J)^2 dJ/dx.
+  void add_squares(double limit, double factor, const Points& x, Points& f) const;
 
  private:
   std::array<int, 3> offset_;         ///< from a point to its neighbour along each axis

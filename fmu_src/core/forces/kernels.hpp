@@ -19,9 +19,9 @@ struct SpringRow {
 void add_spring_forces(const SpringRow& springs, int points, const double* x, double* f, double* scratch);
 
 /// s += upper bounds of the springs' Hessians, weighted: c (e I + (1 - e) u u^T) with e = max(0, 1 - l/r), as xx yy zz xy xz yz
-/// (6 * points). c: `first` on the first point, `second` on the other (lanes). scratch: (6 * lanes).
+/// (6 * points). c: `first` on the first point, `second` on the other (lanes). bounds = e I + (1 - e) u u^T of every lane, (6 * lanes).
 void add_stiffness_bounds(const SpringRow& springs, int points, const double* x, const double* first, const double* second, double* s,
-                          double* scratch);
+                          double* bounds);
 
 /// v = a v + b (f + g), n values each.
 void kick(std::size_t n, const double* a, const double* b, const double* f, const double* g, double* v);
@@ -50,18 +50,5 @@ double largest_change(const SpringRow& springs, int points, const double* x, con
 /// f += forces that springs would exert if their ends moved by u and their stiffness matrix were the bound of `add_stiffness_bounds`:
 /// f -= K u. x, u, f: (3 * points); scratch: (3 * lanes).
 void subtract_stiffness_product(const SpringRow& springs, int points, const double* x, const double* u, double* f, double* scratch);
-
-/// Columns and rows of the matrices below come in blocks of this many; columns are `stride` apart.
-inline constexpr int block = 8;
-/// Eight columns c -= sum over `count` columns a_k of a_k times the first eight values of a_k; 8 `blocks` rows, `count` a multiple of 4.
-void subtract_products(int blocks, int count, std::size_t stride, const double* a, double* c);
-/// Cholesky factor of eight columns c with 8 `blocks` rows, the first eight of which are the diagonal block; above its diagonal nothing is
-/// left that has a meaning. inverse (8): 1 / diagonal of the factor.
-void factor_panel(int blocks, std::size_t stride, double* c, double* inverse);
-/// y <- L^-1 y for `columns` columns of a factor with `rows` >= `columns` rows: solves for the first values and subtracts them from the
-/// rest.
-void solve_lower(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y);
-/// The first `columns` values y <- L^-T y, the rest of the `rows` being solved for.
-void solve_upper(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y);
 
 }  // namespace softffd::kernels

@@ -9,57 +9,22 @@ Volume::Volume(const Lattice& lattice, double kappa) : cells_(lattice), rest_vol
   scale_ = kappa * rest_volume_ / 8;
 }
 
-/// Calls visit(corner, J0 - J) for every corner with J < J0; returns whether there was one.
-template <class Visit>
-bool Volume::visit_crushed(const Points& x, Visit visit) const {
-  if (!cells_.any_below(threshold, x)) return false;
-  for (int lane = 0; lane < cells_.lanes(); ++lane) {
-    if (!(cells_.smallest(lane) < threshold)) continue;
-    for (int number = 0; number < 8; ++number) {
-      const Cells::Corner corner = cells_.corner(x, lane, number & 1, number >> 1 & 1, number >> 2);
-      if (corner.volume < threshold) visit(corner, threshold - corner.volume);
-    }
-  }
-  return true;
-}
-
-void Volume::add_force(const Points& x, Points& f) const {
-  if (cells_.any_below(threshold, x)) cells_.add_squares(threshold, scale_ / threshold, f);
-}
+void Volume::add_force(const Points& x, Points& f) const { cells_.add_squares(threshold, scale_ / threshold, x, f); }
 
 double Volume::energy(const Points& x) const {
   double sum = 0;
-  visit_crushed(x, [&](const Cells::Corner&, double missing) { sum += missing * missing * missing; });
+  cells_.visit_below(threshold, x, [&](const Cells::Corner& corner) {
+    const double missing = threshold - corner.volume;
+    sum += missing * missing * missing;
+  });
   return scale_ / (3 * threshold) * sum;
-}
-
-void Volume::subtract_stiffness_product(const Points& x, const Points& u, Points& f) const {
-  visit_crushed(x, [&](const Cells::Corner& corner, double missing) {
-    double change = 0;
-    for (int i = 0; i < 4; ++i) change += corner.gradient[i].dot(row(u, corner.points[i]));
-    const double factor = scale_ * 2 * missing / threshold * change;
-    for (int i = 0; i < 4; ++i) f.row(corner.points[i]) -= factor * corner.gradient[i].array().transpose();
-  });
-}
-
-void Volume::add_stiffness(const Points& x, const std::vector<bool>& pinned, LayerMatrix& matrix) const {
-  visit_crushed(x, [&](const Cells::Corner& corner, double missing) {
-    const double second = scale_ * 2 * missing / threshold;
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j <= i; ++j) {
-        const int p = corner.points[i], q = corner.points[j];
-        if (pinned[p] || pinned[q]) continue;
-        for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < (i == j ? a + 1 : 3); ++b) matrix.at(p, a, q, b) += second * corner.gradient[i][a] * corner.gradient[j][b];
-      }
-  });
 }
 
 bool Volume::add_bounds(const Points& x, const Scalars& mass, const std::vector<bool>& pinned, Scalars& sums) const {
   const int n = int(mass.size());
-  return visit_crushed(x, [&](const Cells::Corner& corner, double missing) {
-    const double second = scale_ * 2 * missing / threshold, first = scale_ * missing * missing / threshold;
+  return visit_crushed(x, [&](const Cells::Corner& corner, double second) {
     const auto& [volume, points, gradient] = corner;
+    const double missing = threshold - volume, first = scale_ * missing * missing / threshold;
     for (int i = 0; i < 4; ++i) {
       const int p = points[i];
       if (pinned[p]) continue;

@@ -12,7 +12,8 @@
 ///      H_ij = A (phi'' g_i g_j^T + phi' C_ij),     phi'' = 2 (J0 - J) / J0 >= 0,     phi' = -(J0 - J)^2 / J0,
 ///
 /// C_ij = d2J/dx_i dx_j, a skew matrix of norm r_ij / V0 for i /= j and 0 for i = j, for V0 J is a determinant of three differences,
-/// linear in each point. The first part is positive semidefinite, and it is the stiffness that implicit methods take. For the
+/// linear in each point. The first part is positive semidefinite, and it is the stiffness that implicit methods take
+/// (matrix/volume_hessian.hpp). For the
 /// stability bound (stability.hpp) both are bounded, u being displacements of the points and m their masses: with
 ///
 ///      2 |p| |q| <= t |p|^2 + |q|^2 / t,     t = sqrt(m_i / m_j),
@@ -30,7 +31,6 @@
 #include <vector>
 
 #include "forces/cells.hpp"
-#include "matrix/layer_matrix.hpp"
 
 namespace softffd {
 
@@ -46,16 +46,17 @@ class Volume {
   void add_force(const Points& x, Points& f) const;
   /// Energy at x [J].
   double energy(const Points& x) const;
-  /// f -= K u, K the positive semidefinite part of the Hessian at x [N]; u [m], (points, 3).
-  void subtract_stiffness_product(const Points& x, const Points& u, Points& f) const;
-  /// matrix += K at x [N/m]; rows and columns of pinned points are left alone.
-  void add_stiffness(const Points& x, const std::vector<bool>& pinned, LayerMatrix& matrix) const;
   /// sums += the blocks S_p above at x [N/m], as xx yy zz xy xz yz, each (points). Returns whether there was anything to add.
   bool add_bounds(const Points& x, const Scalars& mass, const std::vector<bool>& pinned, Scalars& sums) const;
 
- private:
+  /// Calls visit(corner, A phi'' [J]) for every corner that resists. Returns whether there was any.
   template <class Visit>
-  bool visit_crushed(const Points& x, Visit visit) const;
+  bool visit_crushed(const Points& x, Visit visit) const {
+    return cells_.visit_below(threshold, x, [&](const Cells::Corner& corner) { visit(corner, second(threshold - corner.volume)); });
+  }
+
+ private:
+  double second(double missing) const { return scale_ * 2 * missing / threshold; }
 
   Cells cells_;
   double scale_;        ///< A [J]

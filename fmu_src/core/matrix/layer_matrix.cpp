@@ -4,7 +4,7 @@
 #include <cassert>
 #include <new>
 
-#include "forces/kernels.hpp"
+#include "matrix/panels.hpp"
 
 namespace softffd {
 

@@ -14,7 +14,7 @@
 ///
 /// For layers of s unknowns factoring takes 7/3 s^3 multiplications a layer, solving 3 s^2, and 16 s^2 bytes: 2.4 MB for 8 x 8 x 8 points,
 /// 20 MB for 8 x 8 x 32, but 150 MB for 16 x 16 x 16 and 5 GB for 32 x 32 x 32. There are none for layers of more than 64 points. The loops
-/// are kernels.hpp's: same bits on every instruction set.
+/// are panels.hpp's: same bits on every instruction set.
 #pragma once
 #include <memory>
 #include <vector>

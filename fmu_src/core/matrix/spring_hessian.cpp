@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "matrix/spring_assembly.hpp"
+
 namespace softffd {
 
 namespace {
 
-constexpr double lowest = -1e6;                                     // keeps the matrix of a spring without length finite
-constexpr int component[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};  // of xx yy zz xy xz yz
+/// Least 1 - l/r that counts: keeps the matrix of a spring without length finite.
+constexpr double lowest = -1e6;
 
 }  // namespace
 
@@ -65,22 +67,13 @@ void SpringHessian::subtract_product(const Springs& springs, const Points& u, Po
 }
 
 void SpringHessian::fill(const Body& body, const Scalars& diagonal, LayerMatrix& matrix) const {
-  const int n = body.points();
   matrix.clear();
   for (std::size_t r = 0; r < body.springs.rows().size(); ++r) {
     const Springs::Row& row = body.springs.rows()[r];
     const double* h = blocks_[r].data();
-    for (int lane = 0; lane < row.lanes(); ++lane) {
-      const int p = row.begin + lane, q = p + row.offset;
-      if (row.stiffness[lane] == 0 || body.pinned[p] || body.pinned[q]) continue;
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) matrix.at(p, a, q, b) = -h[component[a][b] * row.lanes() + lane];
-    }
+    set_couplings(body, row, matrix, [&](int lane, int component) { return h[component * row.lanes() + lane]; });
   }
-  for (int p = 0; p < n; ++p)
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b <= a; ++b)
-        matrix.at(p, a, p, b) = body.pinned[p] ? a == b : sums_[component[a][b] * n + p] + (a == b ? diagonal[p] : 0.0);
+  set_diagonal_blocks(body, sums_, diagonal, matrix);
 }
 
 }  // namespace softffd

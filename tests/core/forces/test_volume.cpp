@@ -57,19 +57,6 @@ double true_frequency(const Body& body, const Points& x) {
   return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(h).eigenvalues().maxCoeff()));
 }
 
-/// -K by products with unit vectors.
-Eigen::MatrixXd products(const Volume& volume, const Points& x) {
-  const int n = int(x.rows());
-  Eigen::MatrixXd k(3 * n, 3 * n);
-  for (int c = 0; c < 3 * n; ++c) {
-    Points u = Points::Zero(n, 3), f = Points::Zero(n, 3);
-    u.data()[c] = 1;
-    volume.subtract_stiffness_product(x, u, f);
-    k.col(c) = Eigen::Map<Eigen::VectorXd>(f.data(), 3 * n);
-  }
-  return k;
-}
-
 }  // namespace
 
 TEST(nothing_happens_before_a_corner_has_lost_half_its_volume) {
@@ -147,32 +134,6 @@ TEST(stiffness_is_the_second_derivative_where_the_force_is_small) {
   for (int p = 0; p < 64; ++p) x(p, 2) += 2e-6 * pseudo_random(p);
   const Eigen::MatrixXd exact = hessian(body, x), k = -products(*body.volume, x);
   CHECK((exact - k).cwiseAbs().maxCoeff() < 1e-3 * k.cwiseAbs().maxCoeff());
-}
-
-TEST(stiffness_is_positive_semidefinite_and_one_matrix_in_all_its_uses) {
-  const Lattice lattice{{3, 2, 4}};
-  Body body = make(lattice, 0);
-  for (int trial = 0; trial < 4; ++trial) {
-    const Points x = crumpled(lattice, 0.4, trial);
-    const Eigen::MatrixXd k = -products(*body.volume, x);
-    CHECK((k - k.transpose()).cwiseAbs().maxCoeff() <= 1e-12 * k.cwiseAbs().maxCoeff());
-    CHECK(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues().minCoeff() >= -1e-11 * k.cwiseAbs().maxCoeff());
-    body.pinned.assign(24, false);
-    if (trial % 2) body.pinned[3] = body.pinned[8] = true;
-    LayerMatrix matrix(lattice);
-    matrix.clear();
-    body.volume->add_stiffness(x, body.pinned, matrix);
-    for (int p = 0; p < 24; ++p)
-      for (int q = 0; q < 24; ++q)
-        for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < 3; ++b) {
-            const auto place = [&](int point) { return std::array{point % 3, point / 3 % 2, point / 6}; };
-            bool near = true;
-            for (int axis = 0; axis < 3; ++axis) near = near && std::abs(place(p)[axis] - place(q)[axis]) <= 1;
-            const double wanted = body.pinned[p] || body.pinned[q] ? 0 : k(a * 24 + p, b * 24 + q);
-            if (near) CHECK_NEAR(matrix.at(p, a, q, b), wanted, 1e-12 * k.cwiseAbs().maxCoeff());
-          }
-  }
 }
 
 TEST(stability_bound_holds_whatever_the_shape_masses_and_pins) {

@@ -1,0 +1,110 @@
+#include "matrix/panels.hpp"
+
+#include <cmath>
+
+#include "forces/clones.hpp"
+
+namespace softffd::kernels {
+
+/// Two columns c -= four columns a times the values at s, s + stride, ...: few enough to stay in registers.
+INNER void subtract_four(int n, std::size_t stride, const double* a, const double* s, Out c0, Out c1) {
+  In a0 = a, a1 = a + stride, a2 = a + 2 * stride, a3 = a + 3 * stride;
+  const double p0 = s[0], p1 = s[stride], p2 = s[2 * stride], p3 = s[3 * stride];
+  const double q0 = s[1], q1 = s[stride + 1], q2 = s[2 * stride + 1], q3 = s[3 * stride + 1];
+  for (int i = 0; i < n; ++i) {
+    c0[i] -= (a0[i] * p0 + a1[i] * p1) + (a2[i] * p2 + a3[i] * p3);
+    c1[i] -= (a0[i] * q0 + a1[i] * q1) + (a2[i] * q2 + a3[i] * q3);
+  }
+}
+
+SOFTFFD_CLONES
+void subtract_products(int blocks, int count, std::size_t stride, const double* a, double* c) {
+  const int n = block * blocks;
+  for (int k = 0; k < count; k += 4, a += 4 * stride)
+    for (int j = 0; j < block; j += 2) subtract_four(n, stride, a, a + j, c + j * stride, c + (j + 1) * stride);
+}
+
+/// Multiplies four columns by the inverse of the factor of their diagonal block from the right.
+INNER void divide_four(int n, const double l[4][4], const double inverse[4], Out c0, Out c1, Out c2, Out c3) {
+  const double l10 = l[1][0], l20 = l[2][0], l21 = l[2][1], l30 = l[3][0], l31 = l[3][1], l32 = l[3][2];
+  const double i0 = inverse[0], i1 = inverse[1], i2 = inverse[2], i3 = inverse[3];
+  for (int i = 0; i < n; ++i) {
+    const double x0 = c0[i] * i0, x1 = (c1[i] - x0 * l10) * i1, x2 = (c2[i] - (x0 * l20 + x1 * l21)) * i2;
+    c0[i] = x0;
+    c1[i] = x1;
+    c2[i] = x2;
+    c3[i] = (c3[i] - (x0 * l30 + x1 * l31 + x2 * l32)) * i3;
+  }
+}
+
+INNER void factor_four(int n, std::size_t stride, int diagonal, double* c, double* inverse) {
+  double l[4][4];
+  for (int j = 0; j < 4; ++j)
+    for (int i = j; i < 4; ++i) {
+      double sum = c[j * stride + diagonal + i];
+      for (int k = 0; k < j; ++k) sum -= l[i][k] * l[j][k];
+      if (i == j) inverse[j] = 1.0 / std::sqrt(sum);
+      l[i][j] = sum * inverse[j];
+    }
+  divide_four(n, l, inverse, c, c + stride, c + 2 * stride, c + 3 * stride);
+}
+
+SOFTFFD_CLONES
+void factor_panel(int blocks, std::size_t stride, double* c, double* inverse) {
+  const int n = block * blocks;
+  double* second = c + 4 * stride;
+  factor_four(n, stride, 0, c, inverse);
+  for (int j = 0; j < 4; j += 2) subtract_four(n, stride, c, c + 4 + j, second + j * stride, second + (j + 1) * stride);
+  factor_four(n, stride, 4, second, inverse + 4);
+}
+
+INNER void subtract_eight(int n, std::size_t stride, const double* a, const double s[8], Out y) {
+  In a0 = a, a1 = a + stride, a2 = a + 2 * stride, a3 = a + 3 * stride;
+  In a4 = a + 4 * stride, a5 = a + 5 * stride, a6 = a + 6 * stride, a7 = a + 7 * stride;
+  const double s0 = s[0], s1 = s[1], s2 = s[2], s3 = s[3], s4 = s[4], s5 = s[5], s6 = s[6], s7 = s[7];
+  for (int i = 0; i < n; ++i)
+    y[i] -= ((a0[i] * s0 + a1[i] * s1) + (a2[i] * s2 + a3[i] * s3)) + ((a4[i] * s4 + a5[i] * s5) + (a6[i] * s6 + a7[i] * s7));
+}
+
+SOFTFFD_CLONES
+void solve_lower(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y) {
+  for (int j = 0; j < columns; j += block) {
+    const double* panel = l + j * stride + j;
+    double s[block];
+    for (int i = 0; i < block; ++i) s[i] = y[j + i];
+    for (int k = 0; k < block; ++k) {
+      s[k] *= inverse[j + k];
+      for (int i = k + 1; i < block; ++i) s[i] -= panel[k * stride + i] * s[k];
+    }
+    for (int i = 0; i < block; ++i) y[j + i] = s[i];
+    subtract_eight((rows - j) / block * block - block, stride, panel + block, s, y + j + block);
+  }
+}
+
+/// Products of four columns with y, in eight partial sums each whatever the vector width.
+INNER void multiply_four(int blocks, std::size_t stride, const double* l, In y, double sums[4]) {
+  double parts[4][block] = {};
+  for (int b = 0; b < blocks; ++b)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < block; ++i) parts[j][i] += l[j * stride + b * block + i] * y[b * block + i];
+  for (int j = 0; j < 4; ++j) {
+    const double* p = parts[j];
+    sums[j] = ((p[0] + p[4]) + (p[1] + p[5])) + ((p[2] + p[6]) + (p[3] + p[7]));
+  }
+}
+
+SOFTFFD_CLONES
+void solve_upper(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y) {
+  for (int j = columns - block; j >= 0; j -= block) {
+    const double* panel = l + j * stride + j;
+    double s[block];
+    for (int k = 0; k < block; k += 4) multiply_four((rows - j) / block - 1, stride, panel + k * stride + block, y + j + block, s + k);
+    for (int k = block - 1; k >= 0; --k) {
+      double sum = y[j + k] - s[k];
+      for (int i = k + 1; i < block; ++i) sum -= panel[k * stride + i] * y[j + i];
+      y[j + k] = sum * inverse[j + k];
+    }
+  }
+}
+
+}  // namespace softffd::kernels

@@ -1,0 +1,60 @@
+#include "matrix/volume_hessian.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include "check.hpp"
+
+using namespace softffd;
+
+namespace {
+
+constexpr double kappa = 9e3;
+
+double pseudo_random(int i) { return 0.5 + 0.5 * std::sin(12.9898 * i * i + 78.233 * i); }
+
+Points crumpled(const Lattice& lattice, double amplitude, int seed) {
+  Points x = rest_positions(lattice);
+  for (int i = 0; i < x.size(); ++i) x.data()[i] += 2 * amplitude * (pseudo_random(100 * seed + i) - 0.5);
+  return x;
+}
+
+/// -K by products with unit vectors.
+Eigen::MatrixXd products(const Volume& volume, const Points& x) {
+  const int n = int(x.rows());
+  Eigen::MatrixXd k(3 * n, 3 * n);
+  for (int c = 0; c < 3 * n; ++c) {
+    Points u = Points::Zero(n, 3), f = Points::Zero(n, 3);
+    u.data()[c] = 1;
+    subtract_stiffness_product(volume, x, u, f);
+    k.col(c) = Eigen::Map<Eigen::VectorXd>(f.data(), 3 * n);
+  }
+  return k;
+}
+
+}  // namespace
+
+TEST(stiffness_is_positive_semidefinite_and_one_matrix_in_all_its_uses) {
+  const Lattice lattice{{3, 2, 4}};
+  const Volume volume(lattice, kappa);
+  for (int trial = 0; trial < 4; ++trial) {
+    const Points x = crumpled(lattice, 0.4, trial);
+    const Eigen::MatrixXd k = -products(volume, x);
+    CHECK((k - k.transpose()).cwiseAbs().maxCoeff() <= 1e-12 * k.cwiseAbs().maxCoeff());
+    CHECK(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues().minCoeff() >= -1e-11 * k.cwiseAbs().maxCoeff());
+    std::vector<bool> pinned(24, false);
+    if (trial % 2) pinned[3] = pinned[8] = true;
+    LayerMatrix matrix(lattice);
+    matrix.clear();
+    add_stiffness(volume, x, pinned, matrix);
+    for (int p = 0; p < 24; ++p)
+      for (int q = 0; q < 24; ++q)
+        for (int a = 0; a < 3; ++a)
+          for (int b = 0; b < 3; ++b) {
+            const auto place = [&](int point) { return std::array{point % 3, point / 3 % 2, point / 6}; };
+            bool near = true;
+            for (int axis = 0; axis < 3; ++axis) near = near && std::abs(place(p)[axis] - place(q)[axis]) <= 1;
+            const double wanted = pinned[p] || pinned[q] ? 0 : k(a * 24 + p, b * 24 + q);
+            if (near) CHECK_NEAR(matrix.at(p, a, q, b), wanted, 1e-12 * k.cwiseAbs().maxCoeff());
+          }
+  }
+}
