@@ -2,17 +2,13 @@
 
 #include <algorithm>
 
+#include "contact/tolerances.hpp"
+
 namespace softffd {
 
 namespace {
 
-/// A gap below this share of the box's size is contact; positions carry some 1e-16 of it as rounding.
-constexpr double touching = 1e-12;
-/// A pinned point this far behind a plane (share of the box) contradicts it.
-constexpr double pin_slack = 1e-9;
-
-Vec3 tangential(const Vec3& normal, const Vec3& v) { return v - normal.dot(v) * normal; }
-
+/// Moves x onto the plane.
 void snap(const HalfSpace& plane, Vec3& x) { x -= plane.gap(x) * plane.normal; }
 
 /// Coulomb friction of a normal impulse R on a point that slides: opposite to the mean slip, holding if it can.
@@ -23,6 +19,9 @@ Vec3 after_friction(double limit, const Vec3& slip_before, const Vec3& slip_afte
   const double length = mean.norm();
   return length > 0 ? Vec3(slip_after - limit / length * mean) : Vec3((1 - limit / size) * slip_after);
 }
+
+/// Where everything is at rest, velocities are allowed the rounding of this one [m/s].
+constexpr double unit_speed = 1;
 
 }  // namespace
 
@@ -54,7 +53,7 @@ StepStatus Contact::clear_jumps(const Body& body, const Drive& around, double ti
       if (least < -pin_slack * body.length) return StepStatus::pin_behind_plane;
       continue;
     }
-    const double slack = 1e-14 * (body.length + here.norm());
+    const double slack = position_slack * (body.length + here.norm());
     if (!feasible_.project(constraints_, slack, here)) return StepStatus::impossible_planes;
     set_row(x, p, here);
     moved = true;
@@ -166,11 +165,9 @@ StepStatus Contact::several_contacts(const StepView& step, Touch& touch, const C
                             .surface = middle_[q].material_velocity(x0 + 0.5 * h * free.v)});
   }
   change.v = free.v;
-  if (!feasible_.resolve(constraints_, 1e-13 * (length + x0.norm()) / h, change.v)) return StepStatus::impossible_planes;
+  if (!feasible_.resolve(constraints_, velocity_slack * (length + x0.norm()) / h, change.v)) return StepStatus::impossible_planes;
   change.x1 = x0 + h * change.v;
-  for (int sweep = 0; sweep < 3; ++sweep)
-    for (const HalfSpace& plane : end_)
-      if (plane.gap(change.x1) < 0) snap(plane, change.x1);
+  push_out(end_, change.x1);
   for (std::size_t q = 0; q < end_.size(); ++q) {
     const Constraint& c = constraints_[q];
     if (c.normal_impulse == 0 && c.friction_impulse.isZero(0)) continue;
@@ -214,7 +211,7 @@ StepStatus Contact::close_point(const StepView& step, Touch& touch, const Vec3& 
     const Vec3 left = after_friction(c.friction * c.normal_impulse, tangential(c.normal, before - c.surface), slip);
     c.friction_impulse = left - slip;
     v += c.normal_impulse * c.normal + c.friction_impulse;
-  } else if (!feasible_.resolve(constraints_, 1e-13 * (1 + v.norm()), v)) {
+  } else if (!feasible_.resolve(constraints_, velocity_slack * (unit_speed + v.norm()), v)) {
     return StepStatus::impossible_planes;
   }
   for (std::size_t i = 0; i < active_.size(); ++i) {

@@ -3,14 +3,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "contact/tolerances.hpp"
+
 namespace softffd {
-
-namespace {
-
-/// Determinant of the Gram matrix of unit normals below which they count as dependent.
-constexpr double dependent = 1e-14;
-
-}  // namespace
 
 ContactSet::ContactSet(const Lattice& lattice, int planes)
     : middle_(planes),

@@ -43,6 +43,7 @@ class ContactSet {
   /// Opens a step from t to t + h; nothing touches yet. Pinned points have no freedom.
   void open(const Body& body, const Drive& around, double t, double h);
   const HalfSpace& plane(int q) const { return end_[q]; }
+  const std::vector<HalfSpace>& planes() const { return end_; }  ///< at the end of the step
   /// Velocity of plane q's material under a point during the step, seen at mid-step [m/s].
   Vec3 material_velocity(int q, const Vec3& x) const { return middle_[q].material_velocity(x); }
   /// Is there room in front of all planes?

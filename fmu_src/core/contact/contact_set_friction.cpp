@@ -5,12 +5,6 @@
 
 namespace softffd {
 
-namespace {
-
-Vec3 tangential(const Vec3& normal, const Vec3& v) { return v - normal.dot(v) * normal; }
-
-}  // namespace
-
 bool ContactSet::scale_friction(double length, double largest_stiffness) {
   double largest = 0;
   for (int p : touching_)

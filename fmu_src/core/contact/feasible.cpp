@@ -4,9 +4,16 @@
 #include <algorithm>
 #include <array>
 
+#include "contact/tolerances.hpp"
+
 namespace softffd {
 
 namespace {
+
+/// Gauss-Seidel over the planes of one point, whose normal impulses and friction converge within some ten sweeps; flat wedges take longer.
+constexpr int most_sweeps = 200;
+/// Each plane's correction may leave rounding behind the others.
+constexpr int push_out_sweeps = 3;
 
 /// Multipliers of the set `chosen` taken as equations; false if the normals are dependent or a multiplier pulls.
 template <int N>
@@ -20,7 +27,7 @@ bool multipliers(const std::vector<Constraint>& constraints, const std::array<in
     lack[i] = c.bound - c.normal.dot(target);
   }
   const Eigen::Matrix<double, N, N> gram = normals * normals.transpose();
-  if (gram.determinant() < 1e-14) return false;
+  if (gram.determinant() < dependent) return false;
   lambda = gram.inverse() * lack;
   return (lambda.array() >= 0).all();
 }
@@ -39,8 +46,6 @@ bool try_set(std::vector<Constraint>& constraints, const std::vector<int>& trial
   return true;
 }
 
-Vec3 tangential(const Constraint& c, const Vec3& v) { return v - c.normal.dot(v) * c.normal; }
-
 /// One sweep over all planes; returns the largest change of an impulse.
 double sweep(std::vector<Constraint>& constraints, Vec3& v) {
   double change = 0;
@@ -49,7 +54,7 @@ double sweep(std::vector<Constraint>& constraints, Vec3& v) {
     v += (normal_impulse - c.normal_impulse) * c.normal;
     change = std::max(change, std::abs(normal_impulse - c.normal_impulse));
     c.normal_impulse = normal_impulse;
-    Vec3 friction_impulse = c.friction_impulse - tangential(c, v - c.surface);
+    Vec3 friction_impulse = c.friction_impulse - tangential(c.normal, v - c.surface);
     const double size = friction_impulse.norm(), limit = c.friction * normal_impulse;
     if (size > limit) friction_impulse *= limit / size;
     v += friction_impulse - c.friction_impulse;
@@ -60,6 +65,12 @@ double sweep(std::vector<Constraint>& constraints, Vec3& v) {
 }
 
 }  // namespace
+
+void push_out(const std::vector<HalfSpace>& planes, Vec3& x) {
+  for (int sweep = 0; sweep < push_out_sweeps; ++sweep)
+    for (const HalfSpace& plane : planes)
+      if (const double gap = plane.gap(x); gap < 0) x -= gap * plane.normal;
+}
 
 bool FeasibleSet::solve_trial(std::vector<Constraint>& constraints, double slack, const Vec3& target, Vec3& v) {
   const auto& t = trial_;
@@ -102,7 +113,6 @@ bool FeasibleSet::resolve(std::vector<Constraint>& constraints, double slack, Ve
     rough = rough || c.friction > 0;
   }
   if (rough) {
-    constexpr int most_sweeps = 200;
     Vec3 trial = v;
     for (int i = 0; i < most_sweeps && sweep(constraints, trial) > slack; ++i) {
     }

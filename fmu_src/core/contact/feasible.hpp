@@ -6,7 +6,7 @@
 #pragma once
 #include <vector>
 
-#include "model/types.hpp"
+#include "model/plane.hpp"
 
 namespace softffd {
 
@@ -19,6 +19,9 @@ struct Constraint {
   double normal_impulse = 0;             ///< result: multiplier, >= 0, per unit mass [m/s]
   Vec3 friction_impulse = Vec3::Zero();  ///< result: tangential, |.| <= friction * normal_impulse [m/s]
 };
+
+/// Moves a position that rounding has left behind planes in front of all of them, as far as rounding lets.
+void push_out(const std::vector<HalfSpace>& planes, Vec3& x);
 
 /// Workspace for one point's projections; nothing is allocated after construction.
 class FeasibleSet {

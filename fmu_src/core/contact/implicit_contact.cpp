@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/tolerances.hpp"
 #include "model/rigid_motion.hpp"
 
 namespace softffd {
 
 namespace {
 
-constexpr double rounding = 2.2e-16;
 /// A body that buckles jumps to its next equilibrium as fast as its own vibrations are: for a moment steps have to be that short.
 constexpr int most_halvings = 20, most_iterations = 30;
-/// As in contact.cpp.
-constexpr double touching = 1e-12, pin_slack = 1e-9;
 /// Backward Euler gains energy only where a body falls off an edge on which it balances, and then of second order in the step; a solution
 /// with more gain than this share of the energies that are exchanged lies on another branch, a folded one for example.
 constexpr double most_gain = 0.02;
@@ -73,7 +71,7 @@ StepStatus ImplicitContact::open(const Step& step) {
     }
   extent_ = body.length + kernels::largest(x_.size(), x_.data());
   if (!std::isfinite(extent_)) return StepStatus::not_finite;
-  if (!contacts_.possible(row(x_, 0), 1e-14 * extent_)) return StepStatus::impossible_planes;
+  if (!contacts_.possible(row(x_, 0), position_slack * extent_)) return StepStatus::impossible_planes;
   force_scale_ =
       std::max(kernels::largest(force_.size(), force_.data()), kernels::largest(step.from.spring.size(), step.from.spring.data()));
   const double inertia = diagonal_.maxCoeff() * kernels::largest(u_.size(), u_.data());
@@ -113,8 +111,8 @@ void ImplicitContact::guess_touches(const Step& step) {
 }
 
 StepStatus ImplicitContact::solve(const Step& step) {
-  const LinearContact::Problem problem{step.equations.body, step.from.x,       u_, x_, residual_, diagonal_, step.h, 1e-14 * extent_,
-                                       force_scale_,        largest_stiffness_};
+  const LinearContact::Problem problem{
+      step.equations.body, step.from.x, u_, x_, residual_, diagonal_, step.h, position_slack * extent_, force_scale_, largest_stiffness_};
   for (int i = 0; i < most_iterations; ++i) {
     find_residual(step, i == 0);
     if (straight_ && in_balance(step)) return StepStatus::ok;
@@ -197,12 +195,12 @@ bool ImplicitContact::close(const Step& step) {
   step.equations.place_pins(step.t + step.h, x_, v_);
   spread_rounding(step);
   x_ = step.from.x + u_;
-  for (int sweep = 0; sweep < 3; ++sweep)
-    for (int q = 0; q < int(around.planes.size()); ++q) {
-      const HalfSpace& plane = contacts_.plane(q);
-      for (int p = 0; p < body.points(); ++p)
-        if (const double gap = plane.gap(row(x_, p)); gap < 0 && !body.pinned[p]) set_row(x_, p, row(x_, p) - gap * plane.normal);
-    }
+  for (int p = 0; p < body.points(); ++p) {
+    if (body.pinned[p]) continue;
+    Vec3 here = row(x_, p);
+    push_out(contacts_.planes(), here);
+    set_row(x_, p, here);
+  }
   step.equations.place_pins(step.t + step.h, x_, v_);
   body.internal_force(x_, spring_);
   double before = 0, gain = 0, outside = 0;

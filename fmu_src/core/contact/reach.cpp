@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/tolerances.hpp"
+
 namespace softffd {
 
 namespace {
 
 /// Speeds inside a step may exceed those at its ends by this factor.
 constexpr double speed_margin = 1.5;
-/// As in contact.cpp.
-constexpr double touching = 1e-12;
 
 double largest_speed(const Points& v) { return std::sqrt(v.square().rowwise().sum().maxCoeff()); }
 

@@ -3,21 +3,14 @@
 namespace softffd {
 
 void Equations::place_pins(double t, Points& x) const {
-  for (const Pin& pin : around.pins) {
-    const Frame frame = pin.at(t);
-    for (std::size_t n = 0; n < pin.points.size(); ++n) set_row(x, pin.points[n], frame.origin + frame.arm(pin.local[n]));
-  }
+  around.visit_pinned(t, [&](const PinnedPoint& held) { set_row(x, held.point, held.place()); });
 }
 
 void Equations::place_pins(double t, Points& x, Points& v) const {
-  for (const Pin& pin : around.pins) {
-    const Frame frame = pin.at(t);
-    for (std::size_t n = 0; n < pin.points.size(); ++n) {
-      const Vec3 arm = frame.arm(pin.local[n]);
-      set_row(x, pin.points[n], frame.origin + arm);
-      set_row(v, pin.points[n], frame.material_velocity(arm));
-    }
-  }
+  around.visit_pinned(t, [&](const PinnedPoint& held) {
+    set_row(x, held.point, held.place());
+    set_row(v, held.point, held.velocity());
+  });
 }
 
 const Points& Equations::outside(double t, Points& scratch) const {
@@ -49,21 +42,18 @@ void Ledger::open(const Equations& equations, bool watch, bool lossy) {
 }
 
 void Ledger::stage(const Equations& equations, double weight, double t, const Points& x, const Points& spring) {
-  const auto& [body, around] = equations;
-  for (std::size_t a = 0; a < pins_.size(); ++a) {
-    const Pin& pin = around.pins[a];
-    const Frame frame = pin.at(t);
-    for (std::size_t n = 0; n < pin.points.size(); ++n) {
-      const int p = pin.points[n];
-      const Vec3 arm = frame.arm(pin.local[n]), velocity = frame.material_velocity(arm);
-      Vec3 outside = row(around.force, p);
-      for (int axis = 0; around.ramped && axis < 3; ++axis) outside[axis] += around.ramp(p + axis * x.rows(), t);
-      const Vec3 force = row(spring, p) + outside - body.damping[p] * velocity;
-      pins_[a].add(weight * force, arm);
-      pins_[a].torque -= weight * body.mass[p] * frame.velocity.cross(velocity);
-      work_ -= weight * force.dot(velocity);
-    }
-  }
+  const Body& body = equations.body;
+  const Drive& around = equations.around;
+  around.visit_pinned(t, [&](const PinnedPoint& held) {
+    const int p = held.point;
+    const Vec3 velocity = held.velocity();
+    Vec3 outside = row(around.force, p);
+    for (int axis = 0; around.ramped && axis < 3; ++axis) outside[axis] += around.ramp(p + axis * x.rows(), t);
+    const Vec3 force = row(spring, p) + outside - body.damping[p] * velocity;
+    pins_[held.pin].add(weight * force, held.arm);
+    pins_[held.pin].torque -= weight * body.mass[p] * held.frame.velocity.cross(velocity);
+    work_ -= weight * force.dot(velocity);
+  });
   if (watch_ && around.ramped) work_ -= weight * around.ramp_rate_dot(t, x);
 }
 

@@ -2,8 +2,12 @@
 
 namespace softffd {
 
-HalfKicks::HalfKicks(int points) {
-  for (Coefficients* c : {&open_, &close_}) c->a = c->b = Scalars::Zero(3 * points);
+void KickCoefficients::apply(bool damped, const Points& spring, const Points& outside, Points& v) const {
+  const std::size_t n = v.size();
+  if (damped)
+    kernels::kick(n, a.data(), b.data(), spring.data(), outside.data(), v.data());
+  else
+    kernels::kick_undamped(n, b.data(), spring.data(), outside.data(), v.data());
 }
 
 void HalfKicks::prepare(const Body& body, double h) {
@@ -24,14 +28,6 @@ void HalfKicks::prepare(const Body& body, double h) {
       close_.b[i] = strong ? strong_b : half / m / (1 + g);
     }
   }
-}
-
-void HalfKicks::apply(const Coefficients& c, const Points& spring, const Points& external, Points& v) const {
-  const std::size_t n = v.size();
-  if (damped_)
-    kernels::kick(n, c.a.data(), c.b.data(), spring.data(), external.data(), v.data());
-  else
-    kernels::kick_undamped(n, c.b.data(), spring.data(), external.data(), v.data());
 }
 
 }  // namespace softffd

@@ -13,25 +13,29 @@
 
 namespace softffd {
 
+/// v <- a v + b f for all coordinates, (3 * points) each; without damping a is not read and counts as 1.
+struct KickCoefficients {
+  explicit KickCoefficients(int points) : a(Scalars::Zero(3 * points)), b(a) {}
+  /// f = spring + outside forces [N].
+  void apply(bool damped, const Points& spring, const Points& outside, Points& v) const;
+  Scalars a, b;
+};
+
 class HalfKicks {
  public:
-  explicit HalfKicks(int points);
+  explicit HalfKicks(int points) : open_(points), close_(points) {}
   /// Coefficients for internal step h; kept while neither h nor the body changes.
   void prepare(const Body& body, double h);
 
-  void open(const Points& spring, const Points& external, Points& v) const { apply(open_, spring, external, v); }
-  void close(const Points& spring, const Points& external, Points& v) const { apply(close_, spring, external, v); }
+  void open(const Points& spring, const Points& external, Points& v) const { open_.apply(damped_, spring, external, v); }
+  void close(const Points& spring, const Points& external, Points& v) const { close_.apply(damped_, spring, external, v); }
 
   /// The impulse that a velocity change right after the half kick stands for [N s per m/s]: (h/2) / b.
   double opening_mass(int p) const { return 0.5 * h_ / open_.b[p]; }
   double closing_mass(int p) const { return 0.5 * h_ / close_.b[p]; }
 
  private:
-  struct Coefficients {
-    Scalars a, b;  ///< (3 * points), the same for the three axes
-  };
-  void apply(const Coefficients& c, const Points& spring, const Points& external, Points& v) const;
-  Coefficients open_, close_;
+  KickCoefficients open_, close_;
   double h_ = -1;
   Count version_ = -1;  ///< of the body
   bool damped_ = false;

@@ -1,5 +1,6 @@
 #include "methods/bm4.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "methods/traits.hpp"
@@ -34,10 +35,14 @@ Decay decay(double z) {
 }  // namespace
 
 Bm4::Bm4(int points, int pins)
-    : outside_(points, 3), next_(points, 3), middle_(points, 3), start_x_(points, 3), start_v_(points, 3), ledger_(pins) {
-  for (auto* kicks : {&kicks_, &half_kicks_})
-    for (Coefficients& c : *kicks) c.a = c.b = Scalars::Zero(3 * points);
-}
+    : kicks_(kick_shares.size(), KickCoefficients(points)),
+      half_kicks_(kicks_),
+      outside_(points, 3),
+      next_(points, 3),
+      middle_(points, 3),
+      start_x_(points, 3),
+      start_v_(points, 3),
+      ledger_(pins) {}
 
 void Bm4::prepare(const Body& body, double h) {
   if (h == h_ && body.version == version_) return;
@@ -57,13 +62,7 @@ void Bm4::prepare(const Body& body, double h) {
 
 void Bm4::kick(const Equations& equations, int k, double t, State& state) {
   const Points& force = equations.outside(t, outside_);
-  const std::size_t n = state.v.size();
-  const auto apply = [&](const Coefficients& c, Points& v) {
-    if (damped_)
-      kernels::kick(n, c.a.data(), c.b.data(), state.spring.data(), force.data(), v.data());
-    else
-      kernels::kick_undamped(n, c.b.data(), state.spring.data(), force.data(), v.data());
-  };
+  const auto apply = [&](const KickCoefficients& c, Points& v) { c.apply(damped_, state.spring, force, v); };
   if (!ledger_.recording()) return apply(kicks_[k], state.v);
   equations.place_pins(t, state.x, state.v);  // damping takes from the pinned points' present motion too
   const double tau = kick_shares[k] * h_;

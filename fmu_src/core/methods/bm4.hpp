@@ -3,8 +3,9 @@
 /// Kicks and drifts alternate; time advances with the drifts, so that forces and pins given over time keep the order. Damping goes
 /// into the kicks by its exact flow, v <- E v + (1 - E) f/d with E = exp(-d b h / m).
 #pragma once
-#include <array>
+#include <vector>
 
+#include "forces/kick.hpp"
 #include "methods/integrator.hpp"
 
 namespace softffd {
@@ -16,13 +17,10 @@ class Bm4 final : public Integrator {
 
  private:
   void step(const Equations& equations, double t, double h, State& state, Exchange& exchange);
-  struct Coefficients {
-    Scalars a, b;  ///< (3 * points)
-  };
   void prepare(const Body& body, double h);
   void kick(const Equations& equations, int kick, double t, State& state);
 
-  std::array<Coefficients, 4> kicks_, half_kicks_;  ///< half kicks give the velocity in the middle of a kick, for the dissipated energy
+  std::vector<KickCoefficients> kicks_, half_kicks_;  ///< half kicks give the velocity in the middle of a kick, for the dissipated energy
   double h_ = -1;
   Count version_ = -1;  ///< of the body
   bool damped_ = false;

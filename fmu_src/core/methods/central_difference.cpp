@@ -55,26 +55,18 @@ void CentralDifference::step(const Body& body, const Drive& around, double t, do
       set_row(next_, p, next);
       if (!exchange) continue;
       const Vec3 surface = now.material_velocity(x), mean = (0.5 * (free + next) - previous) / (2 * h);
-      exchange->planes[q].add(-impulse, x - now.point);
-      exchange->work += impulse.dot(surface);
+      exchange->push(exchange->planes[q], impulse, x - now.point, surface);
       exchange->dissipated -= impulse.dot(mean - surface);
       ++exchange->contacts_resolved;
     }
   }
-  for (std::size_t a = 0; a < around.pins.size(); ++a) {
-    const Pin& pin = around.pins[a];
-    const Frame frame = pin.at(t + h);
-    for (std::size_t n = 0; n < pin.points.size(); ++n) {
-      const int p = pin.points[n];
-      const Vec3 arm = frame.arm(pin.local[n]), here = frame.origin + arm;
-      const double inertia = body.mass[p] / (h * h) + body.damping[p] / (2 * h);
-      const Vec3 impulse = inertia * h * (here - row(next_, p));
-      set_row(next_, p, here);
-      if (!exchange) continue;
-      exchange->pins[a].add(-impulse, arm);
-      exchange->work += impulse.dot(frame.material_velocity(arm));
-    }
-  }
+  around.visit_pinned(t + h, [&](const PinnedPoint& held) {
+    const int p = held.point;
+    const double inertia = body.mass[p] / (h * h) + body.damping[p] / (2 * h);
+    const Vec3 here = held.place(), impulse = inertia * h * (here - row(next_, p));
+    set_row(next_, p, here);
+    if (exchange) exchange->push(exchange->pins[held.pin], impulse, held.arm, held.velocity());
+  });
   if (around.watch && exchange && body.damped) {
     double power = 0;
     for (int axis = 0; axis < 3; ++axis) power += (body.damping * ((next_.col(axis) - state.previous.col(axis)) / (2 * h)).square()).sum();

@@ -10,8 +10,7 @@ namespace {
 void book(const StepView& step, int pin, int p, const Vec3& old, const Vec3& now, const Vec3& damped, const Vec3& arm, Exchange& exchange) {
   const Vec3 force = row(step.spring, p) + row(step.force, p) - step.body.damping[p] * damped;
   const Vec3 impulse = step.body.mass[p] * (now - old) - 0.5 * step.h * force;
-  exchange.pins[pin].add(-impulse, arm);
-  exchange.work += impulse.dot(0.5 * (old + now));
+  exchange.push(exchange.pins[pin], impulse, arm, 0.5 * (old + now));
 }
 
 /// Pinned points at the end of the drift: they are where the frame is.
@@ -32,16 +31,11 @@ void drift_pins(const StepView& step, const Points& before, Points& v, Points& x
 
 /// Pinned points after the closing half kick: they have the frame's velocity.
 void close_pins(const StepView& step, const Points& before, Points& v, Exchange& exchange) {
-  for (std::size_t a = 0; a < step.around.pins.size(); ++a) {
-    const Pin& pin = step.around.pins[a];
-    const Frame frame = pin.at(step.t1);
-    for (std::size_t n = 0; n < pin.points.size(); ++n) {
-      const int p = pin.points[n];
-      const Vec3 arm = frame.arm(pin.local[n]), velocity = frame.material_velocity(arm);
-      book(step, int(a), p, row(before, p), velocity, velocity, arm, exchange);
-      set_row(v, p, velocity);
-    }
-  }
+  step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {
+    const Vec3 velocity = held.velocity();
+    book(step, held.pin, held.point, row(before, held.point), velocity, velocity, held.arm, exchange);
+    set_row(v, held.point, velocity);
+  });
 }
 
 /// Energy that damping takes in a step from velocities v0 to v1. Its impulse on a point is -(d h/2) (v0 + v1), through contact too, so its

@@ -9,6 +9,15 @@
 
 namespace softffd {
 
+/// A control point that a pin holds, at one moment.
+struct PinnedPoint {
+  int pin, point;
+  const Frame& frame;
+  Vec3 arm;  ///< from the frame's origin [m]
+  Vec3 place() const { return frame.origin + arm; }
+  Vec3 velocity() const { return frame.material_velocity(arm); }
+};
+
 struct Drive {
   std::vector<Plane> planes;
   std::vector<Pin> pins;
@@ -33,6 +42,15 @@ struct Drive {
   /// out = forces at time t.
   void force_at(double t, Points& out) const {
     for (Eigen::Index i = 0; i < out.size(); ++i) out(i) = force(i) + ramp(i, t);
+  }
+  /// Calls visit(PinnedPoint) for the points of all pins at time t.
+  template <class Visit>
+  void visit_pinned(double t, Visit visit) const {
+    for (std::size_t a = 0; a < pins.size(); ++a) {
+      const Frame frame = pins[a].at(t);
+      for (std::size_t n = 0; n < pins[a].points.size(); ++n)
+        visit(PinnedPoint{int(a), pins[a].points[n], frame, frame.arm(pins[a].local[n])});
+    }
   }
   /// Sums over all coordinates of the gain, and of its derivative, times x (points, 3).
   template <class X>

@@ -30,6 +30,12 @@ struct Exchange {
   double work = 0;              ///< work of moving obstacles and pins on the body [J]
   Count contacts_resolved = 0;
 
+  /// Whoever holds or stops the body gives it an impulse [N s] at the end of an arm [m], moving with a velocity [m/s]: takes the reaction,
+  /// and works.
+  void push(Impulse& taker, const Vec3& impulse, const Vec3& arm, const Vec3& velocity) {
+    taker.add(-impulse, arm);
+    work += impulse.dot(velocity);
+  }
   /// Nothing yet in this communication step.
   void clear() {
     for (auto* impulses : {&planes, &pins})

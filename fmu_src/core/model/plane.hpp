@@ -4,6 +4,9 @@
 
 namespace softffd {
 
+/// The part of v along a plane with this unit normal.
+inline Vec3 tangential(const Vec3& normal, const Vec3& v) { return v - normal.dot(v) * normal; }
+
 /// The obstacle at one moment: solid where normal . x < offset.
 struct HalfSpace {
   Vec3 point, normal;  ///< [m], unit vector
