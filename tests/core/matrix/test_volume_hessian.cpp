@@ -31,6 +31,24 @@ Eigen::MatrixXd products(const Volume& volume, const Points& x) {
   return k;
 }
 
+/// Second derivatives of the energy, by differences of the forces.
+Eigen::MatrixXd hessian(const Volume& volume, const Points& x) {
+  const int n = int(x.rows());
+  const double d = 1e-6;
+  Eigen::MatrixXd h(3 * n, 3 * n);
+  Points y = x;
+  for (int c = 0; c < 3 * n; ++c) {
+    Points above = Points::Zero(n, 3), below = Points::Zero(n, 3);
+    y.data()[c] = x.data()[c] + d;
+    volume.add_force(y, above);
+    y.data()[c] = x.data()[c] - d;
+    volume.add_force(y, below);
+    y.data()[c] = x.data()[c];
+    for (int r = 0; r < 3 * n; ++r) h(r, c) = (below.data()[r] - above.data()[r]) / (2 * d);
+  }
+  return 0.5 * (h + h.transpose());
+}
+
 }  // namespace
 
 TEST(stiffness_is_positive_semidefinite_and_one_matrix_in_all_its_uses) {
@@ -57,4 +75,14 @@ TEST(stiffness_is_positive_semidefinite_and_one_matrix_in_all_its_uses) {
             if (near) CHECK_NEAR(matrix.at(p, a, q, b), wanted, 1e-12 * k.cwiseAbs().maxCoeff());
           }
   }
+}
+
+TEST(stiffness_is_the_second_derivative_where_the_force_is_small) {
+  const Lattice lattice;
+  const Volume volume(lattice, kappa);
+  Points x = rest_positions(lattice);
+  x.col(2) *= 0.4999;  // phi' is the square of 1e-4, phi'' twice that number
+  for (int p = 0; p < 64; ++p) x(p, 2) += 2e-6 * pseudo_random(p);
+  const Eigen::MatrixXd exact = hessian(volume, x), k = -products(volume, x);
+  CHECK((exact - k).cwiseAbs().maxCoeff() < 1e-3 * k.cwiseAbs().maxCoeff());
 }
