@@ -10,6 +10,15 @@
 ///      -stiffness s      up to |s| = mu lambda / stiffness,      -mu lambda s / |s|      beyond.
 ///
 /// lambda is the one found last; the steps of Newton's method repeat until it is the one they use.
+///
+/// A step asks in this order, from the second line on as often as it takes:
+///
+///      open, add                                      which points touch at first
+///      scale_friction, guess_ or find_friction        friction at the displacements so far; whoever adds: find_new_friction
+///      fix_friction_stiffness, constrain              what the matrix has of it: for touches with friction found only
+///      prescribe, find_loads                          the motion and the loads of one solution with this matrix
+///      sliding, lacking_loads, friction_of, ...       how loads and friction of sliding points follow each other in it
+///      release_pulling, add_violated                  other touches: fix and constrain again
 #pragma once
 #include <vector>
 

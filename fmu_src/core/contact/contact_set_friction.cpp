@@ -1,17 +1,29 @@
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "contact/contact_set.hpp"
 
 namespace softffd {
 
+namespace {
+
+/// The elastic part of friction is so much stiffer than the stiffest spring, but no shorter than this share of the box.
+constexpr double stiffer_than_springs = 1e5, shortest_reach = 1e-9;
+/// The largest friction may leave the scale that its stiffness is made for by this factor, up or down.
+constexpr double scale_room = 4;
+/// Relative change of friction's stiffness for which the matrix is made anew.
+constexpr double stiffness_change = 0.5;
+
+}  // namespace
+
 bool ContactSet::scale_friction(double length, double largest_stiffness) {
   double largest = 0;
   for (int p : touching_)
     for (int i = 0; i < at_[p].count; ++i) largest = std::max(largest, friction_[at_[p].touches[i].plane] * at_[p].touches[i].load);
-  if (largest == 0 || (largest <= 4 * load_scale_ && largest >= 0.25 * load_scale_)) return false;
+  if (largest == 0 || (largest <= scale_room * load_scale_ && largest >= load_scale_ / scale_room)) return false;
   load_scale_ = largest;
-  reach_ = std::max(1e-9 * length, largest_stiffness > 0 ? largest / (1e5 * largest_stiffness) : 0.0);
+  reach_ = std::max(shortest_reach * length, largest_stiffness > 0 ? largest / (stiffer_than_springs * largest_stiffness) : 0.0);
   return true;
 }
 
@@ -38,7 +50,7 @@ bool ContactSet::find_friction(const Points& x0, const Points& u, double h, doub
       hold_or_slide(touch, slip(touch, row(x0, p), row(u, p), h));
       const double more = std::abs(touch.wanted - touch.stiffness);
       const bool turned = touch.wanted > slight && touch.stiffness > 0 && touch.sticks != touch.direction.isZero(0);
-      changed = changed || turned || (more > slight && more > 0.5 * touch.stiffness);
+      changed = changed || turned || (more > slight && more > stiffness_change * touch.stiffness);
     }
   return changed;
 }
@@ -64,6 +76,7 @@ void ContactSet::fix_friction_stiffness(bool cautious) {
   for (int p : touching_)
     for (int i = 0; i < at_[p].count; ++i) {
       Touch& touch = at_[p].touches[i];
+      assert(!touch.fresh);
       touch.stiffness = touch.wanted;
       touch.direction = cautious || touch.sticks || touch.wanted == 0 ? Vec3::Zero() : Vec3(touch.slip / touch.slip.norm());
     }

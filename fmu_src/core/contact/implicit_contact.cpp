@@ -10,6 +10,15 @@ namespace softffd {
 
 namespace {
 
+/// Roundings that add up in the force on a point.
+constexpr double roundings = 16;
+/// Of the least inertia m / h^2: a change of friction's stiffness that does not matter to the solution.
+constexpr double slight_share = 0.05;
+/// Of the largest force: what may be left of a balance. Rounding of the forces comes on top.
+constexpr double balance_share = 1e-8;
+/// Squared angles of the rotation in a Newton step [rad2]: below the first the arms are as long without it, to rounding; below the second
+/// the matrix still serves.
+constexpr double straight = 1e-15, small_turn = 1e-8;
 /// A body that buckles jumps to its next equilibrium as fast as its own vibrations are: for a moment steps have to be that short.
 constexpr int most_halvings = 20, most_iterations = 30;
 /// Backward Euler gains energy only where a body falls off an edge on which it balances, and then of second order in the step; a solution
@@ -75,14 +84,12 @@ StepStatus ImplicitContact::open(const Step& step) {
   force_scale_ =
       std::max(kernels::largest(force_.size(), force_.data()), kernels::largest(step.from.spring.size(), step.from.spring.data()));
   const double inertia = diagonal_.maxCoeff() * kernels::largest(u_.size(), u_.data());
-  noise_ = 16 * rounding * (largest_stiffness_ * extent_ + inertia + force_scale_);
-  slight_ = 0.05 * body.mass.minCoeff() / (step.h * step.h);
+  noise_ = roundings * rounding * (largest_stiffness_ * extent_ + inertia + force_scale_);
+  slight_ = slight_share * body.mass.minCoeff() / (step.h * step.h);
   guess_touches(step);
   linear_.refresh();
-  last_size_ = 0;
-  slowest_ = 0.1;
-  stalled_ = 0;
-  straight_ = cautious_ = false;
+  convergence_ = {};
+  straight_ = false;
   return StepStatus::ok;
 }
 
@@ -117,7 +124,7 @@ StepStatus ImplicitContact::solve(const Step& step) {
     find_residual(step, i == 0);
     if (straight_ && in_balance(step)) return StepStatus::ok;
     ++iterations_;
-    if (spent() || !linear_.solve(problem, contacts_, cautious_)) return StepStatus::not_finite;
+    if (spent() || !linear_.solve(problem, contacts_, convergence_.cautious())) return StepStatus::not_finite;
     move(step);
   }
   return StepStatus::not_finite;
@@ -149,7 +156,7 @@ bool ImplicitContact::in_balance(const Step& step) {
     }
   for (const Pin& pin : step.equations.around.pins)
     for (int p : pin.points) set_row(scratch_, p, Vec3::Zero());
-  return kernels::largest(scratch_.size(), scratch_.data()) <= 1e-8 * std::max(force_scale_, contacts_.largest_load()) + noise_;
+  return kernels::largest(scratch_.size(), scratch_.data()) <= balance_share * std::max(force_scale_, contacts_.largest_load()) + noise_;
 }
 
 /// Takes the Newton step, its rotation as one. A step that was taken straight keeps the linear equations' balance of momentum.
@@ -158,34 +165,29 @@ void ImplicitContact::move(const Step& step) {
   Points& change = linear_.change;
   const RigidMotion motion = rigid_motion(body.mass, x_, change);
   const double angle_squared = motion.spin.squaredNorm();
-  straight_ = angle_squared <= 1e-15 && linear_.settled;
-  if (angle_squared > 1e-15)
+  straight_ = angle_squared <= straight && linear_.settled;
+  if (angle_squared > straight)
     for (int p = 0; p < body.points(); ++p)
       if (!body.pinned[p]) set_row(change, p, row(change, p) + second_order(motion.spin, row(x_, p) - motion.centre));
-  if (!(angle_squared < 1e-8) || !linear_.settled || cautious_) linear_.refresh();
-  keep_converging(kernels::largest(change.size(), change.data()));
+  if (!(angle_squared < small_turn) || !linear_.settled || convergence_.cautious()) linear_.refresh();
+  keep_converging();
   u_ += change;
   x_ = step.from.x + u_;
   step.equations.place_pins(step.t + step.h, x_);
   last_change_ = change;
 }
 
-/// Orders a new matrix where the old one does not serve any more, and caution where the iterations do not come nearer.
-void ImplicitContact::keep_converging(double size) {
-  const double ratio = last_size_ > 0 ? size / last_size_ : 0;
-  last_size_ = size;
-  if (linear_.fresh && ratio < 0.5) slowest_ = std::max(slowest_, 1.5 * ratio);  // a newer matrix would not be faster
-  if (ratio > slowest_) linear_.refresh();
-  stalled_ = ratio > 0.5 ? stalled_ + 1 : std::max(0, stalled_ - 1);
-  cautious_ = stalled_ > 2 && stalled_ < 6;
-  if (stalled_ <= 2) return;
+/// Orders a new matrix where the old one does not serve any more; halves a change that goes back where the iterations run in circles.
+void ImplicitContact::keep_converging() {
+  Points& change = linear_.change;
+  convergence_.add(kernels::largest(change.size(), change.data()), linear_.fresh);
+  if (convergence_.needs_matrix()) linear_.refresh();
+  if (!convergence_.circles()) return;
   double back = 0;
-  for (int i = 0; i < last_change_.size(); ++i) back += linear_.change.data()[i] * last_change_.data()[i];
-  if (back < 0) {
-    linear_.change *= 0.5;
-    straight_ = false;
-  }
-  if (stalled_ == 6) stalled_ = 0;
+  for (int i = 0; i < last_change_.size(); ++i) back += change.data()[i] * last_change_.data()[i];
+  if (!(back < 0)) return;
+  change *= 0.5;
+  straight_ = false;
 }
 
 /// The state at the end, exactly in front of the planes, and the step's energies. Returns whether the solution can be believed.

@@ -17,6 +17,10 @@
 ///
 /// What the planes are reported to receive is the momentum that the body lost, to rounding.
 #pragma once
+#include "contact/convergence.hpp"
+#include "contact/linear_contact.hpp"
+#include "forces/equations.hpp"
+#include "model/state.hpp"
 #include "contact/linear_contact.hpp"
 #include "forces/equations.hpp"
 #include "model/state.hpp"
@@ -56,7 +60,7 @@ class ImplicitContact {
   void find_residual(const Step& step, bool first);
   bool in_balance(const Step& step);
   void move(const Step& step);
-  void keep_converging(double change);
+  void keep_converging();
   bool close(const Step& step);
   void spread_rounding(const Step& step);
   double contact_work(const Step& step) const;
@@ -70,9 +74,8 @@ class ImplicitContact {
   Points x_, v_, u_;  ///< at the end of the step; u: displacement in the step
   Points force_, spring_, residual_, last_change_, scratch_;
   double largest_stiffness_ = -1, force_scale_ = 0, noise_ = 0, extent_ = 0, slight_ = 0;
-  double last_size_ = 0, slowest_ = 0;
-  int stalled_ = 0;
-  bool straight_ = false, cautious_ = false;
+  Convergence convergence_;
+  bool straight_ = false;  ///< the last Newton step was taken as the linear equations have it
   Vec3 rounding_ = Vec3::Zero();
   double loss_ = 0, work_ = 0;  ///< of the step [J]
   Count steps_ = 0, halvings_ = 0, iterations_ = 0, last_factorization_ = 0;

@@ -9,6 +9,12 @@ namespace softffd {
 namespace {
 
 constexpr int most_rounds = 14;
+/// Of the largest force: pulls that are no reason to end a touch, loads that need not be found.
+constexpr double load_slack = 1e-9;
+/// Share of what the loads of sliding points lack that may be left for the next iteration.
+constexpr double loads_left = 1e-4;
+/// By how much less of compressed springs' softening is taken each time that the matrix has no Cholesky factor.
+constexpr double less_softening = 0.25;
 /// From this round on touches end one by one and friction is cautious: slower, but without circles.
 constexpr int careful_round = 6;
 
@@ -32,7 +38,7 @@ bool LinearContact::solve(const Problem& problem, ContactSet& contacts, bool cau
   }
   for (int round = 0; round < most_rounds; ++round) {
     if (!solve_with_touches(problem, contacts, cautious)) return false;
-    const double pull = 1e-9 * std::max(problem.force_scale, contacts.largest_load());
+    const double pull = load_slack * std::max(problem.force_scale, contacts.largest_load());
     bool changed = contacts.release_pulling(pull, round < careful_round);
     moved_ = problem.x + change;
     if (contacts.add_violated(moved_, problem.slack)) {
@@ -53,10 +59,10 @@ bool LinearContact::solve(const Problem& problem, ContactSet& contacts, bool cau
 }
 
 /// Less and less of what makes the matrices indefinite, until they are not.
-void LinearContact::linearise(const Problem& problem, double share) {
-  share_ = share;
+void LinearContact::linearise(const Problem& problem, double softening) {
+  softening_ = softening;
   x_ = problem.x;
-  hessian_.compute(problem.body.springs, x_, share);
+  hessian_.compute(problem.body.springs, x_, softening);
   stale_ = true;
 }
 
@@ -73,8 +79,8 @@ bool LinearContact::solve_with_touches(const Problem& problem, ContactSet& conta
     }
     solve_free_part(problem, contacts);
     if (std::isfinite(kernels::largest(change.size(), change.data()))) break;
-    if (share_ == 0) return false;
-    linearise(problem, share_ - 0.25);
+    if (softening_ == 0) return false;
+    linearise(problem, softening_ - less_softening);
   }
   forces_of(problem, change, reaction);
   reaction -= problem.residual;
@@ -108,9 +114,9 @@ void LinearContact::couple_loads(const Problem& problem, ContactSet& contacts) {
   const int n = contacts.sliding();
   if (n == 0) return;
   contacts.lacking_loads(lack_);
-  const double lack = kernels::largest(n, lack_.data()), slight = 1e-9 * std::max(problem.force_scale, contacts.largest_load());
+  const double lack = kernels::largest(n, lack_.data()), slight = load_slack * std::max(problem.force_scale, contacts.largest_load());
   if (!(lack > slight)) return;
-  const Scalars& more = gmres_.solve(n, lack_, std::max(1e-4, slight / lack), [&](const Scalars& loads, Scalars& left) {
+  const Scalars& more = gmres_.solve(n, lack_, std::max(loads_left, slight / lack), [&](const Scalars& loads, Scalars& left) {
     respond(problem, contacts, loads);
     contacts.loads_of(made_, friction_, response_, left);
     for (int i = 0; i < n; ++i) left[i] = loads[i] - left[i];

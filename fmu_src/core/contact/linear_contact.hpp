@@ -47,7 +47,7 @@ class LinearContact {
   Count factorizations() const { return factorizations_; }
 
  private:
-  void linearise(const Problem& problem, double share);
+  void linearise(const Problem& problem, double softening);
   bool solve_with_touches(const Problem& problem, ContactSet& contacts, bool cautious);
   void solve_free_part(const Problem& problem, const ContactSet& contacts);
   void couple_loads(const Problem& problem, ContactSet& contacts);
@@ -61,7 +61,7 @@ class LinearContact {
   Points prescribed_, friction_, response_, made_, moved_;
   Scalars lack_;
   bool stale_ = true;
-  double share_ = 1;  ///< of the exact matrices' negative part
+  double softening_ = 1;  ///< of compressed springs, as SpringHessian has it
   Count factorizations_ = 0;
 };
 

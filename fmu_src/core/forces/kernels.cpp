@@ -6,13 +6,10 @@
 
 namespace softffd::kernels {
 
-// Keeps r = 0 finite: l / 1e-140 times a zero vector is a zero force.
-#define SMALLEST_SQUARE 1e-280
-
 INNER void forces(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In k, In l, Out sx, Out sy, Out sz) {
   for (int p = 0; p < lanes; ++p) {
     const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
-    const double r = std::sqrt(dx * dx + dy * dy + dz * dz + SMALLEST_SQUARE);
+    const double r = std::sqrt(dx * dx + dy * dy + dz * dz + smallest_square);
     const double s = k[p] * (1.0 - l[p] / r);
     sx[p] = s * dx;
     sy[p] = s * dy;
@@ -43,7 +40,7 @@ INNER void add_scaled(int lanes, In c, In s, Out f) {
 INNER void bound(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In l, Out xx, Out yy, Out zz, Out xy, Out xz, Out yz) {
   for (int p = 0; p < lanes; ++p) {
     const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
-    const double r2 = dx * dx + dy * dy + dz * dz + SMALLEST_SQUARE;
+    const double r2 = dx * dx + dy * dy + dz * dz + smallest_square;
     const double stretched = 1.0 - l[p] / std::sqrt(r2);
     const double e = stretched > 0.0 ? stretched : 0.0;
     const double c = (1.0 - e) / r2;
@@ -183,7 +180,7 @@ INNER void stiffness_products(int lanes, In x0, In y0, In z0, In x1, In y1, In z
   for (int p = 0; p < lanes; ++p) {
     const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
     const double ux = u1[p] - u0[p], uy = v1[p] - v0[p], uz = w1[p] - w0[p];
-    const double r2 = dx * dx + dy * dy + dz * dz + SMALLEST_SQUARE;
+    const double r2 = dx * dx + dy * dy + dz * dz + smallest_square;
     const double stretched = 1.0 - l[p] / std::sqrt(r2);
     const double e = stretched > 0.0 ? stretched : 0.0;
     const double along = (1.0 - e) * ((dx * ux + dy * uy + dz * uz) / r2);

@@ -7,6 +7,9 @@
 
 namespace softffd::kernels {
 
+/// Added to squared lengths [m2]: keeps r = 0 finite, where l / 1e-140 times a zero vector is a zero force.
+inline constexpr double smallest_square = 1e-280;
+
 /// The springs of one direction: lane p joins points begin + p and begin + p + offset.
 struct SpringRow {
   int begin, lanes, offset;

@@ -8,6 +8,12 @@ namespace softffd {
 
 namespace {
 
+/// Squared frequencies below this are those of a point without springs [1/s2].
+constexpr double no_frequency = 1e-300;
+/// Of the largest frequency by the bound above to the geometric mean of the uniform lattice's lowest and highest; the time scale of points
+/// that hardly anything holds [s].
+constexpr double bound_to_mean = 4.3, longest = 100;
+
 /// k (1 + sqrt(m_here / m_there)); a pinned end is infinitely heavy.
 double weight(const Body& body, double k, int here, int there) {
   if (body.pinned[here]) return 0;
@@ -45,7 +51,7 @@ void Stability::prepare(const Body& body) {
 
 void Stability::time_scales(const Body& body, Scalars& scales) const {
   const int n = body.points();
-  for (int i = 0; i < 3 * n; ++i) scales[i] = std::min(4.3 / std::sqrt(std::max(any_squared_[i % n], 1e-300)), 100.0);
+  for (int i = 0; i < 3 * n; ++i) scales[i] = std::min(bound_to_mean / std::sqrt(std::max(any_squared_[i % n], no_frequency)), longest);
 }
 
 double Stability::frequency(const Body& body, const Points& x) const {

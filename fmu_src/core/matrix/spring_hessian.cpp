@@ -16,7 +16,7 @@ constexpr double lowest = -1e6;
 
 SpringHessian::SpringHessian(int points) : blocks_(directions.size(), Scalars::Zero(6 * points)), sums_(6 * points) {}
 
-void SpringHessian::compute(const Springs& springs, const Points& x, double share) {
+void SpringHessian::compute(const Springs& springs, const Points& x, double softening) {
   const int n = int(x.rows());
   sums_.setZero();
   for (std::size_t r = 0; r < springs.rows().size(); ++r) {
@@ -26,9 +26,9 @@ void SpringHessian::compute(const Springs& springs, const Points& x, double shar
     double* block = blocks_[r].data();
     for (int p = 0; p < lanes; ++p) {
       const double dx = b[p] - a[p], dy = b[n + p] - a[n + p], dz = b[2 * n + p] - a[2 * n + p];
-      const double r2 = dx * dx + dy * dy + dz * dz + 1e-280;
+      const double r2 = dx * dx + dy * dy + dz * dz + kernels::smallest_square;
       const double stretched = 1.0 - l[p] / std::sqrt(r2), finite = stretched > lowest ? stretched : lowest;
-      const double e = finite > 0 ? finite : share * finite;
+      const double e = finite > 0 ? finite : softening * finite;
       const double c = k[p] * (1.0 - e) / r2, ke = k[p] * e;
       block[p] = c * dx * dx + ke;
       block[lanes + p] = c * dy * dy + ke;

@@ -2,8 +2,9 @@
 ///
 ///      k (u u^T + e (I - u u^T)),  e = 1 - l/r,      u: unit vector along the spring, r its length, l its rest length.
 ///
-/// A compressed spring has e < 0 and may make their sum indefinite: there its e is taken times a share. With 0 every matrix is the nearest
-/// positive semidefinite bound (stiffness_matrix.hpp), with which Newton's method converges slowly under compression; with 1 it is exact.
+/// A compressed spring has e < 0, which softens it across and may make their sum indefinite: of this softening a share is taken. With 1
+/// the matrices are exact. With 0 each is the nearest positive semidefinite bound, with which Newton's method converges slowly under
+/// compression: the same matrix as stiffness_matrix.hpp's, which is multiplied in another order, faster where it is used once.
 #pragma once
 #include "forces/body.hpp"
 #include "matrix/layer_matrix.hpp"
@@ -14,8 +15,8 @@ class SpringHessian {
  public:
   explicit SpringHessian(int points);
 
-  /// Matrices of all springs at x [m]. share: from 0 to 1, of what compressed springs take away.
-  void compute(const Springs& springs, const Points& x, double share);
+  /// Matrices of all springs at x [m]. softening: the share of it, from 0 to 1.
+  void compute(const Springs& springs, const Points& x, double softening);
   /// f -= K u [N]; u [m].
   void subtract_product(const Springs& springs, const Points& u, Points& f) const;
   /// matrix = K + diagonal, diagonal (points) [N/m]; rows and columns of pinned points are those of the identity.

@@ -20,13 +20,17 @@ struct Decay {
   double e, mean;  ///< exp(-z) and (1 - exp(-z)) / z
 };
 
+/// Above this exp(-z) is zero; below this the series of (1 - exp(-z)) / z ends with the given term, its error below rounding.
+constexpr double vanished = 1000, near_zero = 0.25;
+constexpr int last_term = 13;
+
 /// By a series near zero and doubling; the C library's exponential differs in the last bit between processors.
 Decay decay(double z) {
-  if (z > 1000) return {0, 1 / z};
+  if (z > vanished) return {0, 1 / z};
   int doublings = 0;
-  while (std::abs(z) > 0.25) z *= 0.5, ++doublings;
+  while (std::abs(z) > near_zero) z *= 0.5, ++doublings;
   double mean = 1;
-  for (int n = 13; n > 1; --n) mean = 1 - z / n * mean;
+  for (int n = last_term; n > 1; --n) mean = 1 - z / n * mean;
   double e = 1 - z * mean;
   for (; doublings > 0; --doublings) mean *= 0.5 * (1 + e), e *= e;
   return {e, mean};
