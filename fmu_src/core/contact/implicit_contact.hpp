@@ -21,9 +21,6 @@
 #include "contact/linear_contact.hpp"
 #include "forces/equations.hpp"
 #include "model/state.hpp"
-#include "contact/linear_contact.hpp"
-#include "forces/equations.hpp"
-#include "model/state.hpp"
 
 namespace softffd {
 
