@@ -165,22 +165,18 @@ StepStatus SoftBody::clear_jumps(bool& moved) {
 bool SoftBody::place_pins(bool book) {
   bool moved = false;
   State& motion = now_.path.motion;
-  for (std::size_t a = 0; a < drive_.pins.size(); ++a) {
-    const Pin& pin = drive_.pins[a];
-    const Frame frame = pin.at(motion.time);
-    for (std::size_t n = 0; n < pin.points.size(); ++n) {
-      const int p = pin.points[n];
-      const Vec3 arm = frame.arm(pin.local[n]), x = frame.origin + arm, v = frame.material_velocity(arm);
-      if (book) {
-        const Vec3 impulse = model_.body.mass[p] * (v - row(motion.v, p));
-        now_.path.exchange.pins[a].add(-impulse, arm);
-        now_.path.exchange.work += impulse.dot(0.5 * (v + row(motion.v, p)));
-      }
-      moved = moved || x != row(motion.x, p);
-      set_row(motion.x, p, x);
-      set_row(motion.v, p, v);
+  Exchange& exchange = now_.path.exchange;
+  drive_.visit_pinned(motion.time, [&](const PinnedPoint& held) {
+    const int p = held.point;
+    const Vec3 x = held.place(), v = held.velocity();
+    if (book) {
+      const Vec3 impulse = model_.body.mass[p] * (v - row(motion.v, p));
+      exchange.push(exchange.pins[held.pin], impulse, held.arm, 0.5 * (v + row(motion.v, p)));
     }
-  }
+    moved = moved || x != row(motion.x, p);
+    set_row(motion.x, p, x);
+    set_row(motion.v, p, v);
+  });
   return moved;
 }
 
