@@ -16,9 +16,9 @@ class Gmres {
     for (Scalars& v : basis_) v.setZero(unknowns);
   }
 
-  /// y with |A y - b| <= share |b|, or the best after `most` products; apply(v, Av) computes A v. The first n entries of vectors count.
+  /// y with |A y - b| <= reduction |b|, or the best after `most` products; apply(v, Av) computes A v. The first n entries of vectors count.
   template <class Apply>
-  const Scalars& solve(int n, const Scalars& b, double share, Apply apply) {
+  const Scalars& solve(int n, const Scalars& b, double reduction, Apply apply) {
     const double size = norm(n, b);
     y_.setZero();
     if (size == 0) return y_;
@@ -26,7 +26,7 @@ class Gmres {
     right_[0] = size;
     for (int i = 0; i < n; ++i) basis_[0][i] = b[i] / size;
     int used = 0;
-    while (used < most && used < n && std::abs(right_[used]) > share * size) {
+    while (used < most && used < n && std::abs(right_[used]) > reduction * size) {
       const int j = used;
       apply(basis_[j], basis_[j + 1]);
       if (!orthogonalise(n, j)) break;
@@ -73,17 +73,17 @@ class Gmres {
   void combine(int n, int used) {
     for (int j = used - 1; j >= 0; --j) {
       double sum = right_[j];
-      for (int i = j + 1; i < used; ++i) sum -= columns_[i][j] * share_[i];
-      share_[j] = sum / columns_[j][j];
+      for (int i = j + 1; i < used; ++i) sum -= columns_[i][j] * weight_[i];
+      weight_[j] = sum / columns_[j][j];
     }
     for (int j = 0; j < used; ++j)
-      for (int m = 0; m < n; ++m) y_[m] += share_[j] * basis_[j][m];
+      for (int m = 0; m < n; ++m) y_[m] += weight_[j] * basis_[j][m];
   }
 
   std::array<Scalars, most + 1> basis_;
   std::array<std::array<double, most + 1>, most> columns_;  ///< of the Hessenberg matrix, made triangular
   std::array<double, most + 1> right_;
-  std::array<double, most> cosine_, sine_, share_;
+  std::array<double, most> cosine_, sine_, weight_;
   Scalars y_;
 };
 

@@ -1,0 +1,112 @@
+#include "contact/reach.hpp"
+
+#include "check.hpp"
+#include "random_numbers.hpp"
+
+using namespace softffd;
+
+namespace {
+
+constexpr int samples = 100;
+constexpr double H = 0.1;
+
+/// Eight points without springs in free flight under constant forces, and planes that move steadily.
+struct Flight {
+  Body body{.springs = Springs(Lattice{{2, 2, 2}}, Topology::distinct), .mass = {}, .damping = {}, .pinned = {}};
+  Drive around;
+  State state;
+
+  Flight(Random& random, int trial) {
+    body.mass = Scalars::Constant(8, random(0.1, 2));
+    around.force.setZero(8, 3);
+    state.x.setZero(8, 3);
+    state.v.setZero(8, 3);
+    const double fast = random(0, 1) < 0.3 ? 0 : random(0, 10), forced = random(0, 1) < 0.3 ? 0 : random(0, 100);
+    for (int i = 0; i < 24; ++i) {
+      state.x(i) = random(-1, 1);
+      state.v(i) = fast * random(-1, 1);
+      around.force(i) = forced * random(-1, 1);
+    }
+    const int planes = 1 + int(random(0, 3));
+    for (int q = 0; q < planes; ++q) {
+      Plane plane;
+      plane.normal = random.direction();
+      double lowest = 1e300;
+      for (int p = 0; p < 8; ++p) lowest = std::min(lowest, plane.normal.dot(row(state.x, p)));
+      plane.point = (lowest - random(0, 1) * random(0, trial % 2 ? 1 : 10)) * plane.normal;
+      if (random(0, 1) < 0.7) plane.velocity = random(0, 10) * random.direction();
+      around.planes.push_back(plane);
+    }
+  }
+
+  Points x(double t) const { return state.x + t * state.v + 0.5 * t * t * acceleration(); }
+  Points v(double t) const { return state.v + t * acceleration(); }
+  double least_gap(double t) const {
+    const Points now = x(t);
+    double least = 1e300;
+    for (const Plane& plane : around.planes) {
+      const HalfSpace half = plane.at(t);
+      for (int p = 0; p < 8; ++p) least = std::min(least, half.gap(row(now, p)));
+    }
+    return least;
+  }
+  bool meets() const {
+    for (int i = 0; i <= samples; ++i)
+      if (least_gap(i * H / samples) < 0) return true;
+    return false;
+  }
+
+ private:
+  Points acceleration() const { return around.force / body.mass[0]; }
+};
+
+}  // namespace
+
+TEST(whatever_meets_a_plane_was_within_reach) {
+  Random random;
+  Reach reach(8);
+  int meetings = 0, within = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const Flight flight(random, trial);
+    const bool may = reach.may_touch({flight.body, flight.around}, flight.state, H), meets = flight.meets();
+    CHECK(may || !meets);
+    meetings += meets;
+    within += may;
+  }
+  std::printf("  %d of 3000 meet a plane, %d are said to be within reach\n", meetings, within);
+  CHECK(meetings > 500 && within < 2500);  // neither all nor nothing
+}
+
+TEST(whatever_was_behind_a_plane_in_between_is_seen_from_both_ends) {
+  Random random;
+  Reach reach(8);
+  int hidden = 0, seen = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const Flight flight(random, trial);
+    if (flight.least_gap(0) < 0) continue;
+    const bool passed = reach.passed(flight.around, 0, H, flight.x(0), flight.v(0), flight.x(H), flight.v(H));
+    const bool meets = flight.meets();
+    CHECK(passed || !meets);
+    hidden += meets && flight.least_gap(H) >= 0;
+    seen += passed;
+  }
+  std::printf("  %d of 3000 came and went within the step, %d are told to look closer\n", hidden, seen);
+  CHECK(hidden > 5 && seen < 2700);
+}
+
+TEST(on_a_plane_is_not_clear_of_it) {
+  Random random;
+  Reach reach(8);
+  Flight flight(random, 0);
+  flight.around.planes.resize(1);
+  Plane& plane = flight.around.planes[0];
+  plane = {.normal = Vec3::UnitZ()};
+  for (const double gap : {1e-3, 1e-11}) {
+    plane.point.z() = flight.state.x.col(2).minCoeff() - gap;
+    CHECK(reach.clear(flight.body, flight.around, 0, flight.state.x));
+  }
+  for (const double gap : {0.0, 1e-13, -1e-3}) {
+    plane.point.z() = flight.state.x.col(2).minCoeff() - gap;
+    CHECK(!reach.clear(flight.body, flight.around, 0, flight.state.x));
+  }
+}

@@ -1,0 +1,53 @@
+#include "method_runs.hpp"
+
+using namespace softffd;
+
+TEST(second_order_on_the_oscillators_exact_motion) {
+  CHECK_NEAR(order({}, 1, run_with<Leapfrog>, 200, 400), 2.0, 0.15);
+  CHECK_NEAR(order({.d = 0.4}, 1, run_with<Leapfrog>, 200, 400), 2.0, 0.15);
+  CHECK_NEAR(order({.d = 0.4, .f = 1, .g = 5}, 1, run_with<Leapfrog>, 200, 400), 2.0, 0.15);
+}
+
+TEST(second_order_on_a_smooth_motion) {
+  for (const bool damped : {false, true})
+    for (const bool ramped : {false, true}) {
+      const Scene s = soft(damped, ramped);
+      check_order(damped   ? ramped ? "damped and ramped" : "damped"
+                  : ramped ? "ramped"
+                           : "free",
+                  run_with<Leapfrog>, 2, s, reference(s), 400, 800);
+    }
+}
+
+TEST(second_order_while_pins_move) {
+  Scene s = soft(true, true);
+  pin_ends(s, swinging);
+  check_order("moving pins", run_with<Leapfrog>, 2, s, reference(s), 400, 800);
+}
+
+TEST(second_order_while_a_frame_pulls) { check_held_order({}, 1, run_with<Leapfrog>, 2, 200, 400); }
+
+TEST(a_vibration_has_the_frequency_of_the_central_difference) {
+  const Oscillator o{.w0 = 0};
+  const double h = 0.03;  // omega h = 0.6
+  const Scene s = scene(o, 100 * h);
+  const State end = run_with<Leapfrog>(s, 100).state;
+  const double slow = 2 * std::asin(0.5 * o.omega() * h);                         // angle per step
+  CHECK_NEAR(end.x(1, 0) - end.x(0, 0) - 1, o.y0 * std::cos(100 * slow), 1e-13);  // 100 steps of rounding of 1e-16
+}
+
+TEST(it_goes_back_the_way_it_came) {
+  CHECK_NEAR(way_back(soft(), run_with<Leapfrog>, 50), 0.0, 1e-13);  // rounding, which the motion hardly amplifies
+}
+
+TEST(it_is_symplectic) {
+  Scene s = soft();
+  s.duration = 0.02;  // omega h = 0.8
+  CHECK_NEAR(symplectic_defect(s, run_with<Leapfrog>), 0.0, 1e-8);
+}
+
+TEST(pins_receive_to_rounding_what_the_body_loses) {
+  Scene s = soft(false, true);
+  pin_ends(s, swinging);
+  CHECK_NEAR(momentum_lost(s, run_with<Leapfrog>(s, 20)), 0.0, 1e-13);  // momenta of 1 N s
+}

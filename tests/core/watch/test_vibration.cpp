@@ -1,0 +1,79 @@
+#include "watch/vibration.hpp"
+
+#include "forces/stability.hpp"
+#include "method_runs.hpp"
+
+using namespace softffd;
+
+namespace {
+
+Scalars time_scales(const Body& body) {
+  Stability stability(body.points());
+  stability.prepare(body);
+  Scalars scales(3 * body.points());
+  stability.time_scales(body, scales);
+  return scales;
+}
+
+constexpr double slow = 1e9;  ///< everything is faster [s]
+
+}  // namespace
+
+TEST(a_held_extension_counts_twice_and_is_not_present) {
+  const Oscillator o{.f = 50 * 0.1, .y0 = 0.1, .w0 = 0};  // f = k y0
+  const Scene s = scene(o, 1);
+  const Scalars scales = time_scales(s.body);
+  CHECK_NEAR(vibration({s.body, s.around}, s.start, scales), 2 * o.y0, 1e-14);
+  CHECK_NEAR(present_vibration({s.body, s.around}, s.start, scales, slow), 0.0, 1e-14);
+}
+
+TEST(a_known_mode_is_bounded_in_every_phase) {
+  const Oscillator o{.y0 = 1e-3, .w0 = 0};
+  double least = 1e300, most = 0;
+  for (int i = 0; i < 64; ++i) {
+    const auto [y, w] = o.at(i * 2 * 3.14159265358979 / 64 / o.omega());
+    const Scene s = scene({.y0 = y, .w0 = w}, 1);
+    const Scalars scales = time_scales(s.body);
+    for (const double size :
+         {vibration({s.body, s.around}, s.start, scales), present_vibration({s.body, s.around}, s.start, scales, slow)}) {
+      least = std::min(least, size / o.y0);
+      most = std::max(most, size / o.y0);
+    }
+  }
+  std::printf("  between %.1f and %.1f times the mode's amplitude\n", least, most);
+  CHECK(least >= 2);  // a bound of what an error in its phase can amount to: from one side to the other
+  CHECK(most <= 50);  // ... that is good for something
+}
+
+TEST(slow_points_and_the_bodys_motion_as_a_whole_are_left_out) {
+  Scene s = scene({.y0 = 0, .w0 = 0}, 1);
+  s.start.v.col(1).setConstant(3);
+  s.around.force.col(2).setConstant(-9.81 * 0.25);
+  const Scalars scales = time_scales(s.body);
+  CHECK_NEAR(present_vibration({s.body, s.around}, s.start, scales, slow), 0.0, 1e-13);
+  const Scene shaken = scene({}, 1);
+  CHECK(present_vibration({shaken.body, shaken.around}, shaken.start, scales, scales.minCoeff()) == 0);
+}
+
+TEST(a_jump_of_the_forces_sets_off_its_mode) {
+  const Oscillator o{.y0 = 0, .w0 = 0};
+  const Scene s = scene(o, 1);
+  Points jump = scene({.f = 2}, 1).around.force, scratch(8, 3);
+  jump.col(1) += 7;  // moves the body as a whole
+  const Vibration found = set_off({s.body, s.around}, s.start, s.start, 1, jump, scratch);
+  CHECK_NEAR(found.frequency, o.omega(), 1e-12 * o.omega());
+  CHECK_NEAR(found.amplitude, 2 / (o.m * o.omega() * o.omega()), 1e-14);
+}
+
+TEST(a_blow_sets_off_its_mode_by_what_came_at_once) {
+  const Oscillator o{.y0 = 0, .w0 = 0};
+  const Scene s = scene(o, 1);
+  State end = scene({.y0 = 0, .w0 = 0.6}, 1).start;
+  end.v.col(2).array() += 4;
+  for (const double kink : {1.0, 0.25}) {
+    Points none = Points::Zero(8, 3), scratch(8, 3);
+    const Vibration found = set_off({s.body, s.around}, s.start, end, kink, none, scratch);
+    CHECK_NEAR(found.frequency, o.omega(), 1e-12 * o.omega());
+    CHECK_NEAR(found.amplitude, kink * 0.5 * 0.6 / o.omega(), 1e-14);
+  }
+}

@@ -1,0 +1,195 @@
+/// Runs of the methods over the scenes of ros34pw2_scenes.hpp, the two-mass oscillator whose motion is known, and the check of an order.
+#pragma once
+#include <type_traits>
+
+#include "methods/bm4.hpp"
+#include "methods/leapfrog.hpp"
+#include "methods/rkn12.hpp"
+#include "ros34pw2_scenes.hpp"
+
+namespace softffd {
+
+/// A given number of equal steps of any method, energies watched.
+inline Result run_method(Integrator& method, const Scene& s, int steps) {
+  Drive drive = s.around;
+  drive.watch = true;
+  Run run;
+  run.path.motion = s.start;
+  run.path.exchange.planes.resize(drive.planes.size());
+  run.path.exchange.pins.resize(drive.pins.size());
+  CHECK(method.advance(Model(s.body), drive, {0, 0, s.duration / steps, steps}, run).status == StepStatus::ok);
+  return {run.path.motion, run.path.exchange};
+}
+
+/// Leapfrog is made for a number of planes, the others for a number of pins.
+template <class Method>
+Result run_with(const Scene& s, int steps) {
+  Method method(s.body.points(), int(std::is_same_v<Method, Leapfrog> ? s.around.planes.size() : s.around.pins.size()));
+  return run_method(method, s, steps);
+}
+
+using Stepping = Result (*)(const Scene&, int steps);
+
+/// A frame that is thrown, accelerates and turns.
+inline const Pin swinging = moving({0.3, 0.4, -0.2}, {2, -3, 1}, {0.5, -1, 2});
+
+/// Errors of the positions fall with the claimed power of the step, to 0.15, and those of the velocities and of the sums (what pins
+/// received, dissipated energy, work) at least so fast.
+inline void check_order(const char* name, Stepping run, double claim, const Scene& s, const Result& exact, int coarse, int fine) {
+  const auto rms = [](const Points& a, const Points& b) { return std::sqrt((a - b).square().mean()); };
+  const Result rough = run(s, coarse), good = run(s, fine);
+  const Errors a = difference(rough, exact), b = difference(good, exact);
+  const auto order = [&](double large, double small) { return std::log(large / small) / std::log(double(fine) / coarse); };
+  const double x = order(rms(rough.state.x, exact.state.x), rms(good.state.x, exact.state.x));
+  std::printf("  %s: x %.2f", name, x);
+  CHECK_NEAR(x, claim, 0.15);
+  const auto at_least = [&](const char* what, double large, double small) {
+    if (large < 1e-3 * a.x) return;  // there is none, it is exact, or it happens to change its sign
+    std::printf(" %s %.2f", what, order(large, small));
+    CHECK(order(large, small) > claim - 0.15);
+  };
+  at_least("v", a.v, b.v);
+  at_least("impulse", a.impulse, b.impulse);
+  at_least("torque", a.torque, b.torque);
+  at_least("dissipated", a.dissipated, b.dissipated);
+  at_least("work", a.work, b.work);
+  std::printf("  (errors %.1e and %.1e m)\n", a.x, b.x);
+}
+
+/// Four pairs of points that springs join along x; whatever happens along x happens to all alike, and nothing else happens. The extension
+/// y of a pair is a damped oscillator under a force that grows,
+///
+///      y'' + (d/m) y' + omega^2 y = (f + g t) 2/m,      omega^2 = 2 k/m,
+///
+/// and the middle of a pair stays where it is.
+struct Oscillator {
+  double k = 50, m = 0.25, d = 0, f = 0, g = 0;  ///< [N/m], [kg], [N s/m], [N] and [N/s] outwards on each point
+  double y0 = 0.1, w0 = 0.7;                     ///< extension [m] and its rate [m/s] at the start
+
+  double omega() const { return std::sqrt(2 * k / m); }
+  /// Extension [m] and its rate [m/s].
+  std::array<double, 2> at(double t) const {
+    const double c = d / (2 * m), o2 = omega() * omega(), o = std::sqrt(o2 - c * c);
+    const double slope = 2 * g / m / o2, level = (2 * f / m - 2 * c * slope) / o2;  // level + slope t follows the force
+    const double p = y0 - level, q = (w0 - slope + c * p) / o, e = std::exp(-c * t), cosine = std::cos(o * t), sine = std::sin(o * t);
+    return {level + slope * t + e * (p * cosine + q * sine), slope + e * ((o * q - c * p) * cosine - (o * p + c * q) * sine)};
+  }
+};
+
+inline Scene scene(const Oscillator& o, double duration) {
+  const Lattice lattice{{2, 2, 2}};
+  Scene s{lattice, {Springs(lattice, Topology::distinct), Scalars(8), Scalars(8), std::vector<bool>(8, false)}, {}, {}, duration};
+  s.body.springs.set_stiffness({o.k, 0, 0}, {});
+  s.body.mass.setConstant(o.m);
+  s.body.damping.setConstant(o.d);
+  set_rates(s.body);
+  s.around.force.setZero(8, 3);
+  s.around.force_rate.setZero(8, 3);
+  s.around.ramped = o.g != 0;
+  Points x = rest_positions(lattice), v = Points::Zero(8, 3);
+  for (int p = 0; p < 8; ++p) {
+    const double side = p % 2 == 0 ? -1 : 1;
+    x(p, 0) += 0.5 * side * o.y0;
+    v(p, 0) = 0.5 * side * o.w0;
+    s.around.force(p, 0) = side * o.f;
+    s.around.force_rate(p, 0) = side * o.g;
+  }
+  start_at(s, x, v);
+  return s;
+}
+
+/// Largest error of the extension [m] or of its rate over omega.
+inline double error(const Oscillator& o, const Scene& s, const State& end) {
+  const auto [y, w] = o.at(s.duration);
+  double error = 0;
+  for (int p = 0; p < 8; p += 2)
+    error = std::max({error, std::abs(end.x(p + 1, 0) - end.x(p, 0) - 1 - y), std::abs(end.v(p + 1, 0) - end.v(p, 0) - w) / o.omega()});
+  return error;
+}
+
+/// The slope of the error between two numbers of steps, on the oscillator's exact motion.
+inline double order(const Oscillator& o, double duration, Stepping run, int coarse, int fine) {
+  const Scene s = scene(o, duration);
+  const double a = error(o, s, run(s, coarse).state), b = error(o, s, run(s, fine).state);
+  std::printf("  oscillator: errors %.1e and %.1e m\n", a, b);
+  return std::log(a / b) / std::log(double(fine) / coarse);
+}
+
+/// The left ends of the pairs are held by a frame that starts from rest and accelerates by a [m/s2]; the extension is that of an
+/// oscillator with half the stiffness under the force -m a / 2.
+struct Held {
+  Oscillator o;
+  double a = 4;
+  Oscillator extension() const { return {.k = o.k / 2, .m = o.m, .f = -o.m * a / 2, .y0 = o.y0, .w0 = o.w0}; }
+  /// What all pairs together have received from the frame [N s].
+  double impulse(double t) const { return 4 * o.m * (2 * a * t + extension().at(t)[1] - o.w0); }
+};
+
+inline Scene held_scene(const Held& held, double duration) {
+  Scene s = scene(held.o, duration);
+  Pin pin;
+  pin.position.x() = -0.5 * held.o.y0;
+  pin.acceleration.x() = held.a;
+  Points x = s.start.x, v = s.start.v;
+  for (int p = 0; p < 8; ++p) v(p, 0) = p % 2 ? held.o.w0 : 0;
+  for (int p = 0; p < 8; p += 2) {
+    pin.points.push_back(p);
+    pin.local.push_back(row(x, p) - pin.position);
+    s.body.pinned[p] = true;
+  }
+  s.around.pins.push_back(pin);
+  set_rates(s.body);
+  start_at(s, x, v);
+  return s;
+}
+
+/// The slopes of the errors of the extension and of the pin's impulse, on the exact motion.
+inline void check_held_order(const Held& held, double duration, Stepping run, double claim, int coarse, int fine) {
+  const Scene s = held_scene(held, duration);
+  double motion[2], impulse[2];
+  for (int i = 0; i < 2; ++i) {
+    const Result r = run(s, i ? fine : coarse);
+    motion[i] = error(held.extension(), s, r.state);
+    impulse[i] = std::abs(-r.exchange.pins[0].force.x() - held.impulse(duration));
+  }
+  const auto order = [&](const double* e) { return std::log(e[0] / e[1]) / std::log(double(fine) / coarse); };
+  std::printf("  held: motion %.2f impulse %.2f (errors %.1e m, %.1e N s)\n", order(motion), order(impulse), motion[1], impulse[1]);
+  CHECK_NEAR(order(motion), claim, 0.15);
+  CHECK(order(impulse) > claim - 0.15);
+}
+
+/// Back along the way that the method has come: forward, velocities turned round, forward. Distance from the start [m].
+inline double way_back(const Scene& s, Stepping run, int steps) {
+  Scene back = s;
+  back.start = run(s, steps).state;
+  back.start.v = -back.start.v;
+  const State end = run(back, steps).state;
+  return std::max(distance(end.x, s.start.x), distance(-end.v, s.start.v));
+}
+
+/// How far the Jacobian J of a step in (x, M v), by differences, is from J^T Omega J = Omega: of the size of the differences' own error,
+/// 1e-8, for a symplectic method.
+inline double symplectic_defect(const Scene& s, Stepping run) {
+  const int n = int(s.start.x.size());
+  const double d = 1e-5;
+  const auto mass = [&](int i) { return s.body.mass[i % s.body.points()]; };
+  Eigen::MatrixXd jacobian(2 * n, 2 * n);
+  for (int c = 0; c < 2 * n; ++c) {
+    Eigen::VectorXd ends[2];
+    for (int side = 0; side < 2; ++side) {
+      Points x = s.start.x, v = s.start.v;
+      (c < n ? x.data()[c] : v.data()[c - n]) += (side ? d : -d) / (c < n ? 1 : mass(c - n));
+      Scene moved = s;
+      start_at(moved, x, v);
+      const State end = run(moved, 1).state;
+      ends[side].resize(2 * n);
+      for (int i = 0; i < n; ++i) ends[side][i] = end.x.data()[i], ends[side][n + i] = mass(i) * end.v.data()[i];
+    }
+    jacobian.col(c) = (ends[1] - ends[0]) / (2 * d);
+  }
+  Eigen::MatrixXd omega = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+  for (int i = 0; i < n; ++i) omega(i, n + i) = 1, omega(n + i, i) = -1;
+  return (jacobian.transpose() * omega * jacobian - omega).cwiseAbs().maxCoeff();
+}
+
+}  // namespace softffd
