@@ -102,7 +102,7 @@ TEST(several_planes_on_one_point_are_the_exact_projection) {
 
 TEST(of_planes_that_cannot_all_be_touched_the_least_loaded_goes) {
   const std::vector<Plane> planes{
-      {.normal = Vec3::UnitX()}, {.normal = Vec3::UnitY()}, {.normal = Vec3::UnitZ()}, {.normal = Vec3(1, 1, 1).normalized()}};
+      {{.normal = Vec3::UnitX()}}, {{.normal = Vec3::UnitY()}}, {{.normal = Vec3::UnitZ()}}, {{.normal = Vec3(1, 1, 1).normalized()}}};
   ContactSet set(lattice, 4);
   set.open(body(), behind(planes), 0, 1e-3);
   const double loads[] = {3, 1, 2, 0.5};
@@ -117,7 +117,7 @@ TEST(of_planes_that_cannot_all_be_touched_the_least_loaded_goes) {
 }
 
 TEST(only_touches_that_pull_are_released_and_one_by_one_the_strongest_first) {
-  const std::vector<Plane> planes(1, {.normal = Vec3::UnitZ()});
+  const std::vector<Plane> planes(1, {{.normal = Vec3::UnitZ()}});
   for (const bool all : {true, false}) {
     ContactSet set(lattice, 1);
     set.open(body(), behind(planes), 0, 1e-3);
@@ -133,7 +133,7 @@ TEST(friction_stays_in_its_cone_and_against_the_slip) {
   const double h = 0.01, k = 1e4;
   int held = 0, sliding = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    std::vector<Plane> planes{{.normal = random.direction(), .velocity = random.vector(1e-9), .friction = random(0, 1.5)}};
+    std::vector<Plane> planes{{{.normal = random.direction(), .velocity = random.vector(1e-9), .friction = random(0, 1.5)}}};
     ContactSet set(lattice, 1);
     set.open(body(), behind(planes), 0, h);
     Points x0 = Points::Zero(8, 3), u(8, 3);
@@ -166,7 +166,7 @@ TEST(the_linear_friction_is_the_frictions_derivative) {
   Random random;
   const double h = 0.01;
   for (int trial = 0; trial < 100; ++trial) {
-    std::vector<Plane> planes{{.normal = random.direction(), .friction = 0.5}};
+    std::vector<Plane> planes{{{.normal = random.direction(), .friction = 0.5}}};
     ContactSet set(lattice, 1);
     set.open(body(), behind(planes), 0, h);
     Points x0 = Points::Zero(8, 3), u(8, 3), more(8, 3);

@@ -25,9 +25,9 @@ struct Setting {
     body.pinned.assign(n, false);
     if (pinned) body.pinned[0] = body.pinned[7] = true;
     around.force.setZero(n, 3);
-    around.planes = {{.point = {0, 0, 0}, .normal = Vec3::UnitZ(), .friction = friction},
-                     {.point = {0.05, 0, 0}, .normal = Vec3(1, 0.1, 0.2).normalized(), .friction = friction},
-                     {.point = {0, 1.02, 0}, .normal = Vec3(0.1, -1, 0).normalized(), .friction = friction}};
+    around.planes = {{{.point = {0, 0, 0}, .normal = Vec3::UnitZ(), .friction = friction}},
+                     {{.point = {0.05, 0, 0}, .normal = Vec3(1, 0.1, 0.2).normalized(), .friction = friction}},
+                     {{.point = {0, 1.02, 0}, .normal = Vec3(0.1, -1, 0).normalized(), .friction = friction}}};
     x0.col(2) *= 0.8;
     for (int p = 0; p < n; ++p) {
       set_row(u, p, body.pinned[p] ? Vec3::Zero() : random.vector(0.02));

@@ -100,7 +100,7 @@ TEST(on_a_plane_is_not_clear_of_it) {
   Flight flight(random, 0);
   flight.around.planes.resize(1);
   Plane& plane = flight.around.planes[0];
-  plane = {.normal = Vec3::UnitZ()};
+  plane = {{.normal = Vec3::UnitZ()}};
   for (const double gap : {1e-3, 1e-11}) {
     plane.point.z() = flight.state.x.col(2).minCoeff() - gap;
     CHECK(reach.clear(flight.body, flight.around, 0, flight.state.x));
