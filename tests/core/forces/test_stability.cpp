@@ -75,3 +75,16 @@ TEST(one_light_point_is_bounded_sharply) {
   const double truth = true_frequency(body, rest_positions(lattice));
   CHECK(stability.frequency(body, rest_positions(lattice)) <= 1.2 * truth);
 }
+
+TEST(springs_that_share_no_point_are_bounded_exactly_in_any_direction) {
+  const Lattice lattice{.counts = {2, 2, 2}, .size = {1, 2, 0.5}};
+  Body body = make(lattice, 0);
+  body.springs.set_stiffness({0, 0, 50}, {});  // the four diagonals of the box
+  const Points x = rest_positions(lattice);
+  Stability stability(body.points());
+  stability.prepare(body);
+  CHECK_NEAR(stability.frequency(body, x), std::sqrt(2 * 50 / body.mass[0]), 1e-12);
+  for (int p = 0; p < 4; ++p) body.pinned[p] = true;  // one end of each
+  stability.prepare(body);
+  CHECK_NEAR(stability.frequency(body, x), std::sqrt(50 / body.mass[0]), 1e-12);
+}
