@@ -97,6 +97,17 @@ def test_a_pending_parameter_change_is_part_of_the_state_and_not_yet_in_effect(s
     assert slave.outputs() == straight
 
 
+def test_pending_derivatives_of_inputs_are_part_of_the_state(slave):
+    slave.advance(0, 10)
+    slave.setRealInputDerivatives([slave.names["load.push.y"], slave.names["pin.grip.velocity.x"]], [1, 1], [500.0, 2.0])
+    state = slave.getFMUstate()
+    slave.advance(10, 12)
+    straight = slave.outputs()
+    slave.setFMUstate(state)
+    slave.advance(10, 12)
+    assert slave.outputs() == straight
+
+
 def test_a_serialized_state_continues_in_another_instance(fmu, slave, tmp_path):
     slave.advance(0, 20)
     blob = bytes(slave.serializeFMUstate(slave.getFMUstate()))
