@@ -9,8 +9,8 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from c_host import DISCARD, ERROR, SIGNATURES, STEP, STEPS, TIMES, Host, check_message, doubles, ints, uints
-from straight_run import apply, check_as_new, straight
+from c_host import DISCARD, ERROR, SIGNATURES, STEP, STEPS, TIMES, Fmu, Host, check_message, doubles, ints, uints
+from straight_run import RICH, apply, check_as_new, straight
 
 NAN, INF = float("nan"), float("inf")
 FRESH, INITIALIZING, RUNNING, FAILED, ENDED = "fresh", "initializing", "running", "failed", "ended"
@@ -206,6 +206,21 @@ def test_a_refused_foreign_state_leaves_the_run_as_it_was(rich):
         host.must("DoStep", TIMES[n], STEP, 1)
         assert host.outputs() == expected[n + 1]
     host.free()
+
+
+def test_a_state_of_another_scene_in_the_same_library_is_refused_though_its_size_fits(rich, tmp_path):
+    stiffer = Fmu(RICH.replace("stiffness = 2e3", "stiffness = 3e3"), tmp_path / "stiffer", rich.library)
+    host, other = Host(rich), Host(stiffer)
+    host.begin()
+    other.begin()
+    foreign = other.save()
+    before = host.outputs()
+    assert len(other.serialized(foreign)) == len(host.serialized(host.save()))
+    assert host("SetFMUstate", foreign) == ERROR
+    check_message(host, "the state belongs to another scene")
+    assert host.outputs() == before
+    host.free()
+    other.free()
 
 
 def test_dead_and_foreign_handles_are_errors(rich):

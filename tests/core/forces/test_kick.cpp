@@ -51,3 +51,9 @@ TEST(heavy_damping_never_turns_the_velocity_round) {
     v = next;
   }
 }
+
+TEST(heavy_damping_takes_what_the_exact_decay_takes_within_three_hundredths) {
+  const double m = 0.3, h = 0.1, v = 1;
+  for (double g : {1.001, 1.5, 3.0, 10.0})  // half the step in units of the decay time
+    CHECK_NEAR(full_kick(one_mass(m, 2 * g * m / h), h, v, 0), std::exp(-2 * g), 0.03);
+}
