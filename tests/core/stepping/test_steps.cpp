@@ -1,6 +1,6 @@
 /// Runs of internal steps of every explicit method, on a lattice that vibrates: a newcomer joins the list.
+#include "bench.hpp"
 #include "check.hpp"
-#include "model/arithmetic.hpp"
 #include "stepping/controlled_steps.hpp"
 #include "stepping/fixed_steps.hpp"
 #include "stepping/limits.hpp"
@@ -12,39 +12,6 @@ namespace {
 
 constexpr Method fixed[] = {Method::central_difference, Method::leapfrog, Method::bm4};
 constexpr Method controlled[] = {Method::rkn12, Method::dop853, Method::ros34pw2};
-
-struct Bench {
-  Lattice lattice{{3, 3, 3}};
-  Model model{body(lattice)};
-  Drive drive;
-  Request request{.tolerance = 1e-6};
-  Run run;
-  Integrators integrators{lattice, 0, 0};
-
-  Bench() {
-    const int n = lattice.points();
-    model.body.springs.set_stiffness({100, 100, 100}, {});
-    model.renew();
-    for (Points* points : {&drive.force, &drive.force_rate, &drive.force_bend[0], &drive.force_bend[1]}) points->setZero(n, 3);
-    State& motion = run.path.motion;
-    motion.x = rest_positions(lattice);
-    motion.x.col(0) *= 1.1;
-    for (Points* points : {&motion.v, &motion.spring, &motion.previous, &run.course.bound_x, &run.course.factored.x}) points->setZero(n, 3);
-    model.body.internal_force(motion.x, motion.spring);
-  }
-  static Body body(const Lattice& lattice) {
-    const int n = lattice.points();
-    return {.springs = Springs(lattice, Topology::distinct),
-            .mass = Scalars::Constant(n, 1.0 / n),
-            .damping = Scalars::Zero(n),
-            .pinned = std::vector<bool>(n, false)};
-  }
-  Job job() { return {model, drive, request, run}; }
-  double energy() const {
-    const State& motion = run.path.motion;
-    return model.body.elastic_energy(motion.x) + 0.5 * (model.body.mass * motion.v.square().rowwise().sum()).sum();
-  }
-};
 
 /// Where 0.1 s of small given steps of the method of highest order lead.
 Points reference() {
@@ -93,6 +60,29 @@ TEST(controlled_steps_keep_the_tolerance_and_end_where_they_should) {
     CHECK(b.run.path.motion.time == 0.1 && b.run.path.steps > 1);
     CHECK(difference(b.run.path.motion.x, exact) < 5e-6);
     CHECK(b.run.course.controlled_step(method) > 0);
+  }
+}
+
+TEST(a_step_is_kept_only_if_its_error_is_allowed) {
+  for (Method method : controlled) {
+    const Traits& t = traits(method);
+    Bench probe;
+    const double h = 0.5 * std::min(step_limit(probe.job(), method, false), 4 * step_limit(probe.job(), Method::leapfrog, false));
+    const double error = probe.integrators.one_step(method).offer(probe.model, probe.drive, 0, h, probe.run).error;
+    const double share = std::min(t.tolerance_step, t.tolerance_sum * h);  // of the tolerance, in a run of a second
+    for (double ratio : {0.5, 2.0, 10.0}) {
+      Bench b;
+      b.request.tolerance = error / (ratio * share);
+      b.run.course.controlled_step(method) = h;
+      CHECK(run_controlled(b.integrators, b.job(), method, h, 0) == StepStatus::ok);
+      CHECK(b.run.path.steps == 1 && b.run.path.clock.h == b.run.path.motion.time);
+      CHECK((b.run.course.rejected > 0) == (ratio > 1));
+      CHECK((b.run.path.clock.h < h) == (ratio > 1));
+      Bench again;
+      const double kept = b.run.path.clock.h;
+      const double err = again.integrators.one_step(method).offer(again.model, again.drive, 0, kept, again.run).error;
+      CHECK(err <= std::min(t.tolerance_step, t.tolerance_sum * kept) * b.request.tolerance * (1 + 1e-6));
+    }
   }
 }
 
