@@ -1,0 +1,46 @@
+/// Stretches that are run twice, on a lattice that vibrates: what the two runs differ by decides.
+#include "stepping/doubled_steps.hpp"
+
+#include "bench.hpp"
+#include "check.hpp"
+#include "stepping/limits.hpp"
+#include "stepping/thresholds.hpp"
+
+using namespace softffd;
+
+namespace {
+
+constexpr Count steps = thresholds::stretch_steps;
+
+/// The run after so many steps of leapfrog.
+State after(double h, Count n) {
+  Bench b;
+  b.integrators.take(b.job(), Method::leapfrog, {0, 0, h, n});
+  return b.run.path.motion;
+}
+
+}  // namespace
+
+TEST(a_stretch_whose_two_runs_differ_by_too_much_is_run_again_with_smaller_steps) {
+  Bench b;
+  const double h = 0.5 * step_limit(b.job(), Method::leapfrog, false), stretch = double(steps) * h;
+  const double error = growing(b.job(), after(h, steps), after(h / 2, 2 * steps), stretch) / 3;  // of the finer run: order 2
+  for (double ratio : {0.5, 2.0, 8.0, 30.0}) {
+    Bench each;
+    each.request.tolerance = error / (ratio * thresholds::forecast_tolerance);
+    each.run.course.contact.h = h;
+    DoubledSteps doubled(each.run);
+    CHECK(doubled.run(each.integrators, each.job(), stretch) == StepStatus::ok);
+    const bool again = ratio > thresholds::too_much;
+    CHECK((each.run.course.rejected > 0) == again);
+    CHECK((each.run.path.clock.h < 0.4999 * h) == again);
+    CHECK((each.run.path.steps > 2 * steps) == again);
+  }
+}
+
+TEST(the_error_of_a_stretch_is_that_of_its_finer_run) {
+  Bench b;
+  const double h = 0.5 * step_limit(b.job(), Method::leapfrog, false), stretch = double(steps) * h;
+  const State coarse = after(h, steps), fine = after(h / 2, 2 * steps), exact = after(h / 16, 16 * steps);
+  CHECK_NEAR(growing(b.job(), coarse, fine, stretch) / 3 / growing(b.job(), fine, exact, stretch), 1, 0.15);
+}
