@@ -1,6 +1,7 @@
 #include "check.hpp"
 #include "flight/floating_frame.hpp"
 #include "methods/dop853.hpp"
+#include "methods/traits.hpp"
 #include "model/rigid_motion.hpp"
 
 using namespace softffd;
@@ -180,4 +181,20 @@ TEST(vibrations_end_and_the_rotation_stays) {
   const double vibration = s.body.elastic_energy(s.start.x);
   CHECK_NEAR(few.exchange.dissipated, vibration, 0.5 * vibration);
   CHECK_NEAR(many.exchange.dissipated, few.exchange.dissipated, 1e-6 * energy(s, s.start));
+}
+
+/// A soft body that grows while it turns: Coriolis' force is by far the largest that is left out.
+TEST(coriolis_force_on_the_deformation_is_part_of_the_error) {
+  Scene s = turning(1);
+  s.start.v += 0.3 * s.start.x;
+  Flight frame(s.lattice);
+  const double h = 1e-3, scale = traits(Method::floating_frame).tolerance_sum * frame.method.time_scale[0];
+  const double error = run(s, frame.method, h, 1).error;
+  const RigidMotion rigid = motion(s, s.start);
+  double coriolis = 0;
+  for (int p = 0; p < s.body.points(); ++p) {
+    const Vec3 drift = row(s.start.v, p) - rigid.velocity - rigid.spin.cross(row(s.start.x, p) - rigid.centre);
+    coriolis = std::max(coriolis, 2 * rigid.spin.cross(drift).norm());
+  }
+  CHECK(error > 0.95 * h * scale * coriolis && error < 1.5 * h * scale * coriolis);
 }
