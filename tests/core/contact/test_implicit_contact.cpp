@@ -169,3 +169,17 @@ TEST(a_turning_table_carries_the_box_along) {
   const Vec3 corner = rotated(Vec3(0, 0, 0.5), Vec3(-0.5, -0.5, 0)) + Vec3(0.5, 0.5, 0);
   CHECK_NEAR((row(scene.state.x, 0) - corner).norm(), 0.0, 1e-5);
 }
+
+/// A plane that rises from rest, faster and faster, with a stiff box on it: its way times the force on it.
+TEST(a_plane_that_speeds_up_works_with_its_speed_halfway_through_the_step) {
+  FallingBox scene(1e9, 1);
+  scene.around.planes[0].acceleration = {0, 0, 3};
+  CheckedRun runner(scene);
+  const double h = 0.01;
+  for (int i = 0; i < 20; ++i) {
+    if (!runner.step(scene, h)) return;
+    const double way = 0.5 * 3 * h * h * (2 * i + 1);
+    CHECK_NEAR(runner.exchange.work, -runner.force(0, h).z() * way, 1e-12);
+  }
+  CHECK_NEAR(FallingBox::mean(scene.state.v).z(), 3 * 20 * h, 3 * h);
+}
