@@ -28,16 +28,20 @@ BUILD = ROOT / "build" / "native"
 STAMP = VENV / "softffd-built"
 BUILT_FROM = ("pyproject.toml", "CMakeLists.txt", "LICENSE", "fmu_src", "modelDescription")
 LEAST_PYTHON = (3, 11)
+PIP_FAILED = "pip failed (see above). It needs the Python package index, or a mirror of it, in reach."
 
 
 def stop(message):
     sys.exit(f"run.py: {message}")
 
 
+def pip_command(*arguments):
+    return [PYTHON, "-m", "pip", "--disable-pip-version-check", "-q", *arguments]
+
+
 def pip(*arguments, env=None):
-    command = [PYTHON, "-m", "pip", "--disable-pip-version-check", "-q", *arguments]
-    if subprocess.call(command, env=env) != 0:
-        stop("pip failed (see above). It needs the Python package index, or a mirror of it, in reach.")
+    if subprocess.call(pip_command(*arguments), env=env) != 0:
+        stop(PIP_FAILED)
 
 
 def make_venv():
@@ -58,7 +62,7 @@ def compiler_environment():
     if env.get("CXX") or os.name == "nt" or any(shutil.which(name) for name in ("c++", "g++", "clang++")):
         return env
     print("run.py: no C++ compiler here; taking the one in the package ziglang (about 100 MB, once)", flush=True)
-    if subprocess.call([PYTHON, "-m", "pip", "--disable-pip-version-check", "-q", "install", "ziglang"]) != 0:
+    if subprocess.call(pip_command("install", "ziglang")) != 0:
         stop("there is no C++ compiler and none for this machine on the package index. On Debian: sudo apt-get install -y g++")
     where = "import ziglang, os; print(os.path.join(os.path.dirname(ziglang.__file__), 'zig'))"
     zig = subprocess.check_output([PYTHON, "-c", where], text=True).strip()
@@ -80,12 +84,13 @@ def fingerprint():
 
 
 def requirements():
-    """What building, the package and its tests need."""
+    """What building needs, and what the package and its tests need besides."""
     import tomllib  # with Python 3.11, which has been looked for by now
 
     table = tomllib.loads((ROOT / "pyproject.toml").read_text())
     project = table["project"]
-    return [*table["build-system"]["requires"], *project["dependencies"], *project["optional-dependencies"]["test"]]
+    others = [*project["dependencies"], *project["optional-dependencies"]["test"]]
+    return [*table["build-system"]["requires"], *(name for name in others if name.startswith(("cmake>", "ninja>")))], others
 
 
 def building_environment():
@@ -102,10 +107,14 @@ def set_up():
         return
     make_venv()
     print("run.py: building and installing into .venv (a minute or two, once)", flush=True)
-    pip("install", *requirements())
+    building, others = requirements()
+    pip("install", *building)
+    meanwhile = subprocess.Popen(pip_command("install", *others))
     # in this environment and in a folder that stays: the C++ tests are made of the same objects
     options = ["-C", f"build-dir={BUILD}", "-C", "cmake.define.SOFTFFD_TESTS=OFF"]
     pip("install", "--no-deps", "--no-build-isolation", *options, "-e", ROOT, env=building_environment())
+    if meanwhile.wait() != 0:
+        stop(PIP_FAILED)
     STAMP.write_text(print_once)
 
 

@@ -338,7 +338,7 @@ def test_a_refused_step_leaves_the_component_where_it_was(scene):
         assert np.array_equal(stepper.positions(), before)
 
 
-@pytest.mark.short("0", "4")
+@pytest.mark.short("0")
 @pytest.mark.parametrize("seed", range(6))
 def test_nothing_is_ever_behind_planes_in_any_motion(scene, seed):
     """Five obstacles of random pose, motion and friction around a thrown box, looked at after every internal step."""

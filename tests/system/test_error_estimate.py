@@ -86,7 +86,7 @@ def test_the_estimate_is_close_to_the_error(exact, name, method, tolerance):
     check(result, exact(name, method), name, IMPLICIT if implicit else EXPLICIT)
 
 
-@pytest.mark.short("stiff_layer-1e-06")
+@pytest.mark.full
 @pytest.mark.parametrize("tolerance", (1e-2, 1e-4, 1e-6, 1e-8))
 @pytest.mark.parametrize("name", ["stiff_pull", "stiff_layer"])
 def test_loads_without_kinks_set_off_nothing(exact, name, tolerance):
@@ -94,6 +94,7 @@ def test_loads_without_kinks_set_off_nothing(exact, name, tolerance):
     check(result, exact(name, "ros34pw2", "cubic"), name, IMPLICIT)
 
 
+@pytest.mark.short("free_vibration", "stiff_pull")
 @pytest.mark.parametrize("name", REFERENCES)
 def test_the_references_agree(exact, name):
     ways = [method for method, _ in REFERENCES[name]]

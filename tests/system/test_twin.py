@@ -91,6 +91,7 @@ def test_smooth_motions_agree_to_rounding(both, name):
         assert np.abs(values - twin.outputs[output]).max() < allowed, output
 
 
+@pytest.mark.short("drop with friction", "drop by the published rule", "conveyor that turns", "plane that jumps", "press")
 @pytest.mark.parametrize("name", CONTACT)
 def test_motions_in_contact_agree_to_the_end(both, name):
     """Impacts and friction leave less than they find; rounding is not multiplied as it is in a fast tumble.

@@ -123,6 +123,7 @@ def test_the_triangle_rule_is_exact_to_its_degree_and_not_beyond(degree):
     assert rule.share @ b**beyond != pytest.approx(2 / ((beyond + 1) * (beyond + 2)), rel=1e-12)
 
 
+@pytest.mark.short("sphere-counts0-bezier-volume", "wedge-counts2-bspline-surface")
 @pytest.mark.parametrize("distribution", ["surface", "volume"])
 @pytest.mark.parametrize(
     ("counts", "basis"), [((4, 4, 4), "bezier"), ((9, 4, 12), "bezier"), ((9, 4, 12), "bspline"), ((5, 6, 7), "bspline")]
