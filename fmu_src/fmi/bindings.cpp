@@ -84,7 +84,7 @@ constexpr Binding setting(Family family, Binding::Place place, Binding::Place ra
   return {.family = family, .place = place, .rate_place = rate};
 }
 constexpr Binding output(Family family, Binding::Output output, Binding::Output rate = nullptr) {
-  return {.family = family, .output = output, .rate_output = rate};
+  return {.family = family, .is_output = true, .output = output, .rate_output = rate};
 }
 
 }  // namespace
@@ -143,8 +143,7 @@ namespace {
 
 constexpr bool every_family_is_bound() {
   for (std::size_t n = 0; n < family_count; ++n)
-    if (bindings[n].family != families[n].family || (bindings[n].output != nullptr) != (families[n].causality == Causality::output))
-      return false;
+    if (bindings[n].family != families[n].family || bindings[n].is_output != (families[n].causality == Causality::output)) return false;
   return true;
 }
 static_assert(every_family_is_bound(), "bindings must have the families of variables.toml, in their order, outputs with their output");

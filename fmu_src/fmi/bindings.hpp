@@ -31,6 +31,7 @@ struct Binding {
   using Output = double (*)(const Observed& observed, int member, int axis);
 
   Family family;
+  bool is_output = false;        ///< then it has `output`: GCC's sanitizers do not compare function pointers while compiling
   Place place = nullptr;         ///< of a member's first component
   Place rate_place = nullptr;    ///< the same for the first time derivative
   Output output = nullptr;       ///< a component
