@@ -205,7 +205,7 @@ def main() -> int:
     parser.add_argument("-j", dest="processes", type=int, default=1, metavar="N")
     parser.add_argument("--library", type=Path, metavar="FILE")
     parser.add_argument("--part", default="1/1", metavar="K/N")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     part, parts = map(int, options.part.split("/"))
     chosen = Chosen(tuple(options.names), part, parts)
     with ProcessPoolExecutor(options.processes, initializer=use_library, initargs=(options.library,)) as pool:
