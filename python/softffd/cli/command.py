@@ -77,11 +77,20 @@ def _parser() -> argparse.ArgumentParser:
     accuracy.add_argument("--repeats", type=int, default=5, metavar="N", help="of each run, the smallest time counts; default 5")
     accuracy.set_defaults(command=_accuracy)
 
-    stability = commands.add_parser("stability", help="run stiff and extreme scenes and judge each by an oracle: map, table, report")
+    stability = commands.add_parser(
+        "stability", help="run stiff and extreme scenes and judge each by an oracle: map, table, report",
+        epilog="example: softffd stability --random 200 --seed 1 -j 2 runs 200 scenes drawn at random, those of the seeds 1 to 200, on two "
+        "cores; softffd stability --random 1 --seed 17 runs the one of seed 17 again",
+    )  # fmt: skip
     stability.add_argument("-o", "--output", type=Path, default=Path("softffd-stability"), metavar="DIR")
     stability.add_argument("--quick", action="store_true", help="some cases and a coarse map: a first look")
     stability.add_argument("--only", nargs="+", default=[], metavar="NAME", help='"map", "cases", or parts of the names of cases')
     stability.add_argument("--slowness", type=float, default=1.0, metavar="FACTOR", help="cases may take so many times longer")
+    stability.add_argument(
+        "--random", type=int, metavar="N", help="N scenes drawn at random instead, in which auto is judged by tight runs"
+    )
+    stability.add_argument("--seed", type=int, default=1, metavar="S", help="of the first of them, the next has S + 1; default 1")
+    stability.add_argument("-j", "--jobs", type=int, metavar="J", help="of them run at a time; default: the number of cores")
     stability.set_defaults(command=_stability)
 
     drivers = commands.add_parser("drivers", help="make driver FMUs (plate, actuator) and a coupled system (SSP)")
@@ -181,11 +190,27 @@ def _stability(options: argparse.Namespace) -> None:
     from softffd.validation.stability.command import report_stability
 
     require_writable(options.output)
+    if options.random is not None:
+        _random(options)
+        return
     with ProgressLine("running") as progress:
         report_stability(
             options.output, only=options.only, quick=options.quick, slowness=options.slowness, note=progress.note, say=progress.say
         )
     print(f"kept in {options.output}: report.html, stability.csv, stability.json, pictures of the map")
+
+
+def _random(options: argparse.Namespace) -> None:
+    from softffd.validation.stability.drawn_survey import report_random
+
+    if options.only or options.quick:
+        raise SoftffdError("--random: wanted without --only and --quick, which choose among the cases; --seed S --random 1 runs one scene")
+    jobs = (os.cpu_count() or 1) if options.jobs is None else options.jobs
+    with ProgressLine("running") as progress:
+        report_random(
+            options.output, options.random, options.seed, processes=jobs, slowness=options.slowness, note=progress.note, say=progress.say
+        )
+    print(f"kept in {options.output}: random.csv, random.json")
 
 
 def _drivers(options: argparse.Namespace) -> None:

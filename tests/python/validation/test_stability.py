@@ -16,7 +16,7 @@ from softffd.validation.stability import survey as survey_module
 from softffd.validation.stability.border import borders, grows
 from softffd.validation.stability.cases import CASES, run_named
 from softffd.validation.stability.drive import Drive, Refused
-from softffd.validation.stability.guard import Lost, guarded
+from softffd.validation.stability.guard import Lost, abreast, guarded
 from softffd.validation.stability.map import Cell, Judged, Panel, document, omega, run_cells, settings, unit_sag
 from softffd.validation.stability.scenes import DOWN, box, plane
 from softffd.validation.stability.survey import Survey, planned, run
@@ -45,6 +45,14 @@ def test_hang_crash_and_fault_are_results_and_the_next_jobs_run():
     assert [results[1].how, results[3].how, results[4].how] == ["hang", "crash", "fault"]
     assert "status 3" in results[3].words
     assert "a fault" in results[4].words
+
+
+def test_batches_run_abreast_and_each_keeps_its_order():
+    batches = [["one", "two"], ["hang", "three"], ["crash", "four"], ["five"]]
+    found = {place: [] for place in range(4)}
+    for place, result in abreast(at_once, batches, lambda job: 1.0, 2):
+        found[place].append(result.how if isinstance(result, Lost) else result)
+    assert found == {0: ["one", "two"], 1: ["hang", "three"], 2: ["crash", "four"], 3: ["five"]}
 
 
 def test_lost_case_is_slow_or_wrong():

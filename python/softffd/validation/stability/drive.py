@@ -62,16 +62,23 @@ class Drive:
         self.start_energy, self.start_centre, self.start_momentum = self.energy(), self.centre, self.momentum
         self.start_angular_momentum = self.angular_momentum
 
-    def restart(self, settings: Mapping[str, Any], stop_time: float | None = None) -> None:
-        """From the start again, with other start values; stop_time [s]: what the host says of the end, for which the tolerance holds."""
+    def restart(self, settings: Mapping[str, Any], stop_time: float | None = None, *, tolerance: float | None = None) -> None:
+        """From the start again, with other start values; stop_time [s]: what the host says of the end, for which the tolerance holds.
+
+        tolerance: the host's, relative to the largest side of the box; the scene's own by default.
+        """
         with _refusals():
-            self.simulation.restart(start_values=settings, stop_time=stop_time)
+            self.simulation.restart(start_values=settings, stop_time=stop_time, tolerance=tolerance)
         self._start()
 
     def set(self, **vectors: Any) -> None:
         """Sets inputs: names with two underscores for a dot, values for all components: plane__lid__point=(0, 0, 1)."""
         for name, values in vectors.items():
             self._block(name.replace("__", ".")).set(values)
+
+    def set_rates(self, name: str, rates: Any) -> None:
+        """Time derivatives of an input vector, for the next step."""
+        self._block(name).set_rates(rates)
 
     def step(self, length: float) -> None:
         """One communication step [s]. Refused with the component's message; StateTouched when a discarded step has changed something."""

@@ -5,13 +5,17 @@ from __future__ import annotations
 import multiprocessing
 import signal
 import sys
+import time as clock
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from multiprocessing.connection import wait
 from typing import Any
 
 START_UP = 60.0
 """A process gets this long to start [s]."""
+
+Work = Callable[[Sequence[Any]], Iterator[Any]]
 
 
 @dataclass(frozen=True)
@@ -23,56 +27,90 @@ class Lost:
     words: str
 
 
-def guarded(work: Callable[[Sequence[Any]], Iterator[Any]], jobs: Sequence[Any], patience: Callable[[Any], float]) -> Iterator[Any]:
+def guarded(work: Work, jobs: Sequence[Any], patience: Callable[[Any], float]) -> Iterator[Any]:
     """One result per job, in order. work(jobs) yields them in another process; both must be importable there.
 
     patience(job): a job that takes longer [s] is Lost as a hang; one that takes the process down is Lost as a crash. The jobs after it
     go to a new process. Leaving the iteration early ends the process.
     """
-    left = list(jobs)
-    while left:
-        with _Process(work, left) as process:
-            while left:
-                result = process.next(patience(left[0]))
-                left.pop(0)
-                yield result
-                if isinstance(result, Lost):
-                    break
+    for _, result in abreast(work, [jobs], patience, 1):
+        yield result
 
 
-class _Process:
-    def __init__(self, work, jobs):
-        context = multiprocessing.get_context(_way())
-        self._results, sender = context.Pipe(duplex=False)
-        self._process = context.Process(target=_serve, args=(work, jobs, sender), daemon=True)
-        self._process.start()
+def abreast(work: Work, batches: Sequence[Sequence[Any]], patience: Callable[[Any], float], processes: int) -> Iterator[tuple[int, Any]]:
+    """The same for batches of jobs, so many at a time: the number of a batch and its next result, as they come."""
+    waiting = [_Batch(work, number, list(jobs), patience) for number, jobs in enumerate(batches) if jobs][::-1]
+    running: list[_Batch] = []
+    try:
+        while waiting or running:
+            while waiting and len(running) < processes:
+                running.append(waiting.pop())
+                running[-1].begin()
+            earliest = min(batch.deadline for batch in running)
+            ready = set(wait([batch.results for batch in running], max(0.0, earliest - clock.monotonic())))
+            for batch in list(running):
+                if batch.results not in ready and clock.monotonic() < batch.deadline:
+                    continue
+                yield from ((batch.number, result) for result in batch.news(batch.results in ready))
+                if not batch.left:
+                    running.remove(batch)
+                    batch.end()
+    finally:
+        for batch in running:
+            batch.end()
+
+
+@dataclass(eq=False)
+class _Batch:
+    """Jobs for one process after another: a new one after each that is lost."""
+
+    work: Work
+    number: int
+    left: list[Any]
+    patience: Callable[[Any], float]
+    deadline: float = 0.0
+    results: Any = field(init=False)
+    process: Any = field(init=False)
+    started: bool = field(init=False)
+
+    def begin(self) -> None:
+        context: Any = multiprocessing.get_context(_way())
+        self.results, sender = context.Pipe(duplex=False)
+        self.process = context.Process(target=_serve, args=(self.work, self.left, sender), daemon=True)
+        self.process.start()
         sender.close()
-        self._ready = False
+        self.started, self.deadline = False, clock.monotonic() + START_UP
 
-    def next(self, patience: float) -> Any:
-        if not self._ready:
-            first = self._receive(START_UP)
-            if isinstance(first, Lost):
-                return first
-            self._ready = True
-        return self._receive(patience)
+    def news(self, ready: bool) -> list[Any]:
+        """The results that are there now: one, or none when the process has just told that it is up. ready: it has told something."""
+        result = self._told() if ready else Lost("hang", f"no answer within {self._patience():g} s")
+        if not (self.started or isinstance(result, Lost)):
+            self.started = True
+            self.deadline = clock.monotonic() + self._patience()
+            return []
+        self.left.pop(0)
+        if self.left:
+            if isinstance(result, Lost):
+                self.end()
+                self.begin()
+            else:
+                self.deadline = clock.monotonic() + self._patience()
+        return [result]
 
-    def _receive(self, patience: float) -> Any:
+    def end(self) -> None:
+        self.process.kill()
+        self.process.join()
+        self.results.close()
+
+    def _patience(self) -> float:
+        return self.patience(self.left[0]) if self.started else START_UP
+
+    def _told(self) -> Any:
         try:
-            if not self._results.poll(patience):
-                return Lost("hang", f"no answer within {patience:g} s")
-            return self._results.recv()
+            return self.results.recv()
         except EOFError:
-            self._process.join()
-            return Lost("crash", f"the process ended with status {self._process.exitcode}")
-
-    def __enter__(self) -> _Process:
-        return self
-
-    def __exit__(self, *_exception) -> None:
-        self._process.kill()
-        self._process.join()
-        self._results.close()
+            self.process.join()
+            return Lost("crash", f"the process ended with status {self.process.exitcode}")
 
 
 def _way() -> str:

@@ -1,0 +1,270 @@
+"""The runs of a scene drawn at random, what they agree on, and what that says of `auto`.
+
+All runs end at the same time, after the same communication steps and inputs:
+
+    asked    auto at the scene's tolerance: the one that is judged
+    tight    auto at a thirtieth of it
+    rungs    leapfrog with steps that get four times shorter, from a seventh of the stable step on, as far as the work allows
+
+The truth is the last rung where it agrees with the one before, or with tight, within a third of the tolerance; there the ladder ends.
+Where nothing agrees there is no truth: a chaotic motion, or one that would take more work.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import time as clock
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from softffd.validation.stability.drawn import Drawn, drawn
+from softffd.validation.stability.drive import Drive, Refused, StateTouched
+from softffd.validation.stability.guard import Lost
+
+RUNGS = ("rung 1", "rung 2", "rung 3", "rung 4")
+RUNS = ("asked", "tight", *RUNGS)
+
+TIGHTER = 30.0
+"""Tolerance of asked by that of tight; stable step by that of the second rung."""
+FINER = 4.0
+"""A rung's step by that of the next."""
+AGREED = 1 / 3
+"""Of the tolerance: so far two runs may part that tell the truth."""
+ALLOWED = 10.0
+"""Of the tolerance: so far asked may be from the truth."""
+STATED = 5.0
+"""An error up to so many times what a warning states has been stated."""
+BEHIND = 1e-12
+"""Penetration that rounding explains, relative to the box."""
+
+WORK = 5e8
+"""Springs times steps of a rung at most, some three seconds."""
+POINT_WORK = 8
+"""A control point's own work in a step, in units of a spring's."""
+NEAREST = 0.25
+"""Of the stable step: the last rung takes no longer one, for friction and resonance feed vibrations there."""
+
+PATIENCE = {"asked": 8.0, "tight": 12.0} | dict.fromkeys(RUNGS, 60.0)
+"""s"""
+NOT_NEEDED, NO_MORE = "not needed", "no more work"
+
+VERDICTS = ("right", "stated", "refused", "no truth", "slow", "SILENT", "WRONG")
+"""right: within ten tolerances of the truth. stated: beyond, and a warning has said so with a number. refused: fmi2Discard or fmi2Error,
+the state untouched. no truth: nothing to compare with. slow: no answer within the time. SILENT: beyond, without a word. WRONG: a crash, a
+result that is not finite, a control point behind a plane, a discarded step that has changed the state."""
+FAULTS = ("SILENT", "WRONG")
+
+NUMBER = r"([-+]?[0-9.]+(?:e[-+]?[0-9]+)?)"
+WRONG_BY = re.compile(rf"(?:wrong|off) by (?:up to |about |some )*{NUMBER}")
+GAINED = re.compile(rf"has gained {NUMBER} J")
+TURNS = re.compile(rf"omega = {NUMBER} rad/s in implicit steps .* omega h / 2 = {NUMBER} a radian")
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: where the control points are at its end."""
+
+    x: np.ndarray | None
+    """(n, 3) [m]; None: it did not get there"""
+    words: str = ""
+    """Why it did not"""
+    wrong: bool = False
+    """What it did instead breaks a promise"""
+    stated: float = 0.0
+    """The largest error that a warning gave a number for [m]"""
+    warnings: tuple[str, ...] = ()
+    step: float = math.nan
+    """Of leapfrog, by that of stability"""
+    internal_steps: int = 0
+    run_time: float = 0.0
+    """s"""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run of a scene."""
+
+    seed: int
+    run: str
+    """One of RUNS"""
+
+
+def patience(job: Job) -> float:
+    """How long a run may take [s]."""
+    return PATIENCE[job.run]
+
+
+def run_jobs(jobs: Sequence[Job]) -> Iterator[Run]:
+    """Runs in their order, those of a scene together."""
+    drive, scene, found = None, None, {}
+    try:
+        for job in jobs:
+            if scene is None or scene.seed != job.seed:
+                if drive:
+                    drive.close()
+                scene, found = drawn(job.seed), {}
+                drive = Drive(scene.document)
+            run = found[job.run] = _run(drive, scene, job.run, found)
+            yield run
+    finally:
+        if drive:
+            drive.close()
+
+
+def _run(drive: Drive, scene: Drawn, which: str, found: dict[str, Run]) -> Run:
+    began = clock.perf_counter()
+    if which in ("asked", "tight"):
+        tolerance = scene.tolerance / (TIGHTER if which == "tight" else 1.0)
+        return _followed(drive, scene, {}, tolerance, began)
+    place = RUNGS.index(which)
+    shares = ladder(drive, scene)
+    if truth_of(scene, drive.side, found):
+        return Run(None, NOT_NEEDED)
+    if not shares:
+        return Run(None, f"leapfrog would take {scene.duration / (NEAREST * drive.value('solver.stable_step')):.1e} steps")
+    if place >= len(shares):
+        return Run(None, NO_MORE)
+    step = shares[place] * drive.value("solver.stable_step")
+    run = _followed(drive, scene, {"solver.method": "leapfrog", "solver.step": step}, scene.tolerance, began)
+    return replace(run, step=shares[place])
+
+
+def ladder(drive: Drive, scene: Drawn) -> list[float]:
+    """Steps of the rungs, relative to the stable one of the start; none where the work does not allow two."""
+    drive.restart({}, scene.duration)
+    work = len(drive.body.pairs) + POINT_WORK * len(drive.mass)
+    least = scene.duration * work / WORK / drive.value("solver.stable_step")
+    if least > NEAREST:
+        return []
+    if least > 1 / TIGHTER:
+        return [2 * least, least]
+    shares = [FINER ** (1 - place) / TIGHTER for place in range(len(RUNGS))]
+    return [share for share in shares if share >= least]
+
+
+def _followed(drive: Drive, scene: Drawn, settings: dict, tolerance: float, began: float) -> Run:
+    """The scene to its end."""
+    try:
+        drive.restart(settings, scene.duration, tolerance=tolerance)
+        for length in scene.lengths:
+            scene.tell(drive, length)
+            drive.step(length)
+            if broken := _broken(drive, scene):
+                return Run(None, broken, wrong=True, run_time=clock.perf_counter() - began)
+    except Refused as refusal:
+        return Run(None, f"refused at {drive.time:.3g} s: {refusal}", run_time=clock.perf_counter() - began)
+    except StateTouched as fault:
+        return Run(None, str(fault), wrong=True, run_time=clock.perf_counter() - began)
+    warnings = tuple(drive.simulation.warnings)
+    stated = max((stated_error(text, drive, scene.duration) for text in warnings), default=0.0)
+    steps, elapsed = int(drive.value("solver.steps")), clock.perf_counter() - began
+    return Run(drive.x, stated=stated, warnings=warnings, internal_steps=steps, run_time=elapsed)
+
+
+def _broken(drive: Drive, scene: Drawn) -> str:
+    """The promise that the state at a communication point breaks; nothing for none."""
+    if not drive.finite():
+        return f"not finite at {drive.time:.3g} s"
+    held = {p for pin in scene.document["pin"] for p in drive.scene.select(pin["points"]).tolist()}
+    free = np.delete(drive.x, sorted(held), axis=0)
+    for point, normal in scene.half_spaces(drive.time):
+        behind = -float(((free - point) @ normal).min(initial=0.0)) / drive.side
+        if behind > BEHIND:
+            return f"{behind:.1e} of the box behind a plane at {drive.time:.3g} s"
+    return ""
+
+
+def stated_error(warning: str, drive: Drive, duration: float) -> float:
+    """The error of a position that a warning gives a number for [m]; 0 for one that gives none.
+
+    A length stands for itself. An energy gained is the speed of the whole body, for the time [s] of the run; a share of a rotation, taken
+    for each radian, is that of the angle, at the side of the box.
+    """
+    if found := WRONG_BY.search(warning):
+        return float(found[1])
+    if found := GAINED.search(warning):
+        return math.sqrt(2 * max(0.0, float(found[1])) / drive.mass.sum()) * duration
+    if found := TURNS.search(warning):
+        angle = float(found[1]) * duration
+        return float(found[2]) * angle**2 * drive.side
+    return 0.0
+
+
+def distance(one: Run | None, other: Run | None) -> float:
+    """The largest distance between the same control point of two runs [m]; NaN where there is one missing."""
+    if one is None or other is None or one.x is None or other.x is None:
+        return math.nan
+    return float(np.linalg.norm(one.x - other.x, axis=1).max())
+
+
+def agree(scene: Drawn, side: float, one: Run | None, other: Run | None) -> bool:
+    """Whether two runs tell the same."""
+    return distance(one, other) <= AGREED * scene.tolerance * side
+
+
+def truth_of(scene: Drawn, side: float, found: dict[str, Run]) -> tuple[str, str] | None:
+    """The names of two runs that agree, the one that counts first; None: there is no truth."""
+    done = [name for name in RUNGS if name in found and found[name].x is not None]
+    pairs = [(name, other) for place, name in enumerate(done) for other in (*done[max(0, place - 1) : place], "tight")]
+    return next((pair for pair in reversed(pairs) if agree(scene, side, found[pair[0]], found.get(pair[1]))), None)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A scene with its verdict."""
+
+    scene: Drawn
+    verdict: str
+    """One of VERDICTS"""
+    error: float = math.nan
+    """Of asked, in tolerances"""
+    stated: float = 0.0
+    """By a warning of asked, in tolerances"""
+    tight_error: float = math.nan
+    """Of tight, in tolerances of asked"""
+    truth: str = ""
+    """The two runs that agree"""
+    apart: float = math.nan
+    """How far these two part, or without a truth the last two rungs, in tolerances"""
+    words: str = ""
+    runs: dict[str, Run] | None = None
+
+    @property
+    def run_time(self) -> float:
+        """Of all runs [s]."""
+        return sum(run.run_time for run in (self.runs or {}).values())
+
+
+def judge(scene: Drawn, results: Sequence[Run | Lost]) -> Judged:
+    """The verdict on the runs of a scene, in the order of RUNS."""
+    asked = results[0]
+    side = max(scene.document["lattice"]["size"])
+    unit = scene.tolerance * side
+    runs = {name: result for name, result in zip(RUNS, results, strict=True) if isinstance(result, Run)}
+    lost = {name: result for name, result in zip(RUNS, results, strict=True) if isinstance(result, Lost)}
+    for name, result in lost.items():
+        if result.how != "hang":
+            return Judged(scene, "WRONG", words=f"{name}: {result.how}: {result.words}", runs=runs)
+    for name, run in runs.items():
+        if run.wrong:
+            return Judged(scene, "WRONG", words=f"{name}: {run.words}", runs=runs)
+    if isinstance(asked, Lost):
+        return Judged(scene, "slow", words=asked.words, runs=runs)
+    if asked.x is None:
+        return Judged(scene, "refused", words=asked.words, runs=runs)
+    pair = truth_of(scene, side, runs)
+    if pair is None:
+        done = [run for name, run in runs.items() if name in RUNGS and run.x is not None]
+        why = {f"{name}: {run.words}" for name, run in runs.items() if run.words not in ("", NOT_NEEDED, NO_MORE)}
+        why |= {f"{name}: {result.words}" for name, result in lost.items()}
+        return Judged(
+            scene, "no truth", apart=distance(*done[-2:]) / unit if len(done) > 1 else math.nan, words="; ".join(sorted(why)), runs=runs
+        )
+    truth = runs[pair[0]]
+    error, stated, apart = distance(asked, truth) / unit, asked.stated / unit, distance(truth, runs[pair[1]]) / unit
+    verdict = "right" if error <= ALLOWED else "stated" if error <= STATED * stated else "SILENT"
+    tight = distance(runs.get("tight"), truth) / unit
+    return Judged(scene, verdict, error, stated, tight, " = ".join(pair), apart, "; ".join(asked.warnings), runs)

@@ -1,0 +1,136 @@
+"""`softffd stability --random`: scenes drawn at random, run on several processes, and the table of verdicts."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from softffd.errors import SoftffdError
+from softffd.run.progress import Note, silent
+from softffd.run.simulate import positive
+from softffd.validation.conditions import conditions
+from softffd.validation.kept import csv_text, json_text, keep_files
+from softffd.validation.stability.drawn import drawn
+from softffd.validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, VERDICTS, Job, Judged, judge, patience, run_jobs
+from softffd.validation.stability.guard import abreast
+
+TOGETHER = 4
+"""Scenes that a process runs one after the other."""
+SHOWN = 20
+"""Faults that are told one by one on stderr."""
+
+COLUMNS = (
+    "seed", "verdict", "error_tolerances", "stated_tolerances", "tight_error_tolerances", "truth", "apart_tolerances", "last_rung",
+    "asked_steps", "asked_s", "tight_steps", "tight_s", "rungs_s", "scene", "words",
+)  # fmt: skip
+
+
+@dataclass
+class Lot:
+    """The scenes of some seeds, and what has come of them so far."""
+
+    seeds: list[int]
+    judged: dict[int, Judged] = field(default_factory=dict)
+
+    @property
+    def missing(self) -> list[int]:
+        """Seeds without a verdict."""
+        return [seed for seed in self.seeds if seed not in self.judged]
+
+    def faults(self) -> list[Judged]:
+        """The worst first."""
+        found = [judged for judged in self.judged.values() if judged.verdict in FAULTS]
+        return sorted(found, key=lambda judged: -judged.error if judged.error == judged.error else -math.inf)
+
+    def summary(self) -> str:
+        """Numbers of verdicts, and how many of the scenes with a truth failed silently."""
+        counts = Counter(judged.verdict for judged in self.judged.values())
+        known = sum(counts[verdict] for verdict in ("right", "stated", "SILENT"))
+        words = ", ".join(f"{counts[verdict]} {verdict}" for verdict in VERDICTS if counts[verdict])
+        share = f"; of {known} with a truth {counts['SILENT'] / known:.1%} are silently wrong" if known else ""
+        return f"{len(self.judged)} scenes: {words}{share}"
+
+
+def report_random(
+    folder: Path, number: int, seed: int, *, processes: int = 1, slowness: float = 1.0, note: Note = silent, say: Note = print
+) -> Lot:
+    """Runs the scenes of the seeds from `seed` on, so many, and keeps random.csv and random.json in `folder`.
+
+    processes: scenes at a time. slowness: runs may take so many times longer than usual. note: told how far it is; say: told each verdict
+    but "right" and "no truth", and the summary. Raises SoftffdError in the end if there is a fault; KeyboardInterrupt on Ctrl-C once the
+    table of what is done is kept.
+    """
+    for name, value, least in (("--random", number, 1), ("--seed", seed, 0), ("--jobs", processes, 1)):
+        if value < least:
+            raise SoftffdError(f"{name} {value}: wanted at least {least}")
+    lot = Lot(list(range(seed, seed + number)))
+    about = conditions(["softffd stability", f"--random {number} --seed {seed}"])
+    try:
+        for judged in run(lot, processes, positive("slowness", slowness, None)):
+            note(f"{len(lot.judged)} of {number} scenes")
+            if judged.verdict not in ("right", "no truth"):
+                say(line(judged))
+    except KeyboardInterrupt:
+        _keep(folder, lot, about)
+        say(lot.summary())
+        raise KeyboardInterrupt(f"what is done is kept in {folder}; {len(lot.missing)} scenes are missing") from None
+    _keep(folder, lot, about)
+    say(lot.summary())
+    if faults := lot.faults():
+        more = [f"  and {len(faults) - SHOWN} more in {folder}"] if len(faults) > SHOWN else []
+        head = f"{len(faults)} scenes are wrong without a word; softffd stability --random 1 --seed SEED runs one again:"
+        raise SoftffdError("\n".join([head, *(f"  {line(judged)}" for judged in faults[:SHOWN]), *more]))
+    return lot
+
+
+def run(lot: Lot, processes: int, slowness: float = 1.0) -> Iterator[Judged]:
+    """Fills the lot; yields each scene as it is judged."""
+    groups = [lot.seeds[first : first + TOGETHER] for first in range(0, len(lot.seeds), TOGETHER)]
+    batches = [[Job(seed, run) for seed in group for run in RUNS] for group in groups]
+    results: list[list[Any]] = [[] for _ in groups]
+    for place, result in abreast(run_jobs, batches, lambda job: slowness * patience(job), processes):
+        results[place].append(result)
+        if len(results[place]) % len(RUNS) == 0:
+            seed = groups[place][len(results[place]) // len(RUNS) - 1]
+            judged = lot.judged[seed] = judge(drawn(seed), results[place][-len(RUNS) :])
+            yield judged
+
+
+def line(judged: Judged) -> str:
+    """A scene in a line."""
+    error = f" error {judged.error:.3g} tolerances," if judged.error == judged.error else ""
+    stated = f" stated {judged.stated:.2g}," if judged.stated else ""
+    words = f": {judged.words[:200]}" if judged.words and judged.verdict in ("WRONG", "refused", "no truth", "slow") else ""
+    return f"seed {judged.scene.seed}: {judged.verdict},{error}{stated} {judged.scene.words}{words}"
+
+
+def _keep(folder: Path, lot: Lot, about: dict[str, Any]) -> None:
+    rows = [_row(lot.judged[seed]) for seed in lot.seeds if seed in lot.judged]
+    document = {
+        **about,
+        "summary": lot.summary(),
+        "missing": lot.missing,
+        "scenes": [row | {"document": lot.judged[row["seed"]].scene.document} for row in rows],
+    }
+    keep_files(folder, {"random.csv": csv_text(COLUMNS, rows), "random.json": json_text(document)})
+
+
+def _row(judged: Judged) -> dict[str, Any]:
+    runs = judged.runs or {}
+
+    def told(value: float) -> float | str:
+        return "" if math.isnan(value) else value
+
+    row = {
+        "seed": judged.scene.seed, "verdict": judged.verdict, "error_tolerances": told(judged.error), "stated_tolerances": judged.stated,
+        "tight_error_tolerances": told(judged.tight_error), "truth": judged.truth, "apart_tolerances": told(judged.apart),
+        "last_rung": min((run.step for run in runs.values() if run.step == run.step), default=""), "scene": judged.scene.words,
+        "words": judged.words, "rungs_s": round(sum(run.run_time for name, run in runs.items() if name in RUNGS), 3),
+    }  # fmt: skip
+    for name in ("asked", "tight"):
+        row |= {f"{name}_steps": runs[name].internal_steps, f"{name}_s": round(runs[name].run_time, 3)} if name in runs else {}
+    return row
