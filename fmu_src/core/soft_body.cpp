@@ -69,7 +69,7 @@ bool finite(const Run& run) {
     return (impulse.force / H).allFinite() && (impulse.torque / H).allFinite();
   };
   const Exchange& exchange = run.path.exchange;
-  return all_finite(run.path.motion) && all_finite(exchange) && all_finite(run.potential) && all_finite(run.energy.kinetic_elastic) &&
+  return all_finite(run.path.motion) && all_finite(exchange) && all_finite(run.potential) && all_finite(run.energy) &&
          all_finite(run.work) && all_finite(run.dissipated) && !std::isnan(run.course.bound) &&
          std::all_of(exchange.planes.begin(), exchange.planes.end(), mean_is_finite) &&
          std::all_of(exchange.pins.begin(), exchange.pins.end(), mean_is_finite);

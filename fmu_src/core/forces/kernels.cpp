@@ -170,9 +170,7 @@ double largest_change(const SpringRow& springs, int points, const double* x, con
     const double *a = x + axis * points + springs.begin, *b = y + axis * points + springs.begin;
     add_square(lanes, a, a + offset, b, b + offset, springs.stiffness, scratch);
   }
-  double largest = 0.0;
-  for (int p = 0; p < lanes; ++p) largest = scratch[p] > largest ? scratch[p] : largest;
-  return largest;
+  return largest(std::size_t(lanes), scratch);
 }
 
 INNER void stiffness_products(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In u0, In v0, In w0, In u1, In v1, In w1, In k, In l,

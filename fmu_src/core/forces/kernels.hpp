@@ -47,7 +47,7 @@ double largest_weighted(std::size_t n, const double* w, const double* x);
 /// gap_p = normal . x_p - offset (points). Returns whether any is negative.
 bool gaps(int points, const double* x, const double normal[3], double offset, double* gap);
 
-/// Largest squared change of the spring vectors of one direction between two states, [m2].
+/// Largest squared change of the spring vectors of one direction between two states, [m2]; NaN if any is NaN or infinite.
 double largest_change(const SpringRow& springs, int points, const double* x, const double* y, double* scratch);
 
 /// f += forces that springs would exert if their ends moved by u and their stiffness matrix were the bound of `add_stiffness_bounds`:

@@ -1,6 +1,9 @@
 #include "methods/one_step.hpp"
 
+#include <limits>
+
 #include "methods/traits.hpp"
+#include "model/arithmetic.hpp"
 
 namespace softffd {
 
@@ -9,7 +12,10 @@ Outcome OneStep::offer(const Model& model, const Drive& drive, double t, double 
   version_ = model.body.version;
   const Equations equations{model.body, drive};
   ledger.open(equations, drive.watch, lossy_);
-  return attempt_in(equations, t, h, run);
+  Outcome outcome = attempt_in(equations, t, h, run);
+  const double size = worse(kernels::largest(x.size(), x.data()), kernels::largest(v.size(), v.data()));
+  if (!std::isfinite(size)) outcome.error = std::numeric_limits<double>::infinity();  // whatever the estimate says
+  return outcome;
 }
 
 Outcome OneStep::attempt_in(const Equations& equations, double t, double h, Run& run) {
@@ -30,7 +36,7 @@ Outcome OneStep::advance(const Model& model, const Drive& drive, const Span& spa
     run.course.factored.h = 0;  // nobody looks at the error of a given step: an old factor could spoil it
     const Outcome step = offer(model, drive, span.time(i), span.h, run);
     keep(model, run);
-    outcome.error = std::max(outcome.error, step.error);
+    outcome.error = worse(outcome.error, step.error);
     outcome.work += step.work;
   }
   return outcome;

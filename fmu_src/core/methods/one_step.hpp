@@ -20,7 +20,8 @@ class OneStep : public Integrator {
         name_(name),
         lossy_(lossy) {}
 
-  /// Offers a step of size h from (t, run.path.motion): fills x, v and the ledger, and leaves the motion as it is.
+  /// Offers a step of size h from (t, run.path.motion): fills x, v and the ledger, and leaves the motion as it is. The error of a result
+  /// that is not finite is infinite.
   Outcome offer(const Model& model, const Drive& drive, double t, double h, Run& run);
   /// Takes the step that was offered last.
   void keep(const Model& model, Run& run);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "model/arithmetic.hpp"
+
 namespace softffd {
 
 namespace {
@@ -147,7 +149,7 @@ double Ros34pw2::attempt(const Equations& equations, double t, double h, const S
   combine(zero_, 1, e, x_, stages, error_);
   const double position = position_size(error_);
   combine(zero_, 1, e, v_, stages, error_);
-  return std::max(position, velocity_size(error_));
+  return worse(position, velocity_size(error_));
 }
 
 /// With the spring forces as the slopes f + J U have them: in long steps those at the stages are not close to the solution's, and so the

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "model/arithmetic.hpp"
+
 namespace softffd {
 
 namespace {
@@ -100,7 +102,7 @@ double RungeKutta::size(const Step& step, const Tableau::Weights& error) {
   add_to_positions(step, zero_, 0, error.positions, tableau_.stages, error_);
   const double position = position_size(error_);
   add_to_velocities(step, zero_, error.velocities, tableau_.stages, error_);
-  return std::max(position, velocity_size(error_));
+  return worse(position, velocity_size(error_));
 }
 
 }  // namespace softffd

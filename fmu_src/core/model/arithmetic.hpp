@@ -1,9 +1,15 @@
 /// Arithmetic that the C library does not give in the same bits on every processor, and whole numbers of steps.
 #pragma once
+#include <cmath>
+
 #include "model/types.hpp"
 
 namespace softffd {
 
+/// The larger of two errors; what is not a number is larger than any.
+inline double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }
+/// The smaller of two limits; what is not a number is smaller than any.
+inline double tighter(double a, double b) { return std::isnan(a) || a < b ? a : b; }
 /// base^exponent by multiplication.
 double power(double base, int exponent);
 /// The root x of x^exponent = value, between low and high. Bisection: the C library's power differs in the last bit between processors.

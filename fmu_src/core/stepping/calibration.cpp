@@ -17,6 +17,13 @@ namespace {
 namespace use = thresholds;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+/// Of the step, after a trial with such an error [m].
+double next_factor(double allowed, double error, int order) {
+  if (!std::isfinite(error)) return use::after_failed_trial;
+  if (error == 0) return use::calibration_growth;
+  return root(std::min(1e30, allowed / error), order, use::calibration_shrink, use::calibration_growth);
+}
+
 }  // namespace
 
 bool Calibrator::due(const Job& job, Method method, double H, bool jolt) const {
@@ -40,10 +47,9 @@ double Calibrator::calibrate(Integrators& integrators, const Job& job, Method me
   for (int round = 0; round < rounds && !harmless; ++round) {
     const Count steps = std::min(divisions(window, h), most);
     h = std::min(h, window / double(steps));
-    const double error = c * trial_error(integrators, job, method, h, steps);
+    const std::optional<double> error = trial_error(integrators, job, method, h, steps);
     work += 3 * double(steps) * t.work;
-    const double factor = error > 0 ? root(std::min(1e30, allowed / error), t.order, use::calibration_shrink, use::calibration_growth)
-                                    : use::calibration_growth;
+    const double factor = error ? next_factor(allowed, c * *error, t.order) : 1;
     calibration.h = h * factor;
     if (factor > use::calibrated) break;
     h = calibration.h;
@@ -56,16 +62,19 @@ double Calibrator::calibrate(Integrators& integrators, const Job& job, Method me
   return work;
 }
 
-/// What h and h / 2 will differ by at the end of the run.
-double Calibrator::trial_error(Integrators& integrators, const Job& job, Method method, double h, Count steps) {
+/// What h and h / 2 will differ by at the end of the run; infinite if one of them fails, nothing if one comes upon an obstacle.
+std::optional<double> Calibrator::trial_error(Integrators& integrators, const Job& job, Method method, double h, Count steps) {
   Path& path = job.run.path;
   Trial trial(path, start_);
   const double begin = path.motion.time;
-  if (integrators.take(job, method, {begin, 0, h, steps}).status != StepStatus::ok) return 0;
-  std::swap(coarse_, path.motion);
-  trial.back();
-  if (integrators.take(job, method, {begin, 0, h / 2, 2 * steps}).status != StepStatus::ok) return 0;
-  return growing(job, coarse_, path.motion, double(steps) * h);
+  StepStatus status = integrators.take(job, method, {begin, 0, h, steps}).status;
+  if (status == StepStatus::ok) {
+    std::swap(coarse_, path.motion);
+    trial.back();
+    status = integrators.take(job, method, {begin, 0, h / 2, 2 * steps}).status;
+  }
+  if (status == StepStatus::contact_ahead) return {};
+  return status == StepStatus::ok ? growing(job, coarse_, path.motion, double(steps) * h) : infinity;
 }
 
 }  // namespace softffd

@@ -5,6 +5,8 @@
 ///
 /// where T is the length of the run or the time in which damping forgets, whichever is shorter.
 #pragma once
+#include <optional>
+
 #include "stepping/integrators.hpp"
 
 namespace softffd {
@@ -19,7 +21,7 @@ class Calibrator {
   double calibrate(Integrators& integrators, const Job& job, Method method, double H, int rounds);
 
  private:
-  double trial_error(Integrators& integrators, const Job& job, Method method, double h, Count steps);
+  std::optional<double> trial_error(Integrators& integrators, const Job& job, Method method, double h, Count steps);
   Path start_;
   State coarse_;
 };

@@ -74,7 +74,7 @@ StepStatus run_controlled(Integrators& integrators, const Job& job, Method metho
   for (Count tries = 1; motion.time < end; ++tries) {
     if (course.work - begun > double(use::most_steps)) return StepStatus::too_many_steps;
     const double left = end - motion.time;
-    const Count ahead = divisions(left, std::min(h, limit));  // equal parts, so that no sliver is left at the end
+    const Count ahead = divisions(left, tighter(h, limit));  // equal parts, so that no sliver is left at the end
     const double step = ahead == 1 ? left : left / double(ahead);
     if (!(step > least)) return StepStatus::not_finite;
     const Outcome offered = integrator.offer(job.model, job.drive, motion.time, step, run);

@@ -28,7 +28,7 @@ StepStatus DoubledSteps::run(Integrators& integrators, const Job& job, double en
   Count taken = 0;
   while (motion.time < end) {
     const double limit = step_limit(job, Method::leapfrog, false), left = end - motion.time, known = job.run.course.contact.h;
-    const double h = known > 0 ? std::min(known, limit) : limit;
+    const double h = known > 0 ? tighter(known, limit) : limit;
     if (!(left / h <= double(use::most_steps)) || taken > use::most_steps) return refusal(left / h);
     const StepStatus status = run_stretch(integrators, job, {limit, h, end}, taken);
     if (status != StepStatus::ok) return status;
@@ -78,7 +78,9 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
     if (fine.status != StepStatus::ok) return fine.status;
     const double error = growing(job, coarse_, path.motion, double(steps) * part) / 3;
     const double factor = error > 0 ? use::safety * std::sqrt(allowed / error) : use::doubled_growth;
-    if (error <= use::too_much * allowed || part <= least || tries == use::most_reruns) {
+    const bool last = part <= least || tries == use::most_reruns;
+    if (last && !std::isfinite(error)) return StepStatus::not_finite;
+    if (error <= use::too_much * allowed || last) {
       const bool good = at_limit && tries == 0 && 4 * error <= use::trusted * allowed;  // 4: of the coarser run
       learn_trust(contact, coarse.impacts + fine.impacts > 0, good, allowed, error);
       contact.h = std::max(part * std::clamp(factor, use::next_shrink, use::next_growth), least);

@@ -28,9 +28,9 @@ StepStatus divide_unit(const Job& job, Method method) {
   Clock& clock = job.run.path.clock;
   const double unit = job.request.step, wanted = unit * job.request.step_factor;
   const Count into = clock.unit == unit ? clock.count % clock.parts : 0;
-  const double limit = std::min(wanted, step_limit(job, method, true));
+  const double limit = tighter(wanted, step_limit(job, method, true));
   const bool again = job.request.step_factor < 1;  // without a result so far: as divided as it must be, anew at every unit
-  const double target = limit < wanted && !again ? std::min(limit, step_limit(job, method, false)) : limit;
+  const double target = limit < wanted && !again ? tighter(limit, step_limit(job, method, false)) : limit;
   if (!(unit / target <= double(use::most_steps))) return refusal(unit / target);
   const bool too_long = divisions(clock.h, limit) > 1;
   if (into == 0 && (clock.unit != unit || too_long || again || target > use::regrowth * clock.h)) {
@@ -94,8 +94,8 @@ StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const Jo
       calibration.h = infinity;
     else if (!given && calibrator.due(job, method, end - motion.time, request.jolt && steps == 0))
       calibrator.calibrate(integrators, job, method, end - motion.time, use::calibration_rounds);
-    const double limit = std::min(step_limit(job, method, given), request.step_factor * (given ? request.step : calibration.h));
-    if (steps == 0 || clock.h > limit || limit > use::regrowth * clock.h) {
+    const double limit = tighter(step_limit(job, method, given), request.step_factor * (given ? request.step : calibration.h));
+    if (steps == 0 || !(clock.h <= limit) || limit > use::regrowth * clock.h) {
       const double left = end - motion.time;
       if (!(left / limit <= double(use::most_steps))) return refusal(left / limit);
       steps = divisions(left, limit);

@@ -8,6 +8,7 @@
 #include "methods/dop853.hpp"
 #include "methods/leapfrog.hpp"
 #include "methods/rkn12.hpp"
+#include "model/arithmetic.hpp"
 
 namespace softffd {
 
@@ -46,7 +47,7 @@ Outcome Integrators::take(const Job& job, Method method, const Span& span) {
     v0_ = motion.v;
     const Outcome step = integrator.advance(job.model, job.drive, {span.origin, span.first + i, span.h, 1}, job.run);
     total.work += step.work;
-    total.error = std::max(total.error, step.error);
+    total.error = worse(total.error, step.error);
     if (passes(job, method, span.time(i), span.h, x0_, v0_, motion.x, motion.v)) total.status = StepStatus::contact_ahead;
   }
   if (!traits(method).error_control()) total.work = double(span.steps) * traits(method).work;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "model/arithmetic.hpp"
 #include "model/rigid_motion.hpp"
 #include "stepping/thresholds.hpp"
 
@@ -35,7 +36,7 @@ bool deformed_since_bound(const Job& job) {
     const double limit = relative * row.rest_length[0];
     const double change =
         kernels::largest_change(edges, body.points(), job.run.path.motion.x.data(), job.run.course.bound_x.data(), body.springs.scratch());
-    if (change > limit * limit) return true;
+    if (!(change <= limit * limit)) return true;
   }
   return false;
 }
@@ -47,17 +48,17 @@ double step_limit(const Job& job, Method method, bool given) {
   if (job.model.stability.elastic()) limit = (given ? t.given : t.automatic) * 2 / bound(job);
   if (!given && t.long_run < 1 && job.request.horizon * bound(job) > thresholds::long_run) limit *= t.long_run;
   if (t.damping < infinity) limit = std::min(limit, t.damping / job.model.fastest_damping);
-  if (!given && t.turning == Turning::straight) limit = std::min(limit, turning_limit(job, motion.x, motion.v));
+  if (!given && t.turning == Turning::straight) limit = tighter(limit, turning_limit(job, motion.x, motion.v));
   if (!given && t.turning == Turning::in_frame)
-    limit = std::min(thresholds::stiffest / bound(job), thresholds::frame_angle / spin(job.model, motion.x, motion.v));
+    limit = tighter(thresholds::stiffest / bound(job), thresholds::frame_angle / spin(job.model, motion.x, motion.v));
   return limit * job.request.step_factor;
 }
 
 double turning_limit(const Job& job, const Points& x, const Points& v) {
   double fastest = spin(job.model, x, v);
-  for (const Pin& pin : job.drive.pins) fastest = std::max(fastest, pin.at(job.run.path.motion.time).spin.norm());
-  return std::min({thresholds::stiffest / bound(job), std::sqrt(thresholds::straight_turn / (bound(job) * fastest)),
-                   thresholds::straight_angle / fastest});
+  for (const Pin& pin : job.drive.pins) fastest = worse(fastest, pin.at(job.run.path.motion.time).spin.norm());
+  return tighter(thresholds::stiffest / bound(job),
+                 tighter(std::sqrt(thresholds::straight_turn / (bound(job) * fastest)), thresholds::straight_angle / fastest));
 }
 
 double growing(const Job& job, const State& a, const State& b, double stretch) {
@@ -65,6 +66,7 @@ double growing(const Job& job, const State& a, const State& b, double stretch) {
   double error = 0;
   for (int i = 0; i < memory.size(); ++i) {
     const double dx = std::abs(a.x.data()[i] - b.x.data()[i]), dv = std::abs(a.v.data()[i] - b.v.data()[i]) * time_scale[i];
+    if (!(dx < infinity && dv < infinity)) return infinity;
     error = std::max(error, std::max(dx, dv) * std::max(1.0, std::min(job.request.horizon, memory[i]) / stretch));
   }
   return error;

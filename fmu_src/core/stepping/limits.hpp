@@ -16,7 +16,7 @@ double step_limit(const Job& job, Method method, bool given);
 /// pins turn, the forces on them do.
 double turning_limit(const Job& job, const Points& x, const Points& v);
 /// What states a and b, after the same stretch of time [s] from one state, will differ by at the end of the run, if the difference keeps
-/// growing until damping forgets it [m].
+/// growing until damping forgets it [m]; infinite where one is not finite.
 double growing(const Job& job, const State& a, const State& b, double stretch);
 
 }  // namespace softffd

@@ -19,7 +19,7 @@ namespace use = thresholds;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double fixed_work(const Job& job, Method method, double H) {
-  const double h = std::min(step_limit(job, method, false), job.run.course.calibration(method).h);
+  const double h = tighter(step_limit(job, method, false), job.run.course.calibration(method).h);
   return double(divisions(H, h)) * traits(method).work;
 }
 
@@ -91,7 +91,7 @@ bool Race::fast_modes_are_quiet(Integrators& integrators, const Job& job, Method
   fine_.v -= step.v;
   const std::size_t n = fine_.x.size();
   const double by_velocity = kernels::largest_weighted(n, job.model.time_scale.data(), fine_.v.data());
-  return quiet(std::max(kernels::largest(n, fine_.x.data()), by_velocity), job.request.tolerance);
+  return quiet(worse(kernels::largest(n, fine_.x.data()), by_velocity), job.request.tolerance);
 }
 
 /// Work of an implicit method for H, by doing it; infinite beyond the budget, or where fast modes that it would damp are at work.
@@ -125,7 +125,7 @@ double Race::controlled_work(Integrators& integrators, const Job& job, Method me
     h = job.run.course.controlled_step(method);
   }
   job.run.course.controlled_step(method) = h;
-  return double(divisions(H, std::min(h, step_limit(job, method, false)))) * traits(method).work;
+  return double(divisions(H, tighter(h, step_limit(job, method, false)))) * traits(method).work;
 }
 
 }  // namespace softffd

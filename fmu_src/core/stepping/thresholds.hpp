@@ -70,6 +70,8 @@ inline constexpr double shortest_pause = 100;
 inline constexpr double calibrated = 0.35;
 /// Bounds of the factor by which one calibration may change the step [1].
 inline constexpr double calibration_shrink = 1e-4, calibration_growth = 4;
+/// The same after a trial without a finite result [1].
+inline constexpr double after_failed_trial = 0.1;
 /// Rounds of a calibration: within a run; in a race the first of leapfrog, of bm4, the others of leapfrog.
 inline constexpr int calibration_rounds = 4, race_rounds = 1, race_rounds_bm4 = 2, race_rounds_left = 3;
 /// A communication step shorter than this fraction of those of late is no measure for the others [1].

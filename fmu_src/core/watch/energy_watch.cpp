@@ -49,7 +49,7 @@ void look(EnergyAccount& account, const Equations& equations, const State& state
   const double energy = account.kinetic_elastic, before = account.forces, given = account.received;
   start(account, equations, state, work);
   const double change = account.kinetic_elastic - energy - given - h * h / 8 * (account.forces - before);
-  account.gained = std::max(0.0, account.gained + change);
+  account.gained = std::max(account.gained + change, 0.0);  // what is not a number stays so
   account.balance += change;
 }
 

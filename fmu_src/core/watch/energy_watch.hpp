@@ -28,7 +28,7 @@ void jolt(EnergyAccount& account, const Body& body, const Points& spring, const 
 /// Looks at a state that steps of size h (0: of another method than leapfrog) have led to.
 void look(EnergyAccount& account, const Equations& equations, const State& state, double h, double work);
 /// Whether the body has gained more than it may. Below `noise` [J] everything is rounding.
-inline bool alarm(const EnergyAccount& account, double noise) { return account.gained > most_gain * account.largest + noise; }
+inline bool alarm(const EnergyAccount& account, double noise) { return !(account.gained <= most_gain * account.largest + noise); }
 /// What counts as h: the last step of leapfrog and of the central difference, whose velocities stand between positions.
 double staggered_step(const Run& run);
 /// Energy that the method has taken until now [J]; below 0: gained.

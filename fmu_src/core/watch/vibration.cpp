@@ -31,7 +31,11 @@ Vec3 mean_acceleration(const Equations& equations, const State& state) {
 double size(const Equations& equations, const State& state, const Scalars& time_scale, bool with_extension, double slowest,
             const Vec3& whole) {
   const Body& body = equations.body;
-  double amplitude = 0;
+  double amplitude = 0, sum = 0;  // of what is compared
+  const auto consider = [&](double size) {
+    amplitude = std::max(amplitude, size);
+    sum += size;
+  };
   for (const Springs::Row& springs : body.springs.rows())
     for (int lane = 0; lane < springs.lanes(); ++lane) {
       if (springs.stiffness[lane] == 0) continue;
@@ -39,16 +43,18 @@ double size(const Equations& equations, const State& state, const Scalars& time_
       if (std::min(time_scale[p], time_scale[q]) >= slowest) continue;
       const Vec3 d = row(state.x, q) - row(state.x, p), w = row(state.v, q) - row(state.v, p);
       const double r = d.norm(), time = times * std::min(time_scale[p], time_scale[q]);
-      if (with_extension) amplitude = std::max(amplitude, std::abs(r - springs.rest_length[lane]));
-      if (r > 0) amplitude = std::max({amplitude, std::abs(d.dot(w)) / r * time, w.squaredNorm() / r * time * time});
+      if (with_extension) consider(std::abs(r - springs.rest_length[lane]));
+      if (r == 0) continue;
+      consider(std::abs(d.dot(w)) / r * time);
+      consider(w.squaredNorm() / r * time * time);
     }
   for (int i = 0; i < time_scale.size(); ++i) {
     if (time_scale[i] >= slowest) continue;
     const double time = times * time_scale[i];
     const double a = body.inverse_mass[i] * (state.spring.data()[i] + outside_less_damping(equations, state, i));
-    if (body.inverse_mass[i] > 0) amplitude = std::max(amplitude, std::abs(a - whole[i / body.points()]) * time * time);
+    if (body.inverse_mass[i] > 0) consider(std::abs(a - whole[i / body.points()]) * time * time);
   }
-  return 2 * amplitude;
+  return std::isfinite(sum) ? 2 * amplitude : std::numeric_limits<double>::infinity();
 }
 
 /// The rigid motion that vibrations are relative to: the body's own, or that of what holds it.

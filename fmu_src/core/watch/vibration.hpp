@@ -8,7 +8,8 @@
 namespace softffd {
 
 /// Twice the largest of: extension of a spring, what its rate of extension carries in 2.5 time scales, and what the present accelerations
-/// do, those from which a turning body is held back only by its springs among them [m]. time_scale: (3 * points) [s].
+/// do, those from which a turning body is held back only by its springs among them [m]; infinite unless all is finite. time_scale: (3 *
+/// points) [s].
 double vibration(const Equations& equations, const State& state, const Scalars& time_scale);
 /// What is moving now, of control points whose time scale is below `slowest` [s]: the same without the extensions, which may be at rest,
 /// and without the acceleration that a free body has as a whole.

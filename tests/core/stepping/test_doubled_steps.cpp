@@ -1,6 +1,8 @@
 /// Stretches that are run twice, on a lattice that vibrates: what the two runs differ by decides.
 #include "stepping/doubled_steps.hpp"
 
+#include <limits>
+
 #include "bench.hpp"
 #include "check.hpp"
 #include "stepping/limits.hpp"
@@ -36,6 +38,13 @@ TEST(a_stretch_whose_two_runs_differ_by_too_much_is_run_again_with_smaller_steps
     CHECK((each.run.path.clock.h < 0.4999 * h) == again);
     CHECK((each.run.path.steps > 2 * steps) == again);
   }
+}
+
+TEST(a_stretch_without_a_finite_result_is_none) {
+  Bench b;
+  b.run.path.motion.v(13, 1) = std::numeric_limits<double>::quiet_NaN();
+  DoubledSteps doubled(b.run);
+  CHECK(doubled.run(b.integrators, b.job(), 0.1) == StepStatus::not_finite);
 }
 
 TEST(the_error_of_a_stretch_is_that_of_its_finer_run) {

@@ -1,5 +1,7 @@
 #include "watch/energy_watch.hpp"
 
+#include <limits>
+
 #include "method_runs.hpp"
 
 using namespace softffd;
@@ -114,4 +116,13 @@ TEST(a_jump_of_the_forces_is_no_gain) {
     look(watch, {s.body, s.around}, s.start, h, 0);
   }
   CHECK_NEAR(watch.gained, 0.0, 1e-11 * received);  // rounding: leapfrog keeps this energy exactly
+}
+
+TEST(an_account_that_is_no_number_is_an_alarm) {
+  Scene s = scene({.y0 = 0, .w0 = 1}, 1);
+  EnergyAccount watch;
+  start(watch, {s.body, s.around}, s.start, 0);
+  watch.received = std::numeric_limits<double>::quiet_NaN();
+  look(watch, {s.body, s.around}, s.start, 0, 0);
+  CHECK(alarm(watch, 1));
 }

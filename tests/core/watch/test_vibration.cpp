@@ -1,5 +1,7 @@
 #include "watch/vibration.hpp"
 
+#include <limits>
+
 #include "forces/stability.hpp"
 #include "method_runs.hpp"
 
@@ -75,5 +77,15 @@ TEST(a_blow_sets_off_its_mode_by_what_came_at_once) {
     const Vibration found = set_off({s.body, s.around}, s.start, end, kink, none, scratch);
     CHECK_NEAR(found.frequency, o.omega(), 1e-12 * o.omega());
     CHECK_NEAR(found.amplitude, kink * 0.5 * 0.6 / o.omega(), 1e-14);
+  }
+}
+
+TEST(a_motion_that_is_no_number_is_larger_than_any) {
+  for (Points State::* part : {&State::x, &State::v, &State::spring}) {
+    Scene s = scene({}, 1);
+    (s.start.*part)(0) = std::numeric_limits<double>::quiet_NaN();
+    const Scalars scales = time_scales(s.body);
+    CHECK(vibration({s.body, s.around}, s.start, scales) == INFINITY);
+    CHECK(present_vibration({s.body, s.around}, s.start, scales, slow) == INFINITY);
   }
 }
