@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "logger.hpp"
+#include "messages/logger.hpp"
 
 namespace softffd::fmi {
 

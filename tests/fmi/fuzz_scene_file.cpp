@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "instance.hpp"
+#include "instance/instance.hpp"
 #include "small_scene.hpp"
 
 using namespace softffd::fmi;

@@ -17,7 +17,7 @@
 #include <limits>
 #include <memory>
 
-#include "instance.hpp"
+#include "instance/instance.hpp"
 #include "small_scene.hpp"
 
 using namespace softffd::fmi;

@@ -1,10 +1,10 @@
-#include "messages.hpp"
+#include "messages/messages.hpp"
 
 #include <cstdlib>
 #include <vector>
 
 #include "check.hpp"
-#include "instance.hpp"
+#include "instance/instance.hpp"
 #include "small_scene.hpp"
 
 using namespace softffd::fmi;

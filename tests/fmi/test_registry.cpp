@@ -1,4 +1,4 @@
-#include "registry.hpp"
+#include "calls/registry.hpp"
 
 #include "check.hpp"
 

@@ -1,4 +1,4 @@
-#include "resource_uri.hpp"
+#include "resource/resource_uri.hpp"
 
 #include "check.hpp"
 

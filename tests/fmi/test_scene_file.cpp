@@ -1,4 +1,4 @@
-#include "scene_file.hpp"
+#include "resource/scene_file.hpp"
 
 #include <string>
 

@@ -1,9 +1,9 @@
-#include "state_blob.hpp"
+#include "instance/state_blob.hpp"
 
 #include <limits>
 
 #include "check.hpp"
-#include "checksum.hpp"
+#include "resource/checksum.hpp"
 
 using namespace softffd::fmi;
 using softffd::Count;

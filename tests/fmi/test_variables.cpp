@@ -1,4 +1,4 @@
-#include "variables.hpp"
+#include "variables/variables.hpp"
 
 #include <cmath>
 #include <cstring>

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "check.hpp"
-#include "instance.hpp"
+#include "instance/instance.hpp"
 #include "small_scene.hpp"
 
 using namespace softffd::fmi;

@@ -1,4 +1,4 @@
-"""The resolved scene as the library reads it: a flat, versioned, checksummed text, one record per line (fmu_src/fmi/scene_file.hpp)."""
+"""The resolved scene as the library reads it: a flat, versioned, checksummed text (fmu_src/fmi/resource/scene_file.hpp)."""
 
 from __future__ import annotations
 

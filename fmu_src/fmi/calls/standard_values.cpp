@@ -6,7 +6,7 @@ extern "C" {
 #include "fmi2Functions.h"
 }
 
-#include "guard.hpp"
+#include "calls/guard.hpp"
 
 using namespace softffd::fmi;
 

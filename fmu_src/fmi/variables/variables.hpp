@@ -10,8 +10,8 @@ extern "C" {
 #include "fmi2TypesPlatform.h"
 }
 
-#include "bindings.hpp"
 #include "life_cycle.hpp"
+#include "variables/bindings.hpp"
 
 namespace softffd::fmi {
 

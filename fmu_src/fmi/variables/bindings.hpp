@@ -1,7 +1,7 @@
 /// What the rows of the table of variables stand for: a part's members in the scene, a family's place in the body's settings or its output.
 #pragma once
 #include "estimate.hpp"
-#include "scene_file.hpp"
+#include "resource/scene_file.hpp"
 #include "variable_table.hpp"
 
 namespace softffd::fmi {

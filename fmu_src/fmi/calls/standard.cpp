@@ -8,9 +8,9 @@ extern "C" {
 #include "fmi2Functions.h"
 }
 
-#include "guard.hpp"
-#include "held_states.hpp"
-#include "resource_uri.hpp"
+#include "calls/guard.hpp"
+#include "calls/held_states.hpp"
+#include "resource/resource_uri.hpp"
 
 using namespace softffd::fmi;
 

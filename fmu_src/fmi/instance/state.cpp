@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "instance.hpp"
+#include "instance/instance.hpp"
 #include "matrix/layer_matrix.hpp"
 #include "methods/traits.hpp"
 #include "stepping/thresholds.hpp"

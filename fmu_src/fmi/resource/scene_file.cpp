@@ -1,4 +1,4 @@
-#include "scene_file.hpp"
+#include "resource/scene_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,8 @@
 #include <map>
 #include <memory>
 
-#include "checksum.hpp"
 #include "matrix/layer_matrix.hpp"
+#include "resource/checksum.hpp"
 #include "variable_table.hpp"
 
 namespace softffd::fmi {

@@ -1,4 +1,4 @@
-#include "logger.hpp"
+#include "messages/logger.hpp"
 
 #include <algorithm>
 #include <array>

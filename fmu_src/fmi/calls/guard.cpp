@@ -1,4 +1,4 @@
-#include "guard.hpp"
+#include "calls/guard.hpp"
 
 namespace softffd::fmi {
 

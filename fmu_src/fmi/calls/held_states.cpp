@@ -1,6 +1,6 @@
-#include "held_states.hpp"
+#include "calls/held_states.hpp"
 
-#include "registry.hpp"
+#include "calls/registry.hpp"
 
 namespace softffd::fmi {
 

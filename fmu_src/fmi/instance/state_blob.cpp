@@ -1,6 +1,6 @@
-#include "state_blob.hpp"
+#include "instance/state_blob.hpp"
 
-#include "checksum.hpp"
+#include "resource/checksum.hpp"
 
 namespace softffd::fmi {
 

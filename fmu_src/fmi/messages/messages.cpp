@@ -1,8 +1,8 @@
-#include "messages.hpp"
+#include "messages/messages.hpp"
 
 #include <algorithm>
 
-#include "trouble.hpp"
+#include "messages/trouble.hpp"
 
 namespace softffd::fmi {
 

@@ -1,6 +1,6 @@
 /// Why a body does not start or go on, in words.
 #pragma once
-#include "scene_file.hpp"
+#include "resource/scene_file.hpp"
 
 namespace softffd::fmi {
 

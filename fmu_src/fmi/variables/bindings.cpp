@@ -1,4 +1,4 @@
-#include "bindings.hpp"
+#include "variables/bindings.hpp"
 
 #include <numeric>
 

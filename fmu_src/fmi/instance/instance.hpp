@@ -1,8 +1,8 @@
 /// One instance of the component: its scene, its values, its place in the standard's life cycle.
 #pragma once
-#include "messages.hpp"
-#include "state_blob.hpp"
-#include "variables.hpp"
+#include "instance/state_blob.hpp"
+#include "messages/messages.hpp"
+#include "variables/variables.hpp"
 
 namespace softffd::fmi {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <type_traits>
 
-#include "float_environment.hpp"
-#include "instance.hpp"
-#include "registry.hpp"
+#include "calls/float_environment.hpp"
+#include "calls/registry.hpp"
+#include "instance/instance.hpp"
 
 namespace softffd::fmi {
 

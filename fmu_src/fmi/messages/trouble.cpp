@@ -1,6 +1,6 @@
-#include "trouble.hpp"
+#include "messages/trouble.hpp"
 
-#include "logger.hpp"
+#include "messages/logger.hpp"
 
 namespace softffd::fmi {
 

@@ -5,8 +5,8 @@ extern "C" {
 #include "fmi2Functions.h"
 }
 
-#include "guard.hpp"
-#include "held_states.hpp"
+#include "calls/guard.hpp"
+#include "calls/held_states.hpp"
 
 using namespace softffd::fmi;
 

@@ -1,6 +1,6 @@
 /// FMU states that hosts hold handles to.
 #pragma once
-#include "instance.hpp"
+#include "instance/instance.hpp"
 
 namespace softffd::fmi {
 

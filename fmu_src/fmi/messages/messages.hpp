@@ -1,7 +1,7 @@
 /// What an instance says of its own accord: the method it takes and why, and warnings, each once in a run.
 #pragma once
-#include "logger.hpp"
-#include "scene_file.hpp"
+#include "messages/logger.hpp"
+#include "resource/scene_file.hpp"
 
 namespace softffd::fmi {
 

@@ -1,6 +1,6 @@
-#include "instance.hpp"
+#include "instance/instance.hpp"
 
-#include "trouble.hpp"
+#include "messages/trouble.hpp"
 
 namespace softffd::fmi {
 
