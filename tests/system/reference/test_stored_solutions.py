@@ -8,7 +8,7 @@ import pytest
 
 import reference
 
-SCRIPT = Path(__file__).resolve().parents[1] / "data" / "made_again.py"
+SCRIPT = Path(__file__).resolve().parents[2] / "data" / "made_again.py"
 
 
 @pytest.fixture(scope="module")
