@@ -1,0 +1,83 @@
+"""What a simulation is opened from, and what it leaves behind."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from host_scenes import HELD, STEP, scene, step
+from softffd import FmuError, Simulation, installed, package_fmu
+from softffd.fmu.component import Component
+
+
+def test_a_path_as_text_and_an_opened_component_are_taken_too(tmp_path):
+    fmu = package_fmu(scene(), tmp_path / "box.fmu")
+    with Simulation(str(fmu)) as opened:
+        step(opened)
+    component = Component(fmu)
+    with Simulation(component) as opened:
+        assert opened.component is component
+        step(opened)
+    with pytest.raises(FmuError, match="closed"):
+        component.do_step(STEP, STEP)
+
+
+def test_a_closed_simulation_answers_instead_of_crashing(sim):
+    block = sim.block(["plane.plate.point"])
+    sim.close()
+    for call in (lambda: sim.step(STEP), lambda: sim.positions, block.get, sim.save, lambda: sim["mass"]):
+        with pytest.raises(FmuError, match="closed"):
+            call()
+    sim.close()
+
+
+def test_a_run_leaves_no_folder_behind(monkeypatch, tmp_path):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    with Simulation(scene()) as opened:
+        step(opened)
+        (folder,) = tmp_path.iterdir()
+        assert {file.relative_to(folder).as_posix() for file in folder.rglob("*.*")} == {"modelDescription.xml", "resources/scene.txt"}
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(FmuError):
+        Simulation(scene(), method="fast")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "wrong, words", [(None, "wanted a Scene or the path"), (3, "wanted a Scene"), ("press", 'take load_scene("press")')]
+)
+def test_what_is_neither_scene_nor_fmu_is_refused(wrong, words):
+    with pytest.raises(FmuError) as refused:
+        Simulation(wrong)
+    assert words in str(refused.value)
+
+
+def test_a_run_takes_the_library_of_this_machine_alone(tmp_path, monkeypatch):
+    """Whatever else is installed: libraries of other platforms are not read."""
+    own = installed.host_library()
+    binaries = tmp_path / "binaries"
+    for name, file in installed.LIBRARY_NAME.items():
+        (binaries / name).mkdir(parents=True)
+        (binaries / name / file).write_bytes(b"no library")
+    (binaries / own.parent.name / own.name).write_bytes(own.read_bytes())
+    installed.table()  # read before, from where it is
+    monkeypatch.setattr(installed, "data_folder", lambda: tmp_path)
+    with Simulation(scene()) as opened:
+        step(opened)
+
+
+def test_the_installed_library_stays_loaded_between_runs():
+    """Loading it anew would leave 70 kB each time, which its C++ runtime takes and never gives back."""
+    loaded = Path("/proc/self/maps")
+    if not loaded.is_file():
+        pytest.skip("this system does not list what a process has loaded")
+    with Simulation(scene()):
+        pass
+    assert str(installed.host_library().resolve()) in loaded.read_text()
+
+
+def test_many_run_side_by_side_in_one_process():
+    with Simulation(scene()) as one, Simulation(scene(HELD)) as two, Simulation(scene()) as three:
+        for each in (one, two, three, three, one, two):
+            step(each)
+        np.testing.assert_array_equal(one.positions, three.positions)

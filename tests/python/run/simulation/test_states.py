@@ -1,0 +1,104 @@
+"""Saved moments come back, as bytes in other simulations and processes too; a restart begins again."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from host_scenes import STEP, scene, step
+from softffd import FmuError, Simulation, package_fmu
+from softffd.fmu.component import Component
+
+
+def test_a_saved_moment_comes_back_with_its_time_and_continues_with_the_same_bits(sim):
+    step(sim, 3)
+    state = sim.save()
+    ends = []
+    for _ in range(3):
+        step(sim, 4)
+        ends.append(sim.positions)
+        sim.restore(state)
+        assert sim.time == state.time == pytest.approx(3 * STEP)
+    np.testing.assert_array_equal(ends[0], ends[1])
+    np.testing.assert_array_equal(ends[0], ends[2])
+
+
+def test_a_state_is_bytes_that_another_simulation_continues_from(sim):
+    step(sim, 3)
+    data = bytes(sim.save())
+    step(sim, 2)
+    with Simulation(scene()) as other:
+        other.restore(data)
+        assert other.time == pytest.approx(3 * STEP) and not other.initializing
+        step(other, 2)
+        np.testing.assert_array_equal(other.positions, sim.positions)
+
+
+def test_a_state_s_bytes_continue_in_another_process(sim, tmp_path):
+    step(sim, 3)
+    package_fmu(scene(), tmp_path / "box.fmu")
+    (tmp_path / "state").write_bytes(bytes(sim.save()))
+    step(sim, 2)
+    program = (
+        "import sys, numpy, softffd\n"
+        "with softffd.Simulation('box.fmu') as sim:\n"
+        "    sim.restore(open('state', 'rb').read())\n"
+        f"    sim.step({STEP!r}); sim.step({STEP!r})\n"
+        "    numpy.save('end.npy', sim.positions)\n"
+    )
+    subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True)
+    np.testing.assert_array_equal(np.load(tmp_path / "end.npy"), sim.positions)
+
+
+def test_a_state_before_the_first_step_leads_back_to_the_settings(sim):
+    state = sim.save()
+    step(sim, 2)
+    sim.restore(state)
+    assert sim.initializing and sim.time == 0.0
+    sim["mass"] = 2.0
+    step(sim)
+
+
+def test_damaged_and_foreign_states_are_refused(sim, held):
+    step(sim)
+    data = bytes(sim.save())
+    now = sim.positions
+    flipped = bytearray(data)
+    flipped[len(data) // 2] ^= 1
+    for wrong in (b"", b"nonsense" * 9, bytes(flipped), data[:-1]):
+        with pytest.raises(FmuError):
+            sim.restore(wrong)
+    with pytest.raises(FmuError, match="another scene"):
+        held.restore(data)
+    np.testing.assert_array_equal(sim.positions, now)
+    step(sim)
+
+
+def test_states_are_freed_with_their_last_reference_and_with_the_simulation(monkeypatch):
+    freed = []
+    free = Component.free_state
+    monkeypatch.setattr(Component, "free_state", lambda component, handle: (freed.append(handle), free(component, handle)))
+    with Simulation(scene()) as opened:
+        kept, dropped = opened.save(), opened.save()
+        handle = dropped.handle
+        del dropped
+        assert freed == [handle]
+    assert freed == [handle, kept.handle]
+    opened.component.free_state(kept.handle)  # which is passed over
+    with pytest.raises(FmuError):
+        bytes(kept)
+
+
+def test_restart_begins_again_with_the_settings_given(sim):
+    step(sim, 3)
+    sim.restart()
+    assert sim.time == 0.0 and sim.log == [] and sim.initializing
+    step(sim, 3)
+    fresh = sim.positions
+    sim.restart(start_values={"mass": 3.0}, method="leapfrog", tolerance=1e-3, start_time=1.0)
+    assert (sim["mass"], sim["solver.method"], sim["solver.tolerance"], sim.time) == (3.0, "leapfrog", 1e-3, 1.0)
+    sim.restart()
+    assert sim["mass"] == 1.0
+    step(sim, 3)
+    np.testing.assert_array_equal(sim.positions, fresh)

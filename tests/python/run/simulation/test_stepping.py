@@ -1,0 +1,71 @@
+"""Steps add up to the time, and give the bits of `simulate`."""
+
+import numpy as np
+import pytest
+
+from host_scenes import STEP, scene, step
+from softffd import FmuError, Simulation, package_fmu, simulate
+
+
+def test_steps_add_up_to_the_time(sim):
+    assert sim.time == 0.0
+    sim.step(0.25 * STEP)
+    assert sim.time == 0.25 * STEP
+    sim.step()  # the scene's communication step
+    assert sim.time == 1.25 * STEP
+    sim.step(STEP, end=2.25 * STEP)
+    assert sim.time == 2.25 * STEP
+
+
+def test_stepping_gives_the_bits_of_simulate(sim):
+    result = simulate(scene())
+    for row, time in enumerate(result.time[1:].tolist()):
+        sim.step(STEP, end=time)
+        np.testing.assert_array_equal(sim.positions, result.positions[row + 1])
+        assert sim["plane.ground.reaction.z"] == result.outputs["plane.ground.reaction.z"][row + 1]
+
+
+def test_a_scene_and_its_fmu_give_the_same_bits_and_take_each_other_s_states(sim, tmp_path):
+    with Simulation(package_fmu(scene(), tmp_path / "box.fmu")) as packed:
+        for each in (sim, packed):
+            each.plane["plate"].point = (0, 0, 1.1)
+            step(each, 3)
+        np.testing.assert_array_equal(packed.positions, sim.positions)
+        state = sim.save()
+        step(sim, 2)
+        packed.restore(state)
+        step(packed, 2)
+        np.testing.assert_array_equal(packed.positions, sim.positions)
+        assert packed.variables == sim.variables or [*packed.variables] == [*sim.variables]
+
+
+def test_a_start_time_moves_the_clock_and_a_stop_time_ends_it():
+    with Simulation(scene(), start_time=3.0, stop_time=3.0 + 2 * STEP) as late:
+        assert late.time == 3.0
+        step(late, 2)
+        with pytest.raises(FmuError, match="stop time"):
+            step(late)
+        assert late.time == pytest.approx(3.0 + 2 * STEP)
+
+
+def test_tolerance_and_method_are_those_asked_for():
+    with Simulation(scene(), tolerance=1e-7, method="bm4") as exact, Simulation(scene(), method="leapfrog", tolerance=1e-2) as coarse:
+        assert exact["solver.method"] == "bm4" and coarse["solver.method"] == "leapfrog"
+        assert exact["solver.tolerance"] == 1e-7
+        for each in (exact, coarse):
+            step(each, 5)
+        assert exact["solver.steps"] > coarse["solver.steps"]
+
+
+def test_a_tolerance_that_is_none_is_refused():
+    for wrong in (0.0, -1.0, float("nan")):
+        with pytest.raises(FmuError, match="tolerance: wanted > 0"):
+            Simulation(scene(), tolerance=wrong)
+
+
+@pytest.mark.parametrize("length", [0.0, -STEP, float("nan"), float("inf")])
+def test_a_length_that_is_none_is_refused_and_stepping_goes_on(sim, length):
+    with pytest.raises(FmuError, match="step: wanted a length > 0 s"):
+        sim.step(length)
+    step(sim)
+    assert sim.time == STEP
