@@ -33,20 +33,26 @@ using Stepping = Result (*)(const Scene&, int steps);
 /// A frame that is thrown, accelerates and turns.
 inline const Pin swinging = moving({0.3, 0.4, -0.2}, {2, -3, 1}, {0.5, -1, 2});
 
+/// A method's claim, and two numbers of steps between which the error shows it.
+struct Claim {
+  double order;
+  int coarse, fine;
+};
+
 /// Errors of the positions fall with the claimed power of the step, to 0.15, and those of the velocities and of the sums (what pins
 /// received, dissipated energy, work) at least so fast.
-inline void check_order(const char* name, Stepping run, double claim, const Scene& s, const Result& exact, int coarse, int fine) {
+inline void check_order(const char* name, Stepping run, const Claim& claim, const Scene& s, const Result& exact) {
   const auto rms = [](const Points& a, const Points& b) { return std::sqrt((a - b).square().mean()); };
-  const Result rough = run(s, coarse), good = run(s, fine);
+  const Result rough = run(s, claim.coarse), good = run(s, claim.fine);
   const Errors a = difference(rough, exact), b = difference(good, exact);
-  const auto order = [&](double large, double small) { return std::log(large / small) / std::log(double(fine) / coarse); };
+  const auto order = [&](double large, double small) { return std::log(large / small) / std::log(double(claim.fine) / claim.coarse); };
   const double x = order(rms(rough.state.x, exact.state.x), rms(good.state.x, exact.state.x));
   std::printf("  %s: x %.2f", name, x);
-  CHECK_NEAR(x, claim, 0.15);
+  CHECK_NEAR(x, claim.order, 0.15);
   const auto at_least = [&](const char* what, double large, double small) {
     if (large < 1e-3 * a.x) return;  // there is none, it is exact, or it happens to change its sign
     std::printf(" %s %.2f", what, order(large, small));
-    CHECK(order(large, small) > claim - 0.15);
+    CHECK(order(large, small) > claim.order - 0.15);
   };
   at_least("v", a.v, b.v);
   at_least("impulse", a.impulse, b.impulse);
@@ -54,6 +60,22 @@ inline void check_order(const char* name, Stepping run, double claim, const Scen
   at_least("dissipated", a.dissipated, b.dissipated);
   at_least("work", a.work, b.work);
   std::printf("  (errors %.1e and %.1e m)\n", a.x, b.x);
+}
+
+/// On smooth motions: free and damped, under forces that stay and that grow.
+inline void check_smooth_orders(Stepping run, const Claim& claim) {
+  for (const bool damped : {false, true})
+    for (const bool ramped : {false, true}) {
+      const Scene s = soft(damped, ramped);
+      const char* name = damped ? ramped ? "damped and ramped" : "damped" : ramped ? "ramped" : "free";
+      check_order(name, run, claim, s, reference(s));
+    }
+}
+
+inline void check_order_with_moving_pins(Stepping run, const Claim& claim) {
+  Scene s = soft(true, true);
+  pin_ends(s, swinging);
+  check_order("moving pins", run, claim, s, reference(s));
 }
 
 /// Four pairs of points that springs join along x; whatever happens along x happens to all alike, and nothing else happens. The extension
@@ -107,12 +129,33 @@ inline double error(const Oscillator& o, const Scene& s, const State& end) {
   return error;
 }
 
-/// The slope of the error between two numbers of steps, on the oscillator's exact motion.
-inline double order(const Oscillator& o, double duration, Stepping run, int coarse, int fine) {
-  const Scene s = scene(o, duration);
-  const double a = error(o, s, run(s, coarse).state), b = error(o, s, run(s, fine).state);
+/// The slope of the error between two numbers of steps, on the oscillator's exact motion over a second.
+inline void check_oscillator_order(const Oscillator& o, Stepping run, const Claim& claim) {
+  const Scene s = scene(o, 1);
+  const double a = error(o, s, run(s, claim.coarse).state), b = error(o, s, run(s, claim.fine).state);
   std::printf("  oscillator: errors %.1e and %.1e m\n", a, b);
-  return std::log(a / b) / std::log(double(fine) / coarse);
+  CHECK_NEAR(std::log(a / b) / std::log(double(claim.fine) / claim.coarse), claim.order, 0.15);
+}
+
+/// Free, damped, and damped under a force that grows.
+inline void check_oscillator_orders(Stepping run, const Claim& claim) {
+  for (const Oscillator& o : {Oscillator{}, Oscillator{.d = 0.4}, Oscillator{.d = 0.4, .f = 1, .g = 5}})
+    check_oscillator_order(o, run, claim);
+}
+
+/// The error estimate of a single step falls with its order between two lengths [s], and is above the error.
+template <class Method>
+void check_estimate(const Oscillator& o, double order, double longer, double shorter) {
+  double estimates[2];
+  for (int i = 0; i < 2; ++i) {
+    const Scene s = scene(o, i ? shorter : longer);
+    Method method(s.body.points(), 0);
+    method.time_scale.setConstant(1 / o.omega());
+    method.ledger.open({s.body, s.around}, false);
+    estimates[i] = method.attempt({s.body, s.around}, 0, s.duration, s.start);
+    CHECK(estimates[i] > error(o, s, run_with<Method>(s, 1).state));
+  }
+  CHECK_NEAR(std::log(estimates[0] / estimates[1]) / std::log(longer / shorter), order, 0.15);
 }
 
 /// The left ends of the pairs are held by a frame that starts from rest and accelerates by a [m/s2]; the extension is that of an
@@ -143,19 +186,19 @@ inline Scene held_scene(const Held& held, double duration) {
   return s;
 }
 
-/// The slopes of the errors of the extension and of the pin's impulse, on the exact motion.
-inline void check_held_order(const Held& held, double duration, Stepping run, double claim, int coarse, int fine) {
-  const Scene s = held_scene(held, duration);
+/// The slopes of the errors of the extension and of the pin's impulse, on the exact motion over a second.
+inline void check_held_order(const Held& held, Stepping run, const Claim& claim) {
+  const Scene s = held_scene(held, 1);
   double motion[2], impulse[2];
   for (int i = 0; i < 2; ++i) {
-    const Result r = run(s, i ? fine : coarse);
+    const Result r = run(s, i ? claim.fine : claim.coarse);
     motion[i] = error(held.extension(), s, r.state);
-    impulse[i] = std::abs(-r.exchange.pins[0].force.x() - held.impulse(duration));
+    impulse[i] = std::abs(-r.exchange.pins[0].force.x() - held.impulse(s.duration));
   }
-  const auto order = [&](const double* e) { return std::log(e[0] / e[1]) / std::log(double(fine) / coarse); };
+  const auto order = [&](const double* e) { return std::log(e[0] / e[1]) / std::log(double(claim.fine) / claim.coarse); };
   std::printf("  held: motion %.2f impulse %.2f (errors %.1e m, %.1e N s)\n", order(motion), order(impulse), motion[1], impulse[1]);
-  CHECK_NEAR(order(motion), claim, 0.15);
-  CHECK(order(impulse) > claim - 0.15);
+  CHECK_NEAR(order(motion), claim.order, 0.15);
+  CHECK(order(impulse) > claim.order - 0.15);
 }
 
 /// Back along the way that the method has come: forward, velocities turned round, forward. Distance from the start [m].

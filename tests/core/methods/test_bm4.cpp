@@ -2,30 +2,10 @@
 
 using namespace softffd;
 
-TEST(fourth_order_on_the_oscillators_exact_motion) {
-  CHECK_NEAR(order({}, 1, run_with<Bm4>, 40, 80), 4.0, 0.15);
-  CHECK_NEAR(order({.d = 0.4}, 1, run_with<Bm4>, 40, 80), 4.0, 0.15);
-  CHECK_NEAR(order({.d = 0.4, .f = 1, .g = 5}, 1, run_with<Bm4>, 40, 80), 4.0, 0.15);
-}
-
-TEST(fourth_order_on_a_smooth_motion) {
-  for (const bool damped : {false, true})
-    for (const bool ramped : {false, true}) {
-      const Scene s = soft(damped, ramped);
-      check_order(damped   ? ramped ? "damped and ramped" : "damped"
-                  : ramped ? "ramped"
-                           : "free",
-                  run_with<Bm4>, 4, s, reference(s), 80, 160);
-    }
-}
-
-TEST(fourth_order_while_pins_move) {
-  Scene s = soft(true, true);
-  pin_ends(s, swinging);
-  check_order("moving pins", run_with<Bm4>, 4, s, reference(s), 80, 160);
-}
-
-TEST(fourth_order_while_a_frame_pulls) { check_held_order({}, 1, run_with<Bm4>, 4, 40, 80); }
+TEST(fourth_order_on_the_oscillators_exact_motion) { check_oscillator_orders(run_with<Bm4>, {4, 40, 80}); }
+TEST(fourth_order_on_a_smooth_motion) { check_smooth_orders(run_with<Bm4>, {4, 80, 160}); }
+TEST(fourth_order_while_pins_move) { check_order_with_moving_pins(run_with<Bm4>, {4, 80, 160}); }
+TEST(fourth_order_while_a_frame_pulls) { check_held_order({}, run_with<Bm4>, {4, 40, 80}); }
 
 TEST(it_goes_back_the_way_it_came) {
   CHECK_NEAR(way_back(soft(), run_with<Bm4>, 20), 0.0, 1e-13);  // rounding, which the motion hardly amplifies

@@ -2,30 +2,10 @@
 
 using namespace softffd;
 
-TEST(second_order_on_the_oscillators_exact_motion) {
-  CHECK_NEAR(order({}, 1, run_with<Leapfrog>, 200, 400), 2.0, 0.15);
-  CHECK_NEAR(order({.d = 0.4}, 1, run_with<Leapfrog>, 200, 400), 2.0, 0.15);
-  CHECK_NEAR(order({.d = 0.4, .f = 1, .g = 5}, 1, run_with<Leapfrog>, 200, 400), 2.0, 0.15);
-}
-
-TEST(second_order_on_a_smooth_motion) {
-  for (const bool damped : {false, true})
-    for (const bool ramped : {false, true}) {
-      const Scene s = soft(damped, ramped);
-      check_order(damped   ? ramped ? "damped and ramped" : "damped"
-                  : ramped ? "ramped"
-                           : "free",
-                  run_with<Leapfrog>, 2, s, reference(s), 400, 800);
-    }
-}
-
-TEST(second_order_while_pins_move) {
-  Scene s = soft(true, true);
-  pin_ends(s, swinging);
-  check_order("moving pins", run_with<Leapfrog>, 2, s, reference(s), 400, 800);
-}
-
-TEST(second_order_while_a_frame_pulls) { check_held_order({}, 1, run_with<Leapfrog>, 2, 200, 400); }
+TEST(second_order_on_the_oscillators_exact_motion) { check_oscillator_orders(run_with<Leapfrog>, {2, 200, 400}); }
+TEST(second_order_on_a_smooth_motion) { check_smooth_orders(run_with<Leapfrog>, {2, 400, 800}); }
+TEST(second_order_while_pins_move) { check_order_with_moving_pins(run_with<Leapfrog>, {2, 400, 800}); }
+TEST(second_order_while_a_frame_pulls) { check_held_order({}, run_with<Leapfrog>, {2, 200, 400}); }
 
 TEST(a_vibration_has_the_frequency_of_the_central_difference) {
   const Oscillator o{.w0 = 0};
