@@ -12,10 +12,11 @@ from softffd.cli.command import main
 from softffd.scene.scene import scene_from
 from softffd.validation.stability import drawn_survey
 from softffd.validation.stability.drawn import Course, Draws, drawn
-from softffd.validation.stability.drawn_runs import RUNGS, RUNS, Job, Run, judge, run_jobs, stated_error
+from softffd.validation.stability.drawn_runs import RUNGS, RUNS, Job, Run, judge, run_jobs
 from softffd.validation.stability.drive import Drive
 from softffd.validation.stability.guard import Lost
 from softffd.validation.stability.scenes import box
+from softffd.validation.stability.stated import stated_error
 
 RIGHT_NOW = (1, 7, 13)
 """Seeds whose scenes run quickly and are right."""

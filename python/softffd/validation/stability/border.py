@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from softffd.validation.mechanics import Body
+from softffd.validation.stability.cell import Panel, omega, settings
 from softffd.validation.stability.drive import Drive
-from softffd.validation.stability.map import Panel, document, omega, settings
+from softffd.validation.stability.map import document
 
 STEPS = 2000
 """Of one trial."""

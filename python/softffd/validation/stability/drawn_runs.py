@@ -13,7 +13,6 @@ Where nothing agrees there is no truth: a chaotic motion, or one that would take
 from __future__ import annotations
 
 import math
-import re
 import time as clock
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -23,6 +22,7 @@ import numpy as np
 from softffd.validation.stability.drawn import Drawn, drawn
 from softffd.validation.stability.drive import Drive, Refused, StateTouched
 from softffd.validation.stability.guard import Lost
+from softffd.validation.stability.stated import STATED, stated_errors
 
 RUNGS = ("rung 1", "rung 2", "rung 3", "rung 4")
 RUNS = ("asked", "tight", *RUNGS)
@@ -35,8 +35,6 @@ AGREED = 1 / 3
 """Of the tolerance: so far two runs may part that tell the truth."""
 ALLOWED = 10.0
 """Of the tolerance: so far asked may be from the truth."""
-STATED = 5.0
-"""An error up to so many times what a warning states has been stated."""
 BEHIND = 1e-12
 """Penetration that rounding explains, relative to the box."""
 
@@ -56,11 +54,6 @@ VERDICTS = ("right", "stated", "refused", "no truth", "slow", "SILENT", "WRONG")
 the state untouched. no truth: nothing to compare with. slow: no answer within the time. SILENT: beyond, without a word. WRONG: a crash, a
 result that is not finite, a control point behind a plane, a discarded step that has changed the state."""
 FAULTS = ("SILENT", "WRONG")
-
-NUMBER = r"([-+]?[0-9.]+(?:e[-+]?[0-9]+)?)"
-WRONG_BY = re.compile(rf"(?:wrong|off) by (?:up to |about |some )*{NUMBER}")
-GAINED = re.compile(rf"has gained {NUMBER} J")
-TURNS = re.compile(rf"omega = {NUMBER} rad/s in implicit steps .* omega h / 2 = {NUMBER} a radian")
 
 
 @dataclass(frozen=True)
@@ -159,7 +152,7 @@ def _followed(drive: Drive, scene: Drawn, settings: dict, tolerance: float, bega
     except StateTouched as fault:
         return Run(None, str(fault), wrong=True, run_time=clock.perf_counter() - began)
     warnings = tuple(drive.simulation.warnings)
-    stated = max((stated_error(text, drive, scene.duration) for text in warnings), default=0.0)
+    stated = stated_errors(drive, scene.duration)
     steps, elapsed = int(drive.value("solver.steps")), clock.perf_counter() - began
     return Run(drive.x, stated=stated, warnings=warnings, internal_steps=steps, run_time=elapsed)
 
@@ -175,22 +168,6 @@ def _broken(drive: Drive, scene: Drawn) -> str:
         if behind > BEHIND:
             return f"{behind:.1e} of the box behind a plane at {drive.time:.3g} s"
     return ""
-
-
-def stated_error(warning: str, drive: Drive, duration: float) -> float:
-    """The error of a position that a warning gives a number for [m]; 0 for one that gives none.
-
-    A length stands for itself. An energy gained is the speed of the whole body, for the time [s] of the run; a share of a rotation, taken
-    for each radian, is that of the angle, at the side of the box.
-    """
-    if found := WRONG_BY.search(warning):
-        return float(found[1])
-    if found := GAINED.search(warning):
-        return math.sqrt(2 * max(0.0, float(found[1])) / drive.mass.sum()) * duration
-    if found := TURNS.search(warning):
-        angle = float(found[1]) * duration
-        return float(found[2]) * angle**2 * drive.side
-    return 0.0
 
 
 def distance(one: Run | None, other: Run | None) -> float:

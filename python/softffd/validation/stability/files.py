@@ -10,7 +10,7 @@ from typing import Any
 
 from softffd.validation.kept import csv_text, json_text, keep_files
 from softffd.validation.stability.cases import CASES
-from softffd.validation.stability.map import Cell, Judged
+from softffd.validation.stability.cell import Cell, Judged
 from softffd.validation.stability.picture import map_picture
 from softffd.validation.stability.report import report_page
 from softffd.validation.stability.survey import Survey
@@ -26,6 +26,7 @@ TITLES = {
     ("vibration", True): "Vibration: the internal step is given, solver.step = H",
     ("rotation", False): "Rotation: the step follows the tolerance",
     ("contact", False): "Contact with friction: the step follows the tolerance",
+    ("rebound", False): "Rebound: a box falls by 0.2 m and is thrown off",
 }
 
 

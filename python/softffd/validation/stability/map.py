@@ -1,6 +1,6 @@
 """The map: stiffness against communication step, each cell run through the FMU and judged by an exact solution.
 
-Three scenes, all a box of 2 x 2 x 2 points, 1 m, 1 kg, all springs of stiffness k, undamped:
+Three scenes are a box of 2 x 2 x 2 points, 1 m, 1 kg, all springs of stiffness k, undamped:
 
 vibration   released from a stretch of 1 % along every axis. By the cube's symmetry the box keeps its shape for ever: the points are at
             centre + s (rest - centre) with s = 1 + 0.01 cos(omega t), omega = 8 sqrt(k / (1 kg)), exactly, at any amplitude; and
@@ -16,12 +16,14 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
+from softffd.validation.stability import rebound
+from softffd.validation.stability.cell import GAIN, STATED, Cell, Judged, Trial, omega
 from softffd.validation.stability.drive import Drive, Refused, StateTouched
+from softffd.validation.stability.sag import static_sag
 
 STRETCH, TOLERANCE = 0.01, 1e-5
 SPIN = 1.0
@@ -29,9 +31,6 @@ SPIN = 1.0
 
 TURNED = 1e-3
 """Relative error of angular momentum and energy that counts as accurate."""
-
-GAIN = 1e-2
-"""Relative gain of energy from which on a rotation is WRONG, whatever is stated."""
 
 FRICTION, GRAVITY = 0.4, 9.81
 DAMPING = 0.4
@@ -47,72 +46,11 @@ weight times static sag."""
 RIGHT = 10 * TOLERANCE
 """Error of a position that counts as accurate [m]."""
 
-STATED = 10.0
-"""An error up to so many times the stated estimate is a stated one."""
-
 SLIDE = 1e-3
 """Relative error of the friction impulse that counts as accurate."""
 
 BEHIND = 1e-12
 """Penetration that rounding explains, relative to the box."""
-
-RADIANS = 400.0
-"""The highest mode is followed for so long where the communication step is short."""
-
-PATIENCE, HANG = 1.0, 4.0
-"""No further communication step after this time [s]; a cell is given up when a single one takes longer than the second."""
-
-CLASSES = ("accurate", "bounded", "divided", "unstated", "slow", "refused", "WRONG")
-"""bounded: an error that the component's estimate tells. divided: accurate or bounded after the component has divided a given step.
-unstated: with a given step, to which no tolerance applies, bounded but with an error beyond ten times the estimate; with a step of the
-component's choice that is WRONG. slow: no answer within the time. refused: fmi2Discard or fmi2Error. WRONG: fmi2OK all the same."""
-
-
-@dataclass(frozen=True)
-class Panel:
-    """One map: a scene with a method, whose steps are chosen by the component or given."""
-
-    scene: str
-    method: str
-    given: bool = False
-    """solver.step = the communication step"""
-
-    def __str__(self) -> str:
-        return f"{self.scene}, {self.method}{', solver.step = H' * self.given}"
-
-
-@dataclass(frozen=True)
-class Cell:
-    """One setting of a panel."""
-
-    panel: Panel
-    stiffness: float
-    """N/m"""
-    step: float
-    """Communication step [s]"""
-
-
-@dataclass(frozen=True)
-class Judged:
-    """What came of a cell."""
-
-    kind: str
-    """One of CLASSES"""
-    error: float = math.nan
-    """vibration: of a position [m]; rotation: of energy or angular momentum, relative; contact: of the friction impulse, relative"""
-    stated: float = math.nan
-    """The component's own estimate [m]"""
-    steps: int = 0
-    """Communication steps made"""
-    internal_steps: int = 0
-    run_time: float = 0.0
-    """s"""
-    why: str = ""
-
-
-def omega(stiffness: float) -> float:
-    """Highest frequency of the box [rad/s]."""
-    return 8 * math.sqrt(stiffness)
 
 
 def run_cells(cells: Sequence[Cell]) -> Iterator[Judged]:
@@ -132,6 +70,8 @@ def run_cells(cells: Sequence[Cell]) -> Iterator[Judged]:
 
 def document(scene: str) -> dict:
     """The scene of a panel."""
+    if scene == "rebound":
+        return rebound.DOCUMENT
     box = {"lattice": {"points": [2, 2, 2]}, "material": {"stiffness": 1.0, "damping": 1.0 if scene == "contact" else 0.0}}
     solver = {"tolerance": TOLERANCE, "error_estimate": True}
     if scene == "vibration":
@@ -140,46 +80,6 @@ def document(scene: str) -> dict:
         return box | {"initial": {"angular_velocity": [0.0, 0.0, SPIN]}, "solver": solver}
     ground = {"name": "ground", "friction": FRICTION, "motion": "input"}
     return box | {"plane": [ground], "environment": {"gravity": [0.0, 0.0, -GRAVITY]}, "solver": solver}
-
-
-def settings(panel: Panel, stiffness: float, step: float) -> dict:
-    """Start values for a stiffness [N/m] and a communication step [s]."""
-    springs = {f"stiffness.{kind}": stiffness for kind in ("edge", "face", "body")}
-    return springs | {"solver.method": panel.method, "solver.step": step if panel.given else 0.0}
-
-
-class Trial:
-    """A cell on its way: its communication steps, and the verdict."""
-
-    def __init__(self, drive: Drive, cell: Cell, began: float):
-        """began: by the clock [s], from which on the patience counts."""
-        self.drive, self.cell, self.began = drive, cell, began
-        self.wanted = min(max(math.ceil(RADIANS / (omega(cell.stiffness) * cell.step)), 4), 200)
-        self.done = 0
-        drive.body.stiffness[:] = cell.stiffness
-
-    def start(self, **more: float) -> None:
-        """more: start values besides those of the map."""
-        cell = self.cell
-        self.drive.restart(settings(cell.panel, cell.stiffness, cell.step) | more, self.wanted * cell.step)
-
-    def steps(self) -> Iterator[None]:
-        """After each communication step, until there are enough of them or the time is over; at least one."""
-        while self.done < self.wanted and (self.done == 0 or clock.perf_counter() - self.began < PATIENCE):
-            self.drive.step(self.cell.step)
-            self.done += 1
-            yield
-
-    @property
-    def stated(self) -> float:
-        """The component's own estimate of the error [m]."""
-        return self.drive.value("solver.error_estimate")
-
-    def judged(self, kind: str, error: float, why: str = "") -> Judged:
-        """The verdict now."""
-        divided = "above the stability bound" in self.drive.warned and kind in ("accurate", "bounded")
-        internal, elapsed = int(self.drive.value("solver.steps")), clock.perf_counter() - self.began
-        return Judged("divided" if divided else kind, error, self.stated, self.done, internal, elapsed, why)
 
 
 def _vibration(trial: Trial) -> Judged:
@@ -268,22 +168,11 @@ def _inner_energy(drive: Drive) -> float:
     return drive.body.elastic_energy(drive.x) + drive.body.kinetic_energy(drive.v - drive.momentum / drive.mass.sum())
 
 
-SCENES = {"vibration": _vibration, "rotation": _rotation, "contact": _contact}
+SCENES = {"vibration": _vibration, "rotation": _rotation, "contact": _contact, "rebound": rebound.rebound}
 
 
 @cache
 def unit_sag() -> float:
     """Static sag of the centre of the box on a plane for a gravity of 1 m/s2 and a stiffness of 1 N/m, by the linear theory [m]."""
     with Drive(document("contact")) as drive:
-        a, b = drive.body.pairs.T
-        along = drive.rest[b] - drive.rest[a]
-        along /= np.linalg.norm(along, axis=1)[:, None]
-        rows = np.zeros((len(a), 3 * len(drive.rest)))
-        for axis in range(3):
-            rows[np.arange(len(a)), 3 * a + axis] -= along[:, axis]
-            rows[np.arange(len(a)), 3 * b + axis] += along[:, axis]
-        weight = np.tile([0.0, 0.0, -1.0], (len(drive.rest), 1)) * drive.mass[:, None]
-        free = (np.arange(rows.shape[1]) % 3 != 2) | np.repeat(drive.rest[:, 2] > 0, 3)
-        moved = np.zeros(rows.shape[1])
-        moved[free] = np.linalg.lstsq((rows.T @ rows)[np.ix_(free, free)], weight.ravel()[free], rcond=1e-10)[0]
-        return float(-drive.mass @ moved.reshape(-1, 3)[:, 2])
+        return static_sag(drive)

@@ -10,7 +10,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
 from softffd.show.picture import INK, SOFT, new_figure, png_of
-from softffd.validation.stability.map import CLASSES, Panel, omega
+from softffd.validation.stability.cell import CLASSES, Panel, omega
 from softffd.validation.stability.survey import Survey
 
 COLOURS = {
@@ -49,12 +49,12 @@ def map_picture(survey: Survey, panels: Sequence[Panel], title: str) -> bytes:
 
 
 def _chart(axes, survey: Survey, panel: Panel, *, first: bool) -> None:
-    steps = survey.steps_of(panel)
-    k, h = np.log10(survey.stiffnesses), np.log10(steps)
+    steps, stiffnesses = survey.steps_of(panel), survey.stiffnesses_of(panel)
+    k, h = np.log10(stiffnesses), np.log10(steps)
     numbers = np.full((len(h), len(k)), -1)
     for cell in survey.cells_of(panel):
         if cell in survey.cells:
-            place = steps.index(cell.step), survey.stiffnesses.index(cell.stiffness)
+            place = steps.index(cell.step), stiffnesses.index(cell.stiffness)
             numbers[place] = CLASSES.index(survey.cells[cell].kind)
     colours = ListedColormap([EMPTY, *(COLOURS[kind] for kind in CLASSES)])
     norm = BoundaryNorm(np.arange(-1.5, len(CLASSES)), len(CLASSES) + 1)

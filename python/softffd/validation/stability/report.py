@@ -22,7 +22,9 @@ tolerance. Bounded: a larger error that <code>solver.error_estimate</code> tells
 1 rad/s, undamped; accurate: angular momentum and energy within 1e-3; a gain of energy above 1 % is WRONG whatever is stated.
 <b>Contact</b>: resting, slightly damped, on a plane that is drawn away under it; accurate: no penetration above 1e-12, friction impulse
 mu times the normal one within 1e-3, momentum balanced, static sag. Method <code>central_difference</code> reproduces the published contact
-rule, which penetrates and bounces, and is judged as bounded there. The component's own tolerance is 1e-5 m.</p>"""
+rule, which penetrates and bounces, and is judged as bounded there. The component's own tolerance is 1e-5 m. <b>Rebound</b>: a box
+of 4 x 4 x 4 points falls flat by 0.2 m and is thrown off, undamped; accurate: its centre after 0.4 s within 3e-4 m of that by numpy, at a
+tolerance of 1e-4 m.</p>"""
 
 BORDER = """<h3>The border of the explicit scheme</h3>
 <p>The central difference without anybody to divide its steps, in ten lines of numpy: a disturbance of 1e-9 m of the box at rest grows

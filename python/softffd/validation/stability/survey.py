@@ -9,11 +9,13 @@ from dataclasses import dataclass, field
 from softffd.errors import SoftffdError
 from softffd.run.progress import Note
 from softffd.spelling import did_you_mean, nearest_of
+from softffd.validation.stability import rebound
 from softffd.validation.stability.border import Border, borders
 from softffd.validation.stability.cases import CASES, run_named
+from softffd.validation.stability.cell import HANG, Cell, Judged, Panel
 from softffd.validation.stability.drive import Drive
 from softffd.validation.stability.guard import Lost, guarded
-from softffd.validation.stability.map import HANG, SCENES, Cell, Judged, Panel, document, run_cells
+from softffd.validation.stability.map import SCENES, document, run_cells
 from softffd.validation.stability.verdict import Outcome, outcome_of
 
 LEAVES_CONTACT = ("bm4", "rkn12", "dop853", "ros34pw2")
@@ -23,7 +25,7 @@ CHOSEN = "auto"
 MAP, EVERY_CASE = "map", "cases"
 """Names of the map and of all cases among those of the cases."""
 
-QUICK_PANELS = (*(Panel(scene, CHOSEN) for scene in SCENES), Panel("vibration", "leapfrog", True))
+QUICK_PANELS = (*(Panel(scene, CHOSEN) for scene in SCENES if scene != "rebound"), Panel("vibration", "leapfrog", True))
 
 QUICK_PATIENCE = 10.0
 """No case of a quick survey gets longer [s]."""
@@ -54,13 +56,19 @@ class Survey:
         left = [str(panel) for panel in self.panels if any(cell not in self.cells for cell in self.cells_of(panel))]
         return left + [name for name in self.names if name not in self.outcomes]
 
+    def stiffnesses_of(self, panel: Panel) -> list[float]:
+        """Stiffnesses of a panel [N/m]."""
+        return list(rebound.STIFFNESSES) if panel.scene == "rebound" else self.stiffnesses
+
     def steps_of(self, panel: Panel) -> list[float]:
         """Communication steps of a panel [s]: all for auto; of many, every second one for the others."""
+        if panel.scene == "rebound":
+            return list(rebound.STEPS)
         return self.steps if panel.method == CHOSEN or len(self.steps) < 6 else self.steps[::2]
 
     def cells_of(self, panel: Panel) -> list[Cell]:
         """In the order in which they are run: soft ones first."""
-        return [Cell(panel, stiffness, step) for stiffness in self.stiffnesses for step in self.steps_of(panel)]
+        return [Cell(panel, stiffness, step) for stiffness in self.stiffnesses_of(panel) for step in self.steps_of(panel)]
 
     def wrong(self) -> list[str]:
         """What ended with fmi2OK and a wrong answer, or in a crash: a line each."""
@@ -102,7 +110,8 @@ def _panels() -> list[Panel]:
     vibration = [Panel("vibration", method) for method in methods]
     given = [Panel("vibration", method, True) for method in methods if method != CHOSEN]
     rotation = [Panel("rotation", method) for method in methods]
-    return [*vibration, *given, *rotation, *(Panel("contact", method) for method in methods if method not in LEAVES_CONTACT)]
+    contact = [Panel("contact", method) for method in methods if method not in LEAVES_CONTACT]
+    return [*vibration, *given, *rotation, *contact, Panel("rebound", CHOSEN)]
 
 
 def run(survey: Survey, note: Note) -> Iterator[str]:
