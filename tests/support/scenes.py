@@ -8,7 +8,7 @@ from softffd.scene.scene import scene_from
 GRAVITY = [0.0, 0.0, -9.81]
 """m/s2"""
 SECTIONS = {
-    "lattice": ("points", "size", "springs", "basis"),
+    "lattice": ("points", "origin", "size", "springs", "basis"),
     "material": ("stiffness", "damping", "volume_stiffness", "internal_damping"),
     "environment": ("gravity",),
     "inputs": ("forces",),

@@ -4,67 +4,51 @@ import numpy as np
 import pytest
 
 from readings import assert_nothing_is_behind, centre, plane_poses, points, vector, velocities
+from scenes import GRAVITY, box
 from softffd import simulate
 
 G = 9.81
+NONE: dict = {}
 
-SLOPE = """
-[material]
-stiffness = STIFFNESS
-damping = 0.0
-[environment]
-gravity = [DOWNHILL, 0.0, ONTO]
-[[plane]]
-name = "slope"
-friction = 0.4
-[initial]
-velocity = [SPEED, 0.0, 0.0]
-[outputs]
-velocities = "all"
-[solver]
-method = "leapfrog"
-step = 1e-4
-[experiment]
-stop_time = 2.0
-communication_step = 0.02
-"""
-
-LEVEL = """
-[material]
-stiffness = 1e5
-damping = 0.0
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[plane]]
-name = "floor"
-friction = 0.3
-MOTION
-[initial]
-velocity = [SPEED, 0.0, 0.0]
-[outputs]
-velocities = "all"
-energy = true
-[solver]
-method = "leapfrog"
-[experiment]
-stop_time = 1.0
-communication_step = 0.01
-"""
+BELT = {"velocity": [0.8, 0.0, 0.0]}
+OBSERVED = {"velocities": "all", "method": "leapfrog"}
 
 
-def on_slope(scene, degrees, *, stiffness=2e4, speed=0.0, **arguments):
+def on_slope(degrees, *, stiffness=2e4, speed=0.0, **arguments):
     slope = np.radians(degrees)
-    words = {"STIFFNESS": stiffness, "DOWNHILL": G * np.sin(slope), "ONTO": -G * np.cos(slope), "SPEED": speed}
-    text = SLOPE
-    for word, value in words.items():
-        text = text.replace(word, repr(float(value)))
-    result = simulate(scene(text), **arguments)
+    scene = box(
+        stiffness=stiffness,
+        damping=0.0,
+        gravity=[G * np.sin(slope), 0.0, -G * np.cos(slope)],
+        plane=[{"name": "slope", "friction": 0.4}],
+        velocity=[speed, 0.0, 0.0],
+        step=1e-4,
+        stop_time=2.0,
+        communication_step=0.02,
+        **OBSERVED,
+    )
+    result = simulate(scene, **arguments)
     assert_nothing_is_behind(result)
     return result, G * (np.sin(slope) - 0.4 * np.cos(slope))
 
 
-def on_level(scene, *, speed=0.0, motion="", **arguments):
-    result = simulate(scene(LEVEL.replace("SPEED", repr(float(speed))).replace("MOTION", motion)), **arguments)
+def level(*, velocity=(0.0, 0.0, 0.0), floor=NONE, stiffness=1e5, damping=0.0):
+    """A scene with a floor of this motion."""
+    return box(
+        stiffness=stiffness,
+        damping=damping,
+        gravity=GRAVITY,
+        plane=[{"name": "floor", "friction": 0.3, **floor}],
+        velocity=velocity,
+        energy=True,
+        stop_time=1.0,
+        communication_step=0.01,
+        **OBSERVED,
+    )
+
+
+def on_level(*, speed=0.0, floor=NONE, **arguments):
+    result = simulate(level(velocity=[speed, 0.0, 0.0], floor=floor), **arguments)
     assert_nothing_is_behind(result)
     return result
 
@@ -78,30 +62,30 @@ def assert_friction_is_in_coulombs_disk(result, name, coefficient):
 
 
 @pytest.mark.parametrize("degrees", [10.0, 20.0, 21.0])
-def test_below_the_friction_angle_the_box_sticks(scene, degrees):
-    result, _ = on_slope(scene, degrees)
+def test_below_the_friction_angle_the_box_sticks(degrees):
+    result, _ = on_slope(degrees)
     assert np.abs(centre(velocities(result))[-1, 0]) < 1e-3  # the lattice rings on
     assert np.abs(points(result)[-1, :16] - points(result)[0, :16]).max() < 2e-3
 
 
 @pytest.mark.parametrize("degrees", [25.0, 30.0, 35.0])
-def test_above_the_friction_angle_the_box_slides_with_the_remaining_pull(scene, degrees):
-    result, acceleration = on_slope(scene, degrees)
+def test_above_the_friction_angle_the_box_slides_with_the_remaining_pull(degrees):
+    result, acceleration = on_slope(degrees)
     assert centre(velocities(result))[-1, 0] == pytest.approx(2 * acceleration, rel=0.01)
     assert centre(points(result))[-1, 0] - 0.5 == pytest.approx(2 * acceleration, rel=0.015)
 
 
-def test_points_without_springs_keep_the_invariant_of_sliding_exactly(scene):
+def test_points_without_springs_keep_the_invariant_of_sliding_exactly():
     """v_x + mu v_z of the centre of mass grows with g (sin - mu cos) through rest, fall and impact."""
-    result, acceleration = on_slope(scene, 25.0, stiffness=0.0)
+    result, acceleration = on_slope(25.0, stiffness=0.0)
     v = centre(velocities(result))
     assert v[:, 0] + 0.4 * v[:, 2] == pytest.approx(acceleration * result.time, abs=1e-11)
     assert v[:, 1] == pytest.approx(np.zeros(len(v)), abs=0)
 
 
-def test_a_sliding_lattice_keeps_the_invariant_but_for_friction_spent_sideways(scene):
+def test_a_sliding_lattice_keeps_the_invariant_but_for_friction_spent_sideways():
     """Points that bulge sideways turn their friction by v_y / v_x; the part along x can only be less than mu N."""
-    result, acceleration = on_slope(scene, 25.0, speed=10.0)
+    result, acceleration = on_slope(25.0, speed=10.0)
     v = centre(velocities(result))
     spare = v[:, 0] + 0.4 * v[:, 2] - 10.0 - acceleration * result.time
     assert spare.min() > -1e-12
@@ -109,13 +93,13 @@ def test_a_sliding_lattice_keeps_the_invariant_but_for_friction_spent_sideways(s
 
 
 @pytest.mark.parametrize(("degrees", "speed"), [(15.0, 0.0), (25.0, 0.0), (35.0, 1.0)])
-def test_friction_stays_in_coulombs_disk_at_every_internal_step(scene, degrees, speed):
-    result, _ = on_slope(scene, degrees, speed=speed, stop_time=0.3, step=1e-4)
+def test_friction_stays_in_coulombs_disk_at_every_internal_step(degrees, speed):
+    result, _ = on_slope(degrees, speed=speed, stop_time=0.3, step=1e-4)
     assert_friction_is_in_coulombs_disk(result, "slope", 0.4)
 
 
-def test_a_stiff_box_slides_to_a_stop_within_the_rigid_distance_and_time(scene):
-    result = on_level(scene, speed=1.5)
+def test_a_stiff_box_slides_to_a_stop_within_the_rigid_distance_and_time():
+    result = on_level(speed=1.5)
     distance, duration = 1.5**2 / (2 * 0.3 * G), 1.5 / (0.3 * G)
     way, speed = centre(points(result))[:, 0] - 0.5, centre(velocities(result))[:, 0]
     assert way[-1] == pytest.approx(distance, rel=1e-4)  # measured: 3.5e-5
@@ -124,51 +108,50 @@ def test_a_stiff_box_slides_to_a_stop_within_the_rigid_distance_and_time(scene):
     assert_friction_is_in_coulombs_disk(result, "floor", 0.3)
 
 
-def test_friction_takes_the_kinetic_energy_of_a_box_that_stops(scene):
-    result = on_level(scene, speed=1.5, start_values={"solver.step": 5e-5})  # resolves the ringing of the lattice
+def test_friction_takes_the_kinetic_energy_of_a_box_that_stops():
+    result = on_level(speed=1.5, start_values={"solver.step": 5e-5})  # resolves the ringing of the lattice
     assert result.outputs["energy.dissipated"][-1] == pytest.approx(0.5 * 1.5**2, rel=5e-5)  # 6e-6; the rest is in the lattice
     assert result.outputs["energy.work"][-1] == pytest.approx(0, abs=1e-12)  # a plane at rest does no work
 
 
-def test_a_belt_drags_the_box_to_its_speed(scene):
-    result = on_level(scene, motion="velocity = [0.8, 0.0, 0.0]")
+def test_a_belt_drags_the_box_to_its_speed():
+    result = on_level(floor=BELT)
     speed = centre(velocities(result))[:, 0]
     assert np.interp(0.2, result.time, speed) == pytest.approx(0.2 * 0.3 * G, rel=1e-3)  # 1.2e-4
     assert speed[result.time > 0.8 / (0.3 * G) * 1.3] == pytest.approx(0.8, rel=5e-3)  # it rocks on, at 1e-3
 
 
-def test_a_belt_does_twice_the_work_that_the_box_keeps(scene):
-    result = on_level(scene, motion="velocity = [0.8, 0.0, 0.0]", start_values={"solver.step": 5e-5})
+def test_a_belt_does_twice_the_work_that_the_box_keeps():
+    result = on_level(floor=BELT, start_values={"solver.step": 5e-5})
     assert result.outputs["energy.work"][-1] == pytest.approx(0.8**2, rel=2e-3)  # 5e-4, the last of the rocking
     assert result.outputs["energy.dissipated"][-1] == pytest.approx(0.5 * 0.8**2, rel=2e-4)  # 2.3e-5
 
 
-def test_a_belt_set_by_input_is_the_belt_of_the_scene(scene):
-    fixed = on_level(scene, motion="velocity = [0.8, 0.0, 0.0]")
-    free = on_level(scene, motion='motion = "input"', inputs=lambda time: {"plane.floor.velocity.x": 0.8})
+def test_a_belt_set_by_input_is_the_belt_of_the_scene():
+    fixed = on_level(floor=BELT)
+    free = on_level(floor={"motion": "input"}, inputs=lambda time: {"plane.floor.velocity.x": 0.8})
     assert np.array_equal(points(fixed), points(free))
 
 
-def test_a_turntable_turns_what_stands_on_it(scene):
-    motion = "point = [0.5, 0.5, 0.0]\nangular_velocity = [0.0, 0.0, 2.0]"
-    result = on_level(scene, motion=motion, start_values={"plane.floor.friction": 1.0})
+def test_a_turntable_turns_what_stands_on_it():
+    table = {"point": [0.5, 0.5, 0.0], "angular_velocity": [0.0, 0.0, 2.0]}
+    result = on_level(floor=table, start_values={"plane.floor.friction": 1.0})
     v, arm = velocities(result)[-1, :16], points(result)[-1, :16] - [0.5, 0.5, 0.0]
     assert v[:, :2] == pytest.approx(2.0 * np.stack([-arm[:, 1], arm[:, 0]], axis=1), abs=1e-12)  # to rounding, of 1.4 m/s at the corners
     assert vector(result, "plane.floor.torque")[1:10, 2].max() < 0  # the object holds the table back
 
 
-def test_points_that_stick_move_exactly_with_the_turntable(scene):
-    text = LEVEL.replace("SPEED", "0.0").replace("damping = 0.0", "damping = 0.2")
-    motion = "point = [0.5, 0.5, 0.0]\nangular_velocity = [0.0, 0.0, 0.5]"
-    result = simulate(scene(text.replace("MOTION", motion)), start_values={"plane.floor.friction": 3.0}, stop_time=3.0)
+def test_points_that_stick_move_exactly_with_the_turntable():
+    table = {"point": [0.5, 0.5, 0.0], "angular_velocity": [0.0, 0.0, 0.5]}
+    result = simulate(level(floor=table, damping=0.2), start_values={"plane.floor.friction": 3.0}, stop_time=3.0)
     v, arm = velocities(result)[-1, :16], points(result)[-1, :16] - [0.5, 0.5, 0.0]
     assert result.outputs["plane.floor.contacts"][-1] == 16
     assert v == pytest.approx(np.cross([0.0, 0.0, 0.5], arm), abs=1e-14)
 
 
-def test_friction_opposes_the_slip_and_not_the_axes(scene):
-    text = LEVEL.replace("SPEED, 0.0, 0.0", "1.2, 0.9, 0.0").replace("MOTION", "").replace("1e5", "0.0")
-    v = velocities(simulate(scene(text), start_values={"solver.step": 1e-3}))[:, 0]
+def test_friction_opposes_the_slip_and_not_the_axes():
+    thrown = level(velocity=[1.2, 0.9, 0.0], stiffness=0.0)
+    v = velocities(simulate(thrown, start_values={"solver.step": 1e-3}))[:, 0]
     speed = np.hypot(v[:, 0], v[:, 1])
     moving = speed > 0.01
     assert v[moving, 1] / v[moving, 0] == pytest.approx(np.full(moving.sum(), 0.75), rel=1e-12)

@@ -5,39 +5,29 @@ import pytest
 
 import reference
 from readings import points
+from scenes import GRAVITY, box
 from softffd import simulate
 
-DROP = """
-[lattice]
-points = [2, 2, 2]
-size = [0.1, 0.1, 0.1]
-[mass]
-total = 0.8
-[material]
-stiffness = STIFFNESS
-damping = 0.0
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[plane]]
-name = "ground"
-friction = 0.0
-[initial]
-offset = [0.0, 0.0, 0.2]
-[solver]
-method = "central_difference"
-step = 1e-4
-[experiment]
-stop_time = 0.5
-communication_step = 1e-4
-"""
+
+def dropped(stiffness, **settings):
+    scene = box(
+        lattice={"points": [2, 2, 2], "size": [0.1, 0.1, 0.1]},
+        mass={"total": 0.8},
+        stiffness=stiffness,
+        damping=0.0,
+        gravity=GRAVITY,
+        plane=[{"name": "ground", "friction": 0.0}],
+        offset=[0.0, 0.0, 0.2],
+        method="central_difference",
+        step=1e-4,
+        stop_time=0.5,
+        communication_step=1e-4,
+    )
+    return simulate(scene, start_values=settings)
 
 
-def dropped(scene, stiffness, **settings):
-    return simulate(scene(DROP.replace("STIFFNESS", str(stiffness))), start_values=settings)
-
-
-def test_points_without_springs_bounce_back_to_the_height_they_fell_from(scene):
-    heights = points(dropped(scene, 0.0))[:, :, 2]
+def test_points_without_springs_bounce_back_to_the_height_they_fell_from():
+    heights = points(dropped(0.0))[:, :, 2]
     rebound = int(0.41 / 1e-4)  # the lower points fall 0.202 s and rise as long; the upper ones 0.247 s each
     lowest = heights.argmin(axis=0)
     assert lowest[:4] == pytest.approx(np.full(4, 2020), abs=2)
@@ -45,22 +35,22 @@ def test_points_without_springs_bounce_back_to_the_height_they_fell_from(scene):
     assert heights[4000:, 4:].max(axis=0) == pytest.approx(np.full(4, 0.3), abs=3e-4)
 
 
-def test_a_bouncing_point_is_inside_the_obstacle_by_no_more_than_one_steps_travel(scene):
-    heights = points(dropped(scene, 0.0))[:, :, 2]
+def test_a_bouncing_point_is_inside_the_obstacle_by_no_more_than_one_steps_travel():
+    heights = points(dropped(0.0))[:, :, 2]
     travel = np.sqrt(2 * 9.81 * 0.3) * 1e-4
     assert -travel <= heights.min() < 0
 
 
-def test_the_step_of_the_contact_is_retraced(scene):
-    heights = points(dropped(scene, 0.0))[:, 0, 2]
+def test_the_step_of_the_contact_is_retraced():
+    heights = points(dropped(0.0))[:, 0, 2]
     inside = int(np.flatnonzero(heights < 0)[0])
     assert heights[inside + 1] == pytest.approx(heights[inside - 1], abs=1e-15)  # eq. (17)
     # and so is the whole fall before it, mirrored at the contact
     assert heights[inside + 1 : 2 * inside + 1] == pytest.approx(heights[inside - 1 :: -1], abs=1e-10)
 
 
-def test_the_bouncing_lattice_is_the_references(scene):
-    result = dropped(scene, 500.0)
+def test_the_bouncing_lattice_is_the_references():
+    result = dropped(500.0)
     rest = reference.rest_lattice((2, 2, 2), size=(0.1, 0.1, 0.1))
     springs = reference.spring_list((2, 2, 2))
     model = reference.Model(rest, springs, np.full(len(springs), 500.0), np.full(8, 0.1), np.zeros(8))
@@ -74,9 +64,9 @@ def test_the_bouncing_lattice_is_the_references(scene):
     assert course[:3000, :, 2].min() < 0
 
 
-def test_the_published_rule_presses_with_twice_the_impulse_of_an_inelastic_landing(scene):
+def test_the_published_rule_presses_with_twice_the_impulse_of_an_inelastic_landing():
     impulses = {
-        method: -1e-4 * dropped(scene, 0.0, **{"solver.method": method}).outputs["plane.ground.reaction.z"][2000:2040].sum()
+        method: -1e-4 * dropped(0.0, **{"solver.method": method}).outputs["plane.ground.reaction.z"][2000:2040].sum()
         for method in ("central_difference", "leapfrog")
     }
     landing = 0.4 * np.sqrt(2 * 9.81 * 0.2)  # kg m/s of the four lower points
