@@ -5,119 +5,79 @@ import pytest
 
 import reference
 from readings import assert_nothing_is_behind, gaps, plane_poses, points, vector, velocities
+from scenes import GRAVITY, box
 from softffd import FmuError, simulate
 from softffd.rotation import turned
 from stepping import Stepper
 
-BOUNCING = """
-[material]
-stiffness = 2e3
-damping = DAMPING
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[plane]]
-name = "ground"
-friction = 0.4
-[initial]
-offset = [0.0, 0.0, 0.1]
-velocity = [1.0, 0.5, 0.0]
-angular_velocity = [1.0, 2.0, 0.5]
-[outputs]
-velocities = "all"
-[solver]
-method = "METHOD"
-STEP
-[experiment]
-stop_time = 1.0
-communication_step = 0.01
-"""
-
-LIFTED = """
-[material]
-stiffness = 2e3
-damping = 0.05
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[plane]]
-name = "lift"
-point = [0.0, 0.0, -0.05]
-friction = 0.5
-MOTION
-[outputs]
-velocities = "all"
-[solver]
-method = "leapfrog"
-step = 5e-4
-[experiment]
-stop_time = 0.5
-communication_step = 5e-4
-"""
-
-CORNER = """
-[material]
-stiffness = 2e3
-damping = DAMPING
-[environment]
-gravity = [-3.0, -4.0, -9.81]
-[[plane]]
-name = "left"
-normal = [1.0, 0.0, 0.0]
-friction = FRICTION
-[[plane]]
-name = "back"
-normal = [0.0, 1.0, 0.0]
-friction = FRICTION
-[[plane]]
-name = "ground"
-normal = [0.0, 0.0, 1.0]
-friction = FRICTION
-[initial]
-offset = [0.05, 0.03, 0.1]
-[outputs]
-velocities = "all"
-[solver]
-method = "leapfrog"
-step = 5e-4
-[experiment]
-stop_time = 3.0
-communication_step = 5e-4
-"""
-
-SQUEEZED = """
-[material]
-stiffness = 1e3
-damping = 0.1
-[[plane]]
-name = "table"
-[[plane]]
-name = "press"
-point = [0.0, 0.0, 1.0]
-normal = [0.0, 0.0, -1.0]
-velocity = [0.0, 0.0, -0.5]
-[[plane]]
-name = "side"
-point = [-0.05, 0.0, 0.0]
-normal = [1.0, 0.0, 0.1]
-[solver]
-method = "leapfrog"
-[experiment]
-stop_time = 1.6
-communication_step = 0.01
-"""
+FREE = {"gravity": [0.0, 0.0, 0.0]}
 
 
-def bouncing(scene, *, damping=0.0, method="leapfrog", internal=None, **arguments):
-    text = BOUNCING.replace("DAMPING", str(damping)).replace("METHOD", method)
-    result = simulate(scene(text.replace("STEP", f"step = {internal}" if internal else "")), **arguments)
+def bouncing(*, internal=0.0, damping=0.0, method="leapfrog", **arguments):
+    scene = box(
+        stiffness=2e3,
+        damping=damping,
+        gravity=GRAVITY,
+        plane=[{"name": "ground", "friction": 0.4}],
+        offset=[0.0, 0.0, 0.1],
+        velocity=[1.0, 0.5, 0.0],
+        angular_velocity=[1.0, 2.0, 0.5],
+        velocities="all",
+        method=method,
+        step=internal,
+        stop_time=1.0,
+        communication_step=0.01,
+    )
+    result = simulate(scene, **arguments)
     assert_nothing_is_behind(result)
     return result
 
 
-def cornered(scene, *, friction, damping=0.5, **arguments):
-    text = CORNER.replace("FRICTION", str(friction)).replace("DAMPING", str(damping))
-    result = simulate(scene(text), **arguments)
+def lifted(*, gravity=GRAVITY, stiffness=2e3, height=-0.05, **motion):
+    """A box over a lift that moves like this."""
+    return box(
+        stiffness=stiffness,
+        damping=0.05,
+        gravity=gravity,
+        plane=[{"name": "lift", "point": [0.0, 0.0, height], "friction": 0.5, **motion}],
+        velocities="all",
+        method="leapfrog",
+        step=5e-4,
+        stop_time=0.5,
+        communication_step=5e-4,
+    )
+
+
+def thrown_at(planes, **keys):
+    """A box among planes, with every internal step to be looked at."""
+    settings = {"velocities": "all", "method": "leapfrog", "step": 5e-4, "stop_time": 3.0, "communication_step": 5e-4}
+    return box(**{"stiffness": 2e3, "plane": planes, **settings, **keys})
+
+
+def corner(friction):
+    normals = {"left": [1.0, 0.0, 0.0], "back": [0.0, 1.0, 0.0], "ground": [0.0, 0.0, 1.0]}
+    return [{"name": name, "normal": normal, "friction": friction} for name, normal in normals.items()]
+
+
+def cornered(*, friction, damping=0.5):
+    result = simulate(thrown_at(corner(friction), damping=damping, gravity=[-3.0, -4.0, -9.81], offset=[0.05, 0.03, 0.1]))
     assert_nothing_is_behind(result)
     return result
+
+
+def squeezed():
+    return box(
+        stiffness=1e3,
+        damping=0.1,
+        plane=[
+            {"name": "table"},
+            {"name": "press", "point": [0.0, 0.0, 1.0], "normal": [0.0, 0.0, -1.0], "velocity": [0.0, 0.0, -0.5]},
+            {"name": "side", "point": [-0.05, 0.0, 0.0], "normal": [1.0, 0.0, 0.1]},
+        ],
+        method="leapfrog",
+        stop_time=1.6,
+        communication_step=0.01,
+    )
 
 
 def reactions(result):
@@ -125,21 +85,21 @@ def reactions(result):
 
 
 @pytest.mark.parametrize("method", ["leapfrog", "auto"])
-def test_no_point_is_behind_the_ground_at_any_internal_step(scene, method):
-    result = bouncing(scene, method=method, internal=5e-4, step=5e-4)
+def test_no_point_is_behind_the_ground_at_any_internal_step(method):
+    result = bouncing(method=method, internal=5e-4, step=5e-4)
     assert gaps(result, "ground").min() >= -1e-15
     assert (gaps(result, "ground") == 0).sum() > 500  # and they did touch
 
 
-def test_a_box_at_rest_presses_with_its_weight(scene):
-    result = bouncing(scene, damping=3.0, stop_time=5.0)
+def test_a_box_at_rest_presses_with_its_weight():
+    result = bouncing(damping=3.0, stop_time=5.0)
     assert vector(result, "plane.ground.reaction")[-1] == pytest.approx([0, 0, -9.81], abs=1e-6)
     assert result.outputs["plane.ground.contacts"][-1] == 16
 
 
-def test_the_impulses_on_the_plane_are_the_momentum_that_the_body_lost(scene):
+def test_the_impulses_on_the_plane_are_the_momentum_that_the_body_lost():
     """Sum of reaction H = M (g T - (v(T) - v(0))), component by component, to rounding."""
-    result = bouncing(scene)
+    result = bouncing()
     momentum = velocities(result).mean(axis=1)  # 1 kg
     lost = np.outer(result.time, [0.0, 0.0, -9.81]) - (momentum - momentum[0])
     received = np.cumsum(0.01 * vector(result, "plane.ground.reaction"), axis=0)
@@ -147,10 +107,10 @@ def test_the_impulses_on_the_plane_are_the_momentum_that_the_body_lost(scene):
     assert received == pytest.approx(lost, abs=1e-12)
 
 
-def test_the_torque_impulses_are_the_angular_momentum_that_the_body_lost(scene):
+def test_the_torque_impulses_are_the_angular_momentum_that_the_body_lost():
     """About the plane's point; gravity's own torque is summed at every internal step."""
     place = {"plane.ground.point.x": 0.7, "plane.ground.point.y": -0.3}
-    result = bouncing(scene, internal=2e-4, step=2e-4, stop_time=0.4, start_values=place)
+    result = bouncing(internal=2e-4, step=2e-4, stop_time=0.4, start_values=place)
     x, v = points(result) - np.array([0.7, -0.3, 0.0]), velocities(result)
     turning = np.cross(x, v).sum(axis=1) / 64
     by_gravity = np.cross(x.mean(axis=1), [0.0, 0.0, -9.81])
@@ -162,10 +122,10 @@ def test_the_torque_impulses_are_the_angular_momentum_that_the_body_lost(scene):
     assert received == pytest.approx(lost, abs=3e-4)
 
 
-def test_the_balance_of_momentum_holds_with_damping_at_every_internal_step(scene):
+def test_the_balance_of_momentum_holds_with_damping_at_every_internal_step():
     """Damping takes h d (v_n + v_{n+1}) / 2, the centred difference of eq. (13)."""
     h, d = 5e-4, 0.4
-    result = bouncing(scene, damping=d, internal=h, step=h)
+    result = bouncing(damping=d, internal=h, step=h)
     total = velocities(result).sum(axis=1)
     gained = (total[1:] - total[:-1]) / 64
     drag = d * (total[1:] + total[:-1]) / 2
@@ -173,8 +133,8 @@ def test_the_balance_of_momentum_holds_with_damping_at_every_internal_step(scene
     assert gained == pytest.approx(expected, abs=1e-13)
 
 
-def test_reactions_are_means_over_the_communication_step(scene):
-    fine, coarse = (bouncing(scene, damping=0.1, internal=2.5e-4, step=length) for length in (5e-3, 2e-2))
+def test_reactions_are_means_over_the_communication_step():
+    fine, coarse = (bouncing(damping=0.1, internal=2.5e-4, step=length) for length in (5e-3, 2e-2))
     means = vector(fine, "plane.ground.reaction")[1:].reshape(-1, 4, 3).mean(axis=1)
     assert vector(coarse, "plane.ground.reaction")[1:] == pytest.approx(means, abs=1e-11)
 
@@ -182,14 +142,14 @@ def test_reactions_are_means_over_the_communication_step(scene):
 @pytest.mark.parametrize(
     "motion",
     [
-        "velocity = [0.2, 0.0, 0.4]",
-        "angular_velocity = [0.0, -0.8, 0.0]",
-        "velocity = [0.0, 0.1, 0.3]\nangular_velocity = [0.3, -0.4, 0.5]",
+        {"velocity": [0.2, 0.0, 0.4]},
+        {"angular_velocity": [0.0, -0.8, 0.0]},
+        {"velocity": [0.0, 0.1, 0.3], "angular_velocity": [0.3, -0.4, 0.5]},
     ],
     ids=["lift", "tilt", "screw"],
 )
-def test_points_in_contact_have_the_velocity_of_the_plane(scene, motion):
-    result = simulate(scene(LIFTED.replace("MOTION", motion)))
+def test_points_in_contact_have_the_velocity_of_the_plane(motion):
+    result = simulate(lifted(**motion))
     assert_nothing_is_behind(result)
     places, normals = plane_poses(result, "lift")
     turn = np.array([result.parameters[f"plane.lift.angular_velocity.{axis}"] for axis in "xyz"])
@@ -203,10 +163,10 @@ def test_points_in_contact_have_the_velocity_of_the_plane(scene, motion):
     assert closing[touching].min() > -1e-10
 
 
-def test_a_plane_moved_by_input_is_the_plane_of_the_scene(scene):
-    fixed = simulate(scene(LIFTED.replace("MOTION", "velocity = [0.2, 0.0, 0.4]")), step=5e-3)
+def test_a_plane_moved_by_input_is_the_plane_of_the_scene():
+    fixed = simulate(lifted(velocity=[0.2, 0.0, 0.4]), step=5e-3)
     moved = simulate(
-        scene(LIFTED.replace("MOTION", 'motion = "input"')),
+        lifted(motion="input"),
         step=5e-3,
         inputs=lambda time: {"plane.lift.point.x": 0.2 * time, "plane.lift.point.z": 0.4 * time - 0.05},
     )
@@ -215,21 +175,20 @@ def test_a_plane_moved_by_input_is_the_plane_of_the_scene(scene):
     assert vector(moved, "plane.lift.reaction") == pytest.approx(vector(fixed, "plane.lift.reaction"), abs=1e-7)
 
 
-def test_a_plane_turned_by_input_is_the_plane_of_the_scene(scene):
+def test_a_plane_turned_by_input_is_the_plane_of_the_scene():
     def pose(time):
         normal = turned(np.array([0.0, 0.0, 1.0]), np.array([0.3, -0.4, 0.5]) * time)
         named = {"normal": normal, "angular_velocity": (0.3, -0.4, 0.5)}
         return {f"plane.lift.{what}.{c}": v for what, values in named.items() for c, v in zip("xyz", values, strict=True)}
 
-    fixed = simulate(scene(LIFTED.replace("MOTION", "angular_velocity = [0.3, -0.4, 0.5]")), step=5e-3)
-    moved = simulate(scene(LIFTED.replace("MOTION", 'motion = "input"')), step=5e-3, inputs=pose)
+    fixed = simulate(lifted(angular_velocity=[0.3, -0.4, 0.5]), step=5e-3)
+    moved = simulate(lifted(motion="input"), step=5e-3, inputs=pose)
     assert_nothing_is_behind(moved)
     assert points(moved) == pytest.approx(points(fixed), abs=1e-11)
 
 
-def test_a_plane_that_jumps_into_the_body_moves_points_without_giving_them_velocity(scene):
-    text = LIFTED.replace("MOTION", 'motion = "input"').replace("[environment]\ngravity = [0.0, 0.0, -9.81]\n", "")
-    with Stepper(scene(text.replace("stiffness = 2e3", "stiffness = 0.0"))) as stepper:
+def test_a_plane_that_jumps_into_the_body_moves_points_without_giving_them_velocity():
+    with Stepper(lifted(motion="input", stiffness=0.0, **FREE)) as stepper:
         stepper.step(5e-4)
         stepper.set({"plane.lift.point.z": 0.05})
         stepper.step(5e-4)
@@ -239,10 +198,9 @@ def test_a_plane_that_jumps_into_the_body_moves_points_without_giving_them_veloc
         assert np.all(stepper.vector("plane.lift.reaction") == 0)
 
 
-def test_a_jump_compresses_the_springs_which_then_push_back(scene):
-    text = LIFTED.replace("MOTION", 'motion = "input"').replace("[environment]\ngravity = [0.0, 0.0, -9.81]\n", "")
+def test_a_jump_compresses_the_springs_which_then_push_back():
     h = 5e-4
-    with Stepper(scene(text)) as stepper:
+    with Stepper(lifted(motion="input", **FREE)) as stepper:
         jumped = stepper.positions()
         jumped[:16, 2] = 0.05
         stepper.set({"plane.lift.point.z": 0.05})
@@ -257,23 +215,23 @@ def test_a_jump_compresses_the_springs_which_then_push_back(scene):
     assert -reaction[2] == pytest.approx(-0.5 * (model.spring_force(jumped) + model.spring_force(x))[:16, 2].sum(), rel=1e-9)
 
 
-def test_a_plane_behind_the_body_at_the_start_lifts_it_out(scene):
-    result = simulate(scene(LIFTED.replace("MOTION", "").replace("-0.05]", "0.1]")))
+def test_a_plane_behind_the_body_at_the_start_lifts_it_out():
+    result = simulate(lifted(height=0.1))
     assert_nothing_is_behind(result)
     assert points(result)[0, :16, 2] == pytest.approx(np.full(16, 0.1), abs=1e-15)
     assert np.all(velocities(result)[0] == 0)
 
 
-def test_a_box_in_a_corner_presses_on_each_wall_with_its_share_of_the_weight(scene):
-    result = cornered(scene, friction=0.0)
+def test_a_box_in_a_corner_presses_on_each_wall_with_its_share_of_the_weight():
+    result = cornered(friction=0.0)
     for name, share in (("left", [-3.0, 0, 0]), ("back", [0, -4.0, 0]), ("ground", [0, 0, -9.81])):
         assert vector(result, f"plane.{name}.reaction")[-1] == pytest.approx(share, abs=1e-9)
     assert np.all(np.abs(points(result)[-1, 0]) < 1e-15)
     assert np.abs(velocities(result)[-1]).max() < 1e-12
 
 
-def test_friction_in_a_corner_takes_part_of_the_weight_and_no_penetration_follows(scene):
-    result = cornered(scene, friction=0.5)
+def test_friction_in_a_corner_takes_part_of_the_weight_and_no_penetration_follows():
+    result = cornered(friction=0.5)
     assert reactions(result)[-1] == pytest.approx([-3.0, -4.0, -9.81], abs=1e-6)
     for name in result.plane_names():
         normal = np.array([result.parameters[f"plane.{name}.normal.{axis}"] for axis in "xyz"])
@@ -283,19 +241,16 @@ def test_friction_in_a_corner_takes_part_of_the_weight_and_no_penetration_follow
         assert (rubbing - 0.5 * pressing).max() < 1e-9 * (1 + pressing.max())
 
 
-def test_momentum_balances_over_several_planes(scene):
-    result = cornered(scene, friction=0.5, damping=0.0)
+def test_momentum_balances_over_several_planes():
+    result = cornered(friction=0.5, damping=0.0)
     momentum = velocities(result).mean(axis=1)
     received = np.cumsum(5e-4 * reactions(result), axis=0)
     assert received == pytest.approx(np.outer(result.time, [-3.0, -4.0, -9.81]) - (momentum - momentum[0]), abs=1e-11)
 
 
-def test_points_meeting_three_orthogonal_planes_lose_exactly_the_three_approaching_components(scene):
-    text = CORNER.replace("FRICTION", "0.0").replace("DAMPING", "0.0").replace("stiffness = 2e3", "stiffness = 0.0")
-    text = text.replace("gravity = [-3.0, -4.0, -9.81]", "gravity = [0.0, 0.0, 0.0]").replace(
-        "offset = [0.05, 0.03, 0.1]", "velocity = [-1.0, 0.5, -2.0]"
-    )
-    v = velocities(simulate(scene(text), stop_time=0.1))[-1].reshape(4, 4, 4, 3)  # [k, j, i]
+def test_points_meeting_three_orthogonal_planes_lose_exactly_the_three_approaching_components():
+    thrown = thrown_at(corner(friction=0.0), stiffness=0.0, damping=0.0, velocity=[-1.0, 0.5, -2.0])
+    v = velocities(simulate(thrown, stop_time=0.1))[-1].reshape(4, 4, 4, 3)  # [k, j, i]
     expected = np.tile([-1.0, 0.5, -2.0], (4, 4, 4, 1))
     expected[:, :, 0, 0] = 0.0
     expected[0, :, :, 2] = 0.0
@@ -303,34 +258,32 @@ def test_points_meeting_three_orthogonal_planes_lose_exactly_the_three_approachi
 
 
 @pytest.mark.parametrize("half_angle", [20.0, 45.0, 70.0])
-def test_a_groove_of_any_angle_holds_the_box_without_penetration(scene, half_angle):
+def test_a_groove_of_any_angle_holds_the_box_without_penetration(half_angle):
     c, s = np.cos(np.radians(half_angle)), np.sin(np.radians(half_angle))
     bottom = 0.75 - 0.5 * c / s
-    sides = "".join(
-        f'[[plane]]\nname = "{name}"\npoint = [0.5, 0.0, {bottom}]\nnormal = [{sign * c}, 0.05, {s}]\nfriction = 0.2\n'
+    sides = [
+        {"name": name, "point": [0.5, 0.0, bottom], "normal": [sign * c, 0.05, s], "friction": 0.2}
         for name, sign in (("left", 1), ("right", -1))
-    )
-    text = CORNER[CORNER.index("[initial]") :].replace("offset = [0.05, 0.03, 0.1]", "offset = [0.02, 0.0, 0.8]")
-    head = "[material]\nstiffness = 2e3\ndamping = 0.1\n[environment]\ngravity = [0.0, 0.0, -9.81]\n"
-    result = simulate(scene(head + sides + text), stop_time=1.5)
+    ]
+    result = simulate(thrown_at(sides, damping=0.1, gravity=GRAVITY, offset=[0.02, 0.0, 0.8]), stop_time=1.5)
     assert_nothing_is_behind(result)
     assert result.outputs["plane.left.contacts"][-1] > 0
     assert result.outputs["plane.right.contacts"][-1] > 0
 
 
-def test_a_press_crushes_the_box_without_penetration(scene):
-    result = simulate(scene(SQUEEZED))
+def test_a_press_crushes_the_box_without_penetration():
+    result = simulate(squeezed())
     assert_nothing_is_behind(result)
     assert points(result)[-1, :, 2].max() <= 0.2 + 1e-12
 
 
-def test_planes_that_close_completely_are_refused(scene):
+def test_planes_that_close_completely_are_refused():
     with pytest.raises(FmuError, match="no place to go"):
-        simulate(scene(SQUEEZED), stop_time=2.2)
+        simulate(squeezed(), stop_time=2.2)
 
 
-def test_a_refused_step_leaves_the_component_where_it_was(scene):
-    with Stepper(scene(SQUEEZED)) as stepper:
+def test_a_refused_step_leaves_the_component_where_it_was():
+    with Stepper(squeezed()) as stepper:
         stepper.step(0.01, times=199)
         before = stepper.positions()
         with pytest.raises(FmuError, match=r"at time 1\.99 s"):
@@ -340,24 +293,20 @@ def test_a_refused_step_leaves_the_component_where_it_was(scene):
 
 @pytest.mark.short("0")
 @pytest.mark.parametrize("seed", range(6))
-def test_nothing_is_ever_behind_planes_in_any_motion(scene, seed):
+def test_nothing_is_ever_behind_planes_in_any_motion(seed):
     """Five obstacles of random pose, motion and friction around a thrown box, looked at after every internal step."""
     draw = np.random.default_rng(seed)
-    planes = ""
+    planes = []
     for number in range(5):
         normal = draw.normal(size=3)
         normal /= np.linalg.norm(normal)
         gravity = -9.81 * normal  # in the end towards the last of them
         place = 0.5 - normal * draw.uniform(0.9, 1.4)
-        planes += (
-            f'[[plane]]\nname = "p{number}"\npoint = {place.tolist()}\nnormal = {normal.tolist()}\n'
-            f"velocity = {(0.3 * draw.normal(size=3)).tolist()}\nangular_velocity = {(0.3 * draw.normal(size=3)).tolist()}\n"
-            f"friction = {draw.choice([0.0, 0.3, 0.6])}\n"
-        )
-    head = f"[material]\nstiffness = {draw.choice([0.0, 100.0, 2e3])}\ndamping = 0.05\n"
-    head += f"[environment]\ngravity = {gravity.tolist()}\n"
-    throw = f"[initial]\nvelocity = {draw.normal(size=3).tolist()}\nangular_velocity = {(3 * draw.normal(size=3)).tolist()}\n"
-    tail = '[solver]\nmethod = "leapfrog"\nstep = 5e-4\n[experiment]\nstop_time = 1.2\ncommunication_step = 5e-4\n'
-    result = simulate(scene(head + planes + throw + tail))
+        motion = {name: (0.3 * draw.normal(size=3)).tolist() for name in ("velocity", "angular_velocity")}
+        pose = {"name": f"p{number}", "point": place.tolist(), "normal": normal.tolist()}
+        planes.append({**pose, **motion, "friction": float(draw.choice([0.0, 0.3, 0.6]))})
+    stiffness = float(draw.choice([0.0, 100.0, 2e3]))
+    throw = {"velocity": draw.normal(size=3).tolist(), "angular_velocity": (3 * draw.normal(size=3)).tolist()}
+    result = simulate(thrown_at(planes, stiffness=stiffness, damping=0.05, gravity=gravity.tolist(), **throw, stop_time=1.2))
     assert_nothing_is_behind(result)
     assert sum((gaps(result, name) <= 1e-12).sum() for name in result.plane_names()) > 200

@@ -5,47 +5,37 @@ import pytest
 
 import reference
 from readings import points
+from scenes import box
 from softffd import FmuError, simulate
 from stepping import Stepper
 
-SWINGING = """
-[material]
-stiffness = 1e3
-damping = 0.02
-[environment]
-gravity = [0.0, 0.0, -1.0]
-[initial]
-stretch = [1.1, 1.0, 1.0]
-[outputs]
-velocities = "all"
-energy = true
-[inputs]
-forces = [[0, 0, 0]]
-[solver]
-method = "METHOD"
-step = 5e-4
-"""
 
-SLIDING = """
-[lattice]
-points = [2, 2, 2]
-[mass]
-total = 0.8
-[material]
-stiffness = 0.0
-damping = 0.0
-[environment]
-gravity = [0.0, 0.0, -10.0]
-[[plane]]
-name = "floor"
-friction = 0.1
-[initial]
-velocity = [2.0, 0.0, 0.0]
-[outputs]
-velocities = "all"
-[solver]
-step = 1e-3
-"""
+def swinging(*, damping=0.02, method="leapfrog"):
+    return box(
+        stiffness=1e3,
+        damping=damping,
+        gravity=[0.0, 0.0, -1.0],
+        stretch=[1.1, 1.0, 1.0],
+        velocities="all",
+        energy=True,
+        forces=[[0, 0, 0]],
+        method=method,
+        step=5e-4,
+    )
+
+
+def sliding(*, stiffness=0.0, **floor):
+    return box(
+        lattice={"points": [2, 2, 2]},
+        mass={"total": 0.8},
+        stiffness=stiffness,
+        damping=0.0,
+        gravity=[0.0, 0.0, -10.0],
+        plane=[{"name": "floor", "friction": 0.1, **floor}],
+        velocity=[2.0, 0.0, 0.0],
+        velocities="all",
+        step=1e-3,
+    )
 
 
 @pytest.mark.parametrize("method", ["leapfrog", "auto"])
@@ -59,7 +49,7 @@ step = 1e-3
     ],
     ids=["stiffness", "damping", "gravity", "force"],
 )
-def test_a_change_acts_from_the_next_step_on(scene, method, change, stiffness, damping, gravity, force):
+def test_a_change_acts_from_the_next_step_on(method, change, stiffness, damping, gravity, force):
     def external(pull, push):
         values = np.tile([0.0, 0.0, pull / 64], (64, 1))
         values[0, 1] += push
@@ -68,7 +58,7 @@ def test_a_change_acts_from_the_next_step_on(scene, method, change, stiffness, d
     before, after = reference.cube(damping=0.02), reference.cube(stiffness=stiffness, damping=damping)
     x, v = before.rest * [1.1, 1.0, 1.0], np.zeros_like(before.rest)
     x, v = reference.leapfrog(before, x, v, 5e-4, 40, external=external(-1.0, 0.0))
-    with Stepper(scene(SWINGING.replace("METHOD", method))) as stepper:
+    with Stepper(swinging(method=method)) as stepper:
         stepper.step(0.02)
         stepper.set(change)
         assert stepper.positions() == pytest.approx(x, abs=1e-13)  # setting alone moves nothing
@@ -78,16 +68,16 @@ def test_a_change_acts_from_the_next_step_on(scene, method, change, stiffness, d
         assert stepper.velocities() == pytest.approx(v, abs=1e-10)
 
 
-def test_a_change_of_stiffness_is_work(scene):
-    with Stepper(scene(SWINGING.replace("METHOD", "leapfrog").replace("damping = 0.02", "damping = 0.0"))) as stepper:
+def test_a_change_of_stiffness_is_work():
+    with Stepper(swinging(damping=0.0)) as stepper:
         stored = stepper.read("energy.elastic")[0]
         stepper.set({f"stiffness.{kind}": 2e3 for kind in ("edge", "face", "body")})
         stepper.step(5e-4)
         assert stepper.read("energy.work")[0] == pytest.approx(stored, rel=1e-9)
 
 
-def test_a_change_of_friction_acts_from_the_next_step_on(scene):
-    with Stepper(scene(SLIDING)) as stepper:
+def test_a_change_of_friction_acts_from_the_next_step_on():
+    with Stepper(sliding()) as stepper:
         stepper.step(0.1)
         assert stepper.velocities()[:4, 0] == pytest.approx(2.0 - 0.1 * 10 * 0.1, abs=1e-13)
         stepper.set({"plane.floor.friction": 0.5})
@@ -99,27 +89,27 @@ def test_a_change_of_friction_acts_from_the_next_step_on(scene):
 
 
 @pytest.mark.parametrize("name", ["mass", "solver.step", "plane.floor.point.z"])
-def test_fixed_parameters_cannot_be_changed_on_the_way(scene, name):
-    with Stepper(scene(SLIDING)) as stepper:
+def test_fixed_parameters_cannot_be_changed_on_the_way(name):
+    with Stepper(sliding()) as stepper:
         stepper.step(0.1)
         with pytest.raises(FmuError, match=r"cannot be set after initialization"):
             stepper.set({name: 0.5})
 
 
 @pytest.mark.parametrize("start", [1000.0, -7.25, 1.7e9])
-def test_time_may_start_anywhere(scene, start):
+def test_time_may_start_anywhere(start):
     """Not a bit changes; a plane of the scene stands where it says at the start time, whatever that is."""
-    text = SLIDING.replace("stiffness = 0.0", "stiffness = 50.0").replace("friction", "velocity = [0.0, 0.0, 0.3]\nfriction")
-    expected = points(simulate(scene(text), stop_time=0.5, step=0.01))
-    with Stepper(scene(text), start_time=start) as stepper:
+    lifted = sliding(stiffness=50.0, velocity=[0.0, 0.0, 0.3])
+    expected = points(simulate(lifted, stop_time=0.5, step=0.01))
+    with Stepper(lifted, start_time=start) as stepper:
         assert np.array_equal(stepper.positions(), expected[0])
         stepper.step(0.01, times=50)
         assert np.array_equal(stepper.positions(), expected[-1])
 
 
 @pytest.mark.parametrize("start, step", [(1.7e9, 0.01), (0.0, 1e-9)])
-def test_a_communication_point_that_is_a_step_off_is_refused_anywhere(scene, start, step):
-    with Stepper(scene(SLIDING), start_time=start) as stepper:
+def test_a_communication_point_that_is_a_step_off_is_refused_anywhere(start, step):
+    with Stepper(sliding(), start_time=start) as stepper:
         stepper.step(step)
         stepper.time += step
         with pytest.raises(FmuError, match=r"currentCommunicationPoint: wanted .* off"):

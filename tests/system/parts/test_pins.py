@@ -5,55 +5,17 @@ import pytest
 
 import reference
 from readings import points, vector, velocities
+from scenes import GRAVITY, box
 from softffd import FmuError, simulate
 from softffd.rotation import turned
 
-HANGING = """
-[mass]
-total = 2.0
-[material]
-stiffness = 1e3
-damping = DAMPING
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[pin]]
-name = "hook"
-points = "z+"
-[outputs]
-velocities = "all"
-[solver]
-method = "METHOD"
-[experiment]
-stop_time = 2.0
-communication_step = 0.01
-"""
+PLACED = {"origin": [0.2, -0.3, 0.4], "size": [0.6, 0.9, 1.2]}
+HAND = {"name": "hand", "points": "x-", "motion": "input"}
 
-LED = """
-[lattice]
-origin = [0.2, -0.3, 0.4]
-size = [0.6, 0.9, 1.2]
-[material]
-stiffness = 1e3
-damping = 0.0
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[pin]]
-name = "hand"
-points = "x-"
-motion = "input"
-[outputs]
-velocities = "all"
-[solver]
-method = "METHOD"
-step = 5e-4
-[experiment]
-stop_time = 0.5
-communication_step = 0.01
-"""
 
 CENTROID = np.array([0.2, 0.15, 1.0])
 HELD = np.arange(64) % 4 == 0
-REST = reference.rest_lattice(origin=(0.2, -0.3, 0.4), size=(0.6, 0.9, 1.2))
+REST = reference.rest_lattice(**PLACED)
 METHODS = ["leapfrog", "auto", "central_difference"]
 
 
@@ -77,30 +39,60 @@ def spin(time):
     return pose | {f"pin.hand.angular_velocity.{axis}": value for axis, value in zip("xyz", SPIN, strict=True)}
 
 
-def led(scene, inputs, *, method="leapfrog", **arguments):
-    return simulate(scene(LED.replace("METHOD", method)), inputs=inputs, **arguments)
+def hanging(*, damping=2.0, method="leapfrog"):
+    """A box of 2 kg on a hook."""
+    return box(
+        mass={"total": 2.0},
+        stiffness=1e3,
+        damping=damping,
+        gravity=GRAVITY,
+        pin=[{"name": "hook", "points": "z+"}],
+        velocities="all",
+        method=method,
+        stop_time=2.0,
+        communication_step=0.01,
+    )
+
+
+def held(*, damping=0.0, gravity=GRAVITY, method="leapfrog", hand=HAND, **keys):
+    """A box in a hand."""
+    return box(
+        lattice=PLACED,
+        stiffness=1e3,
+        damping=damping,
+        gravity=gravity,
+        pin=[hand],
+        velocities="all",
+        method=method,
+        step=5e-4,
+        stop_time=0.5,
+        communication_step=0.01,
+        **keys,
+    )
+
+
+def led(inputs, *, method="leapfrog", **arguments):
+    return simulate(held(method=method), inputs=inputs, **arguments)
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_fixed_pin_carries_the_weight(scene, method):
-    text = HANGING.replace("DAMPING", "2.0").replace("METHOD", method)
-    result = simulate(scene(text), stop_time=4.0, step=0.5, start_values={"solver.step": 5e-4})
+def test_a_fixed_pin_carries_the_weight(method):
+    result = simulate(hanging(method=method), stop_time=4.0, step=0.5, start_values={"solver.step": 5e-4})
     assert vector(result, "pin.hook.reaction")[-1] == pytest.approx([0, 0, -2 * 9.81], abs=1e-8)
     assert vector(result, "pin.hook.torque")[-1] == pytest.approx([0, 0, 0], abs=1e-8)
     assert np.array_equal(points(result)[:, 48:], np.broadcast_to(points(result)[0, 48:], (9, 16, 3)))
 
 
-def test_a_hanging_box_rests_in_equilibrium(scene):
-    x = points(simulate(scene(HANGING.replace("DAMPING", "2.0").replace("METHOD", "leapfrog")), stop_time=4.0))[-1]
+def test_a_hanging_box_rests_in_equilibrium():
+    x = points(simulate(hanging(), stop_time=4.0))[-1]
     force = reference.cube(stiffness=1e3).spring_force(x) + np.array([0.0, 0.0, -2 * 9.81 / 64])
     assert np.abs(force[:48]).max() < 1e-8
     assert x[:16, 2].max() < 0  # it hangs down
 
 
-def test_an_undamped_hanging_box_swings_about_its_equilibrium(scene):
+def test_an_undamped_hanging_box_swings_about_its_equilibrium():
     """The reference with the held points put back after every step is the same recurrence."""
-    hanging = scene(HANGING.replace("DAMPING", "0.0").replace("METHOD", "leapfrog"))
-    result = simulate(hanging, start_values={"solver.step": 5e-4}, stop_time=0.5)
+    result = simulate(hanging(damping=0.0), start_values={"solver.step": 5e-4}, stop_time=0.5)
     model = reference.cube(stiffness=1e3, total=2.0)
     free = (np.arange(64) < 48)[:, None]
     gravity = np.array([0.0, 0.0, -2 * 9.81 / 64])
@@ -112,52 +104,50 @@ def test_an_undamped_hanging_box_swings_about_its_equilibrium(scene):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_led_points_are_where_the_frame_is(scene, method):
-    result = led(scene, path, method=method)
+def test_led_points_are_where_the_frame_is(method):
+    result = led(path, method=method)
     expected = REST[HELD] - CENTROID + np.array([place(time) for time in result.time])[:, None]
     assert points(result)[:, HELD] == pytest.approx(expected, abs=2e-15)
     assert np.abs(points(result)[:, ~HELD] - REST[~HELD]).max() > 0.1  # the others follow
 
 
-def test_led_points_have_the_velocity_of_the_frame(scene):
-    result = led(scene, path)
+def test_led_points_have_the_velocity_of_the_frame():
+    result = led(path)
     speed = np.diff([place(time) for time in result.time], axis=0) / 0.01  # constant over each communication step
     held = velocities(result)[1:, HELD]
     assert held == pytest.approx(np.broadcast_to(speed[:, None], held.shape), abs=1e-12)
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_turning_pin_turns_its_points(scene, method):
-    result = led(scene, spin, method=method)
+def test_a_turning_pin_turns_its_points(method):
+    result = led(spin, method=method)
     moved = [turned(REST[HELD] - CENTROID, SPIN * time) + CENTROID for time in result.time]
     assert points(result)[:, HELD] == pytest.approx(np.array(moved), abs=1e-14)
 
 
-def test_points_of_a_turning_pin_have_its_velocity(scene):
-    result = led(scene, spin)
+def test_points_of_a_turning_pin_have_its_velocity():
+    result = led(spin)
     expected = np.cross(SPIN, points(result)[:, HELD] - CENTROID)
     assert velocities(result)[:, HELD] == pytest.approx(expected, abs=1e-13)
 
 
-def test_a_frame_that_turns_steadily_ends_in_rigid_rotation(scene):
-    text = LED.replace("METHOD", "leapfrog").replace("damping = 0.0", "damping = 0.5").replace("gravity = [0.0, 0.0, -9.81]", "")
-    result = simulate(scene(text.replace("[environment]", "")), inputs=spin, stop_time=2.0)
+def test_a_frame_that_turns_steadily_ends_in_rigid_rotation():
+    result = simulate(held(damping=0.5, gravity=[0.0, 0.0, 0.0]), inputs=spin, stop_time=2.0)
     radius = np.linalg.norm(points(result)[-100:] - CENTROID, axis=2)
     assert np.ptp(radius, axis=0).max() < 1e-3  # seen from the frame nothing moves any more
 
 
 @pytest.mark.parametrize("inputs", [path, spin], ids=["led", "turned"])
-def test_the_pin_takes_exactly_the_momentum_that_is_missing(scene, inputs):
+def test_the_pin_takes_exactly_the_momentum_that_is_missing(inputs):
     """Sum of reaction H = M g T - (P(T) - P(0)), with every change of the frame's velocity between steps included."""
-    result = led(scene, inputs)
+    result = led(inputs)
     momentum = velocities(result).mean(axis=1)
     received = np.cumsum(0.01 * vector(result, "pin.hand.reaction"), axis=0)
     assert received == pytest.approx(np.outer(result.time, [0, 0, -9.81]) - (momentum - momentum[0]), abs=1e-12)
 
 
-def test_the_pin_takes_exactly_the_momentum_that_is_missing_with_damping(scene):
-    text = LED.replace("METHOD", "leapfrog").replace("damping = 0.0", "damping = 0.3")
-    result = simulate(scene(text), inputs=path, step=5e-4)
+def test_the_pin_takes_exactly_the_momentum_that_is_missing_with_damping():
+    result = simulate(held(damping=0.3), inputs=path, step=5e-4)
     total = velocities(result).sum(axis=1)
     # velocities at the start of a step are those of the frame in that step, which follow from the path
     start = velocities(result)[:-1].copy()
@@ -167,16 +157,15 @@ def test_the_pin_takes_exactly_the_momentum_that_is_missing_with_damping(scene):
     assert 5e-4 * vector(result, "pin.hand.reaction")[1:] == pytest.approx(missing, abs=1e-13)
 
 
-def test_the_torque_on_the_fixture_balances_the_weight_of_a_cantilever(scene):
-    text = LED.replace("METHOD", "leapfrog").replace("damping = 0.0", "damping = 0.8").replace('motion = "input"', "")
-    result = simulate(scene(text), stop_time=6.0, step=0.5)
+def test_the_torque_on_the_fixture_balances_the_weight_of_a_cantilever():
+    result = simulate(held(damping=0.8, hand={**HAND, "motion": "fixed"}), stop_time=6.0, step=0.5)
     lever = points(result)[-1].mean(axis=0) - CENTROID
     assert vector(result, "pin.hand.reaction")[-1] == pytest.approx([0, 0, -9.81], abs=1e-8)
     assert vector(result, "pin.hand.torque")[-1] == pytest.approx(np.cross(lever, [0, 0, -9.81]), abs=1e-8)
     assert lever[0] > 0.25
 
 
-def test_a_pinned_point_driven_into_a_plane_is_refused(scene):
-    wall = '[[plane]]\nname = "wall"\npoint = [0.1, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\n'
+def test_a_pinned_point_driven_into_a_plane_is_refused():
+    walled = held(plane=[{"name": "wall", "point": [0.1, 0.0, 0.0], "normal": [1.0, 0.0, 0.0]}])
     with pytest.raises(FmuError, match="pinned control point is behind"):
-        simulate(scene(LED.replace("METHOD", "leapfrog") + wall), inputs=lambda time: {"pin.hand.position.x": 0.2 - time})
+        simulate(walled, inputs=lambda time: {"pin.hand.position.x": 0.2 - time})
