@@ -2,208 +2,105 @@
 
 import numpy as np
 
-FREE = """
-[lattice]
-points = [5, 3, 4]
-size = [1.0, 0.5, 0.8]
-springs = "paper"
-[material]
-stiffness = { edge = 1e3, face = 500.0, body = 200.0 }
-damping = DAMPING
-[initial]
-stretch = [1.1, 0.9, 1.0]
-angular_velocity = [1.0, 2.0, 0.5]
-[outputs]
-velocities = "all"
-[solver]
-method = "METHOD"
-step = 5e-4
-[experiment]
-stop_time = 0.5
-"""
+from scenes import GRAVITY, box
 
-STIFF = """
-[material]
-stiffness = 1e7
-damping = 0.5
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[inputs]
-forces = "all"
-[solver]
-step = 1e-5
-[experiment]
-stop_time = 0.03
-communication_step = 1e-3
-"""
-
-PATCHED = """
-[[region]]
-points = "z-"
-stiffness = 4e3
-mass = 2e-3
-damping = 30.0
-[[region]]
-points = { i = [0, 1] }
-stiffness = 2e3
-[[load]]
-name = "push"
-points = "x+"
-[[probe]]
-name = "nose"
-at = [0.3, 0.5, 0.9]
-[solver]
-step = 2.5e-4
-[experiment]
-stop_time = 0.3
-"""
-
-FINE = """
-[lattice]
-points = [7, 5, 4]
-basis = "bspline"
-"""
-
-DROP = """
-[material]
-stiffness = 2e3
-damping = 0.1
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[initial]
-offset = [0.0, 0.0, 0.2]
-velocity = [1.0, 0.0, 0.0]
-angular_velocity = [0.5, 1.0, 0.0]
-[[plane]]
-name = "ground"
-friction = 0.4
-[solver]
-method = "METHOD"
-step = 1e-3
-[experiment]
-stop_time = 1.0
-"""
-
-INCLINE = """
-[material]
-stiffness = 1e4
-damping = 0.0
-[environment]
-gravity = [4.1458852, 0.0, -8.8908794]
-[[plane]]
-name = "ground"
-friction = 0.3
-[solver]
-step = 5e-4
-[experiment]
-stop_time = 0.6
-"""
-
-CONVEYOR = """
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[plane]]
-name = "ground"
-friction = 0.5
-velocity = [0.5, 0.2, 0.0]
-angular_velocity = [0.0, 0.0, 0.3]
-[solver]
-step = 1e-3
-[experiment]
-stop_time = 0.8
-"""
-
-CRADLE = """
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[plane]]
-name = "ground"
-point = [0.3, 0.4, 0.0]
-motion = "input"
-[solver]
-step = 1e-3
-[experiment]
-stop_time = 0.8
-"""
-
-PRESS = """
-[material]
-damping = 0.1
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[plane]]
-name = "ground"
-[[plane]]
-name = "press"
-point = [0.3, 0.4, 1.05]
-normal = [0.0, 0.0, -1.0]
-motion = "input"
-[solver]
-step = 1e-3
-[experiment]
-stop_time = 1.2
-"""
-
-TUMBLE = """
-[material]
-stiffness = 2e3
-damping = 0.0
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[initial]
-offset = [OFFSET, 0.0, 0.2]
-velocity = [1.0, 0.3, 0.0]
-angular_velocity = [6.0, 4.0, 5.0]
-[[plane]]
-name = "ground"
-[solver]
-step = 1e-3
-[experiment]
-stop_time = 2.6
-"""
+GRIP = {"name": "grip", "motion": "input"}
+STIFFNESSES = {"edge": 1e3, "face": 500.0, "body": 200.0}
 
 
-HELD = """
-[material]
-stiffness = 2e3
-damping = 0.05
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[pin]]
-name = "base"
-points = "x-"
-[[pin]]
-name = "grip"
-points = { i = [3, 3], j = [0, 1] }
-motion = "input"
-[solver]
-method = "METHOD"
-step = 5e-4
-[experiment]
-stop_time = 0.5
-"""
+def free(*, damping=0.0, method="leapfrog", step=5e-4, stop_time=0.5):
+    return box(
+        lattice={"points": [5, 3, 4], "size": [1.0, 0.5, 0.8], "springs": "paper"},
+        stiffness=STIFFNESSES,
+        damping=damping,
+        stretch=[1.1, 0.9, 1.0],
+        angular_velocity=[1.0, 2.0, 0.5],
+        velocities="all",
+        method=method,
+        step=step,
+        stop_time=stop_time,
+    )
 
-HELD_IN_CONTACT = """
-[material]
-stiffness = 2e3
-damping = 0.1
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[initial]
-offset = [0.0, 0.0, 0.05]
-[[plane]]
-name = "ground"
-friction = 0.4
-[[pin]]
-name = "grip"
-points = "z+"
-motion = "input"
-[solver]
-method = "METHOD"
-step = 1e-3
-[experiment]
-stop_time = 0.8
-"""
+
+def stiff():
+    return box(stiffness=1e7, damping=0.5, gravity=GRAVITY, forces="all", step=1e-5, stop_time=0.03, communication_step=1e-3)
+
+
+def patched(*, damping=30.0, **keys):
+    regions = [
+        {"points": "z-", "stiffness": 4e3, "mass": 2e-3, "damping": damping},
+        {"points": {"i": [0, 1]}, "stiffness": 2e3},
+    ]
+    nose = {"name": "nose", "at": [0.3, 0.5, 0.9]}
+    return box(region=regions, load=[{"name": "push", "points": "x+"}], probe=[nose], step=2.5e-4, stop_time=0.3, **keys)
+
+
+def drop(method="auto", *, step=1e-3):
+    return box(
+        stiffness=2e3,
+        damping=0.1,
+        gravity=GRAVITY,
+        offset=[0.0, 0.0, 0.2],
+        velocity=[1.0, 0.0, 0.0],
+        angular_velocity=[0.5, 1.0, 0.0],
+        plane=[{"name": "ground", "friction": 0.4}],
+        method=method,
+        step=step,
+        stop_time=1.0,
+    )
+
+
+def incline():
+    ground = {"name": "ground", "friction": 0.3}
+    return box(stiffness=1e4, damping=0.0, gravity=[4.1458852, 0.0, -8.8908794], plane=[ground], step=5e-4, stop_time=0.6)
+
+
+def conveyor(*others):
+    belt = {"name": "ground", "friction": 0.5, "velocity": [0.5, 0.2, 0.0], "angular_velocity": [0.0, 0.0, 0.3]}
+    return box(gravity=GRAVITY, plane=[belt, *others], step=1e-3, stop_time=0.8)
+
+
+def cradle():
+    moved = {"name": "ground", "point": [0.3, 0.4, 0.0], "motion": "input"}
+    return box(gravity=GRAVITY, plane=[moved], step=1e-3, stop_time=0.8)
+
+
+def press(**keys):
+    plate = {"name": "press", "point": [0.3, 0.4, 1.05], "normal": [0.0, 0.0, -1.0], "motion": "input"}
+    return box(damping=0.1, gravity=GRAVITY, plane=[{"name": "ground"}, plate], step=1e-3, stop_time=1.2, **keys)
+
+
+def tumble(offset=0.0):
+    return box(
+        stiffness=2e3,
+        damping=0.0,
+        gravity=GRAVITY,
+        offset=[offset, 0.0, 0.2],
+        velocity=[1.0, 0.3, 0.0],
+        angular_velocity=[6.0, 4.0, 5.0],
+        plane=[{"name": "ground"}],
+        step=1e-3,
+        stop_time=2.6,
+    )
+
+
+def held(method="leapfrog"):
+    pins = [{"name": "base", "points": "x-"}, {**GRIP, "points": {"i": [3, 3], "j": [0, 1]}}]
+    return box(stiffness=2e3, damping=0.05, gravity=GRAVITY, pin=pins, method=method, step=5e-4, stop_time=0.5)
+
+
+def held_in_contact(method="leapfrog"):
+    return box(
+        stiffness=2e3,
+        damping=0.1,
+        gravity=GRAVITY,
+        offset=[0.0, 0.0, 0.05],
+        plane=[{"name": "ground", "friction": 0.4}],
+        pin=[{**GRIP, "points": "z+"}],
+        method=method,
+        step=1e-3,
+        stop_time=0.8,
+    )
 
 
 def pull(time):
@@ -252,27 +149,27 @@ def carry(time):
 
 SMOOTH = {
     # velocities carry omega times the rounding of positions, 1e3/s; forces on pins the stiffness, 1e3 N/m
-    "undamped": (FREE.replace("DAMPING", "0.0").replace("METHOD", "leapfrog"), None, 1e-12),
-    "damped": (FREE.replace("DAMPING", "0.02").replace("METHOD", "leapfrog"), None, 1e-12),
+    "undamped": (free(), None, 1e-12),
+    "damped": (free(damping=0.02), None, 1e-12),
     # a recurrence in positions divides their rounding by h and sums it up: 1e-16 m / 5e-4 s over 0.5 s
-    "published": (FREE.replace("DAMPING", "0.02").replace("METHOD", "central_difference"), None, 1e-11),
-    "stiff, under held forces": (STIFF, pull, 1e-12),
-    "regions, a load, strong damping": (PATCHED, push, 1e-12),
-    "a probe in B-splines": (PATCHED.replace("damping = 30.0", "damping = 3.0") + FINE, push, 1e-12),
-    "pins, one moving": (HELD.replace("METHOD", "leapfrog"), wave, 1e-12),
-    "pins, published": (HELD.replace("METHOD", "central_difference"), wave, 1e-11),
+    "published": (free(damping=0.02, method="central_difference"), None, 1e-11),
+    "stiff, under held forces": (stiff(), pull, 1e-12),
+    "regions, a load, strong damping": (patched(), push, 1e-12),
+    "a probe in B-splines": (patched(damping=3.0, lattice={"points": [7, 5, 4], "basis": "bspline"}), push, 1e-12),
+    "pins, one moving": (held(), wave, 1e-12),
+    "pins, published": (held("central_difference"), wave, 1e-11),
 }
-"""Name: text, inputs, how far positions may part [m]."""
+"""Name: scene, inputs, how far positions may part [m]."""
 
 CONTACT = {
-    "drop with friction": (DROP.replace("METHOD", "leapfrog"), None),
-    "drop by the published rule": (DROP.replace("METHOD", "central_difference"), None),
-    "incline": (INCLINE, None),
-    "conveyor that turns": (CONVEYOR, None),
-    "plane that rocks and heaves": (CRADLE, rock),
-    "plane that jumps": (CRADLE, jump),
-    "press": (PRESS, crush),
-    "pinned and dragged": (HELD_IN_CONTACT.replace("METHOD", "leapfrog"), carry),
-    "pinned and dragged, by the published rule": (HELD_IN_CONTACT.replace("METHOD", "central_difference"), carry),
+    "drop with friction": (drop("leapfrog"), None),
+    "drop by the published rule": (drop("central_difference"), None),
+    "incline": (incline(), None),
+    "conveyor that turns": (conveyor(), None),
+    "plane that rocks and heaves": (cradle(), rock),
+    "plane that jumps": (cradle(), jump),
+    "press": (press(), crush),
+    "pinned and dragged": (held_in_contact(), carry),
+    "pinned and dragged, by the published rule": (held_in_contact("central_difference"), carry),
 }
-"""Name: text, inputs."""
+"""Name: scene, inputs."""

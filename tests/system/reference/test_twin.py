@@ -12,7 +12,7 @@ from softffd.errors import FmuError
 from softffd.fmu.component import Component
 from softffd.fmu.package import package_fmu
 from softffd.validation.twin import build_twin
-from twin_scenes import CONTACT, CONVEYOR, DROP, FREE, HELD_IN_CONTACT, PRESS, SMOOTH, TUMBLE
+from twin_scenes import CONTACT, SMOOTH, conveyor, drop, free, held_in_contact, press, tumble
 
 pytest.importorskip("pythonfmu", reason="the twin is packaged with pythonfmu")
 
@@ -26,18 +26,17 @@ def path_restored():
 
 
 @pytest.fixture
-def both(scene, tmp_path):
-    """both(text, inputs) runs component and twin alike and returns their results."""
+def both(tmp_path):
+    """both(scene, inputs) runs component and twin alike and returns their results."""
 
-    def run(text, inputs=None):
-        loaded = scene(text)
+    def run(scene, inputs=None):
         twin = simulate(
-            build_twin(loaded, tmp_path / "twin.fmu"),
-            step=loaded.experiment.communication_step,
-            stop_time=loaded.experiment.stop_time,
+            build_twin(scene, tmp_path / "twin.fmu"),
+            step=scene.experiment.communication_step,
+            stop_time=scene.experiment.stop_time,
             inputs=inputs,
         )
-        return simulate(loaded, inputs=inputs), twin
+        return simulate(scene, inputs=inputs), twin
 
     return run
 
@@ -65,25 +64,24 @@ def described(description):
     return shown
 
 
-def test_the_twin_has_the_components_variables(scene, tmp_path):
-    loaded = scene(PRESS + "\n[inputs]\nforces = 'x+'\n[outputs]\nenergy = true\nsolver = true\nvelocities = 'all'\n")
-    own, twins = package_fmu(loaded, tmp_path / "component.fmu"), build_twin(loaded, tmp_path / "twin.fmu")
+def test_the_twin_has_the_components_variables(tmp_path):
+    scene = press(forces="x+", energy=True, outputs={"solver": True}, velocities="all")
+    own, twins = package_fmu(scene, tmp_path / "component.fmu"), build_twin(scene, tmp_path / "twin.fmu")
     with Component(own) as component, Component(twins) as twin:
         assert described(twin.description) == described(component.description)
         assert len(twin.description.modelVariables) == len(described(component.description)) > 400
 
 
-def test_the_twin_is_a_valid_fmu(scene, tmp_path):
+def test_the_twin_is_a_valid_fmu(tmp_path):
     from fmpy.validation import validate_fmu
 
-    text = PRESS + "\n[lattice]\npoints = [2, 2, 2]\n"
-    assert validate_fmu(str(build_twin(scene(text), tmp_path / "twin.fmu"))) == []
+    assert validate_fmu(str(build_twin(press(points=[2, 2, 2]), tmp_path / "twin.fmu"))) == []
 
 
 @pytest.mark.parametrize("name", SMOOTH)
 def test_smooth_motions_agree_to_rounding(both, name):
-    text, inputs, tolerance = SMOOTH[name]
-    component, twin = both(text, inputs)
+    scene, inputs, tolerance = SMOOTH[name]
+    component, twin = both(scene, inputs)
     assert np.ptp(points(component), axis=0).max() > 1e-3  # it moves
     assert parting(component, twin).max() < tolerance
     for output, values in component.outputs.items():
@@ -110,14 +108,14 @@ def test_motions_in_contact_agree_to_the_end(both, name):
         assert np.array_equal(twin.outputs[f"plane.{plane}.contacts"], component.outputs[f"plane.{plane}.contacts"])
 
 
-def test_a_fast_tumble_parts_them_no_sooner_than_rounding_parts_the_component_from_itself(both, scene):
+def test_a_fast_tumble_parts_them_no_sooner_than_rounding_parts_the_component_from_itself(both):
     """Undamped, at 9 rad/s, landing on one corner after another: differences grow 1e5-fold in 2 s.
 
     Measured: 2e-13 m at 1.5 s, 1e-11 m at 2 s, 4e-10 m at 2.6 s. Asserted with room for the rounding of
     another compiler or numpy.
     """
-    component, twin = both(TUMBLE.replace("OFFSET", "0.0"))
-    shifted = points(simulate(scene(TUMBLE.replace("OFFSET", "1e-13")))) - [1e-13, 0.0, 0.0]
+    component, twin = both(tumble())
+    shifted = points(simulate(tumble(1e-13))) - [1e-13, 0.0, 0.0]
     own = np.abs(points(component) - shifted).max(axis=(1, 2))
     apart, time = parting(component, twin), component.time
     assert apart[time <= 1.5].max() < 1e-11
@@ -126,8 +124,7 @@ def test_a_fast_tumble_parts_them_no_sooner_than_rounding_parts_the_component_fr
     assert np.all(apart <= 1e-12 + 10 * np.maximum.accumulate(own))
 
 
-def test_values_changed_between_steps_act_alike(scene, tmp_path):
-    loaded = scene(DROP.replace("METHOD", "auto"))
+def test_values_changed_between_steps_act_alike(tmp_path):
     changes = {
         5: {"gravity.x": 3.0, "stiffness.face": 500.0},
         15: {"damping": 2.0},
@@ -135,7 +132,7 @@ def test_values_changed_between_steps_act_alike(scene, tmp_path):
         35: {"stiffness.edge": 4e3, "damping": 0.0},
     }
     course = []
-    for fmu in (package_fmu(loaded, tmp_path / "component.fmu"), build_twin(loaded, tmp_path / "twin.fmu")):
+    for fmu in (package_fmu(drop(), tmp_path / "component.fmu"), build_twin(drop(), tmp_path / "twin.fmu")):
         with Component(fmu) as component:
             component.initialize({"mass": 2.0, "plane.ground.point.z": 0.05}, start_time=3.0)
             component.exit_initialization()
@@ -152,13 +149,12 @@ def test_values_changed_between_steps_act_alike(scene, tmp_path):
 
 def test_without_a_given_step_the_twin_takes_a_stable_one(both):
     """Steps near the stability bound, different ones: they differ by their errors, 8e-4 m of the twin and 2e-4 m of the component."""
-    text = DROP.replace("METHOD", "auto").replace("step = 1e-3", "step = 0.0")
-    component, twin = both(text)
+    component, twin = both(drop(step=0.0))
     assert 1e-9 < parting(component, twin).max() < 1e-3
 
 
-def test_a_reset_twin_runs_again_alike(scene, tmp_path):
-    with Component(build_twin(scene(DROP.replace("METHOD", "auto")), tmp_path / "twin.fmu")) as twin:
+def test_a_reset_twin_runs_again_alike(tmp_path):
+    with Component(build_twin(drop(), tmp_path / "twin.fmu")) as twin:
         ends = []
         for _ in range(2):
             twin.initialize({})
@@ -174,26 +170,25 @@ def test_a_reset_twin_runs_again_alike(scene, tmp_path):
 
 def test_a_pin_behind_a_plane_is_refused(both):
     with pytest.raises(FmuError, match="a pin holds a control point behind a plane"):
-        both(HELD_IN_CONTACT.replace("METHOD", "leapfrog"), lambda time: {"pin.grip.position.z": 1.05 - 4 * time})
+        both(held_in_contact(), lambda time: {"pin.grip.position.z": 1.05 - 4 * time})
 
 
-def test_a_method_that_the_twin_has_not_is_refused(scene, tmp_path):
-    with Component(build_twin(scene(DROP.replace("METHOD", "dop853")), tmp_path / "twin.fmu")) as twin:
+def test_a_method_that_the_twin_has_not_is_refused(tmp_path):
+    with Component(build_twin(drop("dop853"), tmp_path / "twin.fmu")) as twin:
         twin.initialize({})
         with pytest.raises(FmuError, match="the twin has auto, leapfrog, central_difference, got dop853"):
             twin.exit_initialization()
 
 
 def test_a_point_between_two_planes_is_refused(both):
-    wall = "\n[[plane]]\nname = 'wall'\npoint = [1.0, 0.0, 0.0]\nnormal = [-1.0, 0.0, 0.0]\n"
+    wall = {"name": "wall", "point": [1.0, 0.0, 0.0], "normal": [-1.0, 0.0, 0.0]}
     with pytest.raises(FmuError, match="two planes hold one control point"):
-        both(CONVEYOR + wall)
+        both(conveyor(wall))
 
 
 def test_a_motion_that_blows_up_is_reported(both):
-    text = FREE.replace("DAMPING", "0.0").replace("METHOD", "leapfrog")
     with pytest.raises(FmuError, match=r"not finite: solver.step is too long"):
-        both(text.replace("5e-4", "1e-2").replace("stop_time = 0.5", "stop_time = 5.0"))
+        both(free(step=1e-2, stop_time=5.0))
 
 
 ALONE = """
@@ -207,8 +202,8 @@ print(len(result), result["position[0,0,0].z"][-1])
 """
 
 
-def test_the_twin_runs_without_the_package_and_many_times(scene, tmp_path):
-    twin = build_twin(scene(DROP.replace("METHOD", "auto")), tmp_path / "twin.fmu")
+def test_the_twin_runs_without_the_package_and_many_times(tmp_path):
+    twin = build_twin(drop(), tmp_path / "twin.fmu")
     done = subprocess.run([sys.executable, "-c", ALONE, twin], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     rows, height = done.stdout.split()
