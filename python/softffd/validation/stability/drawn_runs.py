@@ -16,6 +16,7 @@ import math
 import time as clock
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 
@@ -69,6 +70,8 @@ class Run:
     stated: float = 0.0
     """The largest error that a warning gave a number for [m]"""
     warnings: tuple[str, ...] = ()
+    methods: tuple[str, ...] = ()
+    """That took over, each once"""
     step: float = math.nan
     """Of leapfrog, by that of stability"""
     internal_steps: int = 0
@@ -92,19 +95,17 @@ def patience(job: Job) -> float:
 
 def run_jobs(jobs: Sequence[Job]) -> Iterator[Run]:
     """Runs in their order, those of a scene together."""
-    drive, scene, found = None, None, {}
-    try:
-        for job in jobs:
-            if scene is None or scene.seed != job.seed:
-                if drive:
-                    drive.close()
-                scene, found = drawn(job.seed), {}
-                drive = Drive(scene.document)
-            run = found[job.run] = _run(drive, scene, job.run, found)
-            yield run
-    finally:
-        if drive:
-            drive.close()
+    for seed, group in groupby(jobs, lambda job: job.seed):
+        scene, found = drawn(seed), {}
+        try:
+            drive = Drive(scene.document)
+        except Refused as refusal:
+            yield from (Run(None, f"refused at the start: {refusal}") for _ in group)
+            continue
+        with drive:
+            for job in group:
+                run = found[job.run] = _run(drive, scene, job.run, found)
+                yield run
 
 
 def _run(drive: Drive, scene: Drawn, which: str, found: dict[str, Run]) -> Run:
@@ -154,7 +155,8 @@ def _followed(drive: Drive, scene: Drawn, settings: dict, tolerance: float, bega
     warnings = tuple(drive.simulation.warnings)
     stated = stated_errors(drive, scene.duration)
     steps, elapsed = int(drive.value("solver.steps")), clock.perf_counter() - began
-    return Run(drive.x, stated=stated, warnings=warnings, internal_steps=steps, run_time=elapsed)
+    methods = tuple(dict.fromkeys(method for method, _ in drive.simulation.methods()))
+    return Run(drive.x, stated=stated, warnings=warnings, methods=methods, internal_steps=steps, run_time=elapsed)
 
 
 def _broken(drive: Drive, scene: Drawn) -> str:

@@ -25,7 +25,7 @@ SHOWN = 20
 
 COLUMNS = (
     "seed", "verdict", "error_tolerances", "stated_tolerances", "tight_error_tolerances", "truth", "apart_tolerances", "last_rung",
-    "asked_steps", "asked_s", "tight_steps", "tight_s", "rungs_s", "scene", "words",
+    "methods", "asked_steps", "asked_s", "tight_steps", "tight_s", "rungs_s", "scene", "words",
 )  # fmt: skip
 
 
@@ -105,7 +105,9 @@ def line(judged: Judged) -> str:
     error = f" error {judged.error:.3g} tolerances," if judged.error == judged.error else ""
     stated = f" stated {judged.stated:.2g}," if judged.stated else ""
     words = f": {judged.words[:200]}" if judged.words and judged.verdict in ("WRONG", "refused", "no truth", "slow") else ""
-    return f"seed {judged.scene.seed}: {judged.verdict},{error}{stated} {judged.scene.words}{words}"
+    run = (judged.runs or {}).get("asked")
+    methods = f" by {', '.join(run.methods)}" if run and run.methods else ""
+    return f"seed {judged.scene.seed}: {judged.verdict},{error}{stated} {judged.scene.words}{methods}{words}"
 
 
 def _keep(folder: Path, lot: Lot, about: dict[str, Any]) -> None:
@@ -129,7 +131,8 @@ def _row(judged: Judged) -> dict[str, Any]:
         "seed": judged.scene.seed, "verdict": judged.verdict, "error_tolerances": told(judged.error), "stated_tolerances": judged.stated,
         "tight_error_tolerances": told(judged.tight_error), "truth": judged.truth, "apart_tolerances": told(judged.apart),
         "last_rung": min((run.step for run in runs.values() if run.step == run.step), default=""), "scene": judged.scene.words,
-        "words": judged.words, "rungs_s": round(sum(run.run_time for name, run in runs.items() if name in RUNGS), 3),
+        "words": judged.words, "methods": "; ".join(runs["asked"].methods) if "asked" in runs else "",
+        "rungs_s": round(sum(run.run_time for name, run in runs.items() if name in RUNGS), 3),
     }  # fmt: skip
     for name in ("asked", "tight"):
         row |= {f"{name}_steps": runs[name].internal_steps, f"{name}_s": round(runs[name].run_time, 3)} if name in runs else {}
