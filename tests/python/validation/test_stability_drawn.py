@@ -12,7 +12,7 @@ from softffd.cli.command import main
 from softffd.scene.scene import scene_from
 from softffd.validation.stability import drawn_survey
 from softffd.validation.stability.drawn import Course, Draws, drawn
-from softffd.validation.stability.drawn_runs import RUNGS, RUNS, Job, Run, judge, run_jobs
+from softffd.validation.stability.drawn_runs import RUNGS, RUNS, Job, Run, _grown, judge, run_jobs
 from softffd.validation.stability.drive import Drive
 from softffd.validation.stability.guard import Lost
 from softffd.validation.stability.scenes import box
@@ -32,7 +32,7 @@ def content(seed: int) -> str:
 
 def test_a_seed_means_the_same_scene_everywhere():
     text = "".join(content(seed) for seed in range(50))
-    assert hashlib.sha256(text.encode()).hexdigest()[:16] == "3ef8c4cb7fb4b664"
+    assert hashlib.sha256(text.encode()).hexdigest()[:16] == "99e4facbf302b22d"
 
 
 def test_the_draws_are_the_upper_bits_of_pcg64():
@@ -96,6 +96,10 @@ NONE = Run(None, "no more work")
         (at(11 * UNIT), (at(11 * UNIT), at(0)), "no truth"),
         (at(11 * UNIT), (at(11 * UNIT), at(0), at(5 * UNIT), at(0.1 * UNIT)), "no truth"),
         (at(11 * UNIT), (at(11 * UNIT), at(0), at(0.3 * UNIT)), "SILENT"),
+        (at(30 * UNIT), (Lost("hang", ""), at(2 * UNIT), at(0)), "SILENT"),
+        (at(30 * UNIT, stated=10 * UNIT), (Lost("hang", ""), at(2 * UNIT), at(0)), "stated"),
+        (at(30 * UNIT), (Lost("hang", ""), at(4 * UNIT), at(0)), "no truth"),
+        (at(15 * UNIT), (Lost("hang", ""), at(1 * UNIT), at(0)), "no truth"),
         (at(2 * UNIT), (Lost("hang", ""), at(0), at(0.3 * UNIT)), "right"),
         (Run(None, "refused at 0 s: too long"), (at(0), at(0)), "refused"),
         (Run(None, "behind a plane", wrong=True), (at(0), at(0)), "WRONG"),
@@ -119,6 +123,15 @@ def test_a_warning_states_a_length_an_energy_or_a_share_of_a_rotation():
         )
         assert stated_error(turning, drive, 0.5) == pytest.approx(0.1)
         assert stated_error("at time 3 s 2 of the lattice's cells are turned inside out", drive, 1.0) == 0
+
+
+def test_energy_that_doubles_out_of_nothing_is_wrong():
+    with Drive(box(1e3, initial={"stretch": [1.02, 1.0, 1.0]})) as drive:
+        scale = drive.start_energy
+        drive.step(0.01)
+        assert _grown(drive, scale) == ""
+        drive.start_energy -= 1.5 * scale
+        assert "out of nothing by 1.5e+00" in _grown(drive, scale)
 
 
 def test_the_ladder_ends_where_two_runs_agree():

@@ -213,7 +213,8 @@ def drawn(seed: int) -> Drawn:
         "initial": initial,
         "environment": {} if pull is None else {"gravity": pull.tolist()},
     }
-    return Drawn(seed, document, lengths, draws.log(1e-6, 1e-2), courses, pinned, ramps)
+    tolerance = _four_digits(10 ** (-2 - 4 * draws.share() ** 1.5))
+    return Drawn(seed, document, lengths, tolerance, courses, pinned, ramps)
 
 
 def _lengths(draws: Draws) -> tuple[list[float], float]:
@@ -246,7 +247,7 @@ def _masses_and_damping(draws: Draws, counts: list[int], total: float) -> tuple[
     kind = draws.one_of(("none", "small", "small", "large", "mixed"))
     regions = []
     if draws.chance(0.35):
-        regions.append({"points": _some(draws, counts), "mass": _four_digits(mass / draws.log(1.0, 1e6))})
+        regions.append({"points": _some(draws, counts), "mass": _four_digits(mass / 10 ** (6 * draws.share() ** 2))})
     if kind == "mixed":
         regions.append({"points": _some(draws, counts), "damping": _four_digits(damping["large"])})
     return _four_digits(damping["small" if kind == "mixed" else kind]), regions

@@ -24,7 +24,7 @@ SHOWN = 20
 """Faults that are told one by one on stderr."""
 
 COLUMNS = (
-    "seed", "verdict", "error_tolerances", "stated_tolerances", "tight_error_tolerances", "truth", "apart_tolerances", "last_rung",
+    "seed", "verdict", "rough", "error_tolerances", "stated_tolerances", "tight_error_tolerances", "truth", "apart_tolerances", "last_rung",
     "methods", "asked_steps", "asked_s", "tight_steps", "tight_s", "rungs_s", "scene", "words",
 )  # fmt: skip
 
@@ -49,9 +49,12 @@ class Lot:
     def summary(self) -> str:
         """Numbers of verdicts, and how many of the scenes with a truth failed silently."""
         counts = Counter(judged.verdict for judged in self.judged.values())
-        known = sum(counts[verdict] for verdict in ("right", "stated", "SILENT"))
+        known = [judged for judged in self.judged.values() if judged.truth and not judged.rough]
+        silent = sum(judged.verdict == "SILENT" for judged in known)
         words = ", ".join(f"{counts[verdict]} {verdict}" for verdict in VERDICTS if counts[verdict])
-        share = f"; of {known} with a truth {counts['SILENT'] / known:.1%} are silently wrong" if known else ""
+        share = f"; of {len(known)} with a truth {silent / len(known):.1%} are silently wrong" if known else ""
+        more = counts["SILENT"] - silent
+        share += f", and {more} where the truth is known roughly" if more else ""
         return f"{len(self.judged)} scenes: {words}{share}"
 
 
@@ -128,12 +131,20 @@ def _row(judged: Judged) -> dict[str, Any]:
         return "" if math.isnan(value) else value
 
     row = {
-        "seed": judged.scene.seed, "verdict": judged.verdict, "error_tolerances": told(judged.error), "stated_tolerances": judged.stated,
-        "tight_error_tolerances": told(judged.tight_error), "truth": judged.truth, "apart_tolerances": told(judged.apart),
-        "last_rung": min((run.step for run in runs.values() if run.step == run.step), default=""), "scene": judged.scene.words,
-        "words": judged.words, "methods": "; ".join(runs["asked"].methods) if "asked" in runs else "",
+        "seed": judged.scene.seed,
+        "verdict": judged.verdict,
+        "rough": int(judged.rough),
+        "error_tolerances": told(judged.error),
+        "stated_tolerances": judged.stated,
+        "tight_error_tolerances": told(judged.tight_error),
+        "truth": judged.truth,
+        "apart_tolerances": told(judged.apart),
+        "last_rung": min((run.step for run in runs.values() if run.step == run.step), default=""),
+        "methods": "; ".join(runs["asked"].methods) if "asked" in runs else "",
         "rungs_s": round(sum(run.run_time for name, run in runs.items() if name in RUNGS), 3),
-    }  # fmt: skip
+        "scene": judged.scene.words,
+        "words": judged.words,
+    }
     for name in ("asked", "tight"):
         row |= {f"{name}_steps": runs[name].internal_steps, f"{name}_s": round(runs[name].run_time, 3)} if name in runs else {}
     return row
