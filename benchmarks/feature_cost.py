@@ -13,7 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from softffd.fmu.component import Component
+from softffd import Simulation
 from softffd.fmu.package import package_fmu, scene_masses
 from softffd.fmu.variables import variables
 from softffd.scene.scene import load_scene
@@ -102,21 +102,19 @@ def _build(folder: Path, number: int, values: dict[str, object], text: str) -> t
 
 def _race(fmu: Path, bare: Path) -> tuple[float, float]:
     times: dict[int, list[float]] = {0: [], 1: []}
-    with Component(fmu) as own, Component(bare) as base:
+    with Simulation(fmu) as own, Simulation(bare) as base:
         for _ in range(REPEATS):
-            for which, component in enumerate((own, base)):
-                times[which].append(_time_per_step(component))
+            for which, simulation in enumerate((own, base)):
+                times[which].append(_time_per_step(simulation))
     return min(times[0]), min(times[1])
 
 
-def _time_per_step(component: Component) -> float:
-    component.reset()
-    component.initialize({})
-    component.exit_initialization()
-    component.do_step(0.0, INTERVAL)
+def _time_per_step(simulation: Simulation) -> float:
+    simulation.restart()
+    simulation.step(INTERVAL)
     began = time.process_time()
-    for i in range(1, INTERVALS + 1):
-        component.do_step(i * INTERVAL, INTERVAL)
+    for _ in range(INTERVALS):
+        simulation.step(INTERVAL)
     return (time.process_time() - began) / (INTERVALS * INTERVAL / STEP)
 
 

@@ -12,7 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from softffd.fmu.component import Component
+from softffd import Simulation
 from softffd.fmu.package import package_fmu
 from softffd.scene.scene import Scene, scene_from
 
@@ -30,13 +30,13 @@ def main() -> None:
         for side in SIDES:
             fmu, seconds = _build(Path(folder), side)
             start = time.perf_counter()
-            with Component(fmu) as component, Component(small) as base:
-                opened, state, _ = time.perf_counter() - start, _begin(component), _begin(base)
-                laps = [(_run(component, side, lap), _run(base, SIDES[0], lap)) for lap in range(REPEATS)]
-            own, other = (1e9 * min(times) / POINT_STEPS for times in zip(*laps, strict=True))
+            with Simulation(fmu) as own, Simulation(small) as base:
+                opened, state, _ = time.perf_counter() - start, _begin(own), _begin(base)
+                laps = [(_run(own, side), _run(base, SIDES[0])) for _ in range(REPEATS)]
+            took, other = (1e9 * min(times) / POINT_STEPS for times in zip(*laps, strict=True))
             megabytes = fmu.stat().st_size / 1e6
             print(
-                f"{side:2}^3 {side**3:6} {seconds:8.2f} {megabytes:8.2f} {opened:8.2f} {state / 1e6:9.2f} {own:13.1f} {own / other:14.2f}"
+                f"{side:2}^3 {side**3:6} {seconds:8.2f} {megabytes:8.2f} {opened:8.2f} {state / 1e6:9.2f} {took:13.1f} {took / other:14.2f}"
             )
 
 
@@ -59,19 +59,17 @@ def _scene(side: int) -> Scene:
     )
 
 
-def _begin(component: Component) -> int:
+def _begin(simulation: Simulation) -> int:
     """Initializes; returns the size of the serialized state in bytes."""
-    component.initialize({})
-    component.exit_initialization()
-    slave = component._slave
-    return len(slave.serializeFMUstate(slave.getFMUstate()))
+    simulation.initialize()
+    return len(bytes(simulation.save()))
 
 
-def _run(component: Component, side: int, lap: int) -> float:
+def _run(simulation: Simulation, side: int) -> float:
     """Seconds of a communication step."""
     interval = 1e-4 * round(POINT_STEPS / side**3)
     start = time.process_time()
-    component.do_step(lap * interval, interval)
+    simulation.step(interval)
     return time.process_time() - start
 
 
