@@ -10,32 +10,17 @@ import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
 
-from boxes import box_fmu
 from callbacks import own_callbacks
-from softffd import FmuError, load_scene, simulate
+from scenes import GRAVITY, box
+from softffd import FmuError, load_scene, package_fmu, simulate
 from softffd.fmu.component import Component
-
-SCENE = """
-[material]
-damping = 0.05
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[plane]]
-name = "ground"
-point = [0.0, 0.0, 0.0]
-normal = [0.0, 0.0, 1.0]
-friction = 0.4
-motion = "input"
-[initial]
-offset = [0.0, 0.0, 0.1]
-[experiment]
-stop_time = 0.5
-"""
 
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory) -> Path:
-    return box_fmu(SCENE, tmp_path_factory.mktemp("calls"))
+    ground = {"name": "ground", "friction": 0.4, "motion": "input"}
+    scene = box(damping=0.05, gravity=GRAVITY, plane=[ground], offset=[0.0, 0.0, 0.1], stop_time=0.5)
+    return package_fmu(scene, tmp_path_factory.mktemp("calls") / "box.fmu")
 
 
 def started(fmu, **values) -> Component:

@@ -1,49 +1,42 @@
 """Derivatives of inputs (they act inside the step) and of outputs."""
 
 from ctypes import byref, c_double, c_int, c_uint, c_void_p
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from boxes import box_fmu
+from scenes import box
+from softffd import Scene
 from softffd.fmu.component import Component
 
-SCENE = """
-[material]
-stiffness = 1e3
-damping = 0.0
-[[plane]]
-name = "piston"
-point = [0.0, 0.0, 1.0]
-normal = [0.0, 0.0, -1.0]
-motion = "input"
-[[plane]]
-name = "floor"
-[[pin]]
-name = "grip"
-points = [[0, 0, 0], [3, 0, 0], [0, 3, 0]]
-motion = "input"
-[[load]]
-name = "push"
-points = "all"
-[inputs]
-forces = [[3, 3, 3]]
-[[probe]]
-name = "centre"
-at = [0.5, 0.5, 0.5]
-[outputs]
-velocities = "all"
-energy = true
-"""
-FREE = SCENE.replace('points = [[0, 0, 0], [3, 0, 0], [0, 3, 0]]\nmotion = "input"', "").replace('[[pin]]\nname = "grip"\n', "")
+
+def driven_box(*, floor=0.0, **keys):
+    """A box between a piston and a floor at this height, which a load and a force push."""
+    return box(
+        stiffness=1e3,
+        damping=0.0,
+        plane=[
+            {"name": "piston", "point": [0.0, 0.0, 1.0], "normal": [0.0, 0.0, -1.0], "motion": "input"},
+            {"name": "floor", "point": [0.0, 0.0, floor]},
+        ],
+        load=[{"name": "push", "points": "all"}],
+        forces=[[3, 3, 3]],
+        probe=[{"name": "centre", "at": [0.5, 0.5, 0.5]}],
+        velocities="all",
+        energy=True,
+        **keys,
+    )
+
+
+FREE, DEEP = driven_box(), driven_box(floor=-9.0)
+HELD = driven_box(pin=[{"name": "grip", "points": [[0, 0, 0], [3, 0, 0], [0, 3, 0]], "motion": "input"}])
 
 
 class Driven(Component):
     """A component whose input and output derivatives can be reached."""
 
-    def __init__(self, text: str, folder: Path, **start_values):
-        super().__init__(box_fmu(text, folder))
+    def __init__(self, scene: Scene, **start_values):
+        super().__init__(scene)
         self.initialize(start_values)
         self.exit_initialization()
 
@@ -66,30 +59,28 @@ class Driven(Component):
         return block.values.copy()
 
 
-def test_a_ramped_load_gives_the_parabola_of_its_velocity(tmp_path):
-    with Driven(
-        FREE.replace('name = "floor"', 'name = "floor"\npoint = [0.0, 0.0, -9.0]'), tmp_path, **{"solver.method": "leapfrog"}
-    ) as box:
-        assert box.set_rates({"load.push.x": 6.0}) == 0
-        box.do_step(0.0, 0.5)
-        assert box.get_values("velocity[1,2,0].x")[0] == pytest.approx(0.5 * 6.0 * 0.25, rel=1e-12)
-        box.do_step(0.5, 0.5)  # the derivative held for one step only, the load's value is 0 again
-        assert box.get_values("velocity[1,2,0].x")[0] == pytest.approx(0.75, rel=1e-12)
+def test_a_ramped_load_gives_the_parabola_of_its_velocity():
+    with Driven(DEEP, **{"solver.method": "leapfrog"}) as driven:
+        assert driven.set_rates({"load.push.x": 6.0}) == 0
+        driven.do_step(0.0, 0.5)
+        assert driven.get_values("velocity[1,2,0].x")[0] == pytest.approx(0.5 * 6.0 * 0.25, rel=1e-12)
+        driven.do_step(0.5, 0.5)  # the derivative held for one step only, the load's value is 0 again
+        assert driven.get_values("velocity[1,2,0].x")[0] == pytest.approx(0.75, rel=1e-12)
 
 
-def test_interpolated_inputs_are_second_order_and_held_ones_first(tmp_path):
+def test_interpolated_inputs_are_second_order_and_held_ones_first():
     def error(steps: int, interpolate: bool) -> float:
-        with Driven(FREE, tmp_path, **{"solver.step": 1e-4, "plane.piston.point.z": 9.0}) as box:
-            force = box.block(["force[3,3,3].x"])
+        with Driven(FREE, **{"solver.step": 1e-4, "plane.piston.point.z": 9.0}) as driven:
+            force = driven.block(["force[3,3,3].x"])
             length = 0.4 / steps
             for n in range(steps):
                 t = n * length
                 force.values[0] = np.sin(20 * t)
-                box.set(force)
+                driven.set(force)
                 if interpolate:
-                    box.set_rates({"force[3,3,3].x": (np.sin(20 * (t + length)) - np.sin(20 * t)) / length})
-                box.do_step(t, length)
-            return box.get_values("position[3,3,3].x")[0]
+                    driven.set_rates({"force[3,3,3].x": (np.sin(20 * (t + length)) - np.sin(20 * t)) / length})
+                driven.do_step(t, length)
+            return driven.get_values("position[3,3,3].x")[0]
 
     exact = error(4000, True)
     held = [abs(error(n, False) - exact) for n in (20, 40)]
@@ -98,84 +89,83 @@ def test_interpolated_inputs_are_second_order_and_held_ones_first(tmp_path):
     assert 3.2 < ramped[0] / ramped[1] < 5.0
 
 
-def test_a_load_of_third_order_gives_the_polynomial_of_its_velocity(tmp_path):
-    scene = FREE.replace('name = "floor"', 'name = "floor"\npoint = [0.0, 0.0, -9.0]')
-    with Driven(scene, tmp_path, **{"solver.method": "dop853", "plane.piston.point.z": 9.0}) as box:
+def test_a_load_of_third_order_gives_the_polynomial_of_its_velocity():
+    with Driven(DEEP, **{"solver.method": "dop853", "plane.piston.point.z": 9.0}) as driven:
         for order, value in enumerate((6.0, -30.0, 120.0), 1):
-            assert box.set_rates({"load.push.x": value}, order) == 0
-        box.do_step(0.0, 0.5)
+            assert driven.set_rates({"load.push.x": value}, order) == 0
+        driven.do_step(0.0, 0.5)
         wanted = 6 * 0.5**2 / 2 - 30 * 0.5**3 / 6 + 120 * 0.5**4 / 24
-        assert box.get_values("velocity[1,2,0].x")[0] == pytest.approx(wanted, rel=1e-10)  # the springs' rounding makes them tremble
-        box.do_step(0.5, 0.5)
-        assert box.get_values("velocity[1,2,0].x")[0] == pytest.approx(wanted, rel=1e-10)
+        assert driven.get_values("velocity[1,2,0].x")[0] == pytest.approx(wanted, rel=1e-10)  # the springs' rounding makes them tremble
+        driven.do_step(0.5, 0.5)
+        assert driven.get_values("velocity[1,2,0].x")[0] == pytest.approx(wanted, rel=1e-10)
 
 
-def test_a_derivative_of_the_point_moves_the_plane_instead_of_its_velocity(tmp_path):
-    with Driven(FREE, tmp_path, **{"plane.piston.velocity.z": 5.0}) as box:
-        box.set_rates({"plane.piston.point.z": -0.5})
-        box.do_step(0.0, 0.1)
-        z = box.get_values("position[1,1,3].z", "velocity[1,1,3].z")
+def test_a_derivative_of_the_point_moves_the_plane_instead_of_its_velocity():
+    with Driven(FREE, **{"plane.piston.velocity.z": 5.0}) as driven:
+        driven.set_rates({"plane.piston.point.z": -0.5})
+        driven.do_step(0.0, 0.1)
+        z = driven.get_values("position[1,1,3].z", "velocity[1,1,3].z")
         np.testing.assert_allclose(z, [0.95, -0.5], atol=1e-12)
 
 
-def test_without_one_the_velocity_moves_it(tmp_path):
-    with Driven(FREE, tmp_path, **{"plane.piston.velocity.z": -0.5}) as box:
-        box.do_step(0.0, 0.1)
-        np.testing.assert_allclose(box.get_values("position[1,1,3].z"), [0.95], atol=1e-12)
+def test_without_one_the_velocity_moves_it():
+    with Driven(FREE, **{"plane.piston.velocity.z": -0.5}) as driven:
+        driven.do_step(0.0, 0.1)
+        np.testing.assert_allclose(driven.get_values("position[1,1,3].z"), [0.95], atol=1e-12)
 
 
-def test_a_derivative_of_the_normal_ends_at_the_interpolated_normal(tmp_path):
-    with Driven(FREE, tmp_path, **{"plane.piston.point.x": 0.5}) as box:
-        box.set_rates({"plane.piston.normal.x": 2.0})
-        box.do_step(0.0, 0.1)
+def test_a_derivative_of_the_normal_ends_at_the_interpolated_normal():
+    with Driven(FREE, **{"plane.piston.point.x": 0.5}) as driven:
+        driven.set_rates({"plane.piston.normal.x": 2.0})
+        driven.do_step(0.0, 0.1)
         normal = np.array([0.2, 0.0, -1.0]) / np.hypot(0.2, 1.0)
         corners = [[f"position[{i},{j},3].{c}" for c in "xyz"] for i in (0, 3) for j in (0, 3)]
-        gaps = [normal @ (box.get_values(*names) - [0.5, 0.0, 1.0]) for names in corners]
+        gaps = [normal @ (driven.get_values(*names) - [0.5, 0.0, 1.0]) for names in corners]
         assert min(gaps) == pytest.approx(0.0, abs=1e-14)
 
 
-def test_derivatives_of_a_pins_pose_take_it_to_the_interpolated_pose(tmp_path):
-    with Driven(SCENE, tmp_path, **{"pin.grip.velocity.x": 9.0, "plane.piston.point.z": 9.0}) as box:
-        box.set_rates({"pin.grip.position.x": 1.0, "pin.grip.orientation.z": 0.5})
-        before = box.get_values("position[3,0,0].x", "position[3,0,0].y")
-        box.do_step(0.0, 0.1)
-        after = box.get_values("position[3,0,0].x", "position[3,0,0].y")
+def test_derivatives_of_a_pins_pose_take_it_to_the_interpolated_pose():
+    with Driven(HELD, **{"pin.grip.velocity.x": 9.0, "plane.piston.point.z": 9.0}) as driven:
+        driven.set_rates({"pin.grip.position.x": 1.0, "pin.grip.orientation.z": 0.5})
+        before = driven.get_values("position[3,0,0].x", "position[3,0,0].y")
+        driven.do_step(0.0, 0.1)
+        after = driven.get_values("position[3,0,0].x", "position[3,0,0].y")
         origin = np.array([1 / 3, 1 / 3])
         angle = 2 * np.arctan2(0.05, 1.0)
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         np.testing.assert_allclose(after, origin + [0.1, 0.0] + turn @ (before - origin), atol=1e-14)
 
 
-def test_the_energy_balance_holds_with_ramped_forces(tmp_path):
-    with Driven(FREE, tmp_path, **{"solver.step": 1e-4, "plane.piston.point.z": 9.0}) as box:
+def test_the_energy_balance_holds_with_ramped_forces():
+    with Driven(FREE, **{"solver.step": 1e-4, "plane.piston.point.z": 9.0}) as driven:
         for n in range(20):
-            box.set_rates({"force[3,3,3].x": 50.0 * (-1) ** n, "load.push.z": 3.0})
-            box.do_step(n * 0.01, 0.01)
-        kinetic, elastic, lost, work = box.get_values(*(f"energy.{kind}" for kind in ("kinetic", "elastic", "dissipated", "work")))
+            driven.set_rates({"force[3,3,3].x": 50.0 * (-1) ** n, "load.push.z": 3.0})
+            driven.do_step(n * 0.01, 0.01)
+        kinetic, elastic, lost, work = driven.get_values(*(f"energy.{kind}" for kind in ("kinetic", "elastic", "dissipated", "work")))
         assert kinetic + elastic + lost == pytest.approx(work, rel=1e-3)
         assert work > 1e-4
 
 
-def test_output_derivatives_are_velocities(tmp_path):
-    with Driven(FREE, tmp_path, **{"load.push.x": 1.0, "force[3,3,3].y": 2.0}) as box:
-        box.do_step(0.0, 0.05)
-        assert box.rate("position[3,3,3].y") == box.get_values("velocity[3,3,3].y")[0]
-        before = box.get_values("probe.centre.y")[0]
-        rate = box.rate("probe.centre.y")
-        box.do_step(0.05, 1e-6)
-        assert (box.get_values("probe.centre.y")[0] - before) / 1e-6 == pytest.approx(rate, rel=1e-3)
+def test_output_derivatives_are_velocities():
+    with Driven(FREE, **{"load.push.x": 1.0, "force[3,3,3].y": 2.0}) as driven:
+        driven.do_step(0.0, 0.05)
+        assert driven.rate("position[3,3,3].y") == driven.get_values("velocity[3,3,3].y")[0]
+        before = driven.get_values("probe.centre.y")[0]
+        rate = driven.rate("probe.centre.y")
+        driven.do_step(0.05, 1e-6)
+        assert (driven.get_values("probe.centre.y")[0] - before) / 1e-6 == pytest.approx(rate, rel=1e-3)
 
 
-def test_other_orders_and_variables_are_refused(tmp_path):
-    with Driven(FREE, tmp_path) as box:
-        assert box.rate("velocity[0,0,0].x") == -3
-    with Driven(FREE, tmp_path) as box:
-        assert box.rate("position[0,0,0].x", order=2) == -3
-    with Driven(FREE, tmp_path) as box:
-        assert box.set_rates({"load.push.x": 1.0}, order=4) == 3
-    with Driven(FREE, tmp_path) as box:
-        assert box.set_rates({"plane.piston.point.x": 1.0}, order=2) == 3
-    with Driven(FREE, tmp_path) as box:
-        assert box.set_rates({"mass": 1.0}) == 3
-    with Driven(FREE, tmp_path) as box:
-        assert box.set_rates({"load.push.x": float("nan")}) == 3
+def test_other_orders_and_variables_are_refused():
+    with Driven(FREE) as driven:
+        assert driven.rate("velocity[0,0,0].x") == -3
+    with Driven(FREE) as driven:
+        assert driven.rate("position[0,0,0].x", order=2) == -3
+    with Driven(FREE) as driven:
+        assert driven.set_rates({"load.push.x": 1.0}, order=4) == 3
+    with Driven(FREE) as driven:
+        assert driven.set_rates({"plane.piston.point.x": 1.0}, order=2) == 3
+    with Driven(FREE) as driven:
+        assert driven.set_rates({"mass": 1.0}) == 3
+    with Driven(FREE) as driven:
+        assert driven.set_rates({"load.push.x": float("nan")}) == 3

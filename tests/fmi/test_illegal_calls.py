@@ -209,7 +209,7 @@ def test_a_refused_foreign_state_leaves_the_run_as_it_was(rich):
 
 
 def test_a_state_of_another_scene_in_the_same_library_is_refused_though_its_size_fits(rich, tmp_path):
-    stiffer = Fmu(RICH.replace("stiffness = 2e3", "stiffness = 3e3"), tmp_path / "stiffer", rich.library)
+    stiffer = Fmu(RICH.replace({"material.stiffness": 3e3}), tmp_path / "stiffer", rich.library)
     host, other = Host(rich), Host(stiffer)
     host.begin()
     other.begin()

@@ -5,6 +5,7 @@ from ctypes import CDLL, c_char_p, c_size_t, create_string_buffer
 import pytest
 
 from c_host import DISCARD, ERROR, OK, STEP, WARNING, Fmu, Host, check_message, doubles, uints
+from scenes import box
 
 
 @pytest.mark.parametrize(
@@ -105,11 +106,10 @@ def test_categories_are_switched_one_by_one_and_errors_always_come(rich):
 @pytest.fixture(scope="module")
 def sunk(rich, tmp_path_factory) -> Fmu:
     """A box of four layers, one of its points pinned, on a plane that can be put anywhere."""
-    text = (
-        '[[plane]]\nname = "floor"\nnormal = [0.0, 0.0, 2.0]\nmotion = "input"\n[[plane]]\nname = "wall"\npoint = [-1.0, 0.0, 0.0]\n'
-        'normal = [1.0, 0.0, 0.0]\n[[pin]]\nname = "nail"\npoints = [[0, 0, 3]]\n'
-    )
-    return Fmu(text, tmp_path_factory.mktemp("sunk") / "fmu", rich.library)
+    floor = {"name": "floor", "normal": [0.0, 0.0, 2.0], "motion": "input"}
+    wall = {"name": "wall", "point": [-1.0, 0.0, 0.0], "normal": [1.0, 0.0, 0.0]}
+    scene = box(plane=[floor, wall], pin=[{"name": "nail", "points": [[0, 0, 3]]}])
+    return Fmu(scene, tmp_path_factory.mktemp("sunk") / "fmu", rich.library)
 
 
 @pytest.mark.parametrize(

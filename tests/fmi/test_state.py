@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
 
-from boxes import box_fmu
 from callbacks import own_callbacks
 from softffd import load_scene, package_fmu
 from straight_run import RICH
@@ -18,7 +17,7 @@ from straight_run import RICH
 
 @pytest.fixture(scope="module", params=["leapfrog", "central_difference"])
 def fmu(request, tmp_path_factory) -> Path:
-    return box_fmu(RICH + f'[solver]\nmethod = "{request.param}"\n', tmp_path_factory.mktemp("state"))
+    return package_fmu(RICH.replace({"solver.method": request.param}), tmp_path_factory.mktemp("state") / "box.fmu")
 
 
 class Slave:

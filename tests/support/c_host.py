@@ -5,7 +5,7 @@ from pathlib import Path
 
 import fmpy
 
-from boxes import box_fmu
+from softffd import Scene, package_fmu
 
 OK, WARNING, DISCARD, ERROR = range(4)
 STEP, STEPS = 0.01, 25
@@ -69,9 +69,9 @@ def opened(path: str) -> CDLL:
 class Fmu:
     """An unpacked FMU: its library, guid, resources and value references by name."""
 
-    def __init__(self, text: str, folder: Path, library: CDLL | None = None):
+    def __init__(self, scene: Scene, folder: Path, library: CDLL | None = None):
         folder.mkdir()
-        package = box_fmu(text, folder)
+        package = package_fmu(scene, folder / "box.fmu")
         unpacked = folder / "fmu"
         fmpy.extract(str(package), unzipdir=str(unpacked))
         description = fmpy.read_model_description(str(package), validate=False)

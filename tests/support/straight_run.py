@@ -4,54 +4,28 @@ import random
 from functools import cache
 
 from c_host import OK, STEP, STEPS, TIMES, Fmu, Host, doubles, ints, uints
+from scenes import GRAVITY, box
 
-RICH = """
-[lattice]
-points = [3, 3, 3]
-[material]
-stiffness = 2e3
-damping = 0.05
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[plane]]
-name = "ground"
-normal = [0.0, 0.1, 1.0]
-friction = 0.4
-motion = "input"
-[[plane]]
-name = "wall"
-point = [1.3, 0.0, 0.0]
-normal = [-1.0, 0.0, 0.0]
-[[pin]]
-name = "grip"
-points = [[0, 0, 2]]
-motion = "input"
-[[load]]
-name = "push"
-points = "x+"
-[inputs]
-forces = [[1, 1, 1]]
-[initial]
-offset = [0.0, 0.0, 0.1]
-velocity = [1.0, 0.0, 0.0]
-[[probe]]
-name = "tip"
-at = [0.5, 0.5, 1.0]
-[outputs]
-velocities = "all"
-energy = true
-solver = true
-"""
-BARE = """
-[lattice]
-points = [2, 2, 2]
-[material]
-damping = 0.0
-[initial]
-stretch = [1.1, 1.0, 0.9]
-[solver]
-method = "central_difference"
-"""
+RICH = box(
+    points=[3, 3, 3],
+    stiffness=2e3,
+    damping=0.05,
+    gravity=GRAVITY,
+    plane=[
+        {"name": "ground", "normal": [0.0, 0.1, 1.0], "friction": 0.4, "motion": "input"},
+        {"name": "wall", "point": [1.3, 0.0, 0.0], "normal": [-1.0, 0.0, 0.0]},
+    ],
+    pin=[{"name": "grip", "points": [[0, 0, 2]], "motion": "input"}],
+    load=[{"name": "push", "points": "x+"}],
+    forces=[[1, 1, 1]],
+    offset=[0.0, 0.0, 0.1],
+    velocity=[1.0, 0.0, 0.0],
+    probe=[{"name": "tip", "at": [0.5, 0.5, 1.0]}],
+    velocities="all",
+    energy=True,
+    outputs={"solver": True},
+)
+BARE = box(points=[2, 2, 2], damping=0.0, stretch=[1.1, 1.0, 0.9], method="central_difference")
 
 
 @cache

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from scenes import box
 from softffd.fmu.package import scene_masses
 from softffd.fmu.records import scene_records
 from stepping import Stepper
@@ -11,29 +12,6 @@ STIFFNESS, EDGE = 1e3, 1 / 3
 ENOUGH = 3 * STIFFNESS / EDGE
 """Volume stiffness [Pa] that unfolds the box from a twentieth of its height."""
 
-CRUSH = """
-[material]
-stiffness = {stiffness}
-damping = 0.1
-volume_stiffness = {volume_stiffness}
-[[plane]]
-name = "table"
-friction = 0.4
-[[plane]]
-name = "press"
-point = [0.0, 0.0, 1.0]
-normal = [0.0, 0.0, -1.0]
-friction = 0.4
-motion = "input"
-[outputs]
-solver = true
-energy = true
-[solver]
-method = "{method}"
-step = {step}
-[experiment]
-stop_time = 3.0
-"""
 H = 0.01
 CASES = [("auto", 0.0), ("leapfrog", 0.0), ("leapfrog", 1e-3), ("ros34pw2", 0.0)]
 """Methods and given internal steps that the crush of the soft box is run with; all of them step explicitly through contact."""
@@ -64,164 +42,160 @@ def corner_volumes(positions):
     return np.array([volume(a, b, c) for a in (0, 1) for b in (0, 1) for c in (0, 1)])
 
 
-def crush(box, share, *, until=3.0):
+def crush(body, share, *, until=3.0):
     """Runs the crush; returns the number of folded cells after each communication step."""
     folded = []
-    while box.time < until - 0.5 * H:
-        now, after = (press_height(t, share) for t in (box.time, box.time + H))
-        box.set({"plane.press.point.z": now, "plane.press.velocity.z": (after - now) / H})
-        box.step(H)
-        folded.append(box.integer("solver.folded_cells"))
+    while body.time < until - 0.5 * H:
+        now, after = (press_height(t, share) for t in (body.time, body.time + H))
+        body.set({"plane.press.point.z": now, "plane.press.velocity.z": (after - now) / H})
+        body.step(H)
+        folded.append(body.integer("solver.folded_cells"))
     return folded
 
 
-def warnings(box):
-    return [text for text in box.messages if "turned inside out" in text]
+def warnings(body):
+    return [text for text in body.messages if "turned inside out" in text]
 
 
-@pytest.fixture
-def press(scene):
-    """press(volume_stiffness, method, step) is the box under the press, initialized."""
-
-    def make(volume_stiffness, method="auto", step=0.0, stiffness=STIFFNESS):
-        text = CRUSH.format(stiffness=stiffness, volume_stiffness=volume_stiffness, method=method, step=step)
-        return Stepper(scene(text), stop_time=3.0)
-
-    return make
+def press(volume_stiffness, method="auto", step=0.0, stiffness=STIFFNESS):
+    """The box under the press, initialized."""
+    scene = box(
+        stiffness=stiffness,
+        damping=0.1,
+        volume_stiffness=volume_stiffness,
+        plane=[
+            {"name": "table", "friction": 0.4},
+            {"name": "press", "point": [0.0, 0.0, 1.0], "normal": [0.0, 0.0, -1.0], "friction": 0.4, "motion": "input"},
+        ],
+        energy=True,
+        outputs={"solver": True},
+        method=method,
+        step=step,
+        stop_time=3.0,
+    )
+    return Stepper(scene, stop_time=3.0)
 
 
 @pytest.mark.short("leapfrog-*-0.2", "auto-0.0-0.05", "ros34pw2-0.0-0.4")
 @pytest.mark.parametrize("share", [0.4, 0.2, 0.05])
 @pytest.mark.parametrize(("method", "step"), CASES)
-def test_with_volume_stiffness_a_crushed_box_comes_back(press, method, step, share):
-    with press(ENOUGH, method, step) as box:
-        crush(box, share)
-        volumes = corner_volumes(box.positions())
+def test_with_volume_stiffness_a_crushed_box_comes_back(method, step, share):
+    with press(ENOUGH, method, step) as body:
+        crush(body, share)
+        volumes = corner_volumes(body.positions())
         assert volumes.min() > 0.99 and volumes.max() < 1.01
-        assert box.integer("solver.folded_cells") == 0
+        assert body.integer("solver.folded_cells") == 0
 
 
 @pytest.mark.short("auto-1000000.0-*", "ros34pw2-100000000.0-0.4")
 @pytest.mark.parametrize("share", [0.4, 0.2, 0.05])
 @pytest.mark.parametrize(("method", "stiffness"), STIFF)
-def test_a_stiff_box_comes_back_through_implicit_contact(press, method, stiffness, share):
+def test_a_stiff_box_comes_back_through_implicit_contact(method, stiffness, share):
     """Where it buckles, the steps become explicit for a while; what is left at the end is vibration, which damping takes."""
-    with press(3 * stiffness / EDGE, method, stiffness=stiffness) as box:
-        crush(box, share)
-        assert box.methods()[0][0] == "backward Euler with contact"
-        volumes = corner_volumes(box.positions())
+    with press(3 * stiffness / EDGE, method, stiffness=stiffness) as body:
+        crush(body, share)
+        assert body.methods()[0][0] == "backward Euler with contact"
+        volumes = corner_volumes(body.positions())
         assert volumes.min() > 1 - 1e-6 and volumes.max() < 1 + 1e-6
-        assert box.integer("solver.folded_cells") == 0
+        assert body.integer("solver.folded_cells") == 0
 
 
 @pytest.mark.parametrize("share", [0.4, 0.2, 0.05])
-def test_without_it_the_box_stays_folded_and_says_so_once(press, share):
-    with press(0.0) as box:
-        folded = crush(box, share)
-        volumes = corner_volumes(box.positions())
+def test_without_it_the_box_stays_folded_and_says_so_once(share):
+    with press(0.0) as body:
+        folded = crush(body, share)
+        volumes = corner_volumes(body.positions())
         assert volumes.min() == pytest.approx(-1, abs=0.01)
         assert folded[-1] == (volumes <= 0).any(axis=0).sum() > 0
-        (warning,) = warnings(box)
+        (warning,) = warnings(body)
         first = next(n for n, count in enumerate(folded) if count)
         cells = f"{folded[first]} of the lattice's cells {'is' if folded[first] == 1 else 'are'} turned inside out"
         assert f"at time {(first + 1) * H:.9g} s {cells}" in warning and "[material] volume_stiffness" in warning
 
 
-def test_a_box_that_does_not_fold_gets_no_warning(press):
-    with press(0.0) as box:
-        assert not any(crush(box, 0.6))
-        assert not warnings(box)
+def test_a_box_that_does_not_fold_gets_no_warning():
+    with press(0.0) as body:
+        assert not any(crush(body, 0.6))
+        assert not warnings(body)
 
 
-def test_a_box_that_starts_folded_is_warned_of_at_once_and_after_a_reset_again(scene):
-    mirrored = scene("[initial]\nstretch = [1.0, 1.0, -1.0]\n")
-    with Stepper(mirrored) as box:
-        assert [text.split(" s ")[0] for text in warnings(box)] == ["at time 0"]
-        box.step(H, times=3)
-        assert len(warnings(box)) == 1
-        box.restart({})
-        assert len(warnings(box)) == 1
+def test_a_box_that_starts_folded_is_warned_of_at_once_and_after_a_reset_again():
+    with Stepper(box(stretch=[1.0, 1.0, -1.0])) as body:
+        assert [text.split(" s ")[0] for text in warnings(body)] == ["at time 0"]
+        body.step(H, times=3)
+        assert len(warnings(body)) == 1
+        body.restart({})
+        assert len(warnings(body)) == 1
 
 
-def test_a_restored_run_does_not_repeat_the_warning(press):
-    with press(0.0) as box:
-        crush(box, 0.2, until=0.1)
-        before = box.save()
-        crush(box, 0.2, until=0.5)
-        assert len(warnings(box)) == 1
-        box.restore(before)
-        crush(box, 0.2, until=0.5)
-        assert len(warnings(box)) == 1
+def test_a_restored_run_does_not_repeat_the_warning():
+    with press(0.0) as body:
+        crush(body, 0.2, until=0.1)
+        before = body.save()
+        crush(body, 0.2, until=0.5)
+        assert len(warnings(body)) == 1
+        body.restore(before)
+        crush(body, 0.2, until=0.5)
+        assert len(warnings(body)) == 1
 
 
-def test_the_bound_follows_a_box_that_is_crushed(press):
+def test_the_bound_follows_a_box_that_is_crushed():
     """The stable step shrinks while corners resist, and is what it was without the stiffness once none does."""
-    with press(ENOUGH) as box, press(0.0) as springs:
+    with press(ENOUGH) as body, press(0.0) as springs:
         free = springs.read("solver.stable_step")
-        assert box.read("solver.stable_step") == free
-        crush(box, 0.2, until=0.9)
-        assert box.read("solver.stable_step") < 0.75 * free
-        crush(box, 0.2)
-        assert box.read("solver.stable_step") == pytest.approx(free, rel=0.01)
+        assert body.read("solver.stable_step") == free
+        crush(body, 0.2, until=0.9)
+        assert body.read("solver.stable_step") < 0.75 * free
+        crush(body, 0.2)
+        assert body.read("solver.stable_step") == pytest.approx(free, rel=0.01)
 
 
 @pytest.mark.parametrize("stiffness", [1e9, 1e10])
-def test_a_stiff_box_crushed_past_buckling_is_followed(press, stiffness):
+def test_a_stiff_box_crushed_past_buckling_is_followed(stiffness):
     """It snaps through within a millionth of a second: implicit steps become that short, and only for that moment."""
-    with press(0.0) as box:
-        box.restart({f"stiffness.{kind}": stiffness for kind in ("edge", "face", "body")}, stop_time=3.0)
-        assert crush(box, 0.4, until=0.7)[-1] > 0
-        assert box.positions()[:, 2].max() <= 0.4 + 1e-12
-        kinetic, elastic, dissipated, work = box.read(*(f"energy.{kind}" for kind in ("kinetic", "elastic", "dissipated", "work")))
+    with press(0.0) as body:
+        body.restart({f"stiffness.{kind}": stiffness for kind in ("edge", "face", "body")}, stop_time=3.0)
+        assert crush(body, 0.4, until=0.7)[-1] > 0
+        assert body.positions()[:, 2].max() <= 0.4 + 1e-12
+        kinetic, elastic, dissipated, work = body.read(*(f"energy.{kind}" for kind in ("kinetic", "elastic", "dissipated", "work")))
         assert kinetic + elastic + dissipated == pytest.approx(work, rel=1e-9)
-        assert box.integer("solver.steps") + box.integer("solver.rejected") < 200
+        assert body.integer("solver.steps") + body.integer("solver.rejected") < 200
 
 
 @pytest.mark.parametrize(("method", "step"), CASES[:1])
-def test_energy_balance_closes_through_folding_and_back(press, method, step):
-    with press(ENOUGH, method, step) as box:
-        crush(box, 0.05)
-        kinetic, elastic, dissipated, work = box.read(*(f"energy.{kind}" for kind in ("kinetic", "elastic", "dissipated", "work")))
+def test_energy_balance_closes_through_folding_and_back(method, step):
+    with press(ENOUGH, method, step) as body:
+        crush(body, 0.05)
+        kinetic, elastic, dissipated, work = body.read(*(f"energy.{kind}" for kind in ("kinetic", "elastic", "dissipated", "work")))
         assert kinetic + elastic + dissipated == pytest.approx(work, rel=2e-4)  # impacts are of first order in the step
         assert elastic < 1e-3
 
 
-def test_a_light_deformation_is_the_same_bits_with_and_without(scene):
+def test_a_light_deformation_is_the_same_bits_with_and_without():
     """While no corner has lost half its volume there is exactly nothing."""
-    text = "[material]\nvolume_stiffness = {}\n[initial]\nstretch = [1.1, 0.9, 0.8]\n[solver]\nmethod = '{}'\nstep = 1e-3\n"
     for method in ("central_difference", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2"):
         ends = []
         for volume_stiffness in (0.0, ENOUGH):
-            with Stepper(scene(text.format(volume_stiffness, method))) as box:
-                box.step(H, times=20)
-                ends.append(box.positions())
+            lightly = box(volume_stiffness=volume_stiffness, stretch=[1.1, 0.9, 0.8], method=method, step=1e-3)
+            with Stepper(lightly) as body:
+                body.step(H, times=20)
+                ends.append(body.positions())
         assert np.array_equal(*ends), method
 
 
 @pytest.mark.parametrize("method", ["leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "auto"])
-def test_every_method_feels_the_volume_stiffness(scene, method):
+def test_every_method_feels_the_volume_stiffness(method):
     """A flattened cube of eight points without springs, from rest: d2z/dt2 from -grad psi over the first instants."""
-    text = f"""
-[lattice]
-points = [2, 2, 2]
-[material]
-stiffness = 0.0
-damping = 0.0
-volume_stiffness = 800.0
-[initial]
-stretch = [1.0, 1.0, 0.2]
-[solver]
-method = "{method}"
-"""
+    flat = box(points=[2, 2, 2], stiffness=0.0, damping=0.0, volume_stiffness=800.0, stretch=[1.0, 1.0, 0.2], method=method)
     pull = 800 * (0.5 - 0.2) ** 2 / 0.5  # N on a face: -dpsi/dJ of psi = kappa V0 (J0 - J)^3 / (3 J0), J being the height
     acceleration, time = pull / 0.5, 1e-3  # a face weighs half a kilogram
-    with Stepper(scene(text)) as box:
-        box.step(time)
-        height = np.ptp(box.positions()[:, 2])
+    with Stepper(flat) as body:
+        body.step(time)
+        height = np.ptp(body.positions()[:, 2])
     assert height - 0.2 == pytest.approx(2 * 0.5 * acceleration * time**2, rel=2e-3)  # both faces move; the rest is the pull's own change
 
 
-def test_a_scene_without_it_has_no_record_of_it(scene):
-    bare, with_it = scene(""), scene("[material]\nvolume_stiffness = 9e3\n", "with_it")
+def test_a_scene_without_it_has_no_record_of_it():
+    bare, with_it = box(), box(volume_stiffness=9e3)
     assert "volume_stiffness" not in scene_records(bare, scene_masses(bare).mass)
     assert "volume_stiffness 9000.0\n" in scene_records(with_it, scene_masses(with_it).mass)

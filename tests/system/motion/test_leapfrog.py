@@ -5,47 +5,34 @@ import pytest
 
 import reference
 from readings import points, velocities
+from scenes import box
 from softffd import FmuError, simulate
 from stepping import Stepper
 
-STRETCHED = """
-[material]
-stiffness = 1e3
-damping = 0.0
-[initial]
-stretch = [1.1, 1.0, 1.0]
-[outputs]
-velocities = "all"
-energy = true
-solver = true
-[solver]
-method = "leapfrog"
-[experiment]
-stop_time = 1.0
-communication_step = 0.1
-"""
+OBSERVED = {"velocities": "all", "energy": True, "outputs": {"solver": True}}
 
-DAMPED_AND_MOVING = """
-[material]
-stiffness = { edge = 1e3, face = 700.0, body = 400.0 }
-damping = 0.05
-[environment]
-gravity = [1.0, -2.0, -9.81]
-[initial]
-stretch = [1.1, 0.95, 1.0]
-offset = [0.3, 0.2, 0.1]
-velocity = [1.0, 0.0, -0.5]
-angular_velocity = [2.0, -1.0, 3.0]
-[outputs]
-velocities = "all"
-[experiment]
-stop_time = 0.2
-communication_step = 0.05
-"""
+
+def cube(stretch=(1.1, 1.0, 1.0), outputs=OBSERVED):
+    return box(stiffness=1e3, damping=0.0, stretch=list(stretch), method="leapfrog", stop_time=1.0, communication_step=0.1, **outputs)
+
+
+STRETCHED = cube()
+DAMPED_AND_MOVING = box(
+    stiffness={"edge": 1e3, "face": 700.0, "body": 400.0},
+    damping=0.05,
+    gravity=[1.0, -2.0, -9.81],
+    stretch=[1.1, 0.95, 1.0],
+    offset=[0.3, 0.2, 0.1],
+    velocity=[1.0, 0.0, -0.5],
+    angular_velocity=[2.0, -1.0, 3.0],
+    velocities="all",
+    stop_time=0.2,
+    communication_step=0.05,
+)
 
 
 def reference_of_damped_and_moving():
-    """The model, its state at the start and its external force, assembled here from the text above."""
+    """The model, its state at the start and its external force, assembled here from the keys above."""
     model = reference.cube(damping=0.05)
     length = np.linalg.norm(model.rest[model.springs[:, 0]] - model.rest[model.springs[:, 1]], axis=1)
     kind = np.rint((length * 3) ** 2).astype(int)  # 1, 2, 3: edge, face diagonal, body diagonal
@@ -56,20 +43,20 @@ def reference_of_damped_and_moving():
     return model, x, v, model.mass[:, None] * np.array([1.0, -2.0, -9.81])
 
 
-def stretched(scene, h, **settings):
-    return simulate(scene(STRETCHED), start_values={"solver.step": h, **settings})
+def stretched(h, **settings):
+    return simulate(STRETCHED, start_values={"solver.step": h, **settings})
 
 
-def test_order_is_two_on_the_stretched_box(scene, golden):
+def test_order_is_two_on_the_stretched_box(golden):
     stored, steps = golden("S1")["x"], [2.5e-4 / 2**n for n in range(5)]
-    errors = [np.linalg.norm(points(stretched(scene, h))[1:] - stored, axis=2).max() for h in steps]
+    errors = [np.linalg.norm(points(stretched(h))[1:] - stored, axis=2).max() for h in steps]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders == pytest.approx([2.0] * 4, abs=0.1)
     assert errors[0] == pytest.approx(9.357e-3, rel=1e-3)  # of the scheme itself: the numpy reference has it too
 
 
-def test_free_vibration_is_the_references_to_rounding(scene):
-    result, model = stretched(scene, 2.5e-4), reference.cube()
+def test_free_vibration_is_the_references_to_rounding():
+    result, model = stretched(2.5e-4), reference.cube()
     x, v = model.rest * [1.1, 1.0, 1.0], np.zeros_like(model.rest)
     for row in range(1, 11):
         x, v = reference.leapfrog(model, x, v, 2.5e-4, 400)
@@ -79,17 +66,17 @@ def test_free_vibration_is_the_references_to_rounding(scene):
 
 
 @pytest.mark.parametrize("method", ["leapfrog", "auto"])
-def test_damping_gravity_and_initial_motion_are_the_references_to_rounding(scene, method):
-    result = simulate(scene(DAMPED_AND_MOVING), start_values={"solver.step": 5e-4, "solver.method": method})
+def test_damping_gravity_and_initial_motion_are_the_references_to_rounding(method):
+    result = simulate(DAMPED_AND_MOVING, start_values={"solver.step": 5e-4, "solver.method": method})
     model, x, v, external = reference_of_damped_and_moving()
     x, v = reference.leapfrog(model, x, v, 5e-4, 400, external=external)
     assert points(result)[-1] == pytest.approx(x, abs=1e-12)
     assert velocities(result)[-1] == pytest.approx(v, abs=1e-10)
 
 
-def test_central_difference_is_the_published_recurrence(scene):
+def test_central_difference_is_the_published_recurrence():
     settings = {"solver.step": 5e-4, "solver.method": "central_difference"}
-    result = simulate(scene(DAMPED_AND_MOVING), start_values=settings)
+    result = simulate(DAMPED_AND_MOVING, start_values=settings)
     model, x, v, external = reference_of_damped_and_moving()
     course = reference.central_difference(model, x, v, 5e-4, 401, external=external)
     # rounding of a position, 1e-16, enters the recurrence as a velocity, 1e-16 / h; some hundreds of such add up
@@ -97,32 +84,18 @@ def test_central_difference_is_the_published_recurrence(scene):
     assert velocities(result)[-1] == pytest.approx((course[401] - course[399]) / 1e-3, abs=1e-8)
 
 
-@pytest.mark.parametrize("text", [STRETCHED, DAMPED_AND_MOVING], ids=["undamped", "damped"])
-def test_central_difference_agrees_with_leapfrog_on_smooth_motion(scene, text):
-    runs = [
-        simulate(scene(text), start_values={"solver.step": 2.5e-4, "solver.method": method})
-        for method in ("leapfrog", "central_difference")
-    ]
+@pytest.mark.parametrize("scene", [STRETCHED, DAMPED_AND_MOVING], ids=["undamped", "damped"])
+def test_central_difference_agrees_with_leapfrog_on_smooth_motion(scene):
+    runs = [simulate(scene, start_values={"solver.step": 2.5e-4, "solver.method": method}) for method in ("leapfrog", "central_difference")]
     assert points(runs[0]) == pytest.approx(points(runs[1]), abs=1e-10)  # round-off of the recurrence, as above
     assert velocities(runs[0]) == pytest.approx(velocities(runs[1]), abs=1e-8)
 
 
-def test_central_difference_restarts_with_the_force_of_that_moment(scene):
+def test_central_difference_restarts_with_the_force_of_that_moment():
     """The stable step changes as the box swings, and the recurrence starts anew within a communication step."""
-    text = """
-[material]
-damping = 0.0
-[initial]
-stretch = [1.3, 1.0, 1.0]
-[[load]]
-name = "push"
-points = "all"
-[outputs]
-velocities = "all"
-[solver]
-method = "central_difference"
-"""
-    with Stepper(scene(text)) as stepper:
+    push = {"name": "push", "points": "all"}
+    swinging = box(damping=0.0, stretch=[1.3, 1.0, 1.0], load=[push], velocities="all", method="central_difference")
+    with Stepper(swinging) as stepper:
         for n in range(5):
             stepper.set({"load.push.x": 2.0 * n})
             stepper.set_rates({"load.push.x": 10.0})
@@ -130,19 +103,19 @@ method = "central_difference"
         assert stepper.velocities()[:, 0].mean() == pytest.approx(0.5 * 10, abs=1e-8)  # of 10 t N on 1 kg
 
 
-def test_a_run_taken_back_by_the_reference_returns_to_its_start(scene):
-    result, model = stretched(scene, 1e-3), reference.cube()
+def test_a_run_taken_back_by_the_reference_returns_to_its_start():
+    result, model = stretched(1e-3), reference.cube()
     x, v = reference.leapfrog(model, points(result)[-1], -velocities(result)[-1], 1e-3, 1000)
     assert x == pytest.approx(points(result)[0], abs=1e-12)
     assert v == pytest.approx(np.zeros_like(v), abs=1e-10)
 
 
 @pytest.mark.full
-def test_a_million_steps_at_nine_tenths_of_the_bound_stay_bounded(scene):
-    text = STRETCHED.replace('velocities = "all"', 'positions = "none"')
-    with Stepper(scene(text)) as stepper:
+def test_a_million_steps_at_nine_tenths_of_the_bound_stay_bounded():
+    quiet = cube(outputs={"energy": True, "outputs": {"positions": "none", "solver": True}})
+    with Stepper(quiet) as stepper:
         step = 0.9 * stepper.read("solver.stable_step")[0]
-    with Stepper(scene(text), start_values={"solver.step": step}) as stepper:
+    with Stepper(quiet, start_values={"solver.step": step}) as stepper:
         start = stepper.read("energy.kinetic", "energy.elastic").sum()
         totals = []
         for _ in range(200):
@@ -156,53 +129,40 @@ def test_a_million_steps_at_nine_tenths_of_the_bound_stay_bounded(scene):
 
 
 @pytest.mark.parametrize("counts", [2, 4])
-def test_the_automatic_step_does_not_feed_a_light_undamped_point(scene, counts):
+def test_the_automatic_step_does_not_feed_a_light_undamped_point(counts):
     """The bound is tight for a light point, and stable by the linear bound is not enough: near h omega = sqrt 3 and sqrt 2 every
     third or fourth step comes back in phase with the nonlinear part of the springs, and energy grows without limit."""
-    text = f"""
-[lattice]
-points = [{counts}, {counts}, {counts}]
-[material]
-stiffness = 1e3
-damping = 0.0
-[[region]]
-points = [[0, 0, 0]]
-mass = 1e-5
-[initial]
-stretch = [1.1, 1.0, 1.0]
-[outputs]
-positions = "none"
-energy = true
-"""
-    energy = simulate(scene(text)).outputs
+    light = [{"points": [[0, 0, 0]], "mass": 1e-5}]
+    scene = box(lattice={"points": [counts] * 3}, stiffness=1e3, damping=0.0, region=light, stretch=[1.1, 1.0, 1.0], energy=True)
+    energy = simulate(scene).outputs
     total = energy["energy.kinetic"] + energy["energy.elastic"]
     assert total.max() < 2 * total[0]
 
 
-def test_the_stable_step_is_a_bound_and_no_more_than_a_fifth_too_short(scene):
-    with Stepper(scene(STRETCHED.replace("1.1, 1.0, 1.0", "1.0, 1.0, 1.0"))) as stepper:
+def test_the_stable_step_is_a_bound_and_no_more_than_a_fifth_too_short():
+    with Stepper(cube([1.0, 1.0, 1.0])) as stepper:
         bound = stepper.read("solver.stable_step")[0]
     exact = 2 / reference.cube().eigenmodes()[0][-1]
     assert exact / 1.2 < bound <= exact
 
 
 @pytest.mark.parametrize("stretch", [[1.1, 1.0, 1.0], [2.0, 0.7, 1.0], [3.0, 3.0, 3.0]])
-def test_the_stable_step_is_a_bound_of_the_stretched_box_too(scene, stretch):
+def test_the_stable_step_is_a_bound_of_the_stretched_box_too(stretch):
     """A stretched spring is stiff across its length as well, by k (1 - l / r)."""
-    with Stepper(scene(STRETCHED.replace("[1.1, 1.0, 1.0]", str(stretch)))) as stepper:
+    with Stepper(cube(stretch)) as stepper:
         bound = stepper.read("solver.stable_step")[0]
     exact = 2 / reference.cube().highest_frequency(reference.rest_lattice() * stretch)
     assert 0.75 * exact < bound <= exact  # 0.87, 0.83, 0.76
 
 
-def test_a_given_step_beyond_stability_is_shortened_and_said_so(scene):
-    result = stretched(scene, 5e-3)
+def test_a_given_step_beyond_stability_is_shortened_and_said_so():
+    result = stretched(5e-3)
     assert np.abs(points(result)).max() < 2
     assert result.outputs["solver.steps"][-1] > 400
     (warning,) = result.summary["warnings"]
     assert "internal step 0.00125 s, a part of solver.step = 0.005 s, which is above the stability bound" in warning
 
 
-def test_more_internal_steps_than_allowed_are_refused(scene):
+def test_more_internal_steps_than_allowed_are_refused():
     with pytest.raises(FmuError, match="internal steps"):
-        simulate(scene(STRETCHED), start_values={"solver.step": 1e-9})
+        simulate(STRETCHED, start_values={"solver.step": 1e-9})

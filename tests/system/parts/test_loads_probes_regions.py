@@ -1,38 +1,28 @@
 """Forces, loads, probes and regional overrides act as stated."""
 
-import re
-
 import numpy as np
 import pytest
 
 import reference
 from readings import points, vector, velocities
+from scenes import box
 from softffd import deform, simulate
 
-LOADED = """
-[lattice]
-points = [3, 4, 2]
-[mass]
-total = 4.8
-[material]
-stiffness = STIFFNESS
-damping = 0.0
-[[load]]
-name = "push"
-points = "x+"
-[[load]]
-name = "lift"
-points = [[0, 0, 0], [2, 3, 1]]
-[inputs]
-forces = [[2, 3, 1], [0, 1, 0]]
-[outputs]
-velocities = "all"
-[solver]
-step = 5e-4
-[experiment]
-stop_time = 0.5
-communication_step = 0.1
-"""
+
+def loaded(stiffness):
+    return box(
+        points=[3, 4, 2],
+        mass={"total": 4.8},
+        stiffness=stiffness,
+        damping=0.0,
+        load=[{"name": "push", "points": "x+"}, {"name": "lift", "points": [[0, 0, 0], [2, 3, 1]]}],
+        forces=[[2, 3, 1], [0, 1, 0]],
+        velocities="all",
+        step=5e-4,
+        stop_time=0.5,
+        communication_step=0.1,
+    )
+
 
 VALUES = {
     "load.push.x": 8.0, "load.push.z": -4.0, "load.lift.y": 3.0,
@@ -51,58 +41,45 @@ def external():
     return force.reshape(-1, 3)
 
 
-def test_loads_are_shared_equally_and_forces_act_on_their_points(scene):
-    result = simulate(scene(LOADED.replace("STIFFNESS", "0.0")), start_values=VALUES)
+def test_loads_are_shared_equally_and_forces_act_on_their_points():
+    result = simulate(loaded(0.0), start_values=VALUES)
     assert velocities(result)[-1] == pytest.approx(external() / 0.2 * 0.5, rel=1e-12, abs=1e-14)  # sums of 1000 kicks
 
 
-def test_loads_and_forces_move_the_lattice_as_the_reference_says(scene):
-    result = simulate(scene(LOADED.replace("STIFFNESS", "800.0")), start_values=VALUES)
+def test_loads_and_forces_move_the_lattice_as_the_reference_says():
+    result = simulate(loaded(800.0), start_values=VALUES)
     model = reference.cube(stiffness=800.0, counts=(3, 4, 2), total=4.8)
     x, _ = reference.leapfrog(model, model.rest, np.zeros_like(model.rest), 5e-4, 1000, external=external())
     assert points(result)[-1] == pytest.approx(x, abs=1e-12)
 
 
-REGIONS = """
-[lattice]
-points = [4, 3, 5]
-origin = [-1.0, 0.5, 2.0]
-size = [1.5, 0.8, 2.0]
-springs = "SPRINGS"
-[mass]
-total = 6.0
-[material]
-stiffness = 1e3
-damping = 0.02
-[[region]]
-points = "z-"
-stiffness = 4e3
-damping = 0.3
-[[region]]
-points = { i = [0, 1] }
-stiffness = 200.0
-mass = 0.3
-[[region]]
-points = [[3, 2, 4], [3, 1, 4], [0, 0, 0]]
-mass = 0.05
-damping = 0.0
-[initial]
-stretch = [1.1, 0.9, 1.05]
-angular_velocity = [1.0, 2.0, 3.0]
-[outputs]
-velocities = "all"
-energy = true
-[solver]
-step = 5e-4
-[experiment]
-stop_time = 0.2
-communication_step = 0.02
-"""
+CORNER = {"origin": [-1.0, 0.5, 2.0], "size": [1.5, 0.8, 2.0]}
+
+
+def regional(topology="distinct"):
+    return box(
+        lattice={"points": [4, 3, 5], "springs": topology, **CORNER},
+        mass={"total": 6.0},
+        stiffness=1e3,
+        damping=0.02,
+        region=[
+            {"points": "z-", "stiffness": 4e3, "damping": 0.3},
+            {"points": {"i": [0, 1]}, "stiffness": 200.0, "mass": 0.3},
+            {"points": [[3, 2, 4], [3, 1, 4], [0, 0, 0]], "mass": 0.05, "damping": 0.0},
+        ],
+        stretch=[1.1, 0.9, 1.05],
+        angular_velocity=[1.0, 2.0, 3.0],
+        velocities="all",
+        energy=True,
+        step=5e-4,
+        stop_time=0.2,
+        communication_step=0.02,
+    )
 
 
 def model_with_regions(topology):
     counts = (4, 3, 5)
-    rest = reference.rest_lattice(counts, origin=(-1.0, 0.5, 2.0), size=(1.5, 0.8, 2.0))
+    rest = reference.rest_lattice(counts, **CORNER)
     springs = reference.spring_list(counts, topology=topology)
     low, left, spots = np.arange(60) < 12, np.arange(60) % 4 <= 1, np.isin(np.arange(60), [3 + 4 * 2 + 48, 3 + 4 * 1 + 48, 0])
     stiffness = np.full(len(springs), 1e3)
@@ -115,8 +92,8 @@ def model_with_regions(topology):
 
 
 @pytest.mark.parametrize("topology", ["distinct", "paper"])
-def test_regional_stiffness_mass_and_damping_are_the_references(scene, topology):
-    result, model = simulate(scene(REGIONS.replace("SPRINGS", topology))), model_with_regions(topology)
+def test_regional_stiffness_mass_and_damping_are_the_references(topology):
+    result, model = simulate(regional(topology)), model_with_regions(topology)
     corner, middle = np.array([-1.0, 0.5, 2.0]), np.array([0.75, 0.4, 1.0]) * [1.1, 0.9, 1.05] + [-1.0, 0.5, 2.0]
     x = corner + (model.rest - corner) * [1.1, 0.9, 1.05]
     v = np.cross([1.0, 2.0, 3.0], x - middle)
@@ -128,8 +105,8 @@ def test_regional_stiffness_mass_and_damping_are_the_references(scene, topology)
     assert velocities(result)[-1] == pytest.approx(v, abs=1e-10)
 
 
-def test_another_mass_scales_every_point(scene):
-    result = simulate(scene(REGIONS.replace("SPRINGS", "distinct")), start_values={"mass": 2.0})
+def test_another_mass_scales_every_point():
+    result = simulate(regional(), start_values={"mass": 2.0})
     model = model_with_regions("distinct")
     scaled = reference.Model(model.rest, model.springs, model.stiffness, model.mass * 2.0 / model.mass.sum(), model.damping)
     x, _ = reference.leapfrog(scaled, points(result)[0], velocities(result)[0], 5e-4, 400)
@@ -137,9 +114,9 @@ def test_another_mass_scales_every_point(scene):
     assert points(result)[-1] == pytest.approx(x, abs=1e-12)
 
 
-def test_other_stiffness_and_damping_leave_the_overrides_as_they_are(scene):
+def test_other_stiffness_and_damping_leave_the_overrides_as_they_are():
     values = {"stiffness.edge": 700.0, "stiffness.face": 700.0, "stiffness.body": 700.0, "damping": 0.1}
-    result, model = simulate(scene(REGIONS.replace("SPRINGS", "distinct")), start_values=values), model_with_regions("distinct")
+    result, model = simulate(regional(), start_values=values), model_with_regions("distinct")
     stiffness = np.where(model.stiffness == 1e3, 700.0, model.stiffness)
     damping = np.where(model.damping == 0.02, 0.1, model.damping)
     changed = reference.Model(model.rest, model.springs, stiffness, model.mass, damping)
@@ -147,35 +124,25 @@ def test_other_stiffness_and_damping_leave_the_overrides_as_they_are(scene):
     assert points(result)[-1] == pytest.approx(x, abs=1e-12)
 
 
-PROBED = """
-[lattice]
-points = [4, 3, 5]
-origin = [1.0, 2.0, 3.0]
-size = [2.0, 1.0, 4.0]
-[initial]
-stretch = [1.2, 0.9, 1.0]
-velocity = [0.1, 0.2, -0.3]
-angular_velocity = [1.0, -2.0, 0.5]
-[[probe]]
-name = "inside"
-at = [1.3, 2.85, 5.9]
-[[probe]]
-name = "corner"
-at = [3.0, 3.0, 7.0]
-[[probe]]
-name = "middle"
-at = [2.0, 2.5, 5.0]
-[experiment]
-stop_time = 0.5
-communication_step = 0.05
-"""
+PROBES = {"inside": [1.3, 2.85, 5.9], "corner": [3.0, 3.0, 7.0], "middle": [2.0, 2.5, 5.0]}
 
 
-@pytest.mark.parametrize(("name", "at"), [("inside", [1.3, 2.85, 5.9]), ("corner", [3.0, 3.0, 7.0]), ("middle", [2.0, 2.5, 5.0])])
-def test_a_probe_in_bsplines_is_the_point_that_the_object_has_there(scene, name, at):
+def probed(**lattice):
+    return box(
+        lattice={"points": [4, 3, 5], "origin": [1.0, 2.0, 3.0], "size": [2.0, 1.0, 4.0], **lattice},
+        stretch=[1.2, 0.9, 1.0],
+        velocity=[0.1, 0.2, -0.3],
+        angular_velocity=[1.0, -2.0, 0.5],
+        probe=[{"name": name, "at": at} for name, at in PROBES.items()],
+        stop_time=0.5,
+        communication_step=0.05,
+    )
+
+
+@pytest.mark.parametrize(("name", "at"), PROBES.items(), ids=PROBES)
+def test_a_probe_in_bsplines_is_the_point_that_the_object_has_there(name, at):
     """Of a fine lattice, against the Python package's own deformation of that point."""
-    text = PROBED.replace("[lattice]", '[lattice]\nbasis = "bspline"', 1)
-    result = simulate(scene(re.sub(r"points = \[\d.*\]", "points = [9, 6, 12]", text, count=1)))
+    result = simulate(probed(basis="bspline", points=[9, 6, 12]))
     lattice = result.scene.lattice
     assert lattice.points == (9, 6, 12)
     expected = deform(np.array([at]), result.positions, origin=lattice.origin, size=lattice.size, basis="bspline")[:, 0]
@@ -183,9 +150,9 @@ def test_a_probe_in_bsplines_is_the_point_that_the_object_has_there(scene, name,
     assert np.ptp(vector(result, f"probe.{name}"), axis=0).max() > 1e-3
 
 
-@pytest.mark.parametrize(("name", "at"), [("inside", [1.3, 2.85, 5.9]), ("corner", [3.0, 3.0, 7.0]), ("middle", [2.0, 2.5, 5.0])])
-def test_a_probe_follows_the_bezier_volume(scene, name, at):
-    result = simulate(scene(PROBED))
+@pytest.mark.parametrize(("name", "at"), PROBES.items(), ids=PROBES)
+def test_a_probe_follows_the_bezier_volume(name, at):
+    result = simulate(probed())
     u = (np.array(at) - [1.0, 2.0, 3.0]) / [2.0, 1.0, 4.0]
     expected = [reference.bezier_point(grid, u) for grid in result.positions]
     assert vector(result, f"probe.{name}") == pytest.approx(np.array(expected), abs=1e-14)
