@@ -20,6 +20,12 @@ SECTIONS = {
 SECTION_OF = {key: section for section, keys in SECTIONS.items() for key in keys}
 
 
+def table_and_press(*, friction: float = 0.0) -> list[dict[str, Any]]:
+    """Planes below and above the unit cube; an input moves the upper one."""
+    above = {"point": [0.0, 0.0, 1.0], "normal": [0.0, 0.0, -1.0], "motion": "input"}
+    return [{"name": "table", "friction": friction}, {"name": "press", "friction": friction, **above}]
+
+
 def box(**keys: Any) -> Scene:
     """The scene of these keys: the common ones by their own names, the rest as sections; everything else is the default, a unit cube."""
     document: dict[str, Any] = {}

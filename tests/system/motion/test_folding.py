@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scenes import box
+from scenes import box, table_and_press
 from softffd.fmu.package import scene_masses
 from softffd.fmu.records import scene_records
 from stepping import Stepper
@@ -63,10 +63,7 @@ def press(volume_stiffness, method="auto", step=0.0, stiffness=STIFFNESS):
         stiffness=stiffness,
         damping=0.1,
         volume_stiffness=volume_stiffness,
-        plane=[
-            {"name": "table", "friction": 0.4},
-            {"name": "press", "point": [0.0, 0.0, 1.0], "normal": [0.0, 0.0, -1.0], "friction": 0.4, "motion": "input"},
-        ],
+        plane=table_and_press(friction=0.4),
         energy=True,
         outputs={"solver": True},
         method=method,

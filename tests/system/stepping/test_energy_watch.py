@@ -2,44 +2,34 @@
 
 import pytest
 
+from scenes import box, table_and_press
 from softffd import load_scene
 from stepping import Stepper
 
-RESONANT = """
-[material]
-stiffness = 1e3
-damping = {damping}
-[[region]]
-points = "x+"
-mass = 2.3e-5
-[[pin]]
-name = "base"
-points = "x-"
-[initial]
-stretch = [1.2, 1.0, 1.0]
-[outputs]
-energy = true
-solver = true
-[solver]
-method = "leapfrog"
-"""
+RESONANT = box(
+    stiffness=1e3,
+    damping=0.0,
+    region=[{"points": "x+", "mass": 2.3e-5}],
+    pin=[{"name": "base", "points": "x-"}],
+    stretch=[1.2, 1.0, 1.0],
+    energy=True,
+    outputs={"solver": True},
+    method="leapfrog",
+)
 
-VIOLENT = """
-[lattice]
-points = [2, 2, 2]
-[material]
-stiffness = 1e3
-damping = 0.0
-[initial]
-stretch = [0.5, 2.0, 2.0]
-angular_velocity = [-22.0, 25.0, -2.0]
-[outputs]
-energy = true
-solver = true
-[solver]
-method = "{method}"
-tolerance = 10.0
-"""
+
+def violent(method="leapfrog"):
+    return box(
+        points=[2, 2, 2],
+        stiffness=1e3,
+        damping=0.0,
+        stretch=[0.5, 2.0, 2.0],
+        angular_velocity=[-22.0, 25.0, -2.0],
+        energy=True,
+        outputs={"solver": True},
+        method=method,
+        tolerance=10.0,
+    )
 
 
 def energy(body):
@@ -61,8 +51,8 @@ def shake(body, share, *, h=1e-3):
     return most / start
 
 
-def test_a_given_step_that_feeds_vibrations_is_warned_of_once(scene):
-    with Stepper(scene(RESONANT.format(damping=0.0))) as body:
+def test_a_given_step_that_feeds_vibrations_is_warned_of_once():
+    with Stepper(RESONANT) as body:
         assert shake(body, 0.98) > 1.2
         (warning,) = said(body, "the body has gained")
         safe = float(warning.split("take less than ")[1].split(" s")[0])
@@ -71,32 +61,18 @@ def test_a_given_step_that_feeds_vibrations_is_warned_of_once(scene):
         assert not said(body, "gained")
 
 
-CRUSHED = """
-[material]
-stiffness = 10.0
-damping = 0.001
-volume_stiffness = 1e9
-[[plane]]
-name = "table"
-friction = 0.0
-[[plane]]
-name = "press"
-point = [0.0, 0.0, 1.0]
-normal = [0.0, 0.0, -1.0]
-velocity = [0.0, 0.0, -10.0]
-friction = 0.0
-motion = "input"
-[outputs]
-energy = true
-[solver]
-method = "leapfrog"
-step = 2e-4
-"""
-
-
-def test_a_damped_body_whose_cells_stiffen_within_a_given_step_is_warned_of(scene):
+def test_a_damped_body_whose_cells_stiffen_within_a_given_step_is_warned_of():
     """Crushed at 10 m/s to half its height, and held so: more energy than the press has given."""
-    with Stepper(scene(CRUSHED)) as body:
+    crushed = box(
+        stiffness=10.0,
+        damping=0.001,
+        volume_stiffness=1e9,
+        plane=table_and_press(),
+        energy=True,
+        method="leapfrog",
+        step=2e-4,
+    )
+    with Stepper(crushed, start_values={"plane.press.velocity.z": -10.0}) as body:
         for n in range(20):
             body.set({"plane.press.point.z": 1 - 0.125 * min(n, 4), "plane.press.velocity.z": -10.0 if n < 4 else 0.0})
             body.step(0.0125)
@@ -105,17 +81,17 @@ def test_a_damped_body_whose_cells_stiffen_within_a_given_step_is_warned_of(scen
 
 
 @pytest.mark.parametrize("share", [0.95, 0.7, 0.3])
-def test_steps_that_do_no_harm_are_not(scene, share):
+def test_steps_that_do_no_harm_are_not(share):
     """Kinetic + elastic goes up and down by (omega h / 2)^2 of itself without harm: that is not a gain."""
-    with Stepper(scene(RESONANT.format(damping=0.0))) as body:
+    with Stepper(RESONANT) as body:
         assert shake(body, share) < 1.01
         assert not said(body, "gained")
 
 
 @pytest.mark.parametrize("method", ["auto", "leapfrog", "bm4"])
-def test_automatic_steps_that_gain_energy_are_made_smaller(scene, method):
+def test_automatic_steps_that_gain_energy_are_made_smaller(method):
     """At a tolerance that asks for nothing stability alone sets the steps of a body that is thrown inside out again and again."""
-    with Stepper(scene(VIOLENT.format(method=method))) as body:
+    with Stepper(violent(method)) as body:
         start, most = energy(body), 0.0
         for _ in range(60):
             body.step(0.15)
@@ -135,11 +111,11 @@ def test_shipped_scenes_gain_nothing(name, method):
 
 
 @pytest.mark.parametrize("held", ["load", "pin"])
-def test_what_the_outside_gives_is_no_gain(scene, held):
+def test_what_the_outside_gives_is_no_gain(held):
     """A force that ramps, a pin that is moved in jumps: some hundred times the energy that was there."""
-    part = "[[load]]\nname = 'push'\npoints = 'x+'\n" if held == "load" else "[[pin]]\nname = 'hand'\npoints = 'x+'\nmotion = 'input'\n"
-    text = "[material]\nstiffness = 1e3\ndamping = 0.0\n[initial]\nstretch = [1.01, 1.0, 1.0]\n[outputs]\nenergy = true\n" + part
-    with Stepper(scene(text), start_values={"solver.method": "leapfrog", "solver.step": 5e-4}) as body:
+    parts = {"load": {"name": "push", "points": "x+"}, "pin": {"name": "hand", "points": "x+", "motion": "input"}}
+    scene = box(stiffness=1e3, damping=0.0, stretch=[1.01, 1.0, 1.0], energy=True, **{held: [parts[held]]})
+    with Stepper(scene, start_values={"solver.method": "leapfrog", "solver.step": 5e-4}) as body:
         start = energy(body)
         for n in range(100):
             if held == "load":
@@ -152,9 +128,9 @@ def test_what_the_outside_gives_is_no_gain(scene, held):
         assert not said(body, "gained")
 
 
-def test_a_saved_run_remembers_what_it_has_gained(scene):
+def test_a_saved_run_remembers_what_it_has_gained():
     """From before its steps are made smaller, and from after that."""
-    with Stepper(scene(VIOLENT.format(method="leapfrog"))) as body:
+    with Stepper(violent()) as body:
         for _ in range(2):
             body.step(0.15, times=4)
             before = body.save()

@@ -3,108 +3,100 @@
 import numpy as np
 import pytest
 
+from scenes import box, table_and_press
 from softffd.errors import FmuError
 from stepping import Stepper
 
 SPEED, H = 10.0, 0.0125
 
-CRUSH = """
-[material]
-stiffness = 10.0
-damping = 0.001
-volume_stiffness = 1e9
-[[plane]]
-name = "table"
-friction = 0.0
-[[plane]]
-name = "press"
-friction = 0.0
-point = [0.0, 0.0, 1.0]
-normal = [0.0, 0.0, -1.0]
-motion = "input"
-[outputs]
-solver = true
-[solver]
-method = "{method}"
-step = {step}
-"""
+
+def under_press(step):
+    return box(
+        stiffness=10.0,
+        damping=0.001,
+        volume_stiffness=1e9,
+        plane=table_and_press(),
+        outputs={"solver": True},
+        method="leapfrog",
+        step=step,
+    )
 
 
-def crush(box, steps=range(4)):
+def crush(body, steps=range(4)):
     """To half its height at 10 m/s: cells resist, stiffly, from one internal step to the next."""
     for n in steps:
-        box.set({"plane.press.point.z": 1 - SPEED * n * H, "plane.press.velocity.z": -SPEED})
-        box.step(H)
+        body.set({"plane.press.point.z": 1 - SPEED * n * H, "plane.press.velocity.z": -SPEED})
+        body.step(H)
 
 
-def divided(box):
-    return [text for text in box.messages if "not finite" in text]
+def divided(body):
+    return [text for text in body.messages if "not finite" in text]
 
 
-def test_given_steps_too_long_to_have_a_result_are_divided_with_a_warning(scene):
-    with Stepper(scene(CRUSH.format(method="leapfrog", step=H / 8))) as box:
-        crush(box)
-        assert np.isfinite(box.positions()).all()
-        assert box.positions()[:, 2].min() >= -1e-12 and box.positions()[:, 2].max() <= 0.5 + 1e-12
-        (warning,) = divided(box)
+def test_given_steps_too_long_to_have_a_result_are_divided_with_a_warning():
+    with Stepper(under_press(H / 8)) as body:
+        crush(body)
+        assert np.isfinite(body.positions()).all()
+        assert body.positions()[:, 2].min() >= -1e-12 and body.positions()[:, 2].max() <= 0.5 + 1e-12
+        (warning,) = divided(body)
         assert f"internal steps of {H / 8:.9g} s give a result that is not finite" in warning
 
 
 @pytest.mark.full
-def test_a_saved_run_divides_them_again(scene):
-    with Stepper(scene(CRUSH.format(method="leapfrog", step=H / 8))) as box:
-        crush(box, range(2))
-        before, ends = box.save(), []
+def test_a_saved_run_divides_them_again():
+    with Stepper(under_press(H / 8)) as body:
+        crush(body, range(2))
+        before, ends = body.save(), []
         for _ in range(2):
-            box.restore(before)
-            crush(box, range(2, 4))
-            ends.append(box.positions())
+            body.restore(before)
+            crush(body, range(2, 4))
+            ends.append(body.positions())
         assert np.array_equal(*ends)
-        assert len(divided(box)) == 1
+        assert len(divided(body)) == 1
 
 
 @pytest.mark.short("0.0-*", "0.001-auto")
 @pytest.mark.parametrize("method", ["auto", "leapfrog", "rkn12", "ros34pw2"])
 @pytest.mark.parametrize("step", [0.0, 1e-3])
-def test_what_no_step_can_follow_is_refused_by_name_and_changes_nothing(scene, method, step):
+def test_what_no_step_can_follow_is_refused_by_name_and_changes_nothing(method, step):
     """1e308 N; steps by tolerance are too many before they are too long."""
-    text = "[material]\nstiffness = 1e3\n[initial]\nstretch = [1.1, 1.0, 1.0]\n[[load]]\nname = 'push'\npoints = [[0, 0, 0]]\n"
-    with Stepper(scene(text), start_values={"solver.method": method, "solver.step": step}) as box:
-        box.step(0.01)
-        before, state = box.positions(), box.save()
-        box.set({"load.push.x": 1e308})
+    pushed = box(stiffness=1e3, stretch=[1.1, 1.0, 1.0], load=[{"name": "push", "points": [[0, 0, 0]]}])
+    with Stepper(pushed, start_values={"solver.method": method, "solver.step": step}) as body:
+        body.step(0.01)
+        before, state = body.positions(), body.save()
+        body.set({"load.push.x": 1e308})
         with pytest.raises(FmuError, match="not finite, and not with smaller internal steps either" + "|more than 20000000" * (step == 0)):
-            box.step(10.0)
-        assert np.array_equal(box.positions(), before)
-        box.restore(state)
-        box.step(0.01)
-        assert np.isfinite(box.positions()).all()
+            body.step(10.0)
+        assert np.array_equal(body.positions(), before)
+        body.restore(state)
+        body.step(0.01)
+        assert np.isfinite(body.positions()).all()
 
 
-def test_outputs_after_a_discarded_step_are_those_of_the_values_before(scene):
+def test_outputs_after_a_discarded_step_are_those_of_the_values_before():
     """A stiffness that asks for too many steps waits, in the state saved then too; taken back, it leaves no trace."""
-    text = "[material]\nstiffness = 1e3\n[initial]\nstretch = [1.1, 1.0, 1.0]\n[outputs]\nenergy = true\nsolver = true\n"
-    with Stepper(scene(text)) as box, Stepper(scene(text)) as other:
-        for each in (box, other):
+    scene = box(stiffness=1e3, stretch=[1.1, 1.0, 1.0], energy=True, outputs={"solver": True})
+    with Stepper(scene) as body, Stepper(scene) as other:
+        for each in (body, other):
             each.step(0.01)
-        before, state = box.outputs(), box.save()
-        box.set({"stiffness.edge": 1e30})
+        before, state = body.outputs(), body.save()
+        body.set({"stiffness.edge": 1e30})
         with pytest.raises(FmuError, match="more than 20000000"):
-            box.step(0.01)
-        assert box.outputs() == before
-        box.restore(box.save())
-        assert box.outputs() == before
-        box.restore(state)
-        for each in (box, other):
+            body.step(0.01)
+        assert body.outputs() == before
+        body.restore(body.save())
+        assert body.outputs() == before
+        body.restore(state)
+        for each in (body, other):
             each.set({"stiffness.edge": 2e3})
             each.step(0.01)
-        assert box.outputs() == other.outputs()
+        assert body.outputs() == other.outputs()
 
 
-def test_a_reaction_too_large_for_a_number_discards_the_step(scene):
-    text = "[material]\nstiffness = 1e3\n[[pin]]\nname = 'hand'\npoints = 'x-'\nmotion = 'input'\n"
-    with Stepper(scene(text)) as box:
-        box.set({"pin.hand.velocity.x": 1e10})
+def test_a_reaction_too_large_for_a_number_discards_the_step():
+    held = box(stiffness=1e3, pin=[{"name": "hand", "points": "x-", "motion": "input"}])
+    with Stepper(held) as body:
+        body.set({"pin.hand.velocity.x": 1e10})
         with pytest.raises(FmuError, match="not finite"):
-            box.step(1e-300)
-        assert np.isfinite(box.outputs()).all()
+            body.step(1e-300)
+        assert np.isfinite(body.outputs()).all()

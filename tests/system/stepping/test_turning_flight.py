@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from scenes import GRAVITY, box
 from stepping import Stepper
 
 FLIGHT = (
@@ -11,40 +12,26 @@ FLIGHT = (
 )
 IN_FLIGHT = [FLIGHT]
 
-BOX = """
-[lattice]
-points = [4, 4, 3]
-size = [1.0, 0.8, 0.5]
-[material]
-stiffness = STIFFNESS
-damping = DAMPING
-[[region]]
-points = "x+"
-mass = 0.03
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[initial]
-offset = [0.0, 0.0, 1.0]
-velocity = [1.0, 0.0, 1.0]
-angular_velocity = [8.0, 15.0, -11.0]
-[[load]]
-name = "push"
-points = [[3, 3, 2]]
-[outputs]
-velocities = "all"
-energy = true
-solver = true
-"""
-GROUND = """
-[[plane]]
-name = "ground"
-friction = 0.4
-"""
+GROUND = {"name": "ground", "friction": 0.4}
 
 
-def box(scene, *, stiffness=1e8, damping=0.0, more=""):
-    """Of uneven masses, turning about all its axes, with a load on a corner."""
-    return scene(BOX.replace("STIFFNESS", f"{stiffness:g}").replace("DAMPING", str(damping)) + more)
+def thrown(*, stiffness=1e8, damping=0.0, planes=()):
+    """A box of uneven masses, turning about all its axes, with a load on a corner."""
+    return box(
+        lattice={"points": [4, 4, 3], "size": [1.0, 0.8, 0.5]},
+        stiffness=stiffness,
+        damping=damping,
+        region=[{"points": "x+", "mass": 0.03}],
+        gravity=GRAVITY,
+        plane=planes,
+        offset=[0.0, 0.0, 1.0],
+        velocity=[1.0, 0.0, 1.0],
+        angular_velocity=[8.0, 15.0, -11.0],
+        load=[{"name": "push", "points": [[3, 3, 2]]}],
+        velocities="all",
+        energy=True,
+        outputs={"solver": True},
+    )
 
 
 def push(stepper, newton):
@@ -69,9 +56,9 @@ def explicit():
     """Positions after 0.2 s of leapfrog at half the stable step, by damping and push."""
     known = {}
 
-    def run(scene, damping, newton):
+    def run(damping, newton):
         if (damping, newton) not in known:
-            with Stepper(box(scene, damping=damping), start_values={"solver.method": "leapfrog", "solver.step": 2e-6}) as stepper:
+            with Stepper(thrown(damping=damping), start_values={"solver.method": "leapfrog", "solver.step": 2e-6}) as stepper:
                 push(stepper, newton)
                 stepper.step(0.1, times=2)
                 known[damping, newton] = stepper.positions()
@@ -84,18 +71,18 @@ def explicit():
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
 @pytest.mark.parametrize(("damping", "newton"), [(0.0, 0.0), (0.1, 0.0), (0.0, 2.0)], ids=["free", "damped", "pushed"])
 @pytest.mark.parametrize("step", [1e-3, 1e-2, 1e-1])
-def test_the_motion_is_that_of_explicit_steps(scene, explicit, step, damping, newton, tolerance):
+def test_the_motion_is_that_of_explicit_steps(explicit, step, damping, newton, tolerance):
     """The reference vibrates by about 1e-7 m about the stretch that turning causes; short steps may follow that, explicitly."""
-    with Stepper(box(scene, damping=damping), start_values={"solver.tolerance": tolerance}, stop_time=0.2) as stepper:
+    with Stepper(thrown(damping=damping), start_values={"solver.tolerance": tolerance}, stop_time=0.2) as stepper:
         push(stepper, newton)
         stepper.step(step, times=round(0.2 / step))
-        error = np.abs(stepper.positions() - explicit(scene, damping, newton)).max()
+        error = np.abs(stepper.positions() - explicit(damping, newton)).max()
         assert stepper.methods() == IN_FLIGHT or step == 1e-3
     assert error < tolerance
 
 
-def test_a_turning_drop_flies_in_long_steps_and_lands_implicitly(scene):
-    with Stepper(box(scene, stiffness=1e9, more=GROUND)) as stepper:
+def test_a_turning_drop_flies_in_long_steps_and_lands_implicitly():
+    with Stepper(thrown(stiffness=1e9, planes=[GROUND])) as stepper:
         stepper.step(0.01, times=100)
         methods, steps = stepper.methods(), stepper.integer("solver.steps")
     assert methods[0] == FLIGHT
@@ -103,9 +90,9 @@ def test_a_turning_drop_flies_in_long_steps_and_lands_implicitly(scene):
     assert steps <= 300
 
 
-def test_the_spin_is_kept_until_a_point_touches(scene):
+def test_the_spin_is_kept_until_a_point_touches():
     """Within reach of the ground too, where it could be met: the last step before it is met keeps the spin as the first does."""
-    with Stepper(box(scene, more=GROUND)) as stepper:
+    with Stepper(thrown(planes=[GROUND])) as stepper:
         before = angular_momentum(stepper, masses())
         for _ in range(100):
             stepper.step(0.02)
@@ -118,8 +105,8 @@ def test_the_spin_is_kept_until_a_point_touches(scene):
 
 
 @pytest.mark.parametrize("stiffness", [1e7, 1e9, 1e12])
-def test_a_long_flight_keeps_its_angular_momentum_and_its_energies(scene, stiffness):
-    with Stepper(box(scene, stiffness=stiffness), stop_time=5.0) as stepper:
+def test_a_long_flight_keeps_its_angular_momentum_and_its_energies(stiffness):
+    with Stepper(thrown(stiffness=stiffness), stop_time=5.0) as stepper:
         before, start = angular_momentum(stepper, masses()), sum(energies(stepper))
         stepper.step(0.01, times=500)
         after, end = angular_momentum(stepper, masses()), sum(energies(stepper))
@@ -132,8 +119,8 @@ def energies(stepper):
     return stepper.read("energy.kinetic", "energy.elastic", "energy.gravity", "energy.dissipated")
 
 
-def test_work_of_a_growing_load_is_in_the_balance(scene):
-    with Stepper(box(scene, damping=0.05)) as stepper:
+def test_work_of_a_growing_load_is_in_the_balance():
+    with Stepper(thrown(damping=0.05)) as stepper:
         start = sum(energies(stepper))
         for number in range(30):
             push(stepper, 0.1 * number)
@@ -149,9 +136,9 @@ def state_of(stepper):
     return np.concatenate([stepper.positions().ravel(), stepper.velocities().ravel(), stepper.outputs()]).tolist()
 
 
-def test_a_flight_goes_on_from_a_saved_state_with_the_same_bits(scene):
+def test_a_flight_goes_on_from_a_saved_state_with_the_same_bits():
     """Saved between and right after the choices of the method, and with a factor half used; in this instance and in another one."""
-    body = box(scene, stiffness=1e9, more=GROUND)
+    body = thrown(stiffness=1e9, planes=[GROUND])
     with Stepper(body) as stepper, Stepper(body) as other:
         saved = []
         for number in range(60):
