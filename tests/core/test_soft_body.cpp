@@ -1,6 +1,7 @@
 #include "soft_body.hpp"
 
 #include <Eigen/Geometry>
+#include <array>
 
 #include "check.hpp"
 
@@ -140,4 +141,37 @@ TEST(a_scene_that_explicit_steps_suit_never_factors_a_matrix) {
   CHECK(factors(1e7, 0.5, plain, still, 0, 0.1) > 0);        // stiff and quiet: here a matrix is worth it
   CHECK(factors(1e7, 0.5, plain, still, 0, 0.01, 8) > 0);
   CHECK(factors(1e7, 0.5, plain, still, 0, 0.01, 9) == 0);  // where the lattice is not too wide for one
+}
+
+TEST(a_damped_box_that_was_dropped_comes_to_rest) {
+  const double seconds = 10, weight = 9.81;  // 20 times that in which damping of 0.5 N s/m forgets
+  const auto moves_after = [&](std::array<int, 3> counts, double k, double H) {
+    Definition definition;
+    const int points = counts[0] * counts[1] * counts[2];
+    definition.lattice.counts = counts;
+    definition.mass.assign(points, 1.0 / points);
+    definition.offset = {0, 0, 0.02};
+    definition.planes = 1;
+    SoftBody body(definition);
+    body.settings.stiffness = {k, k, k};
+    body.settings.damping = 0.5;
+    body.settings.gravity = {0, 0, -weight};
+    body.settings.horizon = seconds;
+    body.initialize(0);
+    const int steps = int(std::lround(seconds / H));
+    for (int i = 0; i < steps; ++i) {
+      CHECK(body.advance(H) == StepStatus::ok);
+      if (i < 0.9 * steps) continue;
+      const double pressure = -body.readings().plane_reaction(0).z(), speed = body.state().v.abs().maxCoeff();
+      if (std::abs(pressure / weight - 1) > 1e-4 || speed > 1e-5) return true;
+    }
+    return false;
+  };
+  for (const std::array<int, 3> counts : {std::array{2, 2, 2}, {2, 2, 3}, {3, 3, 3}, {2, 2, 4}})
+    for (const double k : {1e2, 1e3, 1e4, 1e5})
+      for (const double H : {1e-3, 2e-3, 3e-3, 7e-3, 8e-3, 1e-2, 1.5e-2, 3e-2})
+        if (moves_after(counts, k, H)) {
+          std::printf("  %d x %d x %d, k = %g N/m, H = %g s\n", counts[0], counts[1], counts[2], k, H);
+          CHECK(!moves_after(counts, k, H));
+        }
 }

@@ -46,10 +46,12 @@ struct ContactSteps {
   Count free_next = 1;  ///< how many after the next success
   Count impact = 0;     ///< the same for stretches with an impact
   Count impact_next = 1;
+  Count seen = 0;                        ///< steps since a whole stretch was seen
+  double largest = 0, largest_seen = 0;  ///< error relative to the square of the step [m/s2]: since then, and in the whole stretch before
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.free, s.free_next, s.impact, s.impact_next);
+    return fields(s.h, s.free, s.free_next, s.impact, s.impact_next, s.seen, s.largest, s.largest_seen);
   }
 };
 static_assert(visits_every_field<ContactSteps>);

@@ -21,16 +21,36 @@ void learn_trust(ContactSteps& contact, bool impact, bool good, double allowed, 
   next = good ? std::min(2 * next, Count(std::clamp(allowed / error, use::shortest_trust, use::longest_trust))) : 1;
 }
 
+/// Of the step.
+double factor_after(double allowed, double error) { return error > 0 ? use::safety * std::sqrt(allowed / error) : use::doubled_growth; }
+
+/// The largest error of late, if steps of h had been taken: of this stretch, and of those before that make it a whole one. Where
+/// communication steps are shorter than a stretch, each sees but a part of a vibration; if each part had its own step, the steps would
+/// swing with the vibration and feed it, for what leapfrog keeps of a vibration's energy depends on the step.
+double of_late(ContactSteps& contact, double error, double h, Count steps) {
+  contact.largest = std::max(contact.largest, error / (h * h));
+  contact.seen += steps;
+  const bool whole = contact.seen >= use::stretch_steps;
+  const double largest = whole ? contact.largest : std::max(contact.largest, contact.largest_seen);
+  if (whole) {
+    contact.largest_seen = contact.largest;
+    contact.largest = 0;
+    contact.seen = 0;
+  }
+  return std::max(error, largest * h * h);
+}
+
 }  // namespace
 
 StepStatus DoubledSteps::run(Integrators& integrators, const Job& job, double end) {
   const State& motion = job.run.path.motion;
+  const double begin = motion.time;
   Count taken = 0;
   while (motion.time < end) {
     const double limit = step_limit(job, Method::leapfrog, false), left = end - motion.time, known = job.run.course.contact.h;
     const double h = known > 0 ? tighter(known, limit) : limit;
     if (!(left / h <= double(use::most_steps)) || taken > use::most_steps) return refusal(left / h);
-    const StepStatus status = run_stretch(integrators, job, {limit, h, end}, taken);
+    const StepStatus status = run_stretch(integrators, job, {limit, h, end, motion.time == begin}, taken);
     if (status != StepStatus::ok) return status;
   }
   job.run.path.steps += taken;
@@ -77,13 +97,15 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
     const Outcome fine = run(0.5 * part, 2 * steps);
     if (fine.status != StepStatus::ok) return fine.status;
     const double error = growing(job, coarse_, path.motion, double(steps) * part) / 3;
-    const double factor = error > 0 ? use::safety * std::sqrt(allowed / error) : use::doubled_growth;
     const bool last = part <= least || tries == use::most_reruns;
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
     if (error <= use::too_much * allowed || last) {
-      const bool good = at_limit && tries == 0 && 4 * error <= use::trusted * allowed;  // 4: of the coarser run
-      learn_trust(contact, coarse.impacts + fine.impacts > 0, good, allowed, error);
-      contact.h = std::max(part * std::clamp(factor, use::next_shrink, use::next_growth), least);
+      const bool cut = stretch.first && steps == total;
+      const double worst = cut ? of_late(contact, error, part, steps) : error;
+      const double trusted = contact.free_next > 1 ? use::trusted : use::trusted_at_first;
+      const bool good = at_limit && tries == 0 && 4 * worst <= trusted * allowed;  // 4: of the coarser run
+      learn_trust(contact, coarse.impacts + fine.impacts > 0, good, allowed, worst);
+      contact.h = std::max(part * std::clamp(factor_after(allowed, worst), use::next_shrink, use::next_growth), least);
       path.clock = {begin, 0.5 * part, 0};
       taken += 2 * steps;
       path.motion.time = next;
@@ -92,7 +114,7 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
     }
     course.rejected += 2 * steps;
     trial.back();
-    h = std::max(part * std::clamp(factor, use::rerun_shrink, use::rerun_growth), least);
+    h = std::max(part * std::clamp(factor_after(allowed, error), use::rerun_shrink, use::rerun_growth), least);
   }
 }
 

@@ -16,6 +16,7 @@ class DoubledSteps {
   struct Stretch {
     double limit, h;  ///< largest stable step, step of the coarser run [s]
     double end;       ///< of the communication step [s]
+    bool first;       ///< in it
     bool at_limit() const { return h == limit; }
   };
   StepStatus run_stretch(Integrators& integrators, const Job& job, Stretch stretch, Count& taken);

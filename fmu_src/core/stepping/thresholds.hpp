@@ -139,8 +139,9 @@ inline constexpr double least_doubled = 1.0 / 1000;
 inline constexpr int most_reruns = 4;
 /// Stretches that may be run once after a success, at least and at most [1]. By experience on dropped and sliding bodies, as all of these.
 inline constexpr double shortest_trust = 8, longest_trust = 128;
-/// Of the allowed error, what the coarser run may have for that [1].
-inline constexpr double trusted = 0.5;
+/// Of the allowed error, what the coarser run may have for that, and before it is trusted at all [1]: a change of the step may make a
+/// vibration larger by a third, and one that lost the trust by that would never come to rest.
+inline constexpr double trusted = 0.5, trusted_at_first = 0.125;
 /// Bounds of the step's change after a stretch, and before it is run again; growth where the error is zero [1].
 inline constexpr double next_shrink = 0.5, next_growth = 1.5, rerun_shrink = 0.2, rerun_growth = 0.7, doubled_growth = 2;
 
