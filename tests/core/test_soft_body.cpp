@@ -56,6 +56,26 @@ TEST(too_many_internal_steps_are_refused_at_once) {
   CHECK(body.state().time == 0);
 }
 
+TEST(a_larger_lattice_may_take_fewer_steps_in_a_call) {
+  Definition definition;
+  definition.lattice.counts = {16, 16, 16};
+  definition.mass.assign(4096, 1.0 / 4096);
+  definition.stretch = {1.1, 1, 1};
+  for (const bool given : {false, true})
+    for (const int planes : {0, 1}) {
+      definition.planes = planes;
+      definition.offset = {0, 0, planes * 1e-3};
+      SoftBody body(definition);
+      body.settings.stiffness = {1e5, 1e5, 1e5};
+      body.initialize(0);
+      const double h = 0.5 * body.readings().stable_step();
+      if (given) body.settings.step = h;
+      CHECK(body.advance(4 * h) == StepStatus::ok);
+      CHECK(body.advance(400'000 * h) == StepStatus::too_many_steps);  // a 64th of 20 million is 312,500
+      CHECK(body.run().course.work < 4e3);  // a race
+    }
+}
+
 TEST(a_change_that_waits_at_a_refused_step_waits_on) {
   SoftBody body(stretched());
   body.settings.stiffness = {1e3, 1e3, 1e3};

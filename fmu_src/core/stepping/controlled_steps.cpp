@@ -70,9 +70,9 @@ StepStatus run_controlled(Integrators& integrators, const Job& job, Method metho
   const bool short_first = job.model.stability.elastic() && !in_frame;
   if (!(h > 0)) h = job.request.step_factor * std::min(end - motion.time, short_first ? use::first_step / bound(job) : infinity);
   run.path.clock = {motion.time, h, 0};
-  const double begun = course.work;
+  const double begun = course.work, most = use::most_steps_of(job.model.body.points());
   for (Count tries = 1; motion.time < end; ++tries) {
-    if (course.work - begun > double(use::most_steps)) return StepStatus::too_many_steps;
+    if (course.work - begun > most) return StepStatus::too_many_steps;
     const double left = end - motion.time;
     const Count ahead = divisions(left, tighter(h, limit));  // equal parts, so that no sliver is left at the end
     const double step = ahead == 1 ? left : left / double(ahead);

@@ -31,7 +31,7 @@ StepStatus divide_unit(const Job& job, Method method) {
   const double limit = tighter(wanted, step_limit(job, method, true));
   const bool again = job.request.step_factor < 1;  // without a result so far: as divided as it must be, anew at every unit
   const double target = limit < wanted && !again ? tighter(limit, step_limit(job, method, false)) : limit;
-  if (!(unit / target <= double(use::most_steps))) return refusal(unit / target);
+  if (!(unit / target <= use::most_steps_of(job.model.body.points()))) return refusal(unit / target);
   const bool too_long = divisions(clock.h, limit) > 1;
   if (into == 0 && (clock.unit != unit || too_long || again || target > use::regrowth * clock.h)) {
     const Count parts = divisions(unit, target);
@@ -67,7 +67,7 @@ StepStatus run_counted(Integrators& integrators, const Job& job, Method method, 
     const bool begins_divided = !other && clock.parts > 1 && clock.count % clock.parts == 0;
     if (other || job.run.course.bound < 0 || clock.count % use::look_every == 0 || begins_divided || job.request.step_factor < 1)
       if (const StepStatus status = divide_unit(job, method); status != StepStatus::ok) return status;
-    if (double(units) * double(clock.parts) > double(use::most_steps)) return StepStatus::too_many_steps;
+    if (double(units) * double(clock.parts) > use::most_steps_of(job.model.body.points())) return StepStatus::too_many_steps;
     const Count left = clock.parts > 1 ? clock.parts - clock.count % clock.parts : units;
     const Count ahead = std::min(left, use::look_every - clock.count % use::look_every);
     const StepStatus status = run_stretch(integrators, job, method, ahead);
@@ -97,7 +97,7 @@ StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const Jo
     const double limit = tighter(step_limit(job, method, given), request.step_factor * (given ? request.step : calibration.h));
     if (steps == 0 || !(clock.h <= limit) || limit > use::regrowth * clock.h) {
       const double left = end - motion.time;
-      if (!(left / limit <= double(use::most_steps))) return refusal(left / limit);
+      if (!(left / limit <= use::most_steps_of(job.model.body.points()))) return refusal(left / limit);
       steps = divisions(left, limit);
       clock = {motion.time, left / double(steps), 0};
     }

@@ -12,9 +12,6 @@ namespace softffd {
 
 class Propagator {
  public:
-  /// Internal steps that one call may take; a longer communication step is refused.
-  static constexpr Count most_steps = thresholds::most_steps;
-
   /// run: any of the body's, for the sizes of what is kept.
   Propagator(const Lattice& lattice, const Run& run);
   /// From the run's time to H later. On failure the run is spoilt and the caller restores it.

@@ -7,12 +7,16 @@
 
 namespace softffd {
 
+/// Of all trials of a communication step together.
+inline double most_retry_work(const Run& run) { return thresholds::patience(run.path.motion.x.rows()) * thresholds::retry_work; }
+
 /// The state went astray: tries smaller internal steps, as long as that is not too much work. divided: by how much.
 template <class Attempt>
 StepStatus retry_divided(Run& run, Trial<Run>& trial, double step_factor, StepStatus failure, double& divided, Attempt&& attempt) {
   const double begun = trial.before().course.work;
   double work = run.course.work - begun;
-  for (int halvings = 0; halvings < thresholds::most_halvings && 2 * work <= thresholds::retry_work; ++halvings) {
+  const double most = most_retry_work(run);
+  for (int halvings = 0; halvings < thresholds::most_halvings && 2 * work <= most; ++halvings) {
     step_factor /= 2;
     divided *= 2;
     trial.back();
@@ -29,9 +33,10 @@ template <class Attempt>
 StepStatus retry_gained(Run& run, Trial<Run>& trial, EnergyAccount at_start, Attempt&& attempt) {
   const EnergyAccount& before = trial.before().energy;
   const double gained = run.energy.gained, gained_before = at_start.gained, begun = trial.before().course.work;
+  const double most = most_retry_work(run);
   double work = run.course.work - begun, step_factor = before.step_factor;
   at_start.gained = at_start.due = 0;
-  while (step_factor > thresholds::least_step_factor && 2 * work <= thresholds::retry_work) {
+  while (step_factor > thresholds::least_step_factor && 2 * work <= most) {
     step_factor /= 2;
     trial.back();
     run.energy = at_start;

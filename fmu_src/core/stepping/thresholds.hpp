@@ -33,6 +33,10 @@ inline constexpr double frame_angle = 1;
 inline constexpr double stiffest = 2e7;
 /// Internal steps that one call may take; a longer communication step is refused. Twenty seconds on 4 x 4 x 4.
 inline constexpr Count most_steps = 20'000'000;
+/// Of these, and of all bounds of a call's work, what a lattice of so many control points may take [1]: larger ones than 4 x 4 x 4 take
+/// longer for each step.
+constexpr double patience(Count points) { return points > 64 ? 64 / double(points) : 1; }
+constexpr double most_steps_of(Count points) { return patience(points) * double(most_steps); }
 /// Work of a communication step by forecast, relative to most_steps, at which it is refused before it is done [1]: forecasts err.
 inline constexpr double too_long = 1.2;
 

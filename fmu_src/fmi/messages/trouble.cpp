@@ -1,6 +1,7 @@
 #include "messages/trouble.hpp"
 
 #include "messages/logger.hpp"
+#include "stepping/thresholds.hpp"
 
 namespace softffd::fmi {
 
@@ -24,7 +25,8 @@ std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& b
     case StepStatus::zero_orientation: return where + "a pin's orientation is the zero quaternion; wanted any other, e.g. (1, 0, 0, 0)";
     case StepStatus::undecided: return where + without_direction(scene, body);
     case StepStatus::too_many_steps:
-      return where + "a communication step of " + number(step) + " s needs more than " + std::to_string(Propagator::most_steps) +
+      return where + "a communication step of " + number(step) + " s needs more than " +
+             std::to_string(Count(thresholds::most_steps_of(body.lattice().points()))) +
              " internal steps; use a shorter communication step, a longer solver.step or less stiffness per mass";
     case StepStatus::not_finite:
       return where + "the result of a communication step of " + number(step) +
