@@ -78,3 +78,13 @@ TEST(what_is_not_counted_while_nobody_listens_is_told_as_soon_as_somebody_does) 
   run.steps(1, 2);
   CHECK(count("turned inside out") == 1);
 }
+
+TEST(a_tolerance_that_an_obstacle_does_not_let_hold_is_told_once_with_the_error) {
+  const std::string falls = "1 1 1 0 0 0.003 0 0 -1 0 3 0", table = "plane table fixed 0 0 0 0 0 1 0 0 0 0 0 0 0.5\nmethod 3\n";
+  for (const bool kept : {true, false}) {
+    Run run(falls, "damping 0.1\n" + table + (kept ? "tolerance 1e-3\n" : "tolerance 1e-12\n"));
+    run.start();
+    run.steps(0, 3);
+    CHECK(count("the tolerance could not be kept at an obstacle: the result may be wrong by ") == !kept);
+  }
+}

@@ -88,6 +88,8 @@ struct Course {
   double usual = 0;  ///< length of communication steps of late [s]
   Count rejected = 0;
   Count factors = 0;  ///< matrices factored
+  double given_up =
+      0;  ///< errors of steps through contact that were taken although they err by too much, at the end of the run, summed [m]
 
   Calibration& calibration(Method which) { return calibrations[std::size_t(which)]; }
   double& controlled_step(Method which) { return controlled[std::size_t(which)]; }
@@ -103,7 +105,7 @@ struct Course {
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.bound_x, s.bound, s.calibrations, s.controlled, s.contact, s.factored, s.method, s.reason, s.race, s.work, s.usual,
-                  s.rejected, s.factors);
+                  s.rejected, s.factors, s.given_up);
   }
 };
 static_assert(visits_every_field<Course>);

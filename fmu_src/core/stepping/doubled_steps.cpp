@@ -100,6 +100,7 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
     const bool last = part <= least || tries == use::most_reruns;
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
     if (error <= use::too_much * allowed || last) {
+      if (error > use::too_much * allowed) course.given_up += lasting(job, coarse_, path.motion) / 3;
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;
       const double trusted = contact.free_next > 1 ? use::trusted : use::trusted_at_first;

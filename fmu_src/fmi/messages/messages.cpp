@@ -86,6 +86,13 @@ std::string turning_warning(const SoftBody& body, double time) {
          " s, or solver.method = leapfrog, which resolves it";
 }
 
+std::string tolerance_warning(const SoftBody& body, double time) {
+  const double lost = body.readings().given_up(), allowed = body.settings.tolerance * body.lattice().largest_side();
+  if (!(lost > allowed)) return {};
+  return "up to time " + number(time) + " s the tolerance could not be kept at an obstacle: the result may be wrong by " + number(lost) +
+         " m, where it allows " + number(allowed) + " m; take shorter communication steps, or give the body more damping";
+}
+
 /// That cells are turned inside out is a state of the model like any other, but seldom a wanted one.
 std::string folding_warning(const SoftBody& body, double volume_stiffness, double time) {
   const int folded = body.readings().folded_cells();
@@ -119,6 +126,7 @@ void Messages::stepped(SoftBody& body, double time) {
   once(gain, [&] { return gain_warning(body, time); });
   once(division, [&] { return division_warning(body, time); });
   once(turning, [&] { return turning_warning(body, time); });
+  once(given_up, [&] { return tolerance_warning(body, time); });
 }
 
 /// Counting costs more than the other looks: where nobody listens it is left until somebody does.

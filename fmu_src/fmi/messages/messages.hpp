@@ -18,7 +18,7 @@ class Messages {
   void stepped(SoftBody& body, double time);
 
  private:
-  enum Topic : unsigned { rubbing = 1, folding = 2, gain = 4, division = 8, turning = 16 };
+  enum Topic : unsigned { rubbing = 1, folding = 2, gain = 4, division = 8, turning = 16, given_up = 32 };
   struct Said {
     unsigned topics = 0;
     std::optional<Method> method;

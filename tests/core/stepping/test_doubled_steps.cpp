@@ -40,6 +40,37 @@ TEST(a_stretch_whose_two_runs_differ_by_too_much_is_run_again_with_smaller_steps
   }
 }
 
+TEST(an_error_that_is_given_up_is_counted) {
+  for (const bool keeps : {true, false}) {
+    Bench b;
+    b.request.horizon = 1e-9;  // nothing grows: what is left over is that of the stretch
+    const double h = 0.5 * step_limit(b.job(), Method::leapfrog, false), stretch = double(steps) * h;
+    b.request.tolerance = keeps ? 1 : 1e-30;
+    b.run.course.contact.h = h;
+    DoubledSteps doubled(b.run);
+    CHECK(doubled.run(b.integrators, b.job(), stretch) == StepStatus::ok);
+    const double given_up = b.run.course.given_up;
+    CHECK((given_up > 0) == !keeps);
+    if (keeps) continue;
+    Bench exact;
+    exact.integrators.take(exact.job(), Method::leapfrog, {0, 0, h / 2048, 2048 * steps});
+    const State& reached = b.run.path.motion;
+    CHECK(given_up > growing(b.job(), reached, exact.run.path.motion, stretch));
+    CHECK(given_up < 1e-3 * (reached.x - Bench().run.path.motion.x).abs().maxCoeff());
+  }
+}
+
+TEST(a_difference_of_a_free_bodys_speed_lasts_until_damping_forgets) {
+  Bench b;
+  b.request.horizon = 3;
+  State faster = b.run.path.motion;
+  faster.v.col(1) += 0.01;
+  CHECK_NEAR(lasting(b.job(), b.run.path.motion, faster), 0.03, 1e-14);
+  State further = b.run.path.motion;
+  further.x(5, 0) += 1e-3;
+  CHECK_NEAR(lasting(b.job(), b.run.path.motion, further), 1e-3, 1e-14);
+}
+
 TEST(a_stretch_without_a_finite_result_is_none) {
   Bench b;
   b.run.path.motion.v(13, 1) = std::numeric_limits<double>::quiet_NaN();
