@@ -72,7 +72,7 @@ TEST(a_larger_lattice_may_take_fewer_steps_in_a_call) {
       if (given) body.settings.step = h;
       CHECK(body.advance(4 * h) == StepStatus::ok);
       CHECK(body.advance(400'000 * h) == StepStatus::too_many_steps);  // a 64th of 20 million is 312,500
-      CHECK(body.run().course.work < 4e3);  // a race
+      CHECK(body.run().course.work < 4e3);                             // a race
     }
 }
 
