@@ -111,6 +111,7 @@ def cells() -> list:
 
 
 @pytest.mark.parametrize("stiffness, step", cells())
-def test_every_rebound_is_accurate(stiffness, step):
+def test_every_rebound_is_accurate(stiffness, step, monkeypatch):
+    monkeypatch.setattr(rebound, "PATIENCE", 60.0)
     (judged,) = run_cells([Cell(Panel("rebound", "auto"), stiffness, step)])
     assert judged.kind == "accurate", judged.why

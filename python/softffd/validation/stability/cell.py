@@ -86,6 +86,7 @@ class Trial:
     def __init__(self, drive: Drive, cell: Cell, began: float):
         """began: by the clock [s], from which on the patience counts."""
         self.drive, self.cell, self.began = drive, cell, began
+        self.patience = PATIENCE
         self.wanted = min(max(math.ceil(RADIANS / (omega(cell.stiffness) * cell.step)), 4), 200)
         self.done = 0
         drive.body.stiffness[:] = cell.stiffness
@@ -97,7 +98,7 @@ class Trial:
 
     def steps(self) -> Iterator[None]:
         """After each communication step, until there are enough of them or the time is over; at least one."""
-        while self.done < self.wanted and (self.done == 0 or clock.perf_counter() - self.began < PATIENCE):
+        while self.done < self.wanted and (self.done == 0 or clock.perf_counter() - self.began < self.patience):
             self.drive.step(self.cell.step)
             self.done += 1
             yield

@@ -25,6 +25,9 @@ STIFFNESSES = tuple(10.0**n for n in range(4, 11))
 STEPS = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2)
 """s"""
 
+PATIENCE = 3.5
+"""Of a cell [s]: it counts at its end only."""
+
 DOCUMENT: dict[str, Any] = box(
     1.0, plane=[plane(friction=0.4)], environment=DOWN, initial={"offset": [0.0, 0.0, FALL]},
     solver={"tolerance": TOLERANCE, "error_estimate": True},
@@ -35,6 +38,7 @@ DOCUMENT: dict[str, Any] = box(
 def rebound(trial: Trial) -> Judged:
     """The verdict on a cell, whose run is made here."""
     drive, step = trial.drive, trial.cell.step
+    trial.patience = PATIENCE
     trial.wanted = max(1, round(FALL_TIME / step))
     trial.start()
     gain, highest = 0.0, drive.start_energy
