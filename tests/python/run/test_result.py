@@ -6,39 +6,30 @@ import numpy as np
 import pytest
 
 from mesh_files import ball
+from scenes import box
 from softffd import FmuError, MeshError, Result, SoftffdError, deform, load_scene, package_fmu, save_mesh, simulate
 from softffd.show.stage import stage_of
 
-TURNING = """
-[[plane]]
-name = "left"
-point = [-5.0, 0.0, 0.0]
-normal = [1.0, 0.0, 0.0]
-motion = "input"
-[[plane]]
-name = "mill"
-point = [0.5, 0.5, -3.0]
-normal = [0.0, 0.6, 0.8]
-velocity = [0.0, 0.0, 0.1]
-angular_velocity = [0.0, 0.0, 2.0]
-[[plane]]
-name = "hand"
-point = [0.0, 0.0, -5.0]
-motion = "input"
-[[plane]]
-name = "right"
-point = [5.0, 0.0, 0.0]
-normal = [-1.0, 0.0, 0.0]
-[experiment]
-stop_time = 0.5
-"""
+TURNING = box(
+    plane=[
+        {"name": "left", "point": [-5.0, 0.0, 0.0], "normal": [1.0, 0.0, 0.0], "motion": "input"},
+        {
+            "name": "mill",
+            "point": [0.5, 0.5, -3.0],
+            "normal": [0.0, 0.6, 0.8],
+            "velocity": [0.0, 0.0, 0.1],
+            "angular_velocity": [0.0, 0.0, 2.0],
+        },
+        {"name": "hand", "point": [0.0, 0.0, -5.0], "motion": "input"},
+        {"name": "right", "point": [5.0, 0.0, 0.0], "normal": [-1.0, 0.0, 0.0]},
+    ],
+    stop_time=0.5,
+)
 
 
 @pytest.fixture
-def result(tmp_path) -> Result:
-    (tmp_path / "turning.toml").write_text(TURNING)
-    scene = load_scene(tmp_path / "turning.toml")
-    return simulate(scene, inputs=lambda t: {"plane.hand.point.z": -5.0 + t})
+def result() -> Result:
+    return simulate(TURNING, inputs=lambda t: {"plane.hand.point.z": -5.0 + t})
 
 
 def test_a_fixed_plane_with_a_motion_moves_on_from_its_start(result):

@@ -6,7 +6,8 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from coupled_parts import FORCE, MOTION, PLANE, Part, body_fmu
-from softffd import SoftffdError, load_scene, package_fmu
+from scenes import box
+from softffd import SoftffdError, package_fmu
 from softffd.drivers import build_driver
 
 
@@ -58,27 +59,17 @@ def test_a_massless_plate_is_refused(drivers, tmp_path):
         Part(drivers / "plate.fmu", tmp_path, mass=0.0)
 
 
-DRIVEN = """
-[lattice]
-points = [2, 2, 2]
-[material]
-damping = 0.0
-[[pin]]
-name = "grip"
-points = [[0, 0, 0]]
-motion = "input"
-[[load]]
-name = "push"
-points = [[1, 1, 1]]
-[outputs]
-velocities = "all"
-"""
+GRIP = {"name": "grip", "points": [[0, 0, 0]], "motion": "input"}
+
+
+def driven_fmu(folder, *pins):
+    scene = box(points=[2, 2, 2], damping=0.0, pin=pins, load=[{"name": "push", "points": [[1, 1, 1]]}], velocities="all")
+    return package_fmu(scene, folder / "driven.fmu")
 
 
 @pytest.mark.parametrize("course", [1, 2])
 def test_the_actuator_takes_a_pin_where_it_says(drivers, tmp_path, course):
-    (tmp_path / "driven.toml").write_text(DRIVEN)
-    body = Part(package_fmu(load_scene(tmp_path / "driven.toml"), tmp_path / "driven.fmu"), tmp_path)
+    body = Part(driven_fmu(tmp_path, GRIP), tmp_path)
     start = {"course": course, "duration": 0.2, "travel.x": 0.1, "travel.z": -0.05}
     actuator = Part(drivers / "actuator.fmu", tmp_path, **start)
     for n in range(30):
@@ -95,8 +86,7 @@ def test_the_actuator_takes_a_pin_where_it_says(drivers, tmp_path, course):
 
 
 def test_the_impulse_of_the_actuators_force_is_of_second_order(drivers, tmp_path):
-    (tmp_path / "driven.toml").write_text(DRIVEN.replace('[[pin]]\nname = "grip"\npoints = [[0, 0, 0]]\nmotion = "input"\n', ""))
-    fmu = package_fmu(load_scene(tmp_path / "driven.toml"), tmp_path / "driven.fmu")
+    fmu = driven_fmu(tmp_path)
 
     def error(steps: int) -> float:
         body = Part(fmu, tmp_path / f"body{steps}")

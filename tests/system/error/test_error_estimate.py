@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from readings import points
+from scenes import box
 from softffd import load_scene, simulate
 
 FLOOR = 1e-11
@@ -106,21 +107,15 @@ def test_jumps_of_a_load_count_by_the_vibrations_they_set_off(exact):
     check(result, exact("stiff_pull", "ros34pw2", "held"), "stiff_pull", IMPLICIT)
 
 
-HELD = """
-[material]
-stiffness = 1e6
-damping = 0.5
-[[pin]]
-name = "base"
-points = "z-"
-motion = "input"
-[[load]]
-name = "top"
-points = "z+"
-[experiment]
-stop_time = 0.8
-communication_step = 0.05
-"""
+HELD = box(
+    stiffness=1e6,
+    damping=0.5,
+    pin=[{"name": "base", "points": "z-", "motion": "input"}],
+    load=[{"name": "top", "points": "z+"}],
+    stop_time=0.8,
+    communication_step=0.05,
+)
+ESTIMATED = {"solver.error_estimate": True}
 
 
 def carried(t):
@@ -131,32 +126,21 @@ def carried(t):
     return {"load.top.x": 20 * q**3 * (10 - 15 * q + 6 * q**2)} | {f"pin.base.{key}": value for key, value in (frame | turning).items()}
 
 
-def test_a_body_that_turns_with_its_pin_does_not_vibrate_by_that(scene):
+def test_a_body_that_turns_with_its_pin_does_not_vibrate_by_that():
     """Each communication step the velocities turn by 0.01 rad; only the load's kinks set off vibrations, and the start."""
     exact, found = (
-        simulate(scene(text), start_values={"solver.method": method, "solver.tolerance": tolerance}, inputs=carried, interpolation="linear")
-        for text, method, tolerance in ((HELD, "dop853", 1e-11), (HELD + "[solver]\nerror_estimate = true\n", "ros34pw2", 1e-4))
+        simulate(scene, start_values={"solver.method": method, "solver.tolerance": tolerance}, inputs=carried, interpolation="linear")
+        for scene, method, tolerance in ((HELD, "dop853", 1e-11), (HELD.replace(ESTIMATED), "ros34pw2", 1e-4))
     )
     error, estimate = errors_and_estimates(found, points(exact))
     assert np.all(estimate[1:] < IMPLICIT * error[1:] + FLOOR) and np.all(error[1:] < IMPLICIT * estimate[1:] + FLOOR)
     assert error[-1] < 1e-3 * error.max()
 
 
-FLYING = """
-[material]
-stiffness = 1e7
-damping = 0.0
-[initial]
-angular_velocity = [1.0, 2.0, 3.0]
-[experiment]
-stop_time = 0.3
-communication_step = 0.05
-"""
-
-
-def test_a_stiff_body_in_its_own_frame_misses_the_breathing_that_its_spin_sets_off(scene):
-    exact = simulate(scene(FLYING), start_values={"solver.method": "dop853", "solver.tolerance": 1e-12})
-    found = simulate(scene(FLYING + "[solver]\nerror_estimate = true\n[outputs]\nsolver = true\n"))
+def test_a_stiff_body_in_its_own_frame_misses_the_breathing_that_its_spin_sets_off():
+    flying = box(stiffness=1e7, damping=0.0, angular_velocity=[1.0, 2.0, 3.0], stop_time=0.3, communication_step=0.05)
+    exact = simulate(flying, start_values={"solver.method": "dop853", "solver.tolerance": 1e-12})
+    found = simulate(flying.replace({**ESTIMATED, "outputs.solver": True}))
     assert found.outputs["solver.steps"][-1] < 100
     error, estimate = errors_and_estimates(found, points(exact))
     assert np.all(estimate[1:] < IMPLICIT * error[1:]) and np.all(error[1:] < IMPLICIT * estimate[1:])

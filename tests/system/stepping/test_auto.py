@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from readings import assert_nothing_is_behind, points
+from scenes import GRAVITY, box
 from softffd import load_scene, simulate
 from stepping import Stepper
 
@@ -14,47 +15,36 @@ METHODS = ["leapfrog", *SMOOTH, "auto"]
 WORK = {"leapfrog": 1.15, "bm4": 6.6, "rkn12": 20.0, "dop853": 17.0, "ros34pw2": 30.0}  # of a step, in evaluations of the spring forces
 CONTACT = ("leapfrog", "an obstacle is within reach")
 
-BOX = """
-[material]
-stiffness = 1e3
-damping = DAMPING
-[initial]
-stretch = [0.9, 1.0, 1.0]
-[outputs]
-velocities = "all"
-energy = true
-solver = true
-"""
-
-FALLING = """
-[material]
-stiffness = 1e3
-damping = DAMPING
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[initial]
-offset = [0.0, 0.0, 0.2]
-velocity = [0.5, 0.0, 0.0]
-angular_velocity = [1.0, 2.0, 0.0]
-[outputs]
-velocities = "all"
-energy = true
-solver = true
-[experiment]
-stop_time = 0.4
-communication_step = 0.01
-[[plane]]
-name = "ground"
-friction = 0.4
-"""
-
-MOTIONS = {"still": "", "rising": "velocity = [0.0, 0.0, 0.3]\n", "tilting": "angular_velocity = [0.2, -0.1, 0.0]\n"}
+OBSERVED = {"velocities": "all", "energy": True, "outputs": {"solver": True}}
 
 
-def damped_for(method, text):
+def damping_for(method):
     """rkn12 is for undamped bodies."""
-    return text.replace("DAMPING", "0.0" if method == "rkn12" else "0.05")
+    return 0.0 if method == "rkn12" else 0.05
 
+
+def pressed(method, *planes):
+    """A box that is let go of 10 % compression, damped as the method takes it."""
+    return box(stiffness=1e3, damping=damping_for(method), stretch=[0.9, 1.0, 1.0], plane=planes, **OBSERVED)
+
+
+def falling(method, **ground):
+    """A box that falls on the ground, turning."""
+    return box(
+        stiffness=1e3,
+        damping=damping_for(method),
+        gravity=GRAVITY,
+        offset=[0.0, 0.0, 0.2],
+        velocity=[0.5, 0.0, 0.0],
+        angular_velocity=[1.0, 2.0, 0.0],
+        plane=[{"name": "ground", "friction": 0.4, **ground}],
+        stop_time=0.4,
+        communication_step=0.01,
+        **OBSERVED,
+    )
+
+
+MOTIONS = {"still": {}, "rising": {"velocity": [0.0, 0.0, 0.3]}, "tilting": {"angular_velocity": [0.2, -0.1, 0.0]}}
 
 # Contact
 
@@ -62,8 +52,8 @@ def damped_for(method, text):
 @pytest.mark.short("*-tilting", "auto-*")
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("method", [*SMOOTH, "auto"])
-def test_a_fall_ends_on_the_ground_where_leapfrog_takes_over(scene, method, motion):
-    body = scene(damped_for(method, FALLING) + MOTIONS[motion])
+def test_a_fall_ends_on_the_ground_where_leapfrog_takes_over(method, motion):
+    body = falling(method, **MOTIONS[motion])
     fine = simulate(body, start_values={"solver.method": "leapfrog", "solver.step": 2e-5})
     result = simulate(body, start_values={"solver.method": method, "solver.tolerance": 1e-3})
     assert result.outputs["solver.contacts_resolved"][-1] > 20
@@ -72,8 +62,8 @@ def test_a_fall_ends_on_the_ground_where_leapfrog_takes_over(scene, method, moti
 
 
 @pytest.mark.parametrize("method", [*SMOOTH, "auto"])
-def test_free_flight_is_the_methods_and_contact_is_leapfrogs(scene, method):
-    with Stepper(scene(damped_for(method, FALLING)), start_values={"solver.method": method, "solver.tolerance": 1e-6}) as stepper:
+def test_free_flight_is_the_methods_and_contact_is_leapfrogs(method):
+    with Stepper(falling(method), start_values={"solver.method": method, "solver.tolerance": 1e-6}) as stepper:
         stepper.step(0.01, times=5)
         flight = stepper.methods()
         stepper.step(0.01, times=35)
@@ -84,28 +74,25 @@ def test_free_flight_is_the_methods_and_contact_is_leapfrogs(scene, method):
 
 
 @pytest.fixture(scope="module")
-def furthest(tmp_path_factory):
+def furthest():
     """How far the x+ side of the box gets that is let go of 10 % compression, at most in the first 20 ms [m]."""
-    path = tmp_path_factory.mktemp("wall") / "box.toml"
-    path.write_text(damped_for("rkn12", BOX))
-    with Stepper(load_scene(path), start_values={"solver.method": "leapfrog", "solver.step": 1e-5}) as stepper:
+    with Stepper(pressed("rkn12"), start_values={"solver.method": "leapfrog", "solver.step": 1e-5}) as stepper:
         return float(max(stepper.step(1e-4) or stepper.positions()[:, 0].max() for _ in range(200)))
 
 
-def beside_a_wall(scene, furthest, deep):
+def beside_a_wall(furthest, deep):
     """The box beside a wall that it would pass by `deep` [m] and leave again before 30 ms are over. At rest in the beginning, it gives the
     forecast no reason to expect that."""
-    wall = f'[[plane]]\nname = "wall"\npoint = [{furthest - deep!r}, 0.0, 0.0]\nnormal = [-1.0, 0.0, 0.0]\n'
-    return Stepper(scene(damped_for("rkn12", BOX) + wall))
+    return Stepper(pressed("rkn12", {"name": "wall", "point": [furthest - deep, 0.0, 0.0], "normal": [-1.0, 0.0, 0.0]}))
 
 
 @pytest.mark.short("*-0.003")
 @pytest.mark.parametrize("deep", [1e-2, 3e-3, 1e-4])
 @pytest.mark.parametrize("method", SMOOTH)
-def test_a_step_that_met_a_wall_is_taken_back_and_redone_to_the_bit(scene, furthest, method, deep):
+def test_a_step_that_met_a_wall_is_taken_back_and_redone_to_the_bit(furthest, method, deep):
     """A given step, which stability divides, has the same bits then as if leapfrog had been asked for."""
     ends = []
-    with beside_a_wall(scene, furthest, deep) as stepper:
+    with beside_a_wall(furthest, deep) as stepper:
         for name in ("leapfrog", method):
             stepper.restart({"solver.method": name, "solver.step": 0.03})
             stepper.step(0.03)
@@ -119,8 +106,8 @@ def test_a_step_that_met_a_wall_is_taken_back_and_redone_to_the_bit(scene, furth
 @pytest.mark.short("*-0.001", "auto-*")
 @pytest.mark.parametrize("deep", [1e-2, 1e-3, 1e-4])
 @pytest.mark.parametrize("method", [*SMOOTH, "auto"])
-def test_a_wall_that_is_met_for_a_moment_is_not_passed(scene, furthest, method, deep):
-    with beside_a_wall(scene, furthest, deep) as stepper:
+def test_a_wall_that_is_met_for_a_moment_is_not_passed(furthest, method, deep):
+    with beside_a_wall(furthest, deep) as stepper:
         ends = []
         for settings in ({"solver.method": "leapfrog", "solver.step": 1e-6}, {"solver.method": method, "solver.tolerance": 1e-4}):
             stepper.restart(settings)
@@ -131,7 +118,7 @@ def test_a_wall_that_is_met_for_a_moment_is_not_passed(scene, furthest, method, 
     assert np.abs(ends[0] - ends[1]).max() < 1e-3
 
 
-RAM = '[[plane]]\nname = "ram"\npoint = [-9.5, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.0]\nmotion = "input"\n'
+RAM = {"name": "ram", "point": [-9.5, 0.0, 0.0], "normal": [1.0, 0.0, 0.0], "motion": "input"}
 
 
 @pytest.mark.short("*-into the box and back", "auto-*")
@@ -141,10 +128,10 @@ RAM = '[[plane]]\nname = "ram"\npoint = [-9.5, 0.0, 0.0]\nnormal = [1.0, 0.0, 0.
     ids=["into the box", "short of it", "into the box and back", "short of it and back"],
 )
 @pytest.mark.parametrize("method", [*SMOOTH, "auto"])
-def test_a_plane_from_far_away_is_met_within_one_communication_step(scene, method, speed, slowing, hits):
+def test_a_plane_from_far_away_is_met_within_one_communication_step(method, speed, slowing, hits):
     """It starts 9.5 m from the box and comes at 100 m/s and more; in two cases it is back before the communication step of 0.1 s ends."""
     place = -9.5 + 0.1 * speed + 0.005 * slowing
-    with Stepper(scene(damped_for("rkn12", BOX) + RAM), start_values={"solver.method": method}) as stepper:
+    with Stepper(pressed("rkn12", RAM), start_values={"solver.method": method}) as stepper:
         stepper.set({"plane.ram.velocity.x": speed})
         stepper.set_rates({"plane.ram.velocity.x": slowing})
         stepper.step(0.1)
@@ -167,17 +154,17 @@ def bits_tolerance(method):
     return 1e-3 if method == "ros34pw2" else 1e-5
 
 
-SCENES = {"free": BOX, "falling": FALLING}
+SCENES = {"free": pressed, "falling": falling}
 
 
 @pytest.mark.short("*-automatic step-falling", "*-fixed step-free")
-@pytest.mark.parametrize("text", SCENES.values(), ids=SCENES)
+@pytest.mark.parametrize("scene_for", SCENES.values(), ids=SCENES)
 @pytest.mark.parametrize("internal", [0.0, 3e-4], ids=["automatic step", "fixed step"])
 @pytest.mark.parametrize("method", METHODS)
-def test_a_run_goes_on_from_a_saved_state_with_the_same_bits(scene, method, internal, text):
+def test_a_run_goes_on_from_a_saved_state_with_the_same_bits(method, internal, scene_for):
     """From every fifth communication point, so that the state is saved between races and calibrations too."""
     settings = {"solver.method": method, "solver.step": internal, "solver.tolerance": bits_tolerance(method)}
-    with Stepper(scene(damped_for(method, text)), start_values=settings, stop_time=1.0) as stepper:
+    with Stepper(scene_for(method), start_values=settings, stop_time=1.0) as stepper:
         saved, ends = [], []
         for number in range(40):
             if number % 5 == 0:
@@ -192,14 +179,12 @@ def test_a_run_goes_on_from_a_saved_state_with_the_same_bits(scene, method, inte
 
 
 @pytest.mark.short("*-falling", "auto-*")
-@pytest.mark.parametrize("text", SCENES.values(), ids=SCENES)
+@pytest.mark.parametrize("scene_for", SCENES.values(), ids=SCENES)
 @pytest.mark.parametrize("method", METHODS)
-def test_the_same_calls_give_the_same_bits(scene, method, text):
+def test_the_same_calls_give_the_same_bits(method, scene_for):
     ends = []
     for _ in range(2):
-        with Stepper(
-            scene(damped_for(method, text)), start_values={"solver.method": method, "solver.tolerance": bits_tolerance(method)}
-        ) as stepper:
+        with Stepper(scene_for(method), start_values={"solver.method": method, "solver.tolerance": bits_tolerance(method)}) as stepper:
             for number in range(40):
                 stepper.step(0.01 if number % 3 else 0.003)
             ends.append(state_of(stepper))
@@ -214,10 +199,10 @@ def test_the_same_calls_give_the_same_bits(scene, method, text):
     ("method", "tolerance"),
     [*((method, tolerance) for method in ("bm4", "rkn12", "dop853", "auto") for tolerance in (1e-3, 1e-6, 1e-9)), ("ros34pw2", 1e-3)],
 )
-def test_a_clipped_step_does_not_shrink_the_next_one(scene, method, tolerance):
+def test_a_clipped_step_does_not_shrink_the_next_one(method, tolerance):
     """Every communication step of 7 ms is followed by a sliver of a microsecond, which is one internal step more and costs no other."""
     steps, settings = [], {"solver.method": method, "solver.tolerance": tolerance}
-    with Stepper(scene(damped_for("rkn12", BOX)), start_values=settings, stop_time=0.5) as stepper:
+    with Stepper(pressed("rkn12"), start_values=settings, stop_time=0.5) as stepper:
         for sliver in (0.0, 1e-6):
             stepper.restart(settings, stop_time=0.5)
             for _ in range(50):
@@ -265,8 +250,8 @@ def test_auto_does_little_more_work_than_the_best_method(name, tolerance):
         assert work_of("auto") < 1.5 * min(work_of(method) for method in EXPLICIT[name][tolerance < 1e-5 :])
 
 
-def test_auto_says_why_once_per_change_and_not_per_step(scene):
-    with Stepper(scene(damped_for("rkn12", FALLING)), start_values={"solver.method": "auto", "solver.tolerance": 1e-6}) as stepper:
+def test_auto_says_why_once_per_change_and_not_per_step():
+    with Stepper(falling("rkn12"), start_values={"solver.method": "auto", "solver.tolerance": 1e-6}) as stepper:
         stepper.step(0.002, times=500)
         taken = stepper.methods()
     assert all(one != other for one, other in pairwise(taken))
@@ -285,7 +270,7 @@ def test_auto_says_why_once_per_change_and_not_per_step(scene):
         ("rkn12", 1e-3, ("dop853", "rkn12 was asked for, but the body is damped")),
     ],
 )
-def test_the_reason_is_said_once_in_a_free_run(scene, method, step, expected):
-    with Stepper(scene(damped_for("bm4", BOX)), start_values={"solver.method": method, "solver.step": step}) as stepper:
+def test_the_reason_is_said_once_in_a_free_run(method, step, expected):
+    with Stepper(pressed("bm4"), start_values={"solver.method": method, "solver.step": step}) as stepper:
         stepper.step(0.01, times=30)
         assert stepper.methods() == [expected]
