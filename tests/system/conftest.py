@@ -1,4 +1,4 @@
-"""Scenes from text, and the driver FMUs."""
+"""The driver FMUs."""
 
 import os
 from pathlib import Path
@@ -6,19 +6,6 @@ from pathlib import Path
 import pytest
 
 from locks import one_at_a_time
-from softffd import load_scene
-
-
-@pytest.fixture
-def scene(tmp_path):
-    """scene(text) writes a TOML text to a file and loads it."""
-
-    def load(text: str, name: str = "scene"):
-        path = tmp_path / f"{name}.toml"
-        path.write_text(text)
-        return load_scene(path)
-
-    return load
 
 
 @pytest.fixture(scope="session")

@@ -10,50 +10,41 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from softffd import load_scene
+from scenes import box
 from stepping import Stepper
 
 H, STEPS = 0.012, 20
 
-SCENE = """
-[material]
-stiffness = 1e3
-damping = DAMPING
-[environment]
-gravity = [0.0, 0.0, GRAVITY]
-[initial]
-stretch = [1.04, 0.98, 1.0]
-angular_velocity = [1.0, -2.0, 3.0]
-[outputs]
-velocities = "all"
-energy = true
-reactions = true
-solver = true
-"""
-
-LOADS = '[[load]]\nname = "push"\npoints = "x+"\n[[load]]\nname = "pull"\npoints = [[0, 0, 0]]\n'
-PIN = '[[pin]]\nname = "hand"\npoints = "x-"\nmotion = "input"\n'
+LOADS = {"load": [{"name": "push", "points": "x+"}, {"name": "pull", "points": [[0, 0, 0]]}]}
+PIN = {"pin": [{"name": "hand", "points": "x-", "motion": "input"}]}
 CENTRE = np.array([0.0, 0.5, 0.5])
 
 
-@dataclass(frozen=True)
-class Case:
-    """A scene: what it adds to the free box, and its damping [N s/m] and gravity [m/s2]."""
-
-    extra: str = ""
-    damping: float = 0.0
-    gravity: float = -9.81
+def turning(damping=0.0, gravity=-9.81, **parts):
+    """The free box with these parts."""
+    return box(
+        stiffness=1e3,
+        damping=damping,
+        gravity=[0.0, 0.0, gravity],
+        stretch=[1.04, 0.98, 1.0],
+        angular_velocity=[1.0, -2.0, 3.0],
+        velocities="all",
+        energy=True,
+        reactions=True,
+        outputs={"solver": True},
+        **parts,
+    )
 
 
 CASES = {
-    "free": Case(),
-    "damped": Case(damping=0.1),
-    "ramp": Case(LOADS),
-    "damped ramp": Case(LOADS, damping=0.1),
-    "curved": Case(LOADS, damping=0.1),
-    "pin": Case(PIN),
-    "damped pin": Case(PIN, damping=0.1),
-    "turning pin": Case(PIN, gravity=0.0),
+    "free": turning(),
+    "damped": turning(damping=0.1),
+    "ramp": turning(**LOADS),
+    "damped ramp": turning(damping=0.1, **LOADS),
+    "curved": turning(damping=0.1, **LOADS),
+    "pin": turning(**PIN),
+    "damped pin": turning(damping=0.1, **PIN),
+    "turning pin": turning(gravity=0.0, **PIN),
 }
 
 
@@ -82,7 +73,7 @@ METHODS = {
 
 def pairs(cases, methods=METHODS):
     """Of cases and methods, without those that rkn12 would leave to dop853."""
-    return [(case, method) for case in cases for method in methods if not (CASES[case].damping and method == "rkn12")]
+    return [(case, method) for case in cases for method in methods if not (CASES[case].material.damping and method == "rkn12")]
 
 
 def loads(time, order=0):
@@ -147,15 +138,13 @@ def run(stepper, case, method, n):
 
 
 @pytest.fixture(scope="module")
-def courses(tmp_path_factory):
+def courses():
     """courses(case, method, n) runs once and remembers."""
-    folder, steppers, known = tmp_path_factory.mktemp("order"), {}, {}
+    steppers, known = {}, {}
 
     def course(case, method, n):
         if case not in steppers:
-            path, this = folder / f"{case.replace(' ', '_')}.toml", CASES[case]
-            path.write_text(SCENE.replace("DAMPING", str(this.damping)).replace("GRAVITY", str(this.gravity)) + this.extra)
-            steppers[case] = Stepper(load_scene(path))
+            steppers[case] = Stepper(CASES[case])
         if (case, method, n) not in known:
             known[case, method, n] = run(steppers[case], case, method, n)
         return known[case, method, n]
@@ -208,18 +197,19 @@ def test_the_energy_balance_closes_with_the_methods_order(courses, case, method)
 def test_momentum_is_what_loads_drag_and_pins_gave(courses, case, method):
     """The change of momentum in every communication step is the impulse of gravity, loads, damping and pin: to rounding (1e-13 N s).
     But the drag of fixed-step methods is no sum over the way of the points: it has the method's order."""
-    this, row = CASES[case], METHODS[method]
+    scene, row = CASES[case], METHODS[method]
+    damping = scene.material.damping
     times = H * np.arange(STEPS + 1)
     load = np.array([[loads(t)[f"load.push.{axis}"] + loads(t)[f"load.pull.{axis}"] for axis in "xyz"] for t in times]) * ("ramp" in case)
-    given = 0.5 * H * (load[1:] + load[:-1]) + H * np.array([0.0, 0.0, this.gravity])
+    given = 0.5 * H * (load[1:] + load[:-1]) + H * np.array(scene.environment.gravity)
 
     def gap(n):
         run = courses(case, method, n)
         momentum, way = run.v.mean(axis=1), run.x.sum(axis=1)  # 1 kg in all, the same on every point
-        return np.abs(np.diff(momentum, axis=0) - given + this.damping * np.diff(way, axis=0) + H * run.pin[1:, 0]).max()
+        return np.abs(np.diff(momentum, axis=0) - given + damping * np.diff(way, axis=0) + H * run.pin[1:, 0]).max()
 
     gaps = [gap(n) for n in row.divisions]
-    if this.damping and row.order <= 4 and max(gaps) > 1e-13:
+    if damping and row.order <= 4 and max(gaps) > 1e-13:
         assert observed(row.divisions, np.maximum(gaps, 1e-14)) > row.order - row.within, gaps
     else:
         assert max(gaps) < 1e-13
