@@ -12,7 +12,7 @@ from softffd.cli.command import main
 from softffd.scene.scene import scene_from
 from softffd.validation.stability import drawn_survey
 from softffd.validation.stability.drawn import Course, Draws, drawn
-from softffd.validation.stability.drawn_runs import RUNGS, RUNS, Job, Run, _grown, judge, run_jobs
+from softffd.validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, Job, Run, _grown, judge, run_jobs
 from softffd.validation.stability.drive import Drive
 from softffd.validation.stability.guard import Lost
 from softffd.validation.stability.scenes import box
@@ -190,3 +190,18 @@ def test_numbers_out_of_range_are_refused(options, tmp_path, capsys):
 def test_cases_are_not_chosen_among_scenes_drawn_at_random(tmp_path, capsys):
     assert main(["stability", "--random", "1", "--only", "S1", "-o", str(tmp_path)]) == 1
     assert "without --only" in capsys.readouterr().err
+
+
+SILENT_NOW = (4, 8, 14, 16, 18, 26, 29)
+"""To be enabled: all but 26, which takes leapfrog through several impacts, are implicit contact that loses the rebound."""
+
+
+def marks(seed: int) -> list:
+    reason = "silently wrong; a seed that is not any more fails here until it is taken from the list"
+    return [pytest.mark.full] + [pytest.mark.xfail(strict=True, reason=reason)] * (seed in SILENT_NOW)
+
+
+@pytest.mark.parametrize("seed", [pytest.param(seed, marks=marks(seed)) for seed in range(1, 41)])
+def test_auto_is_right_or_says_that_it_is_not(seed):
+    judged = judge(drawn(seed), list(run_jobs([Job(seed, run) for run in RUNS])))
+    assert judged.verdict not in FAULTS, drawn_survey.line(judged)
