@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/tolerances.hpp"
+#include "model/arithmetic.hpp"
 
 namespace softffd {
 
@@ -12,13 +13,17 @@ namespace {
 /// Speeds inside a step may exceed those at its ends by this factor.
 constexpr double speed_margin = 1.5;
 
-double largest_speed(const Points& v) { return std::sqrt(v.square().rowwise().sum().maxCoeff()); }
+double largest_speed(const Points& v) { return std::sqrt(v.square().rowwise().sum().maxCoeff<Eigen::PropagateNaN>()); }
+
+double largest_arm(const Vec3& from, const Points& x) {
+  return std::sqrt((x.rowwise() - from.transpose().array()).square().rowwise().sum().maxCoeff());
+}
 
 }  // namespace
 
 double Reach::least_gap(const HalfSpace& obstacle, const Points& x) {
   kernels::gaps(int(x.rows()), x.data(), obstacle.normal.data(), obstacle.offset, gap_.data());
-  return gap_.minCoeff();
+  return gap_.minCoeff<Eigen::PropagateNaN>();
 }
 
 bool Reach::may_touch(const Equations& equations, const State& state, double H) {
@@ -27,15 +32,23 @@ bool Reach::may_touch(const Equations& equations, const State& state, double H) 
   for (int axis = 0; axis < 3; ++axis) acceleration = std::max(acceleration, (around.force.col(axis) / body.mass).abs().maxCoeff());
   const double way = H * (largest_speed(state.v) + 0.5 * H * std::sqrt(3.0) * acceleration);
   return std::any_of(around.planes.begin(), around.planes.end(), [&](const Plane& plane) {
-    return std::min(least_gap(plane.at(state.time), state.x), least_gap(plane.at(state.time + H), state.x)) <= way;
+    const HalfSpace start = plane.at(state.time);
+    const double first = least_gap(start, state.x), last = least_gap(plane.at(state.time + H), state.x);
+    const PlaneWay own = way_between(plane, state.time, state.time + H, largest_arm(start.point, state.x));
+    const double least = std::max(std::min(first, last) - own.deviation, 0.5 * (first + last - H * own.speed));  // in between
+    return !(least > way);
   });
 }
 
 bool Reach::passed(const Drive& around, double t0, double t1, const Points& x0, const Points& v0, const Points& x1, const Points& v1) {
-  const double way = speed_margin * (t1 - t0) * std::max(largest_speed(v0), largest_speed(v1));
+  const double h = t1 - t0;
+  middle_ = 1.5 * (x1 - x0) - 0.25 * h * (v0 + v1);  // of the cubic through both ends: h times the velocity
+  const double way = worse(speed_margin * h * worse(largest_speed(v0), largest_speed(v1)), largest_speed(middle_));
   return std::any_of(around.planes.begin(), around.planes.end(), [&](const Plane& plane) {
-    const double after = least_gap(plane.at(t1), x1);
-    return after < 0 || after + least_gap(plane.at(t0), x0) <= way;
+    const HalfSpace start = plane.at(t0);
+    const double before = least_gap(start, x0), after = least_gap(plane.at(t1), x1);
+    const PlaneWay own = way_between(plane, t0, t1, largest_arm(start.point, x0) + way);
+    return !(after >= 0) || !(after + before > way + std::min(2 * own.deviation, h * own.speed));
   });
 }
 

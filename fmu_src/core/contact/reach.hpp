@@ -7,10 +7,12 @@ namespace softffd {
 
 class Reach {
  public:
-  explicit Reach(int points) : gap_(points) {}
-  /// Could a point come to an obstacle within H, at its present speed and under the outside forces? A forecast.
+  explicit Reach(int points) : gap_(points), middle_(points, 3) {}
+  /// Could a point come to an obstacle within H, at its present speed and under the outside forces? A forecast; the obstacles' own motion
+  /// is bounded.
   bool may_touch(const Equations& equations, const State& state, double H);
-  /// Is a point behind an obstacle at t1, or could one have been in between, going by the gaps and speeds at both ends?
+  /// Is a point behind an obstacle at t1, or could one have been in between, going by the gaps and speeds at both ends and by the cubic
+  /// through them? A point that swings to and fro more than once in the step is beyond that.
   bool passed(const Drive& around, double t0, double t1, const Points& x0, const Points& v0, const Points& x1, const Points& v1);
   /// Is every point at x off all obstacles at time t?
   bool clear(const Body& body, const Drive& around, double t, const Points& x);
@@ -18,6 +20,7 @@ class Reach {
  private:
   double least_gap(const HalfSpace& obstacle, const Points& x);
   Scalars gap_;
+  Points middle_;
 };
 
 }  // namespace softffd

@@ -40,4 +40,12 @@ struct Plane : PlaneMotion {
   HalfSpace at(double time) const;
 };
 
+/// Bounds of a plane's own motion between two times, as a point at rest sees it.
+struct PlaneWay {
+  double speed;      ///< of the gap [m/s]
+  double deviation;  ///< of the gap from the straight line between its values at both ends [m]; 0 for a plane in steady translation
+};
+/// arm: largest distance of a point from the plane's point at t0 [m]. Infinite where a normal that is followed by its rate vanishes.
+PlaneWay way_between(const Plane& plane, double t0, double t1, double arm);
+
 }  // namespace softffd

@@ -16,7 +16,7 @@ struct Flight {
   Drive around;
   State state;
 
-  Flight(Random& random, int trial) {
+  Flight(Random& random, int trial, bool steady = true) {
     body.mass = Scalars::Constant(8, random(0.1, 2));
     around.force.setZero(8, 3);
     state.x.setZero(8, 3);
@@ -35,6 +35,7 @@ struct Flight {
       for (int p = 0; p < 8; ++p) lowest = std::min(lowest, plane.normal.dot(row(state.x, p)));
       plane.point = (lowest - random(0, 1) * random(0, trial % 2 ? 1 : 10)) * plane.normal;
       if (random(0, 1) < 0.7) plane.velocity = random(0, 10) * random.direction();
+      if (!steady) unsettle(plane, random);
       around.planes.push_back(plane);
     }
   }
@@ -54,6 +55,17 @@ struct Flight {
     for (int i = 0; i <= samples; ++i)
       if (least_gap(i * H / samples) < 0) return true;
     return false;
+  }
+
+  /// A plane that accelerates, and turns about a point of its own or follows a rate of its normal.
+  static void unsettle(Plane& plane, Random& random) {
+    plane.point += random(0, 3) * plane.normal.unitOrthogonal();
+    if (random(0, 1) < 0.5) plane.acceleration = random(0, 300) * random.direction();
+    if (random(0, 1) < 0.4)
+      plane.normal_rate = random(0, 15) * random.direction();
+    else if (random(0, 1) < 0.6)
+      plane.angular_velocity = random(0, 20) * random.direction();
+    if (random(0, 1) < 0.5) plane.angular_acceleration = random(0, 300) * random.direction();
   }
 
  private:
@@ -92,6 +104,67 @@ TEST(whatever_was_behind_a_plane_in_between_is_seen_from_both_ends) {
   }
   std::printf("  %d of 3000 came and went within the step, %d are told to look closer\n", hidden, seen);
   CHECK(hidden > 5 && seen < 2700);
+}
+
+TEST(planes_that_accelerate_and_turn_are_within_reach_when_they_come) {
+  Random random;
+  Reach reach(8);
+  int between = 0, within = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const Flight flight(random, trial, false);
+    const bool may = reach.may_touch({flight.body, flight.around}, flight.state, H), meets = flight.meets();
+    CHECK(may || !meets);
+    between += meets && flight.least_gap(0) > 0 && flight.least_gap(H) > 0;
+    within += may;
+  }
+  std::printf("  %d of 3000 meet a plane only in between, %d are said to be within reach\n", between, within);
+  CHECK(between > 20 && within < 2900);
+}
+
+TEST(planes_that_accelerate_and_turn_are_seen_from_both_ends) {
+  Random random;
+  Reach reach(8);
+  int hidden = 0, seen = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const Flight flight(random, trial, false);
+    if (flight.least_gap(0) < 0) continue;
+    const bool passed = reach.passed(flight.around, 0, H, flight.x(0), flight.v(0), flight.x(H), flight.v(H));
+    const bool meets = flight.meets();
+    CHECK(passed || !meets);
+    hidden += meets && flight.least_gap(H) >= 0;
+    seen += passed;
+  }
+  std::printf("  %d of 3000 came and went within the step, %d are told to look closer\n", hidden, seen);
+  CHECK(hidden > 20 && seen < 2900);
+}
+
+namespace {
+
+/// A point that goes to and fro along z, and what a plane at z = depth sees of a step from t0 on.
+bool swing_passes(double amplitude, double omega, double t0, double h, double depth) {
+  Reach reach(1);
+  const auto at = [&](double t, bool rate) {
+    Points now = Points::Zero(1, 3);
+    now(2) = amplitude * (rate ? omega * std::cos(omega * t) : std::sin(omega * t));
+    return now;
+  };
+  Drive around;
+  around.planes.push_back({{.point = {0, 0, depth}}});
+  return reach.passed(around, t0, t0 + h, at(t0, false), at(t0, true), at(t0 + h, false), at(t0 + h, true));
+}
+
+}  // namespace
+
+TEST(a_point_that_swings_in_and_out_is_seen_from_both_ends) {
+  for (const double turned : {0.5, 1.0, 2.0, 3.0, 4.0})  // of the swing, in a step [rad]
+    for (double t0 = 0; t0 < 6.3; t0 += 0.05) {
+      const double lowest = [&] {
+        double least = 1;
+        for (int i = 0; i <= 400; ++i) least = std::min(least, std::sin(t0 + turned * i / 400));
+        return least;
+      }();
+      CHECK(swing_passes(1, 1, t0, turned, lowest + 1e-3));
+    }
 }
 
 TEST(on_a_plane_is_not_clear_of_it) {
