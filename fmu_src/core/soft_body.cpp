@@ -228,13 +228,14 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   if (cleared != StepStatus::ok) return cleared;
   if (changed || moved) model_.body.internal_force(motion.x, motion.spring);
   const bool published = settings.method == Method::central_difference && (!drive_.planes.empty() || !drive_.pins.empty());
-  const bool watched = !published && !(model_.body.damped && drive_.ramped);  // both together would cost too much to book
+  const bool watched = !published;
   if (definition_.watch_energy) now_.work += potential_energy() - now_.potential;
   if (definition_.watch_energy || watched) begin_ = motion.x;
   if (!watched) now_.energy.kinetic_elastic = -1;
   const double jump = (drive_.force - now_.outside).abs().maxCoeff();
   if (watched && jump > 0) jolt(now_.energy, model_.body, motion.spring, now_.outside, drive_.force);
   const double booked = watched ? open_account(now_, before_, model_, drive_, changed, moved) : 0;
+  drive_.damping_unwatched = !definition_.watch_energy;  // the account does not need it
   drive_.watch = definition_.watch_energy || (watched && drive_.ramped);
   const Request request{.method = settings.method,
                         .tolerance = settings.tolerance * model_.body.length,

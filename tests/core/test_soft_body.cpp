@@ -107,6 +107,42 @@ TEST(forces_that_jump_are_no_gain_of_energy) {
   CHECK(body.run().energy.largest > 0);
 }
 
+TEST(a_damped_body_under_a_load_that_grows_is_watched) {
+  for (const Method method : {Method::leapfrog, Method::bm4, Method::dop853, Method::ros34pw2, Method::automatic}) {
+    SoftBody body(stretched());
+    body.settings.stiffness = {1e3, 1e3, 1e3};
+    body.settings.damping = 0.02;
+    body.settings.method = method;
+    body.initialize(0);
+    const double before = body.readings().elastic_energy();
+    for (int i = 0; i < 100; ++i) {
+      body.settings.force(63, 0) = 20 * (i % 20) * 0.05;
+      body.settings.force_rate(63, 0) = 20 / 0.2;  // up to 20 N, and at once back
+      CHECK(body.advance(0.01) == StepStatus::ok);
+      CHECK(body.run().energy.kinetic_elastic >= 0);
+      CHECK(!body.readings().gains_energy());
+    }
+    CHECK(body.run().energy.due > 0 && body.readings().largest_energy() >= before);
+    CHECK(body.readings().dissipated_energy() == 0);  // nobody asks
+  }
+}
+
+TEST(a_gain_of_a_damped_body_under_a_load_that_grows_is_seen) {
+  SoftBody body(stretched());
+  body.settings.stiffness = {1e3, 1e3, 1e3};
+  body.settings.damping = 1e-6;
+  body.settings.step = 1e-3;
+  body.settings.force_rate(63, 0) = 1e-6;
+  body.initialize(0);
+  for (int i = 0; i < 20; ++i) CHECK(body.advance(0.1) == StepStatus::ok);
+  CHECK(!body.readings().gains_energy());
+  Run more = body.run();
+  more.path.motion.v *= 2;
+  body.restore(more, 0);
+  for (int i = 0; i < 20; ++i) CHECK(body.advance(0.1) == StepStatus::ok);
+  CHECK(body.readings().gains_energy());
+}
+
 TEST(a_moved_pin_carries_its_points_and_gets_their_momentum) {
   Definition definition;
   definition.mass.assign(64, 1.0 / 64);

@@ -58,7 +58,7 @@ void Ledger::stage(const Equations& equations, double weight, double t, const Po
 }
 
 void Ledger::damp(const Equations& equations, double weight, const Points& v) {
-  if (!watch_ || !equations.body.damped) return;
+  if (!watch_ || !equations.body.damped || equations.around.damping_unwatched) return;
   for (int axis = 0; axis < 3; ++axis) dissipated_ += weight * (equations.body.damping * v.col(axis).square()).sum();
 }
 

@@ -67,7 +67,7 @@ void CentralDifference::step(const Body& body, const Drive& around, double t, do
     set_row(next_, p, here);
     if (exchange) exchange->push(exchange->pins[held.pin], impulse, held.arm, held.velocity());
   });
-  if (around.watch && exchange && body.damped) {
+  if (around.watch && exchange && body.damped && !around.damping_unwatched) {
     double power = 0;
     for (int axis = 0; axis < 3; ++axis) power += (body.damping * ((next_.col(axis) - state.previous.col(axis)) / (2 * h)).square()).sum();
     exchange->dissipated += h * power;

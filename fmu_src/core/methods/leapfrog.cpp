@@ -68,7 +68,8 @@ StepStatus Leapfrog::step(const Body& body, const Drive& around, const Span& spa
   const double t0 = span.time(i), t1 = span.time(i + 1);
   const StepView view{body, kicks_, around, state.spring, force, state.x, t0, t1, span.h};
   if (planes || pins) before_ = state.v;
-  if (watch && body.damped) start_ = state.v;
+  const bool losses = watch && body.damped && !around.damping_unwatched;
+  if (losses) start_ = state.v;
   kicks_.open(state.spring, force, state.v);
   kernels::drift(state.x.size(), span.h, state.x.data(), state.v.data(), next_.data());
   if (pins) drift_pins(view, before_, state.v, next_, exchange);
@@ -88,7 +89,7 @@ StepStatus Leapfrog::step(const Body& body, const Drive& around, const Span& spa
     const StepStatus status = contact_.close(view, before_, state.x, state.v, exchange);
     if (status != StepStatus::ok) return status;
   }
-  if (watch && body.damped) exchange.dissipated += damping_loss(body, span.h, start_, state.v);
+  if (losses) exchange.dissipated += damping_loss(body, span.h, start_, state.v);
   return StepStatus::ok;
 }
 

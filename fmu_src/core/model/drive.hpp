@@ -28,6 +28,7 @@ struct Drive {
   bool bent = false;                 ///< any second or third
   double since = 0;                  ///< start of the communication step [s]
   bool watch = false;                ///< dissipated energy and work are wanted in the Exchange
+  bool damping_unwatched = false;    ///< but not what damping takes, which costs most to book
 
   /// What coordinate i (of 3 * points) of the outside forces has gained by time t [N].
   double ramp(Eigen::Index i, double t) const {
