@@ -9,8 +9,8 @@ cases that end within about two seconds.
 Hashed are the control points' positions and the reactions of planes and pins at all communication points, and whether the component
 refused. Moving, renaming, splitting and merging code keeps every bit. Where bits change on purpose, a commit does only that, says by how
 much, and brings the entries that `record NAME ...` has made anew for what `compare` names. How long a scene runs stands in the file, so
-that a slower machine compares the same. With another processor or numpy the last bits of the masses may differ, and then so does all that
-follows: there, record on the code before and compare on the code after.
+that a slower machine compares the same. With another numpy the last bits of the masses may differ, and then so does all that follows:
+there, record on the code before and compare on the code after.
 """
 
 from __future__ import annotations

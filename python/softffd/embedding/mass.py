@@ -183,8 +183,9 @@ def _products_below(coordinates: np.ndarray, masses: np.ndarray, counts) -> np.n
 
 
 def _summed(u: np.ndarray, v: np.ndarray, w: np.ndarray, masses: np.ndarray) -> np.ndarray:
-    plane = (u * masses)[:, None] * v[None]
-    return (plane.reshape(-1, plane.shape[-1]) @ w.T).reshape(len(u), len(v), len(w))
+    """Sums that are the same bits on every processor, which matrix products are not."""
+    plane = ((u * masses)[:, None] * v[None]).reshape(-1, len(masses))
+    return np.stack([(plane * along).sum(axis=1) for along in w], axis=1).reshape(len(u), len(v), len(w))
 
 
 def _integrals(corners: np.ndarray, mesh: Mesh, counts, solid: bool) -> np.ndarray:

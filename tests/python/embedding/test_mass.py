@@ -1,5 +1,8 @@
 """Facts about the masses of the control points."""
 
+import os
+import subprocess
+import sys
 from importlib import import_module
 from math import factorial
 
@@ -331,3 +334,19 @@ def test_real_meshes_keep_total_and_centre_of_mass(name, closed, real_meshes):
         found = masses(distribution, mesh, total=1200.0)
         assert found.mass.sum() == pytest.approx(1200.0, rel=1e-13)
         assert centre_of_mass(found, mesh, (4, 4, 4)) == pytest.approx(centroid(distribution, mesh), abs=1e-12)
+
+
+MASSES = """
+from softffd import load_scene
+from softffd.fmu.package import scene_masses
+print(scene_masses(load_scene("car_drop")).mass.tobytes().hex())
+"""
+
+
+def test_masses_have_the_same_bits_on_every_processor():
+    """The matrix products of numpy's library take sums in another order on each kind of processor; it can be told which to act for."""
+    found = set()
+    for processor in ("Prescott", "Haswell"):
+        environment = os.environ | {"OPENBLAS_CORETYPE": processor}
+        found.add(subprocess.run([sys.executable, "-c", MASSES], env=environment, capture_output=True, check=True).stdout)
+    assert len(found) == 1 and found != {b""}
