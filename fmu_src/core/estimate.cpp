@@ -15,6 +15,12 @@ namespace {
 /// Steps of the shadow in those of the run.
 constexpr double finer = 2.0 / 3;
 
+/// Whether the last communication step was a stiff body's beside an obstacle: the shadow goes by the same rules then.
+bool of_impacts(const SoftBody& body) {
+  const Reason reason = body.readings().reason();
+  return reason == Reason::impact || reason == Reason::ringing_flight || reason == Reason::stiff_contact;
+}
+
 }  // namespace
 
 ErrorEstimate::ErrorEstimate(const Definition& definition)
@@ -33,6 +39,10 @@ void ErrorEstimate::initialize(const SoftBody& body, double t0) {
 double ErrorEstimate::choose_steps(const SoftBody& body, double H, Count taken) {
   Settings& settings = shadow_.settings;
   const Readings run = body.readings();
+  if (of_impacts(body)) {
+    settings.step_factor = finer;
+    return power(finer, 2);
+  }
   settings.method = run.method();
   const Traits t = traits(settings.method);
   const double h = run.internal_step(), steps = std::max(1.0, std::round(H / h));
@@ -62,8 +72,8 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
   double difference = 0;
   const Points &x = body.state().x, &y = shadow_.state().x;
   for (int i = 0; i < x.size(); ++i) difference = std::max(difference, std::abs(x.data()[i] - y.data()[i]));
-  follow_vibration(body, H, taken);
-  const double estimate = std::max(difference * tally_.time / tally_.ratio_time, tally_.damped_away);
+  if (!of_impacts(body)) follow_vibration(body, H, taken);
+  const double estimate = std::max({difference * tally_.time / tally_.ratio_time, tally_.damped_away, body.run().path.stiff.error});
   const bool free = given && !body.readings().damped();
   tally_.value = free && out_of_phase() ? std::max(tally_.value, estimate) : estimate;
   if (free) tally_.value = std::max(tally_.value, lost_vibration(body));

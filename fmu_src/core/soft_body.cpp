@@ -126,6 +126,7 @@ void SoftBody::refresh_model() {
 void SoftBody::take_material() {
   now_.course.forget_material();
   now_.path.motion.previous_h = 0;
+  now_.path.stiff.begin(Phase::flight);
 }
 
 StepStatus SoftBody::refresh_drive() {
@@ -198,6 +199,7 @@ StepStatus SoftBody::initialize(double t0) {
   now_.course.factored.x = std::move(factored_x);
   now_.path.clock = {.origin = t0};
   now_.path.steps = 0;
+  now_.path.stiff = {};
   now_.path.exchange.clear();
   now_.exchange_time = 1;
   now_.dissipated = now_.work = 0;

@@ -39,6 +39,7 @@ StepStatus ImplicitContact::advance(const Equations& equations, double t, double
       largest_stiffness_ = std::max(largest_stiffness_, kernels::largest(row.stiffness.size(), row.stiffness.data()));
   }
   last_factorization_ = linear_.factorizations() + most_factorizations;
+  given_ = 0;
   return advance_in_parts(equations, t, h, watch, state, exchange, 0);
 }
 
@@ -50,6 +51,7 @@ StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double 
   if (status == StepStatus::ok) status = solve(step);
   if (status == StepStatus::ok && close(step)) {
     book(step, watch, exchange);
+    given_ += given_by_contacts(step);
     state.x.swap(x_);
     state.v.swap(v_);
     state.spring.swap(spring_);
@@ -259,6 +261,19 @@ double ImplicitContact::contact_work(const Step& step) const {
   for (const Pin& pin : step.equations.around.pins)
     for (int p : pin.points) work += pin_impulse(step, p).dot(row(u_, p)) / step.h;
   return work;
+}
+
+/// The same with friction, at the mean of the velocities.
+double ImplicitContact::given_by_contacts(const Step& step) const {
+  double given = work_;
+  for (int p : contacts_.points())
+    for (int i = 0; i < contacts_.touches(p); ++i) {
+      const ContactSet::Touch& touch = contacts_.touch(p, i);
+      const Vec3 surface = contacts_.material_velocity(touch.plane, row(step.from.x, p) + 0.5 * row(u_, p));
+      const Vec3 slip = 0.5 * (row(step.from.v, p) + row(v_, p)) - surface;
+      given += touch_impulse(step, p, i).dot(tangential(touch.normal, slip));
+    }
+  return given;
 }
 
 /// On the point. Of several touches the first gets what the others leave of the linear equations' reaction.

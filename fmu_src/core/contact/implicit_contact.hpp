@@ -35,6 +35,9 @@ class ImplicitContact {
   /// with so many factorizations.
   StepStatus advance(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
   Count most_factorizations = 100'000;
+  /// Energy that obstacles and pins gave the body in the last call, friction included, points moving along obstacles with the mean of their
+  /// velocities before and after [J].
+  double given() const { return given_; }
 
   /// Counted since the start.
   Count steps() const { return steps_; }        ///< tried; of which
@@ -61,6 +64,7 @@ class ImplicitContact {
   bool close(const Step& step);
   void spread_rounding(const Step& step);
   double contact_work(const Step& step) const;
+  double given_by_contacts(const Step& step) const;
   Vec3 touch_impulse(const Step& step, int p, int i) const;
   Vec3 pin_impulse(const Step& step, int p) const;
   void book(const Step& step, bool watch, Exchange& exchange) const;
@@ -75,6 +79,7 @@ class ImplicitContact {
   bool straight_ = false;  ///< the last Newton step was taken as the linear equations have it
   Vec3 rounding_ = Vec3::Zero();
   double loss_ = 0, work_ = 0;  ///< of the step [J]
+  double given_ = 0;            ///< of the call [J]
   Count steps_ = 0, halvings_ = 0, iterations_ = 0, last_factorization_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "flight/attitude.hpp"
 #include "methods/traits.hpp"
 #include "model/rigid_motion.hpp"
 
@@ -16,19 +17,6 @@ using Matrix = Eigen::Matrix3d;
 /// Forces left out turn vibrations out of their direction, step by step the same way, while of estimated errors a multiple of the
 /// tolerance may add up (traits.hpp).
 const double systematic = traits(Method::floating_frame).tolerance_sum;
-
-/// The rotation next to a: its polar factor (Higham 1986). Unity for a matrix that is no deformed rotation; any frame will do.
-Matrix rotation_next_to(const Matrix& a) {
-  Matrix q = a / a.norm();
-  if (!(q.determinant() > 1e-12)) return Matrix::Identity();
-  for (int i = 0; i < 30; ++i) {
-    const Matrix next = 0.5 * (q + q.inverse().transpose());
-    const double change = (next - q).squaredNorm();
-    q = next;
-    if (change < 1e-20) break;
-  }
-  return q;
-}
 
 }  // namespace
 

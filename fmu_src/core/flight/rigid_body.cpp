@@ -39,12 +39,13 @@ Vec3 axial(const Matrix& a) { return {a(1, 2) - a(2, 1), a(2, 0) - a(0, 2), a(0,
 
 }  // namespace
 
-void RigidBody::start(const Equations& equations, double t, const Points& x, const Points& v) {
+void RigidBody::start(const Equations& equations, double t, const Points& x, const Points& v, const Vec3& inner) {
   const auto& [body, around] = equations;
   const RigidMotion motion = rigid_motion(body.mass, x, v);
   mass_ = motion.mass;
   inverse_inertia_ = motion.inverse_inertia;
-  y_ << motion.centre, motion.velocity, 1, 0, 0, 0, motion.angular_momentum;
+  y_ << motion.centre, motion.velocity, 1, 0, 0, 0, motion.angular_momentum + inner;
+  inner_ = inner;
   damped_ = body.damped;
   derivatives_ = around.bent ? 3 : around.ramped ? 1 : 0;
   t_ = t - around.since;
@@ -71,7 +72,7 @@ void RigidBody::start(const Equations& equations, double t, const Points& x, con
 RigidBody::Rates RigidBody::rates(double t, const Values& y, const Matrix& turn) const {
   const Vec3 velocity = y.segment<3>(3), momentum = y.tail<3>();
   Rates r;
-  r.spin = turn * (inverse_inertia_ * (turn.transpose() * momentum));
+  r.spin = turn * (inverse_inertia_ * (turn.transpose() * momentum - inner_));
   Vec3 force = force_[derivatives_];
   Matrix moments = moments_[derivatives_];
   for (int n = derivatives_; n > 0; --n) {  // Taylor's sum from its end
@@ -158,7 +159,7 @@ RigidState RigidBody::state() const {
   s.acceleration = r.acceleration;
   s.spin = r.spin;
   s.angular_momentum = y_.tail<3>();
-  // I w' = L' - w x L
+  // I w' = L' - w x L, a part of L being fixed to the body
   s.spin_rate = s.turn * (inverse_inertia_ * (s.turn.transpose() * (r.torque - s.spin.cross(s.angular_momentum))));
   return s;
 }

@@ -29,8 +29,9 @@ struct RigidState {
 
 class RigidBody {
  public:
-  /// The body with the momentum and the angular momentum of points x [m] with velocities v [m/s] at time t.
-  void start(const Equations& equations, double t, const Points& x, const Points& v);
+  /// The body with the momentum and the angular momentum of points x [m] with velocities v [m/s] at time t. inner: angular momentum
+  /// besides, which turns with the body and does not turn it [kg m2/s]: that of its vibrations.
+  void start(const Equations& equations, double t, const Points& x, const Points& v, const Vec3& inner = Vec3::Zero());
   /// Goes on by h [s]. Returns the error estimate, a position error of the outermost point [m]: infinite where the forces change too fast
   /// to follow.
   double advance(double h);
@@ -52,7 +53,7 @@ class RigidBody {
   int derivatives_ = 0;                     ///< of the outside forces
   std::array<Vec3, 4> force_;               ///< F and its derivatives
   std::array<Eigen::Matrix3d, 4> moments_;  ///< G and its derivatives
-  Vec3 damped_arm_;
+  Vec3 damped_arm_, inner_;
   Eigen::Matrix3d inverse_inertia_, damped_inertia_;
   Values y_;
 };

@@ -13,6 +13,7 @@ Outcome BackwardEuler::advance(const Model& model, const Drive& drive, const Spa
   for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i) {
     const Count made = contact_.factorizations();
     outcome.status = contact_.advance({model.body, drive}, span.time(i), span.h, drive.watch, run.path.motion, run.path.exchange);
+    outcome.given += contact_.given();
     outcome.work += std::max(traits(Method::backward_euler).work, double(contact_.factorizations() - made) * implicit_.factor);
   }
   return outcome;

@@ -11,6 +11,7 @@ struct Outcome {
   double error = 0;   ///< estimated, of the largest step [m]; 0 without error control
   double work = 0;    ///< in evaluations of the spring forces
   Count impacts = 0;  ///< points that came onto an obstacle
+  double given = 0;   ///< energy that obstacles and pins gave, less what friction took; implicit contact alone says so [J]
 };
 
 class Integrator {

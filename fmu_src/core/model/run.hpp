@@ -21,9 +21,11 @@ enum class Reason {
   least_work,       ///< least work for the tolerance among those tried
   quiet_stiffness,  ///< stiff, and the fast modes are quiet: implicit steps pass them over
   stiff_contact,    ///< an obstacle is within reach of a stiff body
-  free_flight       ///< stiff and free, and the fast modes are quiet: rigid motion, and implicit steps for the deformation
+  free_flight,      ///< stiff and free, and the fast modes are quiet: rigid motion, and implicit steps for the deformation
+  impact,           ///< a stiff body strikes an obstacle, or rings on one
+  ringing_flight    ///< a stiff body flies beside an obstacle: its modes carry what vibrates
 };
-constexpr Reason last(Reason) { return Reason::free_flight; }
+constexpr Reason last(Reason) { return Reason::ringing_flight; }
 
 /// Step of a fixed-step method by trial: what h and h / 2 give over a short stretch.
 struct Calibration {
@@ -55,6 +57,45 @@ struct ContactSteps {
   }
 };
 static_assert(visits_every_field<ContactSteps>);
+
+/// Where a stiff body stands with the obstacles (stepping/impacts.hpp).
+enum class Phase {
+  flight,   ///< nothing can be touched
+  impact,   ///< near an obstacle after a flight: explicit steps of the vibrations' size
+  contact,  ///< the same, for some time already
+  rest      ///< pressed on, and so quiet that long implicit steps lose nothing that matters
+};
+constexpr Phase last(Phase) { return Phase::rest; }
+
+struct StiffContact {
+  Phase phase = Phase::flight;
+  bool settling = false;  ///< the next step at rest is the first
+  Count looks = 0;        ///< at an impact, since the listening began
+  double impulse = 0;     ///< on the obstacles since then [N s]
+  double listened = 0;    ///< length of it [s]
+  double loudest = 0;     ///< largest kinetic energy of deformation since then [J]; with pins the size of the vibrations [m]
+  double pressing = 0;    ///< force on the obstacles, when last known [N]
+  double since = 0;       ///< begin of the impact [s]
+  Count doubts = 0;       ///< how often rest was left too early to pay
+  Count trust = 0;        ///< windows that may be run once
+  Count next_trust = 1;   ///< how many after the next success
+  Count rest_trust = 0, next_rest_trust = 1;  ///< the same for steps at rest
+  double step = 0;                            ///< at rest [s]; 0: none yet
+  double error = 0;                           ///< that steps have left, at the end of the run [m]
+  double unknown = 0;                         ///< that the vibrations' unknown phases at impacts may have added [m]
+
+  /// All of it.
+  double total_error() const { return error + unknown; }
+  /// Begins anew in this phase; what it has cost stays.
+  void begin(Phase next) { *this = {.phase = next, .doubts = next == Phase::flight ? 0 : doubts, .error = error, .unknown = unknown}; }
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.phase, s.settling, s.looks, s.impulse, s.listened, s.loudest, s.pressing, s.since, s.doubts, s.trust, s.next_trust,
+                  s.rest_trust, s.next_rest_trust, s.step, s.error, s.unknown);
+  }
+};
+static_assert(visits_every_field<StiffContact>);
 
 /// What races between methods have shown, and when the next one is due, in work done by then.
 struct RaceRecord {
@@ -116,10 +157,11 @@ struct Path {
   Clock clock;
   Exchange exchange;  ///< of the last communication step
   Count steps = 0;    ///< internal steps since the start
+  StiffContact stiff{};
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.motion, s.clock, s.exchange, s.steps);
+    return fields(s.motion, s.clock, s.exchange, s.steps, s.stiff);
   }
 };
 static_assert(visits_every_field<Path>);

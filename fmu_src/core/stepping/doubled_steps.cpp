@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/tolerances.hpp"
 #include "model/arithmetic.hpp"
 #include "stepping/limits.hpp"
+#include "stepping/outlook.hpp"
 #include "stepping/thresholds.hpp"
 #include "stepping/trial.hpp"
 
@@ -13,6 +15,21 @@ namespace softffd {
 namespace {
 
 namespace use = thresholds;
+
+/// Books what an impact's unknown phase may add, where the stretch began off all obstacles.
+void book_impact(const Job& job, const State& begin) {
+  for (const Plane& plane : job.drive.planes) {
+    const HalfSpace obstacle = plane.at(begin.time);
+    for (int p = 0; p < begin.x.rows(); ++p)
+      if (obstacle.gap(row(begin.x, p)) <= touching * job.model.body.length) return;
+  }
+  const Body& body = job.model.body;
+  const double elastic = body.elastic_energy(begin.x);
+  double squared = 0;
+  for (int i = 0; i < begin.spring.size(); ++i) squared += body.inverse_mass[i] * begin.spring.data()[i] * begin.spring.data()[i];
+  const double frequency = elastic > 0 ? std::sqrt(squared / (2 * elastic)) : 0;
+  book_unknown_phase(job, begin, elastic + kinetic_deformation(body, begin), frequency);
+}
 
 /// Whether the next stretches may be run once, after one that was run twice at the largest stable step with this error.
 void learn_trust(ContactSteps& contact, bool impact, bool good, double allowed, double error) {
@@ -84,6 +101,7 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
         --(impact ? contact.impact : contact.free);
         taken += steps;
         path.motion.time = next;
+        if (impact) book_impact(job, trial.before().motion);
         trial.keep();
         return StepStatus::ok;
       }
@@ -105,7 +123,9 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
       const double worst = cut ? of_late(contact, error, part, steps) : error;
       const double trusted = contact.free_next > 1 ? use::trusted : use::trusted_at_first;
       const bool good = at_limit && tries == 0 && 4 * worst <= trusted * allowed;  // 4: of the coarser run
-      learn_trust(contact, coarse.impacts + fine.impacts > 0, good, allowed, worst);
+      const bool impact = coarse.impacts + fine.impacts > 0;
+      if (impact) book_impact(job, trial.before().motion);
+      learn_trust(contact, impact, good, allowed, worst);
       contact.h = std::max(part * std::clamp(factor_after(allowed, worst), use::next_shrink, use::next_growth), least);
       path.clock = {begin, 0.5 * part, 0};
       taken += 2 * steps;

@@ -23,11 +23,14 @@ Asked asked(const Facts& facts) {
   return {facts.asked, Reason::asked};
 }
 
+/// What auto chooses among the others; backward_euler as auto, but for impacts.
+bool chosen(Method method) { return method == Method::automatic || method == Method::backward_euler; }
+
 Plan wanting(Want want) { return {.want = want}; }
 
 /// No obstacle is in the way, or the method knows them.
 Plan plan_free(const Facts& facts, const Asked& asked, Retreat retreat) {
-  const bool automatic = asked.method == Method::automatic;
+  const bool automatic = chosen(asked.method);
   const Method method = automatic ? Method::leapfrog : asked.method;
   const Reason reason = automatic && facts.given_step ? Reason::given_step : asked.reason;
   const bool controlled = traits(method).error_control() && !facts.given_step;
@@ -38,19 +41,23 @@ Plan plan_free(const Facts& facts, const Asked& asked, Retreat retreat) {
   return {.method = method, .steps = steps, .reason = reason, .retreat = retreat};
 }
 
-/// Stiff bodies take implicit steps through contact; what is not on an obstacle yet flies on if that does not end behind one, as
-/// first-order steps would take its spin. All others, and those for which there is no solution, take leapfrog.
+/// Whether explicit steps are so many that a stiff body's impacts, flights and rests are taken on their own.
+bool stiff(const Facts& facts) {
+  const double steps = *facts.stiffness;
+  const bool many = steps > use::stiff_contact || (steps > use::stiff_contact_of_long_runs && steps * facts.length > use::long_contact);
+  return many && steps < use::stiffest;
+}
+
+bool may_be_stiff(const Facts& facts, const Asked& asked) {
+  return facts.matrices && (chosen(asked.method) || is_implicit(asked.method)) && !facts.given_step;
+}
+
+constexpr Plan impacts{.method = Method::backward_euler, .steps = Steps::impacts, .reason = Reason::stiff_contact};
+
+/// An obstacle is within reach: what is not stiff takes leapfrog.
 Plan plan_contact(const Facts& facts, const Asked& asked) {
   if (!facts.stiffness) return wanting(Want::stiffness);
-  const bool implicit = facts.matrices && (asked.method == Method::automatic || is_implicit(asked.method)) && !facts.given_step;
-  if (implicit && !facts.no_solution && *facts.stiffness > use::stiff_contact && *facts.stiffness < use::stiffest) {
-    const bool may_fly = asked.method != Method::ros34pw2 && !facts.pins && !facts.flight_ended;
-    if (may_fly && !facts.clear) return wanting(Want::clear);
-    if (may_fly && *facts.clear)
-      return {.method = Method::floating_frame, .steps = Steps::controlled, .reason = Reason::free_flight, .retreat = Retreat::from_flight};
-    return {
-        .method = Method::backward_euler, .steps = Steps::implicit, .reason = Reason::stiff_contact, .retreat = Retreat::from_no_solution};
-  }
+  if (may_be_stiff(facts, asked) && stiff(facts)) return impacts;
   const Steps steps = !facts.given_step ? Steps::doubled : facts.counted ? Steps::counted : Steps::fitted;
   return {.method = Method::leapfrog, .steps = steps, .reason = asked.method == Method::leapfrog ? asked.reason : Reason::contact};
 }
@@ -59,7 +66,8 @@ Plan plan_contact(const Facts& facts, const Asked& asked) {
 
 Plan plan(const Facts& facts) {
   const Asked wanted = asked(facts);
-  if (wanted.method == Method::backward_euler) return {.method = wanted.method, .steps = Steps::implicit, .reason = wanted.reason};
+  if (wanted.method == Method::backward_euler && (facts.given_step || facts.pins))
+    return {.method = wanted.method, .steps = Steps::implicit, .reason = wanted.reason};
   if (!facts.obstacles || wanted.method == Method::central_difference) return plan_free(facts, wanted, Retreat::never);
   if (facts.came_upon_obstacle) return plan_contact(facts, wanted);
   const bool in_frame = wanted.method == Method::floating_frame;  // decides by the end of its steps
@@ -67,6 +75,11 @@ Plan plan(const Facts& facts) {
   if (!in_frame || !*facts.clear) {
     if (!facts.within_reach) return wanting(Want::within_reach);
     if (*facts.within_reach) return plan_contact(facts, wanted);
+  }
+  if (chosen(wanted.method) && may_be_stiff(facts, wanted) && !facts.pins) {  // its vibrations matter to the next impact
+    if (!facts.stiffness) return wanting(Want::stiffness);
+    if (stiff(facts) && !facts.rings) return wanting(Want::rings);
+    if (stiff(facts) && *facts.rings) return impacts;
   }
   return plan_free(facts, wanted, wanted.method == Method::leapfrog ? Retreat::never : Retreat::from_obstacle);
 }

@@ -16,6 +16,7 @@ namespace softffd {
 struct Facts {
   Method asked = Method::automatic;
   bool given_step = false;             ///< the user gives the internal step
+  double length = 1;                   ///< of the run, in stretches
   bool counted = false;                ///< and the stretch is a whole number of it
   bool damped = false;                 ///< any damping
   bool matrices = true;                ///< the lattice is narrow enough for them
@@ -25,21 +26,21 @@ struct Facts {
   std::optional<bool> within_reach{};  ///< a point could come to an obstacle, by forecast
   std::optional<double> stiffness{};   ///< largest stable leapfrog steps in the stretch
   bool came_upon_obstacle = false;     ///< a method that does not know obstacles has
-  bool flight_ended = false;           ///< flying on beside an obstacle has
-  bool no_solution = false;            ///< an implicit contact step found none
+  std::optional<bool> rings{};         ///< the body's modes can carry its motion
 };
 
-enum class Want { nothing, clear, within_reach, stiffness };
+enum class Want { nothing, clear, within_reach, stiffness, rings };
 enum class Steps {
   counted,     ///< given ones, counted
   fitted,      ///< of one size, as long as stability and tolerance let them be, or given ones that do not divide the stretch
   controlled,  ///< under error control
   doubled,     ///< every stretch run twice
   implicit,    ///< backward Euler
+  impacts,     ///< flights, explicit steps through impacts, implicit ones at rest
   raced        ///< by the method that a race finds, fitted or controlled
 };
 /// What sends a stretch back to its beginning, to be planned again.
-enum class Retreat { never, from_obstacle, from_flight, from_no_solution };
+enum class Retreat { never, from_obstacle };
 
 struct Plan {
   Want want = Want::nothing;  ///< the fact that is missing; nothing: the rest is the plan

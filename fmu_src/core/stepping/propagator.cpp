@@ -23,6 +23,7 @@ Propagator::Propagator(const Lattice& lattice, const Run& run)
     : integrators_(lattice, int(run.path.exchange.planes.size()), int(run.path.exchange.pins.size())),
       calibrator_(run),
       doubled_(run),
+      impacts_(lattice, run),
       race_(run),
       start_(run.path) {}
 
@@ -47,6 +48,7 @@ Facts Propagator::facts(const Job& job, double H) const {
   facts.asked = job.request.method;
   facts.given_step = job.request.step > 0;
   facts.counted = counted_units(job.request, H) > 0;
+  facts.length = job.request.horizon / H;
   facts.damped = job.model.body.damped;
   facts.matrices = integrators_.matrices();
   facts.obstacles = !job.drive.planes.empty();
@@ -58,11 +60,11 @@ void Propagator::find(Want want, const Job& job, double H, Facts& facts) {
   const State& motion = job.run.path.motion;
   if (want == Want::clear) facts.clear = integrators_.reach().clear(job.model.body, job.drive, motion.time, motion.x);
   if (want == Want::within_reach) facts.within_reach = integrators_.reach().may_touch(job.equations(), motion, H);
+  if (want == Want::rings) facts.rings = impacts_.rings_about_rest(job);
   if (want == Want::stiffness) facts.stiffness = H / step_limit(job, Method::leapfrog, false);
 }
 
 StepStatus Propagator::advance_planned(const Job& job, double H) {
-  const double end = job.run.path.motion.time + H;
   Facts known = facts(job, H);
   while (true) {
     const Plan next = plan(known);
@@ -73,7 +75,7 @@ StepStatus Propagator::advance_planned(const Job& job, double H) {
     if (next.retreat == Retreat::never) return carry_out(job, next, H);
     Trial trial(job.run.path, start_);
     const StepStatus status = carry_out(job, next, H);
-    if (!retreats(job, next, status, end, known)) {
+    if (!retreats(job, next, status, known)) {
       trial.keep();
       return status;
     }
@@ -81,25 +83,10 @@ StepStatus Propagator::advance_planned(const Job& job, double H) {
 }
 
 /// Whether a plan's stretch has to be planned again; its steps are rejected then.
-bool Propagator::retreats(const Job& job, const Plan& plan, StepStatus status, double end, Facts& facts) {
-  Count more = 0;  // rejected steps that were not counted
-  switch (plan.retreat) {
-    case Retreat::never: return false;
-    case Retreat::from_obstacle:
-      if (status != StepStatus::contact_ahead) return false;
-      facts.came_upon_obstacle = true;
-      break;
-    case Retreat::from_flight:
-      if (status == StepStatus::ok && job.run.path.motion.time == end) return false;
-      facts.flight_ended = true;
-      break;
-    case Retreat::from_no_solution:
-      if (status != StepStatus::not_finite) return false;
-      facts.no_solution = true;
-      more = 1;
-      break;
-  }
-  job.run.course.rejected += job.run.path.steps - start_.steps + more;
+bool Propagator::retreats(const Job& job, const Plan& plan, StepStatus status, Facts& facts) {
+  if (plan.retreat == Retreat::never || status != StepStatus::contact_ahead) return false;
+  facts.came_upon_obstacle = true;
+  job.run.course.rejected += job.run.path.steps - start_.steps;
   return true;
 }
 
@@ -109,14 +96,13 @@ StepStatus Propagator::carry_out(const Job& job, const Plan& plan, double H) {
   if (plan.method != course.method) job.run.path.clock.unit = 0;  // how a given step is divided was for the other method
   course.method = plan.method;
   course.reason = plan.reason;
+  if (plan.steps != Steps::impacts && !job.drive.planes.empty()) job.run.path.stiff.begin(Phase::flight);
   switch (plan.steps) {
     case Steps::implicit: return run_implicit(integrators_, job, end);
     case Steps::doubled: return doubled_.run(integrators_, job, end);
     case Steps::counted: return run_counted(integrators_, job, plan.method, counted_units(job.request, H));
-    case Steps::controlled: {
-      const double budget = plan.retreat == Retreat::from_flight ? use::flight_work : infinity;
-      return begun < end ? run_controlled(integrators_, job, plan.method, end, course.work + budget) : StepStatus::ok;
-    }
+    case Steps::controlled: return begun < end ? run_controlled(integrators_, job, plan.method, end, infinity) : StepStatus::ok;
+    case Steps::impacts: return impacts_.run(integrators_, job, end);
     case Steps::fitted: return begun < end ? run_fitted(integrators_, calibrator_, job, plan.method, end, infinity) : StepStatus::ok;
     case Steps::raced: return run_raced(job, end);
   }

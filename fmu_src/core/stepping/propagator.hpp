@@ -3,6 +3,7 @@
 #pragma once
 #include "stepping/calibration.hpp"
 #include "stepping/doubled_steps.hpp"
+#include "stepping/impacts.hpp"
 #include "stepping/integrators.hpp"
 #include "stepping/plan.hpp"
 #include "stepping/race.hpp"
@@ -23,13 +24,14 @@ class Propagator {
   Facts facts(const Job& job, double H) const;
   void find(Want want, const Job& job, double H, Facts& facts);
   StepStatus advance_planned(const Job& job, double H);
-  bool retreats(const Job& job, const Plan& plan, StepStatus status, double end, Facts& facts);
+  bool retreats(const Job& job, const Plan& plan, StepStatus status, Facts& facts);
   StepStatus carry_out(const Job& job, const Plan& plan, double H);
   StepStatus run_raced(const Job& job, double end);
 
   Integrators integrators_;
   Calibrator calibrator_;
   DoubledSteps doubled_;
+  Impacts impacts_;
   Race race_;
   Path start_;  ///< of a stretch that may have to be gone back to
 };

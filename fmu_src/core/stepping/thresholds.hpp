@@ -42,15 +42,71 @@ inline constexpr double too_long = 1.2;
 
 // ---- obstacles ----
 
-/// Explicit steps in a communication step above which contact is implicit [1]: an implicit step costs 150 evaluations or more, and damps
-/// what it does not resolve. Measured: up to 100 to 300 the explicit rule wins on error against time.
-inline constexpr double stiff_contact = 200;
-/// Work that an attempt to fly on beside an obstacle may take: that of the implicit contact step, which it would save.
-inline constexpr double flight_work = 150;
+/// Explicit steps in a communication step above which a stiff body's impacts, flights and rests are taken on their own [1]: a flight costs
+/// 45 evaluations, an implicit step 150 or more. The same where the whole run has so many explicit steps: measured, boxes of 1e5 N/m and
+/// more are then right after several impacts, and twice run explicit steps, which know nothing of the phase at the next one, are not.
+inline constexpr double stiff_contact = 200, stiff_contact_of_long_runs = 20, long_contact = 3000;
 /// Work that an implicit step may take at least before explicit ones are tried: where a body buckles these are no shorter way.
 inline constexpr double buckling_work = 1e6;
 /// Work of explicit steps through contact in that of plain steps [1]: stretches are run twice, some of them again. By experience.
 inline constexpr double doubled_work = 8;
+
+// ---- stiff bodies beside obstacles ----
+// Measured on dropped, thrown, spinning, sliding and resting boxes of 1e4 to 1e10 N/m at communication steps of 1 to 50 ms; lengths of
+// time are in units of the largest stable explicit step where they are called steps.
+
+/// Periods of the slowest vibration in the largest time scale of a point [1]: of the uniform lattice of four points a side.
+inline constexpr double period_per_time_scale = 26;
+/// What is left of a run is taken for at least this share of it [1].
+inline constexpr double least_left = 0.02;
+/// Steps between two looks; looks at least before it can be called quiet; looks of a window at most.
+inline constexpr double look_steps = 24, longest_window = 64;
+inline constexpr Count least_looks = 4;
+/// Steps that nothing can be touched for when a window ends in a flight, and that a flight takes at least: entering one costs as much.
+inline constexpr double worth_flying = 40, shortest_flight = 4;
+/// Steps below which a further advance towards a touch is not worth it.
+inline constexpr double shortest_advance = 0.25;
+/// Work of taking a motion apart into modes, and of a flight.
+inline constexpr double entry_work = 15, flight_work = 30;
+/// Share of the vibrations' energy by which that of the modes may miss the body's own: beyond, the body is far from its rest shape [1].
+inline constexpr double modal_mismatch = 0.01;
+/// Steps for which an impact is run with half the step: a contact takes 48 to 120 whatever the stiffness.
+inline constexpr double impact_length = 240;
+/// Part of the tolerance for the error of a window [1]. Where the phases of the vibrations are lost by this many tolerances impacts may add
+/// this share of it: nothing can hold the tolerance then. By so many tolerances of any error windows are run once.
+inline constexpr double window_share = 0.3, hopeless = 10, share_of_known = 0.1, lost = 300;
+/// The finest run of a window, in steps; times it is run again; safety and shrinkage of its step.
+inline constexpr double finest_window = 1.0 / 64, window_safety = 0.8, window_shrink = 0.1;
+inline constexpr int most_window_tries = 6;
+/// Of the allowed error, what the coarser run may have to let the next windows be run once as coarsely; how many at most. In contact that
+/// goes on alone: given to one that had not touched yet it would make the impact a single unchecked run.
+inline constexpr double easy = 0.4;
+inline constexpr Count longest_window_trust = 32, longest_rest_trust = 128;
+/// Periods of the slowest vibration that a difference of velocities lasts at least.
+inline constexpr double memory_periods = 10;
+/// Cosine of two normals below which obstacles hold a body from two sides [1].
+inline constexpr double opposite = -0.5;
+/// Share of the vibrations' velocity that the next rebound may feel [1]; of what two runs' vibrations differ by; of the speed of turning in
+/// that of approach.
+inline constexpr double rebound_share = 0.1, echo_share = 0.3, turning_share = 0.3;
+/// Share of the tolerance that positions are taken to err by at least.
+inline constexpr double least_error = 0.1;
+/// Energy that may be damped away, in that of the pressing force along the tolerance [1]: it cannot move the body further.
+inline constexpr double quiet_energy = 0.1;
+/// Steps of the first implicit step, which takes up what is left of velocities; energy that it may lose, in the same unit.
+inline constexpr double settling_steps = 200, settling_loss = 3;
+/// Steps from which on implicit ones pay: three cost what these do.
+inline constexpr double worth_resting = 400;
+/// Part of the tolerance for the error of a step at rest, at most and per share of the run that it takes [1]; what lets the next be taken
+/// once; bounds of its change, the last after a loss of energy, which is an impact within the step.
+inline constexpr double rest_share = 0.5, rest_rate = 4, easy_rest = 0.2, rest_growth = 4, loss_shrink = 0.25;
+/// Returns from rest after each of which the next listening is twice as long.
+inline constexpr Count most_doubts = 4;
+/// Gap relative to the box at which a body at rest has lifted off; slip in a step below which a sticking body stays where it is; gap that
+/// is closed after the body is moved as a whole [1].
+inline constexpr double lifted = 1e-9, creep = 2e-9, snapped = 1e-13;
+/// Work that an implicit step at rest may take at least.
+inline constexpr double least_implicit_work = 1e4;
 
 // ---- given steps, fitted steps ----
 

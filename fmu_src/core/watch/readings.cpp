@@ -24,7 +24,7 @@ bool Readings::rubs_undamped() const {
 }
 
 double Readings::damped_spin() const {
-  if (now.course.method != Method::backward_euler) return 0;
+  if (now.course.method != Method::backward_euler || now.course.reason != Reason::asked) return 0;
   const auto spin = [&](const State& state) { return rigid_motion(model.body.mass, state.x, state.v).spin.norm(); };
   return std::max(spin(before.path.motion), spin(now.path.motion));
 }

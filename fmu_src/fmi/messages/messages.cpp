@@ -10,10 +10,13 @@ namespace {
 
 /// Share of the stability bound up to which neither friction nor resonance has been seen to feed an undamped body's vibrations.
 constexpr double quiet_share = 0.3;
+/// Error in tolerances from which on it is worth a word: what is said is an upper estimate more often than not.
+constexpr double doubtful = 3;
 /// Angle of an implicit contact step from which on what it takes from a rotation is worth a word [rad].
 constexpr double damped_turn = 0.05;
 
-std::string method_name(Method method) {
+std::string method_name(Method method, Reason reason) {
+  if (reason == Reason::ringing_flight) return "rigid motion with the modes of the rest shape";
   switch (method) {
     case Method::automatic: return "auto";
     case Method::central_difference: return "central_difference";
@@ -37,9 +40,10 @@ std::string reason_text(Reason reason) {
     case Reason::stability: return "auto: the largest stable step is accurate enough, and nothing explicit costs less";
     case Reason::least_work: return "auto: least work for the tolerance";
     case Reason::quiet_stiffness: return "auto: stiff, with quiet fast modes, which implicit steps pass over";
-    case Reason::stiff_contact:
-      return "an obstacle is within reach of a stiff body: implicit steps of first order, which damp vibrations, rebound and spin";
+    case Reason::stiff_contact: return "a stiff body rests or slides on an obstacle: implicit steps, which pass over its vibrations";
     case Reason::free_flight: return "auto: a stiff body in free flight, with quiet fast modes, which implicit steps pass over";
+    case Reason::impact: return "a stiff body strikes an obstacle, or rings on one";
+    case Reason::ringing_flight: return "a stiff body flies beside an obstacle; its modes carry its vibrations";
   }
   return "unknown";
 }
@@ -86,13 +90,6 @@ std::string turning_warning(const SoftBody& body, double time) {
          " s, or solver.method = leapfrog, which resolves it";
 }
 
-std::string tolerance_warning(const SoftBody& body, double time) {
-  const double lost = body.readings().given_up(), allowed = body.settings.tolerance * body.lattice().largest_side();
-  if (!(lost > allowed)) return {};
-  return "up to time " + number(time) + " s the tolerance could not be kept at an obstacle: the result may be wrong by " + number(lost) +
-         " m, where it allows " + number(allowed) + " m; take shorter communication steps, or give the body more damping";
-}
-
 /// That cells are turned inside out is a state of the model like any other, but seldom a wanted one.
 std::string folding_warning(const SoftBody& body, double volume_stiffness, double time) {
   const int folded = body.readings().folded_cells();
@@ -126,12 +123,26 @@ void Messages::stepped(SoftBody& body, double time) {
   once(gain, [&] { return gain_warning(body, time); });
   once(division, [&] { return division_warning(body, time); });
   once(turning, [&] { return turning_warning(body, time); });
-  once(given_up, [&] { return tolerance_warning(body, time); });
+  say_error(body, time);
 }
 
 /// Counting costs more than the other looks: where nobody listens it is left until somebody does.
 void Messages::warn_of_folding(const SoftBody& body, double time) {
   if (logger_.on(log_warning)) once(folding, [&] { return folding_warning(body, scene_.definition.volume_stiffness, time); });
+}
+
+/// Once, and again where it has become several times what was stated.
+void Messages::say_error(const SoftBody& body, double time) {
+  const double lost = body.readings().given_up(), allowed = body.settings.tolerance * body.lattice().largest_side();
+  if (!(lost > doubtful * std::max(allowed, said_.error))) return;
+  said_.error = lost;
+  const bool phases = body.run().path.stiff.unknown > 0.5 * lost;
+  logger_.log(fmi2Warning, log_warning,
+              at_time(time) + "the tolerance could not be kept at an obstacle: the result may be wrong by " + number(lost) +
+                  " m, where it allows " + number(allowed) + " m; " +
+                  (phases ? "what an impact leaves vibrating cannot be followed to the next one so exactly: damping helps, a smaller "
+                            "tolerance may"
+                          : "take shorter communication steps, or give the body more damping"));
 }
 
 void Messages::say_share(const SoftBody& body, double time) {
@@ -154,7 +165,7 @@ void Messages::say_choice(SoftBody& body) {
   said_.step = h;
   const char* category = divided ? log_warning : log_solver;
   if (!logger_.on(category)) return;
-  std::string text = method_name(now.method()) + ": " + reason_text(now.reason());
+  std::string text = method_name(now.method(), now.reason()) + ": " + reason_text(now.reason());
   if (divided)
     text += "; internal step " + number(h) + " s, a part of solver.step = " + number(asked) + " s, which is above the stability bound " +
             number(now.stable_step()) + " s";

@@ -18,12 +18,13 @@ class Messages {
   void stepped(SoftBody& body, double time);
 
  private:
-  enum Topic : unsigned { rubbing = 1, folding = 2, gain = 4, division = 8, turning = 16, given_up = 32 };
+  enum Topic : unsigned { rubbing = 1, folding = 2, gain = 4, division = 8, turning = 16 };
   struct Said {
     unsigned topics = 0;
     std::optional<Method> method;
     Reason reason = Reason::asked;
     double step = -1, share = 1;
+    double error = 0;  ///< the largest that has been stated [m]
   };
   /// Gives the warning that `text` returns, unless it is empty or there was one of this topic before.
   template <class Text>
@@ -36,6 +37,7 @@ class Messages {
   }
   void say_choice(SoftBody& body);
   void say_share(const SoftBody& body, double time);
+  void say_error(const SoftBody& body, double time);
   void warn_of_folding(const SoftBody& body, double time);
 
   const SceneFile& scene_;

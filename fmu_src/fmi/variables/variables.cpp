@@ -54,6 +54,7 @@ Method method_of(double value) {
     case MethodValue::rkn12: return Method::rkn12;
     case MethodValue::dop853: return Method::dop853;
     case MethodValue::ros34pw2: return Method::ros34pw2;
+    case MethodValue::backward_euler: return Method::backward_euler;
   }
   return Method::automatic;
 }

@@ -45,7 +45,8 @@ TEST(without_obstacles_everybody_gets_what_was_asked_for) {
     CHECK(is(plan({.asked = method}), method, Steps::fitted, Reason::asked));
   for (Method method : {Method::rkn12, Method::dop853, Method::ros34pw2, Method::floating_frame})
     CHECK(is(plan({.asked = method}), method, Steps::controlled, Reason::asked));
-  CHECK(is(plan({.asked = Method::backward_euler}), Method::backward_euler, Steps::implicit, Reason::asked));
+  CHECK(is(plan({.asked = Method::backward_euler, .given_step = true}), Method::backward_euler, Steps::implicit, Reason::asked));
+  CHECK(plan({.asked = Method::backward_euler}).steps == Steps::raced);
 }
 
 TEST(automatic_is_a_race_and_with_a_given_step_leapfrog) {
@@ -84,9 +85,11 @@ TEST(a_plan_asks_for_the_facts_that_it_lacks_one_after_the_other) {
   facts.within_reach = true;
   CHECK(plan(facts).want == Want::stiffness);
   facts.stiffness = 1e4;
-  CHECK(plan(facts).want == Want::clear);
-  facts.clear = false;
   CHECK(plan(facts).want == Want::nothing);
+  Facts far{.asked = Method::automatic, .obstacles = true, .within_reach = false};
+  CHECK(plan(far).want == Want::stiffness);
+  far.stiffness = 1e4;
+  CHECK(plan(far).want == Want::rings);
   Facts flying{.asked = Method::floating_frame, .obstacles = true};
   CHECK(plan(flying).want == Want::clear);
   flying.clear = true;
@@ -117,18 +120,18 @@ TEST(what_came_upon_an_obstacle_is_planned_as_within_reach) {
   CHECK(is(plan(facts), Method::leapfrog, Steps::doubled, Reason::contact));
 }
 
-TEST(stiff_bodies_on_obstacles_take_implicit_steps) {
-  for (Method method : {Method::automatic, Method::ros34pw2, Method::floating_frame})
-    CHECK(is(plan(stiff(method)), Method::backward_euler, Steps::implicit, Reason::stiff_contact, Retreat::from_no_solution));
+TEST(stiff_bodies_beside_obstacles_fly_strike_and_rest) {
+  for (Method method : {Method::automatic, Method::ros34pw2, Method::floating_frame, Method::backward_euler})
+    CHECK(is(plan(stiff(method)), Method::backward_euler, Steps::impacts, Reason::stiff_contact));
   for (Method method : {Method::leapfrog, Method::bm4, Method::rkn12, Method::dop853}) CHECK(plan(stiff(method)).steps == Steps::doubled);
 }
 
-TEST(implicit_contact_has_a_lower_and_an_upper_bound_of_stiffness_and_needs_matrices) {
+TEST(what_is_stiff_has_a_lower_and_an_upper_bound_and_needs_matrices) {
   Facts facts = stiff(Method::automatic);
   facts.stiffness = thresholds::stiff_contact;
   CHECK(plan(facts).steps == Steps::doubled);
   facts.stiffness = 1.01 * thresholds::stiff_contact;
-  CHECK(plan(facts).steps == Steps::implicit);
+  CHECK(plan(facts).steps == Steps::impacts);
   facts.stiffness = thresholds::stiffest;
   CHECK(plan(facts).steps == Steps::doubled);
   facts.stiffness = 1e4;
@@ -136,24 +139,33 @@ TEST(implicit_contact_has_a_lower_and_an_upper_bound_of_stiffness_and_needs_matr
   CHECK(plan(facts).steps == Steps::doubled);
 }
 
-TEST(a_stiff_body_that_is_clear_of_obstacles_flies_on_once) {
+TEST(a_body_is_stiff_in_short_communication_steps_too_if_the_run_is_long) {
   Facts facts = stiff(Method::automatic);
-  facts.clear = true;
-  CHECK(is(plan(facts), Method::floating_frame, Steps::controlled, Reason::free_flight, Retreat::from_flight));
-  facts.flight_ended = true;
-  CHECK(plan(facts).steps == Steps::implicit);
-  facts.flight_ended = false;
-  facts.pins = true;
-  CHECK(plan(facts).steps == Steps::implicit);
-  facts.pins = false;
-  facts.asked = Method::ros34pw2;
-  CHECK(plan(facts).steps == Steps::implicit);
+  facts.stiffness = 1.01 * thresholds::stiff_contact_of_long_runs;
+  CHECK(plan(facts).steps == Steps::doubled);
+  facts.length = 1.01 * thresholds::long_contact / *facts.stiffness;
+  CHECK(plan(facts).steps == Steps::impacts);
+  facts.stiffness = thresholds::stiff_contact_of_long_runs;
+  facts.length = 1e6;
+  CHECK(plan(facts).steps == Steps::doubled);
 }
 
-TEST(without_an_implicit_solution_leapfrog_takes_the_stretch) {
+TEST(out_of_reach_the_modes_carry_a_stiff_body_if_they_can) {
   Facts facts = stiff(Method::automatic);
-  facts.no_solution = true;
-  CHECK(is(plan(facts), Method::leapfrog, Steps::doubled, Reason::contact));
+  facts.within_reach = false;
+  facts.rings = true;
+  CHECK(plan(facts).steps == Steps::impacts);
+  facts.rings = false;
+  CHECK(plan(facts).steps == Steps::raced);
+  facts.rings.reset();
+  facts.pins = true;
+  CHECK(plan(facts).steps == Steps::raced);
+  facts.pins = false;
+  facts.asked = Method::ros34pw2;
+  CHECK(plan(facts).steps == Steps::controlled);
+  facts.asked = Method::automatic;
+  facts.stiffness = 10;
+  CHECK(plan(facts).steps == Steps::raced);
 }
 
 TEST(every_plan_ends) {
@@ -171,10 +183,9 @@ TEST(every_plan_ends) {
       for (Plan p = plan(facts); p.want != Want::nothing || p.retreat != Retreat::never; p = plan(facts)) {
         if (p.want == Want::clear) facts.clear = bit(6);
         if (p.want == Want::within_reach) facts.within_reach = bit(7);
+        if (p.want == Want::rings) facts.rings = bit(6);
         if (p.want == Want::stiffness) facts.stiffness = bit(8) ? 1e4 : 1;
         if (p.want == Want::nothing && p.retreat == Retreat::from_obstacle) facts.came_upon_obstacle = true;
-        if (p.want == Want::nothing && p.retreat == Retreat::from_flight) facts.flight_ended = true;
-        if (p.want == Want::nothing && p.retreat == Retreat::from_no_solution) facts.no_solution = true;
         if (++rounds > 8) break;
       }
       CHECK(rounds <= 8);

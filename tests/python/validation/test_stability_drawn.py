@@ -192,8 +192,8 @@ def test_cases_are_not_chosen_among_scenes_drawn_at_random(tmp_path, capsys):
     assert "without --only" in capsys.readouterr().err
 
 
-SILENT_NOW = (4, 8, 14, 16, 18, 26, 29)
-"""To be enabled: all but 26, which takes leapfrog through several impacts, are implicit contact that loses the rebound."""
+SILENT_NOW = (11,)
+"""To be enabled: a light point under a load at a tolerance of 4e-6, whose warning states too little."""
 
 
 def marks(seed: int) -> list:

@@ -1,4 +1,4 @@
-"""Impacts, sliding and rest of stiff bodies: the oracles agree with each other, and the component with them where it does so far."""
+"""Impacts, sliding and rest of stiff bodies: the oracles agree with each other, and the component with them."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 
 from softffd.validation.stability import rebound
 from softffd.validation.stability.cases import CASES
-from softffd.validation.stability.cases_impact import SCENES, STEPS, cases
+from softffd.validation.stability.cases_impact import SCENES, cases
 from softffd.validation.stability.cell import Cell, Panel
 from softffd.validation.stability.drive import Drive
 from softffd.validation.stability.impact import after_impact
@@ -21,23 +21,10 @@ NAMES = [case.name for case in cases()]
 QUICK = ("A1, H = 0.001 s", "corners pass a plane, H = 0.01 s", "creep 20 deg, k = 100000, H = 0.01 s", "rest 2 x 2 x 3, k = 1e+09")
 """Of the short run."""
 
-LOST_REBOUND = "implicit contact of first order: stiff bodies lose their rebound, slide too far by H v / 2 and creep"
-
 WRONG_NOW = {
-    *(f"{name}, {how}" for name in ("A3", "A4", "A5", "A6", "A7", "A8") for how in (*(f"H = {H:g} s" for H in STEPS), "the three H")),
-    *(f"{name}, {how}" for name in ("A1", "A2", "A10", "A11") for how in ("H = 0.01 s", "H = 0.05 s", "the three H")),
-    *(f"{name}, H = {H:g} s" for name in ("A9", "A12", "creep 21.5 deg, k = 1e+09") for H in STEPS),
-    *(f"creep 10 deg, k = 1e+09, H = {H:g} s" for H in STEPS[:2]),
     *(f"creep {angle} deg, k = 100000, H = 0.05 s" for angle in ("20", "21.5")),
-    *(f"A9 slides, H = {H:g} s" for H in STEPS[1:]),
-    "throw, k = 100000, H = 0.05 s",
-    *(f"throw, k = 1e+07, H = {H:g} s" for H in STEPS[1:]),
-    *(f"throw, k = 1e+09, H = {H:g} s" for H in STEPS),
 }
-"""To be enabled: a case that becomes right fails here until its name is taken away."""
-
-REBOUND_RIGHT_UP_TO = {1e-3: 1e7, 2e-3: 1e7, 5e-3: 1e6, 1e-2: 1e5, 2e-2: 1e5, 5e-2: 1e4}
-"""Stiffness [N/m] by communication step [s]; beyond, to be enabled."""
+"""They creep by some 1e-8 m a second. A case that becomes right fails here until its name is taken away."""
 
 
 def test_the_flight_by_numpy_is_that_of_the_independent_program():
@@ -89,7 +76,7 @@ def test_a_case_is_right(name):
 
 
 def marks(wrong: bool) -> list:
-    return [pytest.mark.full] + [pytest.mark.xfail(strict=True, reason=LOST_REBOUND)] * wrong
+    return [pytest.mark.full] + [pytest.mark.xfail(strict=True, reason="wrong now")] * wrong
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=marks(name in WRONG_NOW)) for name in NAMES if name not in QUICK])
@@ -106,7 +93,7 @@ def cells() -> list:
     found = []
     for stiffness in rebound.STIFFNESSES:
         for step in rebound.STEPS:
-            found.append(pytest.param(stiffness, step, marks=marks(stiffness > REBOUND_RIGHT_UP_TO[step]), id=f"{stiffness:g}-{step:g}"))
+            found.append(pytest.param(stiffness, step, marks=marks(False), id=f"{stiffness:g}-{step:g}"))
     return found
 
 

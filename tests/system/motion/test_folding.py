@@ -15,8 +15,8 @@ ENOUGH = 3 * STIFFNESS / EDGE
 H = 0.01
 CASES = [("auto", 0.0), ("leapfrog", 0.0), ("leapfrog", 1e-3), ("ros34pw2", 0.0)]
 """Methods and given internal steps that the crush of the soft box is run with; all of them step explicitly through contact."""
-STIFF = [("auto", 1e6), ("auto", 1e8), ("ros34pw2", 1e6), ("ros34pw2", 1e8)]
-"""Methods and stiffnesses [N/m] with which contact is stepped implicitly."""
+STIFF = [("auto", 1e6), ("backward_euler", 1e8), ("ros34pw2", 1e6), ("backward_euler", 1e9)]
+"""Methods and stiffnesses [N/m]; backward_euler passes over the impacts."""
 
 
 def eased(t):
@@ -84,16 +84,20 @@ def test_with_volume_stiffness_a_crushed_box_comes_back(method, step, share):
         assert body.integer("solver.folded_cells") == 0
 
 
-@pytest.mark.short("auto-1000000.0-*", "ros34pw2-100000000.0-0.4")
+@pytest.mark.short("backward_euler-100000000.0-*")
 @pytest.mark.parametrize("share", [0.4, 0.2, 0.05])
 @pytest.mark.parametrize(("method", "stiffness"), STIFF)
-def test_a_stiff_box_comes_back_through_implicit_contact(method, stiffness, share):
-    """Where it buckles, the steps become explicit for a while; what is left at the end is vibration, which damping takes."""
+def test_a_stiff_box_that_was_crushed_comes_back(method, stiffness, share):
+    """Pressed by what moves it is loud, and buckles: explicit steps; what is left at the end is vibration, which damping takes."""
     with press(3 * stiffness / EDGE, method, stiffness=stiffness) as body:
         crush(body, share)
-        assert body.methods()[0][0] == "backward Euler with contact"
+        if method == "backward_euler":
+            assert body.methods()[0][0] == "backward Euler with contact"
+        else:
+            assert body.methods()[0] == ("leapfrog", "a stiff body strikes an obstacle, or rings on one")
         volumes = corner_volumes(body.positions())
-        assert volumes.min() > 1 - 1e-6 and volumes.max() < 1 + 1e-6
+        left = 1e-6 if method == "backward_euler" else 1e-4
+        assert volumes.min() > 1 - left and volumes.max() < 1 + left
         assert body.integer("solver.folded_cells") == 0
 
 
@@ -150,7 +154,7 @@ def test_the_bound_follows_a_box_that_is_crushed():
 @pytest.mark.parametrize("stiffness", [1e9, 1e10])
 def test_a_stiff_box_crushed_past_buckling_is_followed(stiffness):
     """It snaps through within a millionth of a second: implicit steps become that short, and only for that moment."""
-    with press(0.0) as body:
+    with press(0.0, "backward_euler") as body:
         body.restart({f"stiffness.{kind}": stiffness for kind in ("edge", "face", "body")}, stop_time=3.0)
         assert crush(body, 0.4, until=0.7)[-1] > 0
         assert body.positions()[:, 2].max() <= 0.4 + 1e-12

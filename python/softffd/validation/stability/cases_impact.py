@@ -85,7 +85,8 @@ def _spin_about_y(findings: Findings, drive: Drive, _step: float, _spent: float)
 
 def _at_rest(findings: Findings, drive: Drive, step: float, spent: float) -> None:
     weight = drive.mass.sum() * GRAVITY
-    findings.check("weight error in the end, relative", abs(-drive.reaction("plane.ground")[2] / weight - 1), 1e-4)
+    ringing = 2e-3 if step < 5e-3 else 1e-4  # what leapfrog in small steps leaves of the vibration too, a mean over the step
+    findings.check("weight error in the end, relative", abs(-drive.reaction("plane.ground")[2] / weight - 1), ringing)
     if step >= 1e-2:
         findings.check("internal steps of a communication step at rest", spent, 1)
 

@@ -1,0 +1,88 @@
+#include "flight/modes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace softffd {
+
+namespace {
+
+/// Frequencies below this share of the largest are those of a part that nothing holds.
+constexpr double loose = 1e-6;
+/// Share of the largest eigenvalue by which unequal damping is added to the matrix, so that it sorts modes of the same frequency: far above
+/// rounding, far below what a vibration's phase feels.
+constexpr double sorting = 1e-11;
+
+}  // namespace
+
+void Modes::make(const Body& body, const Points& rest) {
+  const int n = body.points(), unknowns = 3 * n;
+  mass = body.mass.sum();
+  Vec3 centre = Vec3::Zero();
+  for (int p = 0; p < n; ++p) centre += body.mass[p] / mass * row(rest, p);
+  arms = rest;
+  inertia.setZero();
+  radius = 0;
+  for (int p = 0; p < n; ++p) {
+    const Vec3 arm = row(rest, p) - centre;
+    set_row(arms, p, arm);
+    radius = std::max(radius, arm.norm());
+    inertia += body.mass[p] * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
+  }
+  valid_ = unknowns > most_unknowns;
+  if (valid_) {
+    frequency.resize(0);
+    decay.resize(0);
+    shape.resize(unknowns, 0);
+    excursion.resize(n, 0);
+    return;
+  }
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  for (const Springs::Row& springs : body.springs.rows())
+    for (int lane = 0; lane < springs.lanes(); ++lane) {
+      if (springs.stiffness[lane] == 0) continue;
+      const int p = springs.begin + lane, q = p + springs.offset;
+      const Vec3 along = (row(arms, q) - row(arms, p)).normalized();
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) {
+          const double k = springs.stiffness[lane] * along[a] * along[b], between = k / std::sqrt(body.mass[p] * body.mass[q]);
+          matrix(p + a * n, p + b * n) += k / body.mass[p];
+          matrix(q + a * n, q + b * n) += k / body.mass[q];
+          matrix(p + a * n, q + b * n) -= between;
+          matrix(q + a * n, p + b * n) -= between;
+        }
+    }
+  const Scalars rate = body.damping / body.mass;
+  const double fastest = rate.maxCoeff();
+  if (fastest > rate.minCoeff()) {
+    const double share = sorting * matrix.diagonal().maxCoeff() / fastest;
+    for (int i = 0; i < unknowns; ++i) matrix(i, i) += share * rate[i % n];
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  const int modes = unknowns - 6;
+  valid_ = solver.info() == Eigen::Success && modes > 0 && std::isfinite(solver.eigenvalues().sum()) &&
+           solver.eigenvalues()[6] > loose * loose * solver.eigenvalues()[unknowns - 1];
+  if (!valid_) return;
+  frequency = solver.eigenvalues().tail(modes).array().sqrt();
+  shape = solver.eigenvectors().rightCols(modes);
+  for (int i = 0; i < unknowns; ++i) shape.row(i) /= std::sqrt(body.mass[i % n]);
+  decay.resize(modes);
+  excursion.resize(n, modes);
+  for (int a = 0; a < modes; ++a) {
+    decay[a] = 0;
+    for (int i = 0; i < unknowns; ++i) decay[a] += 0.5 * body.damping[i % n] * shape(i, a) * shape(i, a);
+    for (int p = 0; p < n; ++p) excursion(p, a) = Vec3(shape(p, a), shape(p + n, a), shape(p + 2 * n, a)).norm();
+  }
+  neighbours_.setZero(modes * most_neighbours, 3);
+  for (int a = 0; a < modes; ++a)
+    for (int b = a + 1; b < std::min(modes, a + 1 + most_neighbours); ++b) {
+      Vec3 sum = Vec3::Zero();
+      for (int p = 0; p < n; ++p) {
+        const Vec3 of_a(shape(p, a), shape(p + n, a), shape(p + 2 * n, a)), of_b(shape(p, b), shape(p + n, b), shape(p + 2 * n, b));
+        sum += body.mass[p] * of_b.cross(of_a);
+      }
+      set_row(neighbours_, a * most_neighbours + b - a - 1, sum);
+    }
+}
+
+}  // namespace softffd

@@ -1,0 +1,33 @@
+#include "stepping/beside.hpp"
+
+namespace softffd {
+
+double energy_lost(const Job& job, const State& from, double given) {
+  const Body& body = job.model.body;
+  const State& to = job.run.path.motion;
+  const double h = to.time - from.time, middle = 0.5 * (from.time + to.time);
+  double sum = given + body.elastic_energy(from.x) - body.elastic_energy(to.x);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int p = 0; p < body.points(); ++p) {
+      const double mean = 0.5 * (from.v(p, axis) + to.v(p, axis)), change = to.v(p, axis) - from.v(p, axis);
+      const double force = job.drive.force(p, axis) + (job.drive.ramped ? job.drive.ramp(p + axis * body.points(), middle) : 0);
+      sum += force * (to.x(p, axis) - from.x(p, axis)) - body.damping[p] * h * mean * mean - body.mass[p] * mean * change;
+    }
+  return sum;
+}
+
+void book_energies(const Job& job, const State& from, const Points& booked, const Exchange& before) {
+  const Body& body = job.model.body;
+  const State& to = job.run.path.motion;
+  Exchange& exchange = job.run.path.exchange;
+  if (job.drive.ramped) exchange.work += job.drive.ramp_dot(0.5 * (from.time + to.time), to.x - booked);
+  double balance = exchange.work - before.work + body.elastic_energy(from.x) - body.elastic_energy(to.x);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int p = 0; p < body.points(); ++p) {
+      const double mean = 0.5 * (from.v(p, axis) + to.v(p, axis)), change = to.v(p, axis) - from.v(p, axis);
+      balance += job.drive.force(p, axis) * (to.x(p, axis) - from.x(p, axis)) - body.mass[p] * mean * change;
+    }
+  exchange.dissipated = before.dissipated + balance;
+}
+
+}  // namespace softffd

@@ -1,0 +1,21 @@
+/// A stiff body beside obstacles: what the steps of its impacts, flights and rests are given, and their accounts.
+#pragma once
+#include "stepping/integrators.hpp"
+#include "stepping/outlook.hpp"
+
+namespace softffd {
+
+struct Beside {
+  Integrators& integrators;
+  const Job& job;
+  double end;    ///< of the communication step [s]
+  double limit;  ///< largest stable explicit step [s]
+};
+
+/// Energy that a step from this state took beyond damping and friction, obstacles having given so much of it [J].
+double energy_lost(const Job& job, const State& from, double given);
+/// Adds the work of ramps on the way from `booked` to the present positions, and what the energies lack then as dissipated. before: the
+/// exchange at the start.
+void book_energies(const Job& job, const State& from, const Points& booked, const Exchange& before);
+
+}  // namespace softffd

@@ -1,0 +1,28 @@
+/// Flights of a stiff body beside obstacles (flight/modal_flight.hpp), and what its vibrations will do at the next impact.
+#pragma once
+#include "flight/modal_flight.hpp"
+#include "stepping/beside.hpp"
+
+namespace softffd {
+
+class Flights {
+ public:
+  Flights(const Lattice& lattice, const Run& run) : flight_(lattice), before_(run.path) {}
+
+  /// Can the body's motion be carried by its modes now? They are made where the material is new.
+  bool rings_about_rest(const Job& job);
+  /// A flight until something could be touched, where an impact begins, or the end; a contact begins at once where there can be none.
+  StepStatus fly(const Beside& at);
+  /// Whether nothing can be touched for `least` [s], or until then.
+  bool can_fly(const Beside& at, double least, double until);
+  /// What the vibrations of two states of this moment differ by will do at the next impact [m]. gain: how many times a difference of
+  /// positions grows there, by the phase that the vibrations will have.
+  double echo(const Beside& at, const State& other, const Outlook& ahead, double& gain);
+  bool has_modes(const Body& body) { return flight_.possible(body); }
+
+ private:
+  ModalFlight flight_;
+  Path before_;
+};
+
+}  // namespace softffd

@@ -1,0 +1,162 @@
+#include "stepping/outlook.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "contact/tolerances.hpp"
+#include "model/arithmetic.hpp"
+#include "stepping/thresholds.hpp"
+
+namespace softffd {
+
+namespace {
+
+namespace use = thresholds;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Speed that every body counts as having [m/s].
+constexpr double standstill = 1e-9;
+
+/// Acceleration that the outside forces give the whole body [m/s2].
+Vec3 whole_acceleration(const Job& job) {
+  const double t = job.run.path.motion.time;
+  Vec3 sum = Vec3::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    sum[axis] = job.drive.force.col(axis).sum();
+    if (job.drive.ramped)
+      for (Eigen::Index p = 0; p < job.drive.force.rows(); ++p) sum[axis] += job.drive.ramp(p + axis * job.drive.force.rows(), t);
+  }
+  return sum / job.model.body.mass.sum();
+}
+
+/// The obstacle that a point is nearest to, or furthest behind.
+const Plane* nearest(const Job& job, const State& state, HalfSpace& obstacle) {
+  const Plane* nearest = nullptr;
+  double least = infinity;
+  for (const Plane& plane : job.drive.planes) {
+    const HalfSpace here = plane.at(state.time);
+    double gap = infinity;
+    for (int p = 0; p < state.x.rows(); ++p) gap = std::min(gap, here.gap(row(state.x, p)));
+    if (gap < least) least = gap, nearest = &plane, obstacle = here;
+  }
+  return nearest;
+}
+
+/// Whether obstacles hold the body from two sides.
+bool squeezed(const Job& job, const State& state) {
+  const double touch = touching * job.model.body.length;
+  const auto touches = [&](const HalfSpace& obstacle) {
+    for (int p = 0; p < state.x.rows(); ++p)
+      if (obstacle.gap(row(state.x, p)) <= touch) return true;
+    return false;
+  };
+  const auto& planes = job.drive.planes;
+  for (std::size_t a = 0; a < planes.size(); ++a)
+    for (std::size_t b = a + 1; b < planes.size(); ++b) {
+      const HalfSpace one = planes[a].at(state.time), other = planes[b].at(state.time);
+      if (one.normal.dot(other.normal) < use::opposite && touches(one) && touches(other)) return true;
+    }
+  return false;
+}
+
+}  // namespace
+
+double left_of_run(const Job& job) {
+  const double horizon = job.request.horizon, time = job.run.path.motion.time;
+  return time < horizon ? std::max(horizon - time, use::least_left * horizon) : horizon;
+}
+
+/// The uniform lattice's lowest frequency goes with one over its points along the longest side.
+double slowest_period(const Job& job) {
+  const int n = job.model.body.points();
+  double longest = 0;
+  for (int i = 0; i < 3 * n; ++i)
+    if (!job.model.body.pinned[i % n]) longest = std::max(longest, job.model.time_scale[i]);
+  return std::min(use::period_per_time_scale * longest, left_of_run(job));
+}
+
+bool off_obstacles(const Job& job, double gap) {
+  const State& motion = job.run.path.motion;
+  for (const Plane& plane : job.drive.planes) {
+    const HalfSpace obstacle = plane.at(motion.time);
+    for (int p = 0; p < motion.x.rows(); ++p)
+      if (obstacle.gap(row(motion.x, p)) <= gap * job.model.body.length) return false;
+  }
+  return true;
+}
+
+double kinetic_deformation(const Body& body, const State& state) {
+  const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
+  double energy = 0;
+  for (int p = 0; p < body.points(); ++p) {
+    const Vec3 own = row(state.v, p) - motion.velocity - motion.spin.cross(row(state.x, p) - motion.centre);
+    energy += 0.5 * body.mass[p] * own.squaredNorm();
+  }
+  return energy;
+}
+
+double radius_about(const Vec3& centre, const Points& x) {
+  double squared = 0;
+  for (int p = 0; p < x.rows(); ++p) squared = std::max(squared, (row(x, p) - centre).squaredNorm());
+  return std::sqrt(squared);
+}
+
+double approach_speed(const Job& job, const State& state, const RigidMotion& rigid, double radius) {
+  HalfSpace obstacle;
+  nearest(job, state, obstacle);
+  const Vec3 velocity = rigid.velocity - obstacle.material_velocity(rigid.centre);
+  return std::abs(velocity.dot(obstacle.normal)) + use::turning_share * radius * (rigid.spin - obstacle.spin).norm() + standstill;
+}
+
+Outlook outlook(const Job& job, const State& state) {
+  HalfSpace obstacle;
+  const Plane* plane = nearest(job, state, obstacle);
+  const double left = left_of_run(job), pressing = (plane->acceleration - whole_acceleration(job)).dot(obstacle.normal);
+  Outlook ahead{obstacle.normal, left, left, left, pressing};
+  if (!job.drive.pins.empty()) return ahead;
+  if (squeezed(job, state)) {
+    ahead.along_normal = std::min(left, use::memory_periods * slowest_period(job));
+    if (plane->friction > 0) ahead.along_plane = ahead.along_normal;
+    return ahead;
+  }
+  if (!(pressing > 0)) return ahead;
+  const Body& body = job.model.body;
+  const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
+  const double radius = radius_about(motion.centre, state.x), period = slowest_period(job);
+  const Vec3 velocity = motion.velocity - obstacle.material_velocity(motion.centre), spin = motion.spin - obstacle.spin;
+  const double across = std::abs(velocity.dot(obstacle.normal)) + radius * tangential(obstacle.normal, spin).norm() +
+                        std::sqrt(4 * kinetic_deformation(body, state) / motion.mass);
+  const double along = tangential(obstacle.normal, velocity).norm() + radius * spin.norm();
+  ahead.along_normal = std::min(left, std::max(use::memory_periods * period, 4 * across / pressing));
+  const double sliding = plane->friction > 0 ? 2 * along / (plane->friction * pressing) : infinity;
+  ahead.along_plane = std::min(left, std::max(ahead.along_normal, sliding));
+  return ahead;
+}
+
+/// A position error e shifts the touch by e / v, the phase of the vibration by omega e / v, and the rebound by a share of its velocity.
+void book_unknown_phase(const Job& job, const State& state, double energy, double frequency) {
+  StiffContact& stiff = job.run.path.stiff;
+  const RigidMotion rigid = rigid_motion(job.model.body.mass, state.x, state.v);
+  const double error = std::max(stiff.total_error(), use::least_error * job.request.tolerance);
+  const double phase = std::min(1.0, frequency * error / approach_speed(job, state, rigid, radius_about(rigid.centre, state.x)));
+  const double added = use::rebound_share * std::sqrt(2 * energy / rigid.mass) * phase * outlook(job, state).along_plane;
+  stiff.unknown = std::sqrt(power(stiff.unknown, 2) + power(added, 2));
+}
+
+double outcome_of(const Job& job, const State& a, const State& b, const Outlook& ahead) {
+  const Body& body = job.model.body;
+  double error = (a.x - b.x).abs().maxCoeff();
+  if (!job.drive.pins.empty()) {
+    for (int i = 0; i < a.v.size(); ++i) error = std::max(error, std::abs(a.v.data()[i] - b.v.data()[i]) * job.model.time_scale[i]);
+    return std::isnan(error) ? infinity : error;
+  }
+  const RigidMotion of_a = rigid_motion(body.mass, a.x, a.v), of_b = rigid_motion(body.mass, b.x, b.v);
+  const double radius = radius_about(of_b.centre, b.x);
+  const Vec3 velocity = of_a.velocity - of_b.velocity, spin = of_a.spin - of_b.spin;
+  const double across = std::abs(velocity.dot(ahead.normal)) + radius * tangential(ahead.normal, spin).norm();
+  const double along = tangential(ahead.normal, velocity).norm() + radius * std::abs(spin.dot(ahead.normal));
+  const double grown = ahead.along_plane * along + ahead.along_normal * across;
+  return std::isnan(error) || std::isnan(grown) ? infinity : std::max(error, grown);
+}
+
+}  // namespace softffd

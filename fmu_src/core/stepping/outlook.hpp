@@ -1,0 +1,38 @@
+/// Beside an obstacle: how the body stands to it, and what a difference of two states will amount to at the end of the run.
+#pragma once
+#include "model/rigid_motion.hpp"
+#include "stepping/job.hpp"
+
+namespace softffd {
+
+/// How long a difference of velocities lasts [s]: a body that is pressed on loses what velocity it has at the next landings, and what it
+/// slides with by friction.
+struct Outlook {
+  Vec3 normal;  ///< of the nearest obstacle
+  double along_normal, along_plane;
+  double left;      ///< of the run
+  double pressing;  ///< acceleration towards the obstacle [m/s2]
+};
+
+/// Of the run, over which errors add up [s].
+double left_of_run(const Job& job);
+/// Of the slowest vibration, about [s].
+double slowest_period(const Job& job);
+/// Whether every point is off all obstacles by this share of the box.
+bool off_obstacles(const Job& job, double gap);
+/// Kinetic energy of the motion that is not rigid [J].
+double kinetic_deformation(const Body& body, const State& state);
+/// Speed at which a body comes to the nearest obstacle, with what its turning adds [m/s]. radius: of its outermost point [m].
+double approach_speed(const Job& job, const State& state, const RigidMotion& rigid, double radius);
+/// Distance of the outermost point from the centre [m].
+double radius_about(const Vec3& centre, const Points& x);
+
+/// The drive has planes.
+Outlook outlook(const Job& job, const State& state);
+/// An impact begins: books what the phase of the vibrations that the body brings, of this energy [J] and frequency [rad/s], not being known
+/// may add to the error. Each impact has a phase of its own.
+void book_unknown_phase(const Job& job, const State& state, double energy, double frequency);
+/// What two states will differ by at the end of the run [m]; infinite where one is not finite.
+double outcome_of(const Job& job, const State& a, const State& b, const Outlook& ahead);
+
+}  // namespace softffd

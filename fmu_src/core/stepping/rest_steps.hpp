@@ -1,0 +1,35 @@
+/// Steps of a stiff body at rest on obstacles or sliding on them: backward Euler with exact contact, its rigid motion by the mean of the
+/// velocities before and after, so that sliding is exact in steps of any length, and without creep where the body sticks. Each is run with
+/// h and with two of h / 2, unless a number of them has shown that nothing changes; what it loses beyond damping and friction must be
+/// little.
+#pragma once
+#include <vector>
+
+#include "stepping/beside.hpp"
+
+namespace softffd {
+
+class RestSteps {
+ public:
+  explicit RestSteps(const Run& run);
+  /// One step, or none where the phase has to be another: sets it.
+  StepStatus run(const Beside& at);
+
+ private:
+  struct Step {
+    StepStatus status = StepStatus::ok;
+    double lost = 0, pressing = 0;  ///< [J], [N]
+  };
+  StepStatus settle(const Beside& at);
+  bool step_once(const Beside& at);
+  StepStatus step_twice(const Beside& at, double next);
+  bool doubted(const Beside& at, double h);
+  Step step(const Beside& at, double until, bool settling);
+  bool keep_in_front(const Job& job);
+
+  Path start_, before_, coarse_;
+  std::vector<HalfSpace> obstacles_;
+  Points x_;
+};
+
+}  // namespace softffd

@@ -1,0 +1,154 @@
+#include "stepping/windows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "contact/tolerances.hpp"
+#include "model/arithmetic.hpp"
+#include "stepping/thresholds.hpp"
+#include "stepping/trial.hpp"
+#include "watch/vibration.hpp"
+
+namespace softffd {
+
+namespace {
+
+namespace use = thresholds;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// How loud the vibrations are: their kinetic energy [J], of a pinned body, which nothing has to press on, their size [m].
+double loudness(const Job& job) {
+  const State& motion = job.run.path.motion;
+  if (job.drive.pins.empty()) return kinetic_deformation(job.model.body, motion);
+  return present_vibration(job.equations(), motion, job.model.time_scale, infinity);
+}
+
+/// Whether they cannot move the body by what matters, pressed on as it was while it was listened to.
+bool quiet(const Job& job) {
+  const StiffContact& stiff = job.run.path.stiff;
+  if (!job.drive.pins.empty()) return stiff.loudest <= use::quiet * job.request.tolerance;
+  return stiff.impulse > 0 && 2 * stiff.loudest <= allowed_loss(job, stiff.impulse / stiff.listened);
+}
+
+}  // namespace
+
+double allowed_loss(const Job& job, double pressing) {
+  return job.drive.pins.empty() ? use::quiet_energy * pressing * job.request.tolerance : infinity;
+}
+
+StepStatus Windows::run(const Beside& at, Flights& flights) {
+  const Job& job = at.job;
+  Path& path = job.run.path;
+  Course& course = job.run.course;
+  StiffContact& stiff = path.stiff;
+  const double tolerance = job.request.tolerance * power(job.request.step_factor, 2);
+  const double begun = path.motion.time, until = std::min(at.end, begun + use::longest_window * use::look_steps * at.limit);
+  const bool fresh = stiff.phase == Phase::impact;
+  const Phase after = fresh && begun - stiff.since < use::impact_length * at.limit ? Phase::impact : Phase::contact;
+  const double least = use::finest_window * at.limit;
+  course.method = Method::leapfrog;
+  course.reason = Reason::impact;
+  stiff.phase = after;
+  const bool lost = stiff.total_error() > use::lost * tolerance;
+  if (lost || (!fresh && stiff.trust > 0 && !off_obstacles(job, touching))) {
+    if (!lost) --stiff.trust;
+    const StepStatus status = listen(at, flights, at.limit, until, true);
+    stiff.settling = stiff.phase == Phase::rest;
+    return status;
+  }
+  Trial trial(path, start_);
+  double h = fresh ? 0.5 * at.limit : at.limit;
+  StepStatus status = listen(at, flights, h, until, true);
+  for (int tries = 0;; ++tries) {
+    if (status != StepStatus::ok) return status;
+    const Phase next = path.stiff.phase;
+    const double reached = path.motion.time;
+    std::swap(coarse_, path);
+    const bool rings = (fresh || next == Phase::flight) && job.drive.pins.empty() && flights.has_modes(job.model.body);
+    trial.back();
+    const Count taken = path.steps;
+    status = listen(at, flights, 0.5 * h, reached, false);
+    if (status != StepStatus::ok) return status;
+    const Outlook ahead = outlook(job, path.motion);
+    double error = outcome_of(job, coarse_.motion, path.motion, ahead) / 3, gain = 0;
+    if (rings) error = std::max(error, flights.echo(at, coarse_.motion, ahead, gain));
+    const double exact = use::window_share * tolerance / (1 + gain);
+    const double known = fresh && stiff.unknown > use::hopeless * tolerance ? use::share_of_known * stiff.unknown : 0;
+    const double allowed = std::max(stiff.total_error() > exact ? use::window_share * tolerance : exact, known);
+    if (error <= allowed || 0.5 * h <= least || tries == use::most_window_tries) {
+      const bool easy = !fresh && tries == 0 && 4 * error < use::easy * allowed;
+      if (easy) std::swap(path, coarse_);  // steps as those that are trusted: other ones would set off what is at rest
+      stiff.error += easy ? 4 * error : error;
+      stiff.phase = next;
+      stiff.settling = next == Phase::rest;
+      stiff.trust = easy ? stiff.next_trust : 0;
+      stiff.next_trust = easy ? std::min(2 * stiff.next_trust, use::longest_window_trust) : 1;
+      trial.keep();
+      return StepStatus::ok;
+    }
+    course.rejected += path.steps - taken;
+    const double factor = std::clamp(use::window_safety * std::sqrt(allowed / error), use::window_shrink, 0.5);
+    const double smaller = std::max(h * factor, std::min(0.5 * h, 2 * least));
+    if (smaller == 0.5 * h) {  // the finer run is the next coarse one
+      path.stiff.phase = next;
+    } else {
+      trial.back();
+      status = listen(at, flights, smaller, until, true);
+    }
+    h = smaller;
+  }
+}
+
+/// Explicit steps of h, with looks at the same times whatever h is: until the phase changes, if that is to be decided here, or `until`.
+StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double until, bool decide) {
+  const Job& job = at.job;
+  Path& path = job.run.path;
+  State& motion = path.motion;
+  StiffContact& stiff = path.stiff;
+  const double stretch = use::look_steps * at.limit;
+  for (double begun = motion.time; motion.time < until; begun = motion.time) {
+    const bool last = until - begun <= stretch * (1 + 1e-9);
+    const double length = last ? until - begun : stretch;
+    const Count steps = divisions(length, h), quarter = std::max(Count{1}, steps / 4);
+    path.clock = {begun, length / double(steps), 0};
+    for (std::size_t q = 0; q < pushed_.size(); ++q) pushed_[q] = path.exchange.planes[q].force;
+    const Count contacts = path.exchange.contacts_resolved;
+    for (Count i = 0; i < steps; i += quarter) {
+      const Span span{begun, i, path.clock.h, std::min(quarter, steps - i)};
+      const Outcome outcome = at.integrators.take(job, Method::leapfrog, span);
+      job.run.course.work += outcome.work;
+      path.steps += span.steps;
+      if (outcome.status != StepStatus::ok) return outcome.status;
+      motion.time = i + quarter >= steps ? (last ? until : begun + length) : span.time(span.steps);
+      stiff.loudest = std::max(stiff.loudest, loudness(job));
+    }
+    double impulse = 0;
+    for (std::size_t q = 0; q < pushed_.size(); ++q)
+      impulse = std::max(impulse, std::abs((path.exchange.planes[q].force - pushed_[q]).dot(job.drive.planes[q].at(motion.time).normal)));
+    stiff.impulse += impulse;
+    stiff.listened += length;
+    ++stiff.looks;
+    const bool touched = path.exchange.contacts_resolved != contacts;
+    const double period = slowest_period(job);
+    const bool heard = double(stiff.looks) >= std::max(double(use::least_looks << stiff.doubts), period / stretch);
+    const bool rests = heard && (touched || !job.drive.pins.empty()) && quiet(job);
+    if (heard) {
+      stiff.pressing = stiff.impulse / stiff.listened;
+      stiff.looks = 0;
+      stiff.impulse = stiff.listened = stiff.loudest = 0;
+    }
+    if (!decide || motion.time >= until) continue;
+    if (rests) {
+      stiff.phase = Phase::rest;
+      return StepStatus::ok;
+    }
+    if (!touched && off_obstacles(job, touching) && flights.can_fly(at, use::worth_flying * at.limit, until)) {
+      stiff.phase = Phase::flight;
+      return StepStatus::ok;
+    }
+  }
+  return StepStatus::ok;
+}
+
+}  // namespace softffd
