@@ -53,6 +53,14 @@ def test_rkn12_is_left_out_where_there_is_damping(folder):
     assert records.names() == ["dop853"] and "damping" in records.left_out["rkn12"]
 
 
+def test_a_method_that_is_auto_but_for_impacts_is_left_out_everywhere(folder):
+    """Where it loses nothing it is `auto`, which would then be its own best rival."""
+    Path("touching.toml").write_text(SMALL + '[[plane]]\nname = "ground"\npoint = [0.0, 0.0, -0.01]\n')
+    for scene in ("small.toml", "touching.toml"):
+        records = measure(load_scene(scene), methods=["backward_euler"], quick=True, repeats=1)
+        assert records.names() == [] and "rebound" in records.left_out["backward_euler"]
+
+
 def test_an_unknown_method_is_refused(folder):
     with pytest.raises(FmuError, match=r"leapfrg: wanted one of .*leapfrog"):
         measure(load_scene("small.toml"), methods=["leapfrg"])

@@ -18,6 +18,9 @@ FIXED_STEP = ("central_difference", "leapfrog", "bm4")
 CONTACT = ("central_difference", "leapfrog", "auto")
 """Methods that differ where contact is possible: the others hand such communication steps to leapfrog."""
 
+AS_AUTO = ("backward_euler",)
+"""Methods that do what `auto` does, but for the impacts of stiff bodies, which they lose: beside it they say nothing of the best method."""
+
 FINER, QUICK_FINER = 1.5, 2.0
 """Ratio of successive fixed steps; the largest stable one of leapfrog is among them."""
 
@@ -81,7 +84,9 @@ def _applicable(rig: Rig, methods: Sequence[str] | None, left_out: dict[str, str
             raise FmuError(f"{method}: wanted one of the FMU's methods, {', '.join(rig.methods)}")
     chosen = []
     for method in methods or rig.methods:
-        if rig.contact and method not in CONTACT:
+        if method in AS_AUTO:
+            left_out[method] = "does what auto does, but that stiff bodies do not rebound"
+        elif rig.contact and method not in CONTACT:
             left_out[method] = "leaves communication steps with possible contact to leapfrog"
         elif rig.damped and method == "rkn12":
             left_out[method] = "runs as dop853 where there is damping"
