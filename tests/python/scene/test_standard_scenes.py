@@ -6,6 +6,8 @@ import pytest
 from softffd import load_scene
 from softffd.run.inputs import read_csv
 from softffd.validation.accuracy.rig import Rig, Setting
+from softffd.validation.mechanics import Body
+from softffd.validation.resolved import resolved
 
 
 @pytest.mark.parametrize(
@@ -32,3 +34,20 @@ def test_scenes_are_those_of_the_stored_references(name, stored, setting, allowe
     with Rig(load_scene(name)) as rig:
         positions = rig.run(setting).positions
     assert np.abs(positions[1:] - golden(stored)["x"]).max() < allowed
+
+
+@pytest.mark.parametrize(
+    ("name", "duration", "centre", "allowed"),
+    [
+        ("stiff_bounce", 0.6, {"y": 0.621512, "z": 0.601605}, 2e-4),  # its second impact multiplies errors
+        ("light_bounce", 0.6, {"x": 0.4890417, "z": 0.5193556}, 1e-5),
+    ],
+)
+def test_bounces_end_where_an_independent_program_says(name, duration, centre, allowed):
+    """Centres of mass [m] of A5 and A11 of the stability cases, which these scenes are."""
+    scene = load_scene(name).replace({"experiment.stop_time": duration})
+    mass = Body.of(resolved(scene)).mass
+    with Rig(scene) as rig:
+        end = rig.run(Setting("auto", tolerance=1e-4)).positions[-1]
+    found = mass @ end / mass.sum()
+    assert {axis: found["xyz".index(axis)] for axis in centre} == pytest.approx(centre, abs=allowed)

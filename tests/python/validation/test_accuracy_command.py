@@ -91,4 +91,4 @@ def test_an_unknown_scene_is_refused_before_anything_runs(folder, capsys):
 
 def test_the_standard_set_is_shipped():
     scenes = [load_scene(name) for name in command.STANDARD]
-    assert len(scenes) == 6 and all(scene.solver.step == 0 for scene in scenes)
+    assert len(scenes) == 8 and all(scene.solver.step == 0 for scene in scenes)

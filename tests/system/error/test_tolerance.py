@@ -30,6 +30,8 @@ CASES = [
     *[("incline", "auto", tolerance) for tolerance in (1e-2, 1e-3, 1e-4)],
     *[(scene, "auto", tolerance) for scene in ("sliding_drop", "incline", "press") for tolerance in (1e-5, 1e-6, 1e-7)],
     *[("car_drop", "auto", tolerance) for tolerance in (1e-2, 1e-3, 1e-4)],
+    *[("stiff_bounce", "auto", tolerance) for tolerance in (1e-2, 1e-3, 1e-4, 1e-5)],
+    *[("light_bounce", "auto", tolerance) for tolerance in (1e-2, 1e-3, 1e-4)],
 ]
 
 
@@ -60,6 +62,8 @@ def exact(golden):
     "press-auto-0.0001",
     "incline-auto-0.0001",
     "car_drop-auto-0.01",
+    "stiff_bounce-auto-*",
+    "light_bounce-auto-0.001",
 )
 @pytest.mark.parametrize(("name", "method", "tolerance"), CASES)
 def test_the_error_at_the_end_is_within_ten_tolerances(exact, name, method, tolerance):

@@ -18,8 +18,11 @@ from softffd.validation.accuracy.report import factor_words
 from softffd.validation.conditions import conditions
 from softffd.validation.page import time_words
 
-STANDARD = ("free_vibration", "stiff_pull", "stiff_layer", "sliding_drop", "light_corner", "spin")
-"""The standard set, S1 .. S6: soft, undamped; stiff and slow; one stiff layer; contact with friction; a nearly massless point; rotation."""
+STANDARD = (
+    "free_vibration", "stiff_pull", "stiff_layer", "sliding_drop", "light_corner", "spin", "stiff_bounce", "light_bounce",
+)  # fmt: skip
+"""The standard set, S1 .. S8: soft, undamped; stiff and slow; one stiff layer; contact with friction; a nearly massless point; rotation;
+impact of a stiff body, and of a nearly massless point."""
 
 
 def report_accuracy(
