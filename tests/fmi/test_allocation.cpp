@@ -12,6 +12,7 @@ struct Case {
   std::string parts;
   bool stiff = false;  ///< and not vibrating; for the methods that take implicit steps
   std::string spin = "0 0 0";
+  long modes = 0;  ///< requests at most, where modes are made at the first flight beside an obstacle, and for the run beside it
 };
 
 const std::vector<Case>& cases() {
@@ -29,7 +30,7 @@ const std::vector<Case>& cases() {
                                       {"stiff, turning", damped + driven + watched, true, "3 4 -2"},
                                       {"stiff, turning, alone", "error_estimate\n", true, "3 4 -2"},
                                       {"stiff, with an error estimate", damped + driven + "error_estimate\n", true},
-                                      {"stiff, in contact", damped + heavy + planes + watched + "error_estimate\n", true},
+                                      {"stiff, in contact", damped + heavy + planes + watched + "error_estimate\n", true, "0 0 0", 60},
                                       {"volume stiffness", damped + heavy + planes + "volume_stiffness 1e4\n"},
                                       {"everything", everything}};
   return list;
@@ -84,7 +85,7 @@ TEST(steps_ask_for_no_memory) {
         if (first + later > 0)
           std::printf("    %s, method %d%s: %ld requests in the first step, %ld in 29 more\n", scene.name, method, ramped ? ", ramped" : "",
                       first, later);
-        CHECK(first == 0);
+        CHECK(first <= scene.modes);
         CHECK(later == 0);
       }
 }

@@ -168,7 +168,7 @@ double ModalFlight::until_touch(const Equations& equations, double most, double 
     const double w = q_rate_[a] / modes_.frequency[a];
     amplitude_[a] = std::sqrt(q_[a] * q_[a] + w * w);
   }
-  way_ = (modes_.excursion * amplitude_).array();
+  way_.matrix().noalias() = modes_.excursion * amplitude_;
   const double radius = modes_.radius;
   double gone = 0;
   for (int i = 0; i < most_advances && gone < most; ++i) {

@@ -138,11 +138,12 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
       stiff.looks = 0;
       stiff.impulse = stiff.listened = stiff.loudest = 0;
     }
-    if (!decide || motion.time >= until) continue;
+    if (!decide) continue;
     if (rests) {
       stiff.phase = Phase::rest;
       return StepStatus::ok;
     }
+    if (motion.time >= until) continue;
     if (!touched && off_obstacles(job, touching) && flights.can_fly(at, use::worth_flying * at.limit, until)) {
       stiff.phase = Phase::flight;
       return StepStatus::ok;

@@ -134,7 +134,7 @@ void Messages::warn_of_folding(const SoftBody& body, double time) {
 /// Once, and again where it has become several times what was stated.
 void Messages::say_error(const SoftBody& body, double time) {
   const double lost = body.readings().given_up(), allowed = body.settings.tolerance * body.lattice().largest_side();
-  if (!(lost > doubtful * std::max(allowed, said_.error))) return;
+  if (!(lost > doubtful * std::max(allowed, said_.error)) || !logger_.on(log_warning)) return;
   said_.error = lost;
   const bool phases = body.run().path.stiff.unknown > 0.5 * lost;
   logger_.log(fmi2Warning, log_warning,
