@@ -61,6 +61,7 @@ Run empty_run(const Definition& definition) {
   State& motion = run.path.motion;
   for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous, &run.course.bound_x, &run.course.factored.x, &run.outside})
     points->setZero(n, 3);
+  motion.holds.assign(definition.planes, Points::Zero(n, 3));
   return run;
 }
 
@@ -193,6 +194,7 @@ StepStatus SoftBody::initialize(double t0) {
   for (int p = 0; p < model_.body.points(); ++p)
     set_row(motion.v, p, definition_.velocity + definition_.angular_velocity.cross(row(motion.x, p) - centre));
   motion.previous_h = 0;
+  for (Points& forces : motion.holds) forces.setZero();
   Points bound_x = std::move(now_.course.bound_x), factored_x = std::move(now_.course.factored.x);
   now_.course = {};
   now_.course.bound_x = std::move(bound_x);

@@ -29,7 +29,8 @@ ContactSet::ContactSet(const Lattice& lattice, int planes)
         }
 }
 
-void ContactSet::open(const Body& body, const Drive& around, double t, double h) {
+void ContactSet::open(const Body& body, const Drive& around, double t, double h, const Holds& holds) {
+  holds_ = &holds;
   for (std::size_t q = 0; q < around.planes.size(); ++q) {
     middle_[q] = around.planes[q].at(t + 0.5 * h);
     end_[q] = around.planes[q].at(t + h);
@@ -91,6 +92,7 @@ void ContactSet::add(int p, int q, double load) {
   fresh.plane = q;
   fresh.normal = end_[q].normal;
   fresh.load = load;
+  if (!holds_->empty()) fresh.held = tangential(fresh.normal, row((*holds_)[q], p));
   if (at.count < 3) {
     AtPoint trial = at;
     trial.touches[trial.count++] = fresh;

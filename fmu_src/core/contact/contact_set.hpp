@@ -7,7 +7,9 @@
 /// and the normal forces lambda follow from the equations so left out. Friction on each plane is Coulomb's law with a short elastic part
 /// (Huber): a point that has slipped by s is held by
 ///
-///      -stiffness s      up to |s| = mu lambda / stiffness,      -mu lambda s / |s|      beyond.
+///      -stiffness s      up to |s| = mu lambda / stiffness,      -mu lambda s / |s|      beyond,
+///
+/// s beginning with what the friction of the step before is the elastic part of: what sticks under steady forces does not move at all.
 ///
 /// lambda is the one found last; the steps of Newton's method repeat until it is the one they use.
 ///
@@ -26,6 +28,7 @@
 #include "forces/body.hpp"
 #include "matrix/layer_matrix.hpp"
 #include "model/drive.hpp"
+#include "model/state.hpp"
 
 namespace softffd {
 
@@ -37,7 +40,8 @@ class ContactSet {
     Vec3 normal = Vec3::UnitZ();
     double load = 0;                ///< normal force, of the last solution [N]
     double used = 0;                ///< the normal force that the friction is taken from [N]
-    Vec3 slip = Vec3::Zero();       ///< tangential, in this step [m]
+    Vec3 held = Vec3::Zero();       ///< friction on the point at the beginning of the step [N]
+    Vec3 slip = Vec3::Zero();       ///< tangential, in this step and before, as far as friction's elastic part has it [m]
     Vec3 friction = Vec3::Zero();   ///< force on the point at this slip [N]
     double wanted = 0;              ///< its stiffness at this slip, across it if the point slides [N/m]
     bool sticks = true;             ///< in its elastic part
@@ -49,8 +53,10 @@ class ContactSet {
 
   ContactSet(const Lattice& lattice, int planes);
 
-  /// Opens a step from t to t + h; nothing touches yet. Pinned points have no freedom.
-  void open(const Body& body, const Drive& around, double t, double h);
+  /// Opens a step from t to t + h; nothing touches yet. Pinned points have no freedom. `holds` is read until the step's end.
+  void open(const Body& body, const Drive& around, double t, double h, const Holds& holds);
+  /// The friction as it is now; makes room for it where there is none yet.
+  void hold(Holds& holds) const;
   const HalfSpace& plane(int q) const { return end_[q]; }
   const std::vector<HalfSpace>& planes() const { return end_; }  ///< at the end of the step
   /// Velocity of plane q's material under a point during the step, seen at mid-step [m/s].
@@ -126,7 +132,8 @@ class ContactSet {
 
   std::vector<HalfSpace> middle_, end_;
   std::vector<double> friction_;  ///< (planes) coefficients
-  std::vector<AtPoint> at_;       ///< (points)
+  const Holds* holds_ = nullptr;
+  std::vector<AtPoint> at_;  ///< (points)
   std::vector<int> touching_;
   std::vector<char> pinned_;
   std::vector<std::vector<int>> neighbours_;  ///< (points) within one cell

@@ -27,9 +27,10 @@ bool ContactSet::scale_friction(double length, double largest_stiffness) {
   return true;
 }
 
-/// Tangential motion of the point less that of the plane's material.
+/// Tangential motion of the point less that of the plane's material, and what has slipped before.
 Vec3 ContactSet::slip(const Touch& touch, const Vec3& x0, const Vec3& moved, double h) const {
-  return tangential(touch.normal, moved - h * material_velocity(touch.plane, x0 + 0.5 * moved));
+  const Vec3 slip = tangential(touch.normal, moved - h * material_velocity(touch.plane, x0 + 0.5 * moved));
+  return load_scale_ > 0 ? Vec3(slip - reach_ / load_scale_ * touch.held) : slip;
 }
 
 void ContactSet::hold_or_slide(Touch& touch, const Vec3& slip) {
@@ -94,6 +95,13 @@ bool ContactSet::stop_reversals(const Points& dx) {
       any = true;
     }
   return any;
+}
+
+void ContactSet::hold(Holds& holds) const {
+  if (holds.size() < end_.size()) holds.assign(end_.size(), Points(at_.size(), 3));
+  for (Points& forces : holds) forces.setZero();
+  for (int p : touching_)
+    for (int i = 0; i < at_[p].count; ++i) set_row(holds[at_[p].touches[i].plane], p, at_[p].touches[i].friction);
 }
 
 Vec3 ContactSet::linear_friction(const Touch& touch, const Vec3& dx) {

@@ -52,6 +52,7 @@ StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double 
   if (status == StepStatus::ok && close(step)) {
     book(step, watch, exchange);
     given_ += given_by_contacts(step);
+    contacts_.hold(state.holds);
     state.x.swap(x_);
     state.v.swap(v_);
     state.spring.swap(spring_);
@@ -70,7 +71,7 @@ StepStatus ImplicitContact::open(const Step& step) {
   force_ = around.force;
   if (around.ramped) around.force_at(step.t + 0.5 * step.h, force_);
   diagonal_ = body.mass / (step.h * step.h) + body.damping / step.h;
-  contacts_.open(body, around, step.t, step.h);
+  contacts_.open(body, around, step.t, step.h, step.from.holds);
   predict(step);
   x_ = step.from.x + u_;
   step.equations.place_pins(step.t + step.h, x_);

@@ -1,10 +1,14 @@
 /// What the time integrators share: the state they advance and the span of time they are given.
 #pragma once
 #include <limits>
+#include <vector>
 
 #include "model/visit.hpp"
 
 namespace softffd {
+
+/// Friction by which each obstacle holds each point: (planes) (points, 3) [N].
+using Holds = std::vector<Points>;
 
 /// Everything that a communication step changes, apart from what it gave back (Exchange).
 struct State {
@@ -13,10 +17,11 @@ struct State {
   Points spring;          ///< spring forces at x [N]
   Points previous;        ///< positions one internal step back; central difference only
   double previous_h = 0;  ///< the step that `previous` belongs to; 0: none
+  Holds holds;            ///< at the end of the last implicit step: what sticks by them need not move first; empty: none yet
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.time, s.x, s.v, s.spring, s.previous, s.previous_h);
+    return fields(s.time, s.x, s.v, s.spring, s.previous, s.previous_h, s.holds);
   }
 };
 static_assert(visits_every_field<State>);

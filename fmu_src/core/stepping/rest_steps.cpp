@@ -19,43 +19,6 @@ namespace {
 namespace use = thresholds;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Points that all stick do not move along the obstacle; what friction's elastic part lets them move goes back, first of the body as a
-/// whole.
-void hold_still(const Job& job, const State& from, double h) {
-  State& motion = job.run.path.motion;
-  const double length = job.model.body.length;
-  const auto each_slip = [&](auto&& visit) {
-    for (const Plane& plane : job.drive.planes) {
-      const HalfSpace start = plane.at(from.time), end = plane.at(motion.time);
-      for (int p = 0; p < motion.x.rows(); ++p) {
-        const Vec3 x0 = row(from.x, p), x1 = row(motion.x, p);
-        if (end.gap(x1) > touching * length) continue;
-        const bool touched = start.gap(x0) <= touching * length;
-        if (!visit(p, plane.friction > 0 && touched, tangential(end.normal, x1 - x0 - h * end.material_velocity(x1)))) return false;
-      }
-    }
-    return true;
-  };
-  Vec3 mean = Vec3::Zero();
-  int touches = 0;
-  const auto sticks = [&](int, bool held, const Vec3& slip) {
-    mean += slip;
-    ++touches;
-    return held && slip.norm() <= use::creep * length;
-  };
-  if (!each_slip(sticks) || touches == 0) return;
-  mean /= touches;
-  for (int axis = 0; axis < 3; ++axis) {
-    motion.x.col(axis) -= mean[axis];
-    motion.v.col(axis) -= mean[axis] / h;
-  }
-  each_slip([&](int p, bool, const Vec3& slip) {
-    set_row(motion.x, p, row(motion.x, p) - slip);
-    set_row(motion.v, p, row(motion.v, p) - slip / h);
-    return true;
-  });
-}
-
 /// The centre moves, and the attitude turns, by the mean of the velocities at both ends; the deformation stays.
 void follow_mean_velocity(const Job& job, const State& from, double h) {
   const Body& body = job.model.body;
@@ -210,7 +173,6 @@ RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   }
   if (!job.drive.pins.empty()) return taken;
   x_ = path.motion.x;
-  hold_still(job, from, h);
   if (!settling) {
     follow_mean_velocity(job, from, h);
     if (!keep_in_front(job)) taken.status = StepStatus::not_finite;

@@ -102,9 +102,8 @@ inline constexpr double worth_resting = 400;
 inline constexpr double rest_share = 0.5, rest_rate = 4, easy_rest = 0.2, rest_growth = 4, loss_shrink = 0.25;
 /// Returns from rest after each of which the next listening is twice as long.
 inline constexpr Count most_doubts = 4;
-/// Gap relative to the box at which a body at rest has lifted off; slip in a step below which a sticking body stays where it is; gap that
-/// is closed after the body is moved as a whole [1].
-inline constexpr double lifted = 1e-9, creep = 2e-9, snapped = 1e-13;
+/// Gap relative to the box at which a body at rest has lifted off; gap that is closed after the body is moved as a whole [1].
+inline constexpr double lifted = 1e-9, snapped = 1e-13;
 /// Work that an implicit step at rest may take at least.
 inline constexpr double least_implicit_work = 1e4;
 

@@ -71,6 +71,8 @@ std::vector<Plane> bowl(Random& random, int count) {
   return planes;
 }
 
+const Holds unheld;
+
 }  // namespace
 
 TEST(several_planes_on_one_point_are_the_exact_projection) {
@@ -80,7 +82,7 @@ TEST(several_planes_on_one_point_are_the_exact_projection) {
   for (int trial = 0; trial < trials; ++trial) {
     const std::vector<Plane> planes = bowl(random, 1 + trial % 5);
     ContactSet set(lattice, int(planes.size()));
-    set.open(body(), behind(planes), 0, 1e-3);
+    set.open(body(), behind(planes), 0, 1e-3, unheld);
     Points x(8, 3), wish(8, 3), dx(8, 3);
     for (int p = 0; p < 8; ++p) set_row(x, p, random.vector(0.1)), set_row(wish, p, random.vector(3));
     if (!settle(set, x, wish, dx)) continue;
@@ -104,14 +106,14 @@ TEST(of_planes_that_cannot_all_be_touched_the_least_loaded_goes) {
   const std::vector<Plane> planes{
       {{.normal = Vec3::UnitX()}}, {{.normal = Vec3::UnitY()}}, {{.normal = Vec3::UnitZ()}}, {{.normal = Vec3(1, 1, 1).normalized()}}};
   ContactSet set(lattice, 4);
-  set.open(body(), behind(planes), 0, 1e-3);
+  set.open(body(), behind(planes), 0, 1e-3, unheld);
   const double loads[] = {3, 1, 2, 0.5};
   for (int q = 0; q < 4; ++q) set.add(0, q, loads[q]);
   int touched = 0;
   for (int i = 0; i < set.touches(0); ++i) touched |= 1 << set.touch(0, i).plane;
   CHECK(set.touches(0) == 3 && touched == 0b1101);
   CHECK(set.freedom(0) == ContactSet::Freedom::none);
-  set.open(body(), behind({planes[0], planes[0], planes[1], planes[1]}), 0, 1e-3);
+  set.open(body(), behind({planes[0], planes[0], planes[1], planes[1]}), 0, 1e-3, unheld);
   for (int q = 0; q < 4; ++q) set.add(0, q, 1);
   CHECK(set.touches(0) == 2);  // of the two that are alike one is enough
 }
@@ -120,7 +122,7 @@ TEST(only_touches_that_pull_are_released_and_one_by_one_the_strongest_first) {
   const std::vector<Plane> planes(1, {{.normal = Vec3::UnitZ()}});
   for (const bool all : {true, false}) {
     ContactSet set(lattice, 1);
-    set.open(body(), behind(planes), 0, 1e-3);
+    set.open(body(), behind(planes), 0, 1e-3, unheld);
     const double loads[] = {1, -1, -3, -1e-12};
     for (int p = 0; p < 4; ++p) set.add(p, 0, loads[p]);
     CHECK(set.release_pulling(1e-9, all));
@@ -135,7 +137,7 @@ TEST(friction_stays_in_its_cone_and_against_the_slip) {
   for (int trial = 0; trial < 300; ++trial) {
     std::vector<Plane> planes{{{.normal = random.direction(), .velocity = random.vector(1e-9), .friction = random(0, 1.5)}}};
     ContactSet set(lattice, 1);
-    set.open(body(), behind(planes), 0, h);
+    set.open(body(), behind(planes), 0, h, unheld);
     Points x0 = Points::Zero(8, 3), u(8, 3);
     double largest = 0;
     for (int p = 0; p < 8; ++p) {
@@ -168,7 +170,7 @@ TEST(the_linear_friction_is_the_frictions_derivative) {
   for (int trial = 0; trial < 100; ++trial) {
     std::vector<Plane> planes{{{.normal = random.direction(), .friction = 0.5}}};
     ContactSet set(lattice, 1);
-    set.open(body(), behind(planes), 0, h);
+    set.open(body(), behind(planes), 0, h, unheld);
     Points x0 = Points::Zero(8, 3), u(8, 3), more(8, 3);
     for (int p = 0; p < 8; ++p) set.add(p, 0, random(1, 10));
     set.scale_friction(1, 1e4);

@@ -125,6 +125,33 @@ TEST(nothing_is_kept_between_steps) {
   CHECK(std::memcmp(scene.state.v.data(), again.state.v.data(), sizeof(double) * 192) == 0);
 }
 
+TEST(what_sticks_stays_where_it_is_in_steps_of_any_length) {
+  for (const double k : {1e4, 1e5, 1e9})
+    for (const double h : {1e-3, 0.01, 0.1}) {
+      FallingBox scene(k, 1);
+      scene.damp(0.5);
+      scene.around.planes[0].friction = 0.4;
+      const double angle = 21 * M_PI / 180;  // of friction 21.8
+      const Vec3 gravity = g * Vec3(std::sin(angle), 0, -std::cos(angle));
+      for (int axis = 0; axis < 3; ++axis) scene.around.force.col(axis) = gravity[axis] * scene.body.mass;
+      scene.body.internal_force(scene.state.x, scene.state.spring);
+      ImplicitContact method(scene.lattice, 1);
+      Exchange exchange;
+      exchange.planes.resize(1);
+      Points settled;
+      const int steps = int(std::lround(4 / h));
+      double resting = 0;
+      for (int i = 0; i < steps; ++i) {
+        if (i == steps / 2) settled = scene.state.x;
+        CHECK(method.advance({scene.body, scene.around}, i * h, h, false, scene.state, exchange) == StepStatus::ok);
+        resting = std::max(resting, i < steps / 2 ? 0.0 : (scene.state.x - settled).abs().maxCoeff());
+      }
+      std::printf("  k %g, h %g: %.3g m\n", k, h, resting);
+      CHECK(resting < 1e-12);
+      CHECK(scene.state.holds[0].abs().maxCoeff() > 0.1 * g * std::sin(angle) / 16);
+    }
+}
+
 TEST(it_converges_to_the_explicit_contact_with_first_order) {
   const auto scene = [] {
     FallingBox s(1e3, 1);

@@ -59,6 +59,8 @@ Points reaction(const Setting& s, const Points& change) {
   return Eigen::Map<const Points>(made.data(), n, 3) - s.residual;
 }
 
+const Holds unheld;
+
 }  // namespace
 
 TEST(without_friction_it_is_the_solution_of_the_quadratic_programme) {
@@ -67,7 +69,7 @@ TEST(without_friction_it_is_the_solution_of_the_quadratic_programme) {
   for (int trial = 0; trial < 100; ++trial) {
     const Setting s(random, 0, trial % 2);
     ContactSet contacts(lattice, 3);
-    contacts.open(s.body, s.around, 0, h);
+    contacts.open(s.body, s.around, 0, h, unheld);
     LinearContact linear(lattice);
     CHECK(linear.solve(s.problem(), contacts, false));
     if (!linear.settled) continue;
@@ -100,7 +102,7 @@ TEST(with_friction_loads_and_friction_solve_the_equations_together) {
     const double mu = 0.4;
     const Setting s(random, mu, false);
     ContactSet contacts(lattice, 3);
-    contacts.open(s.body, s.around, 0, h);
+    contacts.open(s.body, s.around, 0, h, unheld);
     for (int p = 0; p < n; ++p)
       if (s.x0(p, 2) < 0.1) contacts.add(p, 0, 10);
     contacts.scale_friction(1, k);
@@ -134,7 +136,7 @@ TEST(indefinite_springs_are_taken_less_and_less) {
   s.u = s.x - s.x0;
   s.diagonal.setConstant(1);
   ContactSet contacts(lattice, 3);
-  contacts.open(s.body, s.around, 0, h);
+  contacts.open(s.body, s.around, 0, h, unheld);
   LinearContact linear(lattice);
   CHECK(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(s.matrix()).eigenvalues().minCoeff() < -1);
   CHECK(linear.solve(s.problem(), contacts, false));
