@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "kit/thresholds.hpp"
 #include "stepping/retry.hpp"
-#include "stepping/thresholds.hpp"
 
 namespace softffd {
 

@@ -1,7 +1,7 @@
 /// A lattice of 3 x 3 x 3 that vibrates, with all that internal steps need.
 #pragma once
+#include "kit/integrators.hpp"
 #include "model/arithmetic.hpp"
-#include "stepping/integrators.hpp"
 
 namespace softffd {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/tolerances.hpp"
 #include "model/arithmetic.hpp"
+#include "model/rigid_motion.hpp"
 
 namespace softffd {
 
@@ -15,11 +15,16 @@ constexpr double speed_margin = 1.5;
 
 double largest_speed(const Points& v) { return std::sqrt(v.square().rowwise().sum().maxCoeff<Eigen::PropagateNaN>()); }
 
-double largest_arm(const Vec3& from, const Points& x) {
-  return std::sqrt((x.rowwise() - from.transpose().array()).square().rowwise().sum().maxCoeff());
-}
-
 }  // namespace
+
+bool off_obstacles(const Drive& around, double t, const Points& x, double gap) {
+  for (const Plane& plane : around.planes) {
+    const HalfSpace obstacle = plane.at(t);
+    for (int p = 0; p < x.rows(); ++p)
+      if (!(obstacle.gap(row(x, p)) > gap)) return false;
+  }
+  return true;
+}
 
 double Reach::least_gap(const HalfSpace& obstacle, const Points& x) {
   kernels::gaps(int(x.rows()), x.data(), obstacle.normal.data(), obstacle.offset, gap_.data());
@@ -34,7 +39,7 @@ bool Reach::may_touch(const Equations& equations, const State& state, double H) 
   return std::any_of(around.planes.begin(), around.planes.end(), [&](const Plane& plane) {
     const HalfSpace start = plane.at(state.time);
     const double first = least_gap(start, state.x), last = least_gap(plane.at(state.time + H), state.x);
-    const PlaneWay own = way_between(plane, state.time, state.time + H, largest_arm(start.point, state.x));
+    const PlaneWay own = way_between(plane, state.time, state.time + H, radius_about(start.point, state.x));
     const double least = std::max(std::min(first, last) - own.deviation, 0.5 * (first + last - H * own.speed));  // in between
     return !(least > way);
   });
@@ -47,14 +52,9 @@ bool Reach::passed(const Drive& around, double t0, double t1, const Points& x0, 
   return std::any_of(around.planes.begin(), around.planes.end(), [&](const Plane& plane) {
     const HalfSpace start = plane.at(t0);
     const double before = least_gap(start, x0), after = least_gap(plane.at(t1), x1);
-    const PlaneWay own = way_between(plane, t0, t1, largest_arm(start.point, x0) + way);
+    const PlaneWay own = way_between(plane, t0, t1, radius_about(start.point, x0) + way);
     return !(after >= 0) || !(after + before > way + std::min(2 * own.deviation, h * own.speed));
   });
-}
-
-bool Reach::clear(const Body& body, const Drive& around, double t, const Points& x) {
-  return std::all_of(around.planes.begin(), around.planes.end(),
-                     [&](const Plane& plane) { return least_gap(plane.at(t), x) > touching * body.length; });
 }
 
 }  // namespace softffd

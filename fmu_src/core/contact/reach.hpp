@@ -5,6 +5,9 @@
 
 namespace softffd {
 
+/// Is every point at x off all obstacles at time t, by more than `gap` [m]?
+bool off_obstacles(const Drive& around, double t, const Points& x, double gap);
+
 class Reach {
  public:
   explicit Reach(int points) : gap_(points), middle_(points, 3) {}
@@ -14,8 +17,6 @@ class Reach {
   /// Is a point behind an obstacle at t1, or could one have been in between, going by the gaps and speeds at both ends and by the cubic
   /// through them? A point that swings to and fro more than once in the step is beyond that.
   bool passed(const Drive& around, double t0, double t1, const Points& x0, const Points& v0, const Points& x1, const Points& v1);
-  /// Is every point at x off all obstacles at time t?
-  bool clear(const Body& body, const Drive& around, double t, const Points& x);
 
  private:
   double least_gap(const HalfSpace& obstacle, const Points& x);

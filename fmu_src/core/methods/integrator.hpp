@@ -1,4 +1,4 @@
-/// The one shape of all methods. A new one is a file here, a row in traits.cpp, its place in stepping/integrators.cpp and in the test list.
+/// The one shape of all methods. A new one is a file here, a row in traits.cpp, its place in kit/integrators.cpp and in the test list.
 #pragma once
 #include "forces/equations.hpp"
 #include "forces/model.hpp"

@@ -5,7 +5,7 @@
 
 namespace softffd {
 
-/// What keeps the steps of an implicit method short where the body turns (stepping/limits.hpp).
+/// What keeps the steps of an implicit method short where the body turns (kit/limits.hpp).
 enum class Turning { free, straight, in_frame };
 
 struct Traits {
@@ -13,7 +13,7 @@ struct Traits {
   int order;
   double work;              ///< of a step, in evaluations of the spring forces; 0: it depends on the lattice (ImplicitWork)
   double given, automatic;  ///< largest step in units of 2 / omega: that a user may give, that is chosen
-  double long_run;          ///< factor of the chosen step in long runs (stepping/thresholds.hpp)
+  double long_run;          ///< factor of the chosen step in long runs (kit/thresholds.hpp)
   double damping;           ///< largest step in units of the shortest mass / damping
   double tolerance_sum;     ///< fraction of the tolerance by which all steps of a run together may err; 0: fixed steps
   double tolerance_step;    ///< of which one step

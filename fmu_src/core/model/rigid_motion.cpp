@@ -1,6 +1,7 @@
 #include "model/rigid_motion.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 namespace softffd {
@@ -26,6 +27,12 @@ RigidMotion rigid_motion(const Scalars& mass, const Points& x, const Points& v) 
   if (!(inertia.determinant() > 1e-12 * size * size * size)) inertia += 1e-12 * size * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d inverse = inertia.inverse();
   return {centre, velocity, inverse * angular, total, angular, inverse};
+}
+
+double radius_about(const Vec3& centre, const Points& x) {
+  double squared = 0;
+  for (int p = 0; p < x.rows(); ++p) squared = std::max(squared, (row(x, p) - centre).squaredNorm());
+  return std::sqrt(squared);
 }
 
 Vec3 second_order(const Vec3& turn, const Vec3& arm) {

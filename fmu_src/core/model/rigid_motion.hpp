@@ -15,6 +15,9 @@ struct RigidMotion {
 /// Of points x [m] with velocities v [m/s], or with displacements [m]. Points on one line do not spin about it.
 RigidMotion rigid_motion(const Scalars& mass, const Points& x, const Points& v);
 
+/// Distance of the outermost point from the centre [m].
+double radius_about(const Vec3& centre, const Points& x);
+
 /// What a turn adds to turn x arm, so that the arm keeps its length: rotation by atan |turn| about the axis, which is the rotation next to
 /// the displacement turn x arm, and the one that a backward Euler step gives a rigid body.
 Vec3 second_order(const Vec3& turn, const Vec3& arm);

@@ -58,7 +58,7 @@ struct ContactSteps {
 };
 static_assert(visits_every_field<ContactSteps>);
 
-/// Where a stiff body stands with the obstacles (stepping/impacts.hpp).
+/// Where a stiff body stands with the obstacles (impacts/impacts.hpp).
 enum class Phase {
   flight,   ///< nothing can be touched
   impact,   ///< near an obstacle after a flight: explicit steps of the vibrations' size

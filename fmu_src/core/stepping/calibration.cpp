@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "kit/limits.hpp"
+#include "kit/thresholds.hpp"
+#include "kit/trial.hpp"
 #include "model/arithmetic.hpp"
-#include "stepping/limits.hpp"
-#include "stepping/thresholds.hpp"
-#include "stepping/trial.hpp"
 #include "watch/vibration.hpp"
 
 namespace softffd {

@@ -7,7 +7,7 @@
 #pragma once
 #include <optional>
 
-#include "stepping/integrators.hpp"
+#include "kit/integrators.hpp"
 
 namespace softffd {
 

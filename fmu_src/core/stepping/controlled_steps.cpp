@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "kit/limits.hpp"
+#include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
-#include "stepping/limits.hpp"
-#include "stepping/thresholds.hpp"
 
 namespace softffd {
 

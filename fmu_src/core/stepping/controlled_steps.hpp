@@ -1,6 +1,6 @@
 /// Steps under error control: the step size controller of the methods that say how large their error is.
 #pragma once
-#include "stepping/integrators.hpp"
+#include "kit/integrators.hpp"
 
 namespace softffd {
 

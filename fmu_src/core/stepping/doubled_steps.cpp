@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/reach.hpp"
 #include "contact/tolerances.hpp"
+#include "kit/limits.hpp"
+#include "kit/outlook.hpp"
+#include "kit/thresholds.hpp"
+#include "kit/trial.hpp"
 #include "model/arithmetic.hpp"
-#include "stepping/limits.hpp"
-#include "stepping/outlook.hpp"
-#include "stepping/thresholds.hpp"
-#include "stepping/trial.hpp"
 
 namespace softffd {
 
@@ -18,12 +19,8 @@ namespace use = thresholds;
 
 /// Books what an impact's unknown phase may add, where the stretch began off all obstacles.
 void book_impact(const Job& job, const State& begin) {
-  for (const Plane& plane : job.drive.planes) {
-    const HalfSpace obstacle = plane.at(begin.time);
-    for (int p = 0; p < begin.x.rows(); ++p)
-      if (obstacle.gap(row(begin.x, p)) <= touching * job.model.body.length) return;
-  }
   const Body& body = job.model.body;
+  if (!off_obstacles(job.drive, begin.time, begin.x, touching * body.length)) return;
   const double elastic = body.elastic_energy(begin.x);
   double squared = 0;
   for (int i = 0; i < begin.spring.size(); ++i) squared += body.inverse_mass[i] * begin.spring.data()[i] * begin.spring.data()[i];

@@ -2,7 +2,7 @@
 /// own trial. It is run twice, with h and h / 2, and the finer run counts; where that differs too much, again with smaller steps. Where
 /// experience says that the largest stable step is accurate enough, stretches are run once.
 #pragma once
-#include "stepping/integrators.hpp"
+#include "kit/integrators.hpp"
 
 namespace softffd {
 

@@ -1,7 +1,7 @@
 /// Steps of one size: a given one, counted so that no cut of the time changes it, and one that fits stability and tolerance.
 #pragma once
+#include "kit/integrators.hpp"
 #include "stepping/calibration.hpp"
-#include "stepping/integrators.hpp"
 
 namespace softffd {
 

@@ -2,8 +2,8 @@
 
 #include <limits>
 
+#include "kit/thresholds.hpp"
 #include "methods/traits.hpp"
-#include "stepping/thresholds.hpp"
 
 namespace softffd {
 
@@ -52,12 +52,14 @@ bool may_be_stiff(const Facts& facts, const Asked& asked) {
   return facts.matrices && (chosen(asked.method) || is_implicit(asked.method)) && !facts.given_step;
 }
 
-constexpr Plan impacts{.method = Method::backward_euler, .steps = Steps::impacts, .reason = Reason::stiff_contact};
+Plan impacts(bool rings) {
+  return {.method = Method::backward_euler, .steps = Steps::impacts, .reason = Reason::stiff_contact, .rings = rings};
+}
 
 /// An obstacle is within reach: what is not stiff takes leapfrog.
 Plan plan_contact(const Facts& facts, const Asked& asked) {
   if (!facts.stiffness) return wanting(Want::stiffness);
-  if (may_be_stiff(facts, asked) && stiff(facts)) return impacts;
+  if (may_be_stiff(facts, asked) && stiff(facts)) return impacts(false);
   const Steps steps = !facts.given_step ? Steps::doubled : facts.counted ? Steps::counted : Steps::fitted;
   return {.method = Method::leapfrog, .steps = steps, .reason = asked.method == Method::leapfrog ? asked.reason : Reason::contact};
 }
@@ -79,7 +81,7 @@ Plan plan(const Facts& facts) {
   if (chosen(wanted.method) && may_be_stiff(facts, wanted) && !facts.pins) {  // its vibrations matter to the next impact
     if (!facts.stiffness) return wanting(Want::stiffness);
     if (stiff(facts) && !facts.rings) return wanting(Want::rings);
-    if (stiff(facts) && *facts.rings) return impacts;
+    if (stiff(facts) && *facts.rings) return impacts(true);
   }
   return plan_free(facts, wanted, wanted.method == Method::leapfrog ? Retreat::never : Retreat::from_obstacle);
 }

@@ -48,6 +48,7 @@ struct Plan {
   Steps steps = Steps::fitted;
   Reason reason = Reason::asked;
   Retreat retreat = Retreat::never;
+  bool rings = false;  ///< of impacts: the motion has just been found to be carried by the body's modes
 };
 
 Plan plan(const Facts& facts);

@@ -4,11 +4,12 @@
 #include <cassert>
 #include <limits>
 
+#include "contact/tolerances.hpp"
+#include "kit/implicit_steps.hpp"
+#include "kit/limits.hpp"
+#include "kit/trial.hpp"
 #include "stepping/controlled_steps.hpp"
 #include "stepping/fixed_steps.hpp"
-#include "stepping/implicit_steps.hpp"
-#include "stepping/limits.hpp"
-#include "stepping/trial.hpp"
 
 namespace softffd {
 
@@ -58,7 +59,7 @@ Facts Propagator::facts(const Job& job, double H) const {
 
 void Propagator::find(Want want, const Job& job, double H, Facts& facts) {
   const State& motion = job.run.path.motion;
-  if (want == Want::clear) facts.clear = integrators_.reach().clear(job.model.body, job.drive, motion.time, motion.x);
+  if (want == Want::clear) facts.clear = off_obstacles(job.drive, motion.time, motion.x, touching * job.model.body.length);
   if (want == Want::within_reach) facts.within_reach = integrators_.reach().may_touch(job.equations(), motion, H);
   if (want == Want::rings) facts.rings = impacts_.rings_about_rest(job);
   if (want == Want::stiffness) facts.stiffness = H / step_limit(job, Method::leapfrog, false);
@@ -102,7 +103,7 @@ StepStatus Propagator::carry_out(const Job& job, const Plan& plan, double H) {
     case Steps::doubled: return doubled_.run(integrators_, job, end);
     case Steps::counted: return run_counted(integrators_, job, plan.method, counted_units(job.request, H));
     case Steps::controlled: return begun < end ? run_controlled(integrators_, job, plan.method, end, infinity) : StepStatus::ok;
-    case Steps::impacts: return impacts_.run(integrators_, job, end);
+    case Steps::impacts: return impacts_.run(integrators_, job, end, plan.rings);
     case Steps::fitted: return begun < end ? run_fitted(integrators_, calibrator_, job, plan.method, end, infinity) : StepStatus::ok;
     case Steps::raced: return run_raced(job, end);
   }

@@ -1,13 +1,13 @@
 /// Takes a soft body through one communication step: gathers facts, asks for a plan, carries it out, and goes back where that comes upon
 /// what the plan did not know.
 #pragma once
+#include "impacts/impacts.hpp"
+#include "kit/integrators.hpp"
+#include "kit/thresholds.hpp"
 #include "stepping/calibration.hpp"
 #include "stepping/doubled_steps.hpp"
-#include "stepping/impacts.hpp"
-#include "stepping/integrators.hpp"
 #include "stepping/plan.hpp"
 #include "stepping/race.hpp"
-#include "stepping/thresholds.hpp"
 
 namespace softffd {
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "kit/limits.hpp"
+#include "kit/thresholds.hpp"
+#include "kit/trial.hpp"
 #include "methods/ros34pw2.hpp"
 #include "model/arithmetic.hpp"
 #include "stepping/controlled_steps.hpp"
-#include "stepping/limits.hpp"
-#include "stepping/thresholds.hpp"
-#include "stepping/trial.hpp"
 #include "watch/vibration.hpp"
 
 namespace softffd {

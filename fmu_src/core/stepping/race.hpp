@@ -2,8 +2,8 @@
 /// run.course.race. Its facts are the works; plan.hpp decides. All trials are taken back, but for implicit steps that win: they have done
 /// what is left of the communication step already.
 #pragma once
+#include "kit/integrators.hpp"
 #include "stepping/calibration.hpp"
-#include "stepping/integrators.hpp"
 #include "stepping/plan.hpp"
 
 namespace softffd {

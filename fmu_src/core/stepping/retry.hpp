@@ -1,9 +1,9 @@
 /// Which results of a communication step stand, and which are tried again with smaller steps. `attempt(step_factor)` does the communication
 /// step from the run as it is, with that factor of the usual internal step; the trial goes back to its beginning.
 #pragma once
+#include "kit/thresholds.hpp"
+#include "kit/trial.hpp"
 #include "model/run.hpp"
-#include "stepping/thresholds.hpp"
-#include "stepping/trial.hpp"
 
 namespace softffd {
 

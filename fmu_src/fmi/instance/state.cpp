@@ -3,9 +3,9 @@
 #include <iterator>
 
 #include "instance/instance.hpp"
+#include "kit/thresholds.hpp"
 #include "matrix/layer_matrix.hpp"
 #include "methods/traits.hpp"
-#include "stepping/thresholds.hpp"
 
 namespace softffd::fmi {
 

@@ -1,7 +1,7 @@
 #include "messages/trouble.hpp"
 
+#include "kit/thresholds.hpp"
 #include "messages/logger.hpp"
-#include "stepping/thresholds.hpp"
 
 namespace softffd::fmi {
 

@@ -167,19 +167,21 @@ TEST(a_point_that_swings_in_and_out_is_seen_from_both_ends) {
     }
 }
 
-TEST(on_a_plane_is_not_clear_of_it) {
+TEST(on_a_plane_is_not_off_it) {
   Random random;
-  Reach reach(8);
   Flight flight(random, 0);
   flight.around.planes.resize(1);
   Plane& plane = flight.around.planes[0];
   plane = {{.normal = Vec3::UnitZ()}};
   for (const double gap : {1e-3, 1e-11}) {
     plane.point.z() = flight.state.x.col(2).minCoeff() - gap;
-    CHECK(reach.clear(flight.body, flight.around, 0, flight.state.x));
+    CHECK(off_obstacles(flight.around, 0, flight.state.x, 1e-12));
   }
   for (const double gap : {0.0, 1e-13, -1e-3}) {
     plane.point.z() = flight.state.x.col(2).minCoeff() - gap;
-    CHECK(!reach.clear(flight.body, flight.around, 0, flight.state.x));
+    CHECK(!off_obstacles(flight.around, 0, flight.state.x, 1e-12));
   }
+  flight.state.x(3, 1) = std::nan("");
+  plane.point.z() = -10;
+  CHECK(!off_obstacles(flight.around, 0, flight.state.x, 1e-12));
 }

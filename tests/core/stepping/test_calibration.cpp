@@ -5,7 +5,7 @@
 
 #include "bench.hpp"
 #include "check.hpp"
-#include "stepping/limits.hpp"
+#include "kit/limits.hpp"
 
 using namespace softffd;
 

@@ -5,8 +5,8 @@
 
 #include "bench.hpp"
 #include "check.hpp"
-#include "stepping/limits.hpp"
-#include "stepping/thresholds.hpp"
+#include "kit/limits.hpp"
+#include "kit/thresholds.hpp"
 
 using namespace softffd;
 

@@ -1,10 +1,10 @@
 /// When a run looks again at what it has learnt: at a body that has deformed, at forces that have jumped.
 #include "bench.hpp"
 #include "check.hpp"
+#include "kit/limits.hpp"
 #include "soft_body.hpp"
 #include "stepping/controlled_steps.hpp"
 #include "stepping/fixed_steps.hpp"
-#include "stepping/limits.hpp"
 
 using namespace softffd;
 

@@ -1,9 +1,9 @@
 /// Runs of internal steps of every explicit method, on a lattice that vibrates: a newcomer joins the list.
 #include "bench.hpp"
 #include "check.hpp"
+#include "kit/limits.hpp"
 #include "stepping/controlled_steps.hpp"
 #include "stepping/fixed_steps.hpp"
-#include "stepping/limits.hpp"
 #include "stepping/propagator.hpp"
 
 using namespace softffd;

@@ -1,13 +1,13 @@
-#include "stepping/windows.hpp"
+#include "impacts/windows.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "contact/tolerances.hpp"
+#include "kit/thresholds.hpp"
+#include "kit/trial.hpp"
 #include "model/arithmetic.hpp"
-#include "stepping/thresholds.hpp"
-#include "stepping/trial.hpp"
 #include "watch/vibration.hpp"
 
 namespace softffd {

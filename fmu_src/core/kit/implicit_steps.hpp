@@ -1,6 +1,6 @@
 /// Steps of a stiff body in contact: one implicit step for the communication step, or the given ones.
 #pragma once
-#include "stepping/integrators.hpp"
+#include "kit/integrators.hpp"
 
 namespace softffd {
 

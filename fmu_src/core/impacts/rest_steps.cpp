@@ -1,4 +1,4 @@
-#include "stepping/rest_steps.hpp"
+#include "impacts/rest_steps.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include "contact/feasible.hpp"
 #include "contact/tolerances.hpp"
 #include "flight/attitude.hpp"
+#include "impacts/windows.hpp"
+#include "kit/thresholds.hpp"
+#include "kit/trial.hpp"
 #include "model/arithmetic.hpp"
-#include "stepping/thresholds.hpp"
-#include "stepping/trial.hpp"
-#include "stepping/windows.hpp"
 
 namespace softffd {
 

@@ -1,7 +1,8 @@
 /// A stiff body beside obstacles: what the steps of its impacts, flights and rests are given, and their accounts.
 #pragma once
-#include "stepping/integrators.hpp"
-#include "stepping/outlook.hpp"
+#include "contact/reach.hpp"
+#include "kit/integrators.hpp"
+#include "kit/outlook.hpp"
 
 namespace softffd {
 
@@ -12,6 +13,11 @@ struct Beside {
   double limit;  ///< largest stable explicit step [s]
 };
 
+/// Whether every point is off all obstacles by this share of the box.
+inline bool off_obstacles(const Job& job, double gap) {
+  const State& motion = job.run.path.motion;
+  return off_obstacles(job.drive, motion.time, motion.x, gap * job.model.body.length);
+}
 /// Energy that a step from this state took beyond damping and friction, obstacles having given so much of it [J].
 double energy_lost(const Job& job, const State& from, double given);
 /// Adds the work of ramps on the way from `booked` to the present positions, and what the energies lack then as dissipated. before: the

@@ -5,7 +5,7 @@
 #pragma once
 #include <vector>
 
-#include "stepping/flights.hpp"
+#include "impacts/flights.hpp"
 
 namespace softffd {
 

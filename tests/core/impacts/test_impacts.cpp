@@ -1,5 +1,5 @@
 /// Stiff boxes that strike an obstacle, against references of explicit steps down to a 128th of the stable one, made by another program.
-#include "stepping/impacts.hpp"
+#include "impacts/impacts.hpp"
 
 #include "check.hpp"
 #include "estimate.hpp"

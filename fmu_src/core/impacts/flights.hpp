@@ -1,7 +1,7 @@
 /// Flights of a stiff body beside obstacles (flight/modal_flight.hpp), and what its vibrations will do at the next impact.
 #pragma once
 #include "flight/modal_flight.hpp"
-#include "stepping/beside.hpp"
+#include "impacts/beside.hpp"
 
 namespace softffd {
 
@@ -12,7 +12,8 @@ class Flights {
   /// Can the body's motion be carried by its modes now? They are made where the material is new.
   bool rings_about_rest(const Job& job);
   /// A flight until something could be touched, where an impact begins, or the end; a contact begins at once where there can be none.
-  StepStatus fly(const Beside& at);
+  /// rings: the motion has just been taken apart by `rings_about_rest`.
+  StepStatus fly(const Beside& at, bool rings);
   /// Whether nothing can be touched for `least` [s], or until then.
   bool can_fly(const Beside& at, double least, double until);
   /// What the vibrations of two states of this moment differ by will do at the next impact [m]. gain: how many times a difference of

@@ -1,5 +1,6 @@
-#include "stepping/integrators.hpp"
+#include "kit/integrators.hpp"
 
+#include "contact/tolerances.hpp"
 #include "flight/floating_frame.hpp"
 #include "matrix/layer_matrix.hpp"
 #include "methods/backward_euler.hpp"
@@ -56,7 +57,7 @@ Outcome Integrators::take(const Job& job, Method method, const Span& span) {
 
 bool Integrators::passes(const Job& job, Method method, double t, double h, const Points& x0, const Points& v0, const Points& x,
                          const Points& v) {
-  if (traits(method).turning == Turning::in_frame) return !reach_.clear(job.model.body, job.drive, t + h, x);
+  if (traits(method).turning == Turning::in_frame) return !off_obstacles(job.drive, t + h, x, touching * job.model.body.length);
   return reach_.passed(job.drive, t, t + h, x0, v0, x, v);
 }
 

@@ -1,7 +1,7 @@
 /// Beside an obstacle: how the body stands to it, and what a difference of two states will amount to at the end of the run.
 #pragma once
+#include "kit/job.hpp"
 #include "model/rigid_motion.hpp"
-#include "stepping/job.hpp"
 
 namespace softffd {
 
@@ -18,14 +18,10 @@ struct Outlook {
 double left_of_run(const Job& job);
 /// Of the slowest vibration, about [s].
 double slowest_period(const Job& job);
-/// Whether every point is off all obstacles by this share of the box.
-bool off_obstacles(const Job& job, double gap);
 /// Kinetic energy of the motion that is not rigid [J].
 double kinetic_deformation(const Body& body, const State& state);
 /// Speed at which a body comes to the nearest obstacle, with what its turning adds [m/s]. radius: of its outermost point [m].
 double approach_speed(const Job& job, const State& state, const RigidMotion& rigid, double radius);
-/// Distance of the outermost point from the centre [m].
-double radius_about(const Vec3& centre, const Points& x);
 
 /// The drive has planes.
 Outlook outlook(const Job& job, const State& state);

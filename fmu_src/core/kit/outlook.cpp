@@ -1,12 +1,12 @@
-#include "stepping/outlook.hpp"
+#include "kit/outlook.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "contact/tolerances.hpp"
+#include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
-#include "stepping/thresholds.hpp"
 
 namespace softffd {
 
@@ -75,16 +75,6 @@ double slowest_period(const Job& job) {
   return std::min(use::period_per_time_scale * longest, left_of_run(job));
 }
 
-bool off_obstacles(const Job& job, double gap) {
-  const State& motion = job.run.path.motion;
-  for (const Plane& plane : job.drive.planes) {
-    const HalfSpace obstacle = plane.at(motion.time);
-    for (int p = 0; p < motion.x.rows(); ++p)
-      if (obstacle.gap(row(motion.x, p)) <= gap * job.model.body.length) return false;
-  }
-  return true;
-}
-
 double kinetic_deformation(const Body& body, const State& state) {
   const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
   double energy = 0;
@@ -93,12 +83,6 @@ double kinetic_deformation(const Body& body, const State& state) {
     energy += 0.5 * body.mass[p] * own.squaredNorm();
   }
   return energy;
-}
-
-double radius_about(const Vec3& centre, const Points& x) {
-  double squared = 0;
-  for (int p = 0; p < x.rows(); ++p) squared = std::max(squared, (row(x, p) - centre).squaredNorm());
-  return std::sqrt(squared);
 }
 
 double approach_speed(const Job& job, const State& state, const RigidMotion& rigid, double radius) {

@@ -1,5 +1,5 @@
 /// Limits and forecasts of a state that is not a number: none of them may pass for a good one.
-#include "stepping/limits.hpp"
+#include "kit/limits.hpp"
 
 #include <limits>
 

@@ -1,10 +1,10 @@
-#include "stepping/impacts.hpp"
+#include "impacts/impacts.hpp"
 
 #include <cmath>
 
-#include "stepping/implicit_steps.hpp"
-#include "stepping/limits.hpp"
-#include "stepping/thresholds.hpp"
+#include "kit/implicit_steps.hpp"
+#include "kit/limits.hpp"
+#include "kit/thresholds.hpp"
 
 namespace softffd {
 
@@ -27,7 +27,7 @@ StepStatus Impacts::pass_over(const Beside& at) {
   return status;
 }
 
-StepStatus Impacts::run(Integrators& integrators, const Job& job, double end) {
+StepStatus Impacts::run(Integrators& integrators, const Job& job, double end, bool rings) {
   StiffContact& stiff = job.run.path.stiff;
   const State& motion = job.run.path.motion;
   const double spent = job.run.course.work;
@@ -40,11 +40,12 @@ StepStatus Impacts::run(Integrators& integrators, const Job& job, double end) {
     }
     if (job.run.course.work - spent > use::most_steps_of(job.model.body.points())) return pass_over(at);
     switch (stiff.phase) {
-      case Phase::flight: status = flights_.fly(at); break;
+      case Phase::flight: status = flights_.fly(at, rings); break;
       case Phase::impact:
       case Phase::contact: status = windows_.run(at, flights_); break;
       case Phase::rest: status = rest_.run(at); break;
     }
+    rings = false;
   }
   return status;
 }

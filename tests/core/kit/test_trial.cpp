@@ -1,4 +1,4 @@
-#include "stepping/trial.hpp"
+#include "kit/trial.hpp"
 
 #include "check.hpp"
 #include "model/run.hpp"

@@ -5,9 +5,9 @@
 #include <memory>
 
 #include "contact/reach.hpp"
+#include "kit/job.hpp"
 #include "methods/one_step.hpp"
 #include "methods/traits.hpp"
-#include "stepping/job.hpp"
 
 namespace softffd {
 

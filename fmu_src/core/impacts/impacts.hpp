@@ -11,13 +11,12 @@
 ///      impact, contact   windows of explicit steps, each run with h and h / 2; what the two will differ by at the end of the run decides
 ///               whether the window stands. First steps after a flight are half as long.
 ///      rest     backward Euler, its rigid motion by the mean velocity, so that sliding is exact in steps of any length; each step with h
-///      and
-///               with two of h / 2, unless a number of them has shown that nothing changes.
+///               and with two of h / 2, unless a number of them has shown that nothing changes.
 ///
 /// Who decides is energy: what the vibrations hold cannot move a body that is pressed on by a force F further than energy / F.
 #pragma once
-#include "stepping/rest_steps.hpp"
-#include "stepping/windows.hpp"
+#include "impacts/rest_steps.hpp"
+#include "impacts/windows.hpp"
 
 namespace softffd {
 
@@ -27,8 +26,8 @@ class Impacts {
 
   /// Can the body's motion be carried by its modes now? They are made where the material is new.
   bool rings_about_rest(const Job& job) { return flights_.rings_about_rest(job); }
-  /// From the run's time to `end`.
-  StepStatus run(Integrators& integrators, const Job& job, double end);
+  /// From the run's time to `end`. rings: `rings_about_rest` has just said so.
+  StepStatus run(Integrators& integrators, const Job& job, double end, bool rings);
 
  private:
   StepStatus pass_over(const Beside& at);

@@ -1,11 +1,11 @@
-#include "stepping/limits.hpp"
+#include "kit/limits.hpp"
 
 #include <algorithm>
 #include <limits>
 
+#include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
 #include "model/rigid_motion.hpp"
-#include "stepping/thresholds.hpp"
 
 namespace softffd {
 

@@ -5,7 +5,7 @@
 #pragma once
 #include <vector>
 
-#include "stepping/beside.hpp"
+#include "impacts/beside.hpp"
 
 namespace softffd {
 

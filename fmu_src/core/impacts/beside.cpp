@@ -1,4 +1,4 @@
-#include "stepping/beside.hpp"
+#include "impacts/beside.hpp"
 
 namespace softffd {
 

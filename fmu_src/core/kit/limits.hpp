@@ -1,8 +1,8 @@
 /// How long an internal step may be at a state: by stability, by damping, by the turning of the body. And what a difference between two
 /// runs will have grown to at the end.
 #pragma once
+#include "kit/job.hpp"
 #include "methods/traits.hpp"
-#include "stepping/job.hpp"
 
 namespace softffd {
 

@@ -1,10 +1,10 @@
-#include "stepping/implicit_steps.hpp"
+#include "kit/implicit_steps.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "stepping/limits.hpp"
-#include "stepping/thresholds.hpp"
+#include "kit/limits.hpp"
+#include "kit/thresholds.hpp"
 
 namespace softffd {
 

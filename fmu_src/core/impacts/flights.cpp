@@ -1,12 +1,12 @@
-#include "stepping/flights.hpp"
+#include "impacts/flights.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "contact/tolerances.hpp"
+#include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
-#include "stepping/thresholds.hpp"
 
 namespace softffd {
 
@@ -28,12 +28,12 @@ bool Flights::rings_about_rest(const Job& job) {
   return drift <= use::window_share * job.request.tolerance && flight_.energy_missed() <= use::modal_mismatch * flight_.energy() + missed;
 }
 
-StepStatus Flights::fly(const Beside& at) {
+StepStatus Flights::fly(const Beside& at, bool rings) {
   const Job& job = at.job;
   Path& path = job.run.path;
   StiffContact& stiff = path.stiff;
   State& motion = path.motion;
-  if (!off_obstacles(job, touching) || !rings_about_rest(job)) {
+  if (!off_obstacles(job, touching) || !(rings || rings_about_rest(job))) {
     stiff.phase = Phase::contact;
     return StepStatus::ok;
   }
