@@ -1,6 +1,6 @@
 """The long tests are shared out among groups that rotate."""
 
-from rotation import GROUP_SECONDS, chosen_group, groups
+from rotation import GROUP_SECONDS, LONGEST, chosen_group, groups
 
 TESTS = [f"tests/a.py::test_{number}" for number in range(700)]
 SECONDS = {test: 1.0 + 37 * number % 23 for number, test in enumerate(TESTS[:600])}
@@ -15,8 +15,14 @@ def test_groups_are_evenly_filled_and_short_enough():
     assert len(filled) > 4 and max(filled) <= GROUP_SECONDS and max(filled) - min(filled) <= 23.0  # s; the longest test
 
 
+def test_what_is_longer_than_a_group_is_in_none():
+    slow, together = TESTS[5], dict.fromkeys(TESTS[::10], "built together")
+    seconds = SECONDS | {slow: LONGEST + 1} | dict.fromkeys(together, GROUP_SECONDS / len(together) + 1)
+    assert {test for part in groups(TESTS, seconds, together) for test in part} == set(TESTS) - {slow, *together}
+
+
 def test_a_bundle_stays_in_one_group():
-    bundle = dict.fromkeys(TESTS[::7], "built together")
+    bundle = dict.fromkeys(TESTS[::20], "built together")
     assert sum(bool(set(part) & set(bundle)) for part in groups(TESTS, SECONDS)) > 1
     (holding,) = (part for part in groups(TESTS, SECONDS, bundle) if set(part) & set(bundle))
     assert set(bundle) <= set(holding)

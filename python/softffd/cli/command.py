@@ -90,7 +90,7 @@ def _parser() -> argparse.ArgumentParser:
         "--random", type=int, metavar="N", help="N scenes drawn at random instead, in which auto is judged by tight runs"
     )
     stability.add_argument("--seed", type=int, default=1, metavar="S", help="of the first of them, the next has S + 1; default 1")
-    stability.add_argument("-j", "--jobs", type=int, metavar="J", help="of them run at a time; default: the number of cores")
+    stability.add_argument("-j", "--jobs", type=int, metavar="J", help="scenes at a time; default: the number of cores")
     stability.set_defaults(command=_stability)
 
     drivers = commands.add_parser("drivers", help="make driver FMUs (plate, actuator) and a coupled system (SSP)")
@@ -195,9 +195,14 @@ def _stability(options: argparse.Namespace) -> None:
         return
     with ProgressLine("running") as progress:
         report_stability(
-            options.output, only=options.only, quick=options.quick, slowness=options.slowness, note=progress.note, say=progress.say
-        )
+            options.output, only=options.only, quick=options.quick, slowness=options.slowness, processes=_jobs(options), note=progress.note,
+            say=progress.say,
+        )  # fmt: skip
     print(f"kept in {options.output}: report.html, stability.csv, stability.json, pictures of the map")
+
+
+def _jobs(options: argparse.Namespace) -> int:
+    return (os.cpu_count() or 1) if options.jobs is None else options.jobs
 
 
 def _random(options: argparse.Namespace) -> None:
@@ -205,11 +210,11 @@ def _random(options: argparse.Namespace) -> None:
 
     if options.only or options.quick:
         raise SoftffdError("--random: wanted without --only and --quick, which choose among the cases; --seed S --random 1 runs one scene")
-    jobs = (os.cpu_count() or 1) if options.jobs is None else options.jobs
     with ProgressLine("running") as progress:
         report_random(
-            options.output, options.random, options.seed, processes=jobs, slowness=options.slowness, note=progress.note, say=progress.say
-        )
+            options.output, options.random, options.seed, processes=_jobs(options), slowness=options.slowness, note=progress.note,
+            say=progress.say,
+        )  # fmt: skip
     print(f"kept in {options.output}: random.csv, random.json")
 
 

@@ -41,7 +41,8 @@ def at_once(jobs) -> Iterator[str]:
 
 def test_hang_crash_and_fault_are_results_and_the_next_jobs_run():
     jobs = ["one", "hang", "two", "crash", "fault", "three"]
-    results = list(guarded(at_once, jobs, lambda job: 1.0))
+    given, results = zip(*guarded(at_once, jobs, lambda job: 1.0), strict=True)
+    assert list(given) == jobs
     assert [result for result in results if isinstance(result, str)] == ["one", "two", "three"]
     assert [results[1].how, results[3].how, results[4].how] == ["hang", "crash", "fault"]
     assert "status 3" in results[3].words
@@ -213,21 +214,20 @@ def test_command_keeps_table_map_and_page(small, tmp_path, capsys):
 
 
 def test_wrong_answer_is_exit_status_1_and_is_kept(small, tmp_path, monkeypatch, capsys):
-    def wrong(names):
-        for _ in names:
-            yield Outcome("WRONG", (Check("energy out of nothing", 2.0, 1.0),))
+    def wrong(work, jobs, *rest):
+        if work is not run_named:
+            return guarded(work, jobs, *rest)
+        return ((name, Outcome("WRONG", (Check("energy out of nothing", 2.0, 1.0),))) for name in jobs)
 
-    monkeypatch.setattr(
-        survey_module, "guarded", lambda work, jobs, patience: wrong(jobs) if work is run_named else guarded(work, jobs, patience)
-    )
+    monkeypatch.setattr(survey_module, "guarded", wrong)
     assert main(["stability", "-o", str(tmp_path)]) == 1
     assert "plane jumps: energy out of nothing 2 (limit 1)" in capsys.readouterr().err
     assert len(json.loads((tmp_path / "stability.json").read_text())["wrong"]) == 2
 
 
 def test_interrupt_keeps_what_is_done(small, tmp_path, monkeypatch, capsys):
-    def interrupted(work, jobs, patience):
-        yield Judged("accurate", 0.0, 0.0, 1, 1, 0.0)
+    def interrupted(work, jobs, *rest):
+        yield jobs[0], Judged("accurate", 0.0, 0.0, 1, 1, 0.0)
         raise KeyboardInterrupt
 
     monkeypatch.setattr(survey_module, "guarded", interrupted)
@@ -241,9 +241,9 @@ def test_interrupt_keeps_what_is_done(small, tmp_path, monkeypatch, capsys):
 def test_cases_get_so_many_times_longer(monkeypatch):
     given = {}
 
-    def noted(work, jobs, patience):
+    def noted(work, jobs, patience, processes):
         given.update({name: patience(name) for name in jobs})
-        return (Lost("hang", "") for _ in jobs)
+        return ((job, Lost("hang", "")) for job in jobs)
 
     monkeypatch.setattr(survey_module, "guarded", noted)
     list(run(planned(["S1", "1e7 steps"], slowness=10), lambda text: None))
@@ -252,7 +252,7 @@ def test_cases_get_so_many_times_longer(monkeypatch):
 
 def test_lost_cells_do_not_end_the_survey(monkeypatch):
     lost = {1e-3: Lost("hang", ""), 1e-2: Lost("crash", "")}
-    monkeypatch.setattr(survey_module, "guarded", lambda work, jobs, patience: (lost[job.step] for job in jobs))
+    monkeypatch.setattr(survey_module, "guarded", lambda work, jobs, *rest: ((job, lost[job.step]) for job in jobs))
     survey = Survey([Panel("vibration", "auto")], [1.0], list(lost), [])
     list(run(survey, lambda text: None))
     assert [judged.kind for judged in survey.cells.values()] == ["slow", "WRONG"]

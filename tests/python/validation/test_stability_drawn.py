@@ -155,26 +155,25 @@ def test_command_keeps_the_table_of_verdicts(tmp_path, capsys):
 def made_up(results):
     """Stands for the processes: the results of each scene in the order of RUNS, in place of runs."""
 
-    def abreast(work, batches, patience, processes):
-        for place, batch in enumerate(batches):
-            for job in batch:
-                if isinstance(result := results[job.seed][RUNS.index(job.run)], KeyboardInterrupt):
-                    raise result
-                yield place, result
+    def guarded(work, jobs, *rest):
+        for job in jobs:
+            if isinstance(result := results[job.seed][RUNS.index(job.run)], KeyboardInterrupt):
+                raise result
+            yield job, result
 
-    return abreast
+    return guarded
 
 
 def test_a_silent_error_is_exit_status_1_with_its_seed(tmp_path, monkeypatch, capsys):
     silent = [at(11 * UNIT), *[at(0)] * (len(RUNS) - 1)]
-    monkeypatch.setattr(drawn_survey, "abreast", made_up({RIGHT_NOW[0]: silent}))
+    monkeypatch.setattr(drawn_survey, "guarded", made_up({RIGHT_NOW[0]: silent}))
     assert main(["stability", "--random", "1", "--seed", str(RIGHT_NOW[0]), "-o", str(tmp_path)]) == 1
     assert f"seed {RIGHT_NOW[0]}: SILENT, error 11 tolerances" in capsys.readouterr().err
     assert json.loads((tmp_path / "random.json").read_text())["scenes"][0]["verdict"] == "SILENT"
 
 
 def test_an_interrupt_keeps_the_table_of_what_is_done(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(drawn_survey, "abreast", made_up({1: [NONE] * len(RUNS), 2: [KeyboardInterrupt()]}))
+    monkeypatch.setattr(drawn_survey, "guarded", made_up({1: [NONE] * len(RUNS), 2: [KeyboardInterrupt()]}))
     assert main(["stability", "--random", "3", "--seed", "1", "-o", str(tmp_path)]) == 130
     document = json.loads((tmp_path / "random.json").read_text())
     assert document["missing"] == [2, 3] and [row["seed"] for row in document["scenes"]] == [1]

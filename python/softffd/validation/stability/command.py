@@ -23,13 +23,14 @@ def report_stability(
     only: Sequence[str] = (),
     quick: bool = False,
     slowness: float = 1.0,
+    processes: int = 1,
     note: Note = silent,
     say: Note = print,
 ) -> Survey:
     """Runs the map and the cases, or those that `only` names, and keeps CSV, JSON, pictures and page in `folder`.
 
     quick: some cases and a coarse map, within half a minute. slowness: each case may take so many times longer than usual, for builds with
-    sanitizers. note: told what is being run; say: told what has come out.
+    sanitizers. processes: cells and cases at a time, SoftffdError if none. note: told what is done; say: told what has come out.
     Raises SoftffdError for an unknown name before anything is run, and in the end if an answer is wrong; KeyboardInterrupt on Ctrl-C once
     what is done is kept.
     """
@@ -37,7 +38,7 @@ def report_stability(
     survey = planned(only, quick=quick, slowness=slowness)
     about = _about(only, quick, slowness)
     try:
-        for place, news in enumerate(run(survey, note)):
+        for place, news in enumerate(run(survey, note, processes)):
             say(news)
             if place < len(survey.panels):
                 keep(folder, survey, about)

@@ -16,7 +16,7 @@ from softffd.validation.conditions import conditions
 from softffd.validation.kept import csv_text, json_text, keep_files
 from softffd.validation.stability.drawn import drawn
 from softffd.validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, VERDICTS, Job, Judged, judge, patience, run_jobs
-from softffd.validation.stability.guard import abreast
+from softffd.validation.stability.guard import guarded
 
 TOGETHER = 4
 """Scenes that a process runs one after the other."""
@@ -67,7 +67,7 @@ def report_random(
     but "right" and "no truth", and the summary. Raises SoftffdError in the end if there is a fault; KeyboardInterrupt on Ctrl-C once the
     table of what is done is kept.
     """
-    for name, value, least in (("--random", number, 1), ("--seed", seed, 0), ("--jobs", processes, 1)):
+    for name, value, least in (("--random", number, 1), ("--seed", seed, 0)):
         if value < least:
             raise SoftffdError(f"{name} {value}: wanted at least {least}")
     lot = Lot(list(range(seed, seed + number)))
@@ -92,14 +92,12 @@ def report_random(
 
 def run(lot: Lot, processes: int, slowness: float = 1.0) -> Iterator[Judged]:
     """Fills the lot; yields each scene as it is judged."""
-    groups = [lot.seeds[first : first + TOGETHER] for first in range(0, len(lot.seeds), TOGETHER)]
-    batches = [[Job(seed, run) for seed in group for run in RUNS] for group in groups]
-    results: list[list[Any]] = [[] for _ in groups]
-    for place, result in abreast(run_jobs, batches, lambda job: slowness * patience(job), processes):
-        results[place].append(result)
-        if len(results[place]) % len(RUNS) == 0:
-            seed = groups[place][len(results[place]) // len(RUNS) - 1]
-            judged = lot.judged[seed] = judge(drawn(seed), results[place][-len(RUNS) :])
+    jobs = [Job(seed, run) for seed in lot.seeds for run in RUNS]
+    runs: dict[int, list[Any]] = {seed: [] for seed in lot.seeds}
+    for job, result in guarded(run_jobs, jobs, lambda job: slowness * patience(job), processes, TOGETHER * len(RUNS)):
+        runs[job.seed].append(result)
+        if len(runs[job.seed]) == len(RUNS):
+            judged = lot.judged[job.seed] = judge(drawn(job.seed), runs[job.seed])
             yield judged
 
 

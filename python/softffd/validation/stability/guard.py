@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from multiprocessing.connection import wait
 from typing import Any
 
+from softffd.errors import SoftffdError
+
 START_UP = 60.0
 """A process gets this long to start [s]."""
 
@@ -27,14 +29,22 @@ class Lost:
     words: str
 
 
-def guarded(work: Work, jobs: Sequence[Any], patience: Callable[[Any], float]) -> Iterator[Any]:
-    """One result per job, in order. work(jobs) yields them in another process; both must be importable there.
+def guarded(
+    work: Work, jobs: Sequence[Any], patience: Callable[[Any], float], processes: int = 1, together: int = 8
+) -> Iterator[tuple[Any, Any]]:
+    """Each job with its result, in order if there is one process. work(jobs) yields them elsewhere; both must be importable there.
 
     patience(job): a job that takes longer [s] is Lost as a hang; one that takes the process down is Lost as a crash. The jobs after it
-    go to a new process. Leaving the iteration early ends the process.
+    go to a new process. together: jobs that one of several processes runs one after the other. Leaving the iteration early ends the
+    processes. SoftffdError if there are none.
     """
-    for _, result in abreast(work, [jobs], patience, 1):
-        yield result
+    if processes < 1:
+        raise SoftffdError(f"--jobs {processes}: wanted at least 1")
+    size = max(1, len(jobs) if processes == 1 else together)
+    batches = [jobs[first : first + size] for first in range(0, len(jobs), size)]
+    left = [iter(batch) for batch in batches]
+    for number, result in abreast(work, batches, patience, processes):
+        yield next(left[number]), result
 
 
 def abreast(work: Work, batches: Sequence[Sequence[Any]], patience: Callable[[Any], float], processes: int) -> Iterator[tuple[int, Any]]:

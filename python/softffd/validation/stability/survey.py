@@ -1,4 +1,4 @@
-"""A survey of stiff and extreme scenes: which panels and cases, run one after the other, and what came of them."""
+"""A survey of stiff and extreme scenes: which panels and cases, and what came of them."""
 
 from __future__ import annotations
 
@@ -114,24 +114,24 @@ def _panels() -> list[Panel]:
     return [*vibration, *given, *rotation, *contact, Panel("rebound", CHOSEN)]
 
 
-def run(survey: Survey, note: Note) -> Iterator[str]:
-    """Fills the survey; yields a line of news after each part, when it is worth keeping. note: told what is being run."""
+def run(survey: Survey, note: Note, processes: int = 1) -> Iterator[str]:
+    """Fills the survey, by so many processes; yields a line of news after each part, when it is worth keeping. note: told what is done."""
     if survey.panels:
         note("the border of the explicit scheme")
         survey.borders = borders(survey.stiffnesses)
         yield _border_news(survey.borders)
-    for panel in survey.panels:
-        cells = survey.cells_of(panel)
-        for cell, result in zip(cells, guarded(run_cells, cells, lambda cell: HANG), strict=True):
-            survey.cells[cell] = _judged(result)
-            note(f"map, {panel}: k = {cell.stiffness:g} N/m, H = {cell.step:.3g} s")
-        yield _panel_news(survey, panel)
+    cells = [cell for panel in survey.panels for cell in survey.cells_of(panel)]
+    left = {panel: len(survey.cells_of(panel)) for panel in survey.panels}
+    for cell, result in guarded(run_cells, cells, lambda cell: HANG, processes):
+        survey.cells[cell] = _judged(result)
+        note(f"map, {cell.panel}: k = {cell.stiffness:g} N/m, H = {cell.step:.3g} s")
+        left[cell.panel] -= 1
+        if left[cell.panel] == 0:
+            yield _panel_news(survey, cell.panel)
     patience = {name: survey.slowness * min(CASES[name].patience, survey.most_patience) for name in survey.names}
-    results = guarded(run_named, survey.names, patience.__getitem__)
-    note(survey.names[0] if survey.names else "")
-    for place, (name, result) in enumerate(zip(survey.names, results, strict=True)):
+    for name, result in guarded(run_named, survey.names, patience.__getitem__, processes):
         outcome = survey.outcomes[name] = outcome_of(result, patience[name])
-        note(survey.names[min(place + 1, len(survey.names) - 1)])
+        note(f"{len(survey.outcomes)} of {len(survey.names)} cases")
         yield f"{name}: {outcome.verdict}{f', {outcome.worst}' if outcome.worst else ''}"
 
 
