@@ -144,6 +144,14 @@ double ModalFlight::neglected_rate() const {
   return anharmonic * squared * std::sqrt(2 * energy() / modes_.mass) / (cell_ * cell_);
 }
 
+double ModalFlight::neglected_way(const Equations& equations) {
+  if (!modes_.damped_unevenly) return 0;
+  load(equations, t_, held_);
+  const auto from_held = (q_ - held_).array();
+  const auto swing = q_rate_.array() / modes_.frequency;
+  return std::sqrt((modes_.uneven * from_held).square().sum() + (modes_.uneven * swing).square().sum());
+}
+
 /// Mean angular momentum of the vibrations, body axes: what modes of nearly the same frequency have together.
 Vec3 ModalFlight::inner_momentum(double spin) const {
   const double reach = linked * std::max(1.0, spin);
@@ -172,6 +180,7 @@ double ModalFlight::until_touch(const Equations& equations, double most, double 
   const double radius = modes_.radius;
   double gone = 0;
   for (int i = 0; i < most_advances && gone < most; ++i) {
+    const double longest = body_.longest_step();
     double step = most - gone;
     bool touch = false;
     for (const Plane& plane : equations.around.planes) {
@@ -187,11 +196,13 @@ double ModalFlight::until_touch(const Equations& equations, double most, double 
       if (fastest > 0) step = std::min(step, 2 * gap / fastest);
     }
     if (touch) break;
-    body_.advance(step);
+    const bool cut = step > longest;
+    if (cut) step = longest;
+    if (!std::isfinite(body_.advance(step))) break;
     gone = step == most - gone ? most : gone + step;
     rigid_ = body_.state();
     t_ = t0_ + gone;
-    if (step < shortest) break;
+    if (step < shortest && !cut) break;
   }
   return gone;
 }

@@ -8,7 +8,8 @@
 /// Coriolis' force couples. The rigid motion is that of the rest shape with the vibration's mean angular momentum inside. Going in and out
 /// of the frame keeps momentum and angular momentum to rounding.
 ///
-/// Left out: how frequencies change with amplitude and how loads turn within a vibration, both slight where `energy_missed` is.
+/// Left out: how frequencies change with amplitude (`neglected_rate`), what unequal damping makes of one mode in others (`neglected_way`),
+/// and how loads turn within a vibration, slight where `energy_missed` is.
 #pragma once
 #include "flight/modes.hpp"
 #include "flight/rigid_body.hpp"
@@ -33,6 +34,8 @@ class ModalFlight {
   double energy_after(double time) const;
   /// Rate at which the vibrations' change of frequency with their amplitude, which is left out, moves points [m/s].
   double neglected_rate() const;
+  /// How far unequal damping may move a point by what it makes of one mode in others, which is left out [m].
+  double neglected_way(const Equations& equations);
   /// Time in which the slowest damping forgets [s].
   double memory() const;
   /// Share of an amplitude that the slowest damping leaves.

@@ -1,7 +1,10 @@
 #include "flight/modes.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+
+#include "model/arithmetic.hpp"
 
 namespace softffd {
 
@@ -29,6 +32,7 @@ void Modes::make(const Body& body, const Points& rest) {
     radius = std::max(radius, arm.norm());
     inertia += body.mass[p] * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
   }
+  damped_unevenly = false;
   valid_ = unknowns > most_unknowns;
   if (valid_) {
     frequency.resize(0);
@@ -73,6 +77,8 @@ void Modes::make(const Body& body, const Points& rest) {
     for (int i = 0; i < unknowns; ++i) decay[a] += 0.5 * body.damping[i % n] * shape(i, a) * shape(i, a);
     for (int p = 0; p < n; ++p) excursion(p, a) = Vec3(shape(p, a), shape(p + n, a), shape(p + 2 * n, a)).norm();
   }
+  damped_unevenly = fastest > rate.minCoeff();
+  if (damped_unevenly) find_uneven(body.damping);
   neighbours_.setZero(modes * most_neighbours, 3);
   for (int a = 0; a < modes; ++a)
     for (int b = a + 1; b < std::min(modes, a + 1 + most_neighbours); ++b) {
@@ -82,6 +88,19 @@ void Modes::make(const Body& body, const Points& rest) {
         sum += body.mass[p] * of_b.cross(of_a);
       }
       set_row(neighbours_, a * most_neighbours + b - a - 1, sum);
+    }
+}
+
+void Modes::find_uneven(const Scalars& damping) {
+  const Eigen::MatrixXd coupled = shape.transpose() * damping.replicate(3, 1).matrix().asDiagonal() * shape;
+  uneven.setZero(count());
+  const Eigen::ArrayXd way = excursion.colwise().maxCoeff();
+  for (int b = 0; b < count(); ++b)
+    for (int a = 0; a < count(); ++a) {
+      if (a == b || coupled(a, b) == 0) continue;
+      const double apart = std::abs(power(frequency[a], 2) - power(frequency[b], 2)), fading = 1 / coupled(b, b);
+      const double share = apart * fading > frequency[b] ? frequency[b] / apart : fading;
+      uneven[b] = std::max(uneven[b], std::abs(coupled(a, b)) * share * way[a]);
     }
 }
 

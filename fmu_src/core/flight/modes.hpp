@@ -7,7 +7,8 @@
 ///      coupling a, b:   Omega . N_ab,     N_ab = sum over p of m_p shape_pb x shape_pa   (N_ba = -N_ab),
 ///
 /// which matters between modes of nearly the same frequency alone (Shabana 2013, Dynamics of Multibody Systems, section 5.3). Where points
-/// are damped unequally, modes of the same frequency are those that damping does not couple.
+/// are damped unequally, modes of the same frequency are those that damping does not couple; what it does to others, C = shape^T D shape,
+/// moves mode a by C_ab omega_b / |omega_a^2 - omega_b^2| of the amplitude of b, and by C_ab / C_bb at most, as b itself fades: `uneven`.
 #pragma once
 #include "forces/body.hpp"
 
@@ -35,8 +36,12 @@ struct Modes {
   Scalars frequency, decay;   ///< omega [rad/s], ascending, and the rate at which damping takes the amplitude [1/s], (modes)
   Eigen::MatrixXd shape;      ///< (3 * points, modes) [kg^-1/2]
   Eigen::MatrixXd excursion;  ///< (points, modes): largest way of a point in a mode of unit amplitude [kg^-1/2]
+  bool damped_unevenly = false;
+  Scalars uneven;  ///< (modes) how far unequal damping moves a point by another mode, of unit amplitude of this one, at most [kg^-1/2]
 
  private:
+  void find_uneven(const Scalars& damping);
+
   Points neighbours_;
   bool valid_ = false;
 };

@@ -108,6 +108,8 @@ double RigidBody::quickest() const {
   return r.spin.norm() + std::sqrt(moments * inverse_inertia_.norm()) + damping_ / mass_ + damped_inertia_.norm() * inverse_inertia_.norm();
 }
 
+double RigidBody::longest_step() const { return 0.9 * most_pieces * longest_piece / quickest(); }
+
 double RigidBody::advance(double h) {
   const double pieces = std::ceil(quickest() * h / longest_piece);
   if (!(pieces <= most_pieces)) return std::numeric_limits<double>::infinity();

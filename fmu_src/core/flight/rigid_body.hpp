@@ -32,8 +32,10 @@ class RigidBody {
   /// The body with the momentum and the angular momentum of points x [m] with velocities v [m/s] at time t. inner: angular momentum
   /// besides, which turns with the body and does not turn it [kg m2/s]: that of its vibrations.
   void start(const Equations& equations, double t, const Points& x, const Points& v, const Vec3& inner = Vec3::Zero());
-  /// Goes on by h [s]. Returns the error estimate, a position error of the outermost point [m]: infinite where the forces change too fast
-  /// to follow.
+  /// The longest step that can be followed from here, about [s].
+  double longest_step() const;
+  /// Goes on by h [s]. Returns the error estimate, a position error of the outermost point [m]: infinite, and no step
+  /// taken, where the forces change too fast to follow.
   double advance(double h);
 
   RigidState state() const;

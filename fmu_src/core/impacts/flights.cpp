@@ -25,7 +25,9 @@ bool Flights::rings_about_rest(const Job& job) {
   const double left = left_of_run(job), drift = std::min(left, flight_.memory()) * flight_.neglected_rate();
   const double slight = use::window_share * job.request.tolerance / (use::rebound_share * left);  // speed that no rebound need have
   const double missed = std::max(job.model.noise, 0.5 * flight_.modes().mass * slight * slight);
-  return drift <= use::window_share * job.request.tolerance && flight_.energy_missed() <= use::modal_mismatch * flight_.energy() + missed;
+  const double left_out = std::max(drift, flight_.neglected_way(job.equations()));
+  return left_out <= use::window_share * job.request.tolerance &&
+         flight_.energy_missed() <= use::modal_mismatch * flight_.energy() + missed;
 }
 
 StepStatus Flights::fly(const Beside& at, bool rings) {

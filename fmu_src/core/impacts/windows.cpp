@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "contact/tolerances.hpp"
+#include "flight/attitude.hpp"
 #include "kit/thresholds.hpp"
 #include "kit/trial.hpp"
 #include "model/arithmetic.hpp"
@@ -31,6 +32,35 @@ bool quiet(const Job& job) {
   return stiff.impulse > 0 && 2 * stiff.loudest <= allowed_loss(job, stiff.impulse / stiff.listened);
 }
 
+/// Moves and turns the body in the direction in which it has gone astray, by so much at its outermost point [m], and along the obstacle's
+/// normal so that it comes there as soon as without.
+void put_aside(const Job& job, double way) {
+  State& motion = job.run.path.motion;
+  const StiffContact& stiff = job.run.path.stiff;
+  const Body& body = job.model.body;
+  const RigidMotion rigid = rigid_motion(body.mass, motion.x, motion.v);
+  const NearestPoint first = nearest_point(job, motion);
+  const double gap = first.obstacle.gap(row(motion.x, first.point));
+  const double radius = radius_about(rigid.centre, motion.x), size = stiff.astray.norm() + radius * stiff.astray_spin.norm();
+  const double most = use::most_aside * radius, share = std::clamp(way, -most, most) / size;
+  const Eigen::Matrix3d turn = rotation_by(share * stiff.astray_spin);
+  for (int p = 0; p < body.points(); ++p) {
+    set_row(motion.x, p, rigid.centre + share * stiff.astray + turn * (row(motion.x, p) - rigid.centre));
+    set_row(motion.v, p, rigid.velocity + turn * (row(motion.v, p) - rigid.velocity));
+  }
+  const NearestPoint now = nearest_point(job, motion);
+  const double nearer = gap - now.obstacle.gap(row(motion.x, now.point));
+  for (int axis = 0; axis < 3; ++axis) motion.x.col(axis) += nearer * now.obstacle.normal[axis];
+  body.internal_force(motion.x, motion.spring);
+}
+
+/// The rigid motions of two states differ by this.
+void set_astray(const Body& body, const State& one, const State& other, StiffContact& stiff) {
+  const RigidMotion a = rigid_motion(body.mass, one.x, one.v), b = rigid_motion(body.mass, other.x, other.v);
+  stiff.astray = a.velocity - b.velocity;
+  stiff.astray_spin = a.spin - b.spin;
+}
+
 }  // namespace
 
 double allowed_loss(const Job& job, double pressing) {
@@ -53,8 +83,10 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
   const bool lost = stiff.total_error() > use::lost * tolerance;
   if (lost || (!fresh && stiff.trust > 0 && !off_obstacles(job, touching))) {
     if (!lost) --stiff.trust;
+    if (fresh) start_ = path;
     const StepStatus status = listen(at, flights, at.limit, until, true);
     stiff.settling = stiff.phase == Phase::rest;
+    if (fresh && status == StepStatus::ok) feel(at, flights);
     return status;
   }
   Trial trial(path, start_);
@@ -70,6 +102,7 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     const Count taken = path.steps;
     status = listen(at, flights, 0.5 * h, reached, false);
     if (status != StepStatus::ok) return status;
+    if (fresh && job.drive.pins.empty()) set_astray(job.model.body, coarse_.motion, path.motion, path.stiff);
     const Outlook ahead = outlook(job, path.motion);
     double error = outcome_of(job, coarse_.motion, path.motion, ahead) / 3, gain = 0;
     if (rings) error = std::max(error, flights.echo(at, coarse_.motion, ahead, gain));
@@ -85,6 +118,7 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
       stiff.trust = easy ? stiff.next_trust : 0;
       stiff.next_trust = easy ? std::min(2 * stiff.next_trust, use::longest_window_trust) : 1;
       trial.keep();
+      if (fresh) feel(at, flights);
       return StepStatus::ok;
     }
     course.rejected += path.steps - taken;
@@ -98,6 +132,30 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     }
     h = smaller;
   }
+}
+
+/// What the impact makes of the error so far: the window again, begun that far astray.
+void Windows::feel(const Beside& at, Flights& flights) {
+  const Job& job = at.job;
+  Path& path = job.run.path;
+  const double before = start_.stiff.stated_error(), reached = path.motion.time;
+  const bool astray = !start_.stiff.astray.isZero(0) || !start_.stiff.astray_spin.isZero(0);
+  if (!astray || before <= use::least_error * job.request.tolerance) return;
+  const Outlook ahead = outlook(job, path.motion);
+  accepted_ = path;
+  double after = before;
+  for (const double way : {before, -before}) {
+    path = start_;
+    put_aside(job, way);
+    const StepStatus status = listen(at, flights, at.limit, reached, false);
+    job.run.course.rejected += path.steps - start_.steps;
+    const double outcome = status == StepStatus::ok ? outcome_of(job, path.motion, accepted_.motion, ahead) : after;
+    if (!(outcome > after)) continue;
+    after = outcome;
+    set_astray(job.model.body, path.motion, accepted_.motion, accepted_.stiff);
+  }
+  std::swap(path, accepted_);
+  path.stiff.grown = std::sqrt(power(path.stiff.grown, 2) + power(after - before, 2));
 }
 
 /// Explicit steps of h, with looks at the same times whatever h is: until the phase changes, if that is to be decided here, or `until`.

@@ -14,14 +14,15 @@ double allowed_loss(const Job& job, double pressing);
 
 class Windows {
  public:
-  explicit Windows(const Run& run) : start_(run.path), coarse_(run.path), pushed_(run.path.exchange.planes.size()) {}
+  explicit Windows(const Run& run) : start_(run.path), coarse_(run.path), accepted_(run.path), pushed_(run.path.exchange.planes.size()) {}
   /// One window; sets the phase that follows.
   StepStatus run(const Beside& at, Flights& flights);
 
  private:
+  void feel(const Beside& at, Flights& flights);
   StepStatus listen(const Beside& at, Flights& flights, double h, double until, bool decide);
 
-  Path start_, coarse_;
+  Path start_, coarse_, accepted_;
   std::vector<Vec3> pushed_;  ///< impulse on each obstacle before a stretch
 };
 

@@ -29,19 +29,6 @@ Vec3 whole_acceleration(const Job& job) {
   return sum / job.model.body.mass.sum();
 }
 
-/// The obstacle that a point is nearest to, or furthest behind.
-const Plane* nearest(const Job& job, const State& state, HalfSpace& obstacle) {
-  const Plane* nearest = nullptr;
-  double least = infinity;
-  for (const Plane& plane : job.drive.planes) {
-    const HalfSpace here = plane.at(state.time);
-    double gap = infinity;
-    for (int p = 0; p < state.x.rows(); ++p) gap = std::min(gap, here.gap(row(state.x, p)));
-    if (gap < least) least = gap, nearest = &plane, obstacle = here;
-  }
-  return nearest;
-}
-
 /// Whether obstacles hold the body from two sides.
 bool squeezed(const Job& job, const State& state) {
   const double touch = touching * job.model.body.length;
@@ -75,6 +62,19 @@ double slowest_period(const Job& job) {
   return std::min(use::period_per_time_scale * longest, left_of_run(job));
 }
 
+NearestPoint nearest_point(const Job& job, const State& state) {
+  NearestPoint nearest;
+  double least = infinity;
+  for (const Plane& plane : job.drive.planes) {
+    const HalfSpace here = plane.at(state.time);
+    for (int p = 0; p < state.x.rows(); ++p) {
+      const double gap = here.gap(row(state.x, p));
+      if (gap < least) least = gap, nearest = {&plane, here, p};
+    }
+  }
+  return nearest;
+}
+
 double kinetic_deformation(const Body& body, const State& state) {
   const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
   double energy = 0;
@@ -86,15 +86,13 @@ double kinetic_deformation(const Body& body, const State& state) {
 }
 
 double approach_speed(const Job& job, const State& state, const RigidMotion& rigid, double radius) {
-  HalfSpace obstacle;
-  nearest(job, state, obstacle);
+  const HalfSpace obstacle = nearest_point(job, state).obstacle;
   const Vec3 velocity = rigid.velocity - obstacle.material_velocity(rigid.centre);
   return std::abs(velocity.dot(obstacle.normal)) + use::turning_share * radius * (rigid.spin - obstacle.spin).norm() + standstill;
 }
 
 Outlook outlook(const Job& job, const State& state) {
-  HalfSpace obstacle;
-  const Plane* plane = nearest(job, state, obstacle);
+  const auto [plane, obstacle, point] = nearest_point(job, state);
   const double left = left_of_run(job), pressing = (plane->acceleration - whole_acceleration(job)).dot(obstacle.normal);
   Outlook ahead{obstacle.normal, left, left, left, pressing};
   if (!job.drive.pins.empty()) return ahead;

@@ -18,6 +18,13 @@ struct Outlook {
 double left_of_run(const Job& job);
 /// Of the slowest vibration, about [s].
 double slowest_period(const Job& job);
+/// The point that is nearest to an obstacle, or furthest behind one. The drive has planes.
+struct NearestPoint {
+  const Plane* plane = nullptr;
+  HalfSpace obstacle;  ///< now
+  int point = 0;
+};
+NearestPoint nearest_point(const Job& job, const State& state);
 /// Kinetic energy of the motion that is not rigid [J].
 double kinetic_deformation(const Body& body, const State& state);
 /// Speed at which a body comes to the nearest obstacle, with what its turning adds [m/s]. radius: of its outermost point [m].

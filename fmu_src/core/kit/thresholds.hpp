@@ -91,6 +91,8 @@ inline constexpr double opposite = -0.5;
 inline constexpr double rebound_share = 0.1, echo_share = 0.3, turning_share = 0.3;
 /// Share of the tolerance that positions are taken to err by at least.
 inline constexpr double least_error = 0.1;
+/// Largest turn by which an impact is tried for what it makes of errors [rad].
+inline constexpr double most_aside = 0.1;
 /// Energy that may be damped away, in that of the pressing force along the tolerance [1]: it cannot move the body further.
 inline constexpr double quiet_energy = 0.1;
 /// Steps of the first implicit step, which takes up what is left of velocities; energy that it may lose, in the same unit.

@@ -79,20 +79,32 @@ struct StiffContact {
   Count doubts = 0;       ///< how often rest was left too early to pay
   Count trust = 0;        ///< windows that may be run once
   Count next_trust = 1;   ///< how many after the next success
-  Count rest_trust = 0, next_rest_trust = 1;  ///< the same for steps at rest
-  double step = 0;                            ///< at rest [s]; 0: none yet
-  double error = 0;                           ///< that steps have left, at the end of the run [m]
-  double unknown = 0;                         ///< that the vibrations' unknown phases at impacts may have added [m]
+  Count rest_trust = 0, next_rest_trust = 1;               ///< the same for steps at rest
+  double step = 0;                                         ///< at rest [s]; 0: none yet
+  double error = 0;                                        ///< that steps have left, at the end of the run [m]
+  double unknown = 0;                                      ///< that the vibrations' unknown phases at impacts may have added [m]
+  double grown = 0;                                        ///< by what impacts may have made of either, where the body lands otherwise [m]
+  Vec3 astray = Vec3::Zero(), astray_spin = Vec3::Zero();  ///< by which the last impact's runs differed [m/s, rad/s]
 
-  /// All of it.
+  /// What steps go by.
   double total_error() const { return error + unknown; }
+  /// What the user is told.
+  double stated_error() const { return error + unknown + grown; }
   /// Begins anew in this phase; what it has cost stays.
-  void begin(Phase next) { *this = {.phase = next, .doubts = next == Phase::flight ? 0 : doubts, .error = error, .unknown = unknown}; }
+  void begin(Phase next) {
+    *this = {.phase = next,
+             .doubts = next == Phase::flight ? 0 : doubts,
+             .error = error,
+             .unknown = unknown,
+             .grown = grown,
+             .astray = astray,
+             .astray_spin = astray_spin};
+  }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.phase, s.settling, s.looks, s.impulse, s.listened, s.loudest, s.pressing, s.since, s.doubts, s.trust, s.next_trust,
-                  s.rest_trust, s.next_rest_trust, s.step, s.error, s.unknown);
+                  s.rest_trust, s.next_rest_trust, s.step, s.error, s.unknown, s.grown, s.astray, s.astray_spin);
   }
 };
 static_assert(visits_every_field<StiffContact>);

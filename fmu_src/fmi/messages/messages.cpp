@@ -136,7 +136,8 @@ void Messages::say_error(const SoftBody& body, double time) {
   const double lost = body.readings().given_up(), allowed = body.settings.tolerance * body.lattice().largest_side();
   if (!(lost > doubtful * std::max(allowed, said_.error)) || !logger_.on(log_warning)) return;
   said_.error = lost;
-  const bool phases = body.run().path.stiff.unknown > 0.5 * lost;
+  const StiffContact& stiff = body.run().path.stiff;
+  const bool phases = stiff.unknown + stiff.grown > 0.5 * lost;
   logger_.log(fmi2Warning, log_warning,
               at_time(time) + "the tolerance could not be kept at an obstacle: the result may be wrong by " + number(lost) +
                   " m, where it allows " + number(allowed) + " m; " +

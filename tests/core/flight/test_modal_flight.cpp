@@ -94,6 +94,31 @@ TEST(every_vibration_keeps_its_phase_while_the_body_turns) {
   }
 }
 
+TEST(what_unequal_damping_makes_of_one_mode_in_others_is_bounded_and_a_flight_ends_where_it_is_too_quick_to_follow) {
+  for (const double share : {0.0, 1.0, 100.0, 1e4}) {
+    const auto damped = [&] {
+      Ringing r(0.02, true);
+      r.model.body.damping *= share;
+      r.model.renew();
+      r.drive.planes.clear();
+      return r;
+    };
+    const double time = 0.02;
+    Ringing r = damped();
+    ModalFlight flight(r.lattice);
+    CHECK(flight.possible(r.model.body));
+    State state = r.run.path.motion;
+    flight.enter(r.equations(), 0, state);
+    const double bound = flight.neglected_way(r.equations()), flown = flight.until_touch(r.equations(), time, 0, false);
+    flight.leave(r.equations(), state);
+    const double missed = (state.x - damped().stepped(flown, 1e-6).x).abs().maxCoeff();
+    std::printf("  damping %g: %.2g of %.2g m in %g s\n", 0.05 * share, missed, bound, flown);
+    CHECK(missed < bound + 2e-6);
+    CHECK((share > 0) == (bound > 0));
+    CHECK(flown > 0 && (flown == time) == (share < 1e4));
+  }
+}
+
 TEST(a_flight_keeps_momentum_angular_momentum_and_energy) {
   Ringing r(0.5);
   r.drive.force.setZero();
