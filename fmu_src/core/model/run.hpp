@@ -180,19 +180,22 @@ static_assert(visits_every_field<Path>);
 
 /// Energy that came out of nothing, as watch/energy_watch.hpp counts it.
 struct EnergyAccount {
-  double kinetic_elastic = -1;  ///< when last looked at [J]; negative: not yet
-  double forces = 0;            ///< sum of F^2/m over the free points then [N^2/kg]
-  double received = 0;          ///< work of the outside since then, less what friction and impacts took [J]
-  double gained = 0;            ///< out of nothing, from the lowest point on [J]
-  double balance = 0;           ///< all gains and losses [J]
-  double largest = 0;           ///< energy so far [J]
-  double due = 0;               ///< work of the course at which the next look is due
-  double step_factor = 1;       ///< part of the usual internal step that has proved safe
-  bool hopeless = false;        ///< smaller steps did not help
+  double kinetic_elastic = -1;     ///< when last looked at [J]; negative: not yet
+  double forces = 0;               ///< sum of F^2/m over the free points then [N^2/kg]
+  double received = 0;             ///< work of the outside since then, less what friction and impacts took [J]
+  double gained = 0;               ///< out of nothing, from the lowest point on [J]
+  double balance = 0;              ///< all gains and losses [J]
+  double largest = 0;              ///< energy so far [J]
+  double recent = 0, earlier = 0;  ///< the same of the last looks, and of as many before them [J]
+  Count looks = 0;                 ///< since `recent` began
+  double due = 0;                  ///< work of the course at which the next look is due
+  double step_factor = 1;          ///< part of the usual internal step that has proved safe
+  bool hopeless = false;           ///< smaller steps did not help
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.kinetic_elastic, s.forces, s.received, s.gained, s.balance, s.largest, s.due, s.step_factor, s.hopeless);
+    return fields(s.kinetic_elastic, s.forces, s.received, s.gained, s.balance, s.largest, s.recent, s.earlier, s.looks, s.due,
+                  s.step_factor, s.hopeless);
   }
 };
 static_assert(visits_every_field<EnergyAccount>);

@@ -35,6 +35,7 @@ void start(EnergyAccount& account, const Equations& equations, const State& stat
   account.forces = squared_forces(equations, state);
   account.received = 0;
   account.largest = std::max(account.largest, account.kinetic_elastic);
+  account.recent = std::max(account.recent, account.kinetic_elastic);
   account.due = work + (equations.body.damped ? damped_pause : pause);
 }
 
@@ -47,6 +48,11 @@ void jolt(EnergyAccount& account, const Body& body, const Points& spring, const 
 
 void look(EnergyAccount& account, const Equations& equations, const State& state, double h, double work) {
   const double energy = account.kinetic_elastic, before = account.forces, given = account.received;
+  if (++account.looks > late_looks) {
+    account.earlier = account.recent;
+    account.recent = 0;
+    account.looks = 0;
+  }
   start(account, equations, state, work);
   const double change = account.kinetic_elastic - energy - given - h * h / 8 * (account.forces - before);
   account.gained = std::max(account.gained + change, 0.0);  // what is not a number stays so

@@ -12,14 +12,18 @@
 /// Gains are summed from the lowest point on, so that what a body has lost does not hide what it gains. Looks are rare where communication
 /// steps are short: they cost an evaluation of the energy.
 #pragma once
+#include <algorithm>
+
 #include "forces/equations.hpp"
 #include "forces/model.hpp"
 #include "model/run.hpp"
 
 namespace softffd {
 
-/// Part of the largest energy so far from which on a gain is an alarm [1]: smaller ones are errors within the tolerance, by experience.
+/// Part of the largest energy of late from which on a gain is an alarm [1]: smaller ones are errors within the tolerance, by experience. So
+/// many looks are late: a body that has come to rest must not gain what was little when it fell.
 inline constexpr double most_gain = 0.05;
+inline constexpr Count late_looks = 64;
 
 /// Begins anew at a state that was not reached by motion alone.
 void start(EnergyAccount& account, const Equations& equations, const State& state, double work);
@@ -28,7 +32,9 @@ void jolt(EnergyAccount& account, const Body& body, const Points& spring, const 
 /// Looks at a state that steps of size h (0: of another method than leapfrog) have led to.
 void look(EnergyAccount& account, const Equations& equations, const State& state, double h, double work);
 /// Whether the body has gained more than it may. Below `noise` [J] everything is rounding.
-inline bool alarm(const EnergyAccount& account, double noise) { return !(account.gained <= most_gain * account.largest + noise); }
+inline bool alarm(const EnergyAccount& account, double noise) {
+  return !(account.gained <= most_gain * std::max(account.recent, account.earlier) + noise);
+}
 /// What counts as h: the last step of leapfrog and of the central difference, whose velocities stand between positions.
 double staggered_step(const Run& run);
 /// Energy that the method has taken until now [J]; below 0: gained.

@@ -66,6 +66,19 @@ TEST(it_alarms_from_a_twentieth_of_the_energy_on) {
   }
 }
 
+TEST(what_a_body_had_long_ago_hides_no_gain) {
+  for (const Count looks : {Count{1}, 3 * late_looks}) {
+    Scene s = scene({.y0 = 0, .w0 = 1}, 1);
+    EnergyAccount watch;
+    start(watch, {s.body, s.around}, s.start, 0);
+    s.start.v *= 0.1;  // a hundredth of the energy is left
+    for (Count i = 0; i < looks; ++i) look(watch, {s.body, s.around}, s.start, 0, 0);
+    s.start.v *= 1.5;
+    look(watch, {s.body, s.around}, s.start, 0, 0);
+    CHECK(alarm(watch, 0) == (looks > 1));
+  }
+}
+
 TEST(losses_do_not_hide_gains) {
   Scene s = scene({.y0 = 0, .w0 = 1}, 1);
   const double full = energy(s);
