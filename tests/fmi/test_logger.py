@@ -103,6 +103,65 @@ def test_categories_are_switched_one_by_one_and_errors_always_come(rich):
     host.free()
 
 
+STANDARD = [
+    *(b"logEvents", b"logSingularLinearSystems", b"logNonlinearSystems", b"logDynamicStateSelection", b"logStatusWarning"),
+    *(b"logStatusDiscard", b"logStatusError", b"logStatusFatal", b"logStatusPending", b"logAll"),
+]
+
+
+def switch(host: Host, on: bool, *names: bytes | None) -> int:
+    return host("SetDebugLogging", on, len(names), (c_char_p * len(names))(*names))
+
+
+def heard(host: Host) -> set[bytes]:
+    """Categories of what new runs say, one with a method that the component chooses."""
+    host.messages.clear()
+    host.must("Reset")
+    host.begin()
+    host.must("DoStep", 0.0, STEP, 1)
+    host.must("Reset")
+    talkative(host)
+    return {message[3] for message in host.messages}
+
+
+def test_the_standards_categories_and_the_solvers_are_declared_and_taken(rich):
+    assert rich.categories == {*STANDARD, b"solver"}
+    host = Host(rich)
+    assert switch(host, True, *STANDARD) == switch(host, False, *STANDARD) == OK
+    assert not host.messages
+    host.free()
+
+
+def test_each_category_switches_its_own_messages_and_log_all_switches_every_one(rich):
+    host = Host(rich)
+    everything = {b"logStatusWarning", b"logStatusDiscard", b"solver"}
+    for name in rich.categories:
+        assert switch(host, True, name) == OK
+        assert heard(host) == (everything if name == b"logAll" else everything & {name})
+        assert switch(host, False, name) == OK
+        assert heard(host) == set()
+    assert switch(host, True, b"logAll") == switch(host, False, b"logStatusWarning") == OK
+    assert heard(host) == everything - {b"logStatusWarning"}
+    assert switch(host, False, b"logAll") == OK
+    assert heard(host) == set()
+    host.free()
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_unknown_categories_are_named_in_one_warning_and_passed_over(rich, begun):
+    host = Host(rich)
+    if begun:
+        host.begin()
+    assert switch(host, True, b"logSome%", b"logStatusDiscard", None) == WARNING
+    environment, instance, status, category, message = host.messages.pop()
+    assert (environment, instance, status, category) == (4711, b"host", WARNING, b"logStatusWarning")
+    assert not host.messages and b"logStatusDiscard" in message and message.endswith(b"passed over logSome%%, (null)")
+    assert heard(host) == {b"logStatusDiscard"}
+    assert switch(host, False, b"nothing known") == WARNING
+    assert heard(host) == {b"logStatusDiscard"}
+    host.free()
+
+
 @pytest.fixture(scope="module")
 def sunk(rich, tmp_path_factory) -> Fmu:
     """A box of four layers, one of its points pinned, on a plane that can be put anywhere."""

@@ -72,8 +72,10 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
   return guarded(component, function::set_debug_logging, {{categories}, count}, [&](Instance& instance) {
     std::vector<std::string> names;
     for (std::size_t i = 0; i < count; ++i) names.emplace_back(categories[i] ? categories[i] : "(null)");
-    if (!instance.logger.switch_categories(on != fmi2False, names))
-      throw CallError("fmi2SetDebugLogging: wanted categories of " + listed(log_categories) + ", got " + listed(names));
+    const std::vector<std::string> unknown = instance.logger.switch_categories(on != fmi2False, names);
+    if (unknown.empty()) return fmi2OK;
+    return instance.logger.warn_caller("fmi2SetDebugLogging: wanted categories of " + listed(log_categories) + "; passed over " +
+                                       listed(unknown));
   });
 }
 
@@ -116,7 +118,7 @@ fmi2Status fmi2CancelStep(fmi2Component component) {
 
 fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind, fmi2Status*) {
   return guarded(component, function::get_status, {}, [](Instance& instance) {
-    instance.logger.log(fmi2Discard, log_warning, "fmi2GetStatus: steps are never pending");
+    instance.logger.log(fmi2Discard, log_discard, "fmi2GetStatus: steps are never pending");
     return fmi2Discard;
   });
 }

@@ -48,18 +48,29 @@ Logger::Logger(const fmi2CallbackFunctions& callbacks, std::string instance_name
       instance_name_(std::move(instance_name)),
       enabled_(std::size(log_categories), logging_on) {}
 
-bool Logger::switch_categories(bool on, const std::vector<std::string>& names) {
-  for (const std::string& name : names)
-    if (category_index(name) < 0) return false;
+std::vector<std::string> Logger::switch_categories(bool on, const std::vector<std::string>& names) {
+  std::vector<std::string> unknown;
+  std::copy_if(names.begin(), names.end(), std::back_inserter(unknown), [](const auto& name) { return category_index(name) < 0; });
+  const auto named = [&](std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); };
+  const bool all = names.empty() || named(log_all);
   for (std::size_t i = 0; i < enabled_.size(); ++i)
-    if (names.empty() || std::find(names.begin(), names.end(), log_categories[i]) != names.end()) enabled_[i] = on;
-  return true;
+    if (all || named(log_categories[i])) enabled_[i] = on;
+  return unknown;
 }
 
 bool Logger::on(const char* category) const { return callback_ && enabled_[category_index(category)]; }
 
 void Logger::log(fmi2Status status, const char* category, std::string_view message) const {
-  if (!callback_ || (status < fmi2Error && !on(category))) return;
+  if (status >= fmi2Error || on(category)) hand_over(status, category, message);
+}
+
+fmi2Status Logger::warn_caller(std::string_view message) const {
+  hand_over(fmi2Warning, log_warning, message);
+  return fmi2Warning;
+}
+
+void Logger::hand_over(fmi2Status status, const char* category, std::string_view message) const {
+  if (!callback_) return;
   callback_(environment_, instance_name_.c_str(), status, category, escaped(message).c_str());
 }
 

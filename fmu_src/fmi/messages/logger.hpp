@@ -16,15 +16,19 @@ class Logger {
  public:
   Logger(const fmi2CallbackFunctions& callbacks, std::string instance_name, bool logging_on);
 
-  /// Switches all categories (empty list) or the named ones. Returns false, changing nothing, if one is not declared.
-  bool switch_categories(bool on, const std::vector<std::string>& names);
+  /// Switches all categories (no names, or logAll among them) or the named ones. Returns the names that are not declared.
+  std::vector<std::string> switch_categories(bool on, const std::vector<std::string>& names);
 
   /// Is a message of this category handed over? Saves composing it.
   bool on(const char* category) const;
   /// Errors are always handed over; anything else only where its category is on.
   void log(fmi2Status status, const char* category, std::string_view message) const;
+  /// Why a call returns fmi2Warning: always handed over too. Returns fmi2Warning.
+  fmi2Status warn_caller(std::string_view message) const;
 
  private:
+  void hand_over(fmi2Status status, const char* category, std::string_view message) const;
+
   fmi2CallbackLogger callback_;
   fmi2ComponentEnvironment environment_;
   std::string instance_name_;
