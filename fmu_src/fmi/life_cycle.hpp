@@ -16,6 +16,7 @@ struct CallError : std::runtime_error {
 /// The run's time: where it starts and stops, and the communication point that it has reached [s].
 struct Times {
   double start = 0, now = 0, stop = std::numeric_limits<double>::infinity();
+  bool given = false;  ///< by the host
 
   /// Throws CallError unless a communication step from `time` goes on from here, has a length and stays within the run.
   void check_step(double time, double step) const;

@@ -4,8 +4,11 @@ from ctypes import CDLL, c_char_p, c_size_t, create_string_buffer
 
 import pytest
 
-from c_host import DISCARD, ERROR, OK, STEP, WARNING, Fmu, Host, check_message, doubles, uints
+from c_host import DISCARD, ERROR, OK, STEP, TIMES, WARNING, Fmu, Host, check_message, doubles, uints
 from scenes import box
+from straight_run import apply, straight
+
+CANCELLED = b"fmi2CancelStep: steps are never pending, there is none to cancel"
 
 
 @pytest.mark.parametrize(
@@ -19,6 +22,7 @@ from scenes import box
         ({"uri": b"http://x/%20#y"}, "wanted a file: URI, got http://x/%%20##y"),
         ({"uri": b"file:///no/such%20folder"}, "cannot read /no/such folder/scene.txt"),
         ({"name": b""}, "instanceName: wanted a text"),
+        ({"name": b" \t\n "}, "instanceName: wanted a text, got nothing but blanks"),
         ({"name": None}, "instanceName: wanted a text"),
     ],
 )
@@ -98,8 +102,45 @@ def test_categories_are_switched_one_by_one_and_errors_always_come(rich):
     host.must("Reset")
     talkative(host)
     assert host.messages == []
-    assert host("CancelStep") == ERROR
-    check_message(host, "fmi2CancelStep")
+    assert host("DoStep", 9.0, STEP, 1) == ERROR
+    check_message(host, "fmi2DoStep")
+    host.free()
+
+
+def test_there_is_no_step_to_cancel_and_the_run_goes_on(rich):
+    expected = straight(rich, 3)
+    host = Host(rich)
+
+    def cancelled() -> bool:
+        status, message = host("CancelStep"), host.messages.pop()
+        return status == message[2] == WARNING and message[3:] == (b"logStatusWarning", CANCELLED) and not host.messages
+
+    assert cancelled()
+    host.must("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+    host.must("EnterInitializationMode")
+    assert cancelled()
+    host.must("ExitInitializationMode")
+    for n in range(3):
+        assert cancelled()
+        apply(host, n)
+        host.must("DoStep", TIMES[n], STEP, 1)
+        assert host.outputs() == expected[n + 1]
+    host.must("Terminate")
+    assert cancelled()
+    host.free()
+
+
+def test_a_run_that_was_not_set_up_is_warned_of_once_and_is_that_of_the_defaults(rich):
+    expected = straight(rich, 3)
+    host = Host(rich, logging=True)
+    host.must("EnterInitializationMode")
+    host.must("ExitInitializationMode")
+    for n in range(3):
+        apply(host, n)
+        host.must("DoStep", TIMES[n], STEP, 1)
+        assert host.outputs() == expected[n + 1]
+    said = [message[2:4] for message in host.messages if b"fmi2SetupExperiment was not called" in message[4]]
+    assert said == [(WARNING, b"logStatusWarning")]
     host.free()
 
 

@@ -1,6 +1,7 @@
 #include "messages/messages.hpp"
 
 #include <cstdlib>
+#include <limits>
 #include <vector>
 
 #include "check.hpp"
@@ -33,6 +34,7 @@ struct Run {
     heard.clear();
   }
   void start() {
+    instance.setup_experiment(0, 0, std::numeric_limits<double>::infinity());
     instance.enter_initialization();
     instance.exit_initialization();
   }
@@ -54,6 +56,34 @@ TEST(a_warning_is_given_once_in_a_run_and_again_in_the_next) {
   run.instance.reset();
   run.start();
   CHECK(count("turned inside out") == 2);
+}
+
+TEST(a_run_that_was_not_set_up_is_told_once_and_has_the_defaults) {
+  const auto begin = [](Instance& instance) {
+    instance.enter_initialization();
+    instance.exit_initialization();
+  };
+  Run run(as_drawn, "damping 0.1\nmethod 3\n");
+  begin(run.instance);
+  run.steps(0, 2);
+  CHECK(count("logStatusWarning: fmi2SetupExperiment was not called: the run starts at time 0 s, has no stop time") == 1);
+  CHECK(run.instance.last_successful_time() == 0.02);
+  run.instance.reset();
+  begin(run.instance);
+  CHECK(count("fmi2SetupExperiment was not called") == 2);
+  run.instance.reset();
+  run.start();
+  CHECK(count("fmi2SetupExperiment was not called") == 2);
+}
+
+TEST(that_a_run_was_set_up_is_part_of_its_state) {
+  for (const bool given : {false, true}) {
+    Run run(as_drawn, "damping 0.1\n"), other(as_drawn, "damping 0.1\n");
+    if (given) run.instance.setup_experiment(2, 0, 5);
+    other.instance.load_state(run.instance.save_state());
+    other.instance.enter_initialization();
+    CHECK(count("fmi2SetupExperiment was not called") == !given);
+  }
 }
 
 TEST(the_method_is_told_when_it_is_another) {

@@ -51,7 +51,7 @@ inline constexpr Function directional_derivative{"fmi2GetDirectionalDerivative",
 inline constexpr Function set_input_derivatives{"fmi2SetRealInputDerivatives", settable};
 inline constexpr Function get_output_derivatives{"fmi2GetRealOutputDerivatives", after_steps | failed};
 inline constexpr Function do_step{"fmi2DoStep", stepping};
-inline constexpr Function cancel_step{"fmi2CancelStep", 0};  // steps are never pending
+inline constexpr Function cancel_step{"fmi2CancelStep", any_phase & ~unsigned{failed}};  // there is nothing to do
 inline constexpr Function get_status{"fmi2GetStatus", after_steps};
 inline constexpr Function get_real_status{"fmi2GetRealStatus", after_steps};
 inline constexpr Function get_integer_status{"fmi2GetIntegerStatus", after_steps};

@@ -49,10 +49,11 @@ fmi2Component fmi2Instantiate(fmi2String instance_name, fmi2Type type, fmi2Strin
   const FloatEnvironment environment;
   if (!callbacks) return nullptr;
   try {
-    const bool named = instance_name && *instance_name;
-    const Logger logger(*callbacks, named ? instance_name : "", logging_on != fmi2False);
+    const std::string name = instance_name ? instance_name : "";
+    const Logger logger(*callbacks, name, logging_on != fmi2False);
     try {
-      if (!named) throw CallError("fmi2Instantiate: instanceName: wanted a text, got nothing");
+      if (name.find_first_not_of(" \t\r\n\v\f") == name.npos)
+        throw CallError(std::string("fmi2Instantiate: instanceName: wanted a text, got nothing") + (name.empty() ? "" : " but blanks"));
       return instances.adopt(instantiate(logger, type, guid, resources));
     } catch (const std::exception& error) {
       logger.log(fmi2Error, log_error, error.what());
@@ -113,7 +114,9 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi
 }
 
 fmi2Status fmi2CancelStep(fmi2Component component) {
-  return guarded(component, function::cancel_step, {}, [](Instance&) {});
+  return guarded(component, function::cancel_step, {}, [](Instance& instance) {
+    return instance.logger.warn_caller("fmi2CancelStep: steps are never pending, there is none to cancel");
+  });
 }
 
 fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind, fmi2Status*) {

@@ -22,11 +22,12 @@ void Instance::reset() {
 }
 
 void Instance::setup_experiment(double start_time, double tolerance, double stop_time) {
-  times_ = {.start = start_time, .now = start_time, .stop = stop_time};
+  times_ = {.start = start_time, .now = start_time, .stop = stop_time, .given = true};
   if (tolerance > 0) variables_.set_tolerance(tolerance);
 }
 
 void Instance::enter_initialization() {
+  if (!times_.given) messages_.not_set_up();
   phase = initializing;
   variables_.touch();
 }

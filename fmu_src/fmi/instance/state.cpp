@@ -30,6 +30,7 @@ template <class Archive>
 void pass(Archive& archive, Place& place) {
   for (Count* value : {&place.phase, &place.changed, &place.material_changed, &place.rated}) archive.integer(*value);
   for (double* value : {&place.times.start, &place.times.now, &place.times.stop}) archive.number(*value);
+  archive.choice(place.times.given, true);
 }
 
 template <class Archive>

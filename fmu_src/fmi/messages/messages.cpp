@@ -107,6 +107,12 @@ std::string folding_warning(const SoftBody& body, double volume_stiffness, doubl
 
 }  // namespace
 
+void Messages::not_set_up() {
+  once(set_up, [] {
+    return std::string("fmi2SetupExperiment was not called: the run starts at time 0 s, has no stop time and keeps solver.tolerance");
+  });
+}
+
 void Messages::begun(const SoftBody& body, double time) {
   warn_of_folding(body, time);
   if (body.readings().undecided())  // passes with a given step only

@@ -12,13 +12,15 @@ class Messages {
 
   /// A new run: everything may be said again.
   void reset() { said_ = {}; }
+  /// fmi2SetupExperiment was left out.
+  void not_set_up();
   /// Looks at the initial state; time [s].
   void begun(const SoftBody& body, double time);
   /// Looks at a communication step that has been done and has led to this time [s].
   void stepped(SoftBody& body, double time);
 
  private:
-  enum Topic : unsigned { rubbing = 1, folding = 2, gain = 4, division = 8, turning = 16 };
+  enum Topic : unsigned { rubbing = 1, folding = 2, gain = 4, division = 8, turning = 16, set_up = 32 };
   struct Said {
     unsigned topics = 0;
     std::optional<Method> method;
