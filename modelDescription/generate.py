@@ -12,9 +12,18 @@ HEAD = """// Generated from modelDescription/variables.toml; change that file, n
 
 namespace softffd::fmi {
 
-enum class Type : std::uint8_t { Real, Integer, Enumeration };
+enum class Type : std::uint8_t { Real, Integer };
 enum class Causality : std::uint8_t { input, parameter, output };
 enum class Variability : std::uint8_t { continuous, discrete, tunable, fixed };
+"""
+
+METHOD = """
+/// A method by the number that stands for it, from 1 on.
+struct MethodInfo {
+  std::string_view name;
+  int widest_layer;  ///< control points in a layer of the lattice at most; 0: any number
+};
+inline constexpr MethodInfo methods[] = {
 """
 
 INFO = """
@@ -62,8 +71,10 @@ def header(table: dict) -> str:
     parts = list(dict.fromkeys(family["part"] for family in families))
     text = HEAD + enum("Family", [(f["key"], f["id"]) for f in families]) + enum("Part", [(p, n) for n, p in enumerate(parts)])
     text += enum("MethodValue", [(("automatic" if m["key"] == "auto" else m["key"]), m["value"]) for m in table["method"]])
+    if [m["value"] for m in table["method"]] != list(range(1, len(table["method"]) + 1)):
+        raise SystemExit("variables.toml: methods must be numbered from 1, in their order")
+    text += METHOD + "".join(f'    {{"{m["key"]}", {m.get("widest_layer", 0)}}},\n' for m in table["method"]) + "};\n"
     text += f"inline constexpr int method_count = {len(table['method'])};\n"
-    text += f"inline constexpr int widest_layer = {next(m['widest_layer'] for m in table['method'] if 'widest_layer' in m)};\n"
     for category in table["log_category"]:
         text += f'inline constexpr const char* log_{category["key"]} = "{category["name"]}";\n'
     names = ", ".join(f'"{category["name"]}"' for category in table["log_category"])

@@ -41,7 +41,7 @@ void run(SceneFile scene) {
       const fmi2ValueReference reference = unsigned(info.family) << 24 | index;
       double value = 0;
       try {
-        instance.get(info.type == Type::Real ? Type::Real : Type::Integer, &reference, 1, &value);
+        instance.get(info.type, &reference, 1, &value);
       } catch (const CallError&) {  // the scene has no such variable
         break;
       }

@@ -137,7 +137,7 @@ void run_on(Instance& instance, bool stepped) {
   for (const FamilyInfo& info : families) {
     const fmi2ValueReference reference = unsigned(info.family) << 24;
     if (instance.phase != instantiated) try {
-        instance.get(info.type == Type::Real ? Type::Real : Type::Integer, &reference, 1, &value);
+        instance.get(info.type, &reference, 1, &value);
       } catch (const CallError&) {  // the scene has no such variable, or the initial state is refused
       }
   }

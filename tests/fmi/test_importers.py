@@ -58,13 +58,7 @@ CHECKERS = {
     "vdmcheck_static": Manners(lambda: vdmcheck("VDMCheck"), ("No errors found.",), VDM_NOTICES),
     "vdmcheck_rules": Manners(lambda: vdmcheck("VDMCheckPlus"), ("No errors found.",), VDM_NOTICES),
 }
-# FMI 2.0, section 2.2.7: a ScalarVariable is Real, Integer, Boolean, String or Enumeration. libcosim ignores
-# the last kind, and says so; the variable keeps its start value.
-LIBCOSIM_NOTICES = (
-    r"\[.*\] \[info\] .*"
-    r"|\[.*\] \[warning\] FMI 2\.0 Enumeration variable type not supported, "
-    r"variable with name solver\.method will be ignored"
-)
+LIBCOSIM_NOTICES = r"\[.*\] \[info\] .*"
 ECOS_NOTICES = (
     r"\[.*\] \[ecos\] \[debug\] "
     r"(Initializing simulation\.\.|Parameterset 'start' applied to 1 instances|Initialized\."

@@ -51,8 +51,6 @@ struct Scene {
 
 fmi2ValueReference reference_of(Family family, int index = 0) { return unsigned(family) << 24 | unsigned(index); }
 
-Type access(const FamilyInfo& info) { return info.type == Type::Real ? Type::Real : Type::Integer; }
-
 /// What a call is refused with; empty: it is not.
 template <class Call>
 std::string refusal(Call&& call) {
@@ -103,9 +101,9 @@ TEST(every_settable_variable_takes_a_value_and_gives_it_back) {
   Scene scene;
   for (const FamilyInfo& info : families)
     for (int i = 0; settable(info) && i < count(scene, info); ++i) {
-      const double value = info.type == Type::Enumeration ? 3 : 0.5 + i;
-      scene.set(reference_of(info.family, i), value, access(info));
-      CHECK(scene.get(reference_of(info.family, i), access(info)) == value);
+      const double value = info.family == Family::solver_method ? 3 : 0.5 + i;
+      scene.set(reference_of(info.family, i), value, info.type);
+      CHECK(scene.get(reference_of(info.family, i), info.type) == value);
     }
   scene.variables.reset();
   CHECK(scene.get(reference_of(Family::mass)) == 2 && scene.get(reference_of(Family::solver_method), Type::Integer) == 1);
@@ -118,8 +116,8 @@ TEST(every_output_can_be_read_and_not_set) {
   for (const FamilyInfo& info : families) {
     if (settable(info)) continue;
     const fmi2ValueReference reference = reference_of(info.family);
-    CHECK(std::isfinite(scene.get(reference, access(info))));
-    CHECK(refusal([&] { scene.set(reference, 1, access(info)); }) == scene.variables.name(reference) + ": cannot be set (it is an output)");
+    CHECK(std::isfinite(scene.get(reference, info.type)));
+    CHECK(refusal([&] { scene.set(reference, 1, info.type); }) == scene.variables.name(reference) + ": cannot be set (it is an output)");
   }
   CHECK(scene.get(reference_of(Family::position, 3 * 7 + 2)) == 1.0);  // the hand holds it
   CHECK(scene.get(reference_of(Family::position, 3 * 5 + 2)) == 1.5 && scene.get(reference_of(Family::velocity, 0)) == 1);
@@ -131,7 +129,7 @@ TEST(references_of_no_variable_are_refused) {
   for (const FamilyInfo& info : families) {
     const fmi2ValueReference beyond = reference_of(info.family, count(scene, info));
     const std::string wanted = "value reference " + std::to_string(beyond) + ": this scene has no such variable";
-    CHECK(refusal([&] { scene.get(beyond, access(info)); }) == wanted && refusal([&] { scene.set(beyond, 1, access(info)); }) == wanted);
+    CHECK(refusal([&] { scene.get(beyond, info.type); }) == wanted && refusal([&] { scene.set(beyond, 1, info.type); }) == wanted);
   }
   for (fmi2ValueReference reference : {0u, 0xffffffu, 127u << 24, 0x80000000u, 0xffffffffu})
     CHECK(!refusal([&] { scene.get(reference); }).empty());
@@ -155,14 +153,14 @@ TEST(values_out_of_range_are_refused_and_nothing_is_set) {
     std::vector<double> bad{NAN, INFINITY, -INFINITY};
     if (std::isfinite(info.min)) bad.push_back(std::nextafter(info.min, -1.0));
     if (std::isfinite(info.above)) bad.push_back(info.above);
-    if (info.type == Type::Enumeration) bad.insert(bad.end(), {0, method_count + 1});
+    if (info.family == Family::solver_method) bad.insert(bad.end(), {0, method_count + 1});
     for (double value : bad) {
-      const double before[] = {scene.get(references[0], access(info)), scene.get(references[1], access(info))}, wanted[] = {3, value};
-      const std::string said = refusal([&] { scene.variables.set(instantiated, access(info), references, 2, wanted); });
+      const double before[] = {scene.get(references[0], info.type), scene.get(references[1], info.type)}, wanted[] = {3, value};
+      const std::string said = refusal([&] { scene.variables.set(instantiated, info.type, references, 2, wanted); });
       CHECK(said.find(scene.variables.name(references[1]) + ": wanted ") == 0);
-      CHECK(scene.get(references[0], access(info)) == before[0] && scene.get(references[1], access(info)) == before[1]);
+      CHECK(scene.get(references[0], info.type) == before[0] && scene.get(references[1], info.type) == before[1]);
     }
-    if (std::isfinite(info.min)) CHECK(refusal([&] { scene.set(references[1], info.min); }).empty());
+    if (std::isfinite(info.min)) CHECK(refusal([&] { scene.set(references[1], info.min, info.type); }).empty());
   }
 }
 
@@ -171,7 +169,7 @@ TEST(what_may_be_set_when_follows_causality_and_variability) {
   for (const FamilyInfo& info : families) {
     if (!settable(info)) continue;
     const bool any_time = info.causality == Causality::input || info.variability == Variability::tunable;
-    const auto said = [&](Phase phase) { return refusal([&] { scene.set(reference_of(info.family), 1, access(info), phase); }); };
+    const auto said = [&](Phase phase) { return refusal([&] { scene.set(reference_of(info.family), 1, info.type, phase); }); };
     CHECK(said(instantiated).empty() && said(initializing).empty());
     CHECK(said(stepping) == (any_time ? "" : scene.variables.name(reference_of(info.family)) + ": cannot be set after initialization"));
   }
@@ -214,7 +212,7 @@ TEST(only_changes_of_the_material_ask_for_it_anew) {
   Scene scene;
   for (const FamilyInfo& info : families) {
     if (!settable(info)) continue;
-    scene.set(reference_of(info.family), 1, access(info));
+    scene.set(reference_of(info.family), 1, info.type);
     CHECK(scene.variables.apply(scene.body.settings) == info.material);
   }
 }

@@ -51,6 +51,9 @@ struct SceneFile {
   double tolerance = 1e-4, step = 0;
 };
 
+/// Is the method of this number, one of the table's, there for this lattice?
+bool has_method(const Lattice& lattice, int value);
+
 /// Parses the text of a resources file. Throws SceneFileError.
 SceneFile parse_scene(std::string_view text);
 

@@ -32,7 +32,7 @@ unsigned settable_in(const FamilyInfo& info) {
   return instantiated | initializing | (any_time ? stepping : 0u);
 }
 
-const char* type_name(Type type) { return type == Type::Real ? "Real" : type == Type::Integer ? "Integer" : "Enumeration"; }
+const char* type_name(Type type) { return type == Type::Real ? "Real" : "Integer"; }
 
 void replace(std::string& text, std::string_view placeholder, const std::string& value) {
   const std::size_t at = text.find(placeholder);
@@ -122,15 +122,26 @@ std::string Variables::name(fmi2ValueReference reference) const {
 Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) const {
   const auto variable = find(reference);
   if (!variable) throw CallError(name(reference) + ": this scene has no such variable");
-  const Type own = variable->info().type, access = own == Type::Enumeration ? Type::Integer : own;
-  if (access != type) throw CallError(name(reference) + ": is of type " + type_name(own) + ", got a call for " + type_name(type));
+  const Type own = variable->info().type;
+  if (own != type) throw CallError(name(reference) + ": is of type " + type_name(own) + ", got a call for " + type_name(type));
   return *variable;
 }
 
-/// Has this scene's lattice the method of this number?
-bool Variables::available(double method) const {
-  static_assert(widest_layer == LayerMatrix::widest, "variables.toml and layer_matrix.hpp must agree");
-  return MethodValue(int(method)) != MethodValue::ros34pw2 || LayerMatrix::fits(scene_.definition.lattice);
+void Variables::check_method(double method) const {
+  const Lattice& lattice = scene_.definition.lattice;
+  const std::string name(families[row_of(Family::solver_method)].name);
+  if (!(method >= 1 && method <= method_count)) {
+    std::string wanted;
+    for (int value = 1; value <= method_count; ++value)
+      if (has_method(lattice, value))
+        wanted.append(wanted.empty() ? "" : ", ").append(std::to_string(value) + " ").append(methods[value - 1].name);
+    throw CallError(name + ": wanted one of " + wanted + ", got " + shortest(method));
+  }
+  if (!has_method(lattice, int(method)))
+    throw CallError(name + ": " + std::string(methods[int(method) - 1].name) + " is for lattices with at most " +
+                    std::to_string(LayerMatrix::widest) + " control points in a layer across the axis with most, this one has " +
+                    std::to_string(LayerMatrix::points_per_layer(lattice)) + "; wanted auto (1) or an explicit method, e.g. dop853 (" +
+                    std::to_string(int(MethodValue::dop853)) + ")");
 }
 
 void Variables::check_settable(Phase phase, fmi2ValueReference reference, Type type, double value) const {
@@ -143,15 +154,9 @@ void Variables::check_settable(Phase phase, fmi2ValueReference reference, Type t
     return CallError(name(reference) + ": wanted " + what + unit + ", got " + shortest(value));
   };
   if (!std::isfinite(value)) throw CallError(name(reference) + ": wanted a finite number, got " + shortest(value));
+  if (info.family == Family::solver_method) check_method(value);
   if (value < info.min) throw wanted(">= " + shortest(info.min));
   if (value <= info.above) throw wanted("> " + shortest(info.above));
-  if (info.type == Type::Enumeration && !(value >= 1 && value <= method_count))
-    throw CallError(name(reference) + ": wanted 1 to " + std::to_string(method_count) + ", got " + shortest(value));
-  if (info.family == Family::solver_method && !available(value))
-    throw CallError(name(reference) + ": ros34pw2 is for lattices with at most " + std::to_string(LayerMatrix::widest) +
-                    " control points in a layer across the axis with most, this one has " +
-                    std::to_string(LayerMatrix::points_per_layer(scene_.definition.lattice)) +
-                    "; wanted auto (1) or an explicit method, e.g. dop853 (" + std::to_string(int(MethodValue::dop853)) + ")");
 }
 
 void Variables::set(Phase phase, Type type, const fmi2ValueReference* references, std::size_t count, const double* numbers) {
@@ -264,7 +269,7 @@ bool Variables::sound(const Values& values) const {
     for (double v : values.numbers[row])
       if (!(std::isfinite(v) && v >= families[row].min && v > families[row].above)) return false;
   const double method = values.numbers[row_of(Family::solver_method)][0];
-  return method >= 1 && method <= method_count && available(method);
+  return method >= 1 && method <= method_count && has_method(scene_.definition.lattice, int(method));
 }
 
 }  // namespace softffd::fmi

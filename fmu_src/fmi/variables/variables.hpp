@@ -35,7 +35,7 @@ class Variables {
   /// Back to the start values.
   void reset() { values_ = starts_; }
 
-  /// Real, Integer and Enumeration variables share one access path. Throw CallError naming the variable; set all or nothing.
+  /// Real and Integer variables share one access path. Throw CallError naming the variable; set all or nothing.
   void set(Phase phase, Type type, const fmi2ValueReference* references, std::size_t count, const double* numbers);
   void get(Type type, const fmi2ValueReference* references, std::size_t count, double* numbers, SoftBody& body,
            const ErrorEstimate* estimate) const;
@@ -79,7 +79,7 @@ class Variables {
   void check_settable(Phase phase, fmi2ValueReference reference, Type type, double value) const;
   int member(const Variable& variable) const { return members(variable.info().part)[variable.instance()]; }
   const std::vector<int>& members(Part part) const { return members_[std::size_t(part)]; }
-  bool available(double method) const;
+  void check_method(double method) const;
   void spread(const Table& table, Points& force) const;
 
   const SceneFile& scene_;

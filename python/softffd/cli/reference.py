@@ -14,6 +14,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from softffd.files import write_text
+from softffd.fmu.values import list_of_values
 from softffd.installed import table
 from softffd.scene import selection
 from softffd.scene.faults import toml_text
@@ -123,7 +124,8 @@ def _section(field: FieldInfo) -> type[BaseModel] | None:
 
 def _variable(row: dict[str, Any]) -> list[str]:
     components = row.get("components", "")
-    words = {"name": "NAME", "i": "i", "j": "j", "k": "k", "c": "{c}"}
+    methods = list_of_values({method["key"]: method["value"] for method in table()["method"]})
+    words = {"name": "NAME", "i": "i", "j": "j", "k": "k", "c": "{c}", "methods": methods}
     stem = row["name"].format(**words).removesuffix(".{c}")
     name = " ".join([f"`{stem}.{components[0]}`", *(f"`.{component}`" for component in components[1:])]) if components else f"`{stem}`"
     kind = ", ".join(word for word in (row["variability"], row.get("type", "")) if word)

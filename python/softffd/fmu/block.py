@@ -51,7 +51,7 @@ class Block:
 
 
 def number_of(variable: ScalarVariable, value: Any) -> float | int:
-    """The number that stands for a value of a variable, an enumeration's item by its name too; FmuError says what was wanted."""
+    """The number that stands for a value of a variable, which may be given by its name where it has one; FmuError says what was wanted."""
     if variable.items is not None and isinstance(value, str):
         if value in variable.items:
             return variable.items[value]

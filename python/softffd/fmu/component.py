@@ -217,7 +217,7 @@ class Component:
         self._set_rates(references, c_size_t(len(values)), orders, values.ctypes.data_as(POINTER(c_double)))
 
     def set_start_values(self, values: Mapping[str, Any]) -> None:
-        """Sets variables by name; numbers, or the item's name for an enumeration."""
+        """Sets variables by name; numbers, or names where the values have names."""
         for name, value in values.items():
             variable = self.variable(name)
             block = Block(self, [variable])

@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from softffd.installed import available_methods
+from softffd.fmu.values import listed_values
 
 if TYPE_CHECKING:
     from softffd.fmu.variables import Variable
     from softffd.scene.scene import Scene
+
+IDENTIFIER = "softffd"
+"""modelIdentifier of this package's FMUs"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +23,7 @@ class ScalarVariable:
     reference: int
     """Its value reference"""
     type: str
-    """ "Real", "Integer", "Enumeration", "Boolean" or "String" """
+    """ "Real", "Integer"; of other programs' FMUs, and of older ones, "Enumeration", "Boolean" or "String" too"""
     causality: str
     """ "input", "output", "parameter", ..."""
     variability: str
@@ -29,7 +32,7 @@ class ScalarVariable:
     unit: str | None
     description: str
     items: dict[str, int] | None = None
-    """Values of an enumeration by the items' names"""
+    """Its values by their names, where they have names: of solver.method, and of enumerations"""
 
 
 @dataclass(frozen=True)
@@ -63,13 +66,12 @@ class Interface:
 
 def scene_interface(scene: Scene, variables: list[Variable], guid: str) -> Interface:
     """The interface of a scene's FMU, without a look at its XML."""
-    methods = {method["key"]: method["value"] for method in available_methods(scene.lattice.points)}
     return Interface(
         name=scene.name,
         title=scene.title,
-        identifier="softffd",
+        identifier=IDENTIFIER,
         guid=guid,
-        variables={variable.name: _scalar(variable, methods) for variable in variables},
+        variables={variable.name: _scalar(variable) for variable in variables},
         stop_time=scene.experiment.stop_time,
         step=scene.experiment.communication_step,
         interpolates=True,
@@ -78,12 +80,11 @@ def scene_interface(scene: Scene, variables: list[Variable], guid: str) -> Inter
     )
 
 
-def _scalar(variable: Variable, methods: dict[str, int]) -> ScalarVariable:
+def _scalar(variable: Variable) -> ScalarVariable:
     family = variable.family
-    kind = family.get("type", "Real")
-    items = methods if kind == "Enumeration" else None
+    items = listed_values(variable.description) if family.get("named") else None
     return ScalarVariable(
-        variable.name, variable.reference, kind, family["causality"], family["variability"],
+        variable.name, variable.reference, family.get("type", "Real"), family["causality"], family["variability"],
         variable.start, family.get("unit"), variable.description, items,
     )  # fmt: skip
 
@@ -91,12 +92,13 @@ def _scalar(variable: Variable, methods: dict[str, int]) -> ScalarVariable:
 def read_interface(description: Any) -> Interface:
     """The interface from fmpy's reading of a modelDescription.xml (FMI 2.0, co-simulation)."""
     simulation, experiment = description.coSimulation, description.defaultExperiment
+    own = simulation.modelIdentifier == IDENTIFIER
     return Interface(
         name=description.modelName,
         title=description.description or description.modelName,
         identifier=simulation.modelIdentifier,
         guid=description.guid,
-        variables={variable.name: _declared(variable) for variable in description.modelVariables},
+        variables={variable.name: _declared(variable, own) for variable in description.modelVariables},
         stop_time=_number(experiment.stopTime) if experiment else None,
         step=_number(experiment.stepSize) if experiment else None,
         interpolates=bool(simulation.canInterpolateInputs),
@@ -109,8 +111,8 @@ def _number(value: Any) -> float | None:
     return None if value is None else float(value)
 
 
-def _declared(variable: Any) -> ScalarVariable:
-    items = None
+def _declared(variable: Any, own: bool) -> ScalarVariable:
+    items = listed_values(variable.description or "") if own and variable.type == "Integer" else None
     if variable.type == "Enumeration" and variable.declaredType is not None:
         items = {item.name: int(item.value) for item in variable.declaredType.items}
     return ScalarVariable(

@@ -5,8 +5,9 @@ from __future__ import annotations
 from xml.etree import ElementTree as Xml
 
 from softffd import __version__
+from softffd.fmu.interface import IDENTIFIER
 from softffd.fmu.variables import Variable
-from softffd.installed import available_methods, table
+from softffd.installed import table
 from softffd.scene.scene import Scene
 
 GUID_PLACE = "{softffd-guid}"
@@ -29,7 +30,7 @@ def model_description(scene: Scene, variables: list[Variable]) -> str:
     Xml.SubElement(
         root,
         "CoSimulation",
-        modelIdentifier="softffd",
+        modelIdentifier=IDENTIFIER,
         canHandleVariableCommunicationStepSize="true",
         canInterpolateInputs="true",
         maxOutputDerivativeOrder="1",
@@ -39,7 +40,6 @@ def model_description(scene: Scene, variables: list[Variable]) -> str:
     )
     used = {variable.family.get("unit") for variable in variables}
     _units(Xml.SubElement(root, "UnitDefinitions"), used)
-    _types(Xml.SubElement(root, "TypeDefinitions"), scene)
     _log_categories(Xml.SubElement(root, "LogCategories"))
     Xml.SubElement(
         root,
@@ -64,13 +64,6 @@ def _units(parent: Xml.Element, used: set[str | None]) -> None:
             Xml.SubElement(element, "BaseUnit", {key: str(power) for key, power in unit["base"].items()})
 
 
-def _types(parent: Xml.Element, scene: Scene) -> None:
-    simple = Xml.SubElement(parent, "SimpleType", name="Method", description="Time integration method")
-    enumeration = Xml.SubElement(simple, "Enumeration")
-    for method in available_methods(scene.lattice.points):
-        Xml.SubElement(enumeration, "Item", name=method["key"], value=str(method["value"]), description=method["description"])
-
-
 def _log_categories(parent: Xml.Element) -> None:
     for category in table()["log_category"]:
         Xml.SubElement(parent, "Category", name=category["name"], description=category["description"])
@@ -92,12 +85,12 @@ def _variable(parent: Xml.Element, variable: Variable) -> None:
         attributes["initial"] = "calculated"
     scalar = Xml.SubElement(parent, "ScalarVariable", attributes)
     typed: dict[str, str] = {}
-    if kind == "Enumeration":
-        typed["declaredType"] = "Method"
     if "unit" in family:
         typed["unit"] = family["unit"]
     if "min" in family:
         typed["min"] = repr(family["min"])
+    if variable.most is not None:
+        typed["max"] = repr(variable.most)
     if variable.start is not None:
         typed["start"] = repr(variable.start if kind != "Real" else float(variable.start))
     Xml.SubElement(scalar, kind, typed)

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from softffd.installed import table
+from softffd.fmu.values import list_of_values
+from softffd.installed import available_methods, table
 from softffd.scene.scene import Scene
 from softffd.scene.sections import Pin, Plane
 from softffd.scene.selection import Selection
@@ -23,11 +24,13 @@ class Variable:
     reference: int
     family: dict[str, Any]
     start: float | int | None
+    most: int | None
+    """Greatest value allowed"""
     description: str
 
 
 def method_value(key: str) -> int:
-    """Value of the enumeration solver.method."""
+    """The number that stands for a method in solver.method."""
     return next(method["value"] for method in table()["method"] if method["key"] == key)
 
 
@@ -68,6 +71,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
 
     planes, pins = scene.plane, scene.pin
     stiffness, gravity = scene.material.stiffness, scene.environment.gravity
+    methods = available_methods(scene.lattice.points)
     return {
         "forces": points(scene.inputs.forces),
         "loads": [{"name": load.name} for load in scene.load],
@@ -82,6 +86,8 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
                 "stiffness_face": stiffness.face,
                 "stiffness_body": stiffness.body,
                 "method": method_value(scene.solver.method),
+                "methods": list_of_values({method["key"]: method["value"] for method in methods}),
+                "last_method": max(method["value"] for method in methods),
                 "tolerance": scene.solver.tolerance,
                 "step": scene.solver.step,
             }
@@ -100,9 +106,9 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     }
 
 
-def _start(family: dict[str, Any], instance: dict[str, Any], component: int) -> float | int | None:
-    start = family.get("start")
-    value = instance[start] if isinstance(start, str) else start
+def _value(family: dict[str, Any], key: str, instance: dict[str, Any], component: int) -> Any:
+    given = family.get(key)
+    value = instance[given] if isinstance(given, str) else given
     return value[component] if isinstance(value, tuple | list) else value
 
 
@@ -121,7 +127,8 @@ def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
                     name=family["name"].format(**words),
                     reference=family["id"] << 24 | number,
                     family=family,
-                    start=_start(family, instance, component),
+                    start=_value(family, "start", instance, component),
+                    most=_value(family, "max", instance, component),
                     description=family["description"].format(**words),
                 )
             )

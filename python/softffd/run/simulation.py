@@ -173,7 +173,7 @@ class Simulation:
         return isinstance(name, str) and bool(self._components(name))
 
     def __getitem__(self, name: str) -> Any:
-        """A variable's value: a number, an enumeration's item by name, or, where `name` has components .x .y .z, a Vector."""
+        """A variable's value: a number, its name where it has one (`solver.method`), or, where `name` has components .x .y .z, a Vector."""
         if name not in self.variables:
             return self.vector(name)
         return self.number(name) if (items := self.variables[name].items) is None else _item(items, int(self.number(name)))

@@ -54,7 +54,7 @@ def measure(
 ) -> Records:
     """Runs every applicable method over its steps or tolerances against a much tighter reference.
 
-    methods: some of the FMU's enumeration `solver.method`; all by default. step: communication step [s], the scene's own by default.
+    methods: some of the values of `solver.method`; all by default. step: communication step [s], the scene's own by default.
     scipy: the same equations with SciPy's solvers too. quick: fewer, shorter runs. repeats: of each run, the smallest time counts.
     note: told what is being run. A failed run is a record with its message.
     Raises FmuError for an unknown method and where no reference can be made, SoftffdError without SciPy, Interrupted on Ctrl-C.

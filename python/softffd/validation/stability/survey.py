@@ -104,7 +104,7 @@ def planned(only: Sequence[str] = (), *, quick: bool = False, slowness: float = 
 
 
 def _panels() -> list[Panel]:
-    """Every method of the FMU's enumeration; with given steps all but auto, which is leapfrog then."""
+    """Every method that the FMU has; with given steps all but auto, which is leapfrog then."""
     with Drive(document("vibration")) as drive:
         methods = list(drive.simulation.variables["solver.method"].items or {})
     vibration = [Panel("vibration", method) for method in methods]
