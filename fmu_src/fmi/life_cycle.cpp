@@ -18,6 +18,6 @@ void Times::check_step(double time, double step) const {
     throw CallError("fmi2DoStep: a step to " + number(now + step) + " s goes past the stop time " + number(stop) + " s");
 }
 
-double Times::horizon() const { return std::isfinite(stop) && stop > start ? stop - start : 1.0; }
+double Times::horizon(double expected) const { return std::isfinite(stop) && stop > start ? stop - start : expected; }
 
 }  // namespace softffd::fmi

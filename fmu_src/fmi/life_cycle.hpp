@@ -20,8 +20,8 @@ struct Times {
 
   /// Throws CallError unless a communication step from `time` goes on from here, has a length and stays within the run.
   void check_step(double time, double step) const;
-  /// Length of the run; 1 where it has no end.
-  double horizon() const;
+  /// Length of the run [s]; `expected` where it has no end.
+  double horizon(double expected) const;
 };
 
 }  // namespace softffd::fmi

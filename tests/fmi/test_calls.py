@@ -191,3 +191,25 @@ print(cycle(700) - first)
 """
     done = subprocess.run([sys.executable, "-c", script, fmu, tmp_path], capture_output=True, text=True, check=True)
     assert int(done.stdout.splitlines()[-1]) < 1000, "kB grown over 700 instances of some 60 kB each"
+
+
+@pytest.mark.parametrize("name", ["car_drop", "incline", "stiff_bounce"])
+def test_a_host_that_gives_the_scenes_stop_time_and_one_that_gives_none_end_with_the_same_bits(name, tmp_path):
+    scene = load_scene(name)
+    stop, step = scene.experiment.stop_time, scene.experiment.communication_step
+    fmu = package_fmu(scene, tmp_path / f"{name}.fmu")
+    description = fmpy.read_model_description(str(fmu))
+    positions = [v.valueReference for v in description.modelVariables if v.name.startswith("position[")]
+    ends = []
+    for given in (stop, None):
+        folder = fmpy.extract(str(fmu), unzipdir=str(tmp_path / str(given)))
+        slave = FMU2Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier="softffd", instanceName="one")
+        slave.instantiate()
+        slave.setupExperiment(startTime=0.0, stopTime=given)
+        slave.enterInitializationMode()
+        slave.exitInitializationMode()
+        for n in range(round(stop / step)):
+            slave.doStep(n * step, step)
+        ends.append(slave.getReal(positions))
+        slave.freeInstance()
+    assert len(positions) >= 192 and ends[0] == ends[1]

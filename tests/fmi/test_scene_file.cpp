@@ -28,6 +28,7 @@ TEST(a_scene_is_read_with_its_values) {
   CHECK(scene.guid == "{g}" && scene.definition.lattice.points() == 8 && scene.stiffness.body == 3);
   CHECK(scene.gravity && scene.gravity->z() == -9.81);
   CHECK(scene.planes.size() == 1 && scene.planes[0].friction == 0.5);
+  CHECK(scene.stop_time == 1 && parse_scene(with_first_line(minimal + "stop_time 4\n")).stop_time == 4);
   CHECK(scene.definition.volume_stiffness == 0);
   CHECK(parse_scene(with_first_line(minimal + "volume_stiffness 9000\n")).definition.volume_stiffness == 9000);
 }
@@ -52,7 +53,7 @@ TEST(every_changed_byte_is_noticed) {
 TEST(faulty_records_are_refused) {
   for (const char* record : {"unknown 1\n", "counts 2 2\n", "counts 1 2 2\n", "counts 2 2 99\n", "size 1 0 1\n", "gravity 0 0 nan\n",
                              "gravity 0 0 1e999\n", "load a\n", "load a 8\n", "load a -1\n", "load a 1.5\n", "plane p moving 0\n",
-                             "step -1\n", "volume_stiffness 0\n", "basis spline\n", "guid a b\n", "mass 1 1\n"})
+                             "step -1\n", "stop_time 0\n", "volume_stiffness 0\n", "basis spline\n", "guid a b\n", "mass 1 1\n"})
     CHECK(refused(with_first_line(minimal + record)));
   CHECK(refused(with_first_line("guid {g}\ncounts 2 2 2\n")));
 }

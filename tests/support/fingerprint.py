@@ -73,7 +73,7 @@ def made(name: str) -> Entry | None:
     """A new entry; None for a case that takes too long."""
     kind, _, what = name.partition(" ")
     if kind == "case":
-        found = next(guarded(_timed_cases, [what], lambda _: PATIENCE))
+        _, found = next(guarded(_timed_cases, [what], lambda _: PATIENCE))
         return {"hash": found[0]} if isinstance(found, tuple) and found[1] <= CASE_TIME else None
     scene, method = what.split(", ")
     loaded = load_scene(scene)

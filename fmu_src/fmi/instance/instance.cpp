@@ -40,7 +40,7 @@ void Instance::exit_initialization() {
 
 void Instance::apply_values() {
   variables_.apply(body_.settings);
-  body_.settings.horizon = times_.horizon();
+  body_.settings.horizon = times_.horizon(scene_.stop_time);
 }
 
 void Instance::get(Type type, const fmi2ValueReference* references, std::size_t count, double* values) {

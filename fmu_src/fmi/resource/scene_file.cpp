@@ -187,6 +187,7 @@ constexpr Reader readers[] = {
     {"energy", [](Record&, SceneFile& s) { s.energy = s.definition.watch_energy = true; }},
     {"solver", [](Record&, SceneFile& s) { s.solver = true; }},
     {"error_estimate", [](Record&, SceneFile& s) { s.error_estimate = true; }},
+    {"stop_time", [](Record& r, SceneFile& s) { s.stop_time = r.positive(); }},
     {"method", [](Record& r, SceneFile& s) { s.method = r.integer(1, method_count); }},
     {"tolerance", [](Record& r, SceneFile& s) { s.tolerance = r.positive(); }},
     {"step", [](Record& r, SceneFile& s) { s.step = r.at_least(0); }},

@@ -49,6 +49,7 @@ struct SceneFile {
   Basis basis = Basis::bezier;
   int method = 1;
   double tolerance = 1e-4, step = 0;
+  double stop_time = 1;  ///< of the default experiment, which starts at 0 [s]
 };
 
 /// Is the method of this number, one of the table's, there for this lattice?

@@ -59,6 +59,7 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
     initial = scene.initial
     lines.append(["initial", *initial.stretch, *initial.offset, *initial.velocity, *initial.angular_velocity])
     lines += [[key] for key in ("reactions", "energy", "solver") if getattr(outputs, key)]
+    lines.append(["stop_time", scene.experiment.stop_time])
     solver = scene.solver
     if solver.error_estimate:
         lines.append(["error_estimate"])

@@ -38,7 +38,8 @@ class Simulation:
     tolerance: error aimed at in any control point at the end of the run, relative to the box's largest side; the scene's own by default.
     method: of the time integration, as `solver.method` in the scene.
     start_values: parameters and inputs by name, numbers or vectors.
-    start_time, stop_time: of the run [s]; without a stop time the tolerance holds for one second, with one no step may go past it.
+    start_time, stop_time: of the run [s]; without a stop time the tolerance holds for a run as long as the scene's, with one no step may
+        go past it.
     log: is called with each Message (status, category, text) when it is said, e.g. `print`; `sim.log` has all of them.
 
     Until the first step, `initialize` or `restart` everything can be set, fixed parameters too; then inputs and tunable parameters.

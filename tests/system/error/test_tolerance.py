@@ -127,6 +127,20 @@ def test_a_longer_run_is_stepped_more_finely(method):
     assert steps[1] > 1.05 * steps[0]
 
 
+@pytest.mark.parametrize("start", [0.0, 3.0])
+def test_without_a_stop_time_a_run_is_as_long_as_the_scenes(start):
+    """Another master that gives no end takes the same steps; a scene of another length is stepped otherwise."""
+    ends = {}
+    for stop in (1.0, 10.0):
+        with Stepper(load_scene("free_vibration").replace({"experiment.stop_time": stop})) as stepper:
+            for given in (start + stop, None):
+                stepper.restart({"solver.method": "leapfrog", "solver.tolerance": 1e-4}, start_time=start, stop_time=given)
+                stepper.step(0.125, times=8)
+                ends[stop, given is None] = stepper.positions()
+        assert np.array_equal(ends[stop, False], ends[stop, True])
+    assert not np.array_equal(ends[1.0, True], ends[10.0, True])
+
+
 @pytest.mark.parametrize("start", [-8.0, 256.0])
 def test_the_length_of_a_run_counts_from_its_start(start):
     """The tolerance is shared out over the same second, to the bit, wherever it lies."""
