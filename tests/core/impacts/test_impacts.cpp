@@ -122,6 +122,66 @@ TEST(a_plane_that_comes_up_strikes_as_a_box_that_falls_on_it) {
   CHECK((centre(struck, other) - Vec3(0, 0, 0.8) - centre(falls, definition)).cwiseAbs().maxCoeff() < 3e-5);
 }
 
+TEST(obstacles_loads_damping_and_lattices_of_every_kind_are_as_by_fine_leapfrog) {
+  struct Kind {
+    const char* name;
+    StiffBox box;
+    std::function<void(Definition&)> defined = [](Definition&) {};
+    std::function<void(Settings&)> set = [](Settings&) {};
+    std::function<void(Settings&, double)> at = [](Settings&, double) {};  // the time [s]
+  };
+  const StiffBox tilted{.stiffness = 1e6, .height = 0.15, .velocity = Vec3(0.3, 0.2, 0), .spin = Vec3(0.7, 0.3, 0.1), .length = 0.24};
+  const auto counted = [&](std::array<int, 3> counts, double stiffness) {
+    StiffBox box = tilted;
+    box.counts = counts;
+    box.stiffness = stiffness;
+    return box;
+  };
+  const Kind kinds[] = {
+      {"a plane that turns", tilted, {}, [](Settings& s) { s.planes[0].angular_velocity = Vec3(0.3, -0.4, 0.2); }},
+      {"a plane that comes up and speeds up", tilted, {}, [](Settings& s) { s.planes[0].acceleration = Vec3(0, 0, 3); }},
+      {"two planes", tilted, [](Definition& d) { d.planes = 2; },
+       [](Settings& s) {
+         s.planes[1].normal = Vec3(-1, 0.2, 0.3);
+         s.planes[1].point = Vec3(1.04, 0, 0);
+         s.planes[1].friction = 0.2;
+       }},
+      {"a load that grows",
+       tilted,
+       {},
+       {},
+       [](Settings& s, double time) {
+         for (int axis = 0; axis < 3; ++axis) {
+           s.force.row(5)[axis] = 40 * time * (axis - 1);
+           s.force_rate.row(5)[axis] = 40 * (axis - 1);
+         }
+       }},
+      {"damped on one side", tilted, [](Definition& d) { d.regions.push_back({.points = {0, 4, 8, 12, 16, 20}, .damping = 0.5}); }},
+      {"2 x 2 x 2", counted({2, 2, 2}, 1e8)},
+      {"3 x 5 x 4", counted({3, 5, 4}, 1e6)},
+      {"6 x 6 x 6", counted({6, 6, 6}, 1e6)},
+  };
+  for (const Kind& kind : kinds) {
+    const auto end = [&](Method method, double step) {
+      Definition definition = kind.box.definition();
+      if (kind.defined) kind.defined(definition);
+      SoftBody body = kind.box.start(definition, kind.set);
+      body.settings.method = method;
+      body.settings.step = step;
+      for (int i = 0; i < 24; ++i) {
+        if (kind.at) kind.at(body.settings, 0.01 * i);
+        CHECK(body.advance(0.01) == StepStatus::ok);
+      }
+      if (step == 0) CHECK(body.run().path.stiff.error > 0);  // it went by windows and flights
+      return std::pair(body.state().x, body.readings().stable_step());
+    };
+    const auto [x, stable] = end(Method::automatic, 0);
+    const double error = (x - end(Method::leapfrog, stable / 16).first).abs().maxCoeff();
+    std::printf("  %s: %.2g m\n", kind.name, error);
+    CHECK(error <= kind.box.tolerance);
+  }
+}
+
 TEST(a_corner_that_passes_through_a_plane_within_a_step_is_seen) {
   const StiffBox box{.stiffness = 1e7, .height = 0.2035, .spin = Vec3(0, 22.43995, 0), .friction = 0.3, .gravity = 0, .length = 0.2};
   expect({"passing", box, {0.6382258, 0.5, 1.1644624}, 3e-5, 4000}, {0.2, 0.05, 0.01});
