@@ -18,7 +18,7 @@ REFERENCES = {
     "incline": [("leapfrog", {"solver.step": 2e-6})],
     "press": [("leapfrog", {"solver.step": 2e-6})],
     "car_drop": [("leapfrog", {"solver.step": 1e-5})],
-    "stiff_bounce": [("leapfrog", {"solver.step": 2e-7})],
+    "stiff_bounce": [("leapfrog", {"solver.step": 4e-8})],
     "light_bounce": [("leapfrog", {"solver.step": 4e-7})],
 }
 """Two for every scene, so that there is one by another method for each; they agree as the test below says"""
