@@ -72,70 +72,52 @@ struct Flight {
   Points acceleration() const { return around.force / body.mass[0]; }
 };
 
+/// Flights at random: `sees(reach, flight)` must be so wherever one meets a plane. How many of those meetings are `hard`, and how many
+/// flights are seen.
+template <class Sees, class Hard>
+std::pair<int, int> count(bool steady, Sees&& sees, Hard&& hard) {
+  Random random;
+  Reach reach(8);
+  int met = 0, seen = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const Flight flight(random, trial, steady);
+    const bool sight = sees(reach, flight), meets = flight.meets();
+    CHECK(sight || !meets);
+    met += meets && hard(flight);
+    seen += sight;
+  }
+  std::printf("  %d of 3000 meet a plane so, %d are seen\n", met, seen);
+  return {met, seen};
+}
+
+bool may_touch(Reach& reach, const Flight& flight) { return reach.may_touch({flight.body, flight.around}, flight.state, H); }
+
+/// What starts behind a plane counts as seen.
+bool passed(Reach& reach, const Flight& flight) {
+  return flight.least_gap(0) < 0 || reach.passed(flight.around, 0, H, flight.x(0), flight.v(0), flight.x(H), flight.v(H));
+}
+bool only_in_between(const Flight& flight) { return flight.least_gap(0) >= 0 && flight.least_gap(H) >= 0; }
+
 }  // namespace
 
 TEST(whatever_meets_a_plane_was_within_reach) {
-  Random random;
-  Reach reach(8);
-  int meetings = 0, within = 0;
-  for (int trial = 0; trial < 3000; ++trial) {
-    const Flight flight(random, trial);
-    const bool may = reach.may_touch({flight.body, flight.around}, flight.state, H), meets = flight.meets();
-    CHECK(may || !meets);
-    meetings += meets;
-    within += may;
-  }
-  std::printf("  %d of 3000 meet a plane, %d are said to be within reach\n", meetings, within);
-  CHECK(meetings > 500 && within < 2500);  // neither all nor nothing
+  const auto [met, seen] = count(true, may_touch, [](const Flight&) { return true; });
+  CHECK(met > 500 && seen < 2500);  // neither all nor nothing
 }
 
 TEST(whatever_was_behind_a_plane_in_between_is_seen_from_both_ends) {
-  Random random;
-  Reach reach(8);
-  int hidden = 0, seen = 0;
-  for (int trial = 0; trial < 3000; ++trial) {
-    const Flight flight(random, trial);
-    if (flight.least_gap(0) < 0) continue;
-    const bool passed = reach.passed(flight.around, 0, H, flight.x(0), flight.v(0), flight.x(H), flight.v(H));
-    const bool meets = flight.meets();
-    CHECK(passed || !meets);
-    hidden += meets && flight.least_gap(H) >= 0;
-    seen += passed;
-  }
-  std::printf("  %d of 3000 came and went within the step, %d are told to look closer\n", hidden, seen);
-  CHECK(hidden > 5 && seen < 2700);
+  const auto [met, seen] = count(true, passed, only_in_between);
+  CHECK(met > 5 && seen < 2700);
 }
 
 TEST(planes_that_accelerate_and_turn_are_within_reach_when_they_come) {
-  Random random;
-  Reach reach(8);
-  int between = 0, within = 0;
-  for (int trial = 0; trial < 3000; ++trial) {
-    const Flight flight(random, trial, false);
-    const bool may = reach.may_touch({flight.body, flight.around}, flight.state, H), meets = flight.meets();
-    CHECK(may || !meets);
-    between += meets && flight.least_gap(0) > 0 && flight.least_gap(H) > 0;
-    within += may;
-  }
-  std::printf("  %d of 3000 meet a plane only in between, %d are said to be within reach\n", between, within);
-  CHECK(between > 20 && within < 2900);
+  const auto [met, seen] = count(false, may_touch, only_in_between);
+  CHECK(met > 20 && seen < 2900);
 }
 
 TEST(planes_that_accelerate_and_turn_are_seen_from_both_ends) {
-  Random random;
-  Reach reach(8);
-  int hidden = 0, seen = 0;
-  for (int trial = 0; trial < 3000; ++trial) {
-    const Flight flight(random, trial, false);
-    if (flight.least_gap(0) < 0) continue;
-    const bool passed = reach.passed(flight.around, 0, H, flight.x(0), flight.v(0), flight.x(H), flight.v(H));
-    const bool meets = flight.meets();
-    CHECK(passed || !meets);
-    hidden += meets && flight.least_gap(H) >= 0;
-    seen += passed;
-  }
-  std::printf("  %d of 3000 came and went within the step, %d are told to look closer\n", hidden, seen);
-  CHECK(hidden > 20 && seen < 2900);
+  const auto [met, seen] = count(false, passed, only_in_between);
+  CHECK(met > 20 && seen < 2900);
 }
 
 namespace {
