@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scenes import box
-from softffd import Scene
+from softffd import FmuError, Scene
 from softffd.fmu.component import Component
 
 
@@ -156,11 +156,78 @@ def test_output_derivatives_are_velocities():
         assert (driven.get_values("probe.centre.y")[0] - before) / 1e-6 == pytest.approx(rate, rel=1e-3)
 
 
+FULL = driven_box(
+    gravity=[0.0, 0.0, -9.81],
+    outputs={"solver": True},
+    error_estimate=True,
+    pin=[{"name": "grip", "points": [[0, 0, 0]], "motion": "input"}],
+)
+
+
+def test_every_real_output_has_a_derivative_0_before_the_first_step_and_then_its_change_by_the_step_s_length():
+    with Driven(FULL, **{"load.push.x": 1.0, "force[3,3,3].y": 2.0}) as driven:
+        exact = ("position", "probe")
+        others = [v.name for v in driven.variables("output") if not v.name.startswith(exact)]
+        assert {name.split("[")[0].split(".")[0] for name in others} == {"velocity", "plane", "pin", "energy", "solver"}
+        assert all(driven.rate(name) == 0 for name in others)
+        before = driven.get_values(*others)
+        for n, length in enumerate((0.05, 0.02, 0.07)):
+            driven.do_step((0.0, 0.05, 0.07)[n], length)
+            now = driven.get_values(*others)
+            np.testing.assert_array_equal([driven.rate(name) for name in others], (now - before) / length)
+            before = now
+        assert np.count_nonzero([driven.rate(name) for name in others]) > len(others) / 2
+
+
+def test_the_derivative_of_the_work_is_the_power_of_a_force():
+    """A body that flies freely under a load F of its own, from rest: P = F v, on average F v / 2 where v grows with time."""
+    with Driven(DEEP, **{"load.push.x": 6.0, "plane.piston.point.z": 9.0}) as driven:
+        driven.do_step(0.0, 0.1)
+        speed = driven.get_values("velocity[1,2,0].x")[0]
+        assert driven.rate("energy.work") == pytest.approx(6.0 * speed / 2, rel=1e-9)
+        assert driven.rate("velocity[1,2,0].x") == pytest.approx(6.0, rel=1e-9)
+
+
+def test_derivatives_of_outputs_are_part_of_the_state():
+    with Driven(FULL) as driven, Driven(FULL) as other:
+        names = [v.name for v in driven.variables("output")]
+        for n in range(3):
+            driven.do_step(n * 0.01, 0.01)
+        wanted, state = [driven.rate(name) for name in names], driven.get_state()
+        driven.do_step(0.03, 0.05)
+        assert [driven.rate(name) for name in names] != wanted
+        driven.set_state(state)
+        assert [driven.rate(name) for name in names] == wanted
+        other.set_state(other.state_from(driven.state_bytes(state)))
+        assert [other.rate(name) for name in names] == wanted
+        other.reset()
+        other.initialize({})
+        other.exit_initialization()
+        assert other.rate("energy.kinetic") == other.rate("plane.floor.reaction.z") == 0
+
+
+def test_a_discarded_step_leaves_the_derivatives_of_the_step_before():
+    with Driven(FULL) as driven:
+        driven.do_step(0.0, 0.01)
+        names = [v.name for v in driven.variables("output")]
+        wanted = [driven.rate(name) for name in names]
+        driven.set_start_values({"stiffness.edge": 1e19})
+        with pytest.raises(FmuError, match="discarded"):
+            driven.do_step(0.01, 1.0)
+        assert [driven.rate(name) for name in names] == wanted
+
+
+@pytest.mark.parametrize("name", ["position[0,0,0].x", "velocity[0,0,0].x", "energy.work", "plane.floor.reaction.z"])
+@pytest.mark.parametrize("order", [-1, 0, 2])
+def test_other_orders_of_outputs_are_refused_with_the_order_that_there_is(name, order):
+    with Driven(FREE) as driven:
+        assert driven.rate(name, order=order) == -3
+        assert driven.messages[-1].text == f"{name}: wanted a derivative of order 1, got {order}"
+
+
 def test_other_orders_and_variables_are_refused():
     with Driven(FREE) as driven:
-        assert driven.rate("velocity[0,0,0].x") == -3
-    with Driven(FREE) as driven:
-        assert driven.rate("position[0,0,0].x", order=2) == -3
+        assert driven.rate("mass") == -3
     with Driven(FREE) as driven:
         assert driven.set_rates({"load.push.x": 1.0}, order=4) == 3
     with Driven(FREE) as driven:

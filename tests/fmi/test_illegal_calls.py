@@ -125,9 +125,17 @@ ILLEGAL = [
     (SETTABLE, "damping: is no input", lambda h: rates(h, "damping", 1, 1.0)),
     (
         (RUNNING,),
-        "energy.work: has no output derivative",
-        lambda h: h("GetRealOutputDerivatives", uints([h.fmu.names["energy.work"]]), 1, ints([1]), doubles([0])),
+        "damping: is no output",
+        lambda h: h("GetRealOutputDerivatives", uints([h.fmu.names["damping"]]), 1, ints([1]), doubles([0])),
     ),
+    *[
+        (
+            (RUNNING, ENDED),
+            f"energy.work: wanted a derivative of order 1, got {order}",
+            lambda h, order=order: h("GetRealOutputDerivatives", uints([h.fmu.names["energy.work"]]), 1, ints([order]), doubles([0])),
+        )
+        for order in (0, 2)
+    ],
     *[((RUNNING,), "fmi2DoStep: currentCommunicationPoint", lambda h, t=t: h("DoStep", t, STEP, 1)) for t in (0.0, 0.02, NAN, INF, -INF)],
     *[((RUNNING,), "fmi2DoStep: communicationStepSize", lambda h, s=s: h("DoStep", STEP, s, 1)) for s in (0.0, -STEP, NAN, INF, -0.0)],
     ((RUNNING,), "fmi2DoStep: a step to 10.01 s goes past the stop time 10 s", lambda h: h("DoStep", STEP, 10.0, 1)),

@@ -69,10 +69,11 @@ class Walker:
 
     def discard(self) -> None:
         """A step that is too long for its stiffness, then back."""
-        state = self.host.save()
+        state, slopes = self.host.save(), self.host.slopes()
         assert self.host.set({"stiffness.edge": 1e19}) == OK
         assert self.host("DoStep", TIMES[self.at], 1.0, 1) == DISCARD
         time = c_double()
+        assert self.host.slopes() == slopes
         self.host.must("GetRealStatus", 2, byref(time))
         assert time.value == pytest.approx(TIMES[self.at], abs=1e-12)
         self.host.must("SetFMUstate", state)
@@ -102,6 +103,7 @@ def wander(fmus: list[Fmu], seed: int, moves: int) -> int:
     """Random moves of four instances of two scenes; returns how often the straight run was met."""
     generator = random.Random(seed)
     expected = {id(fmu): straight(fmu) for fmu in fmus}
+    slopes = {id(fmu): straight(fmu, look=Host.slopes) for fmu in fmus}
     walkers = [Walker(fmus[i % 2], generator) for i in range(4)]
     met = 0
     for _ in range(moves):
@@ -109,6 +111,7 @@ def wander(fmus: list[Fmu], seed: int, moves: int) -> int:
         move = generator.choices(list(MOVES), MOVES.values())[0]
         getattr(walker, move)(*[generator.choice(walkers)] * (move == "take"))
         assert walker.host.outputs() == expected[id(walker.fmu)][walker.at], (seed, move, walker.at)
+        assert walker.host.slopes() == slopes[id(walker.fmu)][walker.at], (seed, move, walker.at)
         met += move in ("advance", "restore")
     for walker in walkers:
         for state, _ in walker.states:

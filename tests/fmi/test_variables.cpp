@@ -44,7 +44,7 @@ struct Scene {
   void rate(fmi2ValueReference reference, int order, double value) { variables.set_input_derivatives(&reference, 1, &order, &value); }
   double output_rate(fmi2ValueReference reference, int order = 1) {
     double value = NAN;
-    variables.get_output_derivatives(&reference, 1, &order, &value, body);
+    variables.get_output_derivatives(&reference, 1, &order, &value, body, &estimate);
     return value;
   }
 };
@@ -253,16 +253,49 @@ TEST(rates_that_no_input_takes_are_refused) {
   }
 }
 
-TEST(positions_and_probes_have_a_first_derivative) {
+TEST(real_outputs_alone_have_a_derivative_and_of_first_order_alone) {
   Scene scene;
   for (const FamilyInfo& info : families) {
-    if (info.type != Type::Real) continue;
-    const std::string said = refusal([&] { scene.output_rate(reference_of(info.family)); });
-    CHECK(said.empty() == (info.family == Family::position || info.family == Family::probe));
+    const auto said = [&](int order) { return refusal([&] { scene.output_rate(reference_of(info.family), order); }); };
+    const bool real = info.type == Type::Real, output = info.causality == Causality::output;
+    CHECK(said(1).empty() == (real && output));
+    CHECK(output || !real || said(1).find(": is no output") != std::string::npos);
+    for (const int order : {-1, 0, 2, 3})
+      CHECK(!(real && output) || said(order).find(": wanted a derivative of order 1") != std::string::npos);
   }
+}
+
+TEST(the_derivative_of_a_position_or_probe_is_its_velocity) {
+  Scene scene;
   CHECK(scene.output_rate(reference_of(Family::position, 3 * 5)) == 1 && scene.output_rate(reference_of(Family::position, 3 * 7)) == 0);
   CHECK(scene.output_rate(reference_of(Family::probe, 0)) == 0.75);  // three of the four corners above move
-  CHECK(!refusal([&] { scene.output_rate(reference_of(Family::position), 2); }).empty());
+}
+
+TEST(the_derivative_of_any_other_output_is_its_change_over_the_last_step) {
+  Scene scene;
+  const auto wanted = [](const FamilyInfo& info) {
+    return info.causality == Causality::output && info.type == Type::Real && info.family != Family::position &&
+           info.family != Family::probe;
+  };
+  std::vector<std::pair<fmi2ValueReference, double>> before;
+  for (const FamilyInfo& info : families)
+    for (int n = 0; wanted(info) && n < count(scene, info); ++n) {
+      before.emplace_back(reference_of(info.family, n), scene.get(reference_of(info.family, n)));
+      CHECK(scene.output_rate(before.back().first) == 0);  // no step yet
+    }
+  scene.variables.begin_step(scene.body, &scene.estimate);
+  CHECK(scene.body.advance(0.125) == softffd::StepStatus::ok);
+  scene.estimate.follow(scene.body, 0.125);
+  CHECK(scene.output_rate(reference_of(Family::energy_kinetic)) == 0);  // not done yet
+  scene.variables.end_step(0.125);
+  int changed = 0;
+  for (const auto& [reference, value] : before) {
+    CHECK(scene.output_rate(reference) == (scene.get(reference) - value) / 0.125);
+    changed += scene.output_rate(reference) != 0;
+  }
+  CHECK(changed > int(before.size()) / 2);
+  scene.variables.reset();
+  for (const auto& [reference, value] : before) CHECK(scene.output_rate(reference) == 0);
 }
 
 TEST(a_part_that_the_scene_has_not_has_no_variables) {

@@ -142,6 +142,13 @@ class Host:
         self.must("GetInteger", uints(self.fmu.integers), len(self.fmu.integers), counts)
         return self.reals(self.fmu.reals) + bytes(counts)
 
+    def slopes(self) -> bytes:
+        """First derivatives of all Real outputs, bit by bit."""
+        references, count = self.fmu.reals, len(self.fmu.reals)
+        values = (c_double * count)()
+        self.must("GetRealOutputDerivatives", uints(references), count, ints([1] * count), values)
+        return bytes(values)
+
     def step(self, n: int) -> int:
         return self("DoStep", TIMES[n], STEP, 1)
 

@@ -1,6 +1,7 @@
 """Two scenes, a schedule of what each step is taken with, and the undisturbed run that any detour has to come back to."""
 
 import random
+from collections.abc import Callable
 from functools import cache
 
 from c_host import OK, STEP, STEPS, TIMES, Fmu, Host, doubles, ints, uints
@@ -54,15 +55,15 @@ def apply(host: Host, n: int, generator: random.Random | None = None) -> None:
         host.must("SetRealInputDerivatives", uints([host.fmu.names[name] for name in names]), 2, ints([1, 1]), doubles(rates))
 
 
-def straight(fmu: Fmu, steps: int = STEPS) -> list[bytes]:
-    """Outputs at every communication point of an undisturbed run."""
+def straight(fmu: Fmu, steps: int = STEPS, look: Callable[[Host], bytes] = Host.outputs) -> list[bytes]:
+    """What a look shows, the outputs, at every communication point of an undisturbed run."""
     host = Host(fmu)
     host.begin()
-    points = [host.outputs()]
+    points = [look(host)]
     for n in range(steps):
         apply(host, n)
         host.must("DoStep", TIMES[n], STEP, 1)
-        points.append(host.outputs())
+        points.append(look(host))
     host.free()
     return points
 

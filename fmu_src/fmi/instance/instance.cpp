@@ -45,7 +45,7 @@ void Instance::apply_values() {
 
 void Instance::get(Type type, const fmi2ValueReference* references, std::size_t count, double* values) {
   ensure_initial_state();
-  variables_.get(type, references, count, values, body_, error_estimate_ ? &*error_estimate_ : nullptr);
+  variables_.get(type, references, count, values, body_, estimate());
 }
 
 void Instance::ensure_initial_state() {
@@ -61,6 +61,7 @@ void Instance::ensure_initial_state() {
 
 fmi2Status Instance::do_step(double time, double step) {
   times_.check_step(time, step);
+  variables_.begin_step(body_, estimate());
   if (variables_.changed()) apply_values();
   const StepStatus status = body_.advance(step);
   if (status == StepStatus::too_many_steps || status == StepStatus::not_finite) {
@@ -71,6 +72,7 @@ fmi2Status Instance::do_step(double time, double step) {
   if (status != StepStatus::ok) throw CallError("fmi2DoStep: " + trouble(status, scene_, body_, times_.now, step));
   if (error_estimate_) error_estimate_->follow(body_, step);
   times_.now = time + step;
+  variables_.end_step(step);
   variables_.forget_rates();
   messages_.stepped(body_, times_.now);
   return fmi2OK;

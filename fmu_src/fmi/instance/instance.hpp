@@ -32,7 +32,7 @@ class Instance {
     variables_.set_input_derivatives(references, count, orders, values);
   }
   void get_output_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, double* values) {
-    variables_.get_output_derivatives(references, count, orders, values, body_);
+    variables_.get_output_derivatives(references, count, orders, values, body_, estimate());
   }
 
   /// Everything that makes the instance continue as it would have, as flat bytes.
@@ -45,6 +45,7 @@ class Instance {
 
  private:
   Whole whole() const;
+  const ErrorEstimate* estimate() const { return error_estimate_ ? &*error_estimate_ : nullptr; }
   void apply_values();
   void ensure_initial_state();
 

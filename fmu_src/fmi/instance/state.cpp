@@ -40,9 +40,16 @@ void pass(Archive& archive, Variables::Values& values) {
     for (auto& list : order) archive.numbers(list.data(), list.size());
 }
 
+template <class Archive>
+void pass(Archive& archive, Variables::LastStep& last) {
+  archive.number(last.length);
+  for (auto& list : last.before) archive.numbers(list.data(), list.size());
+}
+
 struct Whole {
   Place place;
   Variables::Values values;
+  Variables::LastStep last_step;
   InEffect in_effect;
   Run run;
   std::optional<ErrorEstimate::Memory> memory;
@@ -52,6 +59,7 @@ template <class Archive>
 void pass(Archive& archive, Whole& whole) {
   pass(archive, whole.place);
   pass(archive, whole.values);
+  pass(archive, whole.last_step);
   pass(archive, whole.in_effect);
   pass(archive, whole.run);
   if (whole.memory) pass(archive, *whole.memory);
@@ -73,6 +81,8 @@ bool sound(const Place& place) {
          std::isfinite(place.times.start);
 }
 
+bool sound(const Variables::LastStep& last) { return std::isfinite(last.length) && last.length >= 0; }
+
 bool counter(Count value) { return value >= 0 && value <= Count{1} << 53; }
 
 /// Whether all methods that the course names can run on this lattice.
@@ -90,7 +100,7 @@ bool sound(const Run& run) {
 
 bool sound(const Whole& whole, const Variables& variables, const Lattice& lattice) {
   const auto& memory = whole.memory;
-  return sound(whole.place) && sound(whole.in_effect) && sound(whole.run) &&
+  return sound(whole.place) && sound(whole.last_step) && sound(whole.in_effect) && sound(whole.run) &&
          (!memory || (sound(memory->shadow) && counter(memory->tally.steps))) && variables.sound(whole.values) &&
          possible(whole.run.course, lattice) && (!memory || possible(memory->shadow.course, lattice));
 }
@@ -105,6 +115,7 @@ Whole Instance::whole() const {
   const Stiffness& springs = material.stiffness;
   return {.place = {phase, values.changed || waits, values.material_changed || waits, values.rated, times_},
           .values = values,
+          .last_step = variables_.last_step(),
           .in_effect = {material.mass, springs.edge, springs.face, springs.body, material.damping, body_.settings.gravity},
           .run = body_.run(),
           .memory = error_estimate_ ? std::optional(error_estimate_->memory()) : std::nullopt};
@@ -128,7 +139,7 @@ void Instance::load_state(const Bytes& bytes) {
   phase = Phase(place.phase);
   times_ = place.times;
   all.values.rated = place.rated;
-  variables_.restore(std::move(all.values));
+  variables_.restore(std::move(all.values), std::move(all.last_step));
   apply_values();
   Settings& s = body_.settings;
   const InEffect& before = all.in_effect;

@@ -150,6 +150,8 @@ static_assert(every_family_is_bound(), "bindings must have the families of varia
 
 }  // namespace
 
+bool differenced(std::size_t row) { return bindings[row].is_output && families[row].type == Type::Real && !bindings[row].rate_output; }
+
 const PartBinding& binding_of(Part part) { return part_bindings[std::size_t(part)]; }
 
 }  // namespace softffd::fmi

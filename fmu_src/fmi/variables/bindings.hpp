@@ -35,9 +35,11 @@ struct Binding {
   Place place = nullptr;         ///< of a member's first component
   Place rate_place = nullptr;    ///< the same for the first time derivative
   Output output = nullptr;       ///< a component
-  Output rate_output = nullptr;  ///< its time derivative
+  Output rate_output = nullptr;  ///< its time derivative, where the body knows it
 };
 /// In the order of `families`.
 extern const std::array<Binding, family_count> bindings;
+/// Whether the derivative of a row's output is its change over the last communication step.
+bool differenced(std::size_t row);
 
 }  // namespace softffd::fmi

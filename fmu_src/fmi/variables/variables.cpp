@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -81,8 +82,9 @@ Variables::Variables(const SceneFile& scene, Settings& settings) : scene_(scene)
     const FamilyInfo& info = families[row];
     std::vector<int>& list = members_[std::size_t(info.part)];
     if (list.empty()) list = binding_of(info.part).members(scene);
-    if (info.causality == Causality::output) continue;
     const int components = Variable{row, 0}.components();
+    if (differenced(row)) begun_[row].resize(list.size() * components);
+    if (info.causality == Causality::output) continue;
     for (int member : list) {
       const double* place = bindings[row].place ? bindings[row].place(settings, member) : nullptr;
       for (int c = 0; c < components; ++c) starts_.numbers[row].push_back(place ? place[c] : 0.0);
@@ -92,6 +94,14 @@ Variables::Variables(const SceneFile& scene, Settings& settings) : scene_(scene)
   starts_.numbers[row_of(Family::solver_method)] = {double(scene.method)};
   for (const auto& probe : scene.probes) probes_.push_back(embed(scene.basis, scene.definition.lattice, probe.at));
   reset();
+}
+
+void Variables::reset() {
+  values_ = starts_;
+  for (auto& list : begun_) std::fill(list.begin(), list.end(), 0.0);
+  last_ = {.before = begun_};
+  seen_ = begun_;
+  forget_seen();
 }
 
 std::optional<Variables::Variable> Variables::find(fmi2ValueReference reference) const {
@@ -170,13 +180,12 @@ void Variables::set(Phase phase, Type type, const fmi2ValueReference* references
 }
 
 void Variables::get(Type type, const fmi2ValueReference* references, std::size_t count, double* numbers, SoftBody& body,
-                    const ErrorEstimate* estimate) const {
+                    const ErrorEstimate* estimate) {
   for (std::size_t n = 0; n < count; ++n) checked(references[n], type);
   const Observed observed{probes_, body, estimate};
   for (std::size_t n = 0; n < count; ++n) {
     const Variable variable = *find(references[n]);
-    const Binding::Output output = bindings[variable.row].output;
-    numbers[n] = output ? output(observed, member(variable), variable.component()) : values_.numbers[variable.row][variable.index];
+    numbers[n] = bindings[variable.row].output ? read(variable, observed) : values_.numbers[variable.row][variable.index];
   }
 }
 
@@ -197,18 +206,10 @@ void Variables::set_input_derivatives(const fmi2ValueReference* references, std:
   }
 }
 
-void Variables::get_output_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, double* numbers,
-                                       SoftBody& body) const {
-  for (std::size_t n = 0; n < count; ++n) {
-    if (!bindings[checked(references[n], Type::Real).row].rate_output)
-      throw CallError(name(references[n]) + ": has no output derivative; positions and probes have");
-    if (orders[n] != 1) throw CallError(name(references[n]) + ": wanted a derivative of order 1, got " + std::to_string(orders[n]));
-  }
-  const Observed observed{probes_, body, nullptr};
-  for (std::size_t n = 0; n < count; ++n) {
-    const Variable variable = *find(references[n]);
-    numbers[n] = bindings[variable.row].rate_output(observed, member(variable), variable.component());
-  }
+void Variables::restore(Values values, LastStep last) {
+  values_ = std::move(values);
+  last_ = std::move(last);
+  forget_seen();
 }
 
 void Variables::set_tolerance(double tolerance) {
@@ -226,6 +227,7 @@ void Variables::spread(const Table& table, Points& force) const {
 }
 
 bool Variables::apply(Settings& settings) {
+  forget_seen();
   const Table &numbers = values_.numbers, &rates = values_.rates[0];
   for (std::size_t row = 0; row < family_count; ++row) {
     const Binding& binding = bindings[row];

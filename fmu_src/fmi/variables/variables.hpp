@@ -30,20 +30,29 @@ class Variables {
     bool rated = false;                      ///< any rate was set
   };
 
+  /// The last communication step, for derivatives of outputs that have none of their own: the change over it by its length.
+  struct LastStep {
+    Table before;       ///< those outputs at its start
+    double length = 0;  ///< [s]; 0: there was none
+  };
+
   /// Puts the scene's start values into the settings. The scene must outlive this.
   Variables(const SceneFile& scene, Settings& settings);
   /// Back to the start values.
-  void reset() { values_ = starts_; }
+  void reset();
 
   /// Real and Integer variables share one access path. Throw CallError naming the variable; set all or nothing.
   void set(Phase phase, Type type, const fmi2ValueReference* references, std::size_t count, const double* numbers);
   void get(Type type, const fmi2ValueReference* references, std::size_t count, double* numbers, SoftBody& body,
-           const ErrorEstimate* estimate) const;
+           const ErrorEstimate* estimate);
   /// Time derivatives of Real inputs; they hold for the next step only. Orders 1 to 3 of forces and loads, order 1 of the others.
   void set_input_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, const double* numbers);
-  /// First time derivatives of positions and probes.
+  /// First time derivatives of Real outputs: of positions and probes as they are, of all others over the last communication step.
   void get_output_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders, double* numbers,
-                              SoftBody& body) const;
+                              SoftBody& body, const ErrorEstimate* estimate);
+  /// Looks at the outputs before a communication step, and takes them for its start once it is done [s].
+  void begin_step(SoftBody& body, const ErrorEstimate* estimate);
+  void end_step(double length);
   void set_tolerance(double tolerance);  ///< > 0
 
   /// Name of a variable as in modelDescription.xml; the bare number for an unknown one.
@@ -59,8 +68,9 @@ class Variables {
   void set_changed(bool changed, bool material_changed) { values_.changed = changed, values_.material_changed = material_changed; }
 
   const Values& values() const { return values_; }
-  /// Takes values of this scene that are sound.
-  void restore(Values values) { values_ = std::move(values); }
+  const LastStep& last_step() const { return last_; }
+  /// Takes what is of this scene and sound.
+  void restore(Values values, LastStep last);
   /// Whether all values are such as `set` takes.
   bool sound(const Values& values) const;
 
@@ -81,11 +91,16 @@ class Variables {
   const std::vector<int>& members(Part part) const { return members_[std::size_t(part)]; }
   void check_method(double method) const;
   void spread(const Table& table, Points& force) const;
+  double read(const Variable& variable, const Observed& observed);
+  void forget_seen();
 
   const SceneFile& scene_;
   std::array<std::vector<int>, family_count> members_;  ///< by part; there are no more parts than families
   std::vector<Embedding> probes_;
   Values starts_, values_;
+  LastStep last_;
+  Table begun_;  ///< those outputs at the start of a communication step that is not done yet
+  Table seen_;   ///< those of this moment that were read; the others are no numbers
 };
 
 }  // namespace softffd::fmi

@@ -45,7 +45,11 @@ PRESENT = {
 CAUSALITIES = {
     "input": "## Inputs\n\nSet at a communication point, they act during the step that follows.",
     "parameter": "## Parameters\n\nFixed ones are set before initialization; tunable ones at any communication point too.",
-    "output": "## Outputs",
+    "output": (
+        "## Outputs\n\nReal ones have a derivative of order 1 (`fmi2GetRealOutputDerivatives`): of `position` and `probe` the velocity; of "
+        "all others,\nstep means and diagnostics among them, the change over the last communication step divided by its length, 0 before "
+        "the first step."
+    ),
 }
 
 SCENE_HEAD = """# The scene file
