@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+import time
 import zipfile
 from pathlib import Path
 from xml.etree import ElementTree
@@ -11,9 +12,11 @@ import fmpy
 import pytest
 
 from scenes import box
-from softffd import load_scene, package_fmu
+from softffd import SoftffdError, load_scene, package_fmu
 from softffd.fmu.package import scene_texts
+from softffd.installed import data_folder
 
+LOAD = {"name": "push", "points": "all"}
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 
@@ -30,9 +33,70 @@ def test_two_builds_are_byte_identical(standard, tmp_path):
 def test_entries_are_where_the_standard_wants_them(standard):
     names = zipfile.ZipFile(standard).namelist()
     assert names[0] == "modelDescription.xml"
-    for wanted in ("model.png", "documentation/index.html", "documentation/licenses/softffd.txt", "resources/scene.txt"):
+    for wanted in ("model.png", "documentation/index.html", "documentation/licenses/license.txt", "resources/scene.txt"):
         assert wanted in names
     assert any(name.startswith("binaries/") for name in names)
+
+
+def described(fmu: Path) -> ElementTree.Element:
+    return ElementTree.fromstring(zipfile.ZipFile(fmu).read("modelDescription.xml"))
+
+
+def test_the_licence_is_where_importers_look_and_names_whom_the_description_names(standard):
+    with zipfile.ZipFile(standard) as archive:
+        text = archive.read("documentation/licenses/license.txt").decode()
+        assert "licenses/license.txt" in archive.read("documentation/index.html").decode()
+    assert text == (Path(__file__).parents[2] / "LICENSE").read_text()
+    root = described(standard)
+    assert root.get("copyright") in text.splitlines() and root.get("copyright").endswith(root.get("author"))
+    assert root.get("license") == "BSD-2-Clause" and text.startswith("BSD 2-Clause License")
+
+
+def test_the_date_is_that_of_the_sources_and_no_part_of_the_guid(tmp_path, monkeypatch):
+    def made(name: str) -> tuple[str, str, bytes]:
+        fmu = package_fmu(box(), tmp_path / f"{name}.fmu")
+        root = described(fmu)
+        return root.get("generationDateAndTime"), root.get("guid"), fmu.read_bytes()
+
+    monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
+    date, guid, content = made("today")
+    newest = max(file.stat().st_mtime for file in data_folder().rglob("*") if file.is_file())
+    assert date == time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(newest))
+    assert made("again") == (date, guid, content)
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    then, same, other = made("then")
+    assert (then, same) == ("2023-11-14T22:13:20Z", guid) and other != content
+
+
+@pytest.mark.parametrize("given", ["", "yesterday", "-1", "1e9", "9" * 20])
+def test_a_date_that_is_none_is_refused(tmp_path, monkeypatch, given):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", given)
+    with pytest.raises(SoftffdError, match="SOURCE_DATE_EPOCH: wanted seconds since 1970, got"):
+        package_fmu(box(), tmp_path / "box.fmu")
+
+
+def test_every_input_has_a_nominal_value_of_the_size_of_the_scene():
+    def nominals(scale: float, gravity: list[float] | None) -> dict[str, float]:
+        plane, pin = ({"name": name, "motion": "input"} for name in ("table", "grip"))
+        scene = box(
+            size=[0.5 * scale, scale, 0.2 * scale],
+            mass={"total": 3.0},
+            gravity=gravity,
+            plane=[plane],
+            pin=[pin | {"points": "z-"}],
+            load=[LOAD],
+            forces=[[0, 0, 0]],
+        )
+        root = ElementTree.fromstring(scene_texts(scene)[0]["modelDescription.xml"])
+        inputs = [v for v in root.find("ModelVariables") if v.get("causality") == "input"]
+        return {v.get("name").removesuffix(".x"): float(v[0].get("nominal")) for v in inputs}
+
+    found = nominals(2.0, [0.0, 0.0, -8.0])
+    wanted = {"force[0,0,0]": 24, "load.push": 24, "plane.table.point": 2, "plane.table.normal": 1, "plane.table.velocity": 4}
+    wanted |= {"plane.table.angular_velocity": 2, "pin.grip.position": 2, "pin.grip.velocity": 4, "pin.grip.angular_velocity": 2}
+    assert {name: found[name] for name in wanted} == wanted and found["pin.grip.orientation.w"] == 1
+    assert min(found.values()) > 0
+    assert nominals(1.0, None)["load.push"] == nominals(1.0, [0.0, 0.0, 0.0])["load.push"] == pytest.approx(3 * 9.80665)
 
 
 def test_the_library_exports_the_standards_functions_and_nothing_else(standard, tmp_path):

@@ -6,25 +6,31 @@ from xml.etree import ElementTree as Xml
 
 from softffd import __version__
 from softffd.fmu.interface import IDENTIFIER
+from softffd.fmu.origin import AUTHOR, COPYRIGHT, generation_time
 from softffd.fmu.variables import Variable
 from softffd.installed import table
 from softffd.scene.scene import Scene
 
 GUID_PLACE = "{softffd-guid}"
-"""Stands where the guid goes; the guid is a hash of everything else."""
+"""Stands where the guid goes; the guid is a hash of everything else but the date."""
+DATE_PLACE = "{softffd-date}"
+"""Stands where the date goes."""
 
 
 def model_description(scene: Scene, variables: list[Variable]) -> str:
-    """The XML text with GUID_PLACE in the place of the guid."""
+    """The XML text with GUID_PLACE in the place of the guid and DATE_PLACE in that of the date."""
     root = Xml.Element(
         "fmiModelDescription",
         fmiVersion="2.0",
         modelName=scene.name,
         guid=GUID_PLACE,
         description=scene.title,
+        author=AUTHOR,
         version=__version__,
+        copyright=COPYRIGHT,
         license="BSD-2-Clause",
         generationTool=f"softffd {__version__}",
+        generationDateAndTime=DATE_PLACE,
         variableNamingConvention="structured",
     )
     Xml.SubElement(
@@ -55,6 +61,11 @@ def model_description(scene: Scene, variables: list[Variable]) -> str:
     _structure(Xml.SubElement(root, "ModelStructure"), variables)
     Xml.indent(root, space="  ")
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + Xml.tostring(root, encoding="unicode") + "\n"
+
+
+def completed(description: str, guid: str) -> str:
+    """The text with its guid, and with the time of the sources: states go from one installation to another whatever their dates."""
+    return description.replace(GUID_PLACE, guid).replace(DATE_PLACE, generation_time())
 
 
 def _units(parent: Xml.Element, used: set[str | None]) -> None:
@@ -91,6 +102,8 @@ def _variable(parent: Xml.Element, variable: Variable) -> None:
         typed["min"] = repr(family["min"])
     if variable.most is not None:
         typed["max"] = repr(variable.most)
+    if variable.nominal is not None:
+        typed["nominal"] = repr(float(variable.nominal))
     if variable.start is not None:
         typed["start"] = repr(variable.start if kind != "Real" else float(variable.start))
     Xml.SubElement(scalar, kind, typed)

@@ -11,7 +11,7 @@ from softffd.errors import SoftffdError
 from softffd.fmu.archive import write_archive
 from softffd.fmu.deflated import deflate, deflated_file
 from softffd.fmu.interface import Interface, scene_interface
-from softffd.fmu.model_description import GUID_PLACE, model_description
+from softffd.fmu.model_description import completed, model_description
 from softffd.fmu.records import NAME, scene_records, scene_text
 from softffd.fmu.variables import variables
 from softffd.installed import data_folder, libraries
@@ -80,7 +80,7 @@ def scene_texts(scene: Scene) -> tuple[dict[str, bytes], Interface]:
     description, records = model_description(scene, listed), scene_records(scene, mass)
     guid = _guid(description, records)
     texts = {
-        "modelDescription.xml": description.replace(GUID_PLACE, guid).encode(),
+        "modelDescription.xml": completed(description, guid).encode(),
         f"resources/{NAME}": scene_text(records, guid).encode(),
     }
     return texts, scene_interface(scene, listed, guid)

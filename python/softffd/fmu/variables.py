@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -13,6 +14,9 @@ from softffd.installed import available_methods, table
 from softffd.scene.scene import Scene
 from softffd.scene.sections import Pin, Plane
 from softffd.scene.selection import Selection
+
+STANDARD_GRAVITY = 9.80665
+"""m/s2"""
 
 
 @dataclass(frozen=True)
@@ -26,6 +30,8 @@ class Variable:
     start: float | int | None
     most: int | None
     """Greatest value allowed"""
+    nominal: float | None
+    """Its usual size"""
     description: str
 
 
@@ -106,6 +112,15 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     }
 
 
+def sizes(scene: Scene, mass: np.ndarray) -> dict[str, float]:
+    """What is usual for a body of this size and mass that falls by its own length, for the variables' nominal values."""
+    length = max(scene.box.size)
+    given = scene.environment.gravity
+    gravity = (float(np.linalg.norm(given)) if given else 0.0) or STANDARD_GRAVITY
+    speed = math.sqrt(gravity * length)
+    return {"length": length, "weight": float(mass.sum()) * gravity, "speed": speed, "spin": speed / length}
+
+
 def _value(family: dict[str, Any], key: str, instance: dict[str, Any], component: int) -> Any:
     given = family.get(key)
     value = instance[given] if isinstance(given, str) else given
@@ -114,7 +129,7 @@ def _value(family: dict[str, Any], key: str, instance: dict[str, Any], component
 
 def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
     """All variables of a scene. mass: (n,) kg, the control points' masses after region overrides."""
-    present = parts(scene, mass)
+    present, usual = parts(scene, mass), sizes(scene, mass)
     found: list[Variable] = []
     for family in table()["family"]:
         components = family.get("components", "")
@@ -129,6 +144,7 @@ def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
                     family=family,
                     start=_value(family, "start", instance, component),
                     most=_value(family, "max", instance, component),
+                    nominal=_value(family, "nominal", usual, component),
                     description=family["description"].format(**words),
                 )
             )

@@ -23,7 +23,7 @@ import numpy as np
 from softffd.drivers import MENDING
 from softffd.embedding.basis import weights
 from softffd.errors import SoftffdError
-from softffd.fmu.model_description import GUID_PLACE, model_description
+from softffd.fmu.model_description import completed, model_description
 from softffd.fmu.package import fmu_path, scene_masses
 from softffd.fmu.variables import variables
 from softffd.installed import table
@@ -118,7 +118,7 @@ def _description(scene: Scene, mass: np.ndarray, content: str) -> str:
     """The component's own description, but for pythonfmu's binary, capabilities and log categories."""
     text = model_description(scene, variables(scene, mass))
     guid = hashlib.sha256((text + content).encode()).hexdigest()[:32]
-    root = Xml.fromstring(text.replace(GUID_PLACE, guid))
+    root = Xml.fromstring(completed(text, guid))
     root.set("generationTool", f"{root.get('generationTool')}, twin in numpy")
     simulation, categories = (next(root.iter(tag)) for tag in ("CoSimulation", "LogCategories"))
     simulation.attrib.clear()
