@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "forces/light_points.hpp"
 #include "kit/thresholds.hpp"
 #include "stepping/retry.hpp"
 
@@ -113,6 +114,7 @@ void SoftBody::refresh_model() {
   const int n = definition_.lattice.points();
   Body& body = model_.body;
   material_ = settings;
+  moved_mass_ = 0;
   const Eigen::Map<const Scalars> weights(definition_.mass.data(), n);
   body.mass = weights * (settings.mass / weights.sum());
   body.damping = Scalars::Constant(n, settings.damping);
@@ -120,6 +122,13 @@ void SoftBody::refresh_model() {
     if (region.damping)
       for (int p : region.points) body.damping[p] = *region.damping;
   body.springs.set_stiffness(settings.stiffness, overrides_);
+  if (definition_.planes > 0 && settings.method == Method::automatic && settings.step == 0) {  // without planes implicit steps do better
+    const double length = body.length, most = thresholds::light_share * settings.tolerance * settings.mass;
+    const double speed =
+        definition_.velocity.norm() + definition_.angular_velocity.norm() * length + std::sqrt(2 * settings.gravity.norm() * length);
+    const double period = thresholds::light_swing * settings.tolerance * length / speed;
+    moved_mass_ = raise_light_points(body.springs, body.pinned, most, period, body.mass) / settings.mass;
+  }
   model_.renew();
 }
 

@@ -66,6 +66,7 @@ class SoftBody {
 
   Settings settings;                                                ///< take effect at the next `initialize` or `advance`
   const Material& material() const { return material_; }            ///< in effect
+  double moved_mass() const { return moved_mass_; }                 ///< to light points, share of the whole
   bool material_waits() const { return !(material_ == settings); }  ///< for the next step
 
   /// Sets up the initial state at time t0; positions behind planes are moved onto them.
@@ -112,6 +113,7 @@ class SoftBody {
   Points begin_;           ///< positions at the start of the communication step, where energy is watched
   double divided_ = 1;     ///< by how much the last communication step's internal steps had to be divided to have a result
   Material material_;      ///< of the settings, what is in effect
+  double moved_mass_ = 0;  ///< share of the mass that was moved to light points
   double start_time_ = 0;  ///< [s]
 };
 
