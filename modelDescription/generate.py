@@ -32,6 +32,7 @@ struct FamilyInfo {
   Family family;
   std::string_view name;
   Part part;
+  std::string_view pose;        ///< vector of a plane's or pin's pose and motion; empty: none
   std::string_view components;  ///< one letter each; empty: a scalar
   Type type;
   Causality causality;
@@ -56,7 +57,8 @@ def bound(family: dict, key: str) -> str:
 
 def row(family: dict) -> str:
     fields = [
-        f"Family::{family['key']}", f'"{family["name"]}"', f"Part::{family['part']}", f'"{family.get("components", "")}"',
+        f"Family::{family['key']}", f'"{family["name"]}"', f"Part::{family['part']}",
+        f'"{family.get("pose", "")}"', f'"{family.get("components", "")}"',
         f"Type::{family.get('type', 'Real')}", f"Causality::{family['causality']}", f"Variability::{family['variability']}",
         f'"{family.get("unit", "")}"', bound(family, "min"), bound(family, "above"), "true" if family.get("material") else "false",
     ]  # fmt: skip

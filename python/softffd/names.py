@@ -83,6 +83,12 @@ def parse_name(name: str) -> Name | None:
     return None
 
 
+def is_pose(name: str) -> bool:
+    """Is this of the pose or motion of a plane or pin, which a scene may make an input?"""
+    found = parse_name(name)
+    return found is not None and "pose" in _row(found.family)
+
+
 def part_names(kind: str, names: Iterable[str]) -> list[str]:
     """The planes, pins, loads or probes (`kind`: "plane", ...) that names of variables speak of, in the order of the scene.
 

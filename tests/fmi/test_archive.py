@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import fmpy
 import pytest
 
-from scenes import box
+from scenes import LED, MOVED, box
 from softffd import SoftffdError, load_scene, package_fmu
 from softffd.fmu.package import scene_texts
 from softffd.installed import data_folder
@@ -77,7 +77,7 @@ def test_a_date_that_is_none_is_refused(tmp_path, monkeypatch, given):
 
 def test_every_input_has_a_nominal_value_of_the_size_of_the_scene():
     def nominals(scale: float, gravity: list[float] | None) -> dict[str, float]:
-        plane, pin = ({"name": name, "motion": "input"} for name in ("table", "grip"))
+        plane, pin = {"name": "table", **MOVED}, {"name": "grip", **LED}
         scene = box(
             size=[0.5 * scale, scale, 0.2 * scale],
             mass={"total": 3.0},

@@ -11,14 +11,14 @@ import pytest
 from fmpy.fmi2 import FMU2Slave
 
 from callbacks import own_callbacks
-from scenes import GRAVITY, box
+from scenes import GRAVITY, MOVED, box
 from softffd import FmuError, load_scene, package_fmu, simulate
 from softffd.fmu.component import Component
 
 
 @pytest.fixture(scope="module")
 def fmu(tmp_path_factory) -> Path:
-    ground = {"name": "ground", "friction": 0.4, "motion": "input"}
+    ground = {"name": "ground", "friction": 0.4, **MOVED}
     scene = box(damping=0.05, gravity=GRAVITY, plane=[ground], offset=[0.0, 0.0, 0.1], stop_time=0.5)
     return package_fmu(scene, tmp_path_factory.mktemp("calls") / "box.fmu")
 

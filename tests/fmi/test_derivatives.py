@@ -5,7 +5,7 @@ from ctypes import byref, c_double, c_int, c_uint, c_void_p
 import numpy as np
 import pytest
 
-from scenes import box
+from scenes import LED, MOVED, box
 from softffd import FmuError, Scene
 from softffd.fmu.component import Component
 
@@ -16,7 +16,7 @@ def driven_box(*, floor=0.0, **keys):
         stiffness=1e3,
         damping=0.0,
         plane=[
-            {"name": "piston", "point": [0.0, 0.0, 1.0], "normal": [0.0, 0.0, -1.0], "motion": "input"},
+            {"name": "piston", "point": [0.0, 0.0, 1.0], "normal": [0.0, 0.0, -1.0], **MOVED},
             {"name": "floor", "point": [0.0, 0.0, floor]},
         ],
         load=[{"name": "push", "points": "all"}],
@@ -29,7 +29,7 @@ def driven_box(*, floor=0.0, **keys):
 
 
 FREE, DEEP = driven_box(), driven_box(floor=-9.0)
-HELD = driven_box(pin=[{"name": "grip", "points": [[0, 0, 0], [3, 0, 0], [0, 3, 0]], "motion": "input"}])
+HELD = driven_box(pin=[{"name": "grip", "points": [[0, 0, 0], [3, 0, 0], [0, 3, 0]], **LED}])
 
 
 class Driven(Component):

@@ -5,7 +5,7 @@ from ctypes import CDLL, c_char_p, c_size_t, create_string_buffer
 import pytest
 
 from c_host import DISCARD, ERROR, OK, STEP, TIMES, WARNING, Fmu, Host, check_message, doubles, uints
-from scenes import box
+from scenes import MOVED, box
 from straight_run import apply, straight
 
 CANCELLED = b"fmi2CancelStep: steps are never pending, there is none to cancel"
@@ -206,7 +206,7 @@ def test_unknown_categories_are_named_in_one_warning_and_passed_over(rich, begun
 @pytest.fixture(scope="module")
 def sunk(rich, tmp_path_factory) -> Fmu:
     """A box of four layers, one of its points pinned, on a plane that can be put anywhere."""
-    floor = {"name": "floor", "normal": [0.0, 0.0, 2.0], "motion": "input"}
+    floor = {"name": "floor", "normal": [0.0, 0.0, 2.0], **MOVED}
     wall = {"name": "wall", "point": [-1.0, 0.0, 0.0], "normal": [1.0, 0.0, 0.0]}
     scene = box(plane=[floor, wall], pin=[{"name": "nail", "points": [[0, 0, 3]]}])
     return Fmu(scene, tmp_path_factory.mktemp("sunk") / "fmu", rich.library)

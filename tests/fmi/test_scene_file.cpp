@@ -51,9 +51,28 @@ TEST(every_changed_byte_is_noticed) {
 }
 
 TEST(faulty_records_are_refused) {
-  for (const char* record : {"unknown 1\n", "counts 2 2\n", "counts 1 2 2\n", "counts 2 2 99\n", "size 1 0 1\n", "gravity 0 0 nan\n",
-                             "gravity 0 0 1e999\n", "load a\n", "load a 8\n", "load a -1\n", "load a 1.5\n", "plane p moving 0\n",
-                             "step -1\n", "stop_time 0\n", "volume_stiffness 0\n", "basis spline\n", "guid a b\n", "mass 1 1\n"})
+  for (const char* record : {"unknown 1\n",
+                             "counts 2 2\n",
+                             "counts 1 2 2\n",
+                             "counts 2 2 99\n",
+                             "size 1 0 1\n",
+                             "gravity 0 0 nan\n",
+                             "gravity 0 0 1e999\n",
+                             "load a\n",
+                             "load a 8\n",
+                             "load a -1\n",
+                             "load a 1.5\n",
+                             "plane p moving 0\n",
+                             "step -1\n",
+                             "stop_time 0\n",
+                             "plane_inputs point.z\n",
+                             "plane p fixed 0 0 0 0 0 1 0 0 0 0 0 0 0\nplane_inputs point.z\n",
+                             "plane p input 0 0 0 0 0 1 0 0 0 0 0 0 0\nplane_inputs point\n",
+                             "pin p input 0\npin_inputs point.z\n",
+                             "volume_stiffness 0\n",
+                             "basis spline\n",
+                             "guid a b\n",
+                             "mass 1 1\n"})
     CHECK(refused(with_first_line(minimal + record)));
   CHECK(refused(with_first_line("guid {g}\ncounts 2 2 2\n")));
 }

@@ -1,6 +1,6 @@
 """The start values of the description are those of the component."""
 
-from scenes import box
+from scenes import LED, MOVED, box
 from softffd.fmu.component import Component
 
 SCENE = box(
@@ -17,7 +17,7 @@ SCENE = box(
             "velocity": [0.0, 0.3, 0.4],
             "angular_velocity": [0.5, 0.6, 0.7],
             "friction": 0.2,
-            "motion": "input",
+            **MOVED,
         },
         {
             "name": "floor",
@@ -28,7 +28,7 @@ SCENE = box(
             "friction": 0.6,
         },
     ],
-    pin=[{"name": "hand", "points": [[0, 0, 3], [3, 0, 3], [0, 3, 3], [1, 2, 2]], "motion": "input"}],
+    pin=[{"name": "hand", "points": [[0, 0, 3], [3, 0, 3], [0, 3, 3], [1, 2, 2]], **LED}],
     load=[{"name": "wind", "points": "x+"}],
     method="leapfrog",
     tolerance=2e-4,

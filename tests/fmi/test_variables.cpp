@@ -19,7 +19,8 @@ namespace {
 /// A scene with every part.
 const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiffness = 100, .initial = "1 1 1 0 0 0.5 1 0 0 0 0 0"}.text(
     "damping 0.05\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 0.4\nplane lid input 0 0 9 0 0 -1 0 0 -1 0 0 0 0.1\n"
-    "pin foot fixed 0\npin hand input 7\nload push 1 2\nforces 2 3\nvelocities 5\nprobe nose 0.5 0.5 1\nreactions\nenergy\nsolver\n"
+    "pin foot fixed 0\npin hand input 7\npin arm input 3\npin_inputs position.z orientation.w\nload push 1 2\nforces 2 3\nvelocities "
+    "5\nprobe nose 0.5 0.5 1\nreactions\nenergy\nsolver\n"
     "error_estimate\n");
 
 struct Scene {
@@ -162,6 +163,37 @@ TEST(values_out_of_range_are_refused_and_nothing_is_set) {
     }
     if (std::isfinite(info.min)) CHECK(refusal([&] { scene.set(references[1], info.min, info.type); }).empty());
   }
+}
+
+TEST(components_of_a_pose_are_inputs_where_the_scene_names_them_and_parameters_else) {
+  std::string records = text.substr(text.find('\n') + 1);
+  records.insert(records.find("pin foot"), "plane_inputs point.z velocity.x\n");
+  const SceneFile file = parse_scene(small_scene::with_first_line(records));
+  SoftBody body(file.definition);
+  Variables variables(file, body.settings);
+  const auto names = [&](Family family) {
+    std::vector<std::string> found;
+    for (int n = 0; n < 12; ++n)
+      if (const std::string name = variables.name(reference_of(family, n)); name.find("value reference") != 0) found.push_back(name);
+    return found;
+  };
+  using Names = std::vector<std::string>;
+  CHECK((names(Family::plane_point) == Names{"plane.lid.point.z"} && names(Family::plane_velocity) == Names{"plane.lid.velocity.x"}));
+  CHECK((names(Family::fixed_plane_point) ==
+         Names{"plane.ground.point.x", "plane.ground.point.y", "plane.ground.point.z", "plane.lid.point.x", "plane.lid.point.y"}));
+  CHECK(names(Family::plane_normal).empty() && names(Family::fixed_plane_normal).size() == 6);
+  CHECK((names(Family::pin_orientation).back() == "pin.arm.orientation.w" && names(Family::fixed_pin_velocity).size() == 3));
+  const fmi2ValueReference references[] = {reference_of(Family::plane_point), reference_of(Family::fixed_plane_point, 3),
+                                           reference_of(Family::fixed_plane_normal, 3)};
+  const double numbers[] = {8, 0.5, 0.25};
+  variables.set(instantiated, Type::Real, references, 3, numbers);
+  const int first = 1;
+  const double rate = -2;
+  variables.set_input_derivatives(references, 1, &first, &rate);
+  variables.apply(body.settings);
+  const auto& lid = body.settings.planes[1];
+  CHECK(lid.point == Vec3(0.5, 0, 8) && lid.normal == Vec3(0.25, 0, -1) && lid.velocity == Vec3(0, 0, -2));
+  CHECK(refusal([&] { variables.set(stepping, Type::Real, &references[1], 1, numbers); }).find("cannot be set after") != std::string::npos);
 }
 
 TEST(what_may_be_set_when_follows_causality_and_variability) {

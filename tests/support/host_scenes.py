@@ -1,5 +1,6 @@
 """Two scenes with a part of every kind, which the tests of the host step."""
 
+from scenes import LED, MOVED
 from softffd.scene.scene import scene_from
 
 STEP = 0.01
@@ -8,7 +9,7 @@ BOX = {
     "environment": {"gravity": [0.0, 0.0, -9.81]},
     "plane": [
         {"name": "ground", "point": [0.0, 0.0, 0.0], "friction": 0.4},
-        {"name": "plate", "point": [0.0, 0.0, 1.2], "normal": [0.0, 0.0, -1.0], "motion": "input"},
+        {"name": "plate", "point": [0.0, 0.0, 1.2], "normal": [0.0, 0.0, -1.0], **MOVED},
     ],
     "load": [{"name": "push", "points": "x+"}],
     "probe": [{"name": "top", "at": [0.5, 0.5, 1.0]}],
@@ -18,7 +19,7 @@ BOX = {
 }
 HELD = {
     "pin": [
-        {"name": "grip", "points": "z-", "motion": "input"},
+        {"name": "grip", "points": "z-", **LED},
         {"name": "wall", "points": "z+"},
     ],
     "lattice": {"points": [3, 4, 5]},

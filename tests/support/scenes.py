@@ -17,6 +17,10 @@ SECTIONS = {
     "solver": ("method", "step", "tolerance", "error_estimate"),
     "experiment": ("stop_time", "communication_step"),
 }
+MOVED = {"motion": "input", "inputs": ["point", "normal", "velocity", "angular_velocity"]}
+"""A plane whose whole pose and motion are inputs"""
+LED = {"motion": "input", "inputs": ["position", "orientation", "velocity", "angular_velocity"]}
+"""A pin of which they are"""
 SECTION_OF = {key: section for section, keys in SECTIONS.items() for key in keys}
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from functools import cache
 
 from c_host import OK, STEP, STEPS, TIMES, Fmu, Host, doubles, ints, uints
-from scenes import GRAVITY, box
+from scenes import GRAVITY, LED, MOVED, box
 
 RICH = box(
     points=[3, 3, 3],
@@ -13,10 +13,10 @@ RICH = box(
     damping=0.05,
     gravity=GRAVITY,
     plane=[
-        {"name": "ground", "normal": [0.0, 0.1, 1.0], "friction": 0.4, "motion": "input"},
+        {"name": "ground", "normal": [0.0, 0.1, 1.0], "friction": 0.4, **MOVED},
         {"name": "wall", "point": [1.3, 0.0, 0.0], "normal": [-1.0, 0.0, 0.0]},
     ],
-    pin=[{"name": "grip", "points": [[0, 0, 2]], "motion": "input"}],
+    pin=[{"name": "grip", "points": [[0, 0, 2]], **LED}],
     load=[{"name": "push", "points": "x+"}],
     forces=[[1, 1, 1]],
     offset=[0.0, 0.0, 0.1],

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from scenes import GRAVITY, box
+from scenes import GRAVITY, LED, MOVED, box
 
-GRIP = {"name": "grip", "motion": "input"}
+GRIP = {"name": "grip", **LED}
 STIFFNESSES = {"edge": 1e3, "face": 500.0, "body": 200.0}
 
 
@@ -61,12 +61,12 @@ def conveyor(*others):
 
 
 def cradle():
-    moved = {"name": "ground", "point": [0.3, 0.4, 0.0], "motion": "input"}
+    moved = {"name": "ground", "point": [0.3, 0.4, 0.0], **MOVED}
     return box(gravity=GRAVITY, plane=[moved], step=1e-3, stop_time=0.8)
 
 
 def press(**keys):
-    plate = {"name": "press", "point": [0.3, 0.4, 1.05], "normal": [0.0, 0.0, -1.0], "motion": "input"}
+    plate = {"name": "press", "point": [0.3, 0.4, 1.05], "normal": [0.0, 0.0, -1.0], **MOVED}
     return box(damping=0.1, gravity=GRAVITY, plane=[{"name": "ground"}, plate], step=1e-3, stop_time=1.2, **keys)
 
 

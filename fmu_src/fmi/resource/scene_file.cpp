@@ -135,6 +135,23 @@ void read_pin(Record& r, SceneFile& s) {
   s.definition.pins.push_back({r.points(count(s))});
   if (s.definition.pins.back().points.empty()) r.fail("a pin without points");
 }
+bool is_pose(Part part, std::string_view word) {
+  for (const FamilyInfo& info : families)
+    for (char c : info.components)
+      if (info.part == part && word == std::string(info.pose) + "." + c) return true;
+  return false;
+}
+/// The inputs of the plane or pin of the record before.
+template <class Moved>
+void read_inputs(Record& r, std::vector<Moved>& list, Part part) {
+  if (list.empty() || !list.back().moved_by_input) r.fail("there is nothing before it that inputs move");
+  auto& inputs = list.back().inputs.emplace();
+  while (r.more()) {
+    const std::string_view word = r.word();
+    if (!is_pose(part, word)) r.fail("an unknown component of a pose");
+    inputs.emplace(word);
+  }
+}
 void read_load(Record& r, SceneFile& s) {
   SceneFile::Load load;
   load.name = r.word();
@@ -172,7 +189,9 @@ constexpr Reader readers[] = {
     {"region_stiffness", read_region_stiffness},
     {"region_damping", read_region_damping},
     {"plane", read_plane},
+    {"plane_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.planes, Part::input_planes); }},
     {"pin", read_pin},
+    {"pin_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.pins, Part::input_pins); }},
     {"load", read_load},
     {"probe",
      [](Record& r, SceneFile& s) {

@@ -3,6 +3,8 @@
 /// First line `softffd-scene 1 CHECKSUM`, the FNV-1a hash (64 bits, hexadecimal) of everything after that line; then one record per line: a
 /// key and its values, separated by blanks. Numbers are read without the locale. A record that the scene does not need is absent.
 #pragma once
+#include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -19,12 +21,16 @@ struct SceneFileError : std::runtime_error {
 };
 
 struct SceneFile {
+  /// Components of pose and motion that are inputs, as point.z; the others are parameters. Absent: all are inputs.
+  using Chosen = std::optional<std::set<std::string, std::less<>>>;
   struct Plane : PlaneMotion {
     std::string name;
+    Chosen inputs;
   };
   struct Pin {
     std::string name;
     bool moved_by_input = false;
+    Chosen inputs;
   };
   struct Load {
     std::string name;

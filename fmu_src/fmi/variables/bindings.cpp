@@ -18,12 +18,18 @@ std::vector<int> reacting(const SceneFile& s) {
   return s.reactions ? all<list>(s) : std::vector<int>();
 }
 
-template <auto list, bool by_input>
+template <auto list>
 std::vector<int> moved(const SceneFile& s) {
   std::vector<int> members;
   for (std::size_t n = 0; n < (s.*list).size(); ++n)
-    if ((s.*list)[n].moved_by_input == by_input) members.push_back(int(n));
+    if ((s.*list)[n].moved_by_input) members.push_back(int(n));
   return members;
+}
+
+template <auto list>
+bool by_input(const SceneFile& s, int member, std::string_view component) {
+  const auto& one = (s.*list)[member];
+  return one.moved_by_input && (!one.inputs || one.inputs->contains(component));
 }
 
 template <auto points>
@@ -44,9 +50,10 @@ constexpr auto pins = &SceneFile::pins;
 constexpr PartBinding part_bindings[] = {
     {Part::forces, listed<&SceneFile::forces>, nullptr, true},
     {Part::loads, all<&SceneFile::loads>, name_in<&SceneFile::loads>},
-    {Part::input_planes, moved<planes, true>, name_in<planes>},
-    {Part::input_pins, moved<pins, true>, name_in<pins>},
-    {Part::fixed_planes, moved<planes, false>, name_in<planes>},
+    {Part::input_planes, all<planes>, name_in<planes>, false, by_input<planes>},
+    {Part::input_pins, moved<pins>, name_in<pins>, false, by_input<pins>},
+    {Part::fixed_planes, all<planes>, name_in<planes>, false, by_input<planes>},
+    {Part::fixed_pins, moved<pins>, name_in<pins>, false, by_input<pins>},
     {Part::planes, all<planes>, name_in<planes>},
     {Part::always, [](const SceneFile&) { return one_if(true); }},
     {Part::damping, [](const SceneFile& s) { return one_if(s.damping.has_value()); }},
@@ -104,6 +111,10 @@ constexpr std::array<Binding, family_count> bindings{
     setting(Family::fixed_plane_normal, of_plane<&PlaneMotion::normal>),
     setting(Family::fixed_plane_velocity, of_plane<&PlaneMotion::velocity>),
     setting(Family::fixed_plane_angular_velocity, of_plane<&PlaneMotion::angular_velocity>),
+    setting(Family::fixed_pin_position, of_pin<&PinMotion::position>),
+    setting(Family::fixed_pin_orientation, of_pin<&PinMotion::orientation>),
+    setting(Family::fixed_pin_velocity, of_pin<&PinMotion::velocity>),
+    setting(Family::fixed_pin_angular_velocity, of_pin<&PinMotion::angular_velocity>),
     setting(Family::plane_friction, [](Settings& s, int q) { return &s.planes[q].friction; }),
     setting(Family::mass, [](Settings& s, int) { return &s.mass; }),
     setting(Family::stiffness_edge, [](Settings& s, int) { return &s.stiffness.edge; }),

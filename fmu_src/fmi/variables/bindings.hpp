@@ -15,6 +15,8 @@ struct PartBinding {
   std::vector<int> (*members)(const SceneFile& scene);
   std::string (*name)(const SceneFile& scene, int member) = nullptr;  ///< what {name} stands for
   bool of_points = false;                                             ///< members are control points: {i} {j} {k}
+  bool (*by_input)(const SceneFile& scene, int member,
+                   std::string_view component) = nullptr;  ///< is this of its pose, as point.z, an input?
 };
 const PartBinding& binding_of(Part part);
 

@@ -40,7 +40,7 @@ void Variables::forget_seen() {
 void Variables::begin_step(SoftBody& body, const ErrorEstimate* estimate) {
   const Observed observed{probes_, body, estimate};
   for (std::size_t row = 0; row < family_count; ++row)
-    for (std::size_t index = 0; index < begun_[row].size(); ++index) begun_[row][index] = read({row, int(index)}, observed);
+    for (std::size_t index = 0; index < begun_[row].size(); ++index) begun_[row][index] = read(variable(row, int(index)), observed);
 }
 
 void Variables::end_step(double length) {

@@ -82,12 +82,12 @@ Variables::Variables(const SceneFile& scene, Settings& settings) : scene_(scene)
     const FamilyInfo& info = families[row];
     std::vector<int>& list = members_[std::size_t(info.part)];
     if (list.empty()) list = binding_of(info.part).members(scene);
-    const int components = Variable{row, 0}.components();
-    if (differenced(row)) begun_[row].resize(list.size() * components);
+    if (!info.pose.empty()) choose(row);
+    if (differenced(row)) begun_[row].resize(count(row));
     if (info.causality == Causality::output) continue;
-    for (int member : list) {
-      const double* place = bindings[row].place ? bindings[row].place(settings, member) : nullptr;
-      for (int c = 0; c < components; ++c) starts_.numbers[row].push_back(place ? place[c] : 0.0);
+    for (int index = 0; index < count(row); ++index) {
+      const Variable each = variable(row, index);
+      starts_.numbers[row].push_back(bindings[row].place ? bindings[row].place(settings, member(each))[each.component()] : 0.0);
     }
     for (int order = 1; order <= highest_order_of(info.family); ++order) starts_.rates[order - 1][row].resize(starts_.numbers[row].size());
   }
@@ -104,11 +104,27 @@ void Variables::reset() {
   forget_seen();
 }
 
+/// The components of a pose that are of this row: of inputs those that the scene names, of parameters the others.
+void Variables::choose(std::size_t row) {
+  const FamilyInfo& info = families[row];
+  const std::vector<int>& list = members(info.part);
+  for (std::size_t n = 0; n < list.size(); ++n)
+    for (int c = 0; c < components_of(row); ++c)
+      if (binding_of(info.part).by_input(scene_, list[n], std::string(info.pose) + "." + info.components[c]) ==
+          (info.causality == Causality::input))
+        chosen_[row].push_back(int(n) * components_of(row) + c);
+}
+
+int Variables::count(std::size_t row) const {
+  return families[row].pose.empty() ? int(members(families[row].part).size()) * components_of(row) : int(chosen_[row].size());
+}
+
 std::optional<Variables::Variable> Variables::find(fmi2ValueReference reference) const {
   const unsigned id = reference >> 24;
-  const Variable variable{id < rows_by_id.size() ? rows_by_id[id] : no_row, int(reference & 0xffffff)};
-  if (variable.row == no_row || variable.instance() >= int(members(variable.info().part).size())) return std::nullopt;
-  return variable;
+  const std::size_t row = id < rows_by_id.size() ? rows_by_id[id] : no_row;
+  const int index = int(reference & 0xffffff);
+  if (row == no_row || index >= count(row)) return std::nullopt;
+  return variable(row, index);
 }
 
 std::string Variables::name(fmi2ValueReference reference) const {
@@ -226,17 +242,33 @@ void Variables::spread(const Table& table, Points& force) const {
       force.row(p) += vector(table, Family::load, n).array().transpose() / double(scene_.loads[n].points.size());
 }
 
+/// The rate of a pose, where one is given, is the velocity; components that are no inputs keep theirs.
+template <class Motions>
+void Variables::follow_pose(Family pose, Motions& moved) const {
+  const std::size_t row = row_of(pose);
+  const std::vector<double>& rates = values_.rates[0][row];
+  const auto of = [&](int index) { return member(variable(row, index)); };
+  for (int first = 0, end = 0; first < count(row); first = end) {
+    while (end < count(row) && of(end) == of(first)) ++end;
+    if (std::all_of(&rates[first], &rates[first] + (end - first), [](double rate) { return rate == 0; })) continue;
+    for (int index = first; index < end; ++index) {
+      const int axis = variable(row, index).component();
+      moved[of(index)].velocity[axis] = rates[index];
+      moved[of(index)].acceleration[axis] = 0;
+    }
+  }
+}
+
 bool Variables::apply(Settings& settings) {
   forget_seen();
   const Table &numbers = values_.numbers, &rates = values_.rates[0];
   for (std::size_t row = 0; row < family_count; ++row) {
     const Binding& binding = bindings[row];
     if (!binding.place || (families[row].material && !values_.material_changed)) continue;
-    const std::size_t components = Variable{row, 0}.components();
-    const auto& list = members(families[row].part);
-    for (std::size_t n = 0; n < list.size(); ++n) {
-      std::copy_n(&numbers[row][n * components], components, binding.place(settings, list[n]));
-      if (binding.rate_place) std::copy_n(&rates[row][n * components], components, binding.rate_place(settings, list[n]));
+    for (int index = 0; index < count(row); ++index) {
+      const Variable each = variable(row, index);
+      binding.place(settings, member(each))[each.component()] = numbers[row][index];
+      if (binding.rate_place) binding.rate_place(settings, member(each))[each.component()] = rates[row][index];
     }
   }
   settings.method = method_of(numbers[row_of(Family::solver_method)][0]);
@@ -247,11 +279,6 @@ bool Variables::apply(Settings& settings) {
     force_rates[order - 1]->setZero();
     if (values_.rated) spread(values_.rates[order - 1], *force_rates[order - 1]);
   }
-  const auto follow_pose = [&](Family pose, auto& moved) {  // the rate of a pose, where one is given, is the velocity
-    const auto& list = members(families[row_of(pose)].part);
-    for (std::size_t n = 0; n < list.size(); ++n)
-      if (const Vec3 way = vector(rates, pose, n); !way.isZero(0)) moved[list[n]].velocity = way, moved[list[n]].acceleration.setZero();
-  };
   follow_pose(Family::plane_point, settings.planes);
   follow_pose(Family::pin_position, settings.pins);
   values_.changed = false;

@@ -1,6 +1,7 @@
 /// The variables of a scene by value reference: which there are, their names, what a host has set, and the checks of setting and getting.
 ///
-/// A value reference is (family id << 24) | index, with index = instance * components + component.
+/// A value reference is (family id << 24) | index, with index = instance * components + component; of poses, whose components are inputs or
+/// parameters as the scene says, the place among those that are there.
 #pragma once
 #include <array>
 #include <optional>
@@ -79,16 +80,22 @@ class Variables {
   struct Variable {
     std::size_t row;
     int index;
+    int place;  ///< index if the family had all components of every instance
     const FamilyInfo& info() const { return families[row]; }
-    int components() const { return std::max(1, int(info().components.size())); }
-    int instance() const { return index / components(); }
-    int component() const { return index % components(); }
+    int instance() const { return place / components_of(row); }
+    int component() const { return place % components_of(row); }
   };
+  static int components_of(std::size_t row) { return std::max(1, int(families[row].components.size())); }
   std::optional<Variable> find(fmi2ValueReference reference) const;
   Variable checked(fmi2ValueReference reference, Type type) const;
   void check_settable(Phase phase, fmi2ValueReference reference, Type type, double value) const;
   int member(const Variable& variable) const { return members(variable.info().part)[variable.instance()]; }
   const std::vector<int>& members(Part part) const { return members_[std::size_t(part)]; }
+  void choose(std::size_t row);
+  int count(std::size_t row) const;
+  Variable variable(std::size_t row, int index) const { return {row, index, families[row].pose.empty() ? index : chosen_[row][index]}; }
+  template <class Motions>
+  void follow_pose(Family pose, Motions& moved) const;
   void check_method(double method) const;
   void spread(const Table& table, Points& force) const;
   double read(const Variable& variable, const Observed& observed);
@@ -96,6 +103,7 @@ class Variables {
 
   const SceneFile& scene_;
   std::array<std::vector<int>, family_count> members_;  ///< by part; there are no more parts than families
+  std::array<std::vector<int>, family_count> chosen_;   ///< by row, of poses: the places that are there
   std::vector<Embedding> probes_;
   Values starts_, values_;
   LastStep last_;

@@ -72,11 +72,13 @@ def _structure(scene: Scene, plane: str) -> str:
     """SystemStructure.ssd."""
     Xml.register_namespace("ssd", SSD)
     Xml.register_namespace("ssc", SSC)
+    inputs = next(each.input_components() for each in scene.plane if each.name == plane)
     root = Xml.Element(f"{{{SSD}}}SystemStructureDescription", version="1.0", name=scene.name)
     system = Xml.SubElement(root, f"{{{SSD}}}System", name=scene.name, description=scene.title)
     elements = Xml.SubElement(system, f"{{{SSD}}}Elements")
     exchanged = [(what, f"{what}.{axis}", variable_name(f"plane_{what}", plane, axis)) for what in UNIT for axis in "xyz"]
-    taken = {what: what == "reaction" for what in UNIT}  # by the plate; the others by the body
+    taken = {what: what == "reaction" for what in UNIT}  # by the plate; the others by the body, where they are its inputs
+    exchanged = [each for each in exchanged if taken[each[0]] or each[1] in inputs]
     _component(elements, "plate", [(own, "input" if taken[what] else "output", UNIT[what]) for what, own, _ in exchanged])
     _component(elements, "body", [(variable, "output" if taken[what] else "input", UNIT[what]) for what, _, variable in exchanged])
     connections = Xml.SubElement(system, f"{{{SSD}}}Connections")

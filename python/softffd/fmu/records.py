@@ -44,7 +44,12 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
     for plane in scene.plane:
         motion = [*plane.point, *plane.normal, *plane.velocity, *plane.angular_velocity]
         lines.append(["plane", plane.name, plane.motion, *motion, plane.friction])
-    lines += [["pin", pin.name, pin.motion, *scene.select(pin.points)] for pin in scene.pin]
+        if plane.motion == "input":
+            lines.append(["plane_inputs", *plane.input_components()])
+    for pin in scene.pin:
+        lines.append(["pin", pin.name, pin.motion, *scene.select(pin.points)])
+        if pin.motion == "input":
+            lines.append(["pin_inputs", *pin.input_components()])
     lines += [["load", load.name, *scene.select(load.points)] for load in scene.load]
     lines += [["probe", probe.name, *probe.at] for probe in scene.probe]
     selections = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -58,12 +59,18 @@ def _plane(plane: Plane) -> dict[str, Any]:
         "velocity": plane.velocity,
         "angular_velocity": plane.angular_velocity,
         "friction": plane.friction,
+        "inputs": plane.input_components(),
     }
 
 
 def _pin(scene: Scene, pin: Pin) -> dict[str, Any]:
     origin = scene.rest_positions()[scene.select(pin.points)].mean(axis=0)
-    return {"name": pin.name, "position": tuple(map(float, origin)), "orientation": (1.0, 0.0, 0.0, 0.0)}
+    return {
+        "name": pin.name,
+        "position": tuple(map(float, origin)),
+        "orientation": (1.0, 0.0, 0.0, 0.0),
+        "inputs": pin.input_components(),
+    }
 
 
 def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
@@ -76,15 +83,14 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         return [values] if present else []
 
     planes, pins = scene.plane, scene.pin
+    surfaces, frames = [_plane(plane) for plane in planes], [_pin(scene, pin) for pin in pins if pin.motion == "input"]
     stiffness, gravity = scene.material.stiffness, scene.environment.gravity
     methods = available_methods(scene.lattice.points)
     return {
         "forces": points(scene.inputs.forces),
         "loads": [{"name": load.name} for load in scene.load],
-        "planes": [_plane(plane) for plane in planes],
-        "input_planes": [_plane(plane) for plane in planes if plane.motion == "input"],
-        "fixed_planes": [_plane(plane) for plane in planes if plane.motion == "fixed"],
-        "input_pins": [_pin(scene, pin) for pin in pins if pin.motion == "input"],
+        **dict.fromkeys(("planes", "input_planes", "fixed_planes"), surfaces),
+        **dict.fromkeys(("input_pins", "fixed_pins"), frames),
         "always": [
             {
                 "mass": float(mass.sum()),
@@ -127,15 +133,36 @@ def _value(family: dict[str, Any], key: str, instance: dict[str, Any], component
     return value[component] if isinstance(value, tuple | list) else value
 
 
+def _of_one_name() -> list[list[dict[str, Any]]]:
+    """The families of the table, in its order, those that share their name together."""
+    groups: dict[str, list[dict[str, Any]]] = {}
+    for family in table()["family"]:
+        groups.setdefault(family["name"], []).append(family)
+    return list(groups.values())
+
+
+def _has(family: dict[str, Any], words: dict[str, Any]) -> bool:
+    """Has a family this component of this instance? Of a pose it is an input where the scene says so, else a parameter."""
+    if "pose" not in family:
+        return True
+    return (f"{family['pose']}.{words['c']}" in words["inputs"]) == (family["causality"] == "input")
+
+
 def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
-    """All variables of a scene. mass: (n,) kg, the control points' masses after region overrides."""
+    """All variables of a scene. mass: (n,) kg, the control points' masses after region overrides.
+
+    Families of one name, of which one has the inputs and the other the parameters, stand together: a part's components in their order.
+    """
     present, usual = parts(scene, mass), sizes(scene, mass)
     found: list[Variable] = []
-    for family in table()["family"]:
-        components = family.get("components", "")
-        instances = present[family["part"]]
-        for number, (instance, component) in enumerate(product(instances, range(max(1, len(components))))):
+    counts: Counter[str] = Counter()
+    for families in _of_one_name():
+        components = families[0].get("components", "")
+        for instance, component in product(present[families[0]["part"]], range(max(1, len(components)))):
             words = {**instance, "c": components[component] if components else ""}
+            family = next(each for each in families if _has(each, words))
+            number = counts[family["key"]]
+            counts[family["key"]] += 1
             found.append(
                 Variable(
                     index=len(found) + 1,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,7 @@ class Inputs:
     ends there the first one's. A callable gives values by name, the same names at every time.
 
     A plane or pin whose pose is given but whose velocity is not gets the velocity that takes it to its pose at the end of the
-    communication step; a jump there moves it without velocity.
+    communication step, where that velocity is an input; a jump there moves it without velocity.
     """
 
     def __init__(self, source: Source | None):
@@ -40,6 +40,10 @@ class Inputs:
         now = self._at(0.0, False)
         self.derived_names = list(derived_velocities(now, now, 1.0))
         """Velocities that follow from given poses"""
+
+    def derive_only(self, names: Container[str]) -> None:
+        """From here on only those of `derived_names` that are among these: the inputs of an FMU."""
+        self.derived_names = [name for name in self.derived_names if name in names]
 
     def values(self, time: float, then: float) -> np.ndarray:
         """Values at a communication point, in the order of `names` and then of `derived_names`; then: the next one, or `time` again [s]."""

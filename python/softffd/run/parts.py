@@ -106,7 +106,7 @@ class Part:
 
 
 class Plane(Part):
-    """An obstacle. Its pose and motion can be set where the scene says motion = "input", its friction always."""
+    """An obstacle. Its friction and what is an input of its pose and motion can be set at any time, the rest before the first step."""
 
     __slots__ = ()
     point = VectorField("(3,) m, at the communication point; of a plane that is no input: at the start")
@@ -120,7 +120,8 @@ class Plane(Part):
 
 
 class Pin(Part):
-    """Control points attached to a rigid frame. Its pose and motion can be set where the scene says motion = "input"."""
+    """Control points attached to a rigid frame. Of one that inputs move these can be set at any time, the rest of its pose
+    and motion before the first step."""
 
     __slots__ = ()
     position = VectorField("(3,) m: origin of the frame at the communication point")

@@ -89,7 +89,8 @@ class Result:
             return np.stack([np.broadcast_to(column, self.time.shape) for column in columns], axis=1)
 
         points, normals = vector("point"), vector("normal")
-        if vector_names("plane_point", name)[0] in self.parameters:  # the pose is that of the start time, moved on since
+        pose = ("point", "normal", "velocity", "angular_velocity")
+        if not any(key in self.inputs for what in pose for key in vector_names(f"plane_{what}", name)):  # moved on since the start time
             age = (self.time - self.time[0])[:, None]
             points = points + age * vector("velocity")
             normals = turned(normals, age * vector("angular_velocity"))

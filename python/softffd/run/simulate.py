@@ -16,6 +16,7 @@ from softffd.errors import FmuError
 from softffd.fmu.component import Block, Component
 from softffd.fmu.interface import ScalarVariable
 from softffd.lattice import LatticeBox
+from softffd.names import is_pose
 from softffd.run.inputs import Inputs, Source
 from softffd.run.points import is_position, places
 from softffd.run.result import Result
@@ -143,6 +144,7 @@ class _Recorder:
     def of(cls, simulation: Simulation, source: Inputs, stop_time: float, step: float, interpolation: Interpolation) -> _Recorder:
         component = simulation.component
         given = [_input(component, source, name) for name in source.names]
+        source.derive_only({variable.name for variable in component.variables("input")})
         inputs = component.block_of([*given, *(_input(component, source, name) for name in source.derived_names)])
         reals = component.block_of(component.variables("output"))
         integers = component.block_of(component.variables("output", real=False))
@@ -209,7 +211,8 @@ def _input(component: Component, source: Inputs, name: str) -> ScalarVariable:
     except FmuError as error:
         raise FmuError(f"{source.where}{error}") from None
     if variable.causality != "input":
-        raise FmuError(f"{source.where}{name}: wanted an input of the FMU, got its {variable.causality} of that name")
+        hint = "; the scene names it in `inputs` of a plane or pin to make it one" if is_pose(name) else ""
+        raise FmuError(f"{source.where}{name}: wanted an input of the FMU, got its {variable.causality} of that name{hint}")
     return variable
 
 

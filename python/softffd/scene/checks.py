@@ -16,7 +16,7 @@ from softffd.scene.selection import flat_indices
 
 def cross_check(draft: Draft) -> list[Fault]:
     """The problems between the sound values of a draft whose box and mesh are settled."""
-    checks = (_method, _names, _selections, _mass, _margin, _box, _control_points, _probes)
+    checks = (_method, _names, _idle_inputs, _selections, _mass, _margin, _box, _control_points, _probes)
     with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
         return [fault for check in checks for fault in check(draft)]
 
@@ -41,6 +41,15 @@ def _names(draft: Draft) -> Iterator[Fault]:
             if draft.sound(*path) and (owner := owners.setdefault(item.name, path)) != path:
                 taken = f"already the name of {path_text(owner[:2])}"
                 yield Fault(path, f"wanted a name of its own, got {toml_text(item.name)}, {taken}")
+
+
+def _idle_inputs(draft: Draft) -> Iterator[Fault]:
+    for section in ("plane", "pin"):
+        for position, item in enumerate(getattr(draft.scene, section)):
+            path = (section, position, "inputs")
+            default = type(item).model_fields["inputs"].default
+            if item.motion == "fixed" and item.inputs != default and draft.sound(*path) and draft.sound(section, position, "motion"):
+                yield Fault(path, f'wanted them beside motion = "input" only, got {toml_text(list(item.inputs))} with motion = "fixed"')
 
 
 def _selections(draft: Draft) -> Iterator[Fault]:

@@ -30,6 +30,7 @@ from softffd.scene.quantity import (
     refusal,
 )
 from softffd.scene.selection import Selection
+from softffd.spelling import nearest_of
 
 
 class Section(BaseModel):
@@ -84,6 +85,43 @@ Counts = Annotated[
 ]
 NAME = "a name for the FMU's variables: letters, digits, underscores"
 Motion = Literal["fixed", "input"]
+
+
+PLANE_POSE = {"point": "xyz", "normal": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
+PIN_POSE = {"position": "xyz", "orientation": "wxyz", "velocity": "xyz", "angular_velocity": "xyz"}
+"""Components of the vectors that say where a plane or a pin is and how it moves"""
+
+
+def _pose_words(pose: dict[str, str]) -> list[str]:
+    """Names of the vectors, each followed by its components."""
+    return [word for vector, components in pose.items() for word in (vector, *(f"{vector}.{each}" for each in components))]
+
+
+def _chosen_of(pose: dict[str, str]) -> BeforeValidator:
+    words = _pose_words(pose)
+    wanted = f'a list of {", ".join(pose)} or their components, such as "{words[3]}"'
+
+    def check(value: Any) -> Any:
+        if not isinstance(value, list | tuple) or not value:
+            raise refusal(wanted)
+        if unknown := [each for each in value if each not in words]:
+            raise refusal(wanted, nearest=nearest_of(str(unknown[0]), words))
+        return value
+
+    return BeforeValidator(check)
+
+
+def _chosen_schema(pose: dict[str, str]) -> WithJsonSchema:
+    return WithJsonSchema({"type": "array", "items": {"enum": _pose_words(pose)}, "minItems": 1})
+
+
+PlaneInputs = Annotated[tuple[str, ...], _chosen_of(PLANE_POSE), _chosen_schema(PLANE_POSE)]
+PinInputs = Annotated[tuple[str, ...], _chosen_of(PIN_POSE), _chosen_schema(PIN_POSE)]
+
+
+def _components(pose: dict[str, str], chosen: tuple[str, ...]) -> list[str]:
+    """All components that are chosen, by themselves or with their vector, in the pose's order."""
+    return [f"{vector}.{each}" for vector in pose for each in pose[vector] if {vector, f"{vector}.{each}"} & set(chosen)]
 
 
 class Lattice(Section):
@@ -201,7 +239,16 @@ class Plane(Section):
     velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of the obstacle at `point`")
     angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about `point`")
     friction: Number = quantity(0.4, "1", "Coulomb's coefficient of friction", ge=0)
-    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for pose and motion')
+    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
+    inputs: PlaneInputs = key(
+        ("point", "velocity"),
+        'what of `point`, `normal`, `velocity`, `angular_velocity` are inputs, or single components: "point.z"; '
+        "the rest are parameters, which hold at every communication point",
+    )
+
+    def input_components(self) -> list[str]:
+        """What is an input of pose and motion: "point.z", ..."""
+        return _components(PLANE_POSE, self.inputs) if self.motion == "input" else []
 
 
 class Pin(Section):
@@ -209,7 +256,16 @@ class Pin(Section):
 
     name: Name = key(..., NAME, examples=["base"])
     points: Selection = key(..., "the pinned control points: a selection of at least one", examples=["z-"])
-    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for pose and motion')
+    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
+    inputs: PinInputs = key(
+        ("position", "velocity"),
+        'what of `position`, `orientation`, `velocity`, `angular_velocity` of the frame are inputs, or single components: "position.z"; '
+        "the rest are parameters, which hold at every communication point",
+    )
+
+    def input_components(self) -> list[str]:
+        """What is an input of pose and motion: "position.z", ..."""
+        return _components(PIN_POSE, self.inputs) if self.motion == "input" else []
 
 
 class Load(Section):

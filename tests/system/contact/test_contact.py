@@ -5,7 +5,7 @@ import pytest
 
 import reference
 from readings import assert_nothing_is_behind, gaps, plane_poses, points, vector, velocities
-from scenes import GRAVITY, box
+from scenes import GRAVITY, MOVED, box
 from softffd import FmuError, simulate
 from softffd.rotation import turned
 from stepping import Stepper
@@ -182,7 +182,7 @@ def test_a_plane_turned_by_input_is_the_plane_of_the_scene():
         return {f"plane.lift.{what}.{c}": v for what, values in named.items() for c, v in zip("xyz", values, strict=True)}
 
     fixed = simulate(lifted(angular_velocity=[0.3, -0.4, 0.5]), step=5e-3)
-    moved = simulate(lifted(motion="input"), step=5e-3, inputs=pose)
+    moved = simulate(lifted(**MOVED), step=5e-3, inputs=pose)
     assert_nothing_is_behind(moved)
     assert points(moved) == pytest.approx(points(fixed), abs=1e-11)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from readings import points
-from scenes import box
+from scenes import LED, box
 from softffd import load_scene, simulate
 
 FLOOR = 1e-11
@@ -110,7 +110,7 @@ def test_jumps_of_a_load_count_by_the_vibrations_they_set_off(exact):
 HELD = box(
     stiffness=1e6,
     damping=0.5,
-    pin=[{"name": "base", "points": "z-", "motion": "input"}],
+    pin=[{"name": "base", "points": "z-", **LED}],
     load=[{"name": "top", "points": "z+"}],
     stop_time=0.8,
     communication_step=0.05,

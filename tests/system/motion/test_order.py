@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from scenes import box
+from scenes import LED, box
 from stepping import Stepper
 
 H, STEPS = 0.012, 20
 
 LOADS = {"load": [{"name": "push", "points": "x+"}, {"name": "pull", "points": [[0, 0, 0]]}]}
-PIN = {"pin": [{"name": "hand", "points": "x-", "motion": "input"}]}
+PIN = {"pin": [{"name": "hand", "points": "x-", **LED}]}
 CENTRE = np.array([0.0, 0.5, 0.5])
 
 

@@ -34,7 +34,7 @@ PARTS = {
     "pin moved by input": (
         {"pin": [{**PINNED, "motion": "input"}]},
         {f"pin.a.{what}.{c}" for what in PIN for c in "xyz"} | {"pin.a.orientation.w"},
-        {"pin"},
+        {"pin", "pin_inputs"},
     ),
     "load": ({"load": [{"name": "l", "points": "z-"}]}, {f"load.l.{c}" for c in "xyz"}, {"load"}),
     "forces": ({"inputs.forces": [[1, 2, 3]]}, {f"force[1,2,3].{c}" for c in "xyz"}, {"forces"}),

@@ -5,12 +5,12 @@ import pytest
 
 import reference
 from readings import points, vector, velocities
-from scenes import GRAVITY, box
+from scenes import GRAVITY, LED, box
 from softffd import FmuError, simulate
 from softffd.rotation import turned
 
 PLACED = {"origin": [0.2, -0.3, 0.4], "size": [0.6, 0.9, 1.2]}
-HAND = {"name": "hand", "points": "x-", "motion": "input"}
+HAND = {"name": "hand", "points": "x-", **LED}
 
 
 CENTROID = np.array([0.2, 0.15, 1.0])
@@ -158,7 +158,7 @@ def test_the_pin_takes_exactly_the_momentum_that_is_missing_with_damping():
 
 
 def test_the_torque_on_the_fixture_balances_the_weight_of_a_cantilever():
-    result = simulate(held(damping=0.8, hand={**HAND, "motion": "fixed"}), stop_time=6.0, step=0.5)
+    result = simulate(held(damping=0.8, hand={"name": "hand", "points": "x-"}), stop_time=6.0, step=0.5)
     lever = points(result)[-1].mean(axis=0) - CENTROID
     assert vector(result, "pin.hand.reaction")[-1] == pytest.approx([0, 0, -9.81], abs=1e-8)
     assert vector(result, "pin.hand.torque")[-1] == pytest.approx(np.cross(lever, [0, 0, -9.81]), abs=1e-8)

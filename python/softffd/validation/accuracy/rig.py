@@ -87,6 +87,7 @@ class Rig:
         simulation = self._simulation = Simulation(_observed(self.scene))
         self.methods = list(simulation.variables["solver.method"].items or {})
         self._positions = simulation.block(variable_names("position", all_points(self.scene.lattice.points)))
+        self._source.derive_only({variable.name for variable in simulation.component.variables("input")})
         self._inputs = simulation.block([*self._source.names, *self._source.derived_names])
         self._driven = simulation.block(self._source.names)
 

@@ -173,7 +173,7 @@ def _jump(findings: Findings) -> None:
 
 def _turn(findings: Findings) -> None:
     """The normal is reversed from one step to the next: all of the body is behind, and is laid onto the plane."""
-    with Drive(box(1e3, 0.1, plane=[plane(point=(0, 0, -0.1), motion="input")])) as drive:
+    with Drive(box(1e3, 0.1, plane=[plane(point=(0, 0, -0.1), motion="input", inputs=["normal"])])) as drive:
         drive.step(1e-2)
         drive.set(plane__ground__normal=(0, 0, -1))
         drive.run(0.2, 1e-2, lambda: findings.sound(drive, [((0, 0, -0.1), (0, 0, -1))]))
@@ -181,7 +181,7 @@ def _turn(findings: Findings) -> None:
 
 def _turning(findings: Findings) -> None:
     """The plane turns half round below the body at pi rad per step of 0.1 s."""
-    with Drive(box(1e3, 0.1, plane=[plane(point=(0.5, 0.5, -0.5), motion="input")])) as drive:
+    with Drive(box(1e3, 0.1, plane=[plane(point=(0.5, 0.5, -0.5), motion="input", inputs=["angular_velocity"])])) as drive:
         drive.set(plane__ground__angular_velocity=(0, 10 * math.pi, 0))
         drive.step(0.1)
         findings.sound(drive, [((0.5, 0.5, -0.5), (0, 0, -1))])

@@ -290,9 +290,14 @@ def _planes(draws: Draws, size: np.ndarray, resting: bool, held: bool, duration:
         if moving:
             course = Course(point, moment, tuple(_rounded(a + b) for a, b in zip(speeds, along, strict=True)), tuple(map(_rounded, spins)))
         planes.append({"name": name, "point": point.tolist(), "normal": normal.tolist(), "friction": friction,
-                       "motion": "input" if moving else "fixed"})  # fmt: skip
+                       **(_by_input("point", "normal") if moving else {"motion": "fixed"})})  # fmt: skip
         courses[name] = normal, course
     return planes, courses
+
+
+def _by_input(*pose: str) -> dict[str, Any]:
+    """A plane or pin whose whole pose and motion are inputs."""
+    return {"motion": "input", "inputs": [*pose, "velocity", "angular_velocity"]}
 
 
 def _foot(size: np.ndarray, normal: np.ndarray, clearance: float) -> np.ndarray:
@@ -308,7 +313,7 @@ def _pins(draws: Draws, size: np.ndarray, beside_plane: bool, duration: float):
     face = "z+" if beside_plane else face
     velocity = _rounded(0.05 * size.min() / duration * draws.direction(math.pi / 2))
     spin = _rounded(draws.between(0, 0.2) / duration * draws.direction() * draws.chance(0.5))
-    pins = [{"name": "hold", "points": face, "motion": "input" if moving else "fixed"}]
+    pins = [{"name": "hold", "points": face, **(_by_input("position", "orientation") if moving else {"motion": "fixed"})}]
     centroid = size / 2
     centroid["xyz".index(face[0])] = size["xyz".index(face[0])] if face[1] == "+" else 0.0
     return pins, {"hold": Course(centroid, velocities=(velocity, velocity), spins=(spin, spin))} if moving else {}

@@ -94,6 +94,8 @@ class Drive:
 
     def run(self, duration: float, step: float, each: Callable[[], None] | None = None, inputs: Inputs | None = None) -> None:
         """Steps of one length for a time [s]; each: called after every step; inputs: go linearly from step to step."""
+        if inputs:
+            inputs.derive_only({variable.name for variable in self.simulation.component.variables("input")})
         given, driven = (self.simulation.block(names) for names in _input_names(inputs))
         for _ in range(max(1, round(duration / step))):
             if inputs:

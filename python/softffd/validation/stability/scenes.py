@@ -25,10 +25,10 @@ def box(
     return document
 
 
-def plane(name: str = "ground", *, point=ORIGIN, normal=Z, friction: float = 0.0, motion: str = "fixed", velocity=ORIGIN) -> dict[str, Any]:
-    """An obstacle."""
+def plane(name: str = "ground", *, point=ORIGIN, normal=Z, friction: float = 0.0, velocity=ORIGIN, **motion: Any) -> dict[str, Any]:
+    """An obstacle. motion: `motion` and `inputs` of a plane that inputs move."""
     return {
-        "name": name, "point": list(point), "normal": list(normal), "friction": friction, "motion": motion, "velocity": list(velocity),
+        "name": name, "point": list(point), "normal": list(normal), "friction": friction, "velocity": list(velocity), **motion,
     }  # fmt: skip
 
 
