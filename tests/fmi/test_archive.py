@@ -122,6 +122,16 @@ def test_the_library_needs_the_c_library_alone_and_names_no_path(standard, tmp_p
     assert str(Path(__file__).resolve().parents[2]).encode() not in library.read_bytes()
 
 
+def test_writing_past_an_array_of_the_component_ends_the_process(standard, tmp_path):
+    """Compilers put a call of the C library's last words behind functions with arrays; here they are asked to."""
+    if not shutil.which("nm"):
+        pytest.skip("nm is not on this machine")
+    with zipfile.ZipFile(standard) as archive:
+        library = archive.extract("binaries/linux64/softffd.so", tmp_path)
+    wanted = subprocess.run(["nm", "-D", "--undefined-only", library], capture_output=True, text=True, check=True).stdout
+    assert "__stack_chk_fail" in wanted
+
+
 def declared_functions() -> set[str]:
     """The co-simulation functions that the standard's header declares."""
     text = (HEADERS / "fmi2Functions.h").read_text()
