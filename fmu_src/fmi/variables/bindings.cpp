@@ -145,7 +145,9 @@ constexpr std::array<Binding, family_count> bindings{
     output(Family::solver_steps, [](const Observed& o, int, int) { return double(o.body.readings().steps()); }),
     output(Family::solver_rejected, [](const Observed& o, int, int) { return double(o.body.readings().rejected()); }),
     output(Family::solver_contacts_resolved, [](const Observed& o, int, int) { return double(o.body.readings().contacts_resolved()); }),
-    output(Family::solver_stable_step, [](const Observed& o, int, int) { return o.body.readings().stable_step(); }),
+    output(
+        Family::solver_stable_step, [](const Observed& o, int, int) { return o.body.readings().stable_step(); },
+        [](const Observed&, int, int) { return 0.0; }),  // costs as much as a step, and nobody extrapolates it
     output(Family::solver_folded_cells, [](const Observed& o, int, int) { return double(o.body.readings().folded_cells()); }),
     output(Family::solver_error_estimate, [](const Observed& o, int, int) { return o.estimate->value(); }),
 };

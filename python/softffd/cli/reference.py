@@ -49,7 +49,7 @@ CAUSALITIES = {
     "output": (
         "## Outputs\n\nReal ones have a derivative of order 1 (`fmi2GetRealOutputDerivatives`): of `position` and `probe` the velocity; of "
         "all others,\nstep means and diagnostics among them, the change over the last communication step divided by its length, 0 before "
-        "the first step."
+        "the first step; of `solver.stable_step`, which costs as much as a step, always 0."
     ),
 }
 
