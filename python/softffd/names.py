@@ -2,23 +2,30 @@
 
 A row's name is a pattern (variables.toml): `position[{i},{j},{k}].{c}`, `plane.{name}.point.{c}`, `stiffness.edge`. What stands for
 {i},{j},{k} or {name} is the *instance*: a control point (i, j, k), or the name of a plane, pin, load or probe; {c} is the *component*.
+Names have two forms, of which a scene chooses one for its FMU (fmu.names): *structured* as in the table, and *plain*, where commas and
+brackets are underscores, `position_0_1_2.x`. Only names at control points differ. Either form is understood wherever names are read.
 The pose of a fixed plane has the same names as that of an input plane; as family it counts the first in the table, the input.
 """
 
 import re
 from collections.abc import Iterable
 from functools import cache, lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from softffd.installed import table
 from softffd.lattice import Point
 
+T = TypeVar("T")
+
 IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
 """What a plane, pin, load or probe may be called."""
 
+POINT, PLAIN_POINT = "[{i},{j},{k}]", "_{i}_{j}_{k}"
+"""What stands for the control point in a pattern, and in the plain form of it."""
+
 _PART_NAME = re.compile(IDENTIFIER)
-_AT_POINT = re.compile(r"([a-z_]+)\[(0|[1-9]\d*),(0|[1-9]\d*),(0|[1-9]\d*)\](?:\.(\w+))?")
-_AT_POINT_PATTERN = re.compile(r"([a-z_]+)\[{i},{j},{k}\](\.{c})?")
+_N = r"(0|[1-9]\d*)"
+_AT_POINT = re.compile(rf"([a-z_]+)(?:\[{_N},{_N},{_N}\]|_{_N}_{_N}_{_N})(?:\.(\w+))?")
 
 
 class Name(NamedTuple):
@@ -42,16 +49,16 @@ class Part(NamedTuple):
         return f"{self.kind}.{self.name}"
 
 
-def variable_name(family: str, instance: str | Point | None = None, component: str = "") -> str:
+def variable_name(family: str, instance: str | Point | None = None, component: str = "", *, plain: bool = False) -> str:
     """The name of one variable of a family: variable_name("plane_point", "ground", "z") is plane.ground.point.z."""
-    stem = _stem(_row(family), instance)
+    stem = _stem(_row(family), instance, plain)
     return f"{stem}.{component}" if component else stem
 
 
-def variable_names(family: str, instances: Iterable[str | Point | None] = (None,)) -> list[str]:
+def variable_names(family: str, instances: Iterable[str | Point | None] = (None,), *, plain: bool = False) -> list[str]:
     """The names of a family for several instances, one instance with all its components after the other, as in the FMU."""
     row = _row(family)
-    stems = (_stem(row, instance) for instance in instances)
+    stems = (_stem(row, instance, plain) for instance in instances)
     components = row.get("components", "")
     return [f"{stem}.{component}" for stem in stems for component in components] if components else list(stems)
 
@@ -65,11 +72,10 @@ def vector_names(family: str, instance: str | Point | None = None) -> list[str]:
 def parse_name(name: str) -> Name | None:
     """Family, instance and component of a name; None for what is no name of the table."""
     at_points, others = _shapes()
-    if "[" in name:
-        if (found := _AT_POINT.fullmatch(name)) is None or (row := at_points.get(found[1])) is None:
-            return None
-        component = found[5] or ""
-        return Name(row["key"], (int(found[2]), int(found[3]), int(found[4])), component) if _has(row, component) else None
+    if found := _AT_POINT.fullmatch(name):
+        row, component = at_points.get(found[1]), found[8] or ""
+        i, j, k = (int(number) for number in found.groups()[1:7] if number is not None)
+        return Name(row["key"], (i, j, k), component) if row is not None and _has(row, component) else None
     words = tuple(name.split("."))
     last = words[-1]
     shapes: list[tuple[tuple[str | None, ...], str | None, str]] = [(words, None, ""), ((*words[:-1], None), None, last)]
@@ -81,6 +87,38 @@ def parse_name(name: str) -> Name | None:
         if row is not None and _has(row, component) and (part is None or _PART_NAME.fullmatch(part)):
             return Name(row["key"], part, component)
     return None
+
+
+@lru_cache(maxsize=4096)
+def other_form(name: str) -> str | None:
+    """The plain name of the variable that has this structured one, or the other way round; None where there is one form only."""
+    found = parse_name(name)
+    if found is None or not isinstance(found.instance, tuple):
+        return None
+    return variable_name(found.family, found.instance, found.component, plain="[" in name)
+
+
+def structured(name: str) -> str:
+    """The name in its structured form, whichever is given; what is no name stays as it is."""
+    return name if "[" in name else other_form(name) or name
+
+
+class ByName(dict[str, T]):
+    """Values by variable name. Either form of a name finds what is there under the other."""
+
+    def __contains__(self, name: object) -> bool:
+        return super().__contains__(name) or (isinstance(name, str) and super().__contains__(other_form(name)))
+
+    def __missing__(self, name: str) -> T:
+        if name in self:
+            return self[other_form(name) or name]
+        raise KeyError(name)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        try:
+            return self[name]
+        except KeyError:
+            return default
 
 
 def is_pose(name: str) -> bool:
@@ -104,9 +142,11 @@ def part_names(kind: str, names: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(part for family in families for part in by_family[family]))
 
 
-def _stem(row: dict[str, Any], instance: str | Point | None) -> str:
+def _stem(row: dict[str, Any], instance: str | Point | None, plain: bool) -> str:
     """A name without its component, which comes last in every pattern."""
     pattern = row["name"].removesuffix(".{c}")
+    if plain:
+        pattern = pattern.replace(POINT, PLAIN_POINT)
     if instance is None or isinstance(instance, str):
         return pattern.format(name=instance)
     i, j, k = instance
@@ -136,8 +176,8 @@ def _shapes() -> tuple[Rows, dict[tuple[str | None, ...], dict[str, Any]]]:
     at_points: Rows = {}
     others: dict[tuple[str | None, ...], dict[str, Any]] = {}
     for row in _rows().values():
-        if found := _AT_POINT_PATTERN.fullmatch(row["name"]):
-            at_points.setdefault(found[1], row)
+        if POINT in row["name"]:
+            at_points.setdefault(row["name"].partition(POINT)[0], row)
         else:
             others.setdefault(tuple(None if word.startswith("{") else word for word in row["name"].split(".")), row)
     return at_points, others

@@ -1,10 +1,23 @@
 """Names of variables and the table's rows, both ways."""
 
+import re
+
 import pytest
 
 from softffd.installed import table
 from softffd.lattice import all_points
-from softffd.names import Name, Part, parse_name, part_names, variable_name, variable_names, vector_names
+from softffd.names import (
+    ByName,
+    Name,
+    Part,
+    other_form,
+    parse_name,
+    part_names,
+    structured,
+    variable_name,
+    variable_names,
+    vector_names,
+)
 
 AT_POINT, NAMED = ("force", "position", "velocity"), ("load", "plane", "pin", "probe")
 
@@ -30,6 +43,8 @@ def test_every_row_s_names_come_back_as_its_instance_and_component(row):
         *("", ".", "time", "mass.x", "gravity", "gravity.w", "gravity.{c}", "pin.a.friction"),
         *("position", "position[0,1,2]", "position[0,1,2].w", "position[0,1].x", "position[00,1,2].x"),
         *("position[0,1,-2].x", "position[0, 1, 2].x", "position[0,1,2].x.y", "mass[0,1,2].x"),
+        *("position_0_1_2", "position_0_1.x", "position_0_1_2_3.x", "position_00_1_2.x", "mass_0_1_2.x", "position_0,1,2.x"),
+        *("position[0_1_2].x", "position_0_1_2.w", "position_0_1_2.x.y", "position__0_1_2.x"),
         *("plane.a.friction.x", "plane.a.b.friction", "plane.1a.friction", "plane..friction", "plane.{name}.friction"),
     ],
 )
@@ -66,3 +81,30 @@ def test_parts_are_listed_in_the_order_of_the_family_that_has_them_all():
 def test_parts_of_which_only_some_are_inputs_keep_the_order_of_the_scene():
     names = [*variable_names("pin_position", ["b"]), *variable_names("pin_reaction", ["a", "b", "c"])]
     assert part_names("pin", names) == ["a", "b", "c"]
+
+
+@pytest.mark.parametrize("row", table()["family"], ids=lambda row: row["key"])
+def test_plain_names_mean_what_the_structured_ones_mean(row):
+    instance = instance_of(row)
+    names, own = variable_names(row["key"], [instance], plain=True), vector_names(row["key"], instance)
+    assert all(re.fullmatch(r"[A-Za-z0-9_.]+", name) for name in names)
+    assert [parse_name(name) for name in names] == [parse_name(name) for name in own]
+    at_points = isinstance(instance, tuple)
+    assert [other_form(name) for name in own] == (names if at_points else [None] * len(own))
+    assert [structured(name) for name in [*names, *own]] == [*own, *own]
+
+
+def test_parts_whose_names_look_like_points_keep_one_form():
+    for name in ("load.position_0_1_2.x", "plane.force_1_1_1.friction", "probe._0_0_0.z"):
+        assert parse_name(name) is not None and other_form(name) is None and structured(name) == name
+
+
+@pytest.mark.parametrize("plain", [False, True])
+def test_either_form_finds_what_is_there(plain):
+    name = variable_name("position", (0, 1, 2), "x", plain=plain)
+    values = ByName({name: 7.0, "mass": 1.0})
+    assert values["position[0,1,2].x"] == values["position_0_1_2.x"] == values.get("position_0_1_2.x") == 7.0
+    assert "position[0,1,2].x" in values and "position_0_1_2.x" in values and list(values) == [name, "mass"]
+    assert "position_0_1_3.x" not in values and values.get("nothing") is None and 3 not in values
+    with pytest.raises(KeyError):
+        values["position_0_1_3.x"]

@@ -202,6 +202,7 @@ constexpr Reader readers[] = {
     {"positions", [](Record& r, SceneFile& s) { s.positions = r.points(count(s)); }},
     {"velocities", [](Record& r, SceneFile& s) { s.velocities = r.points(count(s)); }},
     {"initial", read_initial},
+    {"plain_names", [](Record&, SceneFile& s) { s.plain_names = true; }},
     {"reactions", [](Record&, SceneFile& s) { s.reactions = true; }},
     {"energy", [](Record&, SceneFile& s) { s.energy = s.definition.watch_energy = true; }},
     {"solver", [](Record&, SceneFile& s) { s.solver = true; }},

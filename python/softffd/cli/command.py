@@ -118,16 +118,19 @@ def _demo(options: argparse.Namespace) -> None:
 
 def _build(options: argparse.Namespace) -> None:
     from softffd.fmu.package import package_fmu, scene_masses
-    from softffd.fmu.variables import variables
+    from softffd.fmu.variables import size_warning, variables
 
     scene = load_scene(options.scene)
     path = package_fmu(scene, f"{scene.name}.fmu" if options.output is None else options.output, platforms=options.platform)
     masses = scene_masses(scene)
     print(f"{path}: {scene.title}")
-    print(f"  {len(variables(scene, masses.mass))} variables, {path.stat().st_size / 1024:.0f} kB, mass {masses.mass.sum():.6g} kg")
+    count = len(variables(scene, masses.mass))
+    print(f"  {count} variables, {path.stat().st_size / 1024:.0f} kB, mass {masses.mass.sum():.6g} kg")
     if masses.shift.any():
         shift = ", ".join(f"{value:.3g}" for value in masses.shift)
         print(f"  mass.uniform_share moves the centre of mass by ({shift}) m")
+    if warning := size_warning(scene, count):
+        print(f"  warning: {warning}")
 
 
 def _run(options: argparse.Namespace) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from softffd.fmu.values import listed_values
+from softffd.names import ByName
 
 if TYPE_CHECKING:
     from softffd.fmu.variables import Variable
@@ -46,8 +47,10 @@ class Interface:
     identifier: str
     """modelIdentifier: the library's name"""
     guid: str
-    variables: dict[str, ScalarVariable]
+    variables: ByName[ScalarVariable]
     """By name, in the description's order"""
+    plain: bool
+    """Whether names at control points are plain"""
     stop_time: float | None
     """Of the default experiment [s]"""
     step: float | None
@@ -71,7 +74,8 @@ def scene_interface(scene: Scene, variables: list[Variable], guid: str) -> Inter
         title=scene.title,
         identifier=IDENTIFIER,
         guid=guid,
-        variables={variable.name: _scalar(variable) for variable in variables},
+        variables=ByName({variable.name: _scalar(variable) for variable in variables}),
+        plain=scene.fmu.names == "plain",
         stop_time=scene.experiment.stop_time,
         step=scene.experiment.communication_step,
         interpolates=True,
@@ -98,7 +102,8 @@ def read_interface(description: Any) -> Interface:
         title=description.description or description.modelName,
         identifier=simulation.modelIdentifier,
         guid=description.guid,
-        variables={variable.name: _declared(variable, own) for variable in description.modelVariables},
+        variables=ByName({variable.name: _declared(variable, own) for variable in description.modelVariables}),
+        plain=own and description.variableNamingConvention == "flat",
         stop_time=_number(experiment.stopTime) if experiment else None,
         step=_number(experiment.stepSize) if experiment else None,
         interpolates=bool(simulation.canInterpolateInputs),

@@ -15,6 +15,8 @@ GUID_PLACE = "{softffd-guid}"
 """Stands where the guid goes; the guid is a hash of everything else but the date."""
 DATE_PLACE = "{softffd-date}"
 """Stands where the date goes."""
+CONVENTIONS = {"structured": "structured", "plain": "flat"}
+"""variableNamingConvention by fmu.names"""
 
 
 def model_description(scene: Scene, variables: list[Variable]) -> str:
@@ -31,7 +33,7 @@ def model_description(scene: Scene, variables: list[Variable]) -> str:
         license="BSD-2-Clause",
         generationTool=f"softffd {__version__}",
         generationDateAndTime=DATE_PLACE,
-        variableNamingConvention="structured",
+        variableNamingConvention=CONVENTIONS[scene.fmu.names],
     )
     Xml.SubElement(
         root,

@@ -63,6 +63,8 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
             lines.append([key, *points])
     initial = scene.initial
     lines.append(["initial", *initial.stretch, *initial.offset, *initial.velocity, *initial.angular_velocity])
+    if scene.fmu.names == "plain":
+        lines.append(["plain_names"])
     lines += [[key] for key in ("reactions", "energy", "solver") if getattr(outputs, key)]
     lines.append(["stop_time", scene.experiment.stop_time])
     solver = scene.solver

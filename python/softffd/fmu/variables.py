@@ -12,12 +12,16 @@ import numpy as np
 
 from softffd.fmu.values import list_of_values
 from softffd.installed import available_methods, table
+from softffd.lattice import Point
+from softffd.names import variable_name
 from softffd.scene.scene import Scene
 from softffd.scene.sections import Pin, Plane
 from softffd.scene.selection import Selection
 
 STANDARD_GRAVITY = 9.80665
 """m/s2"""
+READABLE = 20_000
+"""More variables than this make the descriptions slow to read in many tools"""
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,11 @@ def method_value(key: str) -> int:
 def spring_damping_present(scene: Scene) -> bool:
     """Does any control point have damping?"""
     return scene.material.damping > 0 or any(region.damping for region in scene.region)
+
+
+def _instance(words: dict[str, Any]) -> str | Point | None:
+    """What stands in a name for a part or a control point."""
+    return (words["i"], words["j"], words["k"]) if "i" in words else words.get("name")
 
 
 def _point(scene: Scene, p: int) -> dict[str, Any]:
@@ -153,7 +162,7 @@ def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
 
     Families of one name, of which one has the inputs and the other the parameters, stand together: a part's components in their order.
     """
-    present, usual = parts(scene, mass), sizes(scene, mass)
+    present, usual, plain = parts(scene, mass), sizes(scene, mass), scene.fmu.names == "plain"
     found: list[Variable] = []
     counts: Counter[str] = Counter()
     for families in _of_one_name():
@@ -166,7 +175,7 @@ def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
             found.append(
                 Variable(
                     index=len(found) + 1,
-                    name=family["name"].format(**words),
+                    name=variable_name(family["key"], _instance(words), words["c"], plain=plain),
                     reference=family["id"] << 24 | number,
                     family=family,
                     start=_value(family, "start", instance, component),
@@ -176,3 +185,20 @@ def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
                 )
             )
     return found
+
+
+def size_warning(scene: Scene, count: int) -> str | None:
+    """What to say about a scene of so many variables, and which keys make them; None where they are not too many."""
+    if count <= READABLE:
+        return None
+    keys = {
+        "outputs.positions": scene.outputs.positions,
+        "outputs.velocities": scene.outputs.velocities,
+        "inputs.forces": scene.inputs.forces,
+    }
+    made = sorted(((3 * len(scene.select(points)), key) for key, points in keys.items()), reverse=True)
+    listed = ", ".join(f"{key} makes {number}" for number, key in made if number)
+    return (
+        f"{count} variables, of which {listed}: many tools are slow to read more than {READABLE}; select fewer control points there, "
+        "follow places of the object by [[probe]] and push it by [[load]]"
+    )

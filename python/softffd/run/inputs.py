@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from softffd.errors import FmuError
-from softffd.names import parse_name
+from softffd.names import parse_name, structured
 from softffd.run.inputs_csv import read_csv
 from softffd.run.motion import derived_velocities
 
@@ -29,6 +29,8 @@ class Inputs:
 
     A plane or pin whose pose is given but whose velocity is not gets the velocity that takes it to its pose at the end of the
     communication step, where that velocity is an input; a jump there moves it without velocity.
+
+    Names at control points may have either form (softffd.names); `names` has the structured one.
     """
 
     def __init__(self, source: Source | None):
@@ -97,9 +99,9 @@ def _course(source: Source | None, where: str) -> tuple[Course, list[str]]:
     if callable(source):
         return _of_function(source, where)
     if isinstance(source, str | Path):
-        return _of_table(read_csv(Path(source)))
+        return _of_table(read_csv(Path(source)), where)
     if isinstance(source, np.ndarray):
-        return _of_table(_checked(source))
+        return _of_table(_checked(source), where)
     raise FmuError(f"{where}wanted a function of time, a structured array or a CSV file, got {type(source).__name__}: {source!r:.70}")
 
 
@@ -113,8 +115,8 @@ def _of_function(function: Callable[[float], Mapping[str, float]], where: str) -
             raise FmuError(f"{where}at {time:g} s: {bad}: wanted a finite number, got {values[bad]!r:.70}")
         return numbers
 
-    names = list(asked(0.0))
-    wanted = set(names)
+    given = list(asked(0.0))
+    names, wanted = _structured(given, where), set(given)
 
     def course(time: float, _ends: bool) -> dict[str, float]:
         numbers = asked(time)
@@ -122,7 +124,7 @@ def _of_function(function: Callable[[float], Mapping[str, float]], where: str) -
             changes = {"missing": wanted - numbers.keys(), "additional": numbers.keys() - wanted}
             got = "; ".join(f"{what}: {', '.join(sorted(map(str, some)))}" for what, some in changes.items() if some)
             raise FmuError(f"{where}at {time:g} s: wanted the same names as at 0 s, got {got}")
-        return numbers
+        return dict(zip(names, map(numbers.__getitem__, given), strict=True))
 
     return course, names
 
@@ -135,9 +137,19 @@ def _number(value: Any) -> float:
         return math.nan
 
 
-def _of_table(table: np.ndarray) -> tuple[Course, list[str]]:
-    times, names = table["time"].astype(float), list((table.dtype.names or ())[1:])
-    columns = {name: table[name].astype(float) for name in names}
+def _structured(given: list[str], where: str) -> list[str]:
+    """The names in their structured form; FmuError where two of them mean the same variable."""
+    by_name: dict[str, str] = {}
+    for name in given:
+        if (other := by_name.setdefault(structured(name), name)) != name:
+            raise FmuError(f"{where}{name}: wanted each variable once, got {other} too, which is the same one")
+    return list(by_name)
+
+
+def _of_table(table: np.ndarray, where: str) -> tuple[Course, list[str]]:
+    times, given = table["time"].astype(float), list((table.dtype.names or ())[1:])
+    names = _structured(given, where)
+    columns = {name: table[own].astype(float) for name, own in zip(names, given, strict=True)}
 
     def course(time: float, ends: bool) -> dict[str, float]:
         slack = SLACK * abs(time)

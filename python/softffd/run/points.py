@@ -36,7 +36,9 @@ class PointField:
     """Vectors of all control points as one array (nx, ny, nz, 3)."""
 
     def __init__(self, simulation: Simulation, family: str):
-        names = [name for name in simulation.variables if name.startswith(f"{family}[") and parse_name(name)]
+        names = [
+            name for name in simulation.variables if name.startswith(family) and (found := parse_name(name)) and found.family == family
+        ]
         if not names:
             where = {"position": "outputs.positions", "velocity": "outputs.velocities", "force": "inputs.forces"}[family]
             raise FmuError(f"{family}[i,j,k]: the FMU has no such variables; wanted a scene with {where}")

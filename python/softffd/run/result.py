@@ -16,7 +16,7 @@ from softffd.errors import MeshError, SoftffdError, UnknownName
 from softffd.files import replacing
 from softffd.lattice import LatticeBox, all_points
 from softffd.mesh.mesh import Mesh
-from softffd.names import part_names, variable_names, vector_names
+from softffd.names import ByName, part_names, variable_names, vector_names
 from softffd.rotation import turned
 from softffd.run.parts import require_name
 from softffd.scene.scene import Scene
@@ -25,7 +25,7 @@ from softffd.spelling import did_you_mean, nearest_of
 T = TypeVar("T")
 
 
-class ByName(dict[str, T]):
+class Columns(ByName[T]):
     """Values by variable name; a name that is not there is answered with the nearest one that is."""
 
     def __init__(self, values: Mapping[str, T], what: str):
@@ -33,6 +33,8 @@ class ByName(dict[str, T]):
         self._what = what
 
     def __missing__(self, name: str) -> T:
+        if name in self:
+            return super().__missing__(name)
         raise UnknownName(f"{name}: there is no {self._what} of this name in the result{did_you_mean(nearest_of(str(name), self))}")
 
 
@@ -56,10 +58,12 @@ class Result:
     """The scene, where the run started from one"""
     lattice: LatticeBox | None = None
     """Counts, box at rest and basis, as the FMU has them; None for an FMU that is not of this package"""
+    plain_names: bool = False
+    """Whether names at control points are the plain ones (fmu.names), in `outputs`, `inputs` and the files"""
 
     def __post_init__(self) -> None:
         for field_name, what in (("outputs", "output"), ("inputs", "input"), ("parameters", "parameter")):
-            object.__setattr__(self, field_name, ByName(getattr(self, field_name), what))
+            object.__setattr__(self, field_name, Columns(getattr(self, field_name), what))
 
     def deformed(self, mesh: Mesh | np.ndarray | None = None, *, row: int | slice = -1) -> np.ndarray:
         """The deformed vertices (V, 3) [m] of a mesh in the run's lattice at a row of `time`, the last by default; (T, V, 3) for a slice.
@@ -118,7 +122,7 @@ class Result:
     def _position_columns(self) -> dict[str, np.ndarray]:
         recorded = [point for point in all_points(self.positions.shape[1:4]) if not np.isnan(self.positions[0, *point, 0])]
         columns = (self.positions[:, *point, axis] for point in recorded for axis in range(3))
-        return dict(zip(variable_names("position", recorded), columns, strict=True))
+        return dict(zip(variable_names("position", recorded, plain=self.plain_names), columns, strict=True))
 
     def _write_summary(self, stream: Any) -> None:
         stream.write((json.dumps(self.summary, indent=2) + "\n").encode())

@@ -23,3 +23,4 @@ class SceneKeys(sections.Section):
     outputs: sections.Outputs = key(sections.Outputs(), "what the FMU computes for others")
     solver: sections.Solver = key(sections.Solver(), "how the motion is integrated")
     experiment: sections.Experiment = key(sections.Experiment(), "the FMU's default experiment")
+    fmu: sections.Fmu = key(sections.Fmu(), "how the FMU shows itself to other tools")

@@ -323,3 +323,13 @@ class Experiment(Section):
 
     stop_time: Number = quantity(1.0, "s", "end of the simulation", gt=0)
     communication_step: Number = quantity(0.01, "s", "time between two exchanges of inputs and outputs", gt=0)
+
+
+class Fmu(Section):
+    """How the FMU shows itself to other tools."""
+
+    names: Literal["structured", "plain"] = key(
+        "structured",
+        'names of variables at control points: "structured" is position[0,1,2].x; "plain" is position_0_1_2.x, for tools that split '
+        "names at commas or know no brackets; runs and CSV files take either form",
+    )

@@ -28,7 +28,7 @@ from softffd.fmu.package import fmu_path, scene_masses
 from softffd.fmu.variables import variables
 from softffd.installed import table
 from softffd.lattice import point_at
-from softffd.names import variable_name
+from softffd.names import structured, variable_name
 from softffd.scene.scene import Scene
 from softffd.validation.resolved import resolved
 
@@ -101,7 +101,7 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
         "velocity": at_points("velocity", scene.outputs.velocities),
         "reactions": scene.outputs.reactions,
         "methods": {str(method["value"]): method["key"] for method in table()["method"]},
-        "variables": [{"name": v.name, "reference": v.reference, "start": v.start} for v in variables(scene, mass)],
+        "variables": [{"name": structured(v.name), "reference": v.reference, "start": v.start} for v in variables(scene, mass)],
     }
 
 
