@@ -13,7 +13,7 @@ CPP_ROOMS = [
     *("calls", "instance", "variables", "life_cycle", "messages", "resource"),  # fmi
     *("estimate", "soft_body", "stepping", "impacts", "kit", "watch", "flight", "methods", "contact", "matrix", "forces", "model"),  # core
 ]
-MADE = ("variable_table.hpp", "fmi2FunctionTypes.h", "fmi2Functions.h", "fmi2TypesPlatform.h")
+MADE = ("variable_table.hpp", "fmi2FunctionTypes.h", "fmi2Functions.h", "fmi2TypesPlatform.h", "fmi3FunctionTypes.h", "fmi3Functions.h")
 """Belong to no room; the core has no way to them on its include path, nor to the rooms of fmi."""
 
 PACKAGE_ROOMS = [

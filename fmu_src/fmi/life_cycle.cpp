@@ -11,11 +11,10 @@ void Times::check_step(double time, double step) const {
   const double rounding = 16 * std::numeric_limits<double>::epsilon() * std::max(std::abs(now), std::abs(start));
   const double slack = rounding + std::min(1e-9 * std::max(1.0, now - start), 0.01 * std::abs(step));
   if (!std::isfinite(time) || !(std::abs(time - now) <= slack))
-    throw CallError("fmi2DoStep: currentCommunicationPoint: wanted " + number(now) + " s, got " + number(time) + ", " + number(time - now) +
-                    " s off");
-  if (!std::isfinite(step) || !(step > 0)) throw CallError("fmi2DoStep: communicationStepSize: wanted > 0 s, got " + number(step));
+    throw CallError("currentCommunicationPoint: wanted " + number(now) + " s, got " + number(time) + ", " + number(time - now) + " s off");
+  if (!std::isfinite(step) || !(step > 0)) throw CallError("communicationStepSize: wanted > 0 s, got " + number(step));
   if (now + step > stop + rounding + 1e-9 * std::max(1.0, stop - start))
-    throw CallError("fmi2DoStep: a step to " + number(now + step) + " s goes past the stop time " + number(stop) + " s");
+    throw CallError("a step to " + number(now + step) + " s goes past the stop time " + number(stop) + " s");
 }
 
 double Times::horizon(double expected) const { return std::isfinite(stop) && stop > start ? stop - start : expected; }

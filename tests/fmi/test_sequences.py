@@ -1,12 +1,20 @@
 """Random legal sequences of calls, of several instances with states saved and restored: all stay on the straight run."""
 
 import random
-from ctypes import byref, c_double, c_void_p
+from ctypes import byref, c_void_p
 
 import pytest
 
-from c_host import DISCARD, OK, STEP, STEPS, TIMES, Fmu, Host
-from straight_run import apply, straight
+from c_host import DISCARD, OK, STEP, STEPS, TIMES, Fmu
+from c_host3 import Fmu3
+from straight_run import BARE, RICH, apply, straight
+
+
+@pytest.fixture(scope="module", params=[Fmu, Fmu3], ids=["fmi2", "fmi3"])
+def fmus(request, tmp_path_factory) -> list[Fmu]:
+    folder = tmp_path_factory.mktemp("sequences")
+    rich = request.param(RICH, folder / "rich")
+    return [rich, request.param(BARE, folder / "bare", rich.library)]
 
 
 class Walker:
@@ -18,7 +26,7 @@ class Walker:
         self.renew()
 
     def renew(self) -> None:
-        self.host, self.at = Host(self.fmu, logging=self.random.random() < 0.5), 0
+        self.host, self.at = self.fmu.host(logging=self.random.random() < 0.5), 0
         self.host.begin()
 
     def advance(self) -> None:
@@ -65,17 +73,15 @@ class Walker:
 
     def look(self) -> None:
         self.host.outputs()
-        self.host.reals(self.fmu.parameters)
+        self.host.settings()
 
     def discard(self) -> None:
         """A step that is too long for its stiffness, then back."""
         state, slopes = self.host.save(), self.host.slopes()
         assert self.host.set({"stiffness.edge": 1e19}) == OK
         assert self.host("DoStep", TIMES[self.at], 1.0, 1) == DISCARD
-        time = c_double()
         assert self.host.slopes() == slopes
-        self.host.must("GetRealStatus", 2, byref(time))
-        assert time.value == pytest.approx(TIMES[self.at], abs=1e-12)
+        assert self.host.reached() == pytest.approx(TIMES[self.at], abs=1e-12)
         self.host.must("SetFMUstate", state)
         self.host.forget(state)
 
@@ -103,7 +109,7 @@ def wander(fmus: list[Fmu], seed: int, moves: int) -> int:
     """Random moves of four instances of two scenes; returns how often the straight run was met."""
     generator = random.Random(seed)
     expected = {id(fmu): straight(fmu) for fmu in fmus}
-    slopes = {id(fmu): straight(fmu, look=Host.slopes) for fmu in fmus}
+    slopes = {id(fmu): straight(fmu, look=lambda host: host.slopes()) for fmu in fmus}
     walkers = [Walker(fmus[i % 2], generator) for i in range(4)]
     met = 0
     for _ in range(moves):
@@ -127,7 +133,7 @@ def test_thousands_of_random_legal_calls_stay_on_the_straight_run(fmus, seed):
 
 def test_the_straight_run_depends_on_what_the_schedule_sets(fmus):
     for fmu in fmus:
-        host = Host(fmu)
+        host = fmu.host()
         host.begin()
         for n in range(STEPS):
             assert host.step(n) == OK

@@ -69,6 +69,9 @@ def opened(path: str) -> CDLL:
 class Fmu:
     """An unpacked FMU: its library, guid, resources and value references by name."""
 
+    interpolates = True
+    """Whether inputs take derivatives"""
+
     def __init__(self, scene: Scene, folder: Path, library: CDLL | None = None):
         folder.mkdir()
         package = package_fmu(scene, folder / "box.fmu")
@@ -84,6 +87,9 @@ class Fmu:
         self.reals = [v.valueReference for v in outputs if v.type == "Real"]
         self.integers = [v.valueReference for v in outputs if v.type == "Integer"]
         self.parameters = [v.valueReference for v in description.modelVariables if v.causality != "output" and v.type == "Real"]
+
+    def host(self, **options) -> "Host":
+        return Host(self, **options)
 
 
 def doubles(values):
@@ -131,10 +137,24 @@ class Host:
     def set(self, values: dict[str, float]) -> int:
         return self("SetReal", uints([self.fmu.names[name] for name in values]), len(values), doubles(list(values.values())))
 
+    def set_rates(self, rates: dict[str, float]) -> None:
+        references = uints([self.fmu.names[name] for name in rates])
+        self.must("SetRealInputDerivatives", references, len(rates), ints([1] * len(rates)), doubles(list(rates.values())))
+
+    def reached(self) -> float:
+        """The last time that a step led to."""
+        time = c_double()
+        self.must("GetRealStatus", 2, byref(time))
+        return time.value
+
     def reals(self, references) -> bytes:
         values = (c_double * len(references))()
         self.must("GetReal", uints(references), len(references), values)
         return bytes(values)
+
+    def settings(self) -> bytes:
+        """All inputs and parameters that are Reals, bit by bit."""
+        return self.reals(self.fmu.parameters)
 
     def outputs(self) -> bytes:
         """All outputs, bit by bit."""

@@ -4,7 +4,7 @@ import random
 from collections.abc import Callable
 from functools import cache
 
-from c_host import OK, STEP, STEPS, TIMES, Fmu, Host, doubles, ints, uints
+from c_host import OK, STEP, STEPS, TIMES, Fmu, Host
 from scenes import GRAVITY, LED, MOVED, box
 
 RICH = box(
@@ -49,15 +49,13 @@ def apply(host: Host, n: int, generator: random.Random | None = None) -> None:
         generator.shuffle(parts)
     for values in parts:
         assert host.set(values) == OK
-    if "load.push.x" in host.fmu.names and n % 3 == 1:
-        names = ["load.push.x", "plane.ground.velocity.z"]
-        rates = [10.0 * n, -0.5]
-        host.must("SetRealInputDerivatives", uints([host.fmu.names[name] for name in names]), 2, ints([1, 1]), doubles(rates))
+    if "load.push.x" in host.fmu.names and host.fmu.interpolates and n % 3 == 1:
+        host.set_rates({"load.push.x": 10.0 * n, "plane.ground.velocity.z": -0.5})
 
 
-def straight(fmu: Fmu, steps: int = STEPS, look: Callable[[Host], bytes] = Host.outputs) -> list[bytes]:
+def straight(fmu: Fmu, steps: int = STEPS, look: Callable[[Host], bytes] = lambda host: host.outputs()) -> list[bytes]:
     """What a look shows, the outputs, at every communication point of an undisturbed run."""
-    host = Host(fmu)
+    host = fmu.host()
     host.begin()
     points = [look(host)]
     for n in range(steps):

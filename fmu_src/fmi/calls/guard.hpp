@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <string>
 #include <type_traits>
+#include <utility>
 
 #include "calls/float_environment.hpp"
 #include "calls/registry.hpp"
@@ -72,17 +73,27 @@ void check_arrays(const Function& function, const Arrays& arrays);
 /// The host's answer to an exception; it is that which is being handled.
 fmi2Status refused(Instance& instance, const Function& function);
 
-/// Calls call(Instance&), whose status, if it has one, is the host's; what it throws becomes fmi2Error with a message.
+/// Calls call(), and has the message of what the host got wrong begin with the function's name.
 template <class Call>
-fmi2Status guarded(fmi2Component component, const Function& function, const Arrays& arrays, Call&& call) noexcept {
+auto named(const Function& function, Call&& call) {
+  try {
+    return call();
+  } catch (const CallError& error) {
+    throw CallError(std::string(function.name) + ": " + error.what());
+  }
+}
+
+/// Calls call(Held&), whose status, if it has one, is the host's; what it throws becomes fmi2Error with a message. Held: an Instance.
+template <class Held, class Call>
+fmi2Status guarded(Registry<Held>& registry, const void* handle, const Function& function, const Arrays& arrays, Call&& call) noexcept {
   const FloatEnvironment environment;
   try {
-    Instance* instance = instances.live(component);
+    Held* instance = registry.live(handle);
     if (!instance) return fmi2Error;
     try {
       check_phase(instance->phase, function);
       check_arrays(function, arrays);
-      if constexpr (std::is_void_v<std::invoke_result_t<Call, Instance&>>) {
+      if constexpr (std::is_void_v<std::invoke_result_t<Call, Held&>>) {
         call(*instance);
         return fmi2OK;
       } else {
@@ -94,6 +105,11 @@ fmi2Status guarded(fmi2Component component, const Function& function, const Arra
   } catch (...) {  // no memory for the message either
   }
   return fmi2Error;
+}
+
+template <class Call>
+fmi2Status guarded(fmi2Component component, const Function& function, const Arrays& arrays, Call&& call) noexcept {
+  return guarded(instances, component, function, arrays, std::forward<Call>(call));
 }
 
 }  // namespace softffd::fmi

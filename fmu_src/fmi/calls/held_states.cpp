@@ -10,7 +10,7 @@ constinit Registry<HeldState> states;
 
 HeldState& live(fmi2FMUstate handle) {
   HeldState* state = states.live(handle);
-  if (!state) throw StateError("FMUstate: wanted a state that fmi2GetFMUstate or fmi2DeSerializeFMUstate gave");
+  if (!state) throw StateError("FMUstate: wanted a state that was got or deserialized before");
   return *state;
 }
 

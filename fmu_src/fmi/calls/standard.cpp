@@ -1,39 +1,24 @@
 /// The functions of FMI 2.0 for Co-Simulation that make, start, step, ask and free instances. standard_values.cpp and standard_states.cpp
 /// have the others; what lies behind all of them is in Instance.
-#include <cmath>
-#include <limits>
-#include <new>
-
 extern "C" {
 #include "fmi2Functions.h"
 }
 
-#include "calls/guard.hpp"
 #include "calls/held_states.hpp"
+#include "calls/opening.hpp"
+#include "calls/requests.hpp"
 #include "resource/resource_uri.hpp"
 
 using namespace softffd::fmi;
 
 namespace {
 
-std::unique_ptr<Instance> instantiate(const Logger& logger, fmi2Type type, const char* guid, const char* resources) {
-  if (type != fmi2CoSimulation) throw CallError("fmi2Instantiate: fmuType: wanted fmi2CoSimulation; model exchange is not available");
-  if (!guid) throw CallError("fmi2Instantiate: fmuGUID: wanted a text, got null");
-  if (!resources || !*resources)
-    throw CallError("fmi2Instantiate: fmuResourceLocation: wanted the URI of the resources folder, got nothing");
-  const auto path = path_from_uri(resources);
-  if (!path) throw CallError(std::string("fmi2Instantiate: fmuResourceLocation: wanted a file: URI, got ") + resources);
-  const bool slash = !path->empty() && path->back() == '/';
-  SceneFile scene = read_scene(*path + (slash ? "scene.txt" : "/scene.txt"));
-  if (scene.guid != guid) throw CallError("fmi2Instantiate: fmuGUID: wanted " + scene.guid + ", got " + guid);
-  return std::make_unique<Instance>(std::move(scene), logger);
-}
-
-template <class Words>
-std::string listed(const Words& words) {
-  std::string text;
-  for (const auto& word : words) text += (text.empty() ? "" : ", ") + std::string(word);
-  return text;
+SceneFile scene_of(fmi2Type type, const char* resources, const Asked& asked) {
+  if (type != fmi2CoSimulation) throw CallError("fmuType: wanted fmi2CoSimulation; model exchange is not available");
+  if (!resources || !*resources) throw CallError("fmuResourceLocation: wanted the URI of the resources folder, got nothing");
+  const auto folder = path_from_uri(resources);
+  if (!folder) throw CallError(std::string("fmuResourceLocation: wanted a file: URI, got ") + resources);
+  return scene_in(*folder, asked);
 }
 
 }  // namespace
@@ -46,21 +31,11 @@ const char* fmi2GetVersion(void) { return "2.0"; }
 
 fmi2Component fmi2Instantiate(fmi2String instance_name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions* callbacks, fmi2Boolean, fmi2Boolean logging_on) {
-  const FloatEnvironment environment;
   if (!callbacks) return nullptr;
-  try {
-    const std::string name = instance_name ? instance_name : "";
-    const Logger logger(*callbacks, name, logging_on != fmi2False);
-    try {
-      if (name.find_first_not_of(" \t\r\n\v\f") == name.npos)
-        throw CallError(std::string("fmi2Instantiate: instanceName: wanted a text, got nothing") + (name.empty() ? "" : " but blanks"));
-      return instances.adopt(instantiate(logger, type, guid, resources));
-    } catch (const std::exception& error) {
-      logger.log(fmi2Error, log_error, error.what());
-    }
-  } catch (...) {  // no memory for the message either
-  }
-  return nullptr;
+  const Asked asked{instance_name, "fmuGUID", guid};
+  return instantiate(
+      instances, "fmi2Instantiate", asked, [&] { return Logger(*callbacks, instance_name ? instance_name : "", logging_on != fmi2False); },
+      [&] { return scene_of(type, resources, asked); });
 }
 
 void fmi2FreeInstance(fmi2Component component) {
@@ -71,25 +46,15 @@ void fmi2FreeInstance(fmi2Component component) {
 
 fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t count, const fmi2String categories[]) {
   return guarded(component, function::set_debug_logging, {{categories}, count}, [&](Instance& instance) {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < count; ++i) names.emplace_back(categories[i] ? categories[i] : "(null)");
-    const std::vector<std::string> unknown = instance.logger.switch_categories(on != fmi2False, names);
-    if (unknown.empty()) return fmi2OK;
-    return instance.logger.warn_caller("fmi2SetDebugLogging: wanted categories of " + listed(log_categories) + "; passed over " +
-                                       listed(unknown));
+    return switch_logging(instance, function::set_debug_logging, on != fmi2False, count, categories);
   });
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start_time,
                                fmi2Boolean stop_time_defined, fmi2Real stop_time) {
   return guarded(component, function::setup_experiment, {}, [&](Instance& instance) {
-    if (!std::isfinite(start_time)) throw CallError("fmi2SetupExperiment: startTime: wanted a finite number, got " + number(start_time));
-    if (tolerance_defined && !(std::isfinite(tolerance) && tolerance > 0))
-      throw CallError("fmi2SetupExperiment: tolerance: wanted a finite number > 0, got " + number(tolerance));
-    if (stop_time_defined && !(std::isfinite(stop_time) && stop_time > start_time))
-      throw CallError("fmi2SetupExperiment: stopTime: wanted a finite number above startTime, got " + number(stop_time));
-    instance.setup_experiment(start_time, tolerance_defined ? tolerance : 0,
-                              stop_time_defined ? stop_time : std::numeric_limits<double>::infinity());
+    const Experiment wanted{start_time, tolerance_defined ? &tolerance : nullptr, stop_time_defined ? &stop_time : nullptr};
+    named(function::setup_experiment, [&] { set_up(instance, wanted); });
   });
 }
 
@@ -110,7 +75,8 @@ fmi2Status fmi2Reset(fmi2Component component) {
 }
 
 fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real step, fmi2Boolean) {
-  return guarded(component, function::do_step, {}, [&](Instance& instance) { return instance.do_step(time, step); });
+  return guarded(component, function::do_step, {},
+                 [&](Instance& instance) { return named(function::do_step, [&] { return instance.do_step(time, step); }); });
 }
 
 fmi2Status fmi2CancelStep(fmi2Component component) {

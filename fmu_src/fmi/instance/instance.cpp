@@ -69,7 +69,7 @@ fmi2Status Instance::do_step(double time, double step) {
     logger.log(fmi2Discard, log_discard, trouble(status, scene_, body_, times_.now, step));
     return fmi2Discard;
   }
-  if (status != StepStatus::ok) throw CallError("fmi2DoStep: " + trouble(status, scene_, body_, times_.now, step));
+  if (status != StepStatus::ok) throw CallError(trouble(status, scene_, body_, times_.now, step));
   if (error_estimate_) error_estimate_->follow(body_, step);
   times_.now = time + step;
   variables_.end_step(step);

@@ -35,6 +35,10 @@ class Instance {
     variables_.get_output_derivatives(references, count, orders, values, body_, estimate());
   }
 
+  std::vector<Variables::Array> arrays() const { return variables_.arrays(); }
+  /// Name of a variable, as Variables has it.
+  std::string name(fmi2ValueReference reference) const { return variables_.name(reference); }
+
   /// Everything that makes the instance continue as it would have, as flat bytes.
   Bytes save_state() const;
   /// Continues from saved bytes. Throws StateError, changing nothing, if they are none of this scene.

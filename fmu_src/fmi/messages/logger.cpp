@@ -28,25 +28,19 @@ std::size_t character_length(std::string_view text) {
   return 0;
 }
 
-/// What a host gave and a message repeats may hold anything: only whole characters pass, the rest becomes `?`.
-std::string escaped(std::string_view message) {
-  std::string text;
-  while (!message.empty()) {
-    const std::size_t length = character_length(message);
-    if (length == 1 && (message[0] == '%' || message[0] == '#')) text += message[0];
-    text.append(length ? message.substr(0, length) : "?");
-    message.remove_prefix(std::max<std::size_t>(length, 1));
-  }
-  return text;
+Logger::Host host_of(const fmi2CallbackFunctions& callbacks, std::string instance_name) {
+  if (!callbacks.logger) return {};
+  return [log = callbacks.logger, environment = callbacks.componentEnvironment, name = std::move(instance_name)](
+             fmi2Status status, const char* category, const char* message) { log(environment, name.c_str(), status, category, message); };
 }
 
 }  // namespace
 
+Logger::Logger(Host host, std::string_view doubled, bool logging_on)
+    : host_(std::move(host)), doubled_(doubled), enabled_(std::size(log_categories), logging_on) {}
+
 Logger::Logger(const fmi2CallbackFunctions& callbacks, std::string instance_name, bool logging_on)
-    : callback_(callbacks.logger),
-      environment_(callbacks.componentEnvironment),
-      instance_name_(std::move(instance_name)),
-      enabled_(std::size(log_categories), logging_on) {}
+    : Logger(host_of(callbacks, std::move(instance_name)), "%#", logging_on) {}
 
 std::vector<std::string> Logger::switch_categories(bool on, const std::vector<std::string>& names) {
   std::vector<std::string> unknown;
@@ -58,7 +52,7 @@ std::vector<std::string> Logger::switch_categories(bool on, const std::vector<st
   return unknown;
 }
 
-bool Logger::on(const char* category) const { return callback_ && enabled_[category_index(category)]; }
+bool Logger::on(const char* category) const { return host_ && enabled_[category_index(category)]; }
 
 void Logger::log(fmi2Status status, const char* category, std::string_view message) const {
   if (status >= fmi2Error || on(category)) hand_over(status, category, message);
@@ -70,8 +64,19 @@ fmi2Status Logger::warn_caller(std::string_view message) const {
 }
 
 void Logger::hand_over(fmi2Status status, const char* category, std::string_view message) const {
-  if (!callback_) return;
-  callback_(environment_, instance_name_.c_str(), status, category, escaped(message).c_str());
+  if (host_) host_(status, category, escaped(message).c_str());
+}
+
+/// What a host gave and a message repeats may hold anything: only whole characters pass, the rest becomes `?`.
+std::string Logger::escaped(std::string_view message) const {
+  std::string text;
+  while (!message.empty()) {
+    const std::size_t length = character_length(message);
+    if (length == 1 && doubled_.find(message[0]) != doubled_.npos) text += message[0];
+    text.append(length ? message.substr(0, length) : "?");
+    message.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return text;
 }
 
 std::string number(double value) {

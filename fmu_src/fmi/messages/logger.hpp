@@ -1,5 +1,7 @@
-/// Messages to the host, by the rules of FMI 2.0: declared categories only, `%` and `#` doubled, UTF-8, no line break at the end.
+/// Messages to the host, by the rules of both standards: declared categories only, UTF-8, no line break at the end, and the characters
+/// doubled that a standard gives a meaning.
 #pragma once
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +16,11 @@ namespace softffd::fmi {
 
 class Logger {
  public:
+  /// The host's callback, whatever form its standard gives it; may be empty.
+  using Host = std::function<void(fmi2Status status, const char* category, const char* message)>;
+  /// doubled: the characters with a meaning.
+  Logger(Host host, std::string_view doubled, bool logging_on);
+  /// A host of FMI 2.0.
   Logger(const fmi2CallbackFunctions& callbacks, std::string instance_name, bool logging_on);
 
   /// Switches all categories (no names, or logAll among them) or the named ones. Returns the names that are not declared.
@@ -29,9 +36,10 @@ class Logger {
  private:
   void hand_over(fmi2Status status, const char* category, std::string_view message) const;
 
-  fmi2CallbackLogger callback_;
-  fmi2ComponentEnvironment environment_;
-  std::string instance_name_;
+  std::string escaped(std::string_view message) const;
+
+  Host host_;
+  std::string_view doubled_;
   std::vector<bool> enabled_;
 };
 

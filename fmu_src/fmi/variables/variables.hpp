@@ -56,6 +56,14 @@ class Variables {
   void end_step(double length);
   void set_tolerance(double tolerance);  ///< > 0
 
+  /// A variable of FMI 3.0: the value references of its elements, of which the first is its own.
+  struct Array {
+    std::vector<fmi2ValueReference> elements;
+    bool output;
+  };
+  /// All that there are (arrays.cpp).
+  std::vector<Array> arrays() const;
+
   /// Name of a variable as in modelDescription.xml; the bare number for an unknown one.
   std::string name(fmi2ValueReference reference) const;
 
@@ -94,6 +102,7 @@ class Variables {
   void choose(std::size_t row);
   int count(std::size_t row) const;
   Variable variable(std::size_t row, int index) const { return {row, index, families[row].pose.empty() ? index : chosen_[row][index]}; }
+  std::vector<fmi2ValueReference> of_points(std::size_t row) const;
   template <class Motions>
   void follow_pose(Family pose, Motions& moved) const;
   void check_method(double method) const;

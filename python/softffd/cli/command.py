@@ -54,6 +54,9 @@ def _parser() -> argparse.ArgumentParser:
     build.add_argument("scene", help="a scene file or the name of a shipped scene")
     build.add_argument("-o", "--output", metavar="X.fmu", help="default: NAME.fmu here")
     build.add_argument("--platform", action="append", metavar="NAME", help="FMI platform to carry, e.g. linux64; may be repeated")
+    build.add_argument(
+        "--fmi", type=int, choices=(2, 3), default=2, help="version of the standard: 2 (default), or 3, whose variables are arrays"
+    )
     build.set_defaults(command=_build)
 
     run = commands.add_parser("run", help="simulate a scene or an FMU and keep results and pictures")
@@ -117,14 +120,17 @@ def _demo(options: argparse.Namespace) -> None:
 
 
 def _build(options: argparse.Namespace) -> None:
+    from softffd.fmu.arrays import array_variables
     from softffd.fmu.package import package_fmu, scene_masses
     from softffd.fmu.variables import size_warning, variables
 
     scene = load_scene(options.scene)
-    path = package_fmu(scene, f"{scene.name}.fmu" if options.output is None else options.output, platforms=options.platform)
+    path = package_fmu(
+        scene, f"{scene.name}.fmu" if options.output is None else options.output, platforms=options.platform, fmi=options.fmi
+    )
     masses = scene_masses(scene)
     print(f"{path}: {scene.title}")
-    count = len(variables(scene, masses.mass))
+    count = len(variables(scene, masses.mass)) if options.fmi == 2 else len(array_variables(scene, masses.mass)) + 1  # and time
     print(f"  {count} variables, {path.stat().st_size / 1024:.0f} kB, mass {masses.mass.sum():.6g} kg")
     if masses.shift.any():
         shift = ", ".join(f"{value:.3g}" for value in masses.shift)

@@ -14,6 +14,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from softffd.files import write_text
+from softffd.fmu.arrays import of_whole
 from softffd.fmu.values import list_of_values
 from softffd.installed import table
 from softffd.scene import selection
@@ -136,9 +137,7 @@ def _variable(row: dict[str, Any]) -> list[str]:
     stem = row["name"].format(**words).removesuffix(".{c}")
     name = " ".join([f"`{stem}.{components[0]}`", *(f"`.{component}`" for component in components[1:])]) if components else f"`{stem}`"
     kind = ", ".join(word for word in (row["variability"], row.get("type", "")) if word)
-    meaning = row["description"].format(**words).replace(", {c};", ";").replace(", {c},", ",").replace(", {c}:", ":")
-    meaning = meaning.replace("component {c}", "components w, x, y, z").removesuffix(", {c}")
-    return [name, row.get("unit", ""), PRESENT[row["part"]], kind, meaning]
+    return [name, row.get("unit", ""), PRESENT[row["part"]], kind, of_whole(row["description"]).format(**words)]
 
 
 def _limits(method: dict[str, Any]) -> str:

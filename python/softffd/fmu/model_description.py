@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from xml.etree import ElementTree as Xml
 
 from softffd import __version__
@@ -21,20 +22,7 @@ CONVENTIONS = {"structured": "structured", "plain": "flat"}
 
 def model_description(scene: Scene, variables: list[Variable]) -> str:
     """The XML text with GUID_PLACE in the place of the guid and DATE_PLACE in that of the date."""
-    root = Xml.Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=scene.name,
-        guid=GUID_PLACE,
-        description=scene.title,
-        author=AUTHOR,
-        version=__version__,
-        copyright=COPYRIGHT,
-        license="BSD-2-Clause",
-        generationTool=f"softffd {__version__}",
-        generationDateAndTime=DATE_PLACE,
-        variableNamingConvention=CONVENTIONS[scene.fmu.names],
-    )
+    root = Xml.Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": GUID_PLACE} | origin_attributes(scene))
     Xml.SubElement(
         root,
         "CoSimulation",
@@ -46,9 +34,44 @@ def model_description(scene: Scene, variables: list[Variable]) -> str:
         canGetAndSetFMUstate="true",
         canSerializeFMUstate="true",
     )
-    used = {variable.family.get("unit") for variable in variables}
-    _units(Xml.SubElement(root, "UnitDefinitions"), used)
-    _log_categories(Xml.SubElement(root, "LogCategories"))
+    add_units(root, {variable.family.get("unit") for variable in variables})
+    add_log_categories(root)
+    add_default_experiment(root, scene)
+    listed = Xml.SubElement(root, "ModelVariables")
+    for variable in variables:
+        _variable(listed, variable)
+    _structure(Xml.SubElement(root, "ModelStructure"), variables)
+    return xml_text(root)
+
+
+def completed(description: str, guid: str) -> str:
+    """The text with its guid, and with the time of the sources: states go from one installation to another whatever their dates."""
+    return description.replace(GUID_PLACE, guid).replace(DATE_PLACE, generation_time())
+
+
+def origin_attributes(scene: Scene) -> dict[str, str]:
+    """Attributes of the root, of any standard: what the FMU is and who made it."""
+    return {
+        "modelName": scene.name,
+        "description": scene.title,
+        "author": AUTHOR,
+        "version": __version__,
+        "copyright": COPYRIGHT,
+        "license": "BSD-2-Clause",
+        "generationTool": f"softffd {__version__}",
+        "generationDateAndTime": DATE_PLACE,
+        "variableNamingConvention": CONVENTIONS[scene.fmu.names],
+    }
+
+
+def xml_text(root: Xml.Element) -> str:
+    """The document."""
+    Xml.indent(root, space="  ")
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + Xml.tostring(root, encoding="unicode") + "\n"
+
+
+def add_default_experiment(root: Xml.Element, scene: Scene) -> None:
+    """The run that the scene describes."""
     Xml.SubElement(
         root,
         "DefaultExperiment",
@@ -57,28 +80,21 @@ def model_description(scene: Scene, variables: list[Variable]) -> str:
         tolerance=repr(scene.solver.tolerance),
         stepSize=repr(scene.experiment.communication_step),
     )
-    listed = Xml.SubElement(root, "ModelVariables")
-    for variable in variables:
-        _variable(listed, variable)
-    _structure(Xml.SubElement(root, "ModelStructure"), variables)
-    Xml.indent(root, space="  ")
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + Xml.tostring(root, encoding="unicode") + "\n"
 
 
-def completed(description: str, guid: str) -> str:
-    """The text with its guid, and with the time of the sources: states go from one installation to another whatever their dates."""
-    return description.replace(GUID_PLACE, guid).replace(DATE_PLACE, generation_time())
-
-
-def _units(parent: Xml.Element, used: set[str | None]) -> None:
+def add_units(root: Xml.Element, used: set[str | None]) -> None:
+    """The units of these names."""
+    parent = Xml.SubElement(root, "UnitDefinitions")
     for unit in table()["unit"]:
         if unit["name"] in used:
             element = Xml.SubElement(parent, "Unit", name=unit["name"])
             Xml.SubElement(element, "BaseUnit", {key: str(power) for key, power in unit["base"].items()})
 
 
-def _log_categories(parent: Xml.Element) -> None:
-    for category in table()["log_category"]:
+def add_log_categories(root: Xml.Element, leave_out: Container[str] = ()) -> None:
+    """The table's categories."""
+    parent = Xml.SubElement(root, "LogCategories")
+    for category in (each for each in table()["log_category"] if each["name"] not in leave_out):
         Xml.SubElement(parent, "Category", name=category["name"], description=category["description"])
 
 

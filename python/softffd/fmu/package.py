@@ -9,14 +9,19 @@ from typing import Any
 from softffd.embedding.mass import Masses, point_masses
 from softffd.errors import SoftffdError
 from softffd.fmu.archive import write_archive
+from softffd.fmu.arrays import array_variables
 from softffd.fmu.deflated import deflate, deflated_file
 from softffd.fmu.interface import Interface, scene_interface
 from softffd.fmu.model_description import completed, model_description
+from softffd.fmu.model_description3 import model_description3
 from softffd.fmu.records import NAME, scene_records, scene_text
 from softffd.fmu.variables import variables
 from softffd.installed import data_folder, libraries
 from softffd.scene.scene import Scene
 from softffd.spelling import did_you_mean
+
+PLATFORMS3 = {"linux64": "x86_64-linux", "win64": "x86_64-windows", "darwin64": "x86_64-darwin"}
+"""What FMI 3.0 calls the platforms, where it has another word than FMI 2.0."""
 
 
 def scene_masses(scene: Scene) -> Masses:
@@ -39,19 +44,28 @@ def scene_masses(scene: Scene) -> Masses:
     return Masses(mass=mass, shift=masses.shift)
 
 
-def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None = None) -> Path:
+def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None = None, fmi: int = 2) -> Path:
     """Writes the scene's FMU and returns its path; the same scene gives the same bytes.
 
     path: a file name ending in .fmu; folders are made where absent.
     platforms: FMI platform names (linux64, ...) to carry; all that this installation has by default. SoftffdError if one is missing.
+    fmi: 2 for FMI 2.0, 3 for FMI 3.0, whose variables are arrays.
     """
     _require_scene(scene, "package_fmu")
     path = fmu_path(path)
-    texts, _ = scene_texts(scene)
+    if fmi not in (2, 3):
+        raise SoftffdError(f"fmi: wanted 2 or 3, got {fmi!r:.70}")
+    found = libraries(platforms)
+    if fmi == 2:
+        texts, _ = scene_texts(scene)
+        folders, icon = {name: name for name in found}, "model.png"
+    else:
+        texts = scene_texts3(scene)
+        folders, icon = {name: PLATFORMS3.get(name, name) for name in found}, "terminalsAndIcons/icon.png"
     files = {
         **_files_below(data_folder() / "documentation", "documentation"),
-        "model.png": data_folder() / "model.png",
-        **{f"binaries/{name}/{file.name}": file for name, file in libraries(platforms).items()},
+        icon: data_folder() / "model.png",
+        **{f"binaries/{folders[name]}/{file.name}": file for name, file in found.items()},
     }
     entries = {name: deflate(text) for name, text in texts.items()} | {name: deflated_file(file) for name, file in files.items()}
     write_archive(path, entries)
@@ -77,13 +91,24 @@ def scene_texts(scene: Scene) -> tuple[dict[str, bytes], Interface]:
     """The two files of an FMU that differ from scene to scene, and what they say to a host."""
     mass = scene_masses(scene).mass
     listed = variables(scene, mass)
-    description, records = model_description(scene, listed), scene_records(scene, mass)
+    texts, guid = _completed_texts(model_description(scene, listed), scene_records(scene, mass))
+    return texts, scene_interface(scene, listed, guid)
+
+
+def scene_texts3(scene: Scene) -> dict[str, bytes]:
+    """The same two files of an FMU of FMI 3.0."""
+    mass = scene_masses(scene).mass
+    return _completed_texts(model_description3(scene, array_variables(scene, mass)), scene_records(scene, mass))[0]
+
+
+def _completed_texts(description: str, records: str) -> tuple[dict[str, bytes], str]:
+    """Both files with the guid, a hash of both, and the guid."""
     guid = _guid(description, records)
     texts = {
         "modelDescription.xml": completed(description, guid).encode(),
         f"resources/{NAME}": scene_text(records, guid).encode(),
     }
-    return texts, scene_interface(scene, listed, guid)
+    return texts, guid
 
 
 def fmu_path(path: str | Path) -> Path:

@@ -102,7 +102,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         **dict.fromkeys(("input_pins", "fixed_pins"), frames),
         "always": [
             {
-                "mass": float(mass.sum()),
+                "mass": float(np.cumsum(mass)[-1]),  # one after the other, as the library adds them
                 "stiffness_edge": stiffness.edge,
                 "stiffness_face": stiffness.face,
                 "stiffness_body": stiffness.body,
@@ -136,13 +136,14 @@ def sizes(scene: Scene, mass: np.ndarray) -> dict[str, float]:
     return {"length": length, "weight": float(mass.sum()) * gravity, "speed": speed, "spin": speed / length}
 
 
-def _value(family: dict[str, Any], key: str, instance: dict[str, Any], component: int) -> Any:
+def value_in(family: dict[str, Any], key: str, instance: dict[str, Any], component: int) -> Any:
+    """What a family's key says for a component of an instance: a value, or the name of one that the instance brings."""
     given = family.get(key)
     value = instance[given] if isinstance(given, str) else given
     return value[component] if isinstance(value, tuple | list) else value
 
 
-def _of_one_name() -> list[list[dict[str, Any]]]:
+def families_of_one_name() -> list[list[dict[str, Any]]]:
     """The families of the table, in its order, those that share their name together."""
     groups: dict[str, list[dict[str, Any]]] = {}
     for family in table()["family"]:
@@ -150,7 +151,7 @@ def _of_one_name() -> list[list[dict[str, Any]]]:
     return list(groups.values())
 
 
-def _has(family: dict[str, Any], words: dict[str, Any]) -> bool:
+def has_component(family: dict[str, Any], words: dict[str, Any]) -> bool:
     """Has a family this component of this instance? Of a pose it is an input where the scene says so, else a parameter."""
     if "pose" not in family:
         return True
@@ -165,11 +166,11 @@ def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
     present, usual, plain = parts(scene, mass), sizes(scene, mass), scene.fmu.names == "plain"
     found: list[Variable] = []
     counts: Counter[str] = Counter()
-    for families in _of_one_name():
+    for families in families_of_one_name():
         components = families[0].get("components", "")
         for instance, component in product(present[families[0]["part"]], range(max(1, len(components)))):
             words = {**instance, "c": components[component] if components else ""}
-            family = next(each for each in families if _has(each, words))
+            family = next(each for each in families if has_component(each, words))
             number = counts[family["key"]]
             counts[family["key"]] += 1
             found.append(
@@ -178,9 +179,9 @@ def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
                     name=variable_name(family["key"], _instance(words), words["c"], plain=plain),
                     reference=family["id"] << 24 | number,
                     family=family,
-                    start=_value(family, "start", instance, component),
-                    most=_value(family, "max", instance, component),
-                    nominal=_value(family, "nominal", usual, component),
+                    start=value_in(family, "start", instance, component),
+                    most=value_in(family, "max", instance, component),
+                    nominal=value_in(family, "nominal", usual, component),
                     description=family["description"].format(**words),
                 )
             )
@@ -200,5 +201,5 @@ def size_warning(scene: Scene, count: int) -> str | None:
     listed = ", ".join(f"{key} makes {number}" for number, key in made if number)
     return (
         f"{count} variables, of which {listed}: many tools are slow to read more than {READABLE}; select fewer control points there, "
-        "follow places of the object by [[probe]] and push it by [[load]]"
+        "follow places of the object by [[probe]] and push it by [[load]], or build for FMI 3.0 (--fmi 3), where each of these is one array"
     )

@@ -1,0 +1,78 @@
+/// Instances as FMI 3.0 has them: their variables are arrays, and time is one of them.
+#pragma once
+#include <unordered_map>
+
+extern "C" {
+#include "fmi3FunctionTypes.h"
+}
+
+#include "calls/guard.hpp"
+
+namespace softffd::fmi {
+
+static_assert(int(fmi2OK) == int(fmi3OK) && int(fmi2Warning) == int(fmi3Warning) && int(fmi2Discard) == int(fmi3Discard) &&
+              int(fmi2Error) == int(fmi3Error) && int(fmi2Fatal) == int(fmi3Fatal));
+
+class ArrayInstance : public Instance {
+ public:
+  ArrayInstance(SceneFile scene, Logger logger);
+
+  static constexpr fmi3ValueReference time = 0;  ///< no family has the id 0
+
+  /// One call of the standard for values of variables: the variables, and how many values the host has room for.
+  struct Call {
+    const fmi3ValueReference* references;
+    std::size_t count;
+    std::size_t values;
+  };
+
+  /// The number of values that the call is about. All throw CallError for references that there are not and another number of values.
+  std::size_t size_of(const Call& call) const;
+  /// Sets all or nothing.
+  void get_arrays(Type type, const Call& call, double* values);
+  void set_arrays(Type type, const Call& call, const double* values);
+  void get_array_derivatives(const Call& call, const fmi3Int32* orders, double* values);
+
+ private:
+  using Array = Variables::Array;
+  const Array& array(fmi3ValueReference reference) const;
+  /// Calls each(array, its first value's place, number of the variable).
+  template <class Each>
+  void for_each(const Call& call, Each&& each) const;
+
+  std::unordered_map<fmi3ValueReference, Array> arrays_;
+};
+
+extern constinit Registry<ArrayInstance> array_instances;
+
+template <class Call>
+fmi3Status guarded3(fmi3Instance instance, const Function& function, const Arrays& arrays, Call&& call) noexcept {
+  return fmi3Status(guarded(array_instances, instance, function, arrays, std::forward<Call>(call)));
+}
+
+/// What the standard lets a host call in which state (FMI 3.0.2, sections 2.3 and 4.2). After an error it may look, save and reset.
+namespace function3 {
+
+inline constexpr unsigned any_phase = function::any_phase, settable = function::settable;
+
+inline constexpr Function set_debug_logging{"fmi3SetDebugLogging", any_phase};
+inline constexpr Function enter_initialization_mode{"fmi3EnterInitializationMode", instantiated};
+inline constexpr Function exit_initialization_mode{"fmi3ExitInitializationMode", initializing};
+inline constexpr Function terminate{"fmi3Terminate", stepping};
+inline constexpr Function reset{"fmi3Reset", any_phase};
+inline constexpr Function do_step{"fmi3DoStep", stepping};
+inline constexpr Function get_float64{"fmi3GetFloat64", any_phase};
+inline constexpr Function set_float64{"fmi3SetFloat64", settable};
+inline constexpr Function get_int64{"fmi3GetInt64", any_phase};
+inline constexpr Function set_int64{"fmi3SetInt64", settable};
+inline constexpr Function get_output_derivatives{"fmi3GetOutputDerivatives", stepping | terminated | failed};
+inline constexpr Function get_state{"fmi3GetFMUState", any_phase};
+inline constexpr Function set_state{"fmi3SetFMUState", any_phase};
+inline constexpr Function free_state{"fmi3FreeFMUState", any_phase};
+inline constexpr Function state_size{"fmi3SerializedFMUStateSize", any_phase};
+inline constexpr Function serialize{"fmi3SerializeFMUState", any_phase};
+inline constexpr Function deserialize{"fmi3DeserializeFMUState", any_phase};
+
+}  // namespace function3
+
+}  // namespace softffd::fmi

@@ -1,0 +1,128 @@
+/// The functions of FMI 3.0 for Co-Simulation that make, start, step and free instances and keep their states. fmi3_values.cpp has those
+/// that get and set, fmi3_absent.cpp those that there is nothing behind.
+extern "C" {
+#include "fmi3Functions.h"
+}
+
+#include "calls/arrays.hpp"
+#include "calls/held_states.hpp"
+#include "calls/opening.hpp"
+#include "calls/requests.hpp"
+
+using namespace softffd::fmi;
+
+namespace {
+
+Logger logger_of(fmi3InstanceEnvironment environment, fmi3LogMessageCallback callback, bool logging_on) {
+  Logger::Host host;
+  if (callback)
+    host = [=](fmi2Status status, const char* category, const char* message) {
+      callback(environment, fmi3Status(status), category, message);
+    };
+  return {std::move(host), "#", logging_on};
+}
+
+struct Modes {
+  bool events;
+  std::size_t intermediate_variables;
+};
+
+SceneFile scene_of(const Modes& modes, const char* resources, const Asked& asked) {
+  if (modes.events) throw CallError("eventModeUsed: wanted fmi3False; modelDescription.xml claims no event mode");
+  if (modes.intermediate_variables > 0)
+    throw CallError("nRequiredIntermediateVariables: wanted 0, got " + std::to_string(modes.intermediate_variables) +
+                    "; modelDescription.xml claims no intermediate update");
+  if (!resources || !*resources) throw CallError("resourcePath: wanted the path of the resources folder, got nothing");
+  return scene_in(resources, asked);
+}
+
+}  // namespace
+
+extern "C" {
+
+const char* fmi3GetVersion(void) { return "3.0"; }
+
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String instance_name, fmi3String token, fmi3String resources, fmi3Boolean,
+                                         fmi3Boolean logging_on, fmi3Boolean event_mode_used, fmi3Boolean, const fmi3ValueReference[],
+                                         size_t intermediate_variables, fmi3InstanceEnvironment environment,
+                                         fmi3LogMessageCallback log_message, fmi3IntermediateUpdateCallback) {
+  const Asked asked{instance_name, "instantiationToken", token};
+  return instantiate(
+      array_instances, "fmi3InstantiateCoSimulation", asked, [&] { return logger_of(environment, log_message, logging_on); },
+      [&] { return scene_of({event_mode_used, intermediate_variables}, resources, asked); });
+}
+
+void fmi3FreeInstance(fmi3Instance instance) {
+  const FloatEnvironment environment;
+  release_all_of(instance);
+  array_instances.release(instance);
+}
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance handle, fmi3Boolean on, size_t count, const fmi3String categories[]) {
+  return guarded3(handle, function3::set_debug_logging, {{categories}, count},
+                  [&](Instance& instance) { return switch_logging(instance, function3::set_debug_logging, on, count, categories); });
+}
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance handle, fmi3Boolean tolerance_defined, fmi3Float64 tolerance, fmi3Float64 start_time,
+                                       fmi3Boolean stop_time_defined, fmi3Float64 stop_time) {
+  return guarded3(handle, function3::enter_initialization_mode, {}, [&](Instance& instance) {
+    const Experiment wanted{start_time, tolerance_defined ? &tolerance : nullptr, stop_time_defined ? &stop_time : nullptr};
+    named(function3::enter_initialization_mode, [&] { set_up(instance, wanted); });
+    instance.enter_initialization();
+  });
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance handle) {
+  return guarded3(handle, function3::exit_initialization_mode, {}, [](Instance& instance) { instance.exit_initialization(); });
+}
+
+fmi3Status fmi3Terminate(fmi3Instance handle) {
+  return guarded3(handle, function3::terminate, {}, [](Instance& instance) { instance.phase = terminated; });
+}
+
+fmi3Status fmi3Reset(fmi3Instance handle) {
+  return guarded3(handle, function3::reset, {}, [](Instance& instance) { instance.reset(); });
+}
+
+fmi3Status fmi3DoStep(fmi3Instance handle, fmi3Float64 time, fmi3Float64 step, fmi3Boolean, fmi3Boolean* event_handling_needed,
+                      fmi3Boolean* terminate_simulation, fmi3Boolean* early_return, fmi3Float64* last_successful_time) {
+  const Arrays results{{event_handling_needed, terminate_simulation, early_return, last_successful_time}};
+  return guarded3(handle, function3::do_step, results, [&](Instance& instance) {
+    *event_handling_needed = *terminate_simulation = *early_return = fmi3False;
+    *last_successful_time = instance.last_successful_time();
+    const fmi2Status status = named(function3::do_step, [&] { return instance.do_step(time, step); });
+    *last_successful_time = instance.last_successful_time();
+    if (status == fmi2Discard) instance.phase = stepping;  // a discarded step has no state of its own here: it may be tried again
+    return status;
+  });
+}
+
+fmi3Status fmi3GetFMUState(fmi3Instance handle, fmi3FMUState* state) {
+  return guarded3(handle, function3::get_state, {{state}}, [&](Instance& instance) { get_state(instance, state); });
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance handle, fmi3FMUState state) {
+  return guarded3(handle, function3::set_state, {}, [&](Instance& instance) { set_state(instance, state); });
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance handle, fmi3FMUState* state) {
+  return guarded3(handle, function3::free_state, {}, [&](Instance&) { free_state(state); });
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance handle, fmi3FMUState state, size_t* size) {
+  return guarded3(handle, function3::state_size, {{size}}, [&](Instance&) { *size = serialized_size(state); });
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance handle, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
+  return guarded3(handle, function3::serialize, {{bytes}, size},
+                  [&](Instance&) { named(function3::serialize, [&] { serialize(state, bytes, size); }); });
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance handle, const fmi3Byte bytes[], size_t size, fmi3FMUState* state) {
+  return guarded3(handle, function3::deserialize, {{bytes}, size}, [&](Instance& instance) {
+    check_arrays(function3::deserialize, {{state}});
+    deserialize(instance, bytes, size, state);
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,70 @@
+/// Arrays of FMI 3.0: the part of Variables that puts scalars together.
+///
+///   position, velocity, force    one array for all control points that the scene lists: (ni, nj, nk, 3) where they fill a box of the
+///                                lattice, in ascending order, else (points, 3)
+///   vectors                      (3) or (4); of a pose that is partly input, partly parameter, a scalar each
+///
+/// Elements stand as FMI 3.0 has them, row by row: the last index runs fastest, whereas i does where the scene lists points.
+#include <algorithm>
+
+#include "variables/variables.hpp"
+
+namespace softffd::fmi {
+
+namespace {
+
+/// Points along each axis where a list of control points is a box of the lattice in ascending order; else all of them along the first.
+std::array<int, 3> box_of(const std::vector<int>& points, const std::array<int, 3>& counts) {
+  const auto at = [&](int point) { return std::array{point % counts[0], point / counts[0] % counts[1], point / counts[0] / counts[1]}; };
+  const std::array<int, 3> single{int(points.size()), 1, 1}, first = at(points.front()), last = at(points.back());
+  std::array<int, 3> sides;
+  for (int axis = 0; axis < 3; ++axis) sides[axis] = last[axis] - first[axis] + 1;
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    const std::array<int, 3> here = at(points[n]);
+    int index = 0;
+    for (int axis = 2; axis >= 0; --axis) {
+      if (here[axis] < first[axis] || here[axis] > last[axis]) return single;
+      index = index * sides[axis] + here[axis] - first[axis];
+    }
+    if (index != int(n)) return single;
+  }
+  return sides[0] * sides[1] * sides[2] == int(points.size()) ? sides : single;
+}
+
+}  // namespace
+
+std::vector<fmi2ValueReference> Variables::of_points(std::size_t row) const {
+  const auto [ni, nj, nk] = box_of(members(families[row].part), scene_.definition.lattice.counts);
+  const fmi2ValueReference base = fmi2ValueReference(families[row].family) << 24;
+  const int components = components_of(row);
+  std::vector<fmi2ValueReference> elements;
+  elements.reserve(count(row));
+  for (int i = 0; i < ni; ++i)
+    for (int j = 0; j < nj; ++j)
+      for (int k = 0; k < nk; ++k)
+        for (int c = 0; c < components; ++c) elements.push_back(base | fmi2ValueReference((i + ni * (j + nj * k)) * components + c));
+  return elements;
+}
+
+std::vector<Variables::Array> Variables::arrays() const {
+  std::vector<Array> found;
+  for (std::size_t row = 0; row < family_count; ++row) {
+    const bool output = bindings[row].is_output;
+    if (binding_of(families[row].part).of_points) {
+      if (count(row) > 0) found.push_back({of_points(row), output});
+      continue;
+    }
+    const fmi2ValueReference base = fmi2ValueReference(families[row].family) << 24;
+    for (int index = 0, behind = 0; index < count(row); index = behind) {
+      while (behind < count(row) && variable(row, behind).instance() == variable(row, index).instance()) ++behind;
+      const bool whole = behind - index == components_of(row);
+      for (int n = index; n < behind; ++n) {
+        if (n == index || !whole) found.push_back({{}, output});
+        found.back().elements.push_back(base | fmi2ValueReference(n));
+      }
+    }
+  }
+  return found;
+}
+
+}  // namespace softffd::fmi

@@ -1,0 +1,277 @@
+"""The FMU of FMI 3.0: valid, its arrays those of the library, and its runs the same bits as those of FMI 2.0."""
+
+import zipfile
+from ctypes import c_double, c_int64
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+from c_host import DISCARD, ERROR, OK, STEP, Fmu, check_message
+from c_host3 import Fmu3, Host3
+from scenes import LED, MOVED, box
+from softffd import Scene, SoftffdError, load_scene, package_fmu, simulate
+from softffd.lattice import all_points, rest_grid, to_flat, to_grid
+from softffd.names import variable_names
+from softffd.run.inputs import Inputs
+from softffd.run.simulate import communication_points, step_lengths
+from softffd.scene.document import shipped_scenes
+from straight_run import BARE, RICH, straight
+
+MIXED = box(
+    points=[3, 4, 2],
+    plane=[{"name": "lid", "motion": "input", "inputs": ["point.z", "velocity"]}, {"name": "floor", "point": [0.0, 0.0, -0.5], **MOVED}],
+    pin=[
+        {"name": "arm", "points": [[0, 0, 0]], "motion": "input", "inputs": ["orientation", "position.x"]},
+        {"name": "hand", "points": [[2, 3, 1]], **LED},
+    ],
+    forces=[[2, 0, 1], [0, 1, 1]],
+    velocities={"i": [1, 2], "k": [1, 1]},
+    gravity=[0.0, 0.0, -9.81],
+    load=[{"name": "pull", "points": "x+"}],
+)
+
+
+@pytest.fixture(scope="module")
+def rich(tmp_path_factory) -> Fmu3:
+    return Fmu3(RICH, tmp_path_factory.mktemp("rich") / "fmi3")
+
+
+@pytest.fixture(scope="module")
+def mixed(tmp_path_factory) -> Fmu3:
+    return Fmu3(MIXED, tmp_path_factory.mktemp("mixed") / "fmi3")
+
+
+@pytest.mark.parametrize("name", [*shipped_scenes(), "rich", "bare", "mixed"])
+def test_the_description_is_valid(name, tmp_path):
+    scene = {"rich": RICH, "bare": BARE, "mixed": MIXED}.get(name) or load_scene(name)
+    assert validate_fmu(str(package_fmu(scene, tmp_path / "it.fmu", fmi=3))) == []
+
+
+def test_entries_are_where_the_standard_wants_them(rich):
+    names = set(zipfile.ZipFile(rich.package).namelist())
+    wanted = {"modelDescription.xml", "terminalsAndIcons/icon.png", "documentation/index.html", "resources/scene.txt"}
+    assert wanted <= names and "model.png" not in names
+    folders = {name.split("/")[1] for name in names if name.startswith("binaries/")}
+    assert folders and folders <= {"x86_64-linux", "x86_64-windows", "x86_64-darwin", "aarch64-linux"}
+
+
+def test_another_standard_is_refused(tmp_path):
+    with pytest.raises(SoftffdError, match="fmi: wanted 2 or 3, got 1"):
+        package_fmu(BARE, tmp_path / "it.fmu", fmi=1)
+
+
+def test_control_points_are_one_array_and_vectors_another(mixed):
+    shapes = {name: shape for name, shape in mixed.shapes.items() if shape}
+    assert shapes["position"] == (3, 4, 2, 3)
+    assert shapes["velocity"] == (2, 4, 1, 3)  # the box of the selection
+    assert shapes["force"] == (2, 3)  # points as the scene lists them
+    assert (
+        "(2,0,1), (0,1,1)" in mixed.arrays["force"].description and "i = 1 to 2, j = 0 to 3, k = 1" in mixed.arrays["velocity"].description
+    )
+    assert shapes["plane.floor.point"] == shapes["load.pull"] == shapes["gravity"] == (3,) and shapes["pin.hand.orientation"] == (4,)
+
+
+def test_a_pose_that_is_partly_input_is_a_scalar_each(mixed):
+    """An array has one causality."""
+    of_lid = {name: v.causality for name, v in mixed.arrays.items() if name.startswith("plane.lid.point")}
+    assert of_lid == {"plane.lid.point.x": "parameter", "plane.lid.point.y": "parameter", "plane.lid.point.z": "input"}
+    assert mixed.arrays["plane.lid.velocity"].causality == "input" and mixed.arrays["plane.lid.normal"].causality == "parameter"
+
+
+@pytest.mark.parametrize("scene", ["rich", "mixed"])
+def test_start_values_are_those_of_the_library(request, scene):
+    host = request.getfixturevalue(scene).host()
+    for name, variable in host.fmu.arrays.items():
+        if variable.causality not in ("input", "parameter"):
+            continue
+        stated = np.array(variable.start.split(), dtype=float)
+        got = host.get(name, kind=variable.type)[name]
+        np.testing.assert_array_equal(got.ravel(), np.broadcast_to(stated, got.size), err_msg=name)
+    host.free()
+
+
+def test_every_array_has_the_number_of_elements_that_its_dimensions_say(mixed):
+    host = mixed.host()
+    host.begin()
+    for name, variable in mixed.arrays.items():
+        host.get(name, kind=variable.type)
+        size, room = host.size([name]), c_double if variable.type == "Float64" else c_int64
+        for wrong in (size - 1, size + 1):
+            one = mixed.host()
+            one.begin()
+            assert one(f"Get{variable.type}", *one.references([name]), (room * (size + 1))(), wrong) == ERROR, name
+            check_message(one, f"nValues: wanted {size}, one for each element of the variables, got {wrong}")
+            one.free()
+    host.free()
+
+
+def test_an_element_is_the_control_point_of_its_indices(mixed):
+    host = mixed.host()
+    host.begin()
+    rest = rest_grid(MIXED.lattice.points, MIXED.box.origin, MIXED.box.size)
+    np.testing.assert_allclose(host.get("position")["position"], rest, atol=1e-15)  # a unit cube: rounding
+    host.free()
+
+
+def test_time_is_a_variable(rich):
+    host = rich.host()
+    assert host.enter(start=2.0) == OK
+    assert host.get("time")["time"] == 2.0
+    host.must("ExitInitializationMode")
+    host.must("DoStep", 2.0, 0.25, True)
+    assert host.get("time", "mass", "gravity")["time"] == host.last.value == 2.25
+    assert [flag.value for flag in host.flags] == [False] * 3
+    host.free()
+
+
+# ---- the same bits ----
+
+
+@pytest.mark.parametrize("scene", [RICH, BARE, MIXED], ids=["rich", "bare", "mixed"])
+def test_what_is_set_at_every_step_leads_to_the_same_bits_in_both_standards(scene, tmp_path):
+    two, three = Fmu(scene, tmp_path / "fmi2"), Fmu3(scene, tmp_path / "fmi3")
+    two.interpolates = False
+    assert straight(three) == straight(two)
+    assert straight(three, look=lambda host: host.slopes()) == straight(two, look=lambda host: host.slopes())
+
+
+def run3(scene: Scene, folder: Path, stop_time: float) -> np.ndarray:
+    """Positions (T, nx, ny, nz, 3) of a run by the calls of FMI 3.0, with the scene's own inputs as `simulate` holds them."""
+    fmu = Fmu3(scene, folder)
+    host: Host3 = fmu.host()
+    inputs, step = Inputs(scene.default_inputs), scene.experiment.communication_step
+    inputs.derive_only(fmu.names)
+    names, rows = [*inputs.names, *inputs.derived_names], []
+
+    def give(time: float, then: float) -> None:
+        if names:
+            assert host.set(dict(zip(names, inputs.values(time, then), strict=True))) == OK
+
+    times = communication_points(stop_time, step).tolist()
+    for n, length in enumerate(step_lengths(np.array(times), step)):
+        give(times[n], times[n + 1])
+        if n == 0:
+            assert host.enter(stop=stop_time) == OK
+            host.must("ExitInitializationMode")
+        rows.append(host.get("position")["position"])
+        host.must("DoStep", times[n], length, True)
+    rows.append(host.get("position")["position"])
+    host.free()
+    return np.array(rows)
+
+
+@pytest.mark.short("standard", "hanging", "stiff_pull", "press")
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_a_shipped_scene_runs_with_the_same_bits_in_both_standards(name, tmp_path):
+    scene = load_scene(name)
+    steps = min(20, round(scene.experiment.stop_time / scene.experiment.communication_step))
+    stop = steps * scene.experiment.communication_step
+    two = simulate(scene, stop_time=stop, inputs=scene.default_inputs)
+    three = run3(scene, tmp_path / "fmi3", stop)
+    assert len(two.positions) == steps + 1
+    np.testing.assert_array_equal(three, two.positions)
+
+
+def by_fmpy(scene: Scene, folder: Path, fmi: int, **options) -> np.ndarray:
+    """Positions (T, nx, ny, nz, 3) of a run by fmpy's own loop."""
+    path, step = package_fmu(scene, folder / f"{fmi}.fmu", fmi=fmi), scene.experiment.communication_step
+    names = ["position"] if fmi == 3 else variable_names("position", all_points(scene.lattice.points))
+    got = fmpy.simulate_fmu(str(path), stop_time=10 * step, output_interval=step, output=names, **options)
+    flat = None if fmi == 3 else np.stack([got[name] for name in names], axis=1).reshape(len(got), -1, 3)
+    return np.asarray(got["position"]) if fmi == 3 else to_grid(flat, scene.lattice.points)
+
+
+@pytest.mark.parametrize("name", ["standard", "press"])
+def test_fmpy_runs_it_with_the_same_bits(name, tmp_path):
+    two, three = (by_fmpy(load_scene(name), tmp_path, fmi, start_values={"mass": 1.5}) for fmi in (2, 3))
+    assert len(three) == 11
+    np.testing.assert_array_equal(three, two)
+
+
+def test_fmpy_drives_an_array_that_is_an_input(tmp_path):
+    scene = box(damping=0.1, forces="all")
+    force = np.zeros((4, 4, 4, 3))
+    force[3, 0, 1] = [0.0, 2.0, -1.0]
+    names = variable_names("force", all_points((4, 4, 4)))
+    scalars = np.array([(0.0, *to_flat(force).ravel())], dtype=[("time", float), *((name, float) for name in names)])
+    whole = np.array([(0.0, force)], dtype=[("time", float), ("force", float, force.shape)])
+    two, three = by_fmpy(scene, tmp_path, 2, input=scalars), by_fmpy(scene, tmp_path, 3, input=whole)
+    assert abs(three[-1] - three[0]).max() > 1e-3
+    np.testing.assert_array_equal(three, two)
+
+
+# ---- what is particular to the standard ----
+
+
+def test_a_discarded_step_may_be_tried_again(rich):
+    """FMI 3.0 has no state for it: the instance is where it was."""
+    host, undisturbed = rich.host(), rich.host()
+    for each in (host, undisturbed):
+        each.begin()
+    assert host.put({"stiffness.edge": [1e19]}) == OK
+    assert host("DoStep", 0.0, 1.0, True) == DISCARD and host.last.value == 0.0
+    assert host.put({"stiffness.edge": [2e3]}) == OK
+    for each in (host, undisturbed):
+        each.must("DoStep", 0.0, STEP, True)
+    assert host.outputs() == undisturbed.outputs()
+    host.free()
+    undisturbed.free()
+
+
+def test_messages_double_what_the_standard_gives_a_meaning(rich):
+    host = rich.host(token=b"50% of #1")
+    assert not host.component
+    (_, _, status, category, text) = host.messages[0]
+    assert (status, category) == (ERROR, b"logStatusError")
+    assert text.decode() == f"fmi3InstantiateCoSimulation: instantiationToken: wanted {rich.guid.decode()}, got 50% of ##1"
+
+
+@pytest.mark.parametrize(
+    "given, wanted",
+    [
+        ({"name": b" "}, "instanceName: wanted a text, got nothing but blanks"),
+        ({"name": None}, "instanceName: wanted a text, got nothing"),
+        ({"token": None}, "instantiationToken: wanted a text, got null"),
+        ({"resources": None}, "resourcePath: wanted the path of the resources folder, got nothing"),
+        ({"resources": b"/nowhere"}, "cannot read /nowhere/scene.txt"),
+        ({"events": True}, "eventModeUsed: wanted fmi3False"),
+        ({"intermediate": 2}, "nRequiredIntermediateVariables: wanted 0, got 2"),
+    ],
+)
+def test_what_cannot_be_instantiated_is_refused_with_the_reason(rich, given, wanted):
+    host = rich.host(**given)
+    assert not host.component
+    assert [wanted in message[-1].decode() for message in host.messages] == [True]
+
+
+def test_a_folder_without_a_separator_at_its_end_is_taken_too(rich):
+    host = rich.host(resources=rich.resources.rstrip(b"/"))
+    assert host.component
+    host.free()
+
+
+def test_an_instance_answers_calls_of_its_own_standard_only(rich, tmp_path):
+    two = Fmu(RICH, tmp_path / "fmi2")
+    old, new = two.host(), rich.host()
+    assert rich.library.fmi3Reset(old.component) == ERROR
+    assert two.library.fmi2Reset(new.component) == ERROR
+    old.must("Reset")
+    new.must("Reset")
+    old.free()
+    new.free()
+
+
+def test_a_state_goes_on_in_another_instance_as_bytes(rich):
+    one, other = rich.host(), rich.host()
+    one.begin()
+    one.step(0)
+    handle = other.received(one.serialized(one.save()))
+    other.must("SetFMUState", handle)
+    for host in (one, other):
+        host.step(1)
+    assert one.outputs() == other.outputs()
+    one.free()
+    other.free()
