@@ -12,7 +12,8 @@ from fmpy.validation import validate_fmu
 from c_host import DISCARD, ERROR, OK, STEP, Fmu, check_message
 from c_host3 import Fmu3, Host3
 from scenes import LED, MOVED, box
-from softffd import Scene, SoftffdError, load_scene, package_fmu, simulate
+from softffd import FmuError, Scene, SoftffdError, load_scene, package_fmu, simulate
+from softffd.cli.command import main
 from softffd.lattice import all_points, rest_grid, to_flat, to_grid
 from softffd.names import variable_names
 from softffd.run.inputs import Inputs
@@ -275,3 +276,15 @@ def test_a_state_goes_on_in_another_instance_as_bytes(rich):
     assert one.outputs() == other.outputs()
     one.free()
     other.free()
+
+
+def test_the_packages_own_host_refuses_it_by_name(rich):
+    with pytest.raises(FmuError, match=r"box\.fmu: wanted an FMI 2\.0 FMU, got one of FMI 3\.0; build the scene without --fmi 3"):
+        simulate(rich.package)
+
+
+def test_the_command_builds_it_and_counts_its_variables(tmp_path, capsys):
+    assert main(["build", "standard", "--fmi", "3", "-o", str(tmp_path / "it.fmu")]) == 0
+    description = fmpy.read_model_description(str(tmp_path / "it.fmu"))
+    assert description.fmiVersion == "3.0"
+    assert f"  {len(description.modelVariables)} variables, " in capsys.readouterr().out

@@ -112,6 +112,11 @@ class Component:
         try:
             fmpy.extract(str(path), unzipdir=self._folder)
             description = self.description
+            if description.fmiVersion.startswith("3."):
+                raise FmuError(
+                    f"{path}: wanted an FMI 2.0 FMU, got one of FMI {description.fmiVersion}; build the scene without --fmi 3, or run it "
+                    "with fmpy's simulate_fmu"
+                )
             if description.coSimulation is None or description.fmiVersion != "2.0":
                 raise FmuError(f"{path}: wanted an FMI 2.0 co-simulation FMU")
             self.interface = read_interface(description)
