@@ -10,7 +10,7 @@ import numpy as np
 
 from softffd.errors import FmuError
 from softffd.fmu.component import Component
-from softffd.mesh.mesh import Mesh, save_mesh
+from softffd.mesh.mesh import WRITTEN, Mesh, save_mesh
 from softffd.run.findings import ESTIMATE, findings
 from softffd.run.inputs import Source
 from softffd.run.result import Result
@@ -73,7 +73,8 @@ def keep_run(result: Result, folder: Path) -> list[Path]:
     write_view(result, folder / "view.html", mesh=mesh)
     files += [folder / "picture.png", folder / "view.html"]
     if mesh and result.scene and result.scene.mesh:
-        path = folder / f"deformed{result.scene.mesh.file.suffix.lower()}"
+        kind = result.scene.mesh.file.suffix.lower()
+        path = folder / f"deformed{kind if kind in WRITTEN else '.glb'}"
         save_mesh(mesh, path, vertices=result.deformed())
         files.append(path)
     return files

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,16 +10,31 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from softffd.errors import MeshError
-from softffd.files import write_bytes
-from softffd.mesh.glb import quiet_trimesh, read_glb
-from softffd.mesh.obj import read_obj, write_obj
+from softffd.mesh.bodies import read_3mf, read_dae
+from softffd.mesh.gltf import read_glb, read_gltf
+from softffd.mesh.looks import PLAIN, Looks, one_material
+from softffd.mesh.obj import read_obj
+from softffd.mesh.off import read_off
 from softffd.mesh.ply import read_ply
+from softffd.mesh.polygons import Triangles
 from softffd.mesh.stl import read_stl
+from softffd.mesh.written import write_glb, write_obj, write_ply, write_stl
 
 if TYPE_CHECKING:
     from PIL import Image
 
-_READERS = {".obj": read_obj, ".stl": read_stl, ".ply": read_ply, ".glb": read_glb}
+_READERS = {
+    ".obj": read_obj, ".stl": read_stl, ".ply": read_ply, ".glb": read_glb,
+    ".gltf": read_gltf, ".off": read_off, ".3mf": read_3mf, ".dae": read_dae,
+}  # fmt: skip
+_WRITERS = {".obj": write_obj, ".stl": write_stl, ".ply": write_ply, ".glb": write_glb}
+_SOUPS = (".stl", ".dae")
+"""Kinds whose triangles share no corners as they are read."""
+
+_KINDS = ", ".join(ending[1:].upper() for ending in _READERS)
+
+WRITTEN, READ = tuple(_WRITERS), tuple(_READERS)
+"""Endings of the files that are written, and read."""
 
 _TO_Z_UP = {
     "x": np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]),
@@ -43,20 +58,30 @@ class Mesh:
     uv: np.ndarray | None = None
     name: str = "mesh"
     texture: Image.Image | None = field(default=None, repr=False)
+    looks: Looks = field(default=PLAIN, repr=False)
 
     def __post_init__(self):
         object.__setattr__(self, "vertices", np.asarray(self.vertices, dtype=np.float64))
         object.__setattr__(self, "faces", np.asarray(self.faces, dtype=np.int64))
         if self.uv is not None:
             object.__setattr__(self, "uv", np.asarray(self.uv, dtype=np.float64))
+        if self.texture is not None and not self.looks.materials:
+            drawn = one_material(self.texture, len(self.faces))
+            object.__setattr__(self, "looks", replace(self.looks, materials=drawn.materials, material_of=drawn.material_of))
+        textures = self.looks.textures
+        object.__setattr__(self, "texture", textures[0] if len(textures) == 1 else None)
         shapes = [
             ("vertices", self.vertices, (None, 3)),
             ("faces", self.faces, (None, 3)),
             ("uv", self.uv, (len(self.vertices), 2)),
+            ("looks.colours", self.looks.colours, (len(self.vertices), 3)),
         ]
         for what, array, (rows, columns) in shapes:
             if array is not None and (array.ndim != 2 or array.shape[1] != columns or rows not in (None, len(array))):
                 raise ValueError(f"{what}: wanted the shape ({rows or 'any'}, {columns}), got {array.shape}")
+        for what, index in (("material_of", self.looks.material_of), ("group_of", self.looks.group_of)):
+            if index is not None and index.shape != (len(self.faces),):
+                raise ValueError(f"looks.{what}: wanted the shape ({len(self.faces)},), got {index.shape}")
 
     @property
     def bounds(self) -> np.ndarray:
@@ -79,12 +104,12 @@ class Mesh:
 
 
 def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
-    """Return the mesh of an OBJ, STL, PLY or GLB file.
+    """Return the mesh of an OBJ, STL, PLY, GLB, glTF, OFF, COLLADA or 3MF file, the last two with the packages of softffd[meshes].
 
     scale: metres per unit of the file, > 0. up: the axis of the file, "x", "y" or "z", that becomes +z, by a
     rotation. Polygons become triangles, several bodies one mesh; vertices that no face uses are left out
-    (they would widen the lattice's box), the others keep the file's order. The corners of an STL's triangles
-    are merged by position.
+    (they would widen the lattice's box), the others keep the file's order. The corners of the triangles of STL
+    and COLLADA are merged by position and looks.
     Raises MeshError for a missing, damaged, empty, flat or otherwise unusable file, saying what is wrong.
     """
     path = Path(path)
@@ -92,30 +117,30 @@ def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
         raise MeshError(f"{path}: mesh.up: wanted one of x, y, z, got {up!r}")
     if not (np.isfinite(scale) and scale > 0):
         raise MeshError(f"{path}: mesh.scale: wanted a number > 0, got {scale}")
-    vertices, faces, uv, texture = _read(path)
-    _require_faces(path, vertices, faces)
-    used, index = np.unique(faces, return_inverse=True)
-    vertices, faces = vertices[used], index.reshape(-1, 3)
-    _require_finite(path, vertices)
-    if path.suffix.lower() == ".stl":
-        index, vertices = merge_by_position(vertices)
-        faces = index[faces]
-    vertices = scale * (vertices @ _TO_Z_UP[up].T)
+    read = _read(path)
+    _require_faces(path, read.vertices, read.faces)
+    used, index = np.unique(read.faces, return_inverse=True)
+    _require_finite(path, read.vertices[used])
+    if path.suffix.lower() in _SOUPS:
+        merged, used = _merged(read, used)
+        index = merged[index]
+    vertices, faces = scale * (read.vertices[used] @ _TO_Z_UP[up].T), index.reshape(-1, 3)
     _require_body(path, vertices, faces)
-    return Mesh(vertices, faces, None if uv is None else uv[used], path.stem, texture)
+    uv = None if read.uv is None else read.uv[used]
+    return Mesh(vertices, faces, uv, path.stem, looks=read.looks.with_vertices(used))
 
 
 def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = None, up: str = "z", decimals: int = 9) -> None:
-    """Write `mesh` as OBJ, STL, PLY or GLB, with its texture coordinates in all but STL, which has none.
+    """Write `mesh` as OBJ, STL, PLY or GLB, with its looks: all in OBJ and GLB, pictures inside GLB and beside OBJ with NAME.mtl;
+    colours and one picture beside it in PLY, where materials have no names and groups are not; nothing in STL.
 
     vertices: (V, 3) m, written in place of the mesh's own, as deform returns them. up: the axis of the file
     that stands for +z, as for load_mesh ("y" for programs that follow glTF's habit). decimals: of the numbers
-    in an OBJ file; the other formats hold single precision. A texture's image goes into the GLB, and beside
-    the OBJ as NAME.mtl and NAME.png.
+    in an OBJ file; the other formats hold single precision.
     Raises MeshError where the ending is none of the four or the file cannot be written.
     """
     path = Path(path)
-    _require_known_ending(path)
+    _require_known_ending(path, WRITTEN)
     vertices = np.asarray(mesh.vertices if vertices is None else vertices, dtype=float)
     if vertices.shape != mesh.vertices.shape:
         raise ValueError(f"vertices: wanted the mesh's shape {mesh.vertices.shape}, got {vertices.shape}")
@@ -124,11 +149,16 @@ def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = Non
     vertices = vertices @ _TO_Z_UP[up]
     try:
         if path.suffix.lower() == ".obj":
-            write_obj(path, vertices, mesh.faces, mesh.uv, texture=mesh.texture, decimals=decimals)
+            write_obj(mesh, path, vertices, decimals)
         else:
-            write_bytes(path, _exported(mesh, vertices, path.suffix.lower()[1:]))
+            _WRITERS[path.suffix.lower()](mesh, path, vertices)
     except OSError as fault:
         raise MeshError(f"{path}: cannot be written: {fault.strerror or fault}") from None
+
+
+def placed(mesh: Mesh, *, scale: float, up: str) -> Mesh:
+    """Return the mesh in metres and with +z up, as load_mesh gives it with `scale` and `up`."""
+    return replace(mesh, vertices=scale * (mesh.vertices @ _TO_Z_UP[up].T))
 
 
 def merge_by_position(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -149,6 +179,15 @@ def merge_by_position(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return index, vertices[np.sort(first)]
 
 
+def _merged(read: Triangles, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of the used vertices, (U,): which of the kept ones each becomes, and the kept ones, first at their place with their looks."""
+    index, _ = merge_by_position(read.vertices[used])
+    keys = [index[:, None].astype(float), *(each[used] for each in (read.uv, read.looks.colours) if each is not None)]
+    _, first, merged = np.unique(np.hstack(keys), axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    return np.argsort(order)[merged.reshape(-1)], used[first[order]]
+
+
 def _unbalanced_edges(faces: np.ndarray) -> int:
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     edges = edges[edges[:, 0] != edges[:, 1]]
@@ -160,15 +199,15 @@ def _unbalanced_edges(faces: np.ndarray) -> int:
     return int(np.count_nonzero(balance))
 
 
-def _read(path: Path):
+def _read(path: Path) -> Triangles:
     """The file's triangles, by its ending."""
-    _require_known_ending(path)
+    _require_known_ending(path, READ)
     try:
         data = path.read_bytes()
     except FileNotFoundError:
-        raise MeshError(f"{path}: no such file; wanted a mesh (OBJ, STL, PLY or GLB)") from None
+        raise MeshError(f"{path}: no such file; wanted a mesh ({_KINDS})") from None
     except IsADirectoryError:
-        raise MeshError(f"{path}: is a directory; wanted a mesh file (OBJ, STL, PLY or GLB)") from None
+        raise MeshError(f"{path}: is a directory; wanted a mesh file ({_KINDS})") from None
     except OSError as fault:
         raise MeshError(f"{path}: cannot be read: {fault.strerror or fault}") from None
     if not data:
@@ -177,12 +216,12 @@ def _read(path: Path):
         return _READERS[path.suffix.lower()](path, data)
 
 
-def _require_known_ending(path: Path) -> None:
+def _require_known_ending(path: Path, known: tuple[str, ...]) -> None:
     if path.is_dir():
-        raise MeshError(f"{path}: is a directory; wanted a mesh file (OBJ, STL, PLY or GLB)")
-    if path.suffix.lower() not in _READERS:
+        raise MeshError(f"{path}: is a directory; wanted a mesh file ({_KINDS})")
+    if path.suffix.lower() not in known:
         ending = path.suffix or "no ending"
-        raise MeshError(f"{path}: wanted a mesh file that ends with one of {', '.join(_READERS)}, got {ending}")
+        raise MeshError(f"{path}: wanted a mesh file that ends with one of {', '.join(known)}, got {ending}")
 
 
 def _require_faces(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
@@ -218,18 +257,3 @@ def _require_body(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
     a, b, c = (vertices[faces] / extent.max()).transpose(1, 0, 2)
     if np.linalg.norm(np.cross(b - a, c - a), axis=1).max() <= 1e-14:
         raise MeshError(f"{path}: none of its {len(faces)} faces has an area (all are points or lines); wanted a surface")
-
-
-def _exported(mesh: Mesh, vertices: np.ndarray, kind: str) -> bytes:
-    import trimesh
-    from trimesh.visual import TextureVisuals
-    from trimesh.visual.material import PBRMaterial
-
-    with quiet_trimesh():
-        visual = None
-        if mesh.uv is not None:
-            visual = TextureVisuals(uv=mesh.uv, material=PBRMaterial(baseColorTexture=mesh.texture))
-        body = trimesh.Trimesh(vertices, mesh.faces, visual=visual, process=False)
-        content = body.export(file_type=kind)
-    assert isinstance(content, bytes)
-    return content

@@ -9,15 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from softffd.files import replacing, write_text
-from softffd.mesh.polygons import Triangles, assemble, damaged, first_outside, open_texture
+from softffd.mesh.looks import Group, Looks
+from softffd.mesh.mtl import Library
+from softffd.mesh.polygons import Triangles, assemble, damaged, first_outside
 
 
 def read_obj(path: Path, data: bytes) -> Triangles:
-    """Return the triangles of an OBJ file; all objects, groups and materials in one.
+    """Return the triangles of an OBJ file, with materials, groups, and colours of vertices (six numbers after `v`).
 
-    Corners without texture coordinates in a file that has some get (0, 0). The texture is kept where the file
-    uses exactly one. Raises MeshError with the line of the fault.
+    Corners without texture coordinates in a file that has some get (0, 0). Raises MeshError with the line of the fault.
     """
     records = _Records(path)
     data = data.removeprefix(BOM_UTF8)
@@ -26,28 +26,6 @@ def read_obj(path: Path, data: bytes) -> Triangles:
         if words:
             records.read(number, words)
     return records.triangles()
-
-
-def write_obj(path: Path, vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray | None, *, texture, decimals: int) -> None:
-    """Write an OBJ file; a texture goes beside it, as NAME.mtl and NAME.png."""
-    lines = []
-    if texture is not None:
-        with replacing(path.with_suffix(".png")) as stream:
-            texture.save(stream, "PNG")
-        write_text(path.with_suffix(".mtl"), f"newmtl surface\nmap_Kd {path.with_suffix('.png').name}\n")
-        lines += [f"mtllib {path.with_suffix('.mtl').name}", "usemtl surface"]
-    lines += _rows("v", vertices, decimals)
-    corners = [f"{i}" for i in range(1, len(vertices) + 1)]
-    if uv is not None:
-        texels, texel = np.unique(np.round(uv, decimals), axis=0, return_inverse=True)
-        lines += _rows("vt", texels, decimals)
-        corners = [f"{corner}/{t}" for corner, t in zip(corners, texel.reshape(-1) + 1, strict=True)]
-    lines += [f"f {corners[a]} {corners[b]} {corners[c]}" for a, b, c in faces.tolist()]
-    write_text(path, "\n".join(lines) + "\n")
-
-
-def _rows(key: str, rows: np.ndarray, decimals: int) -> list[str]:
-    return [" ".join([key, *(f"{value:.{decimals}f}" for value in row)]) for row in (rows + 0.0).tolist()]
 
 
 class _Records:
@@ -61,27 +39,37 @@ class _Records:
         self.texel_corners: list[int] = []
         self.counts: list[int] = []
         self.face_lines: list[int] = []
-        self.libraries: list[str] = []
-        self.materials: set[str] = set()
+        self.colours: dict[int, list[float]] = {}
+        self.library = Library(path.parent)
+        self.materials, self.groups = _Marks(""), _Marks(Group())
 
     def read(self, number: int, words: list[bytes]) -> None:
         key = words[0]
         try:
             if key == b"v":
-                self.vertices.append(_numbers(words[1:4], 3))
+                self._read_vertex(words[1:])
             elif key == b"f":
                 self._read_face(number, words[1:])
             elif key == b"vt":
                 self.texels.append([*_numbers(words[1:3], 1), 0.0][:2])
             elif key == b"mtllib":
-                self.libraries.append(b" ".join(words[1:]).decode(errors="replace"))
+                self.library.read(_text(words))
             elif key == b"usemtl":
-                self.materials.add(b" ".join(words[1:]).decode(errors="replace"))
+                self.materials.now = _text(words)
+            elif key == b"o":
+                self.groups.now = Group(object=_text(words))
+            elif key == b"g":
+                self.groups.now = self.groups.now._replace(group=_text(words))
             elif not key.replace(b"_", b"").isalnum() or key[:1].isdigit():
                 raise ValueError("no record of an OBJ file starts like this")
         except (ValueError, OverflowError) as fault:
             text = b" ".join(words)[:60].decode(errors="replace")
             raise damaged(self.path, f"line {number}, {text!r}: {fault}") from None
+
+    def _read_vertex(self, words: list[bytes]) -> None:
+        if len(words) == 6:
+            self.colours[len(self.vertices)] = _numbers(words[3:], 3)
+        self.vertices.append(_numbers(words[:3], 3))
 
     def _read_face(self, number: int, words: list[bytes]) -> None:
         if len(words) < 3:
@@ -92,26 +80,21 @@ class _Records:
             self.corners.append(_from_zero(vertex, len(self.vertices)))
             self.texel_corners.append(_from_zero(texel, len(self.texels)) if texel else -1)
         self.counts.append(len(words))
+        self.materials.mark()
+        self.groups.mark()
         self.face_lines.append(number)
 
     def triangles(self) -> Triangles:
         positions = np.array(self.vertices, dtype=float).reshape(-1, 3)
         corners = self._checked("vertex", self.corners, len(positions))
         if not self.texels:
-            return assemble(positions, corners, self.counts)
+            return assemble(positions, corners, self.counts, looks=self._looks())
         texels, texel_corners = np.array(self.texels), np.array(self.texel_corners, dtype=np.int64)
         if (texel_corners < 0).any():
             texel_corners[texel_corners < 0] = len(texels)
             texels = np.vstack([texels, [0.0, 0.0]])
         self._checked("texture coordinate", texel_corners, len(texels))
-        return assemble(
-            positions,
-            corners,
-            self.counts,
-            texels=texels,
-            texel_corners=texel_corners,
-            texture=self._texture(),
-        )
+        return assemble(positions, corners, self.counts, texels=texels, texel_corners=texel_corners, looks=self._looks())
 
     def _checked(self, what: str, indices, count: int) -> np.ndarray:
         """The corners' indices as an array; none points outside the `count` records of its kind."""
@@ -126,31 +109,41 @@ class _Records:
             raise damaged(self.path, fault)
         return indices
 
-    def _texture(self):
-        """The image of the one textured material in use, or None."""
-        files = {}
-        for library in self.libraries:
-            files |= _texture_files(self.path.parent / library)
-        used = {file for material, file in files.items() if material in self.materials}
-        return open_texture(used.pop()) if len(used) == 1 else None
+    def _looks(self) -> Looks:
+        names, material_of = self.materials.found()
+        groups, group_of = self.groups.found()
+        return Looks(self.library.materials(names), material_of, self._vertex_colours(), groups, group_of, tuple(self.library.notes))
+
+    def _vertex_colours(self) -> np.ndarray | None:
+        """White where a vertex has none; of 0 .. 255 in files that count so."""
+        if not self.colours:
+            return None
+        colours = np.ones((len(self.vertices), 3))
+        given = np.array(list(self.colours.values()))
+        colours[list(self.colours)] = given / (255.0 if given.max() > 1 else 1.0)
+        return np.nan_to_num(colours).clip(0, 1)
 
 
-def _texture_files(library: Path) -> dict[str, Path]:
-    """The image file of each material of an MTL file that has one; nothing where the file is missing."""
-    files: dict[str, Path] = {}
-    material = ""
-    try:
-        lines = library.read_text(errors="replace").splitlines()
-    except (OSError, ValueError):
-        return files
-    for line in lines:
-        key, _, value = line.strip().partition(" ")
-        if key == "newmtl":
-            material = value.strip()
-        elif key.lower() == "map_kd" and value.strip():
-            name = value.split()[-1] if value.strip().startswith("-") else value.strip()
-            files[material] = library.parent / name.replace("\\", "/")
-    return files
+class _Marks:
+    """What holds for the faces that follow, a material or a group, and which each face has had."""
+
+    def __init__(self, nothing):
+        self.now, self._nothing = nothing, nothing
+        self._numbers: dict = {}
+        self._faces: list[int] = []
+
+    def mark(self) -> None:
+        self._faces.append(self._numbers.setdefault(self.now, len(self._numbers)))
+
+    def found(self) -> tuple[tuple, np.ndarray | None]:
+        """What faces have, in the order of the file, and the index of each face; nothing where no face has anything."""
+        if set(self._numbers) <= {self._nothing}:
+            return (), None
+        return tuple(self._numbers), np.array(self._faces, dtype=np.int64)
+
+
+def _text(words: list[bytes]) -> str:
+    return b" ".join(words[1:]).decode(errors="replace")
 
 
 def _numbers(words: list[bytes], least: int) -> list[float]:

@@ -8,35 +8,38 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from softffd.errors import MeshError
+from softffd.mesh.looks import PLAIN, Looks
 
 if TYPE_CHECKING:
     from PIL import Image
 
 
 class Triangles(NamedTuple):
-    """What every reader returns: vertices (V, 3), faces (F, 3), uv (V, 2) or None, texture or None."""
+    """What every reader returns: vertices (V, 3), faces (F, 3), uv (V, 2) or None, looks."""
 
     vertices: np.ndarray
     faces: np.ndarray
     uv: np.ndarray | None = None
-    texture: Image.Image | None = None
+    looks: Looks = PLAIN
 
 
-def assemble(positions, corners, counts, *, texels=None, texel_corners=None, texture=None) -> Triangles:
+def assemble(positions, corners, counts, *, texels=None, texel_corners=None, looks=PLAIN) -> Triangles:
     """Return triangles that share a vertex where position and texture coordinate are the same.
 
     positions: (P, 3). corners: (C,) indices of positions, one polygon after another. counts: (F,) corners of
     each, >= 3. texels: (Q, 2) texture coordinates and texel_corners: (C,) indices of them, or both None.
+    looks: of the polygons and positions.
     A polygon of c corners becomes a fan of c - 2 triangles about its first corner, which is right for convex ones.
     The vertices keep the order of `positions`.
     """
-    fans = _fans(np.asarray(counts, dtype=np.int64))
+    counts = np.asarray(counts, dtype=np.int64)
+    fans, looks = _fans(counts), looks.with_faces(np.repeat(np.arange(len(counts)), counts - 2))
     if texels is None:
-        return Triangles(positions, np.asarray(corners, dtype=np.int64)[fans], None, texture)
+        return Triangles(positions, np.asarray(corners, dtype=np.int64)[fans], None, looks)
     pairs = np.asarray(corners, dtype=np.int64) * len(texels) + np.asarray(texel_corners, dtype=np.int64)
     pairs, vertex_of_corner = np.unique(pairs, return_inverse=True)
     vertices, uv = positions[pairs // len(texels)], texels[pairs % len(texels)]
-    return Triangles(vertices, vertex_of_corner[fans], uv, texture)
+    return Triangles(vertices, vertex_of_corner[fans], uv, looks.with_vertices(pairs // len(texels)))
 
 
 def open_texture(file: Path) -> Image.Image | None:

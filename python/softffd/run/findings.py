@@ -33,6 +33,8 @@ def findings(result: Result) -> dict[str, Any]:
         turned_over = max(float(np.ptp(values)) for values in parts.values())
         numbers |= {"energy_gap_J": gap, "energy_turned_over_J": turned_over}
         lines.append(f"energy balance closes to {gap:.3g} J of {turned_over:.4g} J turned over")
+    if result.scene and result.scene.mesh and (mesh := result.scene.loaded_mesh):
+        lines += [f"{result.scene.mesh.file.name}: {note}" for note in mesh.looks.notes]
     return numbers | {"findings": lines}
 
 

@@ -146,7 +146,9 @@ class Lattice(Section):
 class MeshFile(Section):
     """The embedded object."""
 
-    file: FileName = key(..., "a mesh file: OBJ, STL, PLY or GLB, relative to the scene file", examples=["car.obj"])
+    file: FileName = key(
+        ..., "a mesh file: OBJ, STL, PLY, GLB, glTF, OFF, COLLADA (.dae) or 3MF, relative to the scene file", examples=["car.obj"]
+    )
     scale: Number = quantity(1.0, "1", "metres per unit of length of the file", gt=0)
     up: Literal["x", "y", "z"] = key("z", "axis of the file that becomes +z")
 

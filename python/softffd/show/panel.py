@@ -7,7 +7,7 @@ import numpy as np
 
 from softffd.show.raster import FIELD, Camera, Canvas
 from softffd.show.raster_plane import Patch, draw_plane
-from softffd.show.stage import FREE, PAINT, PINNED, VIEW, Stage, round_length
+from softffd.show.stage import FREE, PINNED, VIEW, Stage, round_length
 from softffd.show.surface import ShadingNormals, face_normals
 
 SMOOTH_FACES = 150_000
@@ -46,7 +46,7 @@ class Panels:
         self._axes = view_axes(stage.up)
         small = len(stage.faces) <= SMOOTH_FACES
         self._normals = ShadingNormals(stage.vertices, stage.faces) if small else None
-        self._paint = face_colours(stage)
+        self._paint = stage.skin.painter(stage.faces)
         moving = [shape.points.reshape(-1, 3) for shape in shapes if shape.frame is not None]
         points = np.concatenate(moving or [shapes[0].points.reshape(-1, 3)])
         self._centre, self._half = _middle(points), np.ptp(points, axis=0) / 2
@@ -104,16 +104,6 @@ def view_axes(up):
     flat = np.cos(turn) * east + np.sin(turn) * np.cross(up, east)
     right, back = np.cross(up, flat), np.cos(lift) * flat + np.sin(lift) * np.asarray(up)
     return np.stack([right, np.cross(back, right), back])
-
-
-def face_colours(stage):
-    """Colours (F, 3) of the faces, or (3,) for all: the texture at each face's middle, without a texture the paint."""
-    if stage.texture is None:
-        return np.array(PAINT)
-    image = np.asarray(stage.texture.convert("RGB")) / 255.0
-    place = stage.uv[stage.faces].mean(axis=1) % 1.0
-    rows, columns = image.shape[:2]
-    return image[((1 - place[:, 1]) * rows).astype(int).clip(0, rows - 1), (place[:, 0] * columns).astype(int)]
 
 
 def _middle(points):

@@ -58,22 +58,22 @@ class Canvas:
         x = self.width / 2 + self.focal * seen[:, 0] * depth
         return np.stack([x, self.height / 2 - self.focal * seen[:, 1] * depth, depth], axis=1)
 
-    def triangles(self, points, faces, normals, colour):
+    def triangles(self, points, faces, normals, paint):
         """Draw `faces` (F, 3) of `points` (V, 3) [m].
 
-        normals: of the corners, (F, 3, 3), either way round. colour: (3,), or per face (F, 3), 0 .. 1.
+        normals: of the corners, (F, 3, 3), either way round. paint: gives the colours (P, 3), 0 .. 1, of places on the
+        surface by face (P,) and shares of its corners (P, 3).
         """
         a, b, c = (points[faces[:, k]] for k in range(3))
         facets = np.cross(b - a, c - a)
         facets *= np.where(np.einsum("fa,fa->f", facets, self.camera.eye - a) < 0, -1.0, 1.0)[:, None]
-        colours = np.broadcast_to(np.asarray(colour, np.float32) ** 2.2, (len(faces), 3))
         for pixel, face, share, depth in fragments(self.project(points), faces, self.width, self.height):
             np.maximum.at(self.depth, pixel, depth)
             won = depth == self.depth[pixel]
             pixel, face, share = pixel[won], face[won], share[won]
             normal = _unit(np.einsum("pk,pka->pa", share, normals[face]))
             normal *= np.where(np.einsum("pa,pa->p", normal, facets[face]) < 0, -1.0, 1.0)[:, None]
-            self._colour[pixel] = self._lit(normal, colours[face])
+            self._colour[pixel] = self._lit(normal, paint(face, share) ** 2.2)
 
     def _lit(self, normal, colour):
         diffuse = ((normal @ self._key + 0.15) / 1.15).clip(0, None)[:, None]

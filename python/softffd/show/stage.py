@@ -4,17 +4,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from PIL import Image
 
 from softffd.embedding.deform import Embedding
 from softffd.errors import SoftffdError
 from softffd.lattice import index_grid, rest_grid
+from softffd.show.skin import Skin, painted, skinned
 from softffd.show.surface import cage_surface
 
-PAINT = (0.15, 0.45, 0.68)
 FREE, PINNED = (0.90, 0.42, 0.05), (0.10, 0.10, 0.12)
 OBSTACLES = ((0.63, 0.67, 0.73), (0.34, 0.71, 0.91), (0.80, 0.47, 0.65), (0.0, 0.62, 0.45), (0.90, 0.62, 0.0))
-"""Colours that remain apart for the colour-blind: the object, its control points, the planes in turn."""
+"""Colours that remain apart for the colour-blind, and from the object's paint: its control points, the planes in turn."""
 
 VIEW = (-1.0, 0.27)
 """From where one looks first, rad: about the up direction, and above the horizon."""
@@ -43,7 +42,7 @@ class Stage:
 
     `time` (T,) [s]; `positions` (T, nx, ny, nz, 3) [m], all finite. `origin`, `size` (3,) [m]: the box in which the
     surface is embedded; `basis`: "bezier" or "bspline". `vertices` (V, 3) [m] and `faces` (F, 3): the surface at rest;
-    `uv` (V, 2) and `texture`: its image, or both None. `is_cage`: the surface is the boundary of the volume itself.
+    `skin`: its colours. `is_cage`: the surface is the boundary of the volume itself.
     `pinned`: flat indices of attached control points. `up` (3,): unit. `centre`, `half` (3,) [m]: middle and half the
     sides of the box of all that the lattice ever covers.
     """
@@ -56,8 +55,7 @@ class Stage:
     basis: str
     vertices: np.ndarray
     faces: np.ndarray
-    uv: np.ndarray | None
-    texture: Image.Image | None
+    skin: Skin
     is_cage: bool
     planes: tuple[PlaneTrack, ...]
     pinned: np.ndarray
@@ -103,9 +101,12 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
     """
     positions = _recorded(result)
     origin, size = _box(result, mesh, origin, size)
-    vertices, faces = (mesh.vertices, mesh.faces) if mesh is not None else cage_surface(origin, size, divisions=_divisions(positions))
+    if mesh is not None:
+        vertices, faces, skin = skinned(mesh)
+    else:
+        vertices, faces = cage_surface(origin, size, divisions=_divisions(positions))
+        skin = painted(vertices, faces)
     up = up_direction(result.scene)
-    textured = mesh is not None and mesh.uv is not None and mesh.texture is not None
     low, high = positions.min(axis=(0, 1, 2, 3)), positions.max(axis=(0, 1, 2, 3))
     return Stage(
         title=result.scene.title if result.scene is not None else str(result.summary.get("title", "")),
@@ -116,8 +117,7 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
         basis="bezier" if result.lattice is None else result.lattice.basis,
         vertices=np.asarray(vertices, dtype=float),
         faces=np.asarray(faces, dtype=np.int64),
-        uv=mesh.uv if textured else None,
-        texture=mesh.texture if textured else None,
+        skin=skin,
         is_cage=mesh is None,
         planes=tuple(_track(i, name, up, *result.plane(name)) for i, name in enumerate(result.plane_names())),
         pinned=_pinned(result.scene),

@@ -74,9 +74,10 @@ vec3 evaluate(vec3 u, out mat3 derivative, out vec3 place) {
 layout(location = 0) in vec3 coordinates;             // parameters of the vertex
 layout(location = 1) in vec3 normal;                  // of the surface at rest
 layout(location = 2) in vec2 uv;
+layout(location = 3) in vec3 tint;
 uniform mat4 camera;
 uniform vec3 origin, size;
-out vec3 world, shading, cell;
+out vec3 world, shading, cell, shade;
 out vec2 skin_place;
 out float displacement, strain;
 void main() {
@@ -89,13 +90,14 @@ void main() {
   strain = sqrt(dot(green[0], green[0]) + dot(green[1], green[1]) + dot(green[2], green[2]));
   displacement = distance(world, origin + size * place);
   skin_place = uv;
+  shade = tint;
   cell = place * vec3(NX - 1, NY - 1, NZ - 1);
   gl_Position = camera * vec4(world, 1);
 }
 
 //// object-fragment
 precision highp float;
-in vec3 world, shading, cell;
+in vec3 world, shading, cell, shade;
 in vec2 skin_place;
 in float displacement, strain;
 uniform vec3 eye, up, key;
@@ -116,7 +118,7 @@ void main() {
   float value = colouring < 1.5 ? displacement : strain;
   bool painted = colouring < 0.5;
   vec3 ramped = texture(ramp, vec2(clamp(value / largest, 0.0, 1.0), 0.5)).rgb;
-  vec3 base = pow(painted ? texture(skin, skin_place).rgb : ramped, vec3(2.2));
+  vec3 base = pow(painted ? shade * texture(skin, skin_place).rgb : ramped, vec3(2.2));
   if (cage > 0.5) base *= 1.0 - 0.45 * cell_lines();
   float diffuse = max((dot(n, key) + 0.15) / 1.15, 0.0), sky = 0.5 + 0.5 * dot(n, up);
   float gloss = pow(max(dot(n, normalize(key + view)), 0.0), 70.0), rim = pow(1.0 - max(dot(n, view), 0.0), 4.0);

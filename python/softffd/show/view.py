@@ -21,7 +21,7 @@ from softffd.files import write_text
 from softffd.lattice import to_flat
 from softffd.names import Part
 from softffd.run.history import energies, reactions
-from softffd.show.stage import FREE, PAINT, PINNED, VIEW, round_length, stage_of
+from softffd.show.stage import FREE, PINNED, VIEW, round_length, stage_of
 from softffd.show.surface import split_at_creases
 from softffd.show.template import filled
 
@@ -83,33 +83,38 @@ def _frames(positions):
 def _words(stage, frames, mesh):
     subtitle = " × ".join(str(n) for n in stage.counts) + " control points"
     if mesh is not None:
-        subtitle += f" · {mesh.name}: {len(stage.vertices):,} vertices, {len(stage.faces):,} triangles"
+        subtitle += f" · {mesh.name}: {len(mesh.vertices):,} vertices, {len(mesh.faces):,} triangles"
     thinned = len(frames) < len(stage.time)
     note = f"{len(frames):,} of {len(stage.time):,} recorded frames are shown" if thinned else ""
     return {"title": stage.title, "subtitle": subtitle, "note": note}
 
 
 def _surface(stage):
-    """Parameters (W, 3), normals (W, 4) of which three count, texture coordinates (W, 2), triangles (F, 3)."""
+    """Parameters (W, 3), normals and tints (W, 4) of which three count, places in pictures (W, 2), and triangles (F, 3).
+
+    Triangles with one picture follow each other: `parts` are pairs of a picture's number and how many there are.
+    """
     source, normals, faces = split_at_creases(stage.vertices, stage.faces)
+    order = np.argsort(stage.skin.picture_of, kind="stable")
+    pictures, counts = np.unique(stage.skin.picture_of, return_counts=True)
     places = zip(((stage.vertices[source] - stage.origin) / stage.size).T, stage.counts, strict=True)
-    uv = np.zeros((len(source), 2)) if stage.uv is None else stage.uv[source]
     return {
         "cage": int(stage.is_cage),
         "coordinates": _text(np.stack([parameter(t, n, stage.basis) for t, n in places], axis=1), "<f4"),
         "normals": _text(np.pad(normals * 32767.0, ((0, 0), (0, 1))).round(), "<i2"),
-        "uv": _text(uv, "<f4"),
-        "triangles": _text(faces, "<u4"),
+        "tints": _text(np.pad(stage.skin.tints[source] * 255.0, ((0, 0), (0, 1))).round(), "u1"),
+        "uv": _text(stage.skin.uv[source], "<f4"),
+        "triangles": _text(faces[order], "<u4"),
+        "parts": np.stack([pictures, counts], axis=1).tolist(),
     }
 
 
 def _colours(stage):
     ramp = colormaps["YlGnBu"](np.linspace(0.1, 1.0, 64))[:, :3]
     return {
-        "paint": PAINT,
         "free": FREE,
         "fixed": PINNED,
-        "texture": None if stage.texture is None else _image(stage.texture),
+        "pictures": [_image(picture) for picture in stage.skin.pictures],
         "ramp": (255 * ramp).astype(int).ravel().tolist(),
     }
 

@@ -83,7 +83,7 @@ const SOURCES = Object.fromEntries(element("shaders").textContent.split(/^\/{4} 
   const end = text.indexOf("\n");
   return [text.slice(0, end), text.slice(end)];
 }));
-let object, lines, balls, points, ramp, skin, heights, planes;
+let object, lines, balls, points, ramp, plain, skins, heights, planes;
 
 function shader(type, source) {
   const made = gl.createShader(type);
@@ -160,22 +160,23 @@ function build() {
   object = { program: program("object-vertex", "object-fragment"), shadow: program("height-vertex", "height-fragment"), count: triangles.length,
     array: vertices([{ data: decode(run.coordinates, Float32Array), width: 3, type: gl.FLOAT },
       { data: decode(run.normals, Int16Array), width: 3, type: gl.SHORT, stride: 8, normalised: true },
-      { data: decode(run.uv, Float32Array), width: 2, type: gl.FLOAT }], triangles) };
+      { data: decode(run.uv, Float32Array), width: 2, type: gl.FLOAT },
+      { data: decode(run.tints, Uint8Array), width: 3, type: gl.UNSIGNED_BYTE, stride: 4, normalised: true }], triangles) };
   lines = { program: program("line-vertex", "line-fragment"), count: edges.length / 2,
     array: vertices([{ data: edges, width: 2, type: gl.INT, integer: true, each: 1 }]) };
   balls = { program: program("ball-vertex", "ball-fragment"), array: vertices([{ data: pinned, width: 1, type: gl.FLOAT }]) };
   points = texture(gl.RGBA32F, NX * NY, NZ, gl.RGBA, gl.FLOAT, null, gl.NEAREST);
   ramp = texture(gl.RGB8, run.ramp.length / 3, 1, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array(run.ramp), gl.LINEAR);
-  skin = texture(gl.RGB8, 1, 1, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array(run.paint.map(c => 255 * c)), gl.LINEAR);
-  if (run.texture) load_skin();
+  plain = blank();
+  skins = run.pictures.map(load_skin);
   heights = drawing_surface();
   planes = { program: program("plane-vertex", "plane-fragment"), occlusion: program("cover-vertex", "occlusion-fragment"),
     array: gl.createVertexArray(), surfaces: run.planes.map(drawing_surface) };
 }
 
 // A palette's few texels must not mix, so only pictures get smaller copies of themselves for the distance.
-function load_skin() {
-  const image = new Image();
+function load_skin(source) {
+  const skin = blank(), image = new Image();
   image.onload = () => {
     gl.bindTexture(gl.TEXTURE_2D, skin);
     gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, true);
@@ -189,8 +190,10 @@ function load_skin() {
     }
     show();
   };
-  image.src = run.texture;
+  image.src = source;
+  return skin;
 }
+function blank() { return texture(gl.RGB8, 1, 1, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array([255, 255, 255]), gl.LINEAR); }
 
 // ---- drawing -----------------------------------------------------------------------------------------------------
 let shown = null, waiting = false;                       // the time whose control points and shadows the GPU holds
@@ -275,11 +278,15 @@ function draw_object(common) {
   const colouring = ["paint", "displacement", "strain"].indexOf(state.colour);
   bind(0, points);
   bind(1, ramp);
-  bind(2, skin);
   use(object.program, { ...common, origin: run.origin, size: run.size, ramp: 1, skin: 2, cage: run.cage,
     colouring, largest: run.largest[state.colour] || 1 });
   gl.bindVertexArray(object.array);
-  gl.drawElements(gl.TRIANGLES, object.count, gl.UNSIGNED_INT, 0);
+  let first = 0;
+  for (const [picture, count] of run.parts) {
+    bind(2, picture < 0 ? plain : skins[picture]);
+    gl.drawElements(gl.TRIANGLES, 3 * count, gl.UNSIGNED_INT, 12 * first);
+    first += count;
+  }
 }
 function draw_planes(common) {
   const order = run.planes.map((plane, i) => [Math.hypot(...plus(plane.now.centre, -1, common.eye)), plane, i]).sort((a, b) => b[0] - a[0]);

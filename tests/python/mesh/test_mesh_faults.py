@@ -6,9 +6,26 @@ import warnings
 import numpy as np
 import pytest
 
-from mesh_files import CORNERS, ENDINGS, FACES, PLY_TEXT, TETRAHEDRON, ball, binary_ply, glb_with, loaded, ply, saved, text_stl, written
+from mesh_files import (
+    CORNERS,
+    ENDINGS,
+    FACES,
+    OFF,
+    PLY_TEXT,
+    TETRAHEDRON,
+    ball,
+    binary_ply,
+    glb_with,
+    loaded,
+    ply,
+    saved,
+    text_stl,
+    written,
+)
 from softffd.errors import MeshError
 from softffd.mesh.mesh import load_mesh, save_mesh
+
+TEXTS = {"text.stl": text_stl, "text.ply": lambda: ply() + PLY_TEXT, "text.off": lambda: OFF}
 
 
 def faults():
@@ -16,8 +33,8 @@ def faults():
     flat = TETRAHEDRON.replace("0 0 1", "1 1 0") + FACES
     binary = struct.pack("<80sI", b"", 4) + bytes(4 * 50)
     return {
-        "unknown ending": ("a.step", "x", "ends with one of .obj, .stl, .ply, .glb, got .step"),
-        "no ending": ("mesh", "x", "ends with one of .obj, .stl, .ply, .glb, got no ending"),
+        "unknown ending": ("a.step", "x", "ends with one of .obj, .stl, .ply, .glb, .gltf, .off, .3mf, .dae, got .step"),
+        "no ending": ("mesh", "x", "ends with one of .obj, .stl, .ply, .glb, .gltf, .off, .3mf, .dae, got no ending"),
         "empty": ("a.obj", "", r"empty \(0 bytes\)"),
         "only comments": ("a.obj", "# nothing\n", "no vertices"),
         "another kind of file": ("a.obj", b"\x89PNG\r\n\x1a\n\0\0", "line 1.* no record of an OBJ file"),
@@ -92,6 +109,29 @@ def faults():
             "promises 4 records 'face'",
         ),
         "ply binary too long": ("a.ply", binary_ply() + b"\0\0", "2 bytes follow after all that the header describes"),
+        "ply strip beyond": (
+            "a.ply",
+            ply(faces=0).replace("face 0", "tristrips 1") + PLY_TEXT[:24] + "4 0 1 2 7\n",
+            "refers to vertex 7",
+        ),
+        "off no head": ("a.off", "4 4 0\n", "first word is OFF"),
+        "off binary": ("a.off", b"OFF BINARY\n\0\0\0\4", "wanted a text"),
+        "off no counts": ("a.off", "OFF\n", "numbers of vertices and of faces: wanted 2"),
+        "off half a vertex": ("a.off", "OFF\n1.5 1 0\n", "a count is no whole number"),
+        "off cut off": ("a.off", OFF[:-8], "promises 4 vertices and 4 faces, but ends after 7 lines"),
+        "off cut in a line": ("a.off", OFF[:-4], "corners of each face: wanted 3 numbers"),
+        "off vertex cut": ("a.off", OFF.replace("0 1 0", "0 1"), "coordinates of each vertex: wanted 3 numbers"),
+        "off vertex beyond": ("a.off", OFF.replace("2 0 3", "2 0 4"), r"face 3 \(from 0\) refers to vertex 4 \(from 0\), but there are 4"),
+        "off two corners": ("a.off", OFF.replace("3 2 0 3", "2 2 0"), r"face 3 \(from 0\) has fewer than 3"),
+        "off point cloud": ("a.off", "OFF\n1 0 0\n0 0 0\n", "1 vertices but no faces"),
+        "gltf no json": ("a.gltf", "{", "JSON cannot be read"),
+        "gltf version": ("a.gltf", '{"asset": {"version": "1.0"}}', "wanted glTF version 2, got version 1.0"),
+        "gltf no version": ("a.gltf", "{}", "wanted glTF version 2, got no version"),
+        "gltf without data": (
+            "a.gltf",
+            '{"asset": {"version": "2.0"}, "buffers": [{"uri": "a.bin"}]}',
+            "do not fit their description .*a.bin",
+        ),
         "glb magic": (
             "a.glb",
             b"glTX" + glb_with(lambda h: None)[4:],
@@ -143,11 +183,10 @@ def test_a_missing_file_and_a_directory_are_refused(tmp_path):
             save_mesh(ball(), folder)
 
 
-@pytest.mark.parametrize("kind", [*ENDINGS, "text.stl", "text.ply"])
+@pytest.mark.parametrize("kind", [*ENDINGS, "text.stl", "text.ply", "text.off"])
 def test_a_file_cut_anywhere_is_refused_or_has_fewer_faces_only_in_obj(kind, tmp_path):
     """OBJ counts nothing, so a cut between two faces cannot be seen; all other cuts are."""
-    whole = text_stl().encode() if kind == "text.stl" else (ply() + PLY_TEXT).encode()
-    whole = whole if kind.startswith("text") else saved(tmp_path, kind)
+    whole = TEXTS[kind]().encode() if kind in TEXTS else saved(tmp_path, kind)
     faces = len(loaded(tmp_path, "whole." + kind.removeprefix("text."), whole).faces)
     ends = range(1, len(whole.rstrip()), max(1, len(whole) // 120))
     for end in ends:
@@ -160,10 +199,9 @@ def test_a_file_cut_anywhere_is_refused_or_has_fewer_faces_only_in_obj(kind, tmp
                 load_mesh(file)
 
 
-@pytest.mark.parametrize("kind", [*ENDINGS, "text.stl", "text.ply"])
+@pytest.mark.parametrize("kind", [*ENDINGS, "text.stl", "text.ply", "text.off"])
 def test_whatever_bytes_change_nothing_but_a_mesh_error_comes_out(kind, tmp_path):
-    whole = text_stl().encode() if kind == "text.stl" else (ply() + PLY_TEXT).encode()
-    whole = bytearray(whole if kind.startswith("text") else saved(tmp_path, kind))
+    whole = bytearray(TEXTS[kind]().encode() if kind in TEXTS else saved(tmp_path, kind))
     random = np.random.default_rng(7)
     for _ in range(150):
         damaged = whole.copy()
@@ -179,3 +217,18 @@ def _load_or_refuse(file):
         return None
     assert np.isfinite(mesh.vertices).all() and mesh.faces.max() < len(mesh.vertices)
     return mesh
+
+
+@pytest.mark.parametrize(("kind", "packages"), [("3mf", "lxml and networkx"), ("dae", "pycollada")])
+def test_a_file_that_needs_more_packages_says_which(kind, packages, tmp_path, monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(MeshError, match=rf"wanted {packages}: pip install 'softffd\[meshes\]', or save the mesh as OBJ, PLY or GLB"):
+        loaded(tmp_path, f"a.{kind}", "x")
+
+
+@pytest.mark.parametrize(("kind", "module"), [("3mf", "networkx"), ("dae", "collada")])
+def test_a_damaged_file_of_those_is_refused(kind, module, tmp_path):
+    pytest.importorskip(module, reason=f"{module} is not installed")
+    for content in (b"x", b"PK\3\4", b"<COLLADA>", b"<?xml version='1.0'?><COLLADA/>"):
+        with pytest.raises(MeshError, match=r"damaged or cut off|no vertices"):
+            loaded(tmp_path, f"a.{kind}", content)

@@ -80,7 +80,7 @@ CASES = [
     ),
     (
         {"mesh": {}},
-        "mesh.file: wanted a mesh file: OBJ, STL, PLY or GLB, relative to the scene file, got nothing",
+        "mesh.file: wanted a mesh file: OBJ, STL, PLY, GLB, glTF, OFF, COLLADA (.dae) or 3MF, relative to the scene file, got nothing",
     ),
     ({"mesh": {"file": ""}}, 'mesh.file: wanted the name of a mesh file in quotes, got ""'),
     ({"outputs": {"energy": 1}}, "outputs.energy: wanted true or false, got 1"),

@@ -5,13 +5,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from made_up_run import SIZE, made_up_run
+from made_up_run import made_up_run
+from mesh_files import two_colours
 from softffd.errors import SoftffdError
-from softffd.mesh.mesh import Mesh, load_mesh
-from softffd.show.panel import Panels, Shape, face_colours, view_axes
+from softffd.lattice import rest_grid
+from softffd.mesh.mesh import load_mesh
+from softffd.show.panel import Panels, Shape, view_axes
 from softffd.show.picture import draw_history, draw_run, draw_strip
 from softffd.show.stage import FREE, PINNED, stage_of
-from softffd.show.surface import cage_surface
 
 
 def pixels(path):
@@ -92,15 +93,19 @@ def test_view_looks_down_a_little_with_up_upwards(up):
     assert np.isclose(right @ up, 0) and above @ up > 0.9 and back @ up > 0.2
 
 
-def test_faces_take_their_colours_from_the_texture():
-    texture = Image.new("RGB", (4, 2))
-    texture.putdata([(255, 0, 0)] * 4 + [(0, 0, 255)] * 4)
-    vertices, faces = cage_surface([-1, -0.5, 0.2], SIZE, divisions=1)
-    uv = np.where(vertices[:, 2:] > 0.5, [0.5, 0.75], [0.5, 0.25])
-    colours = face_colours(stage_of(made_up_run(), mesh=Mesh(vertices, faces, uv=uv, texture=texture)))
-    height = vertices[faces][:, :, 2]
-    assert (colours[height.min(axis=1) > 0.5] == [1, 0, 0]).all()
-    assert (colours[height.max(axis=1) < 0.5] == [0, 0, 1]).all()
+@pytest.mark.parametrize("name", ["kd.obj", "pictures.glb", "vertices.ply", "faces.off"])
+def test_a_picture_shows_the_colours_of_the_mesh(name, tmp_path):
+    """The red box is below the green one, and nothing is as blue as what has no colour."""
+    mesh = load_mesh(two_colours(tmp_path, name))
+    origin, size = mesh.bounds[0], np.ptp(mesh.bounds, axis=0)
+    result = made_up_run()
+    at_rest = replace(result, positions=np.tile(rest_grid((4, 4, 4), origin, size), (len(result.time), 1, 1, 1, 1)))
+    image = pixels(draw_strip(at_rest, tmp_path / "s.png", mesh=mesh, moments=[None], origin=origin, size=size))
+    red, green, blue = image[..., 0], image[..., 1], image[..., 2]
+    reddish, greenish = np.argwhere(red > 2 * np.maximum(green, blue)), np.argwhere(green > 1.3 * np.maximum(red, blue))
+    assert len(reddish) > 3000 and len(greenish) > 3000
+    assert np.quantile(greenish[:, 0], 0.95) < np.quantile(reddish[:, 0], 0.05)
+    assert not ((blue > red + 0.2) & (blue > green + 0.1)).any()
 
 
 def test_picture_of_a_real_mesh(real_meshes, tmp_path):

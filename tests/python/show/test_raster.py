@@ -11,6 +11,10 @@ def canvas(*, eye=(0.0, -10.0, 0.0), size=100):
     return Canvas(Camera(np.array(eye), np.zeros(3), UP), size, size, top=(1, 1, 1), bottom=(1, 1, 1))
 
 
+def plain(*colour):
+    return lambda face, _share: np.tile(np.float32(colour), (len(face), 1))
+
+
 def square(y, half=1.0):
     points = np.array([[-half, y, -half], [half, y, -half], [half, y, half], [-half, y, half]])
     return points, np.array([[0, 1, 2], [0, 2, 3]]), np.tile([0.0, -1.0, 0.0], (2, 3, 1))
@@ -36,7 +40,7 @@ def test_shares_reproduce_the_place_of_the_pixel():
 def test_the_nearer_square_hides_the_farther_whatever_the_order(order):
     drawn = canvas()
     for which in order:
-        drawn.triangles(*square((-1.0, 1.0)[which]), [(1, 0, 0), (0, 0, 1)][which])
+        drawn.triangles(*square((-1.0, 1.0)[which]), plain(*[(1, 0, 0), (0, 0, 1)][which]))
     red, _, blue = drawn.image()[50, 50]
     assert red > blue
 
@@ -46,14 +50,14 @@ def test_a_surface_is_lit_alike_whichever_way_its_normals_point():
     images = []
     for turned in (normals, -normals):
         drawn = canvas()
-        drawn.triangles(points, faces, turned, (0.2, 0.4, 0.6))
+        drawn.triangles(points, faces, turned, plain(0.2, 0.4, 0.6))
         images.append(drawn.image())
     assert np.array_equal(*images)
 
 
 def test_a_square_covers_its_share_of_the_picture():
     drawn = canvas(size=200)
-    drawn.triangles(*square(0.0), (0, 0, 0))
+    drawn.triangles(*square(0.0), plain(0, 0, 0))
     covered = (drawn.image()[..., 0] < 0.99).sum()
     side = 200 * 2.0 / (2 * 0.29 * 10)
     assert abs(covered - side**2) < 4 * side
@@ -61,7 +65,7 @@ def test_a_square_covers_its_share_of_the_picture():
 
 def test_lines_behind_something_are_fainter():
     drawn = canvas()
-    drawn.triangles(*square(0.0), (1, 1, 1))
+    drawn.triangles(*square(0.0), plain(1, 1, 1))
     shaded = drawn.image()
     drawn.lines(np.array([[-3.0, 2, 0], [3.0, 2, 0]]), np.array([[0, 1]]), colour=(0, 0, 0))
     change = (shaded - drawn.image())[49:51].max(axis=(0, 2))
@@ -93,7 +97,7 @@ def test_a_very_fine_mesh_casts_the_shadow_of_a_coarse_one():
 
 def test_an_object_before_a_plane_is_not_tinted():
     drawn = canvas()
-    drawn.triangles(*square(-1.0), (0.1, 0.5, 0.1))
+    drawn.triangles(*square(-1.0), plain(0.1, 0.5, 0.1))
     before = drawn.image()[50, 50]
     draw_plane(drawn, Patch(np.zeros(3), -NORTH, EAST, np.zeros(3), 5.0, 1.0, (1, 0, 0)))
     assert np.array_equal(drawn.image()[50, 50], before)

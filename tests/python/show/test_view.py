@@ -11,9 +11,11 @@ import pytest
 from PIL import Image
 
 from made_up_run import ORIGIN, SIZE, made_up_run
+from mesh_files import GREEN, RED, two_colours
 from softffd.embedding.deform import deform
 from softffd.errors import SoftffdError
-from softffd.mesh.mesh import Mesh
+from softffd.lattice import rest_grid
+from softffd.mesh.mesh import Mesh, load_mesh
 from softffd.show import view
 from softffd.show.stage import stage_of
 from softffd.show.surface import cage_surface, split_at_creases
@@ -196,11 +198,33 @@ def test_a_texture_travels_in_the_page_no_larger_than_needed(tmp_path):
     vertices, faces = cage_surface(ORIGIN, SIZE, divisions=2)
     mesh = Mesh(vertices, faces, uv=vertices[:, :2], texture=Image.new("RGB", (3000, 10), (9, 99, 199)))
     run = run_of(write_view(made_up_run(), tmp_path / "view.html", mesh=mesh))
-    assert run["texture"].startswith("data:image/png;base64,")
-    (tmp_path / "texture.png").write_bytes(base64.b64decode(run["texture"].partition(",")[2]))
+    assert run["pictures"][0].startswith("data:image/png;base64,")
+    (tmp_path / "texture.png").write_bytes(base64.b64decode(run["pictures"][0].partition(",")[2]))
     assert Image.open(tmp_path / "texture.png").width == 1024
     places = decoded(run["coordinates"], "<f4", 3) * SIZE + ORIGIN
     assert np.allclose(decoded(run["uv"], "<f4", 2), places[:, :2], atol=1e-6)
+
+
+@pytest.mark.parametrize(("name", "pictures"), [("kd.obj", 0), ("pictures.obj", 2), ("vertices.glb", 0), ("faces.ply", 0)])
+def test_a_page_holds_the_colours_of_the_mesh(name, pictures, tmp_path):
+    run = page_of_two_colours(tmp_path, name)[0]
+    assert len(run["pictures"]) == pictures
+    assert run["parts"] == ([[0, 12], [1, 12]] if pictures else [[-1, 24]])
+    tints, faces = decoded(run["tints"], "u1", 4)[:, :3] / 255, decoded(run["triangles"], "<u4", 3).astype(int)
+    heights = decoded(run["coordinates"], "<f4", 3)[:, 2]
+    upper = heights[faces].mean(axis=1) > 0.5
+    wanted = np.ones((24, 3)) if pictures else np.where(upper[:, None], GREEN, RED)
+    assert np.allclose(tints[faces], wanted[:, None], atol=0.02)  # a byte of light in glTF
+    assert not pictures or (upper == np.repeat([False, True], 12)).all()
+
+
+def page_of_two_colours(folder, name):
+    mesh = load_mesh(two_colours(folder, name))
+    origin, size = mesh.bounds[0], np.ptp(mesh.bounds, axis=0)
+    result = made_up_run()
+    still = replace(result, positions=np.tile(rest_grid((4, 4, 4), origin, size), (len(result.time), 1, 1, 1, 1)))
+    page = write_view(still, folder / "view.html", mesh=mesh, origin=origin, size=size)
+    return run_of(page), page
 
 
 def test_colour_scales_end_near_the_largest_value(tmp_path):
@@ -269,6 +293,17 @@ def test_browser_shows_object_lattice_and_ground_and_no_error(tmp_path):
     assert len(np.unique((scene[300:] * 255).reshape(-1, 3).astype(int), axis=0)) > 200
     lit = chromium(f"file://{page}#t=1.2", tmp_path, "--dump-dom")
     assert re.search(r'id="message"[^>]* hidden', lit) and "1.20" in re.search(r'<b id="now">(.*?)</b>', lit)[1]
+
+
+@needs_browser
+@pytest.mark.parametrize("name", ["kd.obj", "pictures.glb"])
+def test_browser_shows_the_colours_of_the_mesh(name, tmp_path):
+    shot = tmp_path / "shot.png"
+    chromium(f"file://{page_of_two_colours(tmp_path, name)[1]}#t=1", tmp_path, f"--screenshot={shot}")
+    red, green, blue = np.moveaxis(np.asarray(Image.open(shot).convert("RGB"))[80:520, :620] / 255.0, 2, 0)
+    reddish, greenish = np.argwhere(red > 2 * np.maximum(green, blue)), np.argwhere(green > 1.3 * np.maximum(red, blue))
+    assert len(reddish) > 3000 and len(greenish) > 3000
+    assert np.median(greenish[:, 0]) < np.median(reddish[:, 0])
 
 
 @needs_browser

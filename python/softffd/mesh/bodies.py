@@ -1,0 +1,179 @@
+"""Files that trimesh reads, a scene of bodies each: GLB, glTF, COLLADA and 3MF."""
+
+import logging
+import warnings
+from contextlib import contextmanager
+from dataclasses import replace
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+
+from softffd.errors import MeshError
+from softffd.mesh.looks import Group, Looks, Material, from_face_colours, to_screen
+from softffd.mesh.polygons import Triangles, damaged
+
+_NEEDED = {".dae": ("collada", "pycollada"), ".3mf": ("networkx", "lxml and networkx")}
+"""A module that trimesh needs beside itself, and what to install."""
+
+
+def read_bodies(path: Path, data: bytes, *, gltf: bool = False) -> Triangles:
+    """Return the triangles of all bodies of the file's scene, each in its place, in the order of the file.
+
+    gltf: its colours are amounts of light. Raises MeshError for damaged files, and where a package is missing that reads them.
+    """
+    bodies = _read(path, data, gltf)
+    for body in bodies:
+        if body.faces.min() < 0 or body.faces.max() >= len(body.vertices):
+            fault = f"a face refers to vertex {body.faces.max()} (from 0) of a body that has {len(body.vertices)}"
+            raise damaged(path, fault)
+    return _joined(bodies)
+
+
+def read_3mf(path: Path, data: bytes) -> Triangles:
+    """As read_bodies; the colours of a 3MF are not read, and a note says so where it has some."""
+    _require_package(path)
+    triangles = read_bodies(path, data)
+    from zipfile import ZipFile
+
+    with ZipFile(BytesIO(data)) as archive:
+        models = [archive.read(name) for name in archive.namelist() if name.lower().endswith(".model")]
+    coloured = any(word in model for model in models for word in (b"basematerials", b"colorgroup", b"texture2d"))
+    note = ("colours of a 3MF file are not read; OBJ, PLY and GLB keep theirs",) if coloured else ()
+    return triangles._replace(looks=replace(triangles.looks, notes=triangles.looks.notes + note))
+
+
+def read_dae(path: Path, data: bytes) -> Triangles:
+    """As read_bodies; the names of materials are not read, and a note says so."""
+    _require_package(path)
+    triangles = read_bodies(path, data)
+    note = ("the names of its materials are not read",) if triangles.looks.materials else ()
+    return triangles._replace(looks=replace(triangles.looks, notes=triangles.looks.notes + note))
+
+
+@contextmanager
+def quiet_trimesh():
+    """Keep trimesh's log and warnings to itself: what matters is said by an error."""
+    logger = logging.getLogger("trimesh")
+    level = logger.level
+    logger.setLevel(logging.CRITICAL + 1)  # its modules' loggers inherit the level
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        logger.setLevel(level)
+
+
+def _require_package(path: Path) -> None:
+    from importlib.util import find_spec
+
+    module, packages = _NEEDED[path.suffix.lower()]
+    if find_spec(module) is None:
+        kind = path.suffix[1:].upper()
+        wanted = f"{packages}: pip install 'softffd[meshes]', or save the mesh as OBJ, PLY or GLB"
+        raise MeshError(f"{path}: {kind} files are read with the help of packages that are not installed; wanted {wanted}")
+
+
+def _read(path: Path, data: bytes, gltf: bool) -> list[Triangles]:
+    import trimesh  # imported here, as it takes longer than reading most files
+
+    resolver = trimesh.resolvers.FilePathResolver(str(path))
+    with quiet_trimesh():
+        try:
+            scene = trimesh.load_scene(BytesIO(data), file_type=path.suffix[1:].lower(), resolver=resolver, process=False)
+            order = {name: number for number, name in enumerate(scene.geometry)}
+            nodes = sorted(scene.graph.nodes_geometry, key=lambda node: order[scene.graph[node][1]])
+            bodies = [_body(scene, node, gltf) for node in nodes]
+            return [body for body in bodies if body is not None and len(body.faces)]
+        except Exception as fault:  # trimesh raises whatever the damaged place happens to cause
+            text = f"{type(fault).__name__}: {' '.join(str(fault).split())}".rstrip(": ")
+            raise damaged(path, f"its data do not fit their description ({text[:200]})") from None
+
+
+def _body(scene, node: str, gltf: bool) -> Triangles | None:
+    """The node's triangles in the scene's frame, mirrored ones right side out; None for points and lines."""
+    matrix, name = scene.graph[node]
+    geometry = scene.geometry[name]
+    faces = getattr(geometry, "faces", None)
+    if faces is None:
+        return None
+    vertices = np.asarray(geometry.vertices, dtype=float) @ matrix[:3, :3].T + matrix[:3, 3]
+    faces = np.asarray(faces, dtype=np.int64)
+    uv = getattr(geometry.visual, "uv", None)
+    uv = np.asarray(uv, dtype=float) if uv is not None and np.shape(uv) == (len(vertices), 2) else None
+    mirrored = np.linalg.det(matrix[:3, :3]) < 0
+    looks = replace(_looks(geometry, gltf), groups=(Group(str(node)),), group_of=np.zeros(len(faces), dtype=np.int64))
+    return Triangles(vertices, faces[:, ::-1] if mirrored else faces, uv, looks)
+
+
+def _looks(geometry, gltf: bool) -> Looks:
+    visual, faces = geometry.visual, len(geometry.faces)
+    screen = to_screen if gltf else np.asarray
+    if visual.kind == "face":
+        return from_face_colours(np.asarray(visual.face_colors)[:, :3] / 255.0)
+    shades = visual.vertex_colors if visual.kind == "vertex" else getattr(visual, "vertex_attributes", {}).get("color")
+    looks = Looks()
+    if shades is not None and len(shades) == len(geometry.vertices):
+        looks = Looks(colours=screen(_shares(shades)[:, :3]))
+    material = getattr(visual, "material", None)
+    if material is None:
+        return looks
+    return replace(looks, materials=(_material(material, screen),), material_of=np.zeros(faces, dtype=np.int64))
+
+
+def _material(material, screen) -> Material:
+    factor = getattr(material, "baseColorFactor", None)
+    factor = getattr(material, "diffuse", None) if factor is None and hasattr(material, "diffuse") else factor
+    shares = np.ones(4) if factor is None else np.append(_shares(factor), 1.0)[:4]
+    texture = getattr(material, "baseColorTexture", None)
+    texture = getattr(material, "image", None) if texture is None else texture
+    if texture is not None:
+        texture.load()  # a damaged one fails here, in words
+    return Material(str(material.name or ""), tuple(screen(shares[:3]).tolist()), texture, float(shares[3]))
+
+
+def _shares(numbers) -> np.ndarray:
+    """Colours as shares of 1, which whole numbers count in 255ths."""
+    numbers = np.asarray(numbers)
+    return np.nan_to_num(numbers / (np.iinfo(numbers.dtype).max if numbers.dtype.kind in "iu" else 1.0)).clip(0, 1)
+
+
+def _joined(bodies: list[Triangles]) -> Triangles:
+    if not bodies:
+        return Triangles(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
+    counts = [len(body.vertices) for body in bodies]
+    starts = np.cumsum([0, *counts[:-1]])
+    faces = np.vstack([body.faces + start for body, start in zip(bodies, starts, strict=True)])
+    uv = None
+    if any(body.uv is not None for body in bodies):
+        uv = np.vstack([np.zeros((count, 2)) if body.uv is None else body.uv for body, count in zip(bodies, counts, strict=True)])
+    return Triangles(np.vstack([body.vertices for body in bodies]), faces, uv, _joined_looks(bodies))
+
+
+def _joined_looks(bodies: list[Triangles]) -> Looks:
+    """The looks of all bodies; those that name the same material share it."""
+    materials: list[Material] = []
+    material_of, colours = [], None
+    for body in bodies:
+        own = body.looks.materials or (Material(),)
+        places = [next((n for n, have in enumerate(materials) if _same(have, each)), None) for each in own]
+        for n, each in enumerate(own):
+            if places[n] is None:
+                places[n] = len(materials)
+                materials.append(each)
+        index = body.looks.material_of
+        material_of.append(np.asarray(places)[np.zeros(len(body.faces), dtype=np.int64) if index is None else index])
+    if any(body.looks.colours is not None for body in bodies):
+        colours = np.vstack([np.ones((len(b.vertices), 3)) if b.looks.colours is None else b.looks.colours for b in bodies])
+    if all(material == Material() for material in materials):
+        materials, material_of = [], []
+    group_of = np.repeat(np.arange(len(bodies)), [len(body.faces) for body in bodies])
+    clear = [material.name or "without a name" for material in materials if material.opacity < 1]
+    notes = (f"transparent materials are shown opaque: {', '.join(clear[:4])}",) if clear else ()
+    groups = tuple(body.looks.groups[0] for body in bodies)
+    return Looks(tuple(materials), np.concatenate(material_of) if materials else None, colours, groups, group_of, notes)
+
+
+def _same(one: Material, other: Material) -> bool:
+    return one.texture is other.texture and one[:2] == other[:2] and one.opacity == other.opacity

@@ -1,0 +1,99 @@
+"""glTF 2.0, binary (GLB) and text: what trimesh would pass over in silence is looked for before it reads them."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from urllib.parse import unquote
+
+from softffd.errors import MeshError
+from softffd.mesh.bodies import read_bodies
+from softffd.mesh.polygons import Triangles, damaged
+
+_COMPRESSED = {
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+    "KHR_mesh_quantization",
+}
+_FLOAT, _TRIANGLE_FAN = 5126, 6
+
+
+def read_glb(path: Path, data: bytes) -> Triangles:
+    """Return the triangles of all bodies of the file's scene, each in its place.
+
+    Raises MeshError for damaged files, and for compressed or sparse ones, which are not read.
+    """
+    return _read(path, data, _read_json(path, data))
+
+
+def read_gltf(path: Path, data: bytes) -> Triangles:
+    """As read_glb, for the text with its data inside or in files beside it."""
+    header = _parsed(path, data)
+    version = header.get("asset", {}).get("version") if isinstance(header.get("asset"), dict) else None
+    if not str(version).startswith("2"):
+        raise MeshError(f"{path}: wanted glTF version 2, got {f'version {version}' if version else 'no version'}")
+    return _read(path, data, header)
+
+
+def _read(path: Path, data: bytes, header: dict) -> Triangles:
+    _require_readable(path, header)
+    triangles = read_bodies(path, data, gltf=True)
+    missing = _missing_images(path.parent, header)
+    notes = (f"pictures that are not beside it: {', '.join(missing[:4])}",) if missing else ()
+    return triangles._replace(looks=replace(triangles.looks, notes=triangles.looks.notes + notes))
+
+
+def _read_json(path: Path, data: bytes) -> dict:
+    """The header's JSON of a container whose parts are all there."""
+    version, length, chunk = (int.from_bytes(data[at : at + 4], "little") for at in (4, 8, 12))
+    if data[:4] != b"glTF":
+        raise MeshError(f"{path}: not a GLB file: wanted one that begins with b'glTF', got {data[:4]!r}")
+    if version != 2:
+        raise MeshError(f"{path}: wanted glTF version 2, got version {version}")
+    if length != len(data):
+        raise damaged(path, f"its header promises {length} bytes, but it has {len(data)}")
+    end = 20 + chunk
+    if data[16:20] != b"JSON" or end > len(data):
+        raise damaged(path, "its first part is not a whole block of JSON")
+    return _parsed(path, data[20:end])
+
+
+def _parsed(path: Path, text: bytes) -> dict:
+    try:
+        header = json.loads(text)
+    except (ValueError, RecursionError):
+        header = None
+    if not isinstance(header, dict):
+        raise damaged(path, "its JSON cannot be read")
+    return header
+
+
+def _require_readable(path: Path, header: dict) -> None:
+    """Refuse what trimesh would read as zeros or leave out."""
+    try:
+        used = _COMPRESSED & set(header.get("extensionsUsed", []))
+        accessors = header.get("accessors", [])
+        primitives = [p for mesh in header.get("meshes", []) for p in mesh["primitives"]]
+        attributes = [p["attributes"] for p in primitives]
+        coordinates = [a[key] for a in attributes for key in ("POSITION", "TEXCOORD_0") if key in a]
+        whole_numbers = any(accessors[index]["componentType"] != _FLOAT for index in coordinates)
+        sparse = any("sparse" in accessor for accessor in accessors)
+        fans = any(p.get("mode") == _TRIANGLE_FAN for p in primitives)
+    except (AttributeError, KeyError, IndexError, TypeError) as fault:
+        text = f"its JSON is not that of a glTF scene ({type(fault).__name__}: {fault})"
+        raise damaged(path, text) from None
+    faults = {
+        ", ".join(sorted(used)): used,
+        "quantized coordinates": whole_numbers,
+        "sparse accessors": sparse,
+        "triangle fans": fans,
+    }
+    found = [name for name, present in faults.items() if present]
+    if found:
+        raise MeshError(f"{path}: uses {' and '.join(found)}, which is not read. Wanted plain triangles; export it without compression.")
+
+
+def _missing_images(folder: Path, header: dict) -> list[str]:
+    images = header.get("images", [])
+    names = [image.get("uri") for image in images if isinstance(image, dict)] if isinstance(images, list) else []
+    return [name for name in names if isinstance(name, str) and not name.startswith("data:") and not (folder / unquote(name)).is_file()]

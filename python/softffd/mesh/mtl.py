@@ -1,0 +1,119 @@
+"""Wavefront MTL: of each material its colour (Kd), picture (map_Kd) and opacity; read for OBJ, and written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import isnan, nan
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from softffd.mesh.looks import Colour, Material
+from softffd.mesh.polygons import open_texture
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+_PLACING = {"-s", "-o", "-t"}
+
+
+class Library:
+    """The materials of an OBJ file's libraries, read from the folder beside it, and what of them cannot be kept."""
+
+    def __init__(self, folder: Path):
+        self._folder = folder
+        self._records: dict[str, dict[str, str]] = {}
+        self._images: dict[Path, Image.Image | None] = {}
+        self._missing: list[str] = []
+        self.notes: list[str] = []
+
+    def read(self, names: str) -> None:
+        """Read what follows `mtllib`: a file's name, or several."""
+        several = [names] if (self._folder / names).is_file() else names.split()
+        for name in several:
+            try:
+                lines = (self._folder / name.replace("\\", "/")).read_text(errors="replace").splitlines()
+            except (OSError, ValueError):
+                self._missing.append(name)
+            else:
+                self._read_lines(lines)
+
+    def _read_lines(self, lines: list[str]) -> None:
+        record: dict[str, str] = {}
+        for line in lines:
+            key, _, value = line.strip().replace("\t", " ").partition(" ")
+            if key.lower() == "newmtl":
+                record = self._records[value.strip()] = {}
+            else:
+                record[key.lower()] = value.strip()
+
+    def materials(self, names: Iterable[str]) -> tuple[Material, ...]:
+        """The materials of these names; `notes` then tells what they lack."""
+        names = list(names)
+        materials = tuple(self._material(name) for name in names)
+        unknown = [name for name in names if name and name not in self._records]
+        if unknown:
+            why = f"{' and '.join(self._missing)} cannot be read" if self._missing else "no material library (MTL) describes them"
+            self.notes.append(f"materials without a colour ({_some(unknown)}): {why}")
+        lost = sorted({key for name in names for key in self._records.get(name, {}) if key.startswith(("map_", "bump", "norm", "disp"))})
+        lost = [key for key in lost if key != "map_kd"]
+        if lost:
+            self.notes.append(f"pictures other than map_Kd are not kept: {_some(lost)}")
+        if clear := [material.name for material in materials if material.opacity < 1]:
+            self.notes.append(f"transparent materials are shown opaque: {_some(clear)}")
+        return materials
+
+    def _material(self, name: str) -> Material:
+        record = self._records.get(name, {})
+        texture = self._texture(name, record["map_kd"]) if record.get("map_kd") else None
+        colour = _colour(record.get("kd", "")) if texture is None else None  # exporters leave Kd black under a picture
+        opacity = _number(record["d"]) if "d" in record else 1.0 - _number(record.get("tr", "0"))
+        return Material(name, colour, texture, 1.0 if isnan(opacity) else min(max(opacity, 0.0), 1.0))
+
+    def _texture(self, material: str, value: str) -> Image.Image | None:
+        words = value.split()
+        while words and words[0].startswith("-"):
+            if words.pop(0) in _PLACING:
+                self.notes.append(f"material {material}: its picture is taken without being moved or scaled (map_Kd {value})")
+            while len(words) > 1 and (not isnan(_number(words[0])) or words[0] in ("on", "off")):
+                words.pop(0)
+        name = Path(" ".join(words).replace("\\", "/"))
+        file = next((file for file in (self._folder / name, self._folder / name.name) if file.is_file()), self._folder / name)
+        if file not in self._images:
+            self._images[file] = open_texture(file)
+            if self._images[file] is None:
+                self.notes.append(f"material {material}: its picture {file.name} is missing or cannot be read")
+        return self._images[file]
+
+
+def mtl_text(materials: Iterable[tuple[str, Material]], files: dict[int, str]) -> str:
+    """An MTL file of materials with their names; files: the names of the textures by their id()."""
+    lines = []
+    for name, material in materials:
+        lines.append(f"newmtl {name}")
+        if material.colour is not None or material.texture is not None:
+            lines.append("Kd " + " ".join(f"{channel:.6g}" for channel in material.colour or (1, 1, 1)))
+        if material.opacity < 1:
+            lines.append(f"d {material.opacity:.6g}")
+        if material.texture is not None:
+            lines.append(f"map_Kd {files[id(material.texture)]}")
+    return "\n".join(lines) + "\n"
+
+
+def _colour(value: str) -> Colour | None:
+    """Of three numbers, or one for all three; None for a spectrum."""
+    numbers = [_number(word) for word in value.split()[:3]]
+    if not numbers or any(map(isnan, numbers)):
+        return None
+    red, green, blue = (min(max(number, 0.0), 1.0) for number in (numbers * 3)[:3])
+    return red, green, blue
+
+
+def _number(word: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        return nan
+
+
+def _some(names: list[str]) -> str:
+    return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")

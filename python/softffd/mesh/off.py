@@ -1,0 +1,80 @@
+"""OFF, text: vertices, then polygons, with colours of either.
+
+Read here and not by trimesh, which takes a file that is cut off for a smaller mesh, and passes over colours.
+"""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from softffd.mesh.looks import PLAIN, from_face_colours
+from softffd.mesh.polygons import Triangles, assemble, damaged, first_outside
+
+_KIND = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF\s")
+
+
+def read_off(path: Path, data: bytes) -> Triangles:
+    """Return the triangles of an OFF file, with its colours (COFF, or numbers after a polygon).
+
+    Raises MeshError where the file ends early, or a face refers to no vertex.
+    """
+    try:
+        return _triangles(re.sub(rb"#[^\n\r]*", b"", data).lstrip())
+    except ValueError as fault:
+        raise damaged(path, str(fault)) from None
+
+
+def _triangles(text: bytes) -> Triangles:
+    kind = _KIND.match(text)
+    if kind is None or kind[4] or kind[5] or b"BINARY" in text[:20]:
+        raise ValueError("wanted a text whose first word is OFF, or COFF with colours of vertices")
+    rows = [line.split() for line in text[kind.end() :].splitlines() if line.strip()]
+    counts = _whole(_numbers(rows[:1] or [[]], 0, 2, "the numbers of vertices and of faces"))[0]
+    vertices, faces = rows[1 : counts[0] + 1], rows[counts[0] + 1 : counts.sum() + 1]
+    if len(rows) < counts.sum() + 1:
+        raise ValueError(f"it promises {counts[0]} vertices and {counts[1]} faces, but ends after {len(rows) - 1} lines of them")
+    positions = _numbers(vertices, 0, 3, "the coordinates of each vertex")
+    sizes = _whole(_numbers(faces, 0, 1, "the number of corners of a face"))[:, 0]
+    corners = [_numbers([row], 1, size, "the corners of each face")[0] for row, size in zip(faces, sizes.tolist(), strict=True)]
+    corners = np.nan_to_num(np.concatenate([np.zeros(0), *corners]), nan=-1, posinf=-1).astype(np.int64)
+    if (sizes < 3).any():
+        raise ValueError(f"face {int((sizes < 3).argmax())} (from 0) has fewer than 3 corners")
+    if (place := first_outside(corners, len(positions))) >= 0:
+        number = np.searchsorted(np.cumsum(sizes), place, side="right")
+        raise ValueError(f"face {number} (from 0) refers to vertex {corners[place]} (from 0), but there are {len(positions)}")
+    looks = _face_looks([row[size + 1 :] for row, size in zip(faces, sizes, strict=True)])
+    if kind[2]:
+        skipped = 6 if kind[3] else 3
+        looks = replace(looks, colours=_shades(_numbers(vertices, skipped, 3, "the colour of each vertex")))
+    return assemble(positions, corners, sizes, looks=looks)
+
+
+def _face_looks(words: list[list[bytes]]):
+    """Of three or four numbers after a face; a face without is white. One number would be a place in a table that nobody has."""
+    coloured = [number for number, row in enumerate(words) if len(row) in (3, 4)]
+    if not coloured:
+        return PLAIN
+    colours = np.ones((len(words), 3))
+    colours[coloured] = _shades(_numbers([words[number] for number in coloured], 0, 3, "the colour of a face"))
+    return from_face_colours(colours)
+
+
+def _shades(numbers: np.ndarray) -> np.ndarray:
+    """Colours 0 .. 1 of numbers to 1 or to 255."""
+    return np.nan_to_num(numbers / (255.0 if numbers.max(initial=0) > 1 else 1.0)).clip(0, 1)
+
+
+def _whole(numbers: np.ndarray) -> np.ndarray:
+    """Counts, each 0 or more."""
+    if not ((numbers >= 0) & (numbers < 2**40) & (numbers == np.round(numbers))).all():
+        raise ValueError("a count is no whole number from 0 on")
+    return numbers.astype(np.int64)
+
+
+def _numbers(rows: list[list[bytes]], start: int, count: int, what: str) -> np.ndarray:
+    try:
+        return np.array([[float(word) for word in row[start : start + count]] for row in rows]).reshape(len(rows), count)
+    except (ValueError, OverflowError):
+        raise ValueError(f"{what}: wanted {count} numbers, in every row") from None

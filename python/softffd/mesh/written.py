@@ -1,0 +1,164 @@
+"""Meshes as files: each keeps of the looks what its kind can hold."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from softffd.files import replacing, write_bytes, write_text
+from softffd.mesh.bodies import quiet_trimesh
+from softffd.mesh.looks import Group, Looks, Material, to_light
+from softffd.mesh.mtl import mtl_text
+
+if TYPE_CHECKING:
+    from softffd.mesh.mesh import Mesh
+
+
+def write_obj(mesh: Mesh, path: Path, vertices: np.ndarray, decimals: int) -> None:
+    """Write an OBJ file; materials go beside it as NAME.mtl, pictures as NAME.png, or NAME_1.png and so on."""
+    looks, lines = mesh.looks, []
+    names = _own_names(looks.materials)
+    if looks.materials:
+        library = path.with_suffix(".mtl")
+        write_text(library, mtl_text(zip(names, looks.materials, strict=True), _write_textures(looks, path)))
+        lines.append(f"mtllib {library.name}")
+    positions = _rows(vertices, decimals)
+    if looks.colours is not None:
+        positions = [f"{place} {colour}" for place, colour in zip(positions, _rows(looks.colours, 4), strict=True)]
+    lines += [f"v {row}" for row in positions]
+    corners = [f"{i}" for i in range(1, len(vertices) + 1)]
+    if mesh.uv is not None:
+        texels, texel = np.unique(np.round(mesh.uv, decimals), axis=0, return_inverse=True)
+        lines += [f"vt {row}" for row in _rows(texels, decimals)]
+        corners = [f"{corner}/{t}" for corner, t in zip(corners, texel.reshape(-1) + 1, strict=True)]
+    lines += _faces(mesh, corners, names)
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def write_ply(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
+    """Write a binary PLY file with the colours of vertices and of materials; a picture goes beside it, where there is one alone."""
+    looks, columns, head = mesh.looks, [("xyz", "f4", vertices)], ["ply", "format binary_little_endian 1.0"]
+    if mesh.uv is not None:
+        columns.append(("st", "f4", mesh.uv))
+        head += [f"comment TextureFile {name}" for name in _write_textures(looks, path).values()] if mesh.texture is not None else []
+    if looks.colours is not None:
+        columns.append((("red", "green", "blue"), "u1", np.round(255 * looks.colours)))
+    corners = [(("vertex_indices",), "i4", mesh.faces)]
+    if any(material.colour is not None for material in looks.materials):
+        shades = np.array([material.colour or (1.0, 1.0, 1.0) for material in looks.materials])
+        corners.append((("red", "green", "blue"), "u1", np.round(255 * shades)[looks.material_of]))
+    head += [f"element vertex {len(vertices)}", *_properties(columns), f"element face {len(mesh.faces)}"]
+    head += ["property list uchar int vertex_indices", *_properties(corners[1:]), "end_header", ""]
+    sizes = ((), "u1", np.full((len(mesh.faces), 1), 3))
+    write_bytes(path, "\n".join(head).encode() + _packed(columns) + _packed([sizes, *corners]))
+
+
+def write_stl(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
+    """Write a binary STL file: triangles alone."""
+    import trimesh
+
+    with quiet_trimesh():
+        write_bytes(path, trimesh.Trimesh(vertices, mesh.faces, process=False).export(file_type="stl"))
+
+
+def write_glb(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
+    """Write a GLB file: a body for each part of one group and one material, with its picture inside."""
+    import trimesh
+
+    with quiet_trimesh():
+        scene = trimesh.Scene()
+        for name, faces in _parts(mesh.looks, len(mesh.faces)):
+            used, index = np.unique(mesh.faces[faces], return_inverse=True)
+            part = mesh.looks.with_faces(faces[:1]).with_vertices(used)
+            visual = _visual(part, None if mesh.uv is None else mesh.uv[used])
+            body = trimesh.Trimesh(vertices[used], index.reshape(-1, 3), visual=visual, process=False)
+            scene.add_geometry(body, geom_name=name or None, node_name=name or None)
+        write_bytes(path, scene.export(file_type="glb"))
+
+
+def _parts(looks: Looks, faces: int) -> list[tuple[str, np.ndarray]]:
+    """Names and faces of the parts, in the order of their first faces."""
+    group_of, material_of = (np.zeros(faces, dtype=np.int64) if i is None else i for i in (looks.group_of, looks.material_of))
+    keys, first, part_of = np.unique(group_of * max(1, len(looks.materials)) + material_of, return_index=True, return_inverse=True)
+    groups = looks.groups or (Group(),)
+    names = [" ".join(filter(None, groups[key // max(1, len(looks.materials))])) for key in keys.tolist()]
+    return [(names[n], np.flatnonzero(part_of.reshape(-1) == n)) for n in np.argsort(first)]
+
+
+def _visual(looks: Looks, uv: np.ndarray | None):
+    """Of a part that has one material."""
+    from trimesh.visual import ColorVisuals, TextureVisuals
+    from trimesh.visual.material import PBRMaterial
+
+    colours = None if looks.colours is None else np.round(255 * to_light(np.hstack([looks.colours, np.ones((len(looks.colours), 1))])))
+    if uv is None and not looks.materials:
+        return None if colours is None else ColorVisuals(vertex_colors=colours.astype(np.uint8))
+    material = looks.materials[looks.material_of[0]] if looks.materials else Material()
+    factor = np.append(to_light(np.array(material.colour or (1.0, 1.0, 1.0))), material.opacity)
+    name, mode = material.name or None, "BLEND" if material.opacity < 1 else None
+    made = PBRMaterial(name, baseColorFactor=factor, baseColorTexture=material.texture, alphaMode=mode, metallicFactor=0.0)
+    visual = TextureVisuals(uv=uv, material=made)
+    if colours is not None:
+        visual.vertex_attributes["color"] = colours.astype(np.uint8)
+    return visual
+
+
+def _faces(mesh: Mesh, corners: list[str], names: list[str]) -> list[str]:
+    """The faces in their order, with the object, group and material before those that change it."""
+    looks, lines = mesh.looks, [f"f {corners[a]} {corners[b]} {corners[c]}" for a, b, c in mesh.faces.tolist()]
+    before: dict[int, list[str]] = {}
+    if looks.groups:
+        was = Group()
+        for face in _changes(looks.group_of):
+            group = looks.groups[looks.group_of[face]]
+            marks = [f"o {group.object}"] * (group.object != was.object) + [f"g {group.group}"] * (group.group != was.group)
+            was, before[face] = group, marks
+    if looks.materials:
+        for face in _changes(looks.material_of):
+            before[face] = [*before.get(face, []), f"usemtl {names[looks.material_of[face]]}"]
+    return [text for face, line in enumerate(lines) for text in (*before.get(face, ()), line)]
+
+
+def _changes(index: np.ndarray) -> list[int]:
+    """Faces whose entry is not that of the face before."""
+    return [0, *(np.flatnonzero(np.diff(index)) + 1).tolist()]
+
+
+def _own_names(materials: tuple[Material, ...]) -> list[str]:
+    """A name for each material that no other has, and that is no comment."""
+    names: list[str] = []
+    for material in materials:
+        name = " ".join(material.name.replace("#", "_").split()) or "none"
+        names.append(name if name not in names else f"{name}_{len(names) + 1}")
+    return names
+
+
+def _write_textures(looks: Looks, path: Path) -> dict[int, str]:
+    """Write the pictures beside the mesh; their files' names by id()."""
+    images, files = looks.textures, {}
+    for number, image in enumerate(images, 1):
+        file = path.with_suffix(".png") if len(images) == 1 else path.with_name(f"{path.stem}_{number}.png")
+        with replacing(file) as stream:
+            image.save(stream, "PNG")
+        files[id(image)] = file.name
+    return files
+
+
+def _rows(rows: np.ndarray, decimals: int) -> list[str]:
+    return [" ".join(f"{value:.{decimals}f}" for value in row) for row in (rows + 0.0).tolist()]
+
+
+def _properties(columns: list) -> list[str]:
+    kinds = {"f4": "float", "u1": "uchar"}
+    return [f"property {kinds[kind]} {name}" for names, kind, _ in columns for name in names]
+
+
+def _packed(columns: list) -> bytes:
+    """The columns as records one after another, little-endian."""
+    record = np.dtype([(f"f{n}", f"<{kind}", (values.shape[1],)) for n, (_, kind, values) in enumerate(columns)])
+    table = np.empty(len(columns[0][2]), record)
+    for n, (_, _, values) in enumerate(columns):
+        table[f"f{n}"] = values
+    return table.tobytes()

@@ -1,0 +1,62 @@
+"""What colours a surface in pictures and page: a tint at every vertex, and the pictures that it is multiplied with."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from PIL import Image
+
+PAINT = (0.15, 0.45, 0.68)
+"""Of what has no colour of its own."""
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """`tints` (V, 3): sRGB, 0 .. 1, between the vertices linear. `pictures`, and `picture_of` (F,): which of them a face has, -1: none;
+    `uv` (V, 2): where in them the vertices are, (0, 0) at the lower left corner."""
+
+    tints: np.ndarray
+    picture_of: np.ndarray
+    uv: np.ndarray
+    pictures: tuple[Image.Image, ...] = ()
+
+    def painter(self, faces):
+        """A function that gives the colours (P, 3) of places on the surface, by face (P,) and shares of its corners (P, 3)."""
+        images = [np.asarray(picture.convert("RGB"), dtype=np.float32) / 255 for picture in self.pictures]
+
+        def paint(face, share):
+            corners = faces[face]
+            colours = np.einsum("pk,pka->pa", share, self.tints[corners])
+            for number, image in enumerate(images):
+                held = np.flatnonzero(self.picture_of[face] == number)
+                place = np.einsum("pk,pka->pa", share[held], self.uv[corners[held]]) % 1.0
+                rows, columns = image.shape[:2]
+                row = ((1 - place[:, 1]) * rows).astype(int).clip(0, rows - 1)
+                colours[held] *= image[row, (place[:, 0] * columns).astype(int).clip(0, columns - 1)]
+            return colours
+
+        return paint
+
+
+def painted(vertices, faces):
+    """The skin of a surface without looks."""
+    return Skin(np.tile(PAINT, (len(vertices), 1)), np.full(len(faces), -1), np.zeros((len(vertices), 2)))
+
+
+def skinned(mesh):
+    """A mesh as it is shown, vertices (W, 3) [m] that each have one material, faces (F, 3) of them, and their skin."""
+    looks = mesh.looks
+    source, material, faces = looks.apart(mesh.faces)
+    vertices = mesh.vertices[source]
+    if not looks.materials and looks.colours is None:
+        return vertices, faces, painted(vertices, faces)
+    tints = np.ones((len(vertices), 3)) if looks.colours is None else looks.colours[source]
+    uv = np.zeros((len(vertices), 2)) if mesh.uv is None else mesh.uv[source]
+    pictures = looks.textures if mesh.uv is not None else []
+    picture_of = np.full(len(faces), -1)
+    if looks.materials:
+        number = {id(picture): n for n, picture in enumerate(pictures)}
+        numbers = np.array([number.get(id(each.texture), -1) for each in looks.materials])
+        bare = PAINT if looks.colours is None else (1.0, 1.0, 1.0)
+        colours = [each.colour or ((1.0, 1.0, 1.0) if n >= 0 else bare) for each, n in zip(looks.materials, numbers, strict=True)]
+        tints, picture_of = tints * np.array(colours)[material], numbers[looks.material_of]
+    return vertices, faces, Skin(tints, picture_of, uv, tuple(pictures))
