@@ -194,6 +194,30 @@ def test_masters_show_what_the_fmu_refuses(master, fmus, tmp_path):
     assert any("fmuGUID: wanted {" in line for line in MASTERS[name].complaints(printed))
 
 
+@pytest.mark.full
+@pytest.mark.parametrize("scene", shipped_scenes())
+def test_a_checker_finds_nothing_in_fmi3(scene, tmp_path):
+    fmu = package_fmu(load_scene(scene), tmp_path / "it.fmu", fmi=3)
+    verdicts = ("INFO     | This FMU seems to be compliant with FMI-3.0.", "INFO     | No semantic error against the FMI-3 standard.")
+    manners = Manners(fmutool, verdicts, r"INFO     \| .*")
+    assert manners.complaints(present(manners).run("-input", fmu, "-check")) == []
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("scene", ["spin", "free_vibration"])
+def test_a_master_gets_our_numbers_from_fmi3(fmus, scene, tmp_path):
+    """Ecos knows scalars only: energies."""
+    manners = Manners(ecos, ("Loading FMI version 3...",), rf'{ECOS_NOTICES}|Function "fmi3GetVersion" is not provided by this FMU\.')
+    tool, watched = present(manners), load_scene(scene).replace({"outputs.energy": True})
+    names = [f"energy.{kind}" for kind in ("kinetic", "elastic", "work")]
+    fmu, same = (package_fmu(watched, tmp_path / f"{fmi}.fmu", fmi=fmi) for fmi in (3, 2))
+    printed, rows = drive(tool, Run(str(fmu), STEP, STEPS, START, {}, names, []), tmp_path)
+    assert manners.complaints(printed) == []
+    expected = ours(same, names)
+    assert np.ptp(expected[:, 0]) > 0
+    agree(names, rows["outputs"], expected)
+
+
 @pytest.mark.short("standard", "press", "spin")
 @pytest.mark.parametrize("scene", shipped_scenes())
 def test_fmpy_gets_our_numbers_without_a_warning(fmus, scene):
