@@ -2,8 +2,6 @@
 
 namespace softffd::fmi {
 
-constinit Registry<ArrayInstance> array_instances;
-
 ArrayInstance::ArrayInstance(SceneFile scene, Logger log) : Instance(std::move(scene), std::move(log)) {
   for (Array& array : arrays()) {
     const fmi3ValueReference own = array.elements.front();

@@ -1,15 +1,21 @@
-/// The functions of FMI 3.0 for Co-Simulation that make, start, step and free instances and keep their states. fmi3_values.cpp has those
-/// that get and set, fmi3_absent.cpp those that there is nothing behind.
+/// The functions of FMI 3.0 for Co-Simulation that make, start, step and free instances. fmi3_values.cpp and fmi3_states.cpp have the
+/// others, and fmi3_absent.cpp those that there is nothing behind.
 extern "C" {
 #include "fmi3Functions.h"
 }
 
-#include "calls/arrays.hpp"
+#include "calls/fmi3.hpp"
 #include "calls/held_states.hpp"
 #include "calls/opening.hpp"
 #include "calls/requests.hpp"
 
 using namespace softffd::fmi;
+
+namespace softffd::fmi {
+
+constinit Registry<ArrayInstance> array_instances;
+
+}  // namespace softffd::fmi
 
 namespace {
 
@@ -94,34 +100,6 @@ fmi3Status fmi3DoStep(fmi3Instance handle, fmi3Float64 time, fmi3Float64 step, f
     *last_successful_time = instance.last_successful_time();
     if (status == fmi2Discard) instance.phase = stepping;  // a discarded step has no state of its own here: it may be tried again
     return status;
-  });
-}
-
-fmi3Status fmi3GetFMUState(fmi3Instance handle, fmi3FMUState* state) {
-  return guarded3(handle, function3::get_state, {{state}}, [&](Instance& instance) { get_state(instance, state); });
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance handle, fmi3FMUState state) {
-  return guarded3(handle, function3::set_state, {}, [&](Instance& instance) { set_state(instance, state); });
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance handle, fmi3FMUState* state) {
-  return guarded3(handle, function3::free_state, {}, [&](Instance&) { free_state(state); });
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance handle, fmi3FMUState state, size_t* size) {
-  return guarded3(handle, function3::state_size, {{size}}, [&](Instance&) { *size = serialized_size(state); });
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance handle, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
-  return guarded3(handle, function3::serialize, {{bytes}, size},
-                  [&](Instance&) { named(function3::serialize, [&] { serialize(state, bytes, size); }); });
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance handle, const fmi3Byte bytes[], size_t size, fmi3FMUState* state) {
-  return guarded3(handle, function3::deserialize, {{bytes}, size}, [&](Instance& instance) {
-    check_arrays(function3::deserialize, {{state}});
-    deserialize(instance, bytes, size, state);
   });
 }
 

@@ -4,7 +4,7 @@ extern "C" {
 #include "fmi3Functions.h"
 }
 
-#include "calls/arrays.hpp"
+#include "calls/fmi3.hpp"
 
 using namespace softffd::fmi;
 

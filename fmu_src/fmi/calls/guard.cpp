@@ -18,8 +18,6 @@ const char* phase_name(Phase phase) {
 
 }  // namespace
 
-constinit Registry<Instance> instances;
-
 void check_phase(Phase phase, const Function& function) {
   if (!(phase & function.allowed)) throw CallError(std::string(function.name) + ": not allowed " + phase_name(phase));
 }

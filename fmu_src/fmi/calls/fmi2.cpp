@@ -1,15 +1,22 @@
-/// The functions of FMI 2.0 for Co-Simulation that make, start, step, ask and free instances. standard_values.cpp and standard_states.cpp
-/// have the others; what lies behind all of them is in Instance.
+/// The functions of FMI 2.0 for Co-Simulation that make, start, step, ask and free instances. fmi2_values.cpp and fmi2_states.cpp have
+/// the others; what lies behind all of them is in Instance.
 extern "C" {
 #include "fmi2Functions.h"
 }
 
+#include "calls/fmi2.hpp"
 #include "calls/held_states.hpp"
 #include "calls/opening.hpp"
 #include "calls/requests.hpp"
 #include "resource/resource_uri.hpp"
 
 using namespace softffd::fmi;
+
+namespace softffd::fmi {
+
+constinit Registry<Instance> instances;
+
+}  // namespace softffd::fmi
 
 namespace {
 

@@ -6,7 +6,7 @@ extern "C" {
 #include "fmi2Functions.h"
 }
 
-#include "calls/guard.hpp"
+#include "calls/fmi2.hpp"
 
 using namespace softffd::fmi;
 

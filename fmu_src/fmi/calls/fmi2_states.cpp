@@ -3,6 +3,7 @@ extern "C" {
 #include "fmi2Functions.h"
 }
 
+#include "calls/fmi2.hpp"
 #include "calls/requests.hpp"
 
 using namespace softffd::fmi;
