@@ -115,6 +115,7 @@ void SoftBody::refresh_model() {
   Body& body = model_.body;
   material_ = settings;
   moved_mass_ = 0;
+  body.slight.clear();
   const Eigen::Map<const Scalars> weights(definition_.mass.data(), n);
   body.mass = weights * (settings.mass / weights.sum());
   body.damping = Scalars::Constant(n, settings.damping);
@@ -127,7 +128,9 @@ void SoftBody::refresh_model() {
     const double speed =
         definition_.velocity.norm() + definition_.angular_velocity.norm() * length + std::sqrt(2 * settings.gravity.norm() * length);
     const double period = thresholds::light_swing * settings.tolerance * length / speed;
-    moved_mass_ = raise_light_points(body.springs, body.pinned, most, period, body.mass) / settings.mass;
+    LightPoints found = raise_light_points(body.springs, body.pinned, most, period, body.mass);
+    moved_mass_ = found.moved / settings.mass;
+    body.slight = std::move(found.slight);
   }
   model_.renew();
 }

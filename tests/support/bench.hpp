@@ -11,12 +11,16 @@ struct Bench {
   Drive drive;
   Request request{.tolerance = 1e-6};
   Run run;
-  Integrators integrators{lattice, 0, 0};
+  Integrators integrators;
 
-  Bench() {
+  /// planes: that the lattice does not come to.
+  explicit Bench(int planes = 0) : integrators(lattice, planes, 0) {
     const int n = lattice.points();
     model.body.springs.set_stiffness({100, 100, 100}, {});
     model.renew();
+    drive.planes.resize(planes);
+    for (Plane& plane : drive.planes) plane.point = {0, 0, -10};
+    run.path.exchange.planes.resize(planes);
     for (Points* points : {&drive.force, &drive.force_rate, &drive.force_bend[0], &drive.force_bend[1]}) points->setZero(n, 3);
     State& motion = run.path.motion;
     motion.x = rest_positions(lattice);

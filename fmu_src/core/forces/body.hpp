@@ -13,6 +13,7 @@ struct Body {
   Scalars mass;                    ///< (points) [kg], > 0
   Scalars damping;                 ///< (points) [N s/m], >= 0
   std::vector<bool> pinned;        ///< (points) moved by a pin, not by forces
+  std::vector<int> slight{};       ///< points so light that what they swing by on their own does not matter
   bool damped = false;             ///< any damping > 0
   Scalars inverse_mass{};          ///< (3 * points), axis by axis; 0 where pinned [1/kg]
   Scalars damping_rate{};          ///< (3 * points), damping / mass; 0 where pinned [1/s]

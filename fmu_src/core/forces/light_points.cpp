@@ -11,6 +11,8 @@ namespace {
 constexpr double much_faster = 4, worthwhile = 4, rich = 10;
 /// Of the mean mass: no heavier point is light.
 constexpr double lightest_share = 0.05;
+/// Of what is compared.
+constexpr double rounding = 1e-12;
 
 template <class Visit>
 void each_spring(const Springs& springs, Visit&& visit) {
@@ -19,12 +21,25 @@ void each_spring(const Springs& springs, Visit&& visit) {
       if (row.stiffness[lane] > 0) visit(row.begin + lane, row.begin + lane + row.offset, row.stiffness[lane]);
 }
 
+/// Gives point p so much more mass [kg], if it has neighbours of at least this mass to pay for it. Returns what it got.
+double take_from_neighbours(const Springs& springs, const std::vector<bool>& pinned, int p, double more, double least, Scalars& mass) {
+  std::vector<int> payers;
+  each_spring(springs, [&](int a, int b, double) {
+    const int other = a == p ? b : b == p ? a : p;
+    if (other != p && !pinned[other] && mass[other] >= least) payers.push_back(other);
+  });
+  if (payers.empty()) return 0;
+  mass[p] += more;
+  for (const int payer : payers) mass[payer] -= more / double(payers.size());
+  return more;
+}
+
 }  // namespace
 
-double raise_light_points(const Springs& springs, const std::vector<bool>& pinned, double most, double period, Scalars& mass) {
+LightPoints raise_light_points(const Springs& springs, const std::vector<bool>& pinned, double most, double period, Scalars& mass) {
   const int n = int(mass.size());
   most = std::min(most, lightest_share * mass.mean());
-  if (!(mass.minCoeff() < most)) return 0;
+  if (!(mass.minCoeff() < most)) return {};
   Scalars stiffness = Scalars::Zero(n);
   each_spring(springs, [&](int p, int q, double k) {
     stiffness[p] += k;
@@ -36,7 +51,7 @@ double raise_light_points(const Springs& springs, const std::vector<bool>& pinne
   std::vector<int> light;
   for (int p = 0; p < n; ++p)
     if (!pinned[p] && mass[p] < most && stiffness[p] > much_faster * fastest * mass[p]) light.push_back(p);
-  if (light.empty() || fastest == 0) return 0;
+  if (light.empty() || fastest == 0) return {};
   const double share = most / double(light.size());
   const auto raised = [&](int p) { return std::min({share, stiffness[p] / fastest, stiffness[p] * period * period}); };
   double before = 0, after = fastest;  // omega^2
@@ -44,21 +59,13 @@ double raise_light_points(const Springs& springs, const std::vector<bool>& pinne
     before = std::max(before, stiffness[p] / mass[p]);
     after = std::max(after, stiffness[p] / std::max(mass[p], raised(p)));
   }
-  if (before < worthwhile * after) return 0;
-  double moved = 0;
+  LightPoints found;
   for (const int p : light) {
-    std::vector<int> payers;
-    each_spring(springs, [&](int a, int b, double) {
-      const int other = a == p ? b : b == p ? a : p;
-      if (other != p && !pinned[other] && mass[other] >= rich * most) payers.push_back(other);
-    });
-    const double more = raised(p) - mass[p];
-    if (payers.empty() || !(more > 0)) continue;
-    mass[p] += more;
-    for (const int payer : payers) mass[payer] -= more / double(payers.size());
-    moved += more;
+    const double more = before >= worthwhile * after ? raised(p) - mass[p] : 0;
+    if (more > 0) found.moved += take_from_neighbours(springs, pinned, p, more, rich * most, mass);
+    if (mass[p] <= std::min(share, stiffness[p] * period * period * (1 + rounding))) found.slight.push_back(p);
   }
-  return moved;
+  return found;
 }
 
 }  // namespace softffd

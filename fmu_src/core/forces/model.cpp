@@ -33,6 +33,8 @@ void Model::renew() {
   stability.time_scales(body, time_scale);
   fastest_damping = body.damping_rate.maxCoeff();
   for (int i = 0; i < 3 * n; ++i) memory[i] = body.damping_rate[i] > 0 ? 2 / body.damping_rate[i] : std::numeric_limits<double>::infinity();
+  for (const int p : body.slight)
+    for (int axis = 0; axis < 3; ++axis) memory[p + axis * n] = 0;
   longest_memory = memory.maxCoeff();
 }
 

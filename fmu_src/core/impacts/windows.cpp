@@ -82,7 +82,7 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
   stiff.phase = after;
   const bool lost = stiff.total_error() > use::lost * tolerance;
   if (lost || (!fresh && stiff.trust > 0 && !off_obstacles(job, touching))) {
-    if (!lost) --stiff.trust;
+    if (!lost) --stiff.trust, stiff.error += stiff.trusted_error;
     if (fresh) start_ = path;
     const StepStatus status = listen(at, flights, at.limit, until, true);
     stiff.settling = stiff.phase == Phase::rest;
@@ -90,14 +90,15 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     return status;
   }
   Trial trial(path, start_);
-  double h = fresh ? 0.5 * at.limit : at.limit;
+  double h = fresh && job.model.body.slight.empty() ? 0.5 * at.limit : at.limit;  // slight points make steps short already
   StepStatus status = listen(at, flights, h, until, true);
   for (int tries = 0;; ++tries) {
     if (status != StepStatus::ok) return status;
     const Phase next = path.stiff.phase;
     const double reached = path.motion.time;
     std::swap(coarse_, path);
-    const bool rings = (fresh || next == Phase::flight) && job.drive.pins.empty() && flights.has_modes(job.model.body);
+    const bool left = next == Phase::flight || (fresh && off_obstacles(job, touching));
+    const bool rings = left && job.drive.pins.empty() && flights.has_modes(job.model.body);
     trial.back();
     const Count taken = path.steps;
     status = listen(at, flights, 0.5 * h, reached, false);
@@ -112,6 +113,7 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     if (error <= allowed || 0.5 * h <= least || tries == use::most_window_tries) {
       const bool easy = !fresh && tries == 0 && 4 * error < use::easy * allowed;
       if (easy) std::swap(path, coarse_);  // steps as those that are trusted: other ones would set off what is at rest
+      stiff.trusted_error = 4 * error;
       stiff.error += easy ? 4 * error : error;
       stiff.phase = next;
       stiff.settling = next == Phase::rest;

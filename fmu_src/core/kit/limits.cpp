@@ -72,22 +72,4 @@ double growing(const Job& job, const State& a, const State& b, double stretch) {
   return error;
 }
 
-double lasting(const Job& job, const State& a, const State& b) {
-  const Model& model = job.model;
-  const RigidMotion of_a = rigid_motion(model.body.mass, b.x, a.v), of_b = rigid_motion(model.body.mass, b.x, b.v);
-  const Vec3 velocity = of_a.velocity - of_b.velocity, spin = of_a.spin - of_b.spin;
-  const bool free = job.drive.pins.empty();
-  double error = 0;
-  for (int p = 0; p < model.body.points(); ++p) {
-    const Vec3 whole = velocity + spin.cross(row(b.x, p) - of_b.centre);
-    for (int axis = 0; axis < 3; ++axis) {
-      const int i = axis * model.body.points() + p;
-      const double vibrates = std::abs(a.v(i) - b.v(i)) * model.time_scale[i];
-      const double goes_on = free ? std::abs(whole[axis]) * std::min(job.request.horizon, model.memory[i]) : 0;
-      error = worse(error, std::abs(a.x(i) - b.x(i)) + worse(vibrates, goes_on));
-    }
-  }
-  return error;
-}
-
 }  // namespace softffd

@@ -18,8 +18,5 @@ double turning_limit(const Job& job, const Points& x, const Points& v);
 /// What states a and b, after the same stretch of time [s] from one state, will differ by at the end of the run, if the difference keeps
 /// growing until damping forgets it [m]; infinite where one is not finite.
 double growing(const Job& job, const State& a, const State& b, double stretch);
-/// What a single difference between the states a and b leaves at the end of the run [m]: vibrations keep it, and a body without pins goes
-/// on with its difference in speed and turning until damping forgets that. Not a number where one is not finite.
-double lasting(const Job& job, const State& a, const State& b);
 
 }  // namespace softffd

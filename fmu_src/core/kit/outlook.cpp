@@ -127,7 +127,9 @@ void book_unknown_phase(const Job& job, const State& state, double energy, doubl
 
 double outcome_of(const Job& job, const State& a, const State& b, const Outlook& ahead) {
   const Body& body = job.model.body;
-  double error = (a.x - b.x).abs().maxCoeff();
+  double error = 0;
+  for (int i = 0; i < a.x.size(); ++i)
+    if (job.model.memory[i] > 0) error = worse(error, std::abs(a.x.data()[i] - b.x.data()[i]));
   if (!job.drive.pins.empty()) {
     for (int i = 0; i < a.v.size(); ++i) error = std::max(error, std::abs(a.v.data()[i] - b.v.data()[i]) * job.model.time_scale[i]);
     return std::isnan(error) ? infinity : error;

@@ -50,10 +50,11 @@ struct ContactSteps {
   Count impact_next = 1;
   Count seen = 0;                        ///< steps since a whole stretch was seen
   double largest = 0, largest_seen = 0;  ///< error relative to the square of the step [m/s2]: since then, and in the whole stretch before
+  double left_over = 0;                  ///< by a stretch at the step of the coarser run, at the end of the run [m]: of the last one
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.free, s.free_next, s.impact, s.impact_next, s.seen, s.largest, s.largest_seen);
+    return fields(s.h, s.free, s.free_next, s.impact, s.impact_next, s.seen, s.largest, s.largest_seen, s.left_over);
   }
 };
 static_assert(visits_every_field<ContactSteps>);
@@ -79,6 +80,7 @@ struct StiffContact {
   Count doubts = 0;       ///< how often rest was left too early to pay
   Count trust = 0;        ///< windows that may be run once
   Count next_trust = 1;   ///< how many after the next success
+  double trusted_error = 0;  ///< of one, as of the last that was run twice [m]
   Count rest_trust = 0, next_rest_trust = 1;               ///< the same for steps at rest
   double step = 0;                                         ///< at rest [s]; 0: none yet
   double error = 0;                                        ///< that steps have left, at the end of the run [m]
@@ -103,7 +105,7 @@ struct StiffContact {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.phase, s.settling, s.looks, s.impulse, s.listened, s.loudest, s.pressing, s.since, s.doubts, s.trust, s.next_trust,
+    return fields(s.phase, s.settling, s.looks, s.impulse, s.listened, s.loudest, s.pressing, s.since, s.doubts, s.trust, s.next_trust, s.trusted_error,
                   s.rest_trust, s.next_rest_trust, s.step, s.error, s.unknown, s.grown, s.astray, s.astray_spin);
   }
 };
@@ -141,8 +143,7 @@ struct Course {
   double usual = 0;  ///< length of communication steps of late [s]
   Count rejected = 0;
   Count factors = 0;  ///< matrices factored
-  double given_up =
-      0;  ///< errors of steps through contact that were taken although they err by too much, at the end of the run, summed [m]
+  double contact_error = 0;  ///< of explicit steps beside obstacles, at the end of the run, summed [m]
 
   Calibration& calibration(Method which) { return calibrations[std::size_t(which)]; }
   double& controlled_step(Method which) { return controlled[std::size_t(which)]; }
@@ -158,7 +159,7 @@ struct Course {
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.bound_x, s.bound, s.calibrations, s.controlled, s.contact, s.factored, s.method, s.reason, s.race, s.work, s.usual,
-                  s.rejected, s.factors, s.given_up);
+                  s.rejected, s.factors, s.contact_error);
   }
 };
 static_assert(visits_every_field<Course>);

@@ -99,6 +99,7 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
         taken += steps;
         path.motion.time = next;
         if (impact) book_impact(job, trial.before().motion);
+        course.contact_error += contact.left_over;
         trial.keep();
         return StepStatus::ok;
       }
@@ -115,7 +116,9 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
     const bool last = part <= least || tries == use::most_reruns;
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
     if (error <= use::too_much * allowed || last) {
-      if (error > use::too_much * allowed) course.given_up += lasting(job, coarse_, path.motion) / 3;
+      const double left_over = outcome_of(job, coarse_, path.motion, outlook(job, path.motion)) / 3;
+      course.contact_error += left_over;
+      contact.left_over = 4 * left_over;
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;
       const double trusted = contact.free_next > 1 ? use::trusted : use::trusted_at_first;

@@ -35,8 +35,8 @@ struct Readings {
 
   Count steps() const { return now.path.steps; }
   Count rejected() const { return now.course.rejected; }
-  /// Error at the end of the run of steps through contact that could not keep the tolerance, so far [m].
-  double given_up() const { return now.course.given_up + now.path.stiff.stated_error(); }
+  /// What explicit steps through contact, and what follows from impacts, may have the result err by at the end of the run, so far [m].
+  double stated_error() const { return now.course.contact_error + now.path.stiff.stated_error(); }
   Count contacts_resolved() const { return now.contacts_resolved; }
   /// The method that took the last communication step, and why.
   Method method() const { return now.course.method; }

@@ -139,7 +139,7 @@ void Messages::warn_of_folding(const SoftBody& body, double time) {
 
 /// Once, and again where it has become several times what was stated.
 void Messages::say_error(const SoftBody& body, double time) {
-  const double lost = body.readings().given_up(), allowed = body.settings.tolerance * body.lattice().largest_side();
+  const double lost = body.readings().stated_error(), allowed = body.settings.tolerance * body.lattice().largest_side();
   if (!(lost > doubtful * std::max(allowed, said_.error)) || !logger_.on(log_warning)) return;
   said_.error = lost;
   const StiffContact& stiff = body.run().path.stiff;
@@ -149,7 +149,7 @@ void Messages::say_error(const SoftBody& body, double time) {
                   " m, where it allows " + number(allowed) + " m; " +
                   (phases ? "what an impact leaves vibrating cannot be followed to the next one so exactly: damping helps, a smaller "
                             "tolerance may"
-                          : "take shorter communication steps, or give the body more damping"));
+                          : "take a smaller tolerance, or give the body more damping"));
 }
 
 void Messages::say_share(const SoftBody& body, double time) {

@@ -18,7 +18,7 @@ struct Light {
   std::vector<bool> pinned = std::vector<bool>(36, false);
 
   explicit Light(double k = 1e3) { springs.set_stiffness({k, k, k}, {}); }
-  double raise(double most, double period = any) { return raise_light_points(springs, pinned, most, period, mass); }
+  double raise(double most, double period = any) { return raise_light_points(springs, pinned, most, period, mass).moved; }
   double fastest() const {  // omega^2 by the springs at each point
     Scalars stiffness = Scalars::Zero(36);
     for (const Springs::Row& row : springs.rows())
@@ -83,4 +83,14 @@ TEST(nothing_is_moved_where_steps_would_hardly_be_longer_or_nobody_can_pay) {
   held.pinned[0] = false;
   for (int p = 1; p < 36; ++p) held.pinned[p] = p % 4 != 3;  // all that could pay
   CHECK(held.raise(1e-4) == 0);
+}
+
+TEST(light_points_within_both_bounds_are_slight) {
+  for (const double period : {1e-6, 1e-4}) {
+    Light body;
+    body.mass[0] = 1e-7;   // swings within 4e-6 s
+    body.mass[35] = 1e-4;  // heavier than what may be moved
+    const LightPoints found = raise_light_points(body.springs, body.pinned, 3e-6, period, body.mass);
+    CHECK(found.slight == (period < 4e-6 ? std::vector<int>{} : std::vector<int>{0}));
+  }
 }

@@ -221,11 +221,11 @@ TEST(what_cannot_be_known_is_said) {
   const StiffBox box{.stiffness = 1e9, .damping = 0.05, .spin = 0.5 * about_x, .length = 1.5};
   SoftBody body = box.start();
   CHECK(run_for(body, 1.5, 0.05));
-  CHECK(body.readings().given_up() > 1e-2);
+  CHECK(body.readings().stated_error() > 1e-2);
   const Known& known = one_impact[2];
   SoftBody once = known.box.start();
   CHECK(run_for(once, 0.45, 0.05));
-  CHECK(once.readings().given_up() < 1e-4);
+  CHECK(once.readings().stated_error() < 1e-4);
 }
 
 TEST(the_estimate_is_that_of_the_error_through_an_impact) {

@@ -1,6 +1,7 @@
 /// Stretches that are run twice, on a lattice that vibrates: what the two runs differ by decides.
 #include "stepping/doubled_steps.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include "bench.hpp"
@@ -28,7 +29,7 @@ TEST(a_stretch_whose_two_runs_differ_by_too_much_is_run_again_with_smaller_steps
   const double h = 0.5 * step_limit(b.job(), Method::leapfrog, false), stretch = double(steps) * h;
   const double error = growing(b.job(), after(h, steps), after(h / 2, 2 * steps), stretch) / 3;  // of the finer run: order 2
   for (double ratio : {0.5, 2.0, 8.0, 30.0}) {
-    Bench each;
+    Bench each(1);
     each.request.tolerance = error / (ratio * thresholds::forecast_tolerance);
     each.run.course.contact.h = h;
     DoubledSteps doubled(each.run);
@@ -40,39 +41,36 @@ TEST(a_stretch_whose_two_runs_differ_by_too_much_is_run_again_with_smaller_steps
   }
 }
 
-TEST(an_error_that_is_given_up_is_counted) {
-  for (const bool keeps : {true, false}) {
-    Bench b;
-    b.request.horizon = 1e-9;  // nothing grows: what is left over is that of the stretch
-    const double h = 0.5 * step_limit(b.job(), Method::leapfrog, false), stretch = double(steps) * h;
-    b.request.tolerance = keeps ? 1 : 1e-30;
-    b.run.course.contact.h = h;
-    DoubledSteps doubled(b.run);
-    CHECK(doubled.run(b.integrators, b.job(), stretch) == StepStatus::ok);
-    const double given_up = b.run.course.given_up;
-    CHECK((given_up > 0) == !keeps);
-    if (keeps) continue;
-    Bench exact;
-    exact.integrators.take(exact.job(), Method::leapfrog, {0, 0, h / 2048, 2048 * steps});
-    const State& reached = b.run.path.motion;
-    CHECK(given_up > growing(b.job(), reached, exact.run.path.motion, stretch));
-    CHECK(given_up < 1e-3 * (reached.x - Bench().run.path.motion.x).abs().maxCoeff());
-  }
+TEST(what_a_stretch_errs_by_is_counted) {
+  Bench b(1);
+  const double h = 0.5 * step_limit(b.job(), Method::leapfrog, false), stretch = double(steps) * h;
+  b.request.tolerance = 1;
+  b.run.course.contact.h = h;
+  DoubledSteps doubled(b.run);
+  CHECK(doubled.run(b.integrators, b.job(), stretch) == StepStatus::ok);
+  Bench exact;
+  exact.integrators.take(exact.job(), Method::leapfrog, {0, 0, h / 256, 256 * steps});
+  const double error = (b.run.path.motion.x - exact.run.path.motion.x).abs().maxCoeff();
+  CHECK(b.run.path.steps == 2 * steps);
+  CHECK(error > 0 && std::abs(b.run.course.contact_error / error - 1) < 0.3);
 }
 
-TEST(a_difference_of_a_free_bodys_speed_lasts_until_damping_forgets) {
-  Bench b;
-  b.request.horizon = 3;
-  State faster = b.run.path.motion;
-  faster.v.col(1) += 0.01;
-  CHECK_NEAR(lasting(b.job(), b.run.path.motion, faster), 0.03, 1e-14);
-  State further = b.run.path.motion;
-  further.x(5, 0) += 1e-3;
-  CHECK_NEAR(lasting(b.job(), b.run.path.motion, further), 1e-3, 1e-14);
+TEST(a_stretch_that_is_run_once_counts_as_the_coarser_run_before) {
+  Bench b(1);
+  const double limit = step_limit(b.job(), Method::leapfrog, false);
+  b.request.tolerance = 1;
+  DoubledSteps doubled(b.run);
+  CHECK(doubled.run(b.integrators, b.job(), double(steps) * limit) == StepStatus::ok);
+  const double once = b.run.course.contact_error;
+  const Count taken = b.run.path.steps;
+  CHECK(once > 0 && b.run.course.contact.free > 0);
+  CHECK(doubled.run(b.integrators, b.job(), double(2 * steps) * limit) == StepStatus::ok);
+  CHECK(b.run.path.steps - taken == steps);
+  CHECK_NEAR(b.run.course.contact_error, 5 * once, 1e-12);
 }
 
 TEST(a_stretch_without_a_finite_result_is_none) {
-  Bench b;
+  Bench b(1);
   b.run.path.motion.v(13, 1) = std::numeric_limits<double>::quiet_NaN();
   DoubledSteps doubled(b.run);
   CHECK(doubled.run(b.integrators, b.job(), 0.1) == StepStatus::not_finite);
