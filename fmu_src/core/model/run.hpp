@@ -70,16 +70,16 @@ constexpr Phase last(Phase) { return Phase::rest; }
 
 struct StiffContact {
   Phase phase = Phase::flight;
-  bool settling = false;  ///< the next step at rest is the first
-  Count looks = 0;        ///< at an impact, since the listening began
-  double impulse = 0;     ///< on the obstacles since then [N s]
-  double listened = 0;    ///< length of it [s]
-  double loudest = 0;     ///< largest kinetic energy of deformation since then [J]; with pins the size of the vibrations [m]
-  double pressing = 0;    ///< force on the obstacles, when last known [N]
-  double since = 0;       ///< begin of the impact [s]
-  Count doubts = 0;       ///< how often rest was left too early to pay
-  Count trust = 0;        ///< windows that may be run once
-  Count next_trust = 1;   ///< how many after the next success
+  bool settling = false;     ///< the next step at rest is the first
+  Count looks = 0;           ///< at an impact, since the listening began
+  double impulse = 0;        ///< on the obstacles since then [N s]
+  double listened = 0;       ///< length of it [s]
+  double loudest = 0;        ///< largest kinetic energy of deformation since then [J]; with pins the size of the vibrations [m]
+  double pressing = 0;       ///< force on the obstacles, when last known [N]
+  double since = 0;          ///< begin of the impact [s]
+  Count doubts = 0;          ///< how often rest was left too early to pay
+  Count trust = 0;           ///< windows that may be run once
+  Count next_trust = 1;      ///< how many after the next success
   double trusted_error = 0;  ///< of one, as of the last that was run twice [m]
   Count rest_trust = 0, next_rest_trust = 1;               ///< the same for steps at rest
   double step = 0;                                         ///< at rest [s]; 0: none yet
@@ -105,8 +105,8 @@ struct StiffContact {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.phase, s.settling, s.looks, s.impulse, s.listened, s.loudest, s.pressing, s.since, s.doubts, s.trust, s.next_trust, s.trusted_error,
-                  s.rest_trust, s.next_rest_trust, s.step, s.error, s.unknown, s.grown, s.astray, s.astray_spin);
+    return fields(s.phase, s.settling, s.looks, s.impulse, s.listened, s.loudest, s.pressing, s.since, s.doubts, s.trust, s.next_trust,
+                  s.trusted_error, s.rest_trust, s.next_rest_trust, s.step, s.error, s.unknown, s.grown, s.astray, s.astray_spin);
   }
 };
 static_assert(visits_every_field<StiffContact>);
@@ -142,7 +142,7 @@ struct Course {
   double work = 0;   ///< done since the start, in evaluations of the spring forces
   double usual = 0;  ///< length of communication steps of late [s]
   Count rejected = 0;
-  Count factors = 0;  ///< matrices factored
+  Count factors = 0;         ///< matrices factored
   double contact_error = 0;  ///< of explicit steps beside obstacles, at the end of the run, summed [m]
 
   Calibration& calibration(Method which) { return calibrations[std::size_t(which)]; }
