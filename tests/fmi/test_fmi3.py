@@ -14,6 +14,7 @@ from c_host3 import Fmu3, Host3
 from scenes import LED, MOVED, box
 from softffd import FmuError, Scene, SoftffdError, load_scene, package_fmu, simulate
 from softffd.cli.command import main
+from softffd.fmu.component import Component
 from softffd.lattice import all_points, rest_grid, to_flat, to_grid
 from softffd.names import variable_names
 from softffd.run.inputs import Inputs
@@ -278,9 +279,30 @@ def test_a_state_goes_on_in_another_instance_as_bytes(rich):
     other.free()
 
 
-def test_the_packages_own_host_refuses_it_by_name(rich):
-    with pytest.raises(FmuError, match=r"box\.fmu: wanted an FMI 2\.0 FMU, got one of FMI 3\.0; build the scene without --fmi 3"):
-        simulate(rich.package)
+@pytest.mark.parametrize("scene", [RICH, MIXED, MIXED.replace({"fmu.names": "plain"})], ids=["rich", "mixed", "plain"])
+def test_the_packages_own_host_finds_the_scalars_of_fmi2_in_it(scene, tmp_path):
+    found = {}
+    for fmi in (2, 3):
+        with Component(package_fmu(scene, tmp_path / f"{fmi}.fmu", fmi=fmi)) as component:
+            words = [(v.name, v.reference, v.type, v.causality, v.variability, v.unit, v.items) for v in component.by_name.values()]
+            starts = [None if v.start is None else float(v.start) for v in component.by_name.values()]
+            found[fmi] = words, starts, component.interface.plain
+    assert found[2] == found[3]
+
+
+def test_the_packages_own_host_runs_it_with_the_same_bits(rich):
+    two, three = (simulate(each, stop_time=0.2, step=STEP, inputs=lambda t: {"load.push.y": 3.0 + t}) for each in (RICH, rich.package))
+    np.testing.assert_array_equal(three.positions, two.positions)
+    assert list(three.outputs) == list(two.outputs)
+    for name, column in two.outputs.items():
+        np.testing.assert_array_equal(three.outputs[name], column, err_msg=name)
+
+
+def test_the_packages_own_host_refuses_another_programs(rich, tmp_path):
+    with zipfile.ZipFile(rich.package) as own, zipfile.ZipFile(tmp_path / "other.fmu", "w") as other:
+        other.writestr("modelDescription.xml", own.read("modelDescription.xml"))
+    with pytest.raises(FmuError, match=r"other\.fmu: wanted an FMI 2\.0 co-simulation FMU, or one of this package for FMI 3\.0"):
+        simulate(tmp_path / "other.fmu")
 
 
 def test_the_command_builds_it_and_counts_its_variables(tmp_path, capsys):

@@ -25,8 +25,9 @@ from fmpy.fmi2 import (
 
 from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import Block, number_of
-from softffd.fmu.interface import ScalarVariable, read_interface
+from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
 from softffd.fmu.records import read_lattice
+from softffd.fmu.scalars import read_interface3
 from softffd.lattice import LatticeBox
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -79,11 +80,7 @@ class Component:
             raise
 
     def _open(self, source: Scene | str | Path) -> None:
-        library = None
-        if isinstance(source, str | Path):
-            self._unpack(Path(source))
-        else:
-            library = self._write(source)
+        library = self._unpack(Path(source)) if isinstance(source, str | Path) else self._write(source)
         self._callbacks = self._make_callbacks()
         try:
             slave = FMU2Slave(
@@ -104,22 +101,22 @@ class Component:
         self._calls = {name: _bound(getattr(slave.dll, name), instance, self._check) for name in CALLS}
         self._keep_loop_calls()
 
-    def _unpack(self, path: Path) -> None:
-        """Unpacks and reads an FMU; its library lies where the standard says."""
+    def _unpack(self, path: Path) -> str | None:
+        """Unpacks and reads an FMU; returns the path of its library where that is not where FMI 2.0 says."""
         import fmpy
 
         self._name = str(path)
         try:
             fmpy.extract(str(path), unzipdir=self._folder)
             description = self.description
-            if description.fmiVersion.startswith("3."):
-                raise FmuError(
-                    f"{path}: wanted an FMI 2.0 FMU, got one of FMI {description.fmiVersion}; build the scene without --fmi 3, or run it "
-                    "with fmpy's simulate_fmu"
-                )
+            resources = Path(self._folder) / "resources"
+            if description.fmiVersion.startswith("3.") and read_lattice(resources):
+                self.interface = read_interface3(description, resources)
+                return str(next(Path(self._folder).glob(f"binaries/{fmpy.platform_tuple}/{IDENTIFIER}.*")))
             if description.coSimulation is None or description.fmiVersion != "2.0":
-                raise FmuError(f"{path}: wanted an FMI 2.0 co-simulation FMU")
+                raise FmuError(f"{path}: wanted an FMI 2.0 co-simulation FMU, or one of this package for FMI 3.0")
             self.interface = read_interface(description)
+            return None
         except FmuError:
             raise
         except Exception as error:

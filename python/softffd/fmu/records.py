@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from softffd.fmu.variables import method_value, spring_damping_present
-from softffd.lattice import LatticeBox
+from softffd.lattice import LatticeBox, Point, point_at
 from softffd.scene.scene import Scene
 
 NAME, HEAD = "scene.txt", "softffd-scene 1"
@@ -82,17 +82,30 @@ def scene_text(records: str, guid: str) -> str:
 
 def read_lattice(resources: Path) -> LatticeBox | None:
     """The lattice of an FMU's resources; None in an FMU that is not of this package."""
-    path = resources / NAME
-    text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
-    if not text.startswith(HEAD):
+    records = _read(resources)
+    if records is None:
         return None
-    records: dict[str, Any] = {key: values for key, *values in (line.split() for line in text.splitlines() if line.strip())}
     return LatticeBox(
         points=_three(int, records["counts"]),
         origin=_three(float, records["origin"]),
         size=_three(float, records["size"]),
         basis=records.get("basis", ["bezier"])[0],
     )
+
+
+def read_points(resources: Path, key: str) -> list[Point]:
+    """The control points of a selection (forces, positions, velocities), in its order, from the resources of an FMU of this package."""
+    records = _read(resources) or {}
+    return [point_at(int(word), _three(int, records["counts"])) for word in records.get(key, ())]
+
+
+def _read(resources: Path) -> dict[str, Any] | None:
+    """The records by key, the last of each; None where there are none of this package."""
+    path = resources / NAME
+    text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+    if not text.startswith(HEAD):
+        return None
+    return {key: values for key, *values in (line.split() for line in text.splitlines() if line.strip())}
 
 
 def _three(read: Callable[[str], T], words: Iterable[str]) -> tuple[T, T, T]:
