@@ -13,6 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from mesh_files import ball
+from softffd import save_mesh
+
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "fmu_src").rglob("README.md"))]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
@@ -52,9 +55,10 @@ def scripts() -> list:
 
 @pytest.fixture(scope="module")
 def reader(tmp_path_factory) -> Path:
-    """Where a reader would work: the README's scene under the name that it gives, and its FMU."""
+    """Where a reader would work: the README's scene under the name that it gives, its FMU, and a mesh."""
     folder = tmp_path_factory.mktemp("reader")
     (folder / "box.toml").write_text(next(text for kind, text in blocks(DOCUMENTS[0]) if kind == "toml"))
+    save_mesh(ball(), folder / "cow.obj")
     run([sys.executable, "-m", "softffd", "build", "box.toml"], folder)
     return folder
 

@@ -15,6 +15,7 @@ from softffd import __version__
 from softffd.errors import FmuError, SoftffdError
 from softffd.run.progress import ProgressLine
 from softffd.run.result import require_writable
+from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import load_scene, schema, shipped_scenes
 from softffd.scene.template import template
 
@@ -59,8 +60,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     build.set_defaults(command=_build)
 
-    run = commands.add_parser("run", help="simulate a scene or an FMU and keep results and pictures")
-    run.add_argument("what", metavar="SCENE|X.fmu", help="a scene file, the name of a shipped scene, or an FMU made by softffd")
+    run = commands.add_parser("run", help="simulate a scene, a mesh or an FMU and keep results and pictures")
+    run.add_argument(
+        "what",
+        metavar="SCENE|MESH|X.fmu",
+        help="a scene file, a shipped scene's name, a mesh to drop on the ground, or an FMU",
+    )
+    _add_mesh_options(run)
     run.add_argument("--stop-time", type=float, metavar="T", help="s")
     run.add_argument("--step", type=float, metavar="H", help="communication step, s")
     run.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value of a variable")
@@ -105,11 +111,23 @@ def _parser() -> argparse.ArgumentParser:
 
     new = commands.add_parser("new", help="write a commented scene file to start from")
     new.add_argument("name", help="NAME of the scene; writes NAME.toml here")
+    new.add_argument("--mesh", type=Path, metavar="FILE", help="of this mesh, dropped on the ground")
+    _add_mesh_options(new)
     new.set_defaults(command=_new)
 
     printed = commands.add_parser("schema", help="print the JSON schema of scene files, for editors")
     printed.set_defaults(command=lambda options: print(json.dumps(schema(), indent=2)))
     return parser
+
+
+def _add_mesh_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--unit", metavar="UNIT", help="of a mesh file: m, cm, mm, in or ft; default: by the file or its size")
+    parser.add_argument("--up", metavar="AXIS", help="axis of a mesh file that becomes +z: x, y or z; default: by the kind of file")
+    parser.add_argument("--density", type=float, metavar="D", help="of a mesh, kg/m3; default 100")
+
+
+def _mesh_options(options: argparse.Namespace) -> dict[str, Any]:
+    return {"unit": options.unit, "up": options.up, "density": options.density}
 
 
 def _demo(options: argparse.Namespace) -> None:
@@ -148,7 +166,7 @@ def _run(options: argparse.Namespace) -> None:
     with ProgressLine("simulating") as progress:
         result = run_scene_or_fmu(
             options.what, stop_time=options.stop_time, step=options.step, settings=settings, inputs=options.input,
-            interpolation=options.interpolation, error=options.error, progress=progress,
+            interpolation=options.interpolation, error=options.error, progress=progress, of_mesh=_mesh_options(options),
         )  # fmt: skip
     files = keep_run(result, folder)
     _print_summary(result.summary)
@@ -249,5 +267,10 @@ def _new(options: argparse.Namespace) -> None:
         raise SoftffdError(f'"{options.name}": wanted the name of a scene, e.g. softffd new mine')
     if path.exists():
         raise SoftffdError(f"{path}: exists already; wanted a new name")
-    path.write_text(template(path.stem), encoding="utf-8")
+    if options.mesh is not None:
+        made = scene_of_mesh(options.mesh, folder=path.parent, **_mesh_options(options))
+        print(made.said)
+    elif given := [key for key, value in _mesh_options(options).items() if value is not None]:
+        raise SoftffdError(f"--{given[0]}: wanted with --mesh FILE")
+    path.write_text(template(path.stem) if options.mesh is None else made.text, encoding="utf-8")
     print(f"{path}: edit it, then: softffd run {shlex.quote(str(path))}")

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import shlex
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from softffd.errors import FmuError
+from softffd.errors import FmuError, SoftffdError
 from softffd.fmu.component import Component
-from softffd.mesh.mesh import WRITTEN, Mesh, save_mesh
+from softffd.mesh.mesh import READ, WRITTEN, Mesh, save_mesh
 from softffd.run.findings import ESTIMATE, findings
 from softffd.run.inputs import Source
 from softffd.run.result import Result
 from softffd.run.simulate import Interpolation, Progress, simulate
-from softffd.scene.scene import Scene, load_scene
+from softffd.scene.of_mesh import scene_of_mesh
+from softffd.scene.scene import Scene, load_scene, scene_from
 
 
 def run_scene_or_fmu(
@@ -28,14 +31,22 @@ def run_scene_or_fmu(
     interpolation: Interpolation = "held",
     error: bool = False,
     progress: Progress | None = None,
+    of_mesh: dict[str, Any] | None = None,
 ) -> Result:
-    """Runs a scene file, a shipped scene or an FMU; a scene's own inputs (NAME.csv beside it) drive it unless others are given.
+    """Runs a scene file, a shipped scene, a mesh that falls on the ground, or an FMU.
+
+    A scene's own inputs (NAME.csv beside it) drive it unless others are given.
 
     interpolation: of the inputs between communication points, see `simulate`.
     error: estimate the error at the end too, in the summary as estimated_error_m; an FMU must have been built with that.
+    of_mesh: unit, up and density of a mesh file, see `scene_of_mesh`.
     """
-    scene_or_fmu = _opened(what, error)
-    if inputs is None and isinstance(scene_or_fmu, Scene):
+    given = {key: value for key, value in (of_mesh or {}).items() if value is not None}
+    is_mesh = Path(what).suffix.lower() in READ
+    if given and not is_mesh:
+        raise SoftffdError(f"--{next(iter(given))}: wanted with a mesh file, got {what}; a scene says it in [mesh] and [mass]")
+    scene_or_fmu = _mesh_scene(Path(what), error, given) if is_mesh else _opened(what, error)
+    if inputs is None and isinstance(scene_or_fmu, Scene) and not is_mesh:
         inputs = scene_or_fmu.default_inputs
     result = simulate(
         scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs, interpolation=interpolation, progress=progress
@@ -57,6 +68,15 @@ def _opened(what: str | Path, error: bool) -> Scene | Path:
                     "build it anew with that, or run the scene itself with --error"
                 )
     return path
+
+
+def _mesh_scene(file: Path, error: bool, given: dict[str, Any]) -> Scene:
+    """The scene of a mesh, after the line that says what is taken for granted."""
+    made = scene_of_mesh(file, folder=file.parent, **given)
+    change = f"softffd new {shlex.quote(file.stem)} --mesh {shlex.quote(str(file))}"
+    print(f"{made.said}\n  to change what is assumed of it: {change}", flush=True)
+    scene = scene_from(tomllib.loads(made.text), path=file.with_suffix(".toml"))
+    return scene.replace({"solver.error_estimate": True}) if error else scene
 
 
 def keep_run(result: Result, folder: Path) -> list[Path]:

@@ -19,6 +19,7 @@ from softffd.mesh.ply import read_ply
 from softffd.mesh.polygons import Triangles
 from softffd.mesh.stl import read_stl
 from softffd.mesh.written import write_glb, write_obj, write_ply, write_stl
+from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -205,7 +206,9 @@ def _read(path: Path) -> Triangles:
     try:
         data = path.read_bytes()
     except FileNotFoundError:
-        raise MeshError(f"{path}: no such file; wanted a mesh ({_KINDS})") from None
+        beside = [file.name for file in path.parent.glob("*") if file.suffix.lower() in READ]
+        nearest = did_you_mean(nearest_of(path.name, beside))
+        raise MeshError(f"{path}: no such file; wanted a mesh ({_KINDS}){nearest}") from None
     except IsADirectoryError:
         raise MeshError(f"{path}: is a directory; wanted a mesh file ({_KINDS})") from None
     except OSError as fault:

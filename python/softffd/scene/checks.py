@@ -122,7 +122,8 @@ def _box(draft: Draft) -> Iterator[Fault]:
     lattice, mesh = draft.scene.lattice, draft.mesh
     if mesh is not None and _box_is_sound(draft) and (outside := _not_in_box(mesh.bounds, lattice)):
         got = f"got {_box_span(lattice)}, which does not along {' and '.join(outside)}"
-        text = f"wanted a box that holds the mesh ({_span(*mesh.bounds)}), {got}"
+        given = " and ".join(key for key in ("origin", "size") if key in lattice.model_fields_set)
+        text = f"wanted a box that holds the mesh ({_span(*mesh.bounds)}), {got}; leave out {given}: the box then follows the mesh"
         yield Fault(("lattice", "size" if "size" in lattice.model_fields_set else "origin"), text)
 
 

@@ -1,6 +1,7 @@
 """Finding and reading the scene file: a path, or the name of a scene that comes with the package."""
 
 import re
+import shlex
 import tomllib
 from pathlib import Path
 
@@ -41,6 +42,7 @@ def find_scene(path_or_name: str | Path) -> Path:
 
 def read_document(path: Path) -> dict:
     """The parsed TOML file. Raises SceneError with the line where it is not TOML."""
+    _require_no_mesh(path)
     text = _read_text(path)
     try:
         return tomllib.loads(text)
@@ -49,6 +51,17 @@ def read_document(path: Path) -> dict:
     except ValueError as error:
         problem = _syntax(str(error), text)
     raise SceneError(shown(path), [problem])
+
+
+def _require_no_mesh(path: Path) -> None:
+    if path.suffix.lower() == ".toml":
+        return
+    from softffd.mesh.mesh import READ  # only what is no scene pays for the import
+
+    if path.suffix.lower() in READ:
+        say = f"wanted a scene file (TOML), got a mesh; to drop it on the ground: softffd run {shlex.quote(shown(path))}"
+        write = f"to write a scene of it: softffd new {shlex.quote(path.stem)} --mesh {shlex.quote(shown(path))}"
+        raise SceneError(shown(path), [f"{say}; {write}"])
 
 
 def _read_text(path: Path) -> str:

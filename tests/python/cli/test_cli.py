@@ -14,8 +14,8 @@ import pytest
 import trimesh
 
 import softffd.__main__
-from mesh_files import ball
-from softffd import deform, load_scene, save_mesh
+from mesh_files import ball, two_colours
+from softffd import deform, load_mesh, load_scene, save_mesh
 from softffd.cli.command import main
 from softffd.fmu.component import Component
 from softffd.scene.scene import shipped_scenes
@@ -167,6 +167,52 @@ def test_the_mesh_that_run_writes_is_deformed_in_the_scene_s_basis(tmp_path):
     wanted = deform(loaded.loaded_mesh, positions, origin=loaded.lattice.origin, size=loaded.lattice.size, basis="bspline")
     written = trimesh.load(tmp_path / "out" / "deformed.obj", force="mesh", process=False).vertices
     np.testing.assert_allclose(written, wanted, atol=1e-6)
+
+
+@pytest.mark.parametrize(("name", "kept"), [("pictures.obj", "deformed.obj"), ("faces.off", "deformed.glb")])
+def test_run_writes_the_mesh_with_its_looks_and_says_what_is_lost(name, kept, tmp_path, capsys):
+    file = two_colours(tmp_path, name)
+    (tmp_path / "the ball.png").unlink(missing_ok=True)
+    scene = mesh_scene(tmp_path, file, "uniform")
+    assert main(["run", str(scene), "--stop-time", "0.02", "-o", str(tmp_path / "out")]) == 0
+    said = capsys.readouterr().out
+    assert ("pictures.obj: material ball: its picture the ball.png is missing or cannot be read" in said) == (name == "pictures.obj")
+    looks = load_mesh(tmp_path / "out" / kept).looks
+    assert {material.name for material in looks.materials} == (
+        {"crate", "ball"} if kept[-3:] == "obj" else {"colour_cc3300", "colour_009966"}
+    )
+    assert len(looks.textures) == (name == "pictures.obj")
+
+
+def test_a_mesh_is_enough_to_run_and_new_writes_the_same_scene(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "meshes").mkdir()
+    two_colours(tmp_path / "meshes", "kd.obj")
+    (tmp_path / "meshes" / "kd.csv").write_text("of another program\n")
+    assert main(["run", "meshes/kd.obj", "--up", "z", "--stop-time", "0.05"]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("meshes/kd.obj: 16 vertices, 1 x 1 x 3, no unit in the file: taken as metres, --unit mm otherwise; z up\n")
+    assert "softffd new kd --mesh meshes/kd.obj" in said
+    assert {"picture.png", "view.html", "deformed.obj"} <= {file.name for file in Path("softffd-kd").iterdir()}
+    assert main(["new", "mine", "--mesh", "meshes/kd.obj", "--up", "z"]) == 0
+    assert main(["run", "mine.toml", "--stop-time", "0.05"]) == 0
+    one, other = (np.load(Path(folder) / "result.npz")["positions"] for folder in ("softffd-kd", "softffd-mine"))
+    np.testing.assert_array_equal(one, other)
+
+
+def test_options_of_meshes_need_one(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert "--unit: wanted with a mesh file, got press" in refused(capsys, "run", "press", "--unit", "mm")
+    assert "--density: wanted with --mesh FILE" in refused(capsys, "new", "mine", "--density", "5")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_mesh_in_place_of_a_scene_is_told_what_to_do(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    two_colours(tmp_path, "kd.obj")
+    said = refused(capsys, "build", "kd.obj")
+    assert "wanted a scene file (TOML), got a mesh; to drop it on the ground: softffd run kd.obj; " in said
+    assert "softffd new kd --mesh kd.obj" in said
 
 
 @pytest.mark.short("spot.obj-volume", "beetle.obj-surface")

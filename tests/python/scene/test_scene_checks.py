@@ -137,7 +137,9 @@ def test_a_flat_mesh_is_refused(folder):
 def test_a_box_that_does_not_hold_the_mesh_is_refused(folder):
     (line,) = with_mesh(folder, "closed", lattice={"size": [2, 1, 3.9]})
     assert line.startswith("lattice.size: wanted a box that holds the mesh ([0, 0, 0] to [2, 1, 4] m), got ")
-    assert line.endswith("which does not along z")
+    assert line.endswith("which does not along z; leave out size: the box then follows the mesh")
+    (line,) = with_mesh(folder, "closed", lattice={"origin": [0, 0, 1], "size": [2, 1, 4]})
+    assert line.endswith("; leave out origin and size: the box then follows the mesh")
 
 
 @pytest.mark.parametrize("lattice", [{"margin": 0.1}])

@@ -1,0 +1,114 @@
+"""The scene of a mesh alone: it falls on the ground. What the file leaves open is taken by habit and size, and said."""
+
+import json
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from softffd.embedding.mass import point_masses
+from softffd.errors import SoftffdError
+from softffd.mesh.habits import UNITS, WORDS, habit_of
+from softffd.mesh.mesh import Mesh, load_mesh, merge_by_position, placed
+from softffd.spelling import did_you_mean, nearest_of
+
+MESH_TEMPLATE = Path(__file__).parent / "mesh_template.toml"
+GRAVITY = 9.81
+DENSITY = 100.0
+"""Of soft foam, kg/m3."""
+
+FALL, STIFFNESS, DAMPING, STOP = 0.25, 1.2, 2.2, 7.0
+"""Height of the fall by the longest side; stiffness by weight over height; damping by mass of a point and the time in which one falls
+half the height; end by the time for half the longest side. Meshes of many shapes then bend visibly, keep the tolerance and lie still."""
+
+LONGEST_IN_METRES = 20.0
+"""A mesh whose largest side is more units than these is taken as millimetres where nobody says."""
+
+
+@dataclass(frozen=True)
+class MeshScene:
+    """text: a scene file (TOML). said: what was read and what was assumed, in one line."""
+
+    text: str
+    said: str
+
+
+def scene_of_mesh(
+    file: str | Path, *, folder: str | Path, unit: str | None = None, up: str | None = None, density: float | None = None
+) -> MeshScene:
+    """The scene of a mesh that falls on the ground.
+
+    folder: where the scene's file is to stand. unit: of the file, m, cm, mm, in or ft. up: its axis that becomes +z. density: kg/m3.
+    None: as the file says, else as is usual for its kind and size. Raises MeshError for an unfit mesh, SoftffdError for unfit options.
+    """
+    file = Path(file)
+    if unit is not None and unit not in UNITS:
+        raise SoftffdError(f"--unit: wanted one of {', '.join(UNITS)}, got {unit}{did_you_mean(nearest_of(unit, UNITS))}")
+    if up is not None and up not in ("x", "y", "z"):
+        raise SoftffdError(f"--up: wanted one of x, y, z, got {up}")
+    if density is not None and not (np.isfinite(density) and density > 0):
+        raise SoftffdError(f"--density: wanted > 0 kg/m3, got {density:g}")
+    mesh, habit = load_mesh(file), habit_of(file)
+    extent = np.ptp(mesh.bounds, axis=0)
+    guess = "m" if extent.max() <= LONGEST_IN_METRES else "mm"
+    metres, axis = UNITS[unit] if unit else habit.metres or UNITS[guess], up or habit.up
+    named = next((WORDS[key] for key, each in UNITS.items() if each == metres), f"units of {metres:g} m")
+    guessed = f"no unit in the file: taken as {named}, --unit {'m' if guess == 'mm' else 'mm'} otherwise"
+    other = "z" if axis == "y" else "y"
+    upright = f"{axis} up" if up or habit.said else f"{axis} up as usual for {file.suffix[1:].upper()}, --up {other} otherwise"
+    places = len(merge_by_position(mesh.vertices)[1])
+    size = f"{places:,} vertices, " + " x ".join(f"{side:.4g}" for side in extent)
+    said = f"{file}: {size}, {f'in {named}' if unit or habit.metres else guessed}; {upright}"
+    keys = {
+        "TITLE": _quoted(f"{file.stem} dropped on the ground"), "FILE": _quoted(_seen_from(folder, file)),
+        "MEASURED": size, "SCALE": f"{metres:g}", "METRES": named, "UP": axis,
+    }  # fmt: skip
+    return MeshScene(_filled(keys | _physics(placed(mesh, scale=metres, up=axis), DENSITY if density is None else density)), said)
+
+
+def _physics(mesh: Mesh, density: float) -> dict[str, str]:
+    """Values for a fall from less than the mesh's height that bends the mesh well and is over at the end."""
+    height, longest = np.ptp(mesh.bounds, axis=0)[2], np.ptp(mesh.bounds, axis=0).max()
+    spread, mass, why = _mass(mesh, density)
+    pace = np.sqrt(longest / GRAVITY)
+    return {
+        "TOTAL": _short(mass), "SPREAD": spread, "WHY": why,
+        "STIFFNESS": _short(STIFFNESS * mass * GRAVITY / height), "DAMPING": _short(DAMPING * mass / 64 / np.sqrt(height / GRAVITY)),
+        "GROUND": f"{mesh.bounds[0, 2] - min(FALL * longest, height):.4g}", "STOP": _short(STOP * pace), "STEP": _short(STOP * pace / 250),
+    }  # fmt: skip
+
+
+def _mass(mesh: Mesh, density: float) -> tuple[str, float, str]:
+    """How the mass is spread, how much it is [kg], and why."""
+    low, high = mesh.bounds
+    try:
+        masses = point_masses("volume", counts=(4, 4, 4), origin=low, size=high - low, mesh=mesh, density=density)
+    except SoftffdError:
+        return (
+            "surface",
+            density * float(np.prod(high - low)) / 2,
+            f"half of the mesh's box at {density:g} kg/m3: its surface is not closed",
+        )
+    return "volume", float(masses.mass.sum()), f"the mesh at {density:g} kg/m3"
+
+
+def _filled(keys: dict[str, str]) -> str:
+    return re.sub("[A-Z]{2,}", lambda word: keys.get(word[0], word[0]), MESH_TEMPLATE.read_text(encoding="utf-8"))
+
+
+def _seen_from(folder: str | Path, file: Path) -> str:
+    """The file as a scene in the folder names it."""
+    try:
+        return Path(os.path.relpath(file, folder)).as_posix()
+    except ValueError:  # another drive
+        return file.absolute().as_posix()
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _short(value: float) -> str:
+    return f"{value:.2g}"

@@ -1,0 +1,123 @@
+"""A mesh alone is a scene: what its file leaves open is taken by habit and size, and said."""
+
+import tomllib
+
+import numpy as np
+import pytest
+import trimesh
+
+from mesh_files import saved, two_colours, unit_box, written
+from softffd import simulate
+from softffd.errors import MeshError, SoftffdError
+from softffd.mesh.habits import habit_of
+from softffd.mesh.mesh import Mesh, save_mesh
+from softffd.scene.of_mesh import scene_of_mesh
+from softffd.scene.scene import scene_from
+
+
+def box_file(folder, name, sides, faces=12):
+    body = trimesh.creation.box(sides)
+    save_mesh(Mesh(body.vertices, body.faces[:faces]), folder / name)
+    return folder / name
+
+
+def scene_of(file, **options):
+    return scene_from(tomllib.loads(scene_of_mesh(file, folder=file.parent, **options).text), path=file.with_suffix(".toml"))
+
+
+SAID = {
+    (
+        "a.obj",
+        (0.5, 2, 19),
+        (),
+    ): "8 vertices, 0.5 x 2 x 19, no unit in the file: taken as metres, --unit mm otherwise; y up as usual for OBJ, --up z otherwise",
+    ("a.stl", (155, 154, 120), ()): "8 vertices, 155 x 154 x 120, no unit in the file: taken as millimetres, --unit m otherwise; "
+    "z up as usual for STL, --up y otherwise",
+    ("a.ply", (1, 2, 3), (("unit", "in"), ("up", "x"))): "8 vertices, 1 x 2 x 3, in inches; x up",
+    ("a.glb", (100, 2, 3), ()): "8 vertices, 100 x 2 x 3, in metres; y up",
+}
+
+
+@pytest.mark.parametrize("case", SAID, ids=lambda case: case[0])
+def test_what_was_read_and_assumed_is_said_in_a_line(case, tmp_path):
+    name, sides, options = case
+    file = box_file(tmp_path, name, sides)
+    made = scene_of_mesh(file, folder=tmp_path, **dict(options))
+    assert made.said == f"{file}: {SAID[case]}"
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "extent"),
+    [
+        ("a.obj", {}, (2, 4, 3)),
+        ("a.obj", {"up": "z"}, (2, 3, 4)),
+        ("a.obj", {"unit": "cm"}, (0.02, 0.04, 0.03)),
+        ("a.stl", {}, (2, 3, 4)),
+        ("a.stl", {"up": "x", "unit": "ft"}, (4 * 0.3048, 3 * 0.3048, 2 * 0.3048)),
+    ],
+)
+def test_the_box_of_the_lattice_is_left_to_the_mesh_in_its_unit_and_upright(name, options, extent, tmp_path):
+    file = box_file(tmp_path, name, (2, 3, 4))
+    scene = scene_of(file, **options)
+    assert not {"origin", "size"} & scene.lattice.model_fields_set
+    np.testing.assert_allclose(scene.lattice.size, extent, rtol=1e-6)
+    assert scene.plane[0].point[2] < scene.lattice.origin[2]
+
+
+def test_the_mass_is_that_of_the_density_or_of_half_the_box_where_the_surface_is_open(tmp_path):
+    closed, opened = box_file(tmp_path, "a.obj", (2, 3, 4)), box_file(tmp_path, "b.obj", (2, 3, 4), faces=10)
+    assert (scene_of(closed).mass.total, scene_of(closed).mass.distribution) == (2400, "volume")
+    assert (scene_of(closed, density=1000.0).mass.total, scene_of(opened).mass.total) == (24000, 1200)
+    assert scene_of(opened).mass.distribution == "surface"
+    assert "its surface is not closed" in scene_of_mesh(opened, folder=tmp_path).text
+
+
+def test_unit_and_axis_of_files_that_say_them(tmp_path):
+    dae = '<COLLADA><asset><unit name="inch" meter="0.0254"/><up_axis>Z_UP</up_axis></asset></COLLADA>'
+    assert habit_of(written(tmp_path, "a.dae", dae)) == (0.0254, "z", True)
+    assert habit_of(written(tmp_path, "b.dae", "<COLLADA/>")) == (1.0, "y", True)
+    pytest.importorskip("networkx", reason="networkx is not installed")
+    data = trimesh.Scene([unit_box(0.0)]).export(file_type="3mf")
+    file = written(tmp_path, "a.3mf", data)
+    assert habit_of(file) == (0.001, "z", True)
+    np.testing.assert_allclose(scene_of(file).lattice.size, [1e-3] * 3)
+
+
+def test_a_mesh_lies_on_the_ground_in_the_end(tmp_path):
+    """It was above it, stays on it to a rounding, presses with its weight, and is at rest."""
+    scene = scene_of(two_colours(tmp_path, "kd.obj"), up="z")
+    result = simulate(scene)
+    ground = scene.plane[0].point[2]
+    heights = [result.deformed(row=row)[:, 2].min() - ground for row in (0, -1)]
+    weight = 9.81 * scene.mass.total
+    assert heights[0] > 0.5 and 0 <= heights[1] + 1e-9 < 0.02
+    assert result.outputs["plane.ground.reaction.z"][-1] == pytest.approx(-weight, rel=0.01)
+    assert np.abs(result.positions[-1] - result.positions[-10]).max() < 1e-3  # in a 25th of the time in which one falls 1.5 m
+    assert not result.summary["warnings"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"unit": "mn"}, r"--unit: wanted one of m, cm, mm, in, ft, got mn"),
+        ({"up": "w"}, "--up: wanted one of x, y, z, got w"),
+        ({"density": 0.0}, "--density: wanted > 0 kg/m3, got 0"),
+        ({"density": float("nan")}, "--density: wanted > 0 kg/m3, got nan"),
+    ],
+)
+def test_unfit_options_are_refused(options, message, tmp_path):
+    with pytest.raises(SoftffdError, match=message):
+        scene_of_mesh(box_file(tmp_path, "a.obj", (1, 1, 1)), folder=tmp_path, **options)
+
+
+def test_a_mesh_that_is_not_there_is_answered_with_the_nearest(tmp_path):
+    written(tmp_path, "cow.obj", saved(tmp_path, "obj"))
+    with pytest.raises(MeshError, match=r'cwo.obj: no such file; .*did you mean "cow.obj"\?'):
+        scene_of_mesh(tmp_path / "cwo.obj", folder=tmp_path)
+
+
+def test_names_with_blanks_and_quotes_and_other_folders_stand_in_the_scene(tmp_path):
+    (tmp_path / "my meshes").mkdir()
+    file = box_file(tmp_path / "my meshes", 'a "b" TITLE.obj', (1, 1, 1))
+    document = tomllib.loads(scene_of_mesh(file, folder=tmp_path).text)
+    assert document["mesh"]["file"] == 'my meshes/a "b" TITLE.obj' and document["title"] == 'a "b" TITLE dropped on the ground'
