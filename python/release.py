@@ -1,4 +1,4 @@
-"""A wheel that carries the library for every platform: `python3 python/run.py release`.
+"""A wheel that carries the library for every platform, and the files for the FMI Cross-Check: `python3 python/run.py release`.
 
 Compiled here by zig (package `ziglang`), from the presets of CMakePresets.json that have a platform's name.
 """
@@ -25,6 +25,7 @@ def build_release(python: Path) -> int:
     commands.append(
         [*wheel, "-C", f"cmake.define.SOFTFFD_LIBRARIES={libraries}", "-C", "wheel.platlib=false", "-C", "build-dir=build/wheel"]
     )
+    commands.append([python, "-m", "softffd.validation.cross_check", "dist/cross-check"])
     for number, command in enumerate(commands):
         if "wheel" in command:
             for name in PLATFORMS:
@@ -32,5 +33,5 @@ def build_release(python: Path) -> int:
         print(f"release: {number + 1} of {len(commands)}: {' '.join(map(str, command[:3]))} ...", flush=True)
         if status := subprocess.call(command, cwd=ROOT, env=environment):
             return status
-    print(f"release: {', '.join(file.name for file in sorted((ROOT / 'dist').glob('*.whl')))} in dist")
+    print(f"release: {', '.join(file.name for file in sorted((ROOT / 'dist').glob('*.whl')))} and cross-check in dist")
     return 0
