@@ -1,4 +1,4 @@
-"""Other people's tools on every shipped scene: checkers find nothing, masters get our numbers unwarned."""
+"""Other people's tools on every shipped scene: checkers find nothing, importers get our numbers unwarned."""
 
 import math
 import re
@@ -8,22 +8,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import fmpy
 import numpy as np
 import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import Parameter, ParameterSet
 
-from importers import Missing, Run, Tool, drive, ecos, fmutool, libcosim, vdmcheck
-from softffd import load_scene, package_fmu, simulate
-from softffd.names import parse_name
-from softffd.run.inputs import Inputs
+from importer_runs import FMPY, IMPORTERS, START, STEP, STEPS, cells, compared, ours, outcome
+from importers import Missing, Run, Tool, drive, fmutool, vdmcheck
+from softffd import load_scene, package_fmu
 from softffd.scene.scene import shipped_scenes
 
-STEP, STEPS = 0.01, 100
-START = {"solver.step": 5e-6}
-STIFF_START = {"solver.step": 1e-6}
-"""s; below what any shipped scene needs. With it a run does not depend on the last bits of a host's clock."""
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "importers.md"
 
 
 @dataclass(frozen=True)
@@ -59,28 +54,23 @@ CHECKERS = {
     "vdmcheck_static": Manners(lambda: vdmcheck("VDMCheck"), ("No errors found.",), VDM_NOTICES),
     "vdmcheck_rules": Manners(lambda: vdmcheck("VDMCheckPlus"), ("No errors found.",), VDM_NOTICES),
 }
-LIBCOSIM_NOTICES = r"\[.*\] \[info\] .*"
-ECOS_NOTICES = (
-    r"\[.*\] \[ecos\] \[debug\] "
-    r"(Initializing simulation\.\.|Parameterset 'start' applied to 1 instances|Initialized\."
-    r"|Terminating simulation\.\.|Terminated\.)"
-)
-MASTERS = {"libcosim": Manners(libcosim, (), LIBCOSIM_NOTICES), "ecos": Manners(ecos, (), ECOS_NOTICES)}
 
 
 @pytest.fixture(scope="session", params=CHECKERS)
 def checker(request) -> tuple[str, Tool]:
-    return request.param, present(CHECKERS[request.param])
+    return request.param, present(CHECKERS[request.param].tool)
 
 
-@pytest.fixture(scope="session", params=MASTERS)
-def master(request) -> tuple[str, Tool]:
-    return request.param, present(MASTERS[request.param])
+@pytest.fixture(params=IMPORTERS)
+def importer(request) -> str:
+    """Its name, where it can be had."""
+    present(IMPORTERS[request.param].tool)
+    return request.param
 
 
-def present(manners: Manners) -> Tool:
+def present(tool: Callable[[], Tool]) -> Tool:
     try:
-        return manners.tool()
+        return tool()
     except Missing as reason:
         pytest.skip(str(reason))
 
@@ -94,59 +84,6 @@ def fmus(tmp_path_factory) -> dict[str, Path]:
 def check(name: str, tool: Tool, fmu: Path) -> list[str]:
     arguments = ("-input", fmu, "-check") if name == "fmutool" else (fmu,)
     return CHECKERS[name].complaints(tool.run(*arguments))
-
-
-def driving(scene: str) -> Callable[[float], dict[str, float]] | Path | None:
-    """The inputs over time that a scene is run with: its own, or what sets the plain component going."""
-    if scene == "standard":
-        return lambda time: {"force[3,3,3].z": push(time)}
-    course = load_scene(scene).path.with_suffix(".csv")
-    return course if course.is_file() else None
-
-
-def push(time: float) -> float:
-    return 5.0 * math.sin(10.0 * time)
-
-
-def courses(source) -> dict[str, list[float]]:
-    """The values of driven inputs at each communication point."""
-    inputs = Inputs(source)
-    rows = np.array([inputs.values(step * STEP, (step + 1) * STEP) for step in range(STEPS)])
-    names = [*inputs.names, *inputs.derived_names]
-    return {name: rows[:, number].tolist() for number, name in enumerate(names)}
-
-
-def outputs(fmu: Path, kind: str) -> list[str]:
-    variables = fmpy.read_model_description(str(fmu), validate=False).modelVariables
-    return [v.name for v in variables if v.causality == "output" and v.type == kind]
-
-
-def start_values(fmu: Path) -> dict[str, float]:
-    """An internal step that every part of the run takes as it is."""
-    return STIFF_START if fmu.stem == "stiff_bounce" else START
-
-
-def ours(fmu: Path, names: list[str], inputs=None) -> np.ndarray:
-    """(STEPS, len(names)): outputs after each step, as softffd.simulate gives them."""
-    result = simulate(fmu, stop_time=STEPS * STEP, step=STEP, start_values=start_values(fmu), inputs=inputs)
-    assert result.summary["warnings"] == []
-    return np.array([column(result, name)[1:] for name in names]).reshape(len(names), STEPS).T
-
-
-def column(result, name: str) -> np.ndarray:
-    found = parse_name(name)
-    if found is None or found.family != "position":
-        return result.outputs[name]
-    i, j, k = found.instance
-    return result.positions[:, i, j, k, "xyz".index(found.component)]
-
-
-def agree(names: list[str], theirs, expected: np.ndarray) -> None:
-    """Bitwise, but for reactions: impulses over the step's length, which may be a difference of two times."""
-    means = np.array([bool(re.search(r"\.(reaction|torque)\.", name)) for name in names], dtype=bool)
-    theirs = np.reshape(theirs, expected.shape)
-    np.testing.assert_array_equal(theirs[:, ~means], expected[:, ~means])
-    np.testing.assert_allclose(theirs[:, means], expected[:, means], rtol=STEPS * 2.0**-52, atol=0.0)
 
 
 def with_description(fmu: Path, path: Path, pattern: str, replacement: str) -> Path:
@@ -176,22 +113,30 @@ def test_checkers_find_a_missing_start_value(checker, fmus, tmp_path):
 
 @pytest.mark.full
 @pytest.mark.parametrize("scene", shipped_scenes())
-def test_masters_get_our_numbers_without_a_warning(master, fmus, scene, tmp_path):
-    name, tool = master
-    fmu, source = fmus[scene], driving(scene)
-    run = Run(str(fmu), STEP, STEPS, start_values(fmu), courses(source), outputs(fmu, "Real"), outputs(fmu, "Integer"))
-    printed, rows = drive(tool, run, tmp_path)
-    assert MASTERS[name].complaints(printed) == []
-    agree(run.outputs, rows["outputs"], ours(fmu, run.outputs, source))
-    agree(run.counts, rows["counts"], ours(fmu, run.counts, source))
+def test_importers_do_what_their_page_says_without_a_warning(importer, scene):
+    said, printed = outcome(importer, scene)
+    assert said == cells(PAGE.read_text())[importer, scene]
+    assert not said.startswith("no")
+    assert complaints(importer, printed) == []
+
+
+def complaints(importer: str, printed: list[str]) -> list[str]:
+    return [line for line in printed if not re.fullmatch(IMPORTERS[importer].notices, line)]
+
+
+def test_the_page_says_of_every_importer_and_scene_that_the_bits_are_ours():
+    """But for reactions: impulses over the step's length, which may be a difference of two times."""
+    said = cells(PAGE.read_text())
+    assert set(said) == {(name, scene) for name in (FMPY, *IMPORTERS) for scene in shipped_scenes()}
+    others = {cell for cell in said.values() if cell != "same bits"}
+    assert all(cell.startswith("reactions ") and float(cell.removeprefix("reactions ")) <= STEPS * 2.0**-52 for cell in others)
 
 
 @pytest.mark.full
-def test_masters_show_what_the_fmu_refuses(master, fmus, tmp_path):
-    name, tool = master
+def test_importers_show_what_the_fmu_refuses(importer, fmus, tmp_path):
     foreign = with_description(fmus["spin"], tmp_path / "foreign.fmu", r'guid="\{[^}]*\}', 'guid="{no}')
-    printed, _ = drive(tool, Run(str(foreign), STEP, 1, {}, {}, [], []), tmp_path)
-    assert any("fmuGUID: wanted {" in line for line in MASTERS[name].complaints(printed))
+    printed, _ = drive(IMPORTERS[importer].tool(), Run(str(foreign), STEP, 1, {}, {}, ["mass"], []), tmp_path)
+    assert any("fmuGUID: wanted {" in line for line in complaints(importer, printed)), printed
 
 
 @pytest.mark.full
@@ -220,20 +165,21 @@ def test_a_master_gets_our_numbers_from_fmi3(fmus, scene, tmp_path):
 
 @pytest.mark.short("standard", "press", "spin")
 @pytest.mark.parametrize("scene", shipped_scenes())
-def test_fmpy_gets_our_numbers_without_a_warning(fmus, scene):
-    fmu, names, messages = fmus[scene], outputs(fmus[scene], "Real"), []
-    theirs = fmpy.simulate_fmu(
-        str(fmu),
-        stop_time=STEPS * STEP,
-        step_size=STEP,
-        output_interval=STEP,
-        start_values=start_values(fmu),
-        output=names,
-        debug_logging=True,
-        logger=lambda _environment, _instance, status, _category, message: messages.append((status, message)),
-    )
-    assert [message for status, message in messages if status > 0] == []
-    agree(names, np.array([theirs[name][1:] for name in names]).T, ours(fmu, names))
+def test_fmpy_does_what_the_page_says_without_a_warning(scene):
+    said, messages = outcome(FMPY, scene)
+    assert said == cells(PAGE.read_text())[FMPY, scene]
+    assert messages == []
+
+
+def test_a_difference_is_told_and_whether_it_is_of_reactions_alone():
+    names, wanted = ["probe.a.x", "plane.p.reaction.z"], np.array([[1.0, 2.0], [3.0, 4.0]])
+    assert compared(names, wanted.copy(), wanted) == "same bits"
+    assert compared(names, wanted + np.array([[0, 0], [0, 4e-6]]), wanted) == "reactions 1e-06"
+    assert compared(names, wanted + np.array([[0, 0], [3e-3, 0]]), wanted) == "1e-03"
+
+
+def push(time: float) -> float:
+    return 5.0 * math.sin(10.0 * time)
 
 
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>

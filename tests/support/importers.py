@@ -20,20 +20,21 @@ PYTHON_PACKAGES = {
     "fmutool": ("fmu-manipulation-toolbox==2.0",),
     "libcosim": ("libcosimpy==0.0.6",),
     "ecos": ("ecospy==0.7.2", "tbb==2023.2.0"),
+    "cofmupy": ("cofmupy==1.0.0",),
+    "zig": ("ziglang==0.17.1",),
 }
-VDMCHECK_VERSION = "1.1.3"
+MAVEN_PACKAGES = {
+    "vdmcheck2": ("org.into-cps.vdmcheck.fmi2:vdmcheck2:1.1.3",),
+    "maestro": ("org.into-cps.maestro:maestro:3.1.1", "commons-io:commons-io:2.16.1"),  # it names a commons-io that is too old for itself
+}
 COPY_DEPENDENCIES = "org.apache.maven.plugins:maven-dependency-plugin:3.6.1:copy-dependencies"
-POM = f"""<project xmlns="http://maven.apache.org/POM/4.0.0">
+POM = """<project xmlns="http://maven.apache.org/POM/4.0.0">
   <modelVersion>4.0.0</modelVersion>
   <groupId>softffd</groupId> <artifactId>importers</artifactId> <version>1</version>
-  <dependencies>
-    <dependency>
-      <groupId>org.into-cps.vdmcheck.fmi2</groupId> <artifactId>vdmcheck2</artifactId>
-      <version>{VDMCHECK_VERSION}</version>
-    </dependency>
-  </dependencies>
+  <dependencies>{}</dependencies>
 </project>
 """
+DEPENDENCY = "<dependency><groupId>{}</groupId><artifactId>{}</artifactId><version>{}</version></dependency>"
 
 
 class Missing(Exception):
@@ -89,16 +90,16 @@ def drive(tool: Tool, run: Run, folder: Path) -> tuple[list[str], dict[str, list
 
 
 def fmutool() -> Tool:
-    return Tool((str(_installed("fmutool").with_name("fmutool")),))
+    return Tool((str(installed("fmutool").with_name("fmutool")),))
 
 
 def libcosim() -> Tool:
-    return Tool((str(_installed("libcosim")), "-I", str(HERE / "drive_libcosim.py")))
+    return Tool((str(installed("libcosim")), "-I", str(HERE / "drive_libcosim.py")))
 
 
 def ecos() -> Tool:
     """Ecos unpacks FMUs with `unzip -o FILE -d FOLDER`, a program; where there is none, Python takes its place."""
-    python = _installed("ecos")
+    python = installed("ecos")
     path = () if shutil.which("unzip") else (("PATH", f"{_unzip_by(python)}{os.pathsep}{os.environ['PATH']}"),)
     return Tool((str(python), "-I", str(HERE / "drive_ecos.py")), path)
 
@@ -114,7 +115,7 @@ def _unzip_by(python: Path) -> Path:
     return folder
 
 
-def _installed(name: str) -> Path:
+def installed(name: str) -> Path:
     """Python of the importers' own environment, with the packages of a tool in it."""
     packages = PYTHON_PACKAGES[name]
     python = _environment()
@@ -137,32 +138,46 @@ def _environment() -> Path:
     return folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 
 
+def cofmupy() -> Tool:
+    return Tool((str(installed("cofmupy")), "-I", str(HERE / "drive_cofmupy.py")))
+
+
+def maestro() -> Tool:
+    """Maestro, whose command line is a class among some hundred jars."""
+    return Tool((sys.executable, "-I", str(HERE / "drive_maestro.py"), str(_jars("maestro", "-Dmdep.prependGroupId=true"))))
+
+
 def vdmcheck(main_class: str) -> Tool:
     """VDMCheck2: main class VDMCheck checks against a model of the standard, VDMCheckPlus against rules."""
-    folder = FOLDER / f"vdmcheck2-{VDMCHECK_VERSION}"
-    if not shutil.which("java"):
-        raise Missing("java is not on this machine")
+    folder = FOLDER / f"vdmcheck2-{version('vdmcheck2')}"
+    jars = _jars("vdmcheck2")
     if not (folder / "vdmcheck2.jar").is_file():
-        _arrange_vdmcheck(_vdmcheck_jars(), folder)
+        _arrange_vdmcheck(list(jars.glob("*.jar")), folder)
     options = "-XX:TieredStopAtLevel=1 -XX:+UseSerialGC"  # for runs of seconds: half the time
     return Tool(("java", "-cp", str(folder / "vdmcheck2.jar"), main_class), (("JDK_JAVA_OPTIONS", options),))
 
 
-def _vdmcheck_jars() -> list[Path]:
+def version(name: str) -> str:
+    """That of a tool which is fetched."""
+    return (PYTHON_PACKAGES.get(name) or MAVEN_PACKAGES[name])[0].replace("==", ":").rpartition(":")[2]
+
+
+def _jars(name: str, *options: str) -> Path:
+    """The folder with the jars of a Java program, fetched from Maven Central. options: of Maven, on how they are named."""
     maven = shutil.which("mvn")
-    if not maven:
-        raise Missing("mvn, which fetches VDMCheck2 from Maven Central, is not on this machine")
-    folder = FOLDER / "maven"
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "pom.xml").write_text(POM)
-    command = [
-        *(maven, "-q", "-B", "-f", str(folder / "pom.xml"), COPY_DEPENDENCIES),
-        f"-Dmaven.repo.local={folder / 'repository'}",
-        f"-DoutputDirectory={folder / 'jars'}",
-        "-DincludeScope=runtime",
-    ]
-    _fetch("mvn could not fetch VDMCheck2", command)
-    return list((folder / "jars").glob("*.jar"))
+    if not maven or not shutil.which("java"):
+        raise Missing(f"java and mvn, which fetches {name} from Maven Central, are not both on this machine")
+    packages = MAVEN_PACKAGES[name]
+    folder, stamp = FOLDER / "maven" / name, FOLDER / "maven" / f"{name}.fetched"
+    if not stamp.is_file() or stamp.read_text() != " ".join(packages):
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        (folder / "pom.xml").write_text(POM.format("".join(DEPENDENCY.format(*package.split(":")) for package in packages)))
+        repository = f"-Dmaven.repo.local={FOLDER / 'maven' / 'repository'}"
+        places = (repository, f"-DoutputDirectory={folder / 'jars'}", "-DincludeScope=runtime")
+        _fetch(f"mvn could not fetch {name}", [maven, "-q", "-B", "-f", str(folder / "pom.xml"), COPY_DEPENDENCIES, *places, *options])
+        stamp.write_text(" ".join(packages))
+    return folder / "jars"
 
 
 def _arrange_vdmcheck(jars: list[Path], folder: Path) -> None:
@@ -180,9 +195,9 @@ def _arrange_vdmcheck(jars: list[Path], folder: Path) -> None:
 
 def _fetch(failure: str, command: list[str]) -> None:
     try:
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=300)
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=600)
     except subprocess.TimeoutExpired:
-        raise Missing(f"{failure} within 300 s") from None
+        raise Missing(f"{failure} within 600 s") from None
     if done.returncode:
         said = [line for line in (done.stderr + done.stdout).splitlines() if "ERROR" in line]
         raise Missing(f"{failure}: {said[0] if said else f'exit status {done.returncode}'}")

@@ -1,6 +1,8 @@
 """The plate on the body as a system structure, in other people's masters."""
 
 import json
+import re
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,9 @@ from fmpy.ssp.simulation import simulate_ssp
 
 import importers
 from coupled_parts import PLANE, body_fmu, run_explicitly
-from softffd import SoftffdError
+from scenes import box
+from softffd import SoftffdError, package_fmu
+from softffd.drivers import build_driver
 from softffd.drivers.coupled import write_ssp
 
 READ_BACK = ("plate", "point.z"), ("plate", "velocity.z"), ("body", PLANE + "reaction.z"), ("body", "probe.middle.z")
@@ -71,17 +75,21 @@ def test_the_system_runs_in_fmpy_as_in_our_own_loop(drivers, in_fmpy):
 @pytest.mark.full
 @pytest.mark.parametrize("name, script", [("libcosim", LIBCOSIM), ("ecos", ECOS)])
 def test_the_system_runs_elsewhere_as_in_fmpy(name, script, ssp, in_fmpy, tmp_path):
+    rows = in_master(name, script, ssp, READ_BACK, tmp_path / "rows.json")
+    np.testing.assert_allclose(rows[:, :3], in_fmpy, rtol=1e-9, atol=1e-9)
+    assert -0.51 < rows[-1, 3] < -0.5
+
+
+def in_master(name: str, script: str, ssp: Path, wanted, result: Path) -> np.ndarray:
+    """(STEPS, len(wanted)): what is wanted of the parts after every step in a master that may be missing."""
     try:
         tool = getattr(importers, name)()
     except importers.Missing as missing:
         pytest.skip(str(missing))
-    result = tmp_path / "rows.json"
     master = importers.Tool((tool.command[0], "-I", "-c", script), tool.environment)
-    printed = master.run(ssp, str(STEP), str(STEPS), json.dumps(READ_BACK), result)
+    printed = master.run(ssp, str(STEP), str(STEPS), json.dumps(wanted), result)
     assert result.is_file(), "\n".join(printed)
-    rows = np.array(json.loads(result.read_text()))
-    np.testing.assert_allclose(rows[:, :3], in_fmpy, rtol=1e-9, atol=1e-9, err_msg="\n".join(printed))
-    assert -0.51 < rows[-1, 3] < -0.5
+    return np.array(json.loads(result.read_text()))
 
 
 def test_a_plane_that_is_none_of_the_scenes_is_refused(tmp_path):
@@ -89,3 +97,49 @@ def test_a_plane_that_is_none_of_the_scenes_is_refused(tmp_path):
         write_ssp(tmp_path / "x.ssp", plane="ground")
     with pytest.raises(SoftffdError, match="there is none"):
         write_ssp(tmp_path / "x.ssp", "free_vibration")
+
+
+SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
+<ssd:SystemStructureDescription xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
+    xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon" version="1.0" name="scaled">
+  <ssd:System name="scaled">
+    <ssd:Elements>
+      <ssd:Component name="actuator" type="application/x-fmu-sharedlibrary" source="resources/actuator.fmu">
+        <ssd:Connectors><ssd:Connector name="position.z" kind="output"><ssc:Real/></ssd:Connector></ssd:Connectors>
+      </ssd:Component>
+      <ssd:Component name="body" type="application/x-fmu-sharedlibrary" source="resources/body.fmu">
+        <ssd:Connectors><ssd:Connector name="plane.plate.point.z" kind="input"><ssc:Real/></ssd:Connector></ssd:Connectors>
+      </ssd:Component>
+    </ssd:Elements>
+    <ssd:Connections>{connection}</ssd:Connections>
+  </ssd:System>
+  <ssd:DefaultExperiment startTime="0.0" stopTime="1.0"/>
+</ssd:SystemStructureDescription>
+"""
+
+
+LID = {"name": "plate", "point": [0, 0, 1.2], "normal": [0, 0, -1], "motion": "input"}
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name, script, late", [("libcosim", LIBCOSIM, 1), ("ecos", ECOS, 0)])
+def test_a_connection_of_the_document_takes_another_unit(name, script, late, tmp_path):
+    """The connection of docs/coupling.md: travel in millimetres downwards is the plate's height in metres.
+    late: whether the master hands values over at the begin of the next step, after they are read here."""
+    document = Path(__file__).resolve().parents[3] / "docs" / "coupling.md"
+    connection = re.search(r"```xml\n(.*?)```", document.read_text(), re.DOTALL)[1]
+    start = {"travel": (0.0, 0.0, 100.0), "duration": 1.0}
+    files = {
+        "actuator": build_driver("actuator", tmp_path, start_values=start),
+        "body": package_fmu(
+            box(plane=[{"name": "plate", "point": [0, 0, 1.2], "normal": [0, 0, -1], "motion": "input"}]), tmp_path / "b.fmu"
+        ),
+    }
+    with zipfile.ZipFile(tmp_path / "scaled.ssp", "w") as archive:
+        archive.writestr("SystemStructure.ssd", SYSTEM.format(connection=connection))
+        for part, file in files.items():
+            archive.write(file, f"resources/{part}.fmu")
+    wanted = [("actuator", "position.z"), ("body", "plane.plate.point.z")]
+    travel, height = in_master(name, script, tmp_path / "scaled.ssp", wanted, tmp_path / "rows.json").T
+    assert np.ptp(travel) > 50
+    np.testing.assert_allclose(height[late:], 1.2 - 0.001 * travel[: STEPS - late], rtol=1e-12)
