@@ -1,5 +1,7 @@
 """The errors that a user sees: each one's text is a clear paragraph, printed without a traceback."""
 
+from typing import Any
+
 
 class SoftffdError(Exception):
     """Base of every error that comes from the user's input or surroundings rather than from a fault of the program."""
@@ -22,6 +24,14 @@ class MeshError(SoftffdError):
 
 class FmuError(SoftffdError):
     """An FMU, one of its variables or one of its steps that cannot be used as asked."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """An interrupt (Ctrl-C) of a run of which something was simulated: `result` is the Result up to there."""
+
+    def __init__(self, result: Any):
+        self.result = result
+        super().__init__()
 
 
 class UnknownName(FmuError, KeyError):

@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from softffd import __version__
-from softffd.errors import FmuError, SoftffdError
+from softffd.errors import FmuError, Interrupted, SoftffdError
+from softffd.run.inputs import Inputs
 from softffd.run.progress import ProgressLine
 from softffd.run.result import require_writable
+from softffd.run.simulation import Simulation
 from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import load_scene, schema, shipped_scenes
 from softffd.scene.template import template
@@ -71,9 +73,11 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--step", type=float, metavar="H", help="communication step, s")
     run.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value of a variable")
     run.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time: columns time and names of inputs")
+    run.add_argument("--no-input", action="store_true", help="without the CSV beside the scene: inputs keep their start values")
     run.add_argument("--interpolation", default="held", metavar="HOW", help="of inputs inside a step: held (default), linear or cubic")
     run.add_argument("--error", action="store_true", help="estimate the error of the run by a second one beside it")
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-NAME here")
+    run.add_argument("--overwrite", action="store_true", help="write over the results of an earlier run")
     run.add_argument("--view", action="store_true", help="open the interactive page when done")
     run.set_defaults(command=_run)
 
@@ -158,19 +162,35 @@ def _build(options: argparse.Namespace) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from softffd.cli.keep import keep_run, run_scene_or_fmu
+    from softffd.cli.keep import keep_run, require_no_results, run_scene_or_fmu
+    from softffd.cli.told import told_after, told_before
 
     settings = dict(_setting(text) for text in options.settings)
     folder = options.output or Path(f"softffd-{Path(options.what).stem}")
     require_writable(folder)
-    with ProgressLine("simulating") as progress:
-        result = run_scene_or_fmu(
-            options.what, stop_time=options.stop_time, step=options.step, settings=settings, inputs=options.input,
-            interpolation=options.interpolation, error=options.error, progress=progress, of_mesh=_mesh_options(options),
-        )  # fmt: skip
-    files = keep_run(result, folder)
-    _print_summary(result.summary)
+    if not options.overwrite:
+        require_no_results(folder)
+    interrupted = None
+    with ProgressLine("packaging") as progress:
+
+        def begun(simulation: Simulation, inputs: Inputs) -> None:
+            progress.say(told_before(simulation, inputs))
+            progress.stage("simulating")
+
+        try:
+            result = run_scene_or_fmu(
+                options.what, stop_time=options.stop_time, step=options.step, settings=settings,
+                inputs="" if options.no_input else options.input, interpolation=options.interpolation, error=options.error,
+                progress=progress, begun=begun, of_mesh=_mesh_options(options),
+            )  # fmt: skip
+        except Interrupted as stop:
+            result, interrupted = stop.result, stop
+        files = keep_run(result, folder, progress.stage)
+    print(told_after(result.summary))
     print(f"  kept in {folder}: {', '.join(file.name for file in files)}")
+    if interrupted:
+        reached, wanted = result.summary["simulated_time_s"], result.summary["interrupted_before_s"]
+        raise KeyboardInterrupt(f"at {reached:g} s of {wanted:g} s; what was simulated until then is kept in {folder}")
     if options.view:
         webbrowser.open((folder / "view.html").resolve().as_uri())
 
@@ -180,23 +200,6 @@ def _setting(text: str) -> tuple[str, str]:
     if not equals or not name.strip() or not value.strip():
         raise FmuError(f"--set {text}: wanted NAME=VALUE, e.g. --set mass=2")
     return name.strip(), value.strip()
-
-
-def _print_summary(summary: dict[str, Any]) -> None:
-    print(summary["title"])
-    print(
-        f"  {summary['simulated_time_s']:g} s simulated in {summary['run_time_s']:.3g} s{_estimate(summary)}, "
-        f"{summary['real_time_factor']:.0f} times faster than real time, {summary['communication_steps']} communication steps"
-    )
-    for line in summary.get("findings", []):
-        print(f"  {line}")
-    for warning in summary["warnings"]:
-        print(f"  warning: {warning}")
-
-
-def _estimate(summary: dict[str, Any]) -> str:
-    error = summary.get("estimated_error_m")
-    return "" if error is None else f" with an estimated error of {error:.2g} m"
 
 
 def _accuracy(options: argparse.Namespace) -> None:

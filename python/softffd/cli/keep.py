@@ -6,19 +6,23 @@ import shlex
 import tomllib
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from softffd.errors import FmuError, SoftffdError
+from softffd.errors import FmuError, Interrupted, SoftffdError
 from softffd.fmu.component import Component
 from softffd.mesh.mesh import READ, WRITTEN, Mesh, save_mesh
 from softffd.run.findings import ESTIMATE, findings
 from softffd.run.inputs import Source
+from softffd.run.progress import Note, silent
 from softffd.run.result import Result
-from softffd.run.simulate import Interpolation, Progress, simulate
+from softffd.run.simulate import Begun, Interpolation, Progress, simulate
 from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
+
+RESULTS = ("result.npz", "result.csv", "summary.json")
+"""What every run is kept in."""
 
 
 def run_scene_or_fmu(
@@ -27,16 +31,16 @@ def run_scene_or_fmu(
     stop_time: float | None = None,
     step: float | None = None,
     settings: dict[str, Any] | None = None,
-    inputs: Source | None = None,
+    inputs: Source | Literal[""] | None = None,
     interpolation: Interpolation = "held",
     error: bool = False,
     progress: Progress | None = None,
+    begun: Begun | None = None,
     of_mesh: dict[str, Any] | None = None,
 ) -> Result:
     """Runs a scene file, a shipped scene, a mesh that falls on the ground, or an FMU.
 
-    A scene's own inputs (NAME.csv beside it) drive it unless others are given.
-
+    inputs: as `simulate` takes them; by default a scene's own (NAME.csv beside it) drive it, with "" nothing does.
     interpolation: of the inputs between communication points, see `simulate`.
     error: estimate the error at the end too, in the summary as estimated_error_m; an FMU must have been built with that.
     of_mesh: unit, up and density of a mesh file, see `scene_of_mesh`.
@@ -48,9 +52,17 @@ def run_scene_or_fmu(
     scene_or_fmu = _mesh_scene(Path(what), error, given) if is_mesh else _opened(what, error)
     if inputs is None and isinstance(scene_or_fmu, Scene) and not is_mesh:
         inputs = scene_or_fmu.default_inputs
-    result = simulate(
-        scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs, interpolation=interpolation, progress=progress
-    )
+    try:
+        result = simulate(
+            scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs or None, interpolation=interpolation,
+            progress=progress, begun=begun,
+        )  # fmt: skip
+    except Interrupted as interrupt:
+        raise Interrupted(_with_findings(interrupt.result)) from None
+    return _with_findings(result)
+
+
+def _with_findings(result: Result) -> Result:
     return replace(result, summary=result.summary | findings(result))
 
 
@@ -79,22 +91,29 @@ def _mesh_scene(file: Path, error: bool, given: dict[str, Any]) -> Scene:
     return scene.replace({"solver.error_estimate": True}) if error else scene
 
 
-def keep_run(result: Result, folder: Path) -> list[Path]:
-    """Writes results, picture, interactive page and, with a mesh, its last shape; returns the files."""
-    from softffd.show.picture import draw_run
-    from softffd.show.view import write_view
+def keep_run(result: Result, folder: Path, stage: Note = silent) -> list[Path]:
+    """Writes results, picture, interactive page and, with a mesh, its last shape; returns the files.
 
+    stage: is told what is being done.
+    """
+    stage("writing the numbers")
     files = result.save(folder)
     if np.isnan(result.positions).any() or not result.positions.size:
         result.summary["findings"].append('no pictures: they need outputs.positions = "all"')
         return files
+    from softffd.show.picture import draw_run
+    from softffd.show.view import write_view
+
     mesh = run_mesh(result)
+    stage("drawing picture.png")
     draw_run(result, folder / "picture.png", mesh=mesh)
+    stage("writing view.html")
     write_view(result, folder / "view.html", mesh=mesh)
     files += [folder / "picture.png", folder / "view.html"]
     if mesh and result.scene and result.scene.mesh:
         kind = result.scene.mesh.file.suffix.lower()
         path = folder / f"deformed{kind if kind in WRITTEN else '.glb'}"
+        stage(f"deforming the mesh for {path.name}")
         save_mesh(mesh, path, vertices=result.deformed())
         files.append(path)
     return files
@@ -103,3 +122,12 @@ def keep_run(result: Result, folder: Path) -> list[Path]:
 def run_mesh(result: Result) -> Mesh | None:
     """The mesh of a result's scene at rest."""
     return result.scene.loaded_mesh if result.scene else None
+
+
+def require_no_results(folder: Path) -> None:
+    """SoftffdError where a folder holds the results of an earlier run: to be asked before a run."""
+    if kept := [name for name in RESULTS if (folder / name).exists()]:
+        raise SoftffdError(
+            f"{folder}: holds the results of an earlier run ({', '.join(kept)}); to write over them: --overwrite, "
+            "to keep them: another folder by -o DIR"
+        )

@@ -12,9 +12,12 @@ from softffd.run.result import Result
 ESTIMATE = "solver.error_estimate"
 """The output that estimates the error so far [m]."""
 
+ROUNDING = 1e-9
+"""A depth that is less, as a share of the lattice's size, is none."""
+
 
 def findings(result: Result) -> dict[str, Any]:
-    """Entries for the summary: numbers by name, and `findings`, the same as lines to read."""
+    """Entries for the summary: numbers by name, and `findings`, the same as lines to read, without those that are about nothing."""
     numbers: dict[str, Any] = {}
     lines: list[str] = []
     if ESTIMATE in result.outputs:
@@ -22,17 +25,20 @@ def findings(result: Result) -> dict[str, Any]:
     if np.isfinite(result.positions).all() and result.positions.size:
         depth, frame = largest_indentation(result)
         numbers |= {"largest_indentation_m": depth, "largest_indentation_at_s": float(result.time[frame])}
-        lines.append(f"largest indentation {depth:.4g} m at {result.time[frame]:.4g} s")
+        if depth > ROUNDING * float(np.ptp(result.positions[0].reshape(-1, 3), axis=0).max()):
+            lines.append(f"largest indentation {depth:.4g} m at {result.time[frame]:.4g} s")
     for name, force in reactions(result).items():
         size = np.linalg.norm(force, axis=1)
         peak = int(np.argmax(size))
         numbers[f"{name}.reaction_peak_N"] = float(size[peak])
-        lines.append(f"reaction peak on {name}: {size[peak]:.4g} N (mean of the communication step to {result.time[peak]:.4g} s)")
+        if size[peak] > 0:
+            lines.append(f"reaction peak on {name}: {size[peak]:.4g} N (mean of the communication step to {result.time[peak]:.4g} s)")
     if parts := energies(result):
         gap = energy_gap(parts)
         turned_over = max(float(np.ptp(values)) for values in parts.values())
         numbers |= {"energy_gap_J": gap, "energy_turned_over_J": turned_over}
-        lines.append(f"energy balance closes to {gap:.3g} J of {turned_over:.4g} J turned over")
+        if turned_over > 0:
+            lines.append(f"energy balance closes to {gap:.3g} J of {turned_over:.4g} J turned over")
     if result.scene and result.scene.mesh and (mesh := result.scene.loaded_mesh):
         lines += [f"{result.scene.mesh.file.name}: {note}" for note in mesh.looks.notes]
     return numbers | {"findings": lines}

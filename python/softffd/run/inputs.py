@@ -13,6 +13,7 @@ from softffd.errors import FmuError
 from softffd.names import parse_name, structured
 from softffd.run.inputs_csv import read_csv
 from softffd.run.motion import derived_velocities
+from softffd.scene.document import shown
 
 Source = Callable[[float], Mapping[str, float]] | np.ndarray | str | Path
 
@@ -35,8 +36,9 @@ class Inputs:
 
     def __init__(self, source: Source | None):
         """FmuError where the source is none of the three or its values cannot be used."""
-        self.where = f"{source}: " if isinstance(source, str | Path) else "inputs: "
+        self.where = f"{shown(Path(source))}: " if isinstance(source, str | Path) else "inputs: "
         """How messages about the source begin"""
+        self.is_file = isinstance(source, str | Path)
         self._at, self.names = _course(source, self.where)
         self._takes_bends = [(found := parse_name(name)) is not None and found.family in ("force", "load") for name in self.names]
         now = self._at(0.0, False)

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from collections.abc import Callable
 
 Note = Callable[[str], None]
 """Is told in words how far something is, as `ProgressLine.note` and `.say` are."""
+
+QUIET = 2.0
+"""Without news for so long [s], the line tells how long the stage has taken so far."""
 
 
 def silent(_text: str) -> None:
@@ -15,15 +19,25 @@ def silent(_text: str) -> None:
 
 
 class ProgressLine:
-    """Shows share and simulated time of a run; silent where stderr is no terminal. Use as a context manager and as a callback."""
+    """Shows what is being done and how far it is; silent where stderr is no terminal. Use as a context manager and as a callback."""
 
     def __init__(self, what: str):
-        self._what = what
-        self._shown = 0.0
         self._visible = sys.stderr.isatty()
+        self._lock = threading.RLock()
+        self._over = threading.Event()
+        self._what, self._text, self._shown, self._began = what, "", 0.0, time.monotonic()
 
     def __enter__(self) -> ProgressLine:
+        if self._visible:
+            self.stage(self._what)
+            threading.Thread(target=self._tick, daemon=True).start()
         return self
+
+    def stage(self, what: str) -> None:
+        """Something else is being done from here on."""
+        with self._lock:
+            self._what, self._text, self._began = what, "...", time.monotonic()
+            self._show(self._text)
 
     def __call__(self, share: float, simulated: float) -> None:
         """share in 0..1, simulated time [s]."""
@@ -31,19 +45,34 @@ class ProgressLine:
 
     def note(self, text: str, *, at_once: bool = False) -> None:
         """Shows other words for how far it is; several within a tenth of a second show as the first of them."""
-        now = time.monotonic()
-        if self._visible and (now - self._shown > 0.1 or at_once):
-            self._shown = now
-            print(f"\r{self._what}: {text}\033[K", end="", file=sys.stderr, flush=True)
+        with self._lock:
+            self._text = text
+            if time.monotonic() - self._shown > 0.1 or at_once:
+                self._show(text)
 
     def say(self, text: str) -> None:
         """Prints a line to stdout where the progress line was."""
-        self._clear()
-        print(text, flush=True)
+        with self._lock:
+            self._clear()
+            print(text, flush=True)
+
+    def _show(self, text: str) -> None:
+        if self._visible:
+            self._shown = time.monotonic()
+            print(f"\r{self._what}: {text}\033[K", end="", file=sys.stderr, flush=True)
+
+    def _tick(self) -> None:
+        while not self._over.wait(QUIET / 2):
+            with self._lock:
+                now = time.monotonic()
+                if now - self._shown > 0.9 * QUIET and not self._over.is_set():
+                    self._show(f"{self._text} ({now - self._began:.0f} s so far)")
 
     def _clear(self) -> None:
         if self._visible and self._shown:
             print("\r\033[K", end="", file=sys.stderr, flush=True)
 
     def __exit__(self, *_exception: object) -> None:
-        self._clear()
+        with self._lock:
+            self._over.set()
+            self._clear()

@@ -5,18 +5,19 @@ from __future__ import annotations
 import math
 import os
 import time as clock
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
 import numpy as np
 
-from softffd.errors import FmuError
+from softffd.errors import FmuError, Interrupted
 from softffd.fmu.component import Block, Component
 from softffd.fmu.interface import ScalarVariable
 from softffd.lattice import LatticeBox
 from softffd.names import is_pose
+from softffd.run.choices import choice_in, shares
 from softffd.run.inputs import Inputs, Source
 from softffd.run.points import is_position, places
 from softffd.run.result import Result
@@ -25,6 +26,7 @@ from softffd.scene.scene import Scene
 from softffd.spelling import did_you_mean, nearest_of
 
 Progress = Callable[[float, float], None]
+Begun = Callable[[Simulation, Inputs], object]
 Interpolation = Literal["held", "linear", "cubic"]
 
 
@@ -37,6 +39,7 @@ def simulate(
     inputs: Source | None = None,
     interpolation: Interpolation = "held",
     progress: Progress | None = None,
+    begun: Begun | None = None,
 ) -> Result:
     """Runs a scene or an FMU from time 0 and returns all its outputs.
 
@@ -47,7 +50,9 @@ def simulate(
     interpolation: between communication points inputs are "held", "linear" or "cubic": forces and loads with continuous slopes, the others
     linear (fmi2SetRealInputDerivatives). The values at the next communication point must then be known in advance.
     progress: called as progress(share of the run in 0..1, simulated time [s]).
-    Raises FmuError where a name, a value or a step is refused, and where the result would not fit into memory.
+    begun: called with the simulation and its inputs when everything is set, before the first step.
+    Raises FmuError where a name, a value or a step is refused, where a start value is given to what `inputs` drive, and where the result
+    would not fit into memory. Ctrl-C raises Interrupted, a KeyboardInterrupt that has the result so far.
     """
     if interpolation not in (choices := get_args(Interpolation)):
         nearest = did_you_mean(nearest_of(str(interpolation), choices))
@@ -59,23 +64,42 @@ def simulate(
         source = Inputs(inputs)
         with Simulation(component, start_values=start_values, stop_time=stop_time) as simulation:
             recorder = _Recorder.of(simulation, source, stop_time, step, interpolation)
+            _require_undriven(simulation, source, start_values or {}, recorder.inputs.names)
             recorder.apply_inputs(0)
             simulation.initialize()
+            if begun:
+                begun(simulation, source)
             began, began_cpu = clock.perf_counter(), clock.process_time()
-            recorder.run(progress)
+            whole = recorder.run(progress)
             elapsed, elapsed_cpu = clock.perf_counter() - began, clock.process_time() - began_cpu
+            simulated = float(recorder.times[-1])
             summary = {
                 "title": interface.title,
-                "simulated_time_s": stop_time,
+                "simulated_time_s": simulated,
                 "run_time_s": elapsed,
                 "cpu_time_s": elapsed_cpu,
-                "real_time_factor": stop_time / elapsed if elapsed > 0 else math.inf,
+                "real_time_factor": simulated / elapsed if elapsed > 0 else math.inf,
                 "communication_step_s": step,
                 "communication_steps": len(recorder.times) - 1,
+                "methods": shares(recorder.changes, recorder.times),
                 "warnings": simulation.warnings,
             }
             scene = None if isinstance(scene_or_fmu, str | Path) else scene_or_fmu
+            if not whole:
+                raise Interrupted(recorder.result(summary | {"interrupted_before_s": stop_time}, scene))
             return recorder.result(summary, scene)
+
+
+def _require_undriven(simulation: Simulation, source: Inputs, start_values: Mapping[str, Any], driven: Sequence[str]) -> None:
+    """FmuError where a start value would be lost, for the inputs give that variable from the first communication point on."""
+    for given in start_values:
+        if lost := [name for name in simulation.block([given]).names if name in driven]:
+            follows = "" if lost[0] in source.names else " with its pose"
+            other = "; softffd run --no-input goes without the file" if source.is_file else ""
+            raise FmuError(
+                f"{source.where}{lost[0]} comes from here over time{follows}, so that its start value would be lost: "
+                f"leave out one of the two{other}"
+            )
 
 
 def positive(what: str, given: float | None, default: Any) -> float:
@@ -139,6 +163,12 @@ class _Recorder:
     input_rows: np.ndarray
     real_rows: np.ndarray
     integer_rows: np.ndarray
+    changes: list[tuple[int, tuple[str, str]]] = field(default_factory=list)
+    """Communication steps in which the method or its reason were new"""
+    heard: int = 0
+    """Messages that were looked through for changes"""
+    done: int = 0
+    """Communication steps that are recorded"""
 
     @classmethod
     def of(cls, simulation: Simulation, source: Inputs, stop_time: float, step: float, interpolation: Interpolation) -> _Recorder:
@@ -174,18 +204,44 @@ class _Recorder:
         if self.integers.names:
             self.integer_rows[row] = self.integers.get()
 
-    def run(self, progress: Progress | None) -> None:
-        last, times = len(self.times) - 1, self.times.tolist()
+    def run(self, progress: Progress | None) -> bool:
+        """All steps; False where it was interrupted on the way: what there is ends then with the last step that was done."""
         self.record(0)
+        try:
+            self._go_on(progress)
+        except KeyboardInterrupt:
+            if self.done == 0:
+                raise
+            self._cut()
+            return False
+        return True
+
+    def _go_on(self, progress: Progress | None) -> None:
+        last, times = len(self.times) - 1, self.times.tolist()
         report_every = max(1, last // 200)
         for row in range(last):
             if row > 0:
                 self.apply_inputs(row)
             self.simulation.step(self.steps[row], end=times[row + 1])
             self.record(row + 1)
+            self._note_choice(row)
+            self.done = row + 1
             if progress and (row + 1) % report_every == 0:
                 progress((row + 1) / last, times[row + 1])
         self.apply_inputs(last)
+
+    def _note_choice(self, row: int) -> None:
+        messages = self.simulation.log
+        self.changes += [(row, choice) for message in messages[self.heard :] if (choice := choice_in(message.text))]
+        self.heard = len(messages)
+
+    def _cut(self) -> None:
+        """Keeps the communication points up to the last step that was done."""
+        rows = slice(self.done + 1)
+        self.times, self.steps = self.times[rows], self.steps[: self.done]
+        self.input_rows, self.real_rows, self.integer_rows = self.input_rows[rows], self.real_rows[rows], self.integer_rows[rows]
+        if self.inputs.names:
+            self.input_rows[-1] = self.source.values(self.times[-1], self.times[-1])
 
     def result(self, summary: dict[str, Any], scene: Scene | None) -> Result:
         component = self.simulation.component

@@ -14,10 +14,13 @@ from softffd.errors import FmuError, UnknownName
 from softffd.fmu.component import Block, Component, Message, number_of
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import part_names
+from softffd.run.choices import choice_in
 from softffd.run.parts import Parts, Pin, Plane, Vector, Vectors
 from softffd.run.points import PointField, PointVectors
 from softffd.run.states import State, taken_apart
 from softffd.spelling import did_you_mean, nearest_of
+
+SPRINGS = ("edge", "face", "body")
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -208,10 +211,10 @@ class Simulation:
         return Vector.of(self._block(name).get(), send)
 
     def _components(self, name: str) -> list[str]:
-        """The scalar variables that a name means: itself, or its components."""
+        """The scalar variables that a name means: itself, or its components; of `stiffness` those of the kinds of springs."""
         if name in self.variables:
             return [name]
-        return [full for c in "wxyz" if (full := f"{name}.{c}") in self.variables]
+        return [full for c in (*"wxyz", *SPRINGS) if (full := f"{name}.{c}") in self.variables]
 
     def _named(self, name: str) -> list[str]:
         if found := self._components(name) if isinstance(name, str) else []:
@@ -331,8 +334,7 @@ class Simulation:
 
     def methods(self) -> list[tuple[str, str]]:
         """The methods that took over so far and why, in their order."""
-        said = [message.text.split("; internal step")[0] for message in self.log if "; internal step" in message.text]
-        return [(method, reason) for method, _, reason in (text.partition(": ") for text in said)]
+        return [choice for message in self.log if (choice := choice_in(message.text))]
 
 
 def open_component(scene_or_fmu: Any, who: str) -> Component:
@@ -358,10 +360,13 @@ def _fmu_path(fmu: str | Path) -> Path:
 
 
 def _components_of(name: str, value: Any, count: int) -> list[Any]:
+    """As many values as there are components; words hold them between commas, and one number is the stiffness of all springs."""
     try:
-        values = list(value)
+        values = value.strip("[]() ").split(",") if isinstance(value, str) else list(value)
     except TypeError:
-        values = []
+        values = [value]
+    if len(values) == 1 and name == "stiffness":
+        values *= count
     if len(values) != count:
         raise FmuError(f"{name}: wanted {count} numbers, got {value!r:.70}")
     return values

@@ -9,7 +9,8 @@ from PIL import Image
 
 from measured_scenes import SMALL
 from softffd import load_scene, package_fmu, simulate
-from softffd.cli.command import _print_summary, main
+from softffd.cli.command import main
+from softffd.cli.told import told_after
 from softffd.run.findings import findings
 from softffd.show.picture import draw_run
 
@@ -20,13 +21,12 @@ def test_error_of_a_built_fmu_needs_the_variable(folder, capsys):
     assert "error_estimate = true" in capsys.readouterr().err and not Path("out").exists()
 
 
-def test_an_estimated_error_is_in_the_summary_in_words_and_on_the_picture(tmp_path, capsys):
+def test_an_estimated_error_is_in_the_summary_in_words_and_on_the_picture(tmp_path):
     plain = simulate(load_scene("free_vibration"), stop_time=0.2)
     estimated = replace(plain, outputs=plain.outputs | {"solver.error_estimate": np.array([0.0, 1e-5, 3.21e-5])})
     results = {"plain": plain, "estimated": replace(estimated, summary=estimated.summary | findings(estimated))}
     assert results["estimated"].summary["estimated_error_m"] == 3.21e-5
-    _print_summary(results["estimated"].summary | {"findings": []})
-    assert "with an estimated error of 3.2e-05 m" in capsys.readouterr().out
+    assert "with an estimated error of 3.2e-05 m" in told_after(results["estimated"].summary)
     rows = []
     for name, result in results.items():
         with Image.open(draw_run(result, tmp_path / f"{name}.png")) as image:

@@ -1,0 +1,82 @@
+"""What `softffd run` says: before the first step what runs and what drives it, after the last one what it came to."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from softffd.run.inputs import Inputs
+from softffd.run.simulation import Simulation
+
+MOST_NAMES = 6
+"""Of inputs, in one line."""
+
+
+def told_before(simulation: Simulation, inputs: Inputs) -> str:
+    """Title, lattice, mass, variables, and which of the inputs are driven by what."""
+    interface = simulation.component.interface
+    counts = {what: sum(v.causality == what for v in interface.variables.values()) for what in ("input", "parameter", "output")}
+    listed = ", ".join(f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items())
+    return "\n".join([interface.title, f"  {_body(simulation)}{listed}", *(f"  {line}" for line in _driven(simulation, inputs))])
+
+
+def _body(simulation: Simulation) -> str:
+    """Lattice and mass, where the FMU has them."""
+    words = []
+    if box := simulation.lattice:
+        words.append(f"lattice {' x '.join(map(str, box.points))} over {' x '.join(f'{side:.4g}' for side in box.size)} m")
+    if "mass" in simulation.variables:
+        words.append(f"mass {simulation.number('mass'):.6g} kg")
+    return ", ".join(words) + "; " * bool(words)
+
+
+def _driven(simulation: Simulation, inputs: Inputs) -> list[str]:
+    there = [variable.name for variable in simulation.component.variables("input")]
+    driven = {*inputs.names, *inputs.derived_names}
+    lines = []
+    if inputs.names:
+        follows = f"; {_few(inputs.derived_names)} {_verb(inputs.derived_names, 'follow')} from that" if inputs.derived_names else ""
+        lines.append(f"{inputs.where}drives {_few(inputs.names)}{follows}")
+    if held := [name for name in there if name not in driven]:
+        lines.append(f"nothing drives {_few(held)}: {'they keep their start values' if len(held) > 1 else 'it keeps its start value'}")
+    return lines
+
+
+def _verb(names: list[str], verb: str) -> str:
+    return verb if len(names) > 1 else f"{verb}s"
+
+
+def _few(names: list[str]) -> str:
+    """The names, of many the first ones and how many more there are."""
+    more = len(names) - MOST_NAMES
+    return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
+
+
+def told_after(summary: dict[str, Any]) -> str:
+    """Time, methods, findings and warnings of a run's summary."""
+    lines = [
+        f"{summary['simulated_time_s']:g} s simulated in {summary['run_time_s']:.3g} s{_estimate(summary)}, "
+        f"{pace(summary['real_time_factor'])}, {summary['communication_steps']} communication steps",
+        *_methods(summary.get("methods", [])),
+        *summary.get("findings", []),
+        *(f"warning: {warning}" for warning in summary["warnings"]),
+    ]
+    return "\n".join(f"  {line}" for line in lines)
+
+
+def _methods(rows: list[dict[str, Any]]) -> list[str]:
+    part = "all" if len(rows) == 1 else ""
+    return [f"{part or format(row['share'], '.0%')} of it by {row['method']}: {row['reason']}" for row in rows]
+
+
+def pace(factor: float) -> str:
+    """A ratio of simulated time to run time in words."""
+    times = factor if factor >= 1 else 1 / factor if factor > 0 else float("inf")
+    if times < 1.05:
+        return "as fast as real time"
+    number = f"{times:.2g}" if times < 9.95 else f"{times:.0f}"
+    return f"{number} times {'faster' if factor > 1 else 'slower'} than real time"
+
+
+def _estimate(summary: dict[str, Any]) -> str:
+    error = summary.get("estimated_error_m")
+    return "" if error is None else f" with an estimated error of {error:.2g} m"

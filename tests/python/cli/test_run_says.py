@@ -1,0 +1,179 @@
+"""What `softffd run` says before, during and after a run, and what it leaves alone."""
+
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from softffd import Simulation, load_scene, simulate
+from softffd.cli.command import main
+from softffd.cli.told import pace
+from softffd.errors import FmuError
+from softffd.fmu.component import Component
+from softffd.run.progress import ProgressLine
+
+PUSHED = """
+title = "A box and a plate"
+[material]
+damping = 0.5
+[[plane]]
+name = "plate"
+point = [0.0, 0.0, 5.0]
+normal = [0.0, 0.0, -1.0]
+motion = "input"
+[[load]]
+name = "push"
+points = "x+"
+[outputs]
+energy = true
+[experiment]
+stop_time = 0.2
+"""
+
+
+@pytest.fixture(autouse=True)
+def box(tmp_path, monkeypatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("box.toml").write_text(PUSHED)
+    return tmp_path
+
+
+def told(capsys, *arguments: str, status: int = 0) -> str:
+    assert main(list(arguments)) == status
+    said = capsys.readouterr()
+    return said.err if status else said.out
+
+
+def stopped_at(monkeypatch, row: int, error: type[BaseException] = KeyboardInterrupt) -> None:
+    """The component's step of this number, from 0, raises."""
+    whole, taken = Component.do_step, []
+
+    def do_step(*arguments):
+        taken.append(None)
+        if len(taken) > row:
+            raise error
+        whole(*arguments)
+
+    monkeypatch.setattr(Component, "do_step", do_step)
+
+
+def test_what_runs_is_said_before_the_first_step(monkeypatch, capsys):
+    Path("box.csv").write_text("time,plane.plate.point.z\n0,5\n")
+    stopped_at(monkeypatch, 0, FmuError)
+    main(["run", "box.toml", "--set", "mass=2"])
+    said = capsys.readouterr().out
+    assert said.startswith("A box and a plate\n  lattice 4 x 4 x 4 over 1 x 1 x 1 m, mass 2 kg; 9 inputs, ")
+    assert "\n  box.csv: drives plane.plate.point.z; plane.plate.velocity.x" in said
+    assert "nothing drives load.push.x, " in said and said.endswith("keep their start values\n")
+
+
+@pytest.mark.parametrize("name", ["plane.plate.point.z", "plane.plate.velocity.z"])
+def test_a_start_value_of_what_the_file_drives_is_refused(name, capsys):
+    Path("box.csv").write_text("time,plane.plate.point.z\n0,5\n")
+    said = told(capsys, "run", "box.toml", "--set", f"{name}=4", status=1)
+    assert f"box.csv: {name} comes from here over time" in said and "--no-input" in said
+    told(capsys, "run", "box.toml", "--set", "load.push.y=1")
+    told(capsys, "run", "box.toml", "--set", f"{name}=4", "--no-input", "-o", "alone")
+    with pytest.raises(FmuError, match=r"inputs: load\.push\.x comes from here"):
+        simulate(load_scene("box.toml"), start_values={"load.push": (1, 2, 3)}, inputs=lambda time: {"load.push.x": 0.0})
+
+
+def test_methods_are_told_with_their_share_and_reason(capsys):
+    Path("fall.toml").write_text(
+        "[environment]\ngravity = [0, 0, -9.81]\n[[plane]]\nname = 'ground'\n[initial]\noffset = [0, 0, 0.2]\n"
+        "[experiment]\nstop_time = 0.4\n"
+    )
+    said = told(capsys, "run", "fall.toml")
+    methods = json.loads(Path("softffd-fall/summary.json").read_text())["methods"]
+    with Simulation(load_scene("fall.toml"), stop_time=0.4) as sim:
+        counted = Counter()
+        for _ in range(40):
+            sim.step()
+            counted[sim.methods()[-1]] += 1
+    assert {(row["method"], row["reason"]): row["communication_steps"] for row in methods} == counted and len(counted) > 1
+    for row in methods:
+        assert row["simulated_s"] == pytest.approx(0.01 * row["communication_steps"])
+        assert f"  {row['communication_steps'] / 40:.0%} of it by {row['method']}: {row['reason']}\n" in said
+    said = told(capsys, "run", "box.toml", "--set", "solver.method=leapfrog", "--stop-time", "0.02")
+    assert "\n  all of it by leapfrog: as asked" in said
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [(0.055, "18 times slower"), (0.5, "2 times slower"), (1.01, "as fast as"), (0.99, "as fast as"), (1.5, "1.5 times faster"),
+     (4321.4, "4321 times faster"), (0.0, "inf times slower")],
+)  # fmt: skip
+def test_pace_is_faster_or_slower(factor, words):
+    assert pace(factor).startswith(words) and pace(factor).endswith(" real time")
+
+
+def test_nothing_is_said_of_what_did_not_happen(capsys):
+    said = told(capsys, "run", "box.toml")
+    assert "indentation" not in said and "reaction" not in said and "energy" not in said
+    assert json.loads(Path("softffd-box/summary.json").read_text())["plane.plate.reaction_peak_N"] == 0
+    said = told(capsys, "run", "box.toml", "--set", "load.push.x=100", "--overwrite")
+    assert "indentation" in said and "energy balance" in said and "reaction" not in said
+
+
+def test_an_interrupted_run_keeps_what_was_simulated(monkeypatch, capsys):
+    whole = simulate(load_scene("box.toml"), start_values={"load.push.x": 3.0})
+    stopped_at(monkeypatch, 7)
+    said = told(capsys, "run", "box.toml", "--set", "load.push.x=3", status=130)
+    assert said == "softffd: interrupted; at 0.07 s of 0.2 s; what was simulated until then is kept in softffd-box\n"
+    kept = np.load("softffd-box/result.npz")
+    np.testing.assert_array_equal(kept["positions"], whole.positions[:8])
+    np.testing.assert_array_equal(kept["time"], whole.time[:8])
+    summary = json.loads(Path("softffd-box/summary.json").read_text())
+    assert summary["simulated_time_s"] == kept["time"][-1] and summary["communication_steps"] == 7
+    assert Path("softffd-box/view.html").is_file()
+
+
+def test_an_interrupted_simulation_hands_over_its_result(monkeypatch):
+    stopped_at(monkeypatch, 3)
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        simulate(load_scene("box.toml"), inputs=lambda time: {"load.push.x": 1 + time})
+    result = stopped.value.result
+    assert len(result.time) == len(result.positions) == 4
+    np.testing.assert_allclose(result.inputs["load.push.x"], 1 + result.time, rtol=1e-15)
+
+
+def test_results_of_an_earlier_run_stay_unless_asked(capsys):
+    told(capsys, "run", "box.toml")
+    before = Path("softffd-box/result.npz").read_bytes()
+    said = told(capsys, "run", "box.toml", "--set", "mass=3", status=1)
+    assert "softffd-box: holds the results of an earlier run (result.npz" in said and "--overwrite" in said
+    assert Path("softffd-box/result.npz").read_bytes() == before
+    told(capsys, "run", "box.toml", "--set", "load.push.x=3", "--overwrite")
+    assert Path("softffd-box/result.npz").read_bytes() != before
+
+
+def test_stiffness_is_that_of_all_springs_and_vectors_have_commas():
+    values = {"stiffness": "1e4", "gravity": "0, 0, -2"}
+    scene = load_scene("box.toml").replace({"environment.gravity": [0, 0, -1]})
+    parameters = simulate(scene, stop_time=0.01, start_values=values).parameters
+    assert [parameters[f"stiffness.{kind}"] for kind in ("edge", "face", "body")] == [1e4] * 3
+    assert parameters["gravity.z"] == -2
+    with pytest.raises(FmuError, match="gravity: wanted 3 numbers"):
+        simulate(scene, start_values={"gravity": "123"})  # not 1, 2 and 3
+
+
+def test_every_stage_of_a_run_is_shown_where_somebody_looks(monkeypatch, capsys):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    assert main(["run", "box.toml"]) == 0
+    shown = capsys.readouterr().err
+    stages = ["packaging", "simulating", "writing the numbers", "drawing picture.png", "writing view.html"]
+    assert sorted(stages, key=shown.index) == stages
+
+
+def test_a_stage_without_news_tells_how_long_it_takes(monkeypatch, capsys):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setattr("softffd.run.progress.QUIET", 0.02)
+    with ProgressLine("drawing") as progress:
+        for _ in range(200):
+            progress._over.wait(0.01)
+            if "drawing: ... (0 s so far)" in (shown := capsys.readouterr().err):
+                break
+    assert "so far" in shown
