@@ -13,8 +13,8 @@ namespace softffd {
 /// Overrides of a [[region]]; absent ones leave what is there.
 struct Region {
   std::vector<int> points;
-  std::optional<double> stiffness;  ///< >= 0 [N/m]
-  std::optional<double> damping;    ///< >= 0 [N s/m]
+  std::optional<double> stiffness{};  ///< >= 0 [N/m]
+  std::optional<double> damping{};    ///< >= 0 [N s/m]
 };
 
 struct PinDefinition {
