@@ -142,6 +142,20 @@ def part_names(kind: str, names: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(part for family in families for part in by_family[family]))
 
 
+def stem(name: str) -> str:
+    """What the components and control points of a variable have in common: "plane.press.point", "velocity[i,j,k]", "mass"."""
+    found = parse_name(name)
+    whole = name.removesuffix(f".{found.component}") if found and found.component else name
+    return f"{found.family}[i,j,k]" if found and isinstance(found.instance, tuple) else whole
+
+
+def listed(names: Iterable[str], *, most: int = 6) -> str:
+    """Names in a line, for what is to be read at a glance: vectors once, the first `most` and how many more."""
+    stems = list(dict.fromkeys(map(stem, names)))
+    more = f" and {len(stems) - most} more" if len(stems) > most else ""
+    return (", ".join(stems[:most]) or "none") + more
+
+
 def _stem(row: dict[str, Any], instance: str | Point | None, plain: bool) -> str:
     """A name without its component, which comes last in every pattern."""
     pattern = row["name"].removesuffix(".{c}")

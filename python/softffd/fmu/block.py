@@ -10,6 +10,7 @@ import numpy as np
 
 from softffd.errors import FmuError
 from softffd.fmu.interface import ScalarVariable
+from softffd.names import listed
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
@@ -31,6 +32,9 @@ class Block:
         self.pointer = self.values.ctypes.data_as(POINTER(c_double if self.real else c_int))
         self._component = component
         self._output = next((variable.name for variable in variables if variable.causality == "output"), None)
+
+    def __repr__(self) -> str:
+        return f"Block of {len(self.names)} {'numbers' if self.real else 'integers'}: {listed(self.names)}"
 
     def get(self) -> np.ndarray:
         """Fills `values` from the component and returns it: the kept buffer, which the next call changes."""

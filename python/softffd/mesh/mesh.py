@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -45,7 +45,7 @@ _TO_Z_UP = {
 """Proper rotations (about y, about x, none) that turn the named axis of a file into +z."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mesh:
     """Triangles in space.
 
@@ -58,8 +58,8 @@ class Mesh:
     faces: np.ndarray
     uv: np.ndarray | None = None
     name: str = "mesh"
-    texture: Image.Image | None = field(default=None, repr=False)
-    looks: Looks = field(default=PLAIN, repr=False)
+    texture: Image.Image | None = None
+    looks: Looks = PLAIN
 
     def __post_init__(self):
         object.__setattr__(self, "vertices", np.asarray(self.vertices, dtype=np.float64))
@@ -83,6 +83,10 @@ class Mesh:
         for what, index in (("material_of", self.looks.material_of), ("group_of", self.looks.group_of)):
             if index is not None and index.shape != (len(self.faces),):
                 raise ValueError(f"looks.{what}: wanted the shape ({len(self.faces)},), got {index.shape}")
+
+    def __repr__(self) -> str:
+        sides = " × ".join(f"{side:.4g}" for side in np.ptp(self.bounds, axis=0)) if len(self.vertices) else "0"
+        return f"Mesh {self.name}: {len(self.vertices):,} vertices, {len(self.faces):,} faces, {sides} m"
 
     @property
     def bounds(self) -> np.ndarray:

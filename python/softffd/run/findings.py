@@ -1,4 +1,4 @@
-"""What a run found, in numbers and in words: indentation, reaction peaks, energy balance."""
+"""What a run found, in numbers and in words: largest deformation, reaction peaks, energy balance."""
 
 from __future__ import annotations
 
@@ -22,11 +22,12 @@ def findings(result: Result) -> dict[str, Any]:
     lines: list[str] = []
     if ESTIMATE in result.outputs:
         numbers["estimated_error_m"] = float(result.outputs[ESTIMATE][-1])
-    if np.isfinite(result.positions).all() and result.positions.size:
-        depth, frame = largest_indentation(result)
-        numbers |= {"largest_indentation_m": depth, "largest_indentation_at_s": float(result.time[frame])}
-        if depth > ROUNDING * float(np.ptp(result.positions[0].reshape(-1, 3), axis=0).max()):
-            lines.append(f"largest indentation {depth:.4g} m at {result.time[frame]:.4g} s")
+    if result.has_positions:
+        depths = result.deformation()
+        row = int(np.argmax(depths))
+        numbers |= {"largest_deformation_m": float(depths[row]), "largest_deformation_at_s": float(result.time[row])}
+        if depths[row] > ROUNDING * float(np.ptp(result.positions[0].reshape(-1, 3), axis=0).max()):
+            lines.append(f"largest deformation {depths[row]:.4g} m at {result.time[row]:.4g} s")
     for name, force in reactions(result).items():
         size = np.linalg.norm(force, axis=1)
         peak = int(np.argmax(size))
@@ -42,23 +43,6 @@ def findings(result: Result) -> dict[str, Any]:
     if result.scene and result.scene.mesh and (mesh := result.scene.loaded_mesh):
         lines += [f"{result.scene.mesh.file.name}: {note}" for note in mesh.looks.notes]
     return numbers | {"findings": lines}
-
-
-def largest_indentation(result: Result) -> tuple[float, int]:
-    """Largest departure of a control point from the best-fitting rigid motion of the lattice [m], and its row in time."""
-    rows, *_, _ = result.positions.shape
-    x = result.positions.reshape(rows, -1, 3)
-    rest = x[0] if result.lattice is None else result.lattice.rest().reshape(-1, 3)
-    depths = [_departure(rest, now) for now in x]
-    frame = int(np.argmax(depths))
-    return float(depths[frame]), frame
-
-
-def _departure(rest: np.ndarray, now: np.ndarray) -> float:
-    a, b = rest - rest.mean(axis=0), now - now.mean(axis=0)
-    u, _, vt = np.linalg.svd(a.T @ b)
-    u[:, -1] *= np.sign(np.linalg.det(u @ vt)) or 1.0
-    return float(np.linalg.norm(b - a @ (u @ vt), axis=1).max())
 
 
 def energy_gap(parts: dict[str, np.ndarray]) -> float:

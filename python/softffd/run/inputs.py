@@ -1,21 +1,25 @@
-"""Inputs over time: a callable, a structured array as fmpy's simulate_fmu takes, or a CSV file, all read the same way."""
+"""Inputs over time: a callable, constants, a structured array as fmpy's simulate_fmu takes, a DataFrame or a CSV file."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Container, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
 from softffd.errors import FmuError
 from softffd.names import parse_name, structured
 from softffd.run.inputs_csv import read_csv
+from softffd.run.inputs_given import constants, is_data_frame, table_of
 from softffd.run.motion import derived_velocities
 from softffd.scene.document import shown
 
-Source = Callable[[float], Mapping[str, float]] | np.ndarray | str | Path
+if TYPE_CHECKING:
+    import pandas as pd
+
+Source = Union[Callable[[float], Mapping[str, float]], Mapping[str, Any], np.ndarray, "pd.DataFrame", str, Path]
 
 SLACK = 1e-9
 """Relative difference up to which a row's time is that of a communication point: multiples of a step are rounded."""
@@ -24,9 +28,10 @@ SLACK = 1e-9
 class Inputs:
     """Values of some input variables at any time.
 
-    Arrays and CSV files hold a first column `time` [s], not decreasing, and one column per variable; between rows values are linear,
-    before the first and after the last row they are held. Rows of one time are a jump: what begins there has the last one's values, what
-    ends there the first one's. A callable gives values by name, the same names at every time.
+    Arrays and CSV files hold a first column `time` [s], not decreasing, and one column per variable; of a DataFrame the column `time` or
+    else the index is the time. Between rows values are linear, before the first and after the last row they are held. Rows of one time are
+    a jump: what begins there has the last one's values, what ends there the first one's. A callable gives values by name, the same names
+    at every time; a dict gives constants, numbers or vectors.
 
     A plane or pin whose pose is given but whose velocity is not gets the velocity that takes it to its pose at the end of the
     communication step, where that velocity is an input; a jump there moves it without velocity.
@@ -34,14 +39,15 @@ class Inputs:
     Names at control points may have either form (softffd.names); `names` has the structured one.
     """
 
-    def __init__(self, source: Source | None):
-        """FmuError where the source is none of the three or its values cannot be used."""
+    def __init__(self, source: Source | None, start_time: float = 0.0):
+        """start_time: of the run [s]. FmuError where the source is none of these or its values cannot be used."""
+        self._start = start_time
         self.where = f"{shown(Path(source))}: " if isinstance(source, str | Path) else "inputs: "
         """How messages about the source begin"""
         self.is_file = isinstance(source, str | Path)
-        self._at, self.names = _course(source, self.where)
+        self._at, self.names = _course(source, self.where, start_time)
         self._takes_bends = [(found := parse_name(name)) is not None and found.family in ("force", "load") for name in self.names]
-        now = self._at(0.0, False)
+        now = self._at(start_time, False)
         self.derived_names = list(derived_velocities(now, now, 1.0))
         """Velocities that follow from given poses"""
 
@@ -74,8 +80,8 @@ class Inputs:
 
     def _slope_at(self, time: float, step: float, *, ends: bool) -> np.ndarray:
         """Slopes where a step ends or begins; limited so that the cubics on both sides follow the values. At a jump only the step's own
-        side counts. Nothing is asked for before time 0."""
-        near, first = step / 256, time < step
+        side counts. Nothing is asked for before the start."""
+        near, first = step / 256, time - self._start < step
         before, after = self._row(time, True), self._row(time, False)
         after_mean = (self._row(time + step, True) - after) / step
         before_mean = after_mean if first else (before - self._row(time - step, False)) / step
@@ -94,20 +100,26 @@ Course = Callable[[float, bool], Mapping[str, float]]
 """Values by name at a time [s], for what ends there or for what begins there."""
 
 
-def _course(source: Source | None, where: str) -> tuple[Course, list[str]]:
+def _course(source: Source | None, where: str, start: float) -> tuple[Course, list[str]]:
     """The course of a source, and the names in its order."""
     if source is None:
         return lambda time, ends: {}, []
     if callable(source):
-        return _of_function(source, where)
+        return _of_function(source, where, start)
+    if isinstance(source, Mapping):
+        numbers = constants(source)
+        return _of_function(lambda time: numbers, where, start)
     if isinstance(source, str | Path):
         return _of_table(read_csv(Path(source)), where)
     if isinstance(source, np.ndarray):
         return _of_table(_checked(source), where)
-    raise FmuError(f"{where}wanted a function of time, a structured array or a CSV file, got {type(source).__name__}: {source!r:.70}")
+    if is_data_frame(source):
+        return _of_table(_checked(table_of(source)), where)
+    wanted = "a function of time, a dict of constants, a structured array, a DataFrame or a CSV file"
+    raise FmuError(f"{where}wanted {wanted}, got {type(source).__name__}: {source!r:.70}")
 
 
-def _of_function(function: Callable[[float], Mapping[str, float]], where: str) -> tuple[Course, list[str]]:
+def _of_function(function: Callable[[float], Mapping[str, float]], where: str, start: float) -> tuple[Course, list[str]]:
     def asked(time: float) -> dict[str, float]:
         values = function(time)
         if not (isinstance(values, Mapping) and all(isinstance(name, str) for name in values)):
@@ -117,7 +129,7 @@ def _of_function(function: Callable[[float], Mapping[str, float]], where: str) -
             raise FmuError(f"{where}at {time:g} s: {bad}: wanted a finite number, got {values[bad]!r:.70}")
         return numbers
 
-    given = list(asked(0.0))
+    given = list(asked(start))
     names, wanted = _structured(given, where), set(given)
 
     def course(time: float, _ends: bool) -> dict[str, float]:
@@ -125,7 +137,7 @@ def _of_function(function: Callable[[float], Mapping[str, float]], where: str) -
         if numbers.keys() != wanted:
             changes = {"missing": wanted - numbers.keys(), "additional": numbers.keys() - wanted}
             got = "; ".join(f"{what}: {', '.join(sorted(map(str, some)))}" for what, some in changes.items() if some)
-            raise FmuError(f"{where}at {time:g} s: wanted the same names as at 0 s, got {got}")
+            raise FmuError(f"{where}at {time:g} s: wanted the same names as at {start:g} s, got {got}")
         return dict(zip(names, map(numbers.__getitem__, given), strict=True))
 
     return course, names

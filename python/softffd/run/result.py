@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,7 +18,9 @@ from softffd.lattice import LatticeBox, all_points
 from softffd.mesh.mesh import Mesh
 from softffd.names import ByName, part_names, variable_names, vector_names
 from softffd.rotation import turned
+from softffd.run.deformation import deformation
 from softffd.run.parts import require_name
+from softffd.run.shown import in_words
 from softffd.scene.scene import Scene
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -38,7 +40,7 @@ class Columns(ByName[T]):
         raise UnknownName(f"{name}: there is no {self._what} of this name in the result{did_you_mean(nearest_of(str(name), self))}")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Result:
     """A run, one row per communication point."""
 
@@ -54,7 +56,7 @@ class Result:
     """Parameters by variable name"""
     summary: dict[str, Any]
     """title, simulated_time_s, run_time_s, real_time_factor, communication_steps, warnings, ..."""
-    scene: Scene | None = field(default=None, repr=False)
+    scene: Scene | None = None
     """The scene, where the run started from one"""
     lattice: LatticeBox | None = None
     """Counts, box at rest and basis, as the FMU has them; None for an FMU that is not of this package"""
@@ -64,6 +66,26 @@ class Result:
     def __post_init__(self) -> None:
         for field_name, what in (("outputs", "output"), ("inputs", "input"), ("parameters", "parameter")):
             object.__setattr__(self, field_name, Columns(getattr(self, field_name), what))
+
+    def __repr__(self) -> str:
+        return in_words(self)
+
+    @property
+    def title(self) -> str:
+        """Of the scene, or what the FMU says of itself."""
+        return str(self.summary.get("title", "")) if self.scene is None else self.scene.title
+
+    @property
+    def has_positions(self) -> bool:
+        """Whether all control points were recorded."""
+        return self.positions.size > 0 and not np.isnan(self.positions).any()
+
+    def deformation(self) -> np.ndarray:
+        """How far the lattice is deformed at each time, (T,) [m]: the largest distance of a control point from the rest shape, moved and
+        turned to fit best. Without a lattice the first positions stand for the rest shape. NaN where positions were not recorded."""
+        if not self.has_positions:
+            return np.full(len(self.time), np.nan)
+        return deformation(self.positions, self.positions[0] if self.lattice is None else self.lattice.rest())
 
     def deformed(self, mesh: Mesh | np.ndarray | None = None, *, row: int | slice = -1) -> np.ndarray:
         """The deformed vertices (V, 3) [m] of a mesh in the run's lattice at a row of `time`, the last by default; (T, V, 3) for a slice.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -20,6 +20,7 @@ from softffd.names import is_pose
 from softffd.run.choices import choice_in, shares
 from softffd.run.inputs import Inputs, Source
 from softffd.run.points import is_position, places
+from softffd.run.recorded import recorded_outputs
 from softffd.run.result import Result
 from softffd.run.simulation import Simulation, open_component
 from softffd.scene.scene import Scene
@@ -38,15 +39,23 @@ def simulate(
     start_values: Mapping[str, Any] | None = None,
     inputs: Source | None = None,
     interpolation: Interpolation = "held",
+    output: Iterable[str] | None = None,
+    start_time: float = 0.0,
+    tolerance: float | None = None,
+    method: str | None = None,
     progress: Progress | None = None,
     begun: Begun | None = None,
 ) -> Result:
-    """Runs a scene or an FMU from time 0 and returns all its outputs.
+    """Runs a scene or an FMU from start to stop time and returns its outputs.
 
     stop_time, step: end and communication step [s], > 0; the scene's or FMU's own by default. A last step that is left over is shorter.
     start_values: parameters and inputs by name, numbers or vectors.
-    inputs: values over time (see softffd.run.inputs.Inputs); none by default: a scene's own CSV file drives it only where it is given,
-    inputs=scene.default_inputs, as `softffd run SCENE` does.
+    inputs: values over time, or constants in a dict (see softffd.run.inputs.Inputs); none by default: a scene's own CSV file drives it
+    only where it is given, inputs=scene.default_inputs, as `softffd run SCENE` does.
+    output: names of the outputs to record, all by default: single ones, vectors, or what they belong to, as "position", "plane.press",
+    "energy".
+    start_time: [s], before the stop time.
+    tolerance, method: instead of the scene's own, as in Simulation.
     interpolation: between communication points inputs are "held", "linear" or "cubic": forces and loads with continuous slopes, the others
     linear (fmi2SetRealInputDerivatives). The values at the next communication point must then be known in advance.
     progress: called as progress(share of the run in 0..1, simulated time [s]).
@@ -54,16 +63,20 @@ def simulate(
     Raises FmuError where a name, a value or a step is refused, where a start value is given to what `inputs` drive, and where the result
     would not fit into memory. Ctrl-C raises Interrupted, a KeyboardInterrupt that has the result so far.
     """
+    if not math.isfinite(start_time):
+        raise FmuError(f"start time: wanted a finite number of s, got {start_time:g}")
     if interpolation not in (choices := get_args(Interpolation)):
         nearest = did_you_mean(nearest_of(str(interpolation), choices))
         raise FmuError(f"interpolation: wanted one of {', '.join(choices)}, got {interpolation!r}{nearest}")
     with open_component(scene_or_fmu, "simulate") as component:
         interface = component.interface
-        stop_time = positive("stop time", stop_time, interface.stop_time)
+        stop_time = positive("stop time", stop_time, interface.stop_time, after=start_time)
         step = positive("communication step", step, interface.step)
-        source = Inputs(inputs)
-        with Simulation(component, start_values=start_values, stop_time=stop_time) as simulation:
-            recorder = _Recorder.of(simulation, source, stop_time, step, interpolation)
+        source = Inputs(inputs, start_time)
+        with Simulation(
+            component, tolerance=tolerance, method=method, start_values=start_values, start_time=start_time, stop_time=stop_time
+        ) as simulation:
+            recorder = _Recorder.of(simulation, source, stop_time, step, interpolation, recorded_outputs(component, output))
             _require_undriven(simulation, source, start_values or {}, recorder.inputs.names)
             recorder.apply_inputs(0)
             simulation.initialize()
@@ -72,7 +85,7 @@ def simulate(
             began, began_cpu = clock.perf_counter(), clock.process_time()
             whole = recorder.run(progress)
             elapsed, elapsed_cpu = clock.perf_counter() - began, clock.process_time() - began_cpu
-            simulated = float(recorder.times[-1])
+            simulated = float(recorder.times[-1] - recorder.times[0])
             summary = {
                 "title": interface.title,
                 "simulated_time_s": simulated,
@@ -102,21 +115,22 @@ def _require_undriven(simulation: Simulation, source: Inputs, start_values: Mapp
             )
 
 
-def positive(what: str, given: float | None, default: Any) -> float:
-    """The given value, else the default, if it is a number > 0 [s]; FmuError says what is wrong otherwise."""
+def positive(what: str, given: float | None, default: Any, *, after: float = 0.0) -> float:
+    """The given value, else the default, if it is a number > 0, or > `after` [s]; FmuError says what is wrong otherwise."""
+    wanted = f"wanted > {after:g} s{', the start time' if after else ''}"
     if given is None and default is None:
-        raise FmuError(f"{what}: wanted > 0 s, got none; the FMU names no default, so it must be given")
+        raise FmuError(f"{what}: {wanted}, got none; the FMU names no default, so it must be given")
     value = float(default if given is None else given)
-    if not (math.isfinite(value) and value > 0):
+    if not (math.isfinite(value) and value > after):
         source = "given" if given is not None else "in the FMU's default experiment"
-        raise FmuError(f"{what}: wanted > 0 s, got {value:g} ({source})")
+        raise FmuError(f"{what}: {wanted}, got {value:g} ({source})")
     return value
 
 
-def communication_points(stop_time: float, step: float) -> np.ndarray:
-    """Multiples of step, and the stop time: (T,) [s]."""
-    count = math.ceil(stop_time / step * (1 - 1e-9))
-    return np.append(step * np.arange(count), stop_time)
+def communication_points(stop_time: float, step: float, start_time: float = 0.0) -> np.ndarray:
+    """The start time, multiples of step after it, and the stop time: (T,) [s]."""
+    count = math.ceil((stop_time - start_time) / step * (1 - 1e-9))
+    return np.append(start_time + step * np.arange(count), stop_time)
 
 
 def require_memory(stop_time: float, step: float, bytes_per_point: int) -> None:
@@ -141,7 +155,8 @@ def _memory() -> float:
 def step_lengths(times: np.ndarray, step: float) -> list[float]:
     """Lengths between the times: the same double for all but a shorter last one."""
     last = float(times[-1] - times[-2])
-    return [step] * (len(times) - 2) + [step if math.isclose(last, step, rel_tol=1e-9) else last]
+    whole = math.isclose(last, step, rel_tol=1e-9, abs_tol=4 * float(np.spacing(abs(times).max())))
+    return [step] * (len(times) - 2) + [step if whole else last]
 
 
 @dataclass
@@ -171,17 +186,19 @@ class _Recorder:
     """Communication steps that are recorded"""
 
     @classmethod
-    def of(cls, simulation: Simulation, source: Inputs, stop_time: float, step: float, interpolation: Interpolation) -> _Recorder:
+    def of(
+        cls, simulation: Simulation, source: Inputs, stop_time: float, step: float, interpolation: Interpolation, chosen: set[str]
+    ) -> _Recorder:
         component = simulation.component
         given = [_input(component, source, name) for name in source.names]
         source.derive_only({variable.name for variable in component.variables("input")})
         inputs = component.block_of([*given, *(_input(component, source, name) for name in source.derived_names)])
-        reals = component.block_of(component.variables("output"))
-        integers = component.block_of(component.variables("output", real=False))
+        reals = component.block_of([v for v in component.variables("output") if v.name in chosen])
+        integers = component.block_of([v for v in component.variables("output", real=False) if v.name in chosen])
         places = math.prod(component.lattice.points) if component.lattice else len(reals.names) // 3
         held = len(inputs.names) + len(component.variables("input"))
-        require_memory(stop_time, step, 8 * (held + len(reals.names) + len(integers.names) + 3 * places + 8))
-        times = communication_points(stop_time, step)
+        require_memory(stop_time - simulation.time, step, 8 * (held + len(reals.names) + len(integers.names) + 3 * places + 8))
+        times = communication_points(stop_time, step, simulation.time)
         rows = len(times)
         return cls(
             simulation, times, step_lengths(times, step), source, interpolation, inputs, component.block_of(given), reals, integers,

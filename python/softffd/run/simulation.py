@@ -136,6 +136,11 @@ class Simulation:
         """Frees the instance, its states and its files."""
         self.component.close()
 
+    def __repr__(self) -> str:
+        counts = f": {' × '.join(map(str, self.lattice.points))} control points" if self.lattice else ""
+        parts = [f"{kind} {', '.join(found)}" for kind in ("plane", "pin", "load", "probe") if (found := part_names(kind, self.variables))]
+        return "\n  ".join([f"Simulation of {self.component.interface.title} at {self.time:.6g} s{counts}", *parts])
+
     def __enter__(self) -> Simulation:
         return self
 

@@ -57,6 +57,22 @@ class Scene(SceneKeys):
         scene._path, scene._mesh = path, draft.mesh
         return scene
 
+    def __repr__(self) -> str:
+        box, kinds = self.box, ("plane", "pin", "load", "probe")
+        counts, sides = (" × ".join(f"{n:.4g}" for n in triple) for triple in (box.points, box.size))
+        mesh = f", mesh {self.mesh.file.name}" if self.mesh else ""
+        parts = [f"{kind} {', '.join(part.name for part in found)}" for kind in kinds if (found := getattr(self, kind))]
+        lines = [
+            f"Scene {self.name}: {self.title}",
+            f"{counts} control points ({box.basis}) in a box of {sides} m{mesh}",
+            *(["; ".join(parts)] if parts else []),
+            f"method {self.solver.method}, tolerance {self.solver.tolerance:g}, {self.experiment.stop_time:g} s in communication steps of "
+            f"{self.experiment.communication_step:g} s",
+        ]
+        return "\n  ".join(lines)
+
+    __str__ = __repr__
+
     def replace(self, changes: Mapping[str, Any]) -> Scene:
         """A scene with other values: scene.replace({"material.stiffness": 2e3, "plane.plate.friction": 0.1}).
 

@@ -32,7 +32,7 @@ def draw_run(result, path, *, mesh=None, origin=None, size=None):
     Raises SoftffdError when positions of control points were not recorded.
     """
     stage = stage_of(result, mesh=mesh, origin=origin, size=size)
-    moments = telling_moments(result, stage)
+    moments = telling_moments(result)
     figure = new_figure(13.0, 7.6, dpi=130)
     figure.text(0.02, 0.965, stage.title, fontsize=15, fontweight="bold", color=INK, va="center")
     if (error := result.summary.get("estimated_error_m")) is not None:
@@ -56,7 +56,7 @@ def draw_strip(result, path, *, mesh=None, moments=None, labels=None, origin=Non
     """
     stage = stage_of(result, mesh=mesh, origin=origin, size=size)
     if moments is None:
-        frames, labels = _four_frames(result, stage), labels or ("at rest", "before", "during", "after")
+        frames, labels = _four_frames(result), labels or ("at rest", "before", "during", "after")
     else:
         frames = [None if t is None else int(np.abs(stage.time - t).argmin()) for t in moments]
     if labels is None:
@@ -73,11 +73,11 @@ def draw_history(result, path):
     return _save(figure, path)
 
 
-def _four_frames(result, stage):
+def _four_frames(result):
     """None for rest, the frame before the first contact, the one of the largest deformation, the last."""
-    worst, contact = largest_deformation(stage), first_contact(result)
+    worst, contact = largest_deformation(result), first_contact(result)
     before = worst // 2 if contact is None or contact >= worst else contact - 1
-    return [None, max(0, before), worst, len(stage.time) - 1]
+    return [None, max(0, before), worst, len(result.time) - 1]
 
 
 def _draw_panels(figure, stage, frames, captions, *, box):

@@ -109,7 +109,7 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
     up = up_direction(result.scene)
     low, high = positions.min(axis=(0, 1, 2, 3)), positions.max(axis=(0, 1, 2, 3))
     return Stage(
-        title=result.scene.title if result.scene is not None else str(result.summary.get("title", "")),
+        title=result.title,
         time=np.asarray(result.time, dtype=float),
         positions=positions,
         origin=origin,

@@ -73,11 +73,11 @@ def test_result_csv_has_every_output_by_name(quick):
     assert table.shape[0] == 21 and np.isfinite(table).all()
 
 
-def test_summary_tells_time_indentation_reaction_and_energy(quick):
+def test_summary_tells_time_deformation_reaction_and_energy(quick):
     main(["run", "quick.toml", "-o", "out"])
     summary = json.loads((quick / "out" / "summary.json").read_text())
     assert summary["simulated_time_s"] == 0.2 and summary["real_time_factor"] > 0
-    assert summary["largest_indentation_m"] > 0
+    assert summary["largest_deformation_m"] > 0
     assert summary["plane.ground.reaction_peak_N"] > 9.81
     assert summary["energy_gap_J"] < 0.1 * summary["energy_turned_over_J"]
 
@@ -110,7 +110,7 @@ def test_the_pressed_box_recovers(tmp_path):
 def test_demo_keeps_what_it_promises(tmp_path, capsys):
     assert main(["demo", "-o", str(tmp_path)]) == 0
     said = capsys.readouterr().out
-    for word in ("simulated", "real time", "largest indentation", "reaction peak", "energy balance"):
+    for word in ("simulated", "real time", "largest deformation", "reaction peak", "energy balance"):
         assert word in said
     for name in ("car_drop.fmu", "strip.png", "history.png", "picture.png", "view.html", "deformed.obj", "result.npz"):
         assert (tmp_path / name).stat().st_size > 1000

@@ -94,7 +94,7 @@ def test_a_function_must_give_the_same_names_at_every_time():
 @pytest.mark.parametrize(
     "source, message",
     [
-        ({"load.a.x": 1.0}, "wanted a function of time, a structured array or a CSV file, got dict"),
+        ({1.0}, "wanted a function of time, a dict of constants, a structured array, a DataFrame or a CSV file, got set"),
         ([(0, 1.0)], "got list"),
         (3, "got int"),
         (lambda t: None, "at 0 s: wanted a dict of values by name, got None"),
@@ -137,3 +137,27 @@ def test_a_faulty_file_says_where(tmp_path, text, message):
     (tmp_path / "in.csv").write_text(text)
     with pytest.raises(FmuError, match=rf"in\.csv: .*{message}"):
         read_csv(tmp_path / "in.csv")
+
+
+def test_a_dict_holds_constants_by_variable_or_vector():
+    inputs = Inputs({"load.a": (1, 2, 3), "plane.p.point.z": 4, "pin.p.orientation": [1, 0, 0, 0]})
+    named = dict(zip(inputs.names, inputs.values(0.3, 0.4), strict=False))
+    assert [named[f"load.a.{c}"] for c in "xyz"] == [1, 2, 3] and named["plane.p.point.z"] == 4
+    assert [named[f"pin.p.orientation.{c}"] for c in "wxyz"] == [1, 0, 0, 0]
+
+
+@pytest.mark.parametrize("value", ["high", None, [1, 2], [[1, 2, 3]], float("nan"), [1, 2, float("inf")]])
+def test_a_constant_that_is_no_number_or_vector_is_refused_by_name(value):
+    with pytest.raises(FmuError, match=r"inputs: load\.a: wanted "):
+        Inputs({"load.a": value})
+
+
+def test_a_data_frame_goes_by_its_time_or_its_index():
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame({"load.a.x": [1, 3]}, index=[0.0, 1.0])
+    for source in (frame, frame.rename_axis("time").reset_index(), frame.assign(time=[0.0, 1.0])[["load.a.x", "time"]]):
+        inputs = Inputs(source)
+        assert inputs.names == ["load.a.x"] and inputs.values(0.25, 0.3)[0] == 1.5
+    for index in (["a", "b"], [1.0, 0.0], [0.0, float("nan")]):
+        with pytest.raises(FmuError, match=r"inputs: .*wanted a column of numbers|must not decrease|wanted a finite number"):
+            Inputs(frame.set_index(pandas.Index(index)))

@@ -1,0 +1,86 @@
+"""What `simulate` lets one choose: outputs, start time, tolerance, method."""
+
+import numpy as np
+import pytest
+
+from scenes import box, table_and_press
+from softffd import FmuError, simulate
+
+SCENE = box(plane=table_and_press(), velocities="all", energy=True, stop_time=0.1)
+
+
+@pytest.mark.parametrize(
+    "wanted, found",
+    [
+        (["plane.press.reaction.z"], ["plane.press.reaction.z"]),
+        (["plane.press.reaction"], [f"plane.press.reaction.{c}" for c in "xyz"]),
+        ("energy.elastic", ["energy.elastic"]),
+        (["energy"], ["energy.kinetic", "energy.elastic", "energy.dissipated", "energy.work"]),
+        (["velocity[0,1,2]"], [f"velocity[0,1,2].{c}" for c in "xyz"]),
+        (["plane.press.contacts", "velocity_0_1_2.x"], ["velocity[0,1,2].x", "plane.press.contacts"]),
+        ([], []),
+    ],
+)
+def test_the_outputs_that_are_named_are_recorded(wanted, found):
+    result, everything = simulate(SCENE, output=wanted), simulate(SCENE)
+    assert sorted(result.outputs) == sorted(found) and np.isnan(result.positions).all()
+    for name in found:
+        np.testing.assert_array_equal(result.outputs[name], everything.outputs[name])
+
+
+def test_positions_are_outputs_too():
+    result = simulate(SCENE, output=["position"])
+    assert not result.outputs
+    np.testing.assert_array_equal(result.positions, simulate(SCENE).positions)
+    assert np.isfinite(simulate(SCENE, output=["position[1,2,3]"]).positions).sum() == 3 * 11
+
+
+def test_a_run_may_start_at_any_time_and_is_the_same():
+    course = np.array([(0.0, 1.0), (0.1, 0.9)], dtype=[("time", float), ("plane.press.point.z", float)])
+    late = course.copy()
+    late["time"] += 512
+    at_zero = simulate(SCENE, inputs=course, interpolation="linear")
+    later = simulate(SCENE, start_time=512, stop_time=512.1, inputs=late, interpolation="linear")
+    np.testing.assert_allclose(later.time - 512, at_zero.time, atol=1e-12)
+    assert later.summary["simulated_time_s"] == pytest.approx(0.1) and later.summary["communication_steps"] == 10
+    np.testing.assert_allclose(later.positions, at_zero.positions, atol=1e-9)
+    assert abs(later.positions - later.positions[0]).max() > 0.01
+
+
+def test_a_function_is_asked_from_the_start_time_on():
+    asked = []
+
+    def course(time):
+        asked.append(time)
+        return {"plane.press.point.z": 1.0}
+
+    for interpolation in ("held", "cubic"):
+        simulate(SCENE, start_time=3.0, stop_time=3.1, inputs=course, interpolation=interpolation)
+    assert min(asked) == 3.0
+
+
+def test_tolerance_and_method_are_those_of_the_run():
+    swinging = box(stretch=[1.2, 1.0, 1.0], stop_time=0.1)
+    loose = simulate(swinging, tolerance=1e-2, method="leapfrog").positions
+    document = swinging.replace({"solver.method": "leapfrog", "solver.tolerance": 1e-2})
+    np.testing.assert_array_equal(loose, simulate(document).positions)
+    error = abs(loose - simulate(swinging, tolerance=1e-9, method="dop853").positions).max()
+    assert 1e-7 < error < 1e-2
+
+
+@pytest.mark.parametrize(
+    "given, message",
+    [
+        ({"output": ["plane.press.reacton"]}, 'has no such output, did you mean "plane.press.reaction"'),
+        ({"output": ["positions"]}, 'did you mean "position"'),
+        ({"output": ["mass"]}, "output: mass: wanted an output of the FMU, got its parameter"),
+        ({"start_time": 0.1}, r"stop time: wanted > 0.1 s, the start time, got 0.1 \(in the FMU's default"),
+        ({"start_time": float("nan")}, "start time: wanted a finite number of s, got nan"),
+        ({"tolerance": 0}, "tolerance: wanted > 0, got 0"),
+        ({"method": "leapfog"}, 'did you mean "leapfrog"'),
+        ({"interpolation": "qubic"}, 'did you mean "cubic"'),
+    ],
+)
+def test_what_cannot_be_chosen_is_refused_with_the_nearest_that_can(given, message):
+    with pytest.raises(FmuError, match=message):
+        simulate(SCENE, **given)
