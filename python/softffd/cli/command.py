@@ -1,4 +1,4 @@
-"""The command line: softffd demo | build | run | accuracy | stability | drivers | scenes | new | schema."""
+"""The command line: what each command of `softffd` does; what can be typed stands in options.py."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ import os
 import shlex
 import sys
 import webbrowser
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from softffd import __version__
+from softffd.cli.options import parse
 from softffd.errors import FmuError, Interrupted, SoftffdError
 from softffd.run.inputs import Inputs
 from softffd.run.progress import ProgressLine
@@ -25,9 +26,9 @@ from softffd.scene.template import template
 def main(arguments: list[str] | None = None) -> int:
     """Runs one command; returns its exit status: 0 success, 1 refused with a message on stderr, 2 wrong usage, 130 interrupted, 141 where
     nobody reads the output any more."""
-    options = _parser().parse_args(arguments)
+    options = parse(arguments)
     try:
-        options.command(options)
+        COMMANDS[options.command](options)
         sys.stdout.flush()
         return 0
     except SoftffdError as error:
@@ -42,92 +43,6 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         print(f"softffd: interrupted; {str(interrupt) or 'no file was left half written'}", file=sys.stderr)
         return 130
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="softffd", description=sys.modules["softffd"].__doc__)
-    parser.add_argument("--version", action="version", version=f"softffd {__version__}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-
-    demo = commands.add_parser("demo", help="a car falls and is pushed in: build, simulate, pictures, interactive page")
-    demo.add_argument("-o", "--output", type=Path, default=Path("softffd-demo"), metavar="DIR")
-    demo.set_defaults(command=_demo)
-
-    build = commands.add_parser("build", help="make the FMU of a scene")
-    build.add_argument("scene", help="a scene file or the name of a shipped scene")
-    build.add_argument("-o", "--output", metavar="X.fmu", help="default: NAME.fmu here")
-    build.add_argument("--platform", action="append", metavar="NAME", help="FMI platform to carry, e.g. linux64; may be repeated")
-    build.add_argument(
-        "--fmi", type=int, choices=(2, 3), default=2, help="version of the standard: 2 (default), or 3, whose variables are arrays"
-    )
-    build.set_defaults(command=_build)
-
-    run = commands.add_parser("run", help="simulate a scene, a mesh or an FMU and keep results and pictures")
-    run.add_argument(
-        "what",
-        metavar="SCENE|MESH|X.fmu",
-        help="a scene file, a shipped scene's name, a mesh to drop on the ground, or an FMU",
-    )
-    _add_mesh_options(run)
-    run.add_argument("--stop-time", type=float, metavar="T", help="s")
-    run.add_argument("--step", type=float, metavar="H", help="communication step, s")
-    run.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value of a variable")
-    run.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time: columns time and names of inputs")
-    run.add_argument("--no-input", action="store_true", help="without the CSV beside the scene: inputs keep their start values")
-    run.add_argument("--interpolation", default="held", metavar="HOW", help="of inputs inside a step: held (default), linear or cubic")
-    run.add_argument("--error", action="store_true", help="estimate the error of the run by a second one beside it")
-    run.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-NAME here")
-    run.add_argument("--overwrite", action="store_true", help="write over the results of an earlier run")
-    run.add_argument("--view", action="store_true", help="open the interactive page when done")
-    run.set_defaults(command=_run)
-
-    accuracy = commands.add_parser("accuracy", help="measure error against run time of every method: table, pictures, report")
-    accuracy.add_argument("scenes", nargs="*", metavar="SCENE", help="scene files or names of shipped ones; default: the standard set")
-    accuracy.add_argument("-o", "--output", type=Path, default=Path("softffd-accuracy"), metavar="DIR")
-    accuracy.add_argument("--step", type=float, metavar="H", help="communication step, s; default: each scene's own")
-    accuracy.add_argument("--scipy", action="store_true", help="SciPy's solvers on the same equations beside the FMU's methods")
-    accuracy.add_argument("--quick", action="store_true", help="fewer and shorter runs: a first look")
-    accuracy.add_argument("--repeats", type=int, default=5, metavar="N", help="of each run, the smallest time counts; default 5")
-    accuracy.set_defaults(command=_accuracy)
-
-    stability = commands.add_parser(
-        "stability", help="run stiff and extreme scenes and judge each by an oracle: map, table, report",
-        epilog="example: softffd stability --random 200 --seed 1 -j 2 runs 200 scenes drawn at random, those of the seeds 1 to 200, on two "
-        "cores; softffd stability --random 1 --seed 17 runs the one of seed 17 again",
-    )  # fmt: skip
-    stability.add_argument("-o", "--output", type=Path, default=Path("softffd-stability"), metavar="DIR")
-    stability.add_argument("--quick", action="store_true", help="some cases and a coarse map: a first look")
-    stability.add_argument("--only", nargs="+", default=[], metavar="NAME", help='"map", "cases", or parts of the names of cases')
-    stability.add_argument("--slowness", type=float, default=1.0, metavar="FACTOR", help="cases may take so many times longer")
-    stability.add_argument(
-        "--random", type=int, metavar="N", help="N scenes drawn at random instead, in which auto is judged by tight runs"
-    )
-    stability.add_argument("--seed", type=int, default=1, metavar="S", help="of the first of them, the next has S + 1; default 1")
-    stability.add_argument("-j", "--jobs", type=int, metavar="J", help="scenes at a time; default: the number of cores")
-    stability.set_defaults(command=_stability)
-
-    drivers = commands.add_parser("drivers", help="make driver FMUs (plate, actuator) and a coupled system (SSP)")
-    drivers.add_argument("-o", "--output", type=Path, default=Path("."), metavar="DIR")
-    drivers.set_defaults(command=_drivers)
-
-    scenes = commands.add_parser("scenes", help="list the shipped scenes")
-    scenes.set_defaults(command=_scenes)
-
-    new = commands.add_parser("new", help="write a commented scene file to start from")
-    new.add_argument("name", help="NAME of the scene; writes NAME.toml here")
-    new.add_argument("--mesh", type=Path, metavar="FILE", help="of this mesh, dropped on the ground")
-    _add_mesh_options(new)
-    new.set_defaults(command=_new)
-
-    printed = commands.add_parser("schema", help="print the JSON schema of scene files, for editors")
-    printed.set_defaults(command=lambda options: print(json.dumps(schema(), indent=2)))
-    return parser
-
-
-def _add_mesh_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--unit", metavar="UNIT", help="of a mesh file: m, cm, mm, in or ft; default: by the file or its size")
-    parser.add_argument("--up", metavar="AXIS", help="axis of a mesh file that becomes +z: x, y or z; default: by the kind of file")
-    parser.add_argument("--density", type=float, metavar="D", help="of a mesh, kg/m3; default 100")
 
 
 def _mesh_options(options: argparse.Namespace) -> dict[str, Any]:
@@ -277,3 +192,22 @@ def _new(options: argparse.Namespace) -> None:
         raise SoftffdError(f"--{given[0]}: wanted with --mesh FILE")
     path.write_text(template(path.stem) if options.mesh is None else made.text, encoding="utf-8")
     print(f"{path}: edit it, then: softffd run {shlex.quote(str(path))}")
+
+
+def _info(options: argparse.Namespace) -> None:
+    from softffd.cli.info import told_info
+    from softffd.fmu.component import Component
+
+    what = options.what if options.what.endswith(".fmu") else load_scene(options.what)
+    with Component(what) as component:
+        print(told_info(component, every=options.all))
+
+
+def _schema(_options: argparse.Namespace) -> None:
+    print(json.dumps(schema(), indent=2))
+
+
+COMMANDS: dict[str, Callable[[argparse.Namespace], None]] = {
+    "demo": _demo, "build": _build, "run": _run, "accuracy": _accuracy, "stability": _stability, "drivers": _drivers, "scenes": _scenes,
+    "info": _info, "new": _new, "schema": _schema,
+}  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from softffd.fmu.component import Component
 from softffd.run.inputs import Inputs
 from softffd.run.simulation import Simulation
 
@@ -13,20 +14,24 @@ MOST_NAMES = 6
 
 def told_before(simulation: Simulation, inputs: Inputs) -> str:
     """Title, lattice, mass, variables, and which of the inputs are driven by what."""
-    interface = simulation.component.interface
-    counts = {what: sum(v.causality == what for v in interface.variables.values()) for what in ("input", "parameter", "output")}
-    listed = ", ".join(f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items())
-    return "\n".join([interface.title, f"  {_body(simulation)}{listed}", *(f"  {line}" for line in _driven(simulation, inputs))])
+    component = simulation.component
+    mass = simulation.number("mass") if "mass" in simulation.variables else None
+    return "\n".join([component.interface.title, *(f"  {line}" for line in (told_body(component, mass), *_driven(simulation, inputs)))])
 
 
-def _body(simulation: Simulation) -> str:
-    """Lattice and mass, where the FMU has them."""
+def told_body(component: Component, mass: float | None) -> str:
+    """Lattice, mass [kg] and number of variables; mass: None for its start value."""
+    variables = component.interface.variables
     words = []
-    if box := simulation.lattice:
+    if box := component.lattice:
         words.append(f"lattice {' x '.join(map(str, box.points))} over {' x '.join(f'{side:.4g}' for side in box.size)} m")
-    if "mass" in simulation.variables:
-        words.append(f"mass {simulation.number('mass'):.6g} kg")
-    return ", ".join(words) + "; " * bool(words)
+    if mass is None and component.lattice and "mass" in variables:
+        mass = float(variables["mass"].start or 0.0)
+    if mass is not None:
+        words.append(f"mass {mass:.6g} kg")
+    counts = {what: sum(v.causality == what for v in variables.values()) for what in ("input", "parameter", "output")}
+    listed = ", ".join(f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items())
+    return "; ".join([", ".join(words), listed] if words else [listed])
 
 
 def _driven(simulation: Simulation, inputs: Inputs) -> list[str]:

@@ -26,7 +26,7 @@ from fmpy.fmi2 import (
 from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import Block, number_of
 from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
-from softffd.fmu.records import read_lattice
+from softffd.fmu.records import PinRecord, read_lattice, read_pins
 from softffd.fmu.scalars import read_interface3
 from softffd.lattice import LatticeBox
 from softffd.spelling import did_you_mean, nearest_of
@@ -139,6 +139,11 @@ class Component:
         import fmpy
 
         return fmpy.read_model_description(self._folder, validate=False)
+
+    @cached_property
+    def pins(self) -> list[PinRecord]:
+        """The pins, fixed ones too; none in an FMU that is not of this package."""
+        return read_pins(Path(self._folder) / "resources")
 
     def _make_callbacks(self) -> fmi2CallbackFunctions:
         callbacks = fmi2CallbackFunctions()

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from softffd.fmu.variables import method_value, spring_damping_present
-from softffd.lattice import LatticeBox, Point, point_at
+from softffd.lattice import LatticeBox, Point, point_at, to_flat
 from softffd.scene.scene import Scene
 
 NAME, HEAD = "scene.txt", "softffd-scene 1"
@@ -93,6 +93,33 @@ def read_lattice(resources: Path) -> LatticeBox | None:
     )
 
 
+class PinRecord(NamedTuple):
+    """A pin: whether inputs move it, how many points it holds, where the origin of its frame is at rest [m]."""
+
+    name: str
+    moved: bool
+    points: int
+    origin: tuple[float, float, float]
+
+
+def read_pins(resources: Path) -> list[PinRecord]:
+    """The pins of an FMU of this package, in the scene's order."""
+    lattice = read_lattice(resources)
+    if lattice is None:
+        return []
+    rest, found = to_flat(lattice.rest()), []
+    for key, *words in _lines(resources):
+        if key == "pin":
+            name, motion, *points = words
+            found.append(PinRecord(name, motion == "input", len(points), _tuple(rest[[int(p) for p in points]].mean(axis=0))))
+    return found
+
+
+def _tuple(vector: np.ndarray) -> tuple[float, float, float]:
+    x, y, z = map(float, vector)
+    return x, y, z
+
+
 def read_points(resources: Path, key: str) -> list[Point]:
     """The control points of a selection (forces, positions, velocities), in its order, from the resources of an FMU of this package."""
     records = _read(resources) or {}
@@ -101,11 +128,14 @@ def read_points(resources: Path, key: str) -> list[Point]:
 
 def _read(resources: Path) -> dict[str, Any] | None:
     """The records by key, the last of each; None where there are none of this package."""
+    return {key: values for key, *values in _lines(resources)} or None
+
+
+def _lines(resources: Path) -> list[list[str]]:
+    """The words of each record; none where the file is not of this package."""
     path = resources / NAME
     text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
-    if not text.startswith(HEAD):
-        return None
-    return {key: values for key, *values in (line.split() for line in text.splitlines() if line.strip())}
+    return [line.split() for line in text.splitlines() if line.strip()] if text.startswith(HEAD) else []
 
 
 def _three(read: Callable[[str], T], words: Iterable[str]) -> tuple[T, T, T]:

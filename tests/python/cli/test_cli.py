@@ -317,7 +317,7 @@ def test_an_interrupt_at_any_time_is_one_line(when, monkeypatch, capsys):
         monkeypatch.delitem(sys.modules, "softffd.cli.command")
         monkeypatch.setattr(sys, "meta_path", [SimpleNamespace(find_spec=interrupt)])
     else:
-        monkeypatch.setattr("softffd.cli.command._parser", interrupt)
+        monkeypatch.setattr("softffd.cli.command.parse", interrupt)
     assert softffd.__main__.main() == 130
     assert capsys.readouterr().err == "softffd: interrupted\n"
 

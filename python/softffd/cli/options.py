@@ -1,0 +1,145 @@
+"""What can be typed after `softffd`: the commands, their options, an example of each; wrong words are told the nearest right one."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NoReturn
+
+from softffd import __version__
+from softffd.spelling import did_you_mean, nearest_of
+
+
+class Parser(argparse.ArgumentParser):
+    """An argparse parser that tells the nearest command, option or choice."""
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is not None and value not in action.choices:
+            words = [str(choice) for choice in action.choices]
+            nearest = did_you_mean(nearest_of(str(value), words))
+            raise argparse.ArgumentError(action, f"wanted one of {', '.join(words)}, got {value}{nearest}")
+
+    def refuse(self, extra: list[str]) -> NoReturn:
+        """Wrong usage, for words that are left over."""
+        word = next((each for each in extra if each.startswith("-")), extra[0])
+        option = word.partition("=")[0]
+        if not option.startswith("-"):
+            self.error(f"{word}: one word too many")
+        self.error(f"{option}: there is no such option{did_you_mean(nearest_of(option, self._option_string_actions))}")
+
+
+Add = Callable[..., Parser]
+"""Adds a command: name, help, an example, and `more` words about that."""
+
+
+def parse(arguments: list[str] | None) -> argparse.Namespace:
+    """The options of a command line, the command's name in `command`. Wrong usage ends the program with status 2."""
+    options, extra = parser().parse_known_args(arguments)
+    if extra:
+        options.parser.refuse(extra)
+    return options
+
+
+def parser() -> Parser:
+    """All commands with their options."""
+    whole = Parser(prog="softffd", description=sys.modules["softffd"].__doc__, epilog="softffd COMMAND --help tells a command's options.")
+    whole.add_argument("--version", action="version", version=f"softffd {__version__}")
+    commands = whole.add_subparsers(required=True, metavar="COMMAND", dest="command", parser_class=Parser)
+
+    def add(name: str, about: str, example: str, more: str = "") -> Parser:
+        command = commands.add_parser(name, help=about, description=f"{about[0].upper()}{about[1:]}.", epilog=f"example: {example}{more}")
+        command.set_defaults(parser=command)
+        return command
+
+    for add_commands in (_demo_and_build, _run, _accuracy, _stability, _others):
+        add_commands(add)
+    return whole
+
+
+def _demo_and_build(add: Add) -> None:
+    demo = add("demo", "a car falls and is pushed in: build, simulate, pictures, interactive page", "softffd demo -o car")
+    demo.add_argument("-o", "--output", type=Path, default=Path("softffd-demo"), metavar="DIR")
+
+    build = add("build", "make the FMU of a scene", "softffd build press -o press.fmu")
+    build.add_argument("scene", help="a scene file or the name of a shipped scene")
+    build.add_argument("-o", "--output", metavar="X.fmu", help="default: NAME.fmu here")
+    build.add_argument("--platform", action="append", metavar="NAME", help="FMI platform to carry, e.g. linux64; may be repeated")
+    build.add_argument(
+        "--fmi", type=int, choices=(2, 3), default=2, help="version of the standard: 2 (default), or 3, whose variables are arrays"
+    )
+
+
+def _run(add: Add) -> None:
+    run = add("run", "simulate a scene, a mesh or an FMU and keep results and pictures", "softffd run press --stop-time 1.5 --set mass=2")
+    run.add_argument(
+        "what",
+        metavar="SCENE|MESH|X.fmu",
+        help="a scene file, a shipped scene's name, a mesh to drop on the ground, or an FMU",
+    )
+    _add_mesh_options(run)
+    run.add_argument("--stop-time", type=float, metavar="T", help="s")
+    run.add_argument("--step", type=float, metavar="H", help="communication step, s")
+    run.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value of a variable")
+    run.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time: columns time and names of inputs")
+    run.add_argument("--no-input", action="store_true", help="without the CSV beside the scene: inputs keep their start values")
+    run.add_argument("--interpolation", default="held", metavar="HOW", help="of inputs inside a step: held (default), linear or cubic")
+    run.add_argument("--error", action="store_true", help="estimate the error of the run by a second one beside it")
+    run.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-NAME here")
+    run.add_argument("--overwrite", action="store_true", help="write over the results of an earlier run")
+    run.add_argument("--view", action="store_true", help="open the interactive page when done")
+
+
+def _accuracy(add: Add) -> None:
+    accuracy = add(
+        "accuracy", "measure error against run time of every method: table, pictures, report", "softffd accuracy free_vibration --quick"
+    )
+    accuracy.add_argument("scenes", nargs="*", metavar="SCENE", help="scene files or names of shipped ones; default: the standard set")
+    accuracy.add_argument("-o", "--output", type=Path, default=Path("softffd-accuracy"), metavar="DIR")
+    accuracy.add_argument("--step", type=float, metavar="H", help="communication step, s; default: each scene's own")
+    accuracy.add_argument("--scipy", action="store_true", help="SciPy's solvers on the same equations beside the FMU's methods")
+    accuracy.add_argument("--quick", action="store_true", help="fewer and shorter runs: a first look")
+    accuracy.add_argument("--repeats", type=int, default=5, metavar="N", help="of each run, the smallest time counts; default 5")
+
+
+def _stability(add: Add) -> None:
+    stability = add(
+        "stability",
+        "run stiff and extreme scenes and judge each by an oracle: map, table, report",
+        "softffd stability --random 200 --seed 1 -j 2",
+        more=": scenes drawn at random, those of the seeds 1 to 200, on two cores; --random 1 --seed 17 runs the one of seed 17 again",
+    )
+    stability.add_argument("-o", "--output", type=Path, default=Path("softffd-stability"), metavar="DIR")
+    stability.add_argument("--quick", action="store_true", help="some cases and a coarse map: a first look")
+    stability.add_argument("--only", nargs="+", default=[], metavar="NAME", help='"map", "cases", or parts of the names of cases')
+    stability.add_argument("--slowness", type=float, default=1.0, metavar="FACTOR", help="cases may take so many times longer")
+    stability.add_argument(
+        "--random", type=int, metavar="N", help="N scenes drawn at random instead, in which auto is judged by tight runs"
+    )
+    stability.add_argument("--seed", type=int, default=1, metavar="S", help="of the first of them, the next has S + 1; default 1")
+    stability.add_argument("-j", "--jobs", type=int, metavar="J", help="scenes at a time; default: the number of cores")
+
+
+def _others(add: Add) -> None:
+    drivers = add("drivers", "make driver FMUs (plate, actuator) and a coupled system (SSP)", "softffd drivers -o drivers")
+    drivers.add_argument("-o", "--output", type=Path, default=Path("."), metavar="DIR")
+
+    add("scenes", "list the shipped scenes", "softffd scenes")
+
+    info = add("info", "list the variables of a scene or an FMU: unit, start, causality; and the pins' frames", "softffd info press")
+    info.add_argument("what", metavar="SCENE|X.fmu", help="a scene file, a shipped scene's name, or an FMU")
+    info.add_argument("--all", action="store_true", help="each control point's variables too")
+
+    new = add("new", "write a commented scene file to start from", "softffd new mine")
+    new.add_argument("name", help="NAME of the scene; writes NAME.toml here")
+    new.add_argument("--mesh", type=Path, metavar="FILE", help="of this mesh, dropped on the ground")
+    _add_mesh_options(new)
+
+    add("schema", "print the JSON schema of scene files, for editors", "softffd schema > scene.schema.json")
+
+
+def _add_mesh_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--unit", metavar="UNIT", help="of a mesh file: m, cm, mm, in or ft; default: by the file or its size")
+    parser.add_argument("--up", metavar="AXIS", help="axis of a mesh file that becomes +z: x, y or z; default: by the kind of file")
+    parser.add_argument("--density", type=float, metavar="D", help="of a mesh, kg/m3; default 100")
