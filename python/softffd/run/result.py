@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
 
 import numpy as np
 
@@ -20,11 +21,20 @@ from softffd.names import ByName, part_names, variable_names, vector_names
 from softffd.rotation import turned
 from softffd.run.deformation import deformation
 from softffd.run.parts import require_name
+from softffd.run.result_file import read_result, write_result
 from softffd.run.shown import in_words
 from softffd.scene.scene import Scene
 from softffd.spelling import did_you_mean, nearest_of
 
+if TYPE_CHECKING:
+    from softffd.fmu.component import Message
+
 T = TypeVar("T")
+
+Write = Callable[[BinaryIO], None]
+
+KEPT = "result.npz"
+"""What the file of a result is called in a folder."""
 
 
 class Columns(ByName[T]):
@@ -62,6 +72,10 @@ class Result:
     """Counts, box at rest and basis, as the FMU has them; None for an FMU that is not of this package"""
     plain_names: bool = False
     """Whether names at control points are the plain ones (fmu.names), in `outputs`, `inputs` and the files"""
+    log: tuple[Message, ...] = ()
+    """All that the component said"""
+    sceneless: str = ""
+    """Why a result that was loaded from a file is without the scene that it had"""
 
     def __post_init__(self) -> None:
         for field_name, what in (("outputs", "output"), ("inputs", "input"), ("parameters", "parameter")):
@@ -95,7 +109,8 @@ class Result:
         """
         mesh = self.scene.loaded_mesh if mesh is None and self.scene else mesh
         if mesh is None:
-            raise MeshError("deformed: wanted a mesh, for the run's scene has none")
+            why = self.sceneless or "the run's scene has none"
+            raise MeshError(f"deformed: wanted a mesh, for {why}")
         positions = self.positions[row]
         if self.lattice is None or np.isnan(positions).any():
             raise SoftffdError('deformed: wanted a run of an FMU of softffd with outputs.positions = "all"')
@@ -122,19 +137,35 @@ class Result:
             normals = turned(normals, age * vector("angular_velocity"))
         return points, normals
 
-    def save(self, folder: str | Path) -> list[Path]:
-        """Writes result.npz, result.csv and summary.json; each appears whole or not at all. Returns their paths."""
-        folder = Path(folder)
+    def save(self, path: str | Path) -> list[Path]:
+        """Writes NAME.npz, all of the result in one file, for a path with that ending; for any other a folder of result.npz, result.csv and
+        summary.json. Each appears whole or not at all. Returns the paths of the files.
+
+        Of the scene its keys go along, of a mesh the path of its file and what it was.
+        """
+        path = Path(path)
+        one = path.suffix == ".npz"
+        folder = path.parent if one else path
+        require_writable(folder)
         folder.mkdir(parents=True, exist_ok=True)
-        files = {"result.npz": self._write_npz, "result.csv": self._write_csv, "summary.json": self._write_summary}
+        write: Write = partial(write_result, self)
+        files: dict[str, Write] = (
+            {path.name: write} if one else {KEPT: write, "result.csv": self._write_csv, "summary.json": self._write_summary}
+        )
         for name, write in files.items():
             with replacing(folder / name) as stream:
                 write(stream)
         return [folder / name for name in files]
 
-    def _write_npz(self, stream: Any) -> None:
-        arrays: dict[str, Any] = {"time": self.time, "positions": self.positions, **self.outputs}
-        np.savez_compressed(stream, **arrays)
+    @classmethod
+    def load(cls, path: str | Path) -> Result:
+        """The result that `save` or `softffd run` wrote: of NAME.npz, or of the folder.
+
+        Its scene comes along if its mesh is where it was, or beside the file, and the same; otherwise `scene` is None and `sceneless` says
+        why. SoftffdError for a file that is missing, damaged or something else.
+        """
+        path = Path(path)
+        return cls(**read_result(path / KEPT if path.is_dir() else path))
 
     def _write_csv(self, stream: Any) -> None:
         columns = {"time": self.time, **self.outputs, **self._position_columns()}

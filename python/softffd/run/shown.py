@@ -22,6 +22,8 @@ def in_words(result: Result) -> str:
     ]
     if warnings := result.summary.get("warnings"):
         lines.append(f"{len(warnings)} warning{'s, the first' if len(warnings) > 1 else ', the first'}: {warnings[0]}")
+    if result.sceneless:
+        lines.append(f"without its scene: {result.sceneless}")
     return "\n  ".join(lines)
 
 

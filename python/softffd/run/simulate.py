@@ -269,7 +269,10 @@ class _Recorder:
         held = {v.name: np.full(len(self.times), self.starts[v.name]) for v in component.variables("input")}
         held |= dict(zip(self.inputs.names, self.input_rows.T, strict=True))
         parameters = {v.name: self.starts[v.name] for v in component.variables("parameter")}
-        return Result(self.times, positions, others, held, parameters, summary, scene, component.lattice, component.interface.plain)
+        return Result(
+            self.times, positions, others, held, parameters, summary, scene, component.lattice, component.interface.plain,
+            tuple(self.simulation.log),
+        )  # fmt: skip
 
 
 def _read(component: Component, causality: str) -> dict[str, float]:

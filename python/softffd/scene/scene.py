@@ -79,7 +79,7 @@ class Scene(SceneKeys):
         An entry of a list goes by its name or its number from 0: plane.plate or plane[0]. None takes a key away, so that its default holds.
         Raises SceneError with all problems.
         """
-        document, problems = changed(unshared(self._given()), changes)
+        document, problems = changed(self.keys_given(), changes)
         if problems:
             raise SceneError(_called(self._path), problems)
         return scene_from(document, path=self._path)
@@ -89,6 +89,10 @@ class Scene(SceneKeys):
         if not update:
             return super().model_copy(deep=deep)
         return scene_from({**self._given(), **update}, path=self._path)
+
+    def keys_given(self) -> dict[str, Any]:
+        """The keys that were given, as a file would hold them; of a mesh the path of its file as it was found."""
+        return unshared(self._given())
 
     def _given(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in self.model_fields_set}
