@@ -90,6 +90,26 @@ TEST(steps_ask_for_no_memory) {
       }
 }
 
+TEST(getters_ask_for_no_memory) {
+  fmi2Component c = started(resources(everything));
+  CHECK(fmi2DoStep(c, 0, 0.01, fmi2True) == fmi2OK);
+  const fmi2ValueReference integers[] = {reference(Family::plane_contacts), reference(Family::solver_steps),
+                                         reference(Family::solver_method)};
+  const fmi2ValueReference reals[] = {reference(Family::position), reference(Family::energy_elastic), reference(Family::plane_reaction),
+                                      reference(Family::solver_stable_step)};
+  const fmi2Integer orders[] = {1, 1, 1};
+  fmi2Integer counts[3];
+  double numbers[4], time = 0;
+  const long before = memory::requests;
+  CHECK(fmi2GetInteger(c, integers, 3, counts) == fmi2OK);
+  CHECK(fmi2GetReal(c, reals, 4, numbers) == fmi2OK);
+  CHECK(fmi2GetRealOutputDerivatives(c, reals, 3, orders, numbers) == fmi2OK);
+  CHECK(fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &time) == fmi2OK);
+  CHECK(memory::requests == before);
+  CHECK(counts[1] > 0 && time == 0.01);
+  fmi2FreeInstance(c);
+}
+
 TEST(a_step_after_a_changed_parameter_asks_for_no_memory) {
   for (int method = 1; method <= softffd::fmi::method_count; ++method) {
     fmi2Component c = started(resources(everything), method);

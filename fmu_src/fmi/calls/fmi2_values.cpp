@@ -34,10 +34,12 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference referen
 
 fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference references[], size_t count, fmi2Integer values[]) {
   return guarded(component, function::get_integer, {{references, values}, count}, [&](Instance& instance) {
-    std::vector<double> numbers(count);
-    instance.get(Type::Integer, references, count, numbers.data());
     constexpr double most = std::numeric_limits<fmi2Integer>::max();
-    for (std::size_t i = 0; i < count; ++i) values[i] = fmi2Integer(std::min(numbers[i], most));
+    for (std::size_t i = 0; i < count; ++i) {
+      double number = 0;
+      instance.get(Type::Integer, references + i, 1, &number);
+      values[i] = fmi2Integer(std::min(number, most));
+    }
   });
 }
 

@@ -1,5 +1,6 @@
 /// From what a host asks for to a new instance, as both standards have it.
 #pragma once
+#include "calls/exception_storage.hpp"
 #include "calls/float_environment.hpp"
 #include "calls/registry.hpp"
 #include "instance/instance.hpp"
@@ -23,6 +24,7 @@ template <class Held, class MakeLogger, class FindScene>
 Held* instantiate(Registry<Held>& registry, const char* function, const Asked& asked, MakeLogger&& make_logger,
                   FindScene&& find_scene) noexcept {
   const FloatEnvironment environment;
+  claim_exception_storage();
   try {
     const Logger logger = make_logger();
     try {
