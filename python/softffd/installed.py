@@ -1,6 +1,7 @@
 """What the build puts beside the Python files: the library, the table of variables, the documentation that goes into every FMU."""
 
 import math
+import re
 import sys
 import tomllib
 from functools import cache
@@ -61,3 +62,9 @@ def libraries(platforms: list[str] | None = None) -> dict[str, Path]:
                 "Build softffd on that platform, or install a wheel with all platforms: python3 python/run.py release makes one."
             )
     return {name: path for name, path in found.items() if not platforms or name in platforms}
+
+
+def least_glibc(library: Path) -> str | None:
+    """The oldest glibc that a library loads with, "2.17", by the versions of symbols that an ELF file names; None where it needs none."""
+    needed = [(int(major), int(minor)) for major, minor in re.findall(rb"\0GLIBC_(\d+)\.(\d+)", library.read_bytes())]
+    return "{}.{}".format(*max(needed)) if needed else None

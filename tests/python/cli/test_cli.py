@@ -18,6 +18,7 @@ from mesh_files import ball, two_colours
 from softffd import deform, load_mesh, load_scene, save_mesh
 from softffd.cli.command import main
 from softffd.fmu.component import Component
+from softffd.installed import least_glibc
 from softffd.scene.scene import shipped_scenes
 
 QUICK = """
@@ -62,6 +63,22 @@ def test_build_then_run_the_fmu_then_run_the_scene(quick, capsys):
     for name in ("result.csv", "summary.json", "picture.png", "view.html"):
         assert (quick / "from_scene" / name).stat().st_size > 100
     assert not list(quick.rglob("*.partial"))
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="glibc is Linux's")
+def test_build_says_which_glibc_its_library_needs(quick, capsys):
+    assert main(["build", "quick.toml"]) == 0
+    needed = re.search(r"runs on .*\S+ with glibc (\d+)\.(\d+) or newer", capsys.readouterr().out)
+    here = os.confstr("CS_GNU_LIBC_VERSION").split()[1].split(".")
+    assert (2, 2) < tuple(map(int, needed.groups())) <= tuple(map(int, here))
+
+
+def test_the_newest_version_that_a_library_names_is_needed(tmp_path):
+    library = tmp_path / "softffd.so"
+    library.write_bytes(b"\x7fELF\0GLIBC_2.4\0GLIBC_2.17\0GLIBC_2.2.5\0GLIBC_2.9\0")
+    assert least_glibc(library) == "2.17"
+    library.write_bytes(b"MZ\0KERNEL32.dll\0")
+    assert least_glibc(library) is None
 
 
 def test_result_csv_has_every_output_by_name(quick):
