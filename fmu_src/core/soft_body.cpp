@@ -293,12 +293,17 @@ StepStatus SoftBody::advance(double H) {
   const bool automatic = settings.step == 0;
   const double usual = automatic ? now_.energy.step_factor : 1;
   const auto attempt = [&](double step_factor) { return advance_from_here(H, step_factor, changed); };
+  Budget& budget = propagator_.budget();
+  const double most = settings.most_work * thresholds::patience(model_.body.points());
+  budget.begin(most);
   StepStatus status = attempt(usual);
-  const bool astray = status == StepStatus::too_many_steps && now_.course.work > before_.course.work;  // not from the start
+  came_ = now_.path.motion.time - before_.path.motion.time;
+  const bool astray = status == StepStatus::too_much_work && now_.course.work > before_.course.work;  // not from the start
   if (status == StepStatus::not_finite || astray)
-    status = retry_divided(now_, trial, usual, status, divided_, attempt);
+    status = retry_divided(now_, trial, most, usual, status, divided_, attempt);
   else if (status == StepStatus::ok && automatic && !now_.energy.hopeless && readings().gains_energy())
-    status = retry_gained(now_, trial, account_at_start(before_, model_, drive_, changed), attempt);
+    status = retry_gained(now_, trial, budget, most, account_at_start(before_, model_, drive_, changed), attempt);
+  work_done_ = most - budget.left();
   if (status == StepStatus::ok) {
     trial.keep();
     return status;

@@ -49,13 +49,14 @@ struct Material {
 struct Settings : Material {
   Vec3 gravity = Vec3::Zero();  ///< [m/s2]
   Method method = Method::automatic;
-  double tolerance = 1e-4;           ///< error aimed at, relative to the largest side of the box
-  double step = 0;                   ///< internal step [s]; 0: by stability and tolerance
-  double step_factor = 1;            ///< of the internal step that would be taken otherwise
-  double horizon = 1;                ///< length of the run [s]
-  Points force;                      ///< loads and point forces at the communication point (points, 3) [N]
-  Points force_rate;                 ///< their time derivative [N/s]
-  std::array<Points, 2> force_bend;  ///< their second and third [N/s2, N/s3]
+  double tolerance = 1e-4;                   ///< error aimed at, relative to the largest side of the box
+  double step = 0;                           ///< internal step [s]; 0: by stability and tolerance
+  double step_factor = 1;                    ///< of the internal step that would be taken otherwise
+  double horizon = 1;                        ///< length of the run [s]
+  double most_work = thresholds::most_work;  ///< of a communication step, in evaluations of the spring forces of 4 x 4 x 4 points
+  Points force;                              ///< loads and point forces at the communication point (points, 3) [N]
+  Points force_rate;                         ///< their time derivative [N/s]
+  std::array<Points, 2> force_bend;          ///< their second and third [N/s2, N/s3]
   std::vector<PlaneMotion> planes;
   std::vector<PinMotion> pins;
 };
@@ -88,6 +89,10 @@ class SoftBody {
   Readings readings() const { return {model_, drive_, cells_, now_, before_, settings.gravity, settings.step}; }
   /// What the internal steps of the last communication step were divided by, because with larger ones its result was not finite.
   double divided() const { return divided_; }
+  /// Work of the last call, in evaluations of the spring forces.
+  double work_done() const { return work_done_; }
+  /// How far the last communication step came at the first attempt [s].
+  double came() const { return came_; }
   /// Number of matrices factored since the start.
   Count factorizations() const { return propagator_.factorizations(); }
 
@@ -112,6 +117,8 @@ class SoftBody {
   Contact jumps_;
   Points begin_;           ///< positions at the start of the communication step, where energy is watched
   double divided_ = 1;     ///< by how much the last communication step's internal steps had to be divided to have a result
+  double work_done_ = 0;   ///< of the last call
+  double came_ = 0;        ///< by which the last call's first attempt moved the time [s]
   Material material_;      ///< of the settings, what is in effect
   double moved_mass_ = 0;  ///< share of the mass that was moved to light points
   double start_time_ = 0;  ///< [s]

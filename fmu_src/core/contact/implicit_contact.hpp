@@ -32,9 +32,9 @@ class ImplicitContact {
   void body_changed() { largest_stiffness_ = -1; }
   /// One step from (t, state) of length h [s]; state.spring being the internal forces at state.x. Planes have no point behind them at t.
   /// state.time is the caller's. On failure state and exchange are spoilt; not_finite: there was no solution down to h / 2^20, or not
-  /// with so many factorizations.
+  /// with so many factorizations and solutions with them.
   StepStatus advance(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
-  Count most_factorizations = 100'000;
+  Count most_factorizations = 100'000, most_solutions = Count{1} << 53;
   /// Energy that obstacles and pins gave the body in the last call, friction included, points moving along obstacles with the mean of their
   /// velocities before and after [J].
   double given() const { return given_; }
@@ -44,6 +44,7 @@ class ImplicitContact {
   Count halvings() const { return halvings_; }  ///< had to be done in two halves
   Count iterations() const { return iterations_; }
   Count factorizations() const { return linear_.factorizations(); }
+  Count solutions() const { return linear_.solutions(); }
 
  private:
   struct Step {
@@ -52,7 +53,7 @@ class ImplicitContact {
     const State& from;
   };
   StepStatus advance_in_parts(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange, int depth);
-  bool spent() const { return linear_.factorizations() >= last_factorization_; }
+  bool spent() const { return linear_.factorizations() >= last_factorization_ || linear_.solutions() >= last_solution_; }
   StepStatus open(const Step& step);
   void predict(const Step& step);
   void guess_touches(const Step& step);
@@ -80,7 +81,7 @@ class ImplicitContact {
   Vec3 rounding_ = Vec3::Zero();
   double loss_ = 0, work_ = 0;  ///< of the step [J]
   double given_ = 0;            ///< of the call [J]
-  Count steps_ = 0, halvings_ = 0, iterations_ = 0, last_factorization_ = 0;
+  Count steps_ = 0, halvings_ = 0, iterations_ = 0, last_factorization_ = 0, last_solution_ = 0;
 };
 
 }  // namespace softffd

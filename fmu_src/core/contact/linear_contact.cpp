@@ -104,6 +104,7 @@ void LinearContact::solve_free_part(const Problem& problem, const ContactSet& co
   for (int p = 0; p < problem.body.points(); ++p)
     if (problem.body.pinned[p]) set_row(change, p, Vec3::Zero());
   matrix_.solve(change);
+  ++solutions_;
   project(contacts, change);
   change += prescribed_;
 }
@@ -135,6 +136,7 @@ void LinearContact::respond(const Problem& problem, const ContactSet& contacts, 
   response_ = friction_;
   project(contacts, response_);
   matrix_.solve(response_);
+  ++solutions_;
   project(contacts, response_);
   forces_of(problem, response_, made_);
 }

@@ -45,6 +45,7 @@ class LinearContact {
   bool fresh = false;    ///< the matrix is that of this state
 
   Count factorizations() const { return factorizations_; }
+  Count solutions() const { return solutions_; }
 
  private:
   void linearise(const Problem& problem, double softening);
@@ -62,7 +63,7 @@ class LinearContact {
   Scalars lack_;
   bool stale_ = true;
   double softening_ = 1;  ///< of compressed springs, as SpringHessian has it
-  Count factorizations_ = 0;
+  Count factorizations_ = 0, solutions_ = 0;
 };
 
 }  // namespace softffd

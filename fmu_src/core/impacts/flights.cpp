@@ -48,6 +48,7 @@ StepStatus Flights::fly(const Beside& at, bool rings) {
     flight_.leave(job.equations(), motion);
     motion.time = touches ? begun + free : at.end;
     job.run.course.work += use::flight_work;
+    at.integrators.budget().spend(use::entry_work + use::flight_work);
     job.run.course.method = Method::floating_frame;
     job.run.course.reason = Reason::ringing_flight;
     job.run.energy.kinetic_elastic = -1;

@@ -5,6 +5,7 @@
 #include "kit/implicit_steps.hpp"
 #include "kit/limits.hpp"
 #include "kit/thresholds.hpp"
+#include "kit/trial.hpp"
 
 namespace softffd {
 
@@ -30,7 +31,8 @@ StepStatus Impacts::pass_over(const Beside& at) {
 StepStatus Impacts::run(Integrators& integrators, const Job& job, double end, bool rings) {
   StiffContact& stiff = job.run.path.stiff;
   const State& motion = job.run.path.motion;
-  const double spent = job.run.course.work;
+  Budget& budget = integrators.budget();
+  Budget::Reserve reserve(budget, use::passing_over * budget.left());
   StepStatus status = StepStatus::ok;
   while (motion.time < end && status == StepStatus::ok) {
     const Beside at{integrators, job, end, step_limit(job, Method::leapfrog, false)};
@@ -38,7 +40,7 @@ StepStatus Impacts::run(Integrators& integrators, const Job& job, double end, bo
       status = pass_over(at);
       continue;
     }
-    if (job.run.course.work - spent > use::most_steps_of(job.model.body.points())) return pass_over(at);
+    Trial trial(job.run.path, start_);
     switch (stiff.phase) {
       case Phase::flight: status = flights_.fly(at, rings); break;
       case Phase::impact:
@@ -46,6 +48,13 @@ StepStatus Impacts::run(Integrators& integrators, const Job& job, double end, bo
       case Phase::rest: status = rest_.run(at); break;
     }
     rings = false;
+    if (status == StepStatus::too_much_work) {
+      trial.back();
+      trial.keep();
+      reserve.release();
+      return pass_over(at);
+    }
+    trial.keep();
   }
   return status;
 }

@@ -22,7 +22,8 @@ namespace softffd {
 
 class Impacts {
  public:
-  Impacts(const Lattice& lattice, const Run& run) : flights_(lattice, run), windows_(run), rest_(run), before_(run.path.motion) {}
+  Impacts(const Lattice& lattice, const Run& run)
+      : flights_(lattice, run), windows_(run), rest_(run), before_(run.path.motion), start_(run.path) {}
 
   /// Can the body's motion be carried by its modes now? They are made where the material is new.
   bool rings_about_rest(const Job& job) { return flights_.rings_about_rest(job); }
@@ -36,6 +37,7 @@ class Impacts {
   Windows windows_;
   RestSteps rest_;
   State before_;
+  Path start_;  ///< of what the budget may not be enough for
 };
 
 }  // namespace softffd

@@ -13,15 +13,16 @@ namespace use = thresholds;
 StepStatus run_implicit(Integrators& integrators, const Job& job, double end) {
   Path& path = job.run.path;
   const double begin = path.motion.time, H = end - begin;
-  const double most = use::most_steps_of(job.model.body.points());
+  const Budget& budget = integrators.budget();
   job.run.course.method = Method::backward_euler;
   const double wanted = (job.request.step > 0 ? H / job.request.step : 1) / job.request.step_factor;
-  if (!(wanted <= most / traits(Method::backward_euler).work)) return refusal(wanted);
+  const double least = wanted * traits(Method::backward_euler).work;
+  if (!budget.covers(least)) return refusal(least);
   const Count steps = std::max(Count{1}, Count(std::llround(wanted)));
   path.clock = {begin, H / double(steps), 0};
   // Where it finds no way, a step may take as long as explicit steps would, which are tried with several sizes and cost more in contact.
   const double explicit_work = use::doubled_work * traits(Method::leapfrog).work * path.clock.h / step_limit(job, Method::leapfrog, false);
-  const double most_work = std::min(std::max(explicit_work, use::buckling_work), most);
+  const double most_work = std::max(explicit_work, use::buckling_work);
   for (Count i = 0; i < steps; ++i) {
     const double next = i + 1 == steps ? end : path.clock.origin + double(i + 1) * path.clock.h;
     const Span span{path.motion.time, 0, next - path.motion.time, 1, most_work};

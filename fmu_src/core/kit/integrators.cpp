@@ -1,7 +1,10 @@
 #include "kit/integrators.hpp"
 
+#include <algorithm>
+
 #include "contact/tolerances.hpp"
 #include "flight/floating_frame.hpp"
+#include "kit/thresholds.hpp"
 #include "matrix/layer_matrix.hpp"
 #include "methods/backward_euler.hpp"
 #include "methods/bm4.hpp"
@@ -12,6 +15,16 @@
 #include "model/arithmetic.hpp"
 
 namespace softffd {
+
+namespace {
+
+/// Whether a number tells the body's points apart there: further away rounding is larger than the body.
+bool tells_apart(const Job& job) {
+  const Points& x = job.run.path.motion.x;
+  return rounding * kernels::largest(x.size(), x.data()) <= job.model.body.length;
+}
+
+}  // namespace
 
 Integrators::Integrators(const Lattice& lattice, int planes, int pins)
     : implicit_work_(lattice), reach_(lattice.points()), x0_(lattice.points(), 3), v0_(lattice.points(), 3) {
@@ -39,6 +52,19 @@ Integrators::~Integrators() = default;
 Count Integrators::factorizations() const { return matrices() ? ros34pw2_->factorizations() + backward_euler_->factorizations() : 0; }
 
 Outcome Integrators::take(const Job& job, Method method, const Span& span) {
+  Outcome outcome{.status = StepStatus::too_much_work};
+  if (budget_.spent()) return outcome;
+  const Count& contacts = job.run.path.exchange.contacts_resolved;
+  const Count before = contacts;
+  outcome = take_span(job, method, {span.origin, span.first, span.h, span.steps, span.most_work, budget_.left()});
+  budget_.spend(std::max(outcome.work, outcome.spent) +
+                double(contacts - before) * thresholds::contact_work * thresholds::patience(job.model.body.points()));
+  if (outcome.status == StepStatus::ok && !tells_apart(job)) outcome.status = StepStatus::not_finite;
+  if (outcome.status == StepStatus::not_finite && budget_.spent()) outcome.status = StepStatus::too_much_work;
+  return outcome;
+}
+
+Outcome Integrators::take_span(const Job& job, Method method, const Span& span) {
   Integrator& integrator = (*this)[method];
   if (job.drive.planes.empty() || resolves_contact(method)) return integrator.advance(job.model, job.drive, span, job.run);
   const State& motion = job.run.path.motion;

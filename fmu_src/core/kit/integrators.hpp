@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "contact/reach.hpp"
+#include "kit/budget.hpp"
 #include "kit/job.hpp"
 #include "methods/one_step.hpp"
 #include "methods/traits.hpp"
@@ -29,19 +30,25 @@ class Integrators {
   /// Number of matrices factored since the start: none unless implicit steps are tried.
   Count factorizations() const;
 
-  /// Internal steps of the run. contact_ahead: one went behind an obstacle.
+  /// Internal steps of the run. contact_ahead: one went behind an obstacle. not_finite: or is so far away that rounding is larger than the
+  /// body. too_much_work: nothing is left of the budget.
   Outcome take(const Job& job, Method method, const Span& span);
   /// Does a step of length h from (t, x0, v0) to (x, v) go behind an obstacle? In the body's frame the end decides, as it does for the
   /// implicit contact step, which would take over.
   bool passes(const Job& job, Method method, double t, double h, const Points& x0, const Points& v0, const Points& x, const Points& v);
   Reach& reach() { return reach_; }
+  /// Of the call; what is not taken by `take` is booked by who takes it.
+  Budget& budget() { return budget_; }
 
  private:
+  Outcome take_span(const Job& job, Method method, const Span& span);
+
   std::array<std::unique_ptr<Integrator>, method_count> all_;
   const Ros34pw2* ros34pw2_ = nullptr;
   const BackwardEuler* backward_euler_ = nullptr;
   ImplicitWork implicit_work_;
   Reach reach_;
+  Budget budget_;
   Points x0_, v0_;
 };
 

@@ -27,7 +27,7 @@ struct Job {
   Equations equations() const { return {model.body, drive}; }
 };
 
-/// Of a number of internal steps that cannot be: not a number where the state has gone astray.
-inline StepStatus refusal(double steps) { return std::isnan(steps) ? StepStatus::not_finite : StepStatus::too_many_steps; }
+/// Of a work that cannot be: not a number where the state has gone astray.
+inline StepStatus refusal(double work) { return std::isnan(work) ? StepStatus::not_finite : StepStatus::too_much_work; }
 
 }  // namespace softffd

@@ -31,13 +31,17 @@ inline constexpr double frame_angle = 1;
 /// omega h of an implicit step above which the masses are lost in the rounding of the stiffness matrix [1]: (omega h)^2 reaches 1 / 2.2e-16
 /// at 7e7.
 inline constexpr double stiffest = 2e7;
-/// Internal steps that one call may take; a longer communication step is refused. Twenty seconds on 4 x 4 x 4.
-inline constexpr Count most_steps = 20'000'000;
-/// Of these, and of all bounds of a call's work, what a lattice of so many control points may take [1]: larger ones than 4 x 4 x 4 take
-/// longer for each step.
+/// Work that one call may do unless the scene says otherwise, on 4 x 4 x 4: about five seconds.
+inline constexpr double most_work = 5e6;
+/// Of this the evaluations that a lattice of so many control points may take [1]: larger ones take longer for each.
 constexpr double patience(Count points) { return points > 64 ? 64 / double(points) : 1; }
-constexpr double most_steps_of(Count points) { return patience(points) * double(most_steps); }
-/// Work of a communication step by forecast, relative to most_steps, at which it is refused before it is done [1]: forecasts err.
+/// Of this a point's contact in one explicit step, measured on a body all of whose points are pressed on a plate.
+inline constexpr double contact_work = 1.0 / 8;
+/// Of what is left of it, what is kept for the implicit step that ends a stiff body's communication step where the rest is not enough [1].
+inline constexpr double passing_over = 0.25;
+/// Given steps that can be counted exactly.
+inline constexpr double countable = 0x1p53;
+/// Work of a communication step by forecast, relative to what is left, at which it is refused before it is done [1]: forecasts err.
 inline constexpr double too_long = 1.2;
 
 // ---- obstacles ----
@@ -216,8 +220,6 @@ inline constexpr double next_shrink = 0.5, next_growth = 1.5, rerun_shrink = 0.2
 /// How often the internal step of a communication step without a finite result is halved: by experience on crushed and on collapsing bodies
 /// what five halvings do not mend more do not.
 inline constexpr int most_halvings = 5;
-/// Work of all trials of a communication step together: five seconds on 4 x 4 x 4.
-inline constexpr double retry_work = 5e6;
 /// Smallest factor of the usual internal step that a gain of energy leads to [1]: by experience what it does not mend has another cause.
 inline constexpr double least_step_factor = 1.0 / 32;
 /// Of the energy gained, what may be left with smaller steps if it was these that were at fault [1].

@@ -8,13 +8,16 @@ Outcome BackwardEuler::advance(const Model& model, const Drive& drive, const Spa
   if (version_ != model.body.version) contact_.body_changed();
   version_ = model.body.version;
   Outcome outcome;
-  const double most = std::min(span.most_work, 0x1p53);
-  contact_.most_factorizations = Count(std::max(1.0, most / implicit_.factor));
+  const auto most = [](double work, double each) { return Count(std::max(1.0, std::min(work, 0x1p53) / each)); };
+  contact_.most_factorizations = most(std::min(span.most_work, span.budget), implicit_.factor);
+  contact_.most_solutions = most(span.budget, implicit_.solution);
   for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i) {
-    const Count made = contact_.factorizations();
+    const Count made = contact_.factorizations(), solved = contact_.solutions();
     outcome.status = contact_.advance({model.body, drive}, span.time(i), span.h, drive.watch, run.path.motion, run.path.exchange);
     outcome.given += contact_.given();
-    outcome.work += std::max(traits(Method::backward_euler).work, double(contact_.factorizations() - made) * implicit_.factor);
+    const double work = double(contact_.factorizations() - made) * implicit_.factor;
+    outcome.work += std::max(traits(Method::backward_euler).work, work);
+    outcome.spent += work + double(contact_.solutions() - solved) * implicit_.solution;
   }
   return outcome;
 }

@@ -9,7 +9,8 @@ namespace softffd {
 struct Outcome {
   StepStatus status = StepStatus::ok;
   double error = 0;   ///< estimated, of the largest step [m]; 0 without error control
-  double work = 0;    ///< in evaluations of the spring forces
+  double work = 0;    ///< in evaluations of the spring forces, by which methods are compared
+  double spent = 0;   ///< of the budget, where that is more than the work
   Count impacts = 0;  ///< points that came onto an obstacle
   double given = 0;   ///< energy that obstacles and pins gave, less what friction took; implicit contact alone says so [J]
 };

@@ -32,10 +32,10 @@ inline bool resolves_contact(Method method) { return traits(method).resolves_con
 inline bool is_implicit(Method method) { return traits(method).solves; }
 inline bool needs_matrices(Method method) { return traits(method).needs_matrices; }
 
-/// Work of an implicit step without contact: of a step, of a factor and of taking a step into the body's frame, by the operations they take
-/// and their measured time on 4 x 4 x 4.
+/// Work of an implicit step without contact: of a step, of a factor and of taking a step into the body's frame; and of a solution of the
+/// linear equations with contact; by the operations they take and their measured time on 4 x 4 x 4.
 struct ImplicitWork {
-  double step, factor, frame = 10;
+  double step, factor, solution, frame = 10;
   explicit ImplicitWork(const Lattice& lattice);
 };
 

@@ -34,6 +34,7 @@ struct Span {
   double h;
   Count steps;
   double most_work = std::numeric_limits<double>::infinity();  ///< after which a step that iterates gives up; in evaluations of the forces
+  double budget = std::numeric_limits<double>::infinity();     ///< of the call, after which it does too
   double time(Count i) const { return origin + double(first + i) * h; }
 };
 

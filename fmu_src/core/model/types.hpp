@@ -25,7 +25,7 @@ enum class StepStatus {
   zero_normal,
   zero_orientation,
   undecided,  ///< springs without length push apart points in no direction
-  too_many_steps,
+  too_much_work,
   not_finite
 };
 

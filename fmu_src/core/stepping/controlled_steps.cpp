@@ -70,15 +70,16 @@ StepStatus run_controlled(Integrators& integrators, const Job& job, Method metho
   const bool short_first = job.model.stability.elastic() && !in_frame;
   if (!(h > 0)) h = job.request.step_factor * std::min(end - motion.time, short_first ? use::first_step / bound(job) : infinity);
   run.path.clock = {motion.time, h, 0};
-  const double begun = course.work, most = use::most_steps_of(job.model.body.points());
+  Budget& budget = integrators.budget();
   for (Count tries = 1; motion.time < end; ++tries) {
-    if (course.work - begun > most) return StepStatus::too_many_steps;
+    if (budget.spent()) return StepStatus::too_much_work;
     const double left = end - motion.time;
     const Count ahead = divisions(left, tighter(h, limit));  // equal parts, so that no sliver is left at the end
     const double step = ahead == 1 ? left : left / double(ahead);
     if (!(step > least)) return StepStatus::not_finite;
     const Outcome offered = integrator.offer(job.model, job.drive, motion.time, step, run);
     course.work += offered.work;
+    budget.spend(offered.work);
     const double ratio = offered.error / allowed(step);
     const bool turned = straight && step > use::turned_too_far * turning_limit(job, integrator.x, integrator.v);
     if (straight) limit = step_limit(job, method, false);

@@ -58,12 +58,13 @@ double of_late(ContactSteps& contact, double error, double h, Count steps) {
 
 StepStatus DoubledSteps::run(Integrators& integrators, const Job& job, double end) {
   const State& motion = job.run.path.motion;
-  const double begin = motion.time, most = use::most_steps_of(job.model.body.points());
+  const double begin = motion.time;
   Count taken = 0;
   while (motion.time < end) {
     const double limit = step_limit(job, Method::leapfrog, false), left = end - motion.time, known = job.run.course.contact.h;
     const double h = known > 0 ? tighter(known, limit) : limit;
-    if (!(left / h <= most) || double(taken) > most) return refusal(left / h);
+    const double work = left / limit * traits(Method::leapfrog).work;
+    if (!integrators.budget().covers(work)) return refusal(work);
     const StepStatus status = run_stretch(integrators, job, {limit, h, end, motion.time == begin}, taken);
     if (status != StepStatus::ok) return status;
   }

@@ -24,14 +24,15 @@ void refine(Clock& clock, Count times) {
 /// Divides the given step as stability asks for at the present state. What a look says of a divided step holds from the next unit on, or at
 /// once if it must be finer. A step that has to be divided gets the distance from the limit that automatic ones keep; close to it every
 /// vibration would change the division, and feed itself by that.
-StepStatus divide_unit(const Job& job, Method method) {
+StepStatus divide_unit(const Budget& budget, const Job& job, Method method) {
   Clock& clock = job.run.path.clock;
   const double unit = job.request.step, wanted = unit * job.request.step_factor;
   const Count into = clock.unit == unit ? clock.count % clock.parts : 0;
   const double limit = tighter(wanted, step_limit(job, method, true));
   const bool again = job.request.step_factor < 1;  // without a result so far: as divided as it must be, anew at every unit
   const double target = limit < wanted && !again ? tighter(limit, step_limit(job, method, false)) : limit;
-  if (!(unit / target <= use::most_steps_of(job.model.body.points()))) return refusal(unit / target);
+  const double work = unit / target * traits(method).work;
+  if (!budget.covers(work)) return refusal(work);
   const bool too_long = divisions(clock.h, limit) > 1;
   if (into == 0 && (clock.unit != unit || too_long || again || target > use::regrowth * clock.h)) {
     const Count parts = divisions(unit, target);
@@ -56,18 +57,19 @@ StepStatus run_stretch(Integrators& integrators, const Job& job, Method method, 
 
 Count counted_units(const Request& request, double H) {
   const double units = request.step > 0 ? std::round(H / request.step) : 0;
-  return units >= 1 && units <= double(use::most_steps) && std::abs(H - units * request.step) <= 1e-9 * H ? Count(units) : 0;
+  return units >= 1 && units <= use::countable && std::abs(H - units * request.step) <= 1e-9 * H ? Count(units) : 0;
 }
 
 /// Looks are counted, so that they fall on the same moments however the time is cut.
 StepStatus run_counted(Integrators& integrators, const Job& job, Method method, Count units) {
   Clock& clock = job.run.path.clock;
+  const Budget& budget = integrators.budget();
   while (units > 0) {
     const bool other = clock.unit != job.request.step;
     const bool begins_divided = !other && clock.parts > 1 && clock.count % clock.parts == 0;
     if (other || job.run.course.bound < 0 || clock.count % use::look_every == 0 || begins_divided || job.request.step_factor < 1)
-      if (const StepStatus status = divide_unit(job, method); status != StepStatus::ok) return status;
-    if (double(units) * double(clock.parts) > use::most_steps_of(job.model.body.points())) return StepStatus::too_many_steps;
+      if (const StepStatus status = divide_unit(budget, job, method); status != StepStatus::ok) return status;
+    if (!budget.covers(double(units) * double(clock.parts) * traits(method).work)) return StepStatus::too_much_work;
     const Count left = clock.parts > 1 ? clock.parts - clock.count % clock.parts : units;
     const Count ahead = std::min(left, use::look_every - clock.count % use::look_every);
     const StepStatus status = run_stretch(integrators, job, method, ahead);
@@ -97,7 +99,8 @@ StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const Jo
     const double limit = tighter(step_limit(job, method, given), request.step_factor * (given ? request.step : calibration.h));
     if (steps == 0 || !(clock.h <= limit) || limit > use::regrowth * clock.h) {
       const double left = end - motion.time;
-      if (!(left / limit <= use::most_steps_of(job.model.body.points()))) return refusal(left / limit);
+      const double work = left / limit * traits(method).work;
+      if (!integrators.budget().covers(work)) return refusal(work);
       steps = divisions(left, limit);
       clock = {motion.time, left / double(steps), 0};
     }

@@ -5,7 +5,7 @@
 
 namespace softffd {
 
-/// The given steps in a communication step, if they fit it without a rest and are not too many; else 0.
+/// The given steps in a communication step, if they fit it without a rest and can be counted; else 0.
 Count counted_units(const Request& request, double H);
 /// So many given steps, each divided where stability asks for it.
 StepStatus run_counted(Integrators& integrators, const Job& job, Method method, Count units);

@@ -34,9 +34,8 @@ StepStatus Propagator::advance(const Job& job, double H) {
   course.usual = std::max(H, use::usual_decay * course.usual);
   if (!plans_every_given_step(facts(job, H))) return advance_planned(job, H);
   const Clock& clock = job.run.path.clock;
-  const double most_steps = use::most_steps_of(job.model.body.points());
   for (Count left = counted_units(job.request, H); left > 0; --left) {
-    if (clock.unit == job.request.step && double(left) * double(clock.parts) > most_steps) return StepStatus::too_many_steps;
+    if (clock.unit == job.request.step && !budget().covers(double(left) * double(clock.parts))) return StepStatus::too_much_work;
     const StepStatus status = advance_planned(job, job.request.step);
     if (status != StepStatus::ok) return status;
   }
@@ -113,15 +112,13 @@ StepStatus Propagator::carry_out(const Job& job, const Plan& plan, double H) {
 StepStatus Propagator::run_raced(const Job& job, double end) {
   Course& course = job.run.course;
   const State& motion = job.run.path.motion;
-  const double begun = course.work;
   while (motion.time < end) {
     const double left = end - motion.time;
     if (Race::due(job, left)) race_.run(integrators_, calibrator_, job, left);
     const Method method = course.method = course.race.winner;
     course.reason = course.race.reason;
     if (motion.time == end) break;  // a trial took it there
-    if (course.work - begun + course.race.forecast > use::too_long * use::most_steps_of(job.model.body.points()))
-      return StepStatus::too_many_steps;
+    if (course.race.forecast > use::too_long * budget().left()) return StepStatus::too_much_work;
     const double pause_at = std::min(course.race.due, course.work + use::overrun * course.race.forecast + use::shortest_pause);
     const StepStatus status = traits(method).error_control() ? run_controlled(integrators_, job, method, end, pause_at)
                                                              : run_fitted(integrators_, calibrator_, job, method, end, pause_at);

@@ -17,6 +17,7 @@ class Propagator {
   Propagator(const Lattice& lattice, const Run& run);
   /// From the run's time to H later. On failure the run is spoilt and the caller restores it.
   StepStatus advance(const Job& job, double H);
+  Budget& budget() { return integrators_.budget(); }
   /// Number of matrices factored since the start: none unless implicit steps are tried.
   Count factorizations() const { return integrators_.factorizations(); }
 

@@ -86,7 +86,7 @@ bool Race::fast_modes_are_quiet(Integrators& integrators, const Job& job, Method
   std::swap(fine_, motion);
   trial.back();
   OneStep& step = integrators.one_step(method);
-  step.offer(job.model, job.drive, begin, way, job.run);
+  integrators.budget().spend(step.offer(job.model, job.drive, begin, way, job.run).work);
   fine_.x -= step.x;
   fine_.v -= step.v;
   const std::size_t n = fine_.x.size();

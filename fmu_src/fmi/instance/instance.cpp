@@ -64,7 +64,7 @@ fmi2Status Instance::do_step(double time, double step) {
   variables_.begin_step(body_, estimate());
   if (variables_.changed()) apply_values();
   const StepStatus status = body_.advance(step);
-  if (status == StepStatus::too_many_steps || status == StepStatus::not_finite) {
+  if (status == StepStatus::too_much_work || status == StepStatus::not_finite) {
     phase = step_failed;
     logger.log(fmi2Discard, log_discard, trouble(status, scene_, body_, times_.now, step));
     return fmi2Discard;

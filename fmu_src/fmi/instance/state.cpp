@@ -3,7 +3,6 @@
 #include <iterator>
 
 #include "instance/instance.hpp"
-#include "kit/thresholds.hpp"
 #include "matrix/layer_matrix.hpp"
 #include "methods/traits.hpp"
 
@@ -92,9 +91,9 @@ bool possible(const Course& course, const Lattice& lattice) {
 
 bool sound(const Run& run) {
   const Clock& clock = run.path.clock;
-  return counter(clock.count) && clock.parts > 0 && clock.parts <= thresholds::most_steps && counter(run.path.steps) &&
-         counter(run.course.rejected) && counter(run.course.factored.uses) && run.energy.step_factor > 0 && run.energy.step_factor <= 1 &&
-         run.path.motion.x.allFinite() && run.path.motion.v.allFinite() && run.exchange_time > 0 && counter(run.contacts_resolved) &&
+  return counter(clock.count) && clock.parts > 0 && counter(clock.parts) && counter(run.path.steps) && counter(run.course.rejected) &&
+         counter(run.course.factored.uses) && run.energy.step_factor > 0 && run.energy.step_factor <= 1 && run.path.motion.x.allFinite() &&
+         run.path.motion.v.allFinite() && run.exchange_time > 0 && counter(run.contacts_resolved) &&
          counter(run.path.exchange.contacts_resolved) && std::all_of(run.contacts.begin(), run.contacts.end(), counter);
 }
 

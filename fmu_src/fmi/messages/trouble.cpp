@@ -1,6 +1,5 @@
 #include "messages/trouble.hpp"
 
-#include "kit/thresholds.hpp"
 #include "messages/logger.hpp"
 
 namespace softffd::fmi {
@@ -24,10 +23,11 @@ std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& b
     case StepStatus::zero_normal: return where + "a plane's normal is the zero vector; wanted any other vector";
     case StepStatus::zero_orientation: return where + "a pin's orientation is the zero quaternion; wanted any other, e.g. (1, 0, 0, 0)";
     case StepStatus::undecided: return where + without_direction(scene, body);
-    case StepStatus::too_many_steps:
-      return where + "a communication step of " + number(step) + " s needs more than " +
-             std::to_string(Count(thresholds::most_steps_of(body.lattice().points()))) +
-             " internal steps; use a shorter communication step, a longer solver.step or less stiffness per mass";
+    case StepStatus::too_much_work:
+      return where + "a communication step of " + number(step) +
+             " s takes more than the work of [solver] most_work = " + number(scene.most_work) +
+             (body.came() > 0 ? ", as was seen at time " + number(time + body.came()) + " s" : "") +
+             "; use shorter communication steps, a longer solver.step, less stiffness per mass or a looser tolerance, or allow more work";
     case StepStatus::not_finite:
       return where + "the result of a communication step of " + number(step) +
              " s is not finite, and not with smaller internal steps either: forces, speeds or stiffness are beyond what they can follow";

@@ -210,6 +210,7 @@ constexpr Reader readers[] = {
     {"stop_time", [](Record& r, SceneFile& s) { s.stop_time = r.positive(); }},
     {"method", [](Record& r, SceneFile& s) { s.method = r.integer(1, method_count); }},
     {"tolerance", [](Record& r, SceneFile& s) { s.tolerance = r.positive(); }},
+    {"most_work", [](Record& r, SceneFile& s) { s.most_work = r.positive(); }},
     {"step", [](Record& r, SceneFile& s) { s.step = r.at_least(0); }},
 };
 

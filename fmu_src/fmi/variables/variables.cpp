@@ -67,6 +67,7 @@ void set_starts(const SceneFile& scene, Settings& settings) {
   settings.gravity = scene.gravity.value_or(Vec3::Zero());
   settings.tolerance = scene.tolerance;
   settings.step = scene.step;
+  settings.most_work = scene.most_work;
   std::copy(scene.planes.begin(), scene.planes.end(), settings.planes.begin());
 }
 

@@ -70,7 +70,12 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
     solver = scene.solver
     if solver.error_estimate:
         lines.append(["error_estimate"])
-    lines += [["method", method_value(solver.method)], ["tolerance", solver.tolerance], ["step", solver.step]]
+    lines += [
+        ["method", method_value(solver.method)],
+        ["tolerance", solver.tolerance],
+        ["step", solver.step],
+        ["most_work", solver.most_work],
+    ]
     return "".join(_line(line) for line in lines)
 
 

@@ -317,6 +317,11 @@ class Solver(Section):
     )
     tolerance: Number = quantity(1e-4, "m", "error at the end of the run for a box of 1 m, scaled by its largest side", gt=0)
     step: Number = quantity(0.0, "s", "internal step; 0: chosen by stability and tolerance", ge=0)
+    most_work: Number = key(
+        5e6,
+        "work that one call may do, in evaluations of the forces of 64 control points: a million is about a second of one core",
+        gt=0,
+    )
     error_estimate: Switch = key(False, "a second run beside this one estimates its error; costs 80 to 160 % more")
 
 

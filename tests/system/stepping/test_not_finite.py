@@ -65,7 +65,7 @@ def test_what_no_step_can_follow_is_refused_by_name_and_changes_nothing(method, 
         body.step(0.01)
         before, state = body.positions(), body.save()
         body.set({"load.push.x": 1e308})
-        with pytest.raises(FmuError, match="not finite, and not with smaller internal steps either" + "|more than 20000000" * (step == 0)):
+        with pytest.raises(FmuError, match="not finite, and not with smaller internal steps either" + "|most_work" * (step == 0)):
             body.step(10.0)
         assert np.array_equal(body.positions(), before)
         body.restore(state)
@@ -81,7 +81,7 @@ def test_outputs_after_a_discarded_step_are_those_of_the_values_before():
             each.step(0.01)
         before, state = body.outputs(), body.save()
         body.set({"stiffness.edge": 1e30})
-        with pytest.raises(FmuError, match="more than 20000000"):
+        with pytest.raises(FmuError, match="most_work = 5000000"):
             body.step(0.01)
         assert body.outputs() == before
         body.restore(body.save())

@@ -161,7 +161,7 @@ def cases() -> list[Case]:
         Case("force 1e12 N", "on one corner, k = 1e3 N/m", "momentum = F t; energy = work", partial(_force, 1e12), quick=True),
         Case("force 1e-300 N", "on one corner", "momentum = F t; energy = work", partial(_force, 1e-300), quick=True),
         Case("force 1e308 N", "on one corner, ten steps of 0.1 s", "refused: the result is not finite", _overflow,
-             refusal="finite|20000000", quick=True),
+             refusal="finite|most_work", quick=True),
         Case("force not a number", "as input", "refused", _not_a_number, refusal="finite|NaN|nan", quick=True),
         Case("pulled at once, given step 0.16 s", "with 3e3 N, k = 1e3 N/m: the step is divided anew as the body stiffens", free,
              partial(_pulled, 0.16), quick=True),
