@@ -22,6 +22,9 @@ PACKAGE_ROOMS = [
 ]
 """The shipped scenes are data, and the package's own __init__ knows everybody."""
 
+ASKED = {"run/shown.py": {"show.picture", "show.view"}}
+"""The one place that looks up: a result's picture and page are drawn when it is asked for them, by the room that stands on it."""
+
 CPP_FILES = sorted(file.relative_to(CPP).as_posix() for file in CPP.rglob("*.[ch]pp"))
 PACKAGE_FILES = sorted(file.relative_to(PACKAGE).as_posix() for file in PACKAGE.rglob("*.py"))
 
@@ -54,4 +57,4 @@ def imported(file: str) -> set[str]:
 @pytest.mark.parametrize("file", [name for name in PACKAGE_FILES if package_room(name) in PACKAGE_ROOMS])
 def test_no_import_of_the_package_points_up(file):
     place = PACKAGE_ROOMS.index(package_room(file))
-    assert [name for name in imported(file) if PACKAGE_ROOMS.index(package_room(name)) < place] == []
+    assert [name for name in imported(file) - ASKED.get(file, set()) if PACKAGE_ROOMS.index(package_room(name)) < place] == []

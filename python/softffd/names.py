@@ -149,6 +149,12 @@ def stem(name: str) -> str:
     return f"{found.family}[i,j,k]" if found and isinstance(found.instance, tuple) else whole
 
 
+def unit_of(name: str) -> str:
+    """The unit of a variable; empty for what is no name of the table and where there is none."""
+    found = parse_name(name)
+    return str(_row(found.family).get("unit", "")) if found else ""
+
+
 def listed(names: Iterable[str], *, most: int = 6) -> str:
     """Names in a line, for what is to be read at a glance: vectors once, the first `most` and how many more."""
     stems = list(dict.fromkeys(map(stem, names)))

@@ -62,6 +62,7 @@ def _point(name, height):
 def _scene(title, pins):
     return SimpleNamespace(
         title=title,
+        loaded_mesh=None,
         environment=SimpleNamespace(gravity=(0.0, 0.0, -9.81)),
         pin=tuple(SimpleNamespace(name=f"pin{n}", points=n) for n in range(len(pins))),
         select=lambda points: np.asarray(pins[points]),

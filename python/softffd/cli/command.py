@@ -197,6 +197,14 @@ def _new(options: argparse.Namespace) -> None:
     print(f"{path}: edit it, then: softffd run {shlex.quote(str(path))}")
 
 
+def _view(options: argparse.Namespace) -> None:
+    from softffd.cli.keep import page_of
+
+    page = page_of(options.what)
+    print(page)
+    webbrowser.open(page.resolve().as_uri())
+
+
 def _info(options: argparse.Namespace) -> None:
     from softffd.cli.info import told_info
     from softffd.fmu.component import Component
@@ -212,5 +220,5 @@ def _schema(_options: argparse.Namespace) -> None:
 
 COMMANDS: dict[str, Callable[[argparse.Namespace], None]] = {
     "demo": _demo, "build": _build, "run": _run, "accuracy": _accuracy, "stability": _stability, "drivers": _drivers, "scenes": _scenes,
-    "info": _info, "new": _new, "schema": _schema,
+    "view": _view, "info": _info, "new": _new, "schema": _schema,
 }  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from softffd.cli.keep import keep_run, run_mesh, run_scene_or_fmu
+from softffd.cli.keep import keep_run, run_scene_or_fmu
 from softffd.cli.told import told_after
 from softffd.fmu.package import package_fmu
 from softffd.run.progress import ProgressLine
@@ -23,7 +23,7 @@ def run_demo(folder: Path) -> None:
         progress.say(told_after(result.summary))
         keep_run(result, folder, progress.stage)
         progress.stage("drawing strip.png and history.png")
-        draw_strip(result, folder / "strip.png", mesh=run_mesh(result))
+        draw_strip(result, folder / "strip.png", mesh=result.loaded_mesh)
         draw_history(result, folder / "history.png")
     print(f"  pictures: {folder / 'strip.png'}, {folder / 'history.png'}, {folder / 'picture.png'}")
     print(f"  to play and turn it in a browser: {folder / 'view.html'}")

@@ -12,16 +12,16 @@ import numpy as np
 
 from softffd.errors import FmuError, Interrupted, SoftffdError
 from softffd.fmu.component import Component
-from softffd.mesh.mesh import READ, WRITTEN, Mesh, save_mesh
+from softffd.mesh.mesh import READ, WRITTEN, save_mesh
 from softffd.run.findings import ESTIMATE, findings
 from softffd.run.inputs import Source
 from softffd.run.progress import Note, silent
-from softffd.run.result import Result
+from softffd.run.result import KEPT, Result
 from softffd.run.simulate import Begun, Interpolation, Progress, simulate
 from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
 
-RESULTS = ("result.npz", "result.csv", "summary.json")
+RESULTS = (KEPT, "result.csv", "summary.json")
 """What every run is kept in."""
 
 
@@ -104,7 +104,7 @@ def keep_run(result: Result, folder: Path, stage: Note = silent) -> list[Path]:
     from softffd.show.picture import draw_run
     from softffd.show.view import write_view
 
-    mesh = run_mesh(result)
+    mesh = result.loaded_mesh
     stage("drawing picture.png")
     draw_run(result, folder / "picture.png", mesh=mesh)
     stage("writing view.html")
@@ -119,11 +119,6 @@ def keep_run(result: Result, folder: Path, stage: Note = silent) -> list[Path]:
     return files
 
 
-def run_mesh(result: Result) -> Mesh | None:
-    """The mesh of a result's scene at rest."""
-    return result.scene.loaded_mesh if result.scene else None
-
-
 def require_no_results(folder: Path) -> None:
     """SoftffdError where a folder holds the results of an earlier run: to be asked before a run."""
     if kept := [name for name in RESULTS if (folder / name).exists()]:
@@ -131,3 +126,13 @@ def require_no_results(folder: Path) -> None:
             f"{folder}: holds the results of an earlier run ({', '.join(kept)}); to write over them: --overwrite, "
             "to keep them: another folder by -o DIR"
         )
+
+
+def page_of(kept: Path) -> Path:
+    """The interactive page of a folder that a run is kept in, or of one file: the one that is there, else written from the result."""
+    results, page = (kept / KEPT, kept / "view.html") if kept.is_dir() else (kept, kept.with_suffix(".html"))
+    if not results.is_file():
+        raise SoftffdError(f"{kept}: wanted a folder that softffd run wrote, or a file of Result.save, got no result there")
+    if page.is_file() and page.stat().st_mtime >= results.stat().st_mtime:
+        return page
+    return Result.load(results).view(page, browser=False)

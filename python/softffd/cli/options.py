@@ -127,6 +127,9 @@ def _others(add: Add) -> None:
 
     add("scenes", "list the shipped scenes", "softffd scenes")
 
+    view = add("view", "open the interactive page of a run that was kept", "softffd view softffd-press")
+    view.add_argument("what", type=Path, metavar="DIR|X.npz", help="a folder of softffd run, or a file of Result.save")
+
     info = add("info", "list the variables of a scene or an FMU: unit, start, causality; and the pins' frames", "softffd info press")
     info.add_argument("what", metavar="SCENE|X.fmu", help="a scene file, a shipped scene's name, or an FMU")
     info.add_argument("--all", action="store_true", help="each control point's variables too")

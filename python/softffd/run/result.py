@@ -19,14 +19,19 @@ from softffd.lattice import LatticeBox, all_points
 from softffd.mesh.mesh import Mesh
 from softffd.names import ByName, part_names, variable_names, vector_names
 from softffd.rotation import turned
+from softffd.run import shown
 from softffd.run.deformation import deformation
 from softffd.run.parts import require_name
 from softffd.run.result_file import read_result, write_result
-from softffd.run.shown import in_words
+from softffd.run.tables import data_frame, dataset
 from softffd.scene.scene import Scene
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
     from softffd.fmu.component import Message
 
 T = TypeVar("T")
@@ -82,12 +87,17 @@ class Result:
             object.__setattr__(self, field_name, Columns(getattr(self, field_name), what))
 
     def __repr__(self) -> str:
-        return in_words(self)
+        return shown.in_words(self)
 
     @property
     def title(self) -> str:
         """Of the scene, or what the FMU says of itself."""
         return str(self.summary.get("title", "")) if self.scene is None else self.scene.title
+
+    @property
+    def loaded_mesh(self) -> Mesh | None:
+        """The mesh of the run's scene at rest; None where it has none."""
+        return self.scene.loaded_mesh if self.scene else None
 
     @property
     def has_positions(self) -> bool:
@@ -107,7 +117,7 @@ class Result:
         mesh: a Mesh or vertices (V, 3) [m] at rest; the scene's mesh by default. MeshError where there is none or a vertex is outside the
         box, SoftffdError where positions of control points were not recorded.
         """
-        mesh = self.scene.loaded_mesh if mesh is None and self.scene else mesh
+        mesh = self.loaded_mesh if mesh is None else mesh
         if mesh is None:
             why = self.sceneless or "the run's scene has none"
             raise MeshError(f"deformed: wanted a mesh, for {why}")
@@ -167,15 +177,39 @@ class Result:
         path = Path(path)
         return cls(**read_result(path / KEPT if path.is_dir() else path))
 
-    def _write_csv(self, stream: Any) -> None:
-        columns = {"time": self.time, **self.outputs, **self._position_columns()}
-        header = ",".join(f'"{name}"' if "," in name else name for name in columns)
-        np.savetxt(stream, np.stack(list(columns.values()), axis=1), fmt="%.17g", delimiter=",", header=header, comments="")
-
-    def _position_columns(self) -> dict[str, np.ndarray]:
+    def columns(self) -> dict[str, np.ndarray]:
+        """All outputs that were recorded, positions among them, by variable name, (T,) each."""
         recorded = [point for point in all_points(self.positions.shape[1:4]) if not np.isnan(self.positions[0, *point, 0])]
         columns = (self.positions[:, *point, axis] for point in recorded for axis in range(3))
-        return dict(zip(variable_names("position", recorded, plain=self.plain_names), columns, strict=True))
+        names = variable_names("position", recorded, plain=self.plain_names)
+        return {**self.outputs, **dict(zip(names, columns, strict=True))}
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Outputs and inputs as a DataFrame, whose index is the time [s]: `columns` and `inputs`. Needs softffd[dataframes]."""
+        return data_frame(self)
+
+    def to_xarray(self) -> xr.Dataset:
+        """Outputs and inputs as a Dataset with units: a vector is one array (time, axis), those at control points (time, i, j, k, axis), as
+        `position`; parameters are attributes. Needs softffd[datasets]."""
+        return dataset(self)
+
+    def plot(self, path: str | Path | None = None) -> Figure:
+        """The picture of the run: its telling moments, with its scene's mesh, and the curves; written to `path` (PNG) where one is given.
+        Returns matplotlib's Figure. SoftffdError where positions were not recorded."""
+        return shown.picture(self, path)
+
+    def view(self, path: str | Path | None = None, *, browser: bool = True) -> Path:
+        """Writes the interactive page to `path`, or a new temporary file, and opens it in the browser. Returns the page's path.
+        SoftffdError where positions were not recorded."""
+        return shown.page(self, path, browser=browser)
+
+    def _repr_html_(self) -> str:
+        return shown.in_notebook(self)
+
+    def _write_csv(self, stream: Any) -> None:
+        columns = {"time": self.time, **self.columns()}
+        header = ",".join(f'"{name}"' if "," in name else name for name in columns)
+        np.savetxt(stream, np.stack(list(columns.values()), axis=1), fmt="%.17g", delimiter=",", header=header, comments="")
 
     def _write_summary(self, stream: Any) -> None:
         stream.write((json.dumps(self.summary, indent=2) + "\n").encode())

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import base64
+import html
+import tempfile
+import webbrowser
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,7 +14,12 @@ import numpy as np
 from softffd.names import listed
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from softffd.run.result import Result
+
+LARGEST_PAGE = 2e6
+"""Characters of an interactive page that a notebook takes into itself."""
 
 
 def in_words(result: Result) -> str:
@@ -25,6 +35,45 @@ def in_words(result: Result) -> str:
     if result.sceneless:
         lines.append(f"without its scene: {result.sceneless}")
     return "\n  ".join(lines)
+
+
+def picture(result: Result, path: str | Path | None = None) -> Figure:
+    """The picture of the run, written to `path` where one is given."""
+    from softffd.show.picture import run_figure, save_figure
+
+    figure = run_figure(result, mesh=result.loaded_mesh)
+    if path is not None:
+        save_figure(figure, path)
+    return figure
+
+
+def page(result: Result, path: str | Path | None = None, *, browser: bool) -> Path:
+    """Writes the interactive page, to a new temporary file without a path, and opens it in the browser if that is asked for."""
+    from softffd.show.view import write_view
+
+    if path is None:
+        path = Path(tempfile.mkdtemp(prefix="softffd-")) / "view.html"
+    written = write_view(result, path, mesh=result.loaded_mesh)
+    if browser:
+        webbrowser.open(written.resolve().as_uri())
+    return Path(written)
+
+
+def in_notebook(result: Result) -> str:
+    """The words and, where positions were recorded, the picture and, if it is small, the interactive page, to be opened with a click."""
+    said = f"<pre>{html.escape(in_words(result))}</pre>"
+    if not result.has_positions:
+        return said
+    from softffd.show.picture import png_of
+    from softffd.show.view import page_text
+
+    image = base64.b64encode(png_of(picture(result))).decode("ascii")
+    said += f'<img alt="{html.escape(result.title)}" style="max-width: 100%" src="data:image/png;base64,{image}">'
+    text = page_text(result, mesh=result.loaded_mesh)
+    if len(text) > LARGEST_PAGE:
+        return f"{said}<p>The interactive page is large: <code>view()</code> opens it in the browser.</p>"
+    frame = f'<iframe loading="lazy" style="width: 100%; height: 36rem; border: 0" srcdoc="{html.escape(text)}"></iframe>'
+    return f"{said}<details><summary>interactive page</summary>{frame}</details>"
 
 
 def _deformed(result: Result) -> str:

@@ -25,8 +25,20 @@ CAPTION = 0.32
 """Height of the line below the images, inches."""
 
 
+class Picture(Figure):
+    """A figure that a notebook shows as it is; its images have the pixels of its own resolution."""
+
+    def _repr_png_(self):
+        return png_of(self)
+
+
 def draw_run(result, path, *, mesh=None, origin=None, size=None):
-    """Draw `result` to `path` (PNG): start, first contact, largest deformation, end; and the history. Returns the path.
+    """Draw what run_figure makes of `result` to `path` (PNG). Returns the path."""
+    return save_figure(run_figure(result, mesh=mesh, origin=origin, size=size), path)
+
+
+def run_figure(result, *, mesh=None, origin=None, size=None):
+    """The figure of `result`: start, first contact, largest deformation, end; and the history.
 
     mesh: the object at rest, or None for the boundary of the volume. origin, size: its box (3,) [m] if not the scene's.
     Raises SoftffdError when positions of control points were not recorded.
@@ -44,7 +56,7 @@ def draw_run(result, path, *, mesh=None, origin=None, size=None):
     for axes in _draw_curves(figure, result, bottom=0.085, top=0.345):
         for frame in moments:
             axes.axvline(stage.time[frame], color=SOFT, linewidth=0.8, linestyle=(0, (2, 3)), zorder=0)
-    return _save(figure, path)
+    return figure
 
 
 def draw_strip(result, path, *, mesh=None, moments=None, labels=None, origin=None, size=None):
@@ -63,14 +75,14 @@ def draw_strip(result, path, *, mesh=None, moments=None, labels=None, origin=Non
         labels = ["at rest" if frame is None else f"t = {stage.time[frame]:.4g} s" for frame in frames]
     figure = new_figure(3.6 * len(frames), 3.2, dpi=170)
     _draw_panels(figure, stage, frames, labels, box=(0.0, 0.0, 1.0, 1.0))
-    return _save(figure, path)
+    return save_figure(figure, path)
 
 
 def draw_history(result, path):
     """Draw the curves alone to `path` (PNG): reactions [N] and energies [J]; without either the lattice's height."""
     figure = new_figure(13.0, 4.0, dpi=110)
     _draw_curves(figure, result, bottom=0.15, top=0.89)
-    return _save(figure, path)
+    return save_figure(figure, path)
 
 
 def _four_frames(result):
@@ -126,7 +138,7 @@ def _dress(axes, time, label, unit):
 
 def new_figure(width, height, *, dpi):
     """A figure of `width` x `height` inches, without the global state of pyplot."""
-    figure = Figure(figsize=(width, height), dpi=dpi, facecolor="white")
+    figure = Picture(figsize=(width, height), dpi=dpi, facecolor="white")
     FigureCanvasAgg(figure)
     return figure
 
@@ -138,6 +150,7 @@ def png_of(figure):
     return stream.getvalue()
 
 
-def _save(figure, path):
+def save_figure(figure, path):
+    """Write the figure to `path` (PNG); returns the path."""
     write_bytes(path, png_of(figure))
     return Path(path)

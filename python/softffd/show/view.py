@@ -41,6 +41,12 @@ def write_view(result, path, *, mesh=None, origin=None, size=None):
     A run of more than 600 frames is thinned evenly, keeping the first and the last, and the page says so.
     Raises SoftffdError when positions of control points were not recorded.
     """
+    write_text(path, page_text(result, mesh=mesh, origin=origin, size=size))
+    return Path(path)
+
+
+def page_text(result, *, mesh=None, origin=None, size=None):
+    """The page itself, see write_view."""
     stage = stage_of(result, mesh=mesh, origin=origin, size=size)
     frames = _frames(stage.positions)
     run = {
@@ -57,8 +63,7 @@ def write_view(result, path, *, mesh=None, origin=None, size=None):
         "rows": _rows(result, stage, frames),
         "largest": _largest(stage, frames),
     }
-    write_text(path, _page(run))
-    return Path(path)
+    return _page(run)
 
 
 def _page(run):

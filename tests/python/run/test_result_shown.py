@@ -1,0 +1,94 @@
+"""A result's picture, page, notebook form and tables."""
+
+import base64
+import html
+import re
+import sys
+from dataclasses import replace
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from made_up_run import made_up_run
+from scenes import LED, box, table_and_press
+from softffd import SoftffdError, simulate
+
+
+@pytest.fixture(scope="module")
+def result():
+    pin = [{"name": "hand", "points": "z-", **LED}]
+    return simulate(box(plane=table_and_press(), pin=pin, velocities={"i": [1, 1]}, forces="x+", stop_time=0.05))
+
+
+@pytest.fixture
+def opened(monkeypatch) -> list[str]:
+    pages: list[str] = []
+    monkeypatch.setattr("webbrowser.open", lambda page: pages.append(page) or True)
+    return pages
+
+
+def test_plot_gives_the_figure_and_writes_it(tmp_path):
+    figure = made_up_run().plot(tmp_path / "run.png")
+    assert figure._repr_png_() == (tmp_path / "run.png").read_bytes()
+    with Image.open(tmp_path / "run.png") as image:
+        assert image.size == tuple((figure.get_size_inches() * figure.dpi).round().astype(int))
+
+
+def test_view_writes_the_page_and_opens_it(tmp_path, opened):
+    page = made_up_run().view(tmp_path / "run.html")
+    assert opened == [page.resolve().as_uri()] and "A soft box under a press" in page.read_text()
+    assert made_up_run().view(browser=False).read_text() == page.read_text() and len(opened) == 1
+
+
+def test_without_positions_there_is_nothing_to_see(tmp_path, opened):
+    run = made_up_run()
+    run.positions[2] = np.nan
+    for ask in (run.plot, lambda: run.view(tmp_path / "run.html")):
+        with pytest.raises(SoftffdError, match=r'outputs\.positions = "all"'):
+            ask()
+    assert not opened and not list(tmp_path.iterdir())
+    assert run._repr_html_() == f"<pre>{html.escape(repr(run))}</pre>"
+
+
+def test_a_notebook_shows_words_picture_and_page(monkeypatch):
+    run = replace(made_up_run(), summary={"title": "<Box> & co"}, scene=None)
+    shown = run._repr_html_()
+    assert shown.startswith(f"<pre>{html.escape(repr(run))}</pre>") and "<Box>" not in shown
+    with Image.open(BytesIO(base64.b64decode(re.search(r"base64,([^\"]+)\"", shown)[1]))) as image:
+        assert image.width > 1000
+    frame = html.unescape(re.search(r'srcdoc="([^"]+)"', shown)[1])
+    assert frame.startswith("<!doctype html>") and frame.rstrip().endswith("</html>")
+    monkeypatch.setattr("softffd.run.shown.LARGEST_PAGE", len(frame) - 1)
+    assert "<iframe" not in run._repr_html_() and "view()" in run._repr_html_()
+
+
+def test_a_data_frame_has_every_variable_over_time(result):
+    pytest.importorskip("pandas")
+    frame = result.to_dataframe()
+    assert frame.index.name == "time" and list(frame.index) == list(result.time)
+    np.testing.assert_array_equal(frame["position[3,2,1].z"], result.positions[:, 3, 2, 1, 2])
+    np.testing.assert_array_equal(frame["plane.press.reaction.z"], result.outputs["plane.press.reaction.z"])
+    again = simulate(result.scene, inputs=frame[["plane.press.point.z"]])
+    np.testing.assert_array_equal(again.inputs["plane.press.point.z"], frame["plane.press.point.z"])
+
+
+def test_a_dataset_has_vectors_and_fields_with_their_units(result):
+    pytest.importorskip("xarray")
+    data = result.to_xarray()
+    np.testing.assert_array_equal(data["position"], result.positions)
+    assert data["velocity"].dims == data["position"].dims == ("time", "i", "j", "k", "axis")
+    np.testing.assert_array_equal(data["velocity"][:, 1, 2, 3, 0], result.outputs["velocity[1,2,3].x"])
+    assert np.isnan(data["velocity"][:, 0]).all() and np.isnan(data["force"][:, 0]).all() and not np.isnan(data["force"][:, 3]).any()
+    force = data["plane.press.reaction"].sel(axis="z", time=0.03, method=None)
+    assert force == result.outputs["plane.press.reaction.z"][3] and data["plane.press.reaction"].attrs == {"units": "N"}
+    assert data["pin.hand.orientation.w"].dims == ("time",) and data["plane.press.contacts"].dtype == np.int64
+    assert data.attrs["title"] == result.title and data.attrs["mass"] == 1
+
+
+@pytest.mark.parametrize("method, package, extra", [("to_dataframe", "pandas", "dataframes"), ("to_xarray", "xarray", "datasets")])
+def test_a_missing_package_is_named_with_its_extra(result, monkeypatch, method, package, extra):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(SoftffdError, match=rf"{method} needs {package}, .* pip install 'softffd\[{extra}\]'"):
+        getattr(result, method)()
