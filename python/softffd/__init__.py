@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from softffd.run.result import Result
     from softffd.run.simulate import simulate
     from softffd.run.simulation import Simulation
+    from softffd.run.sweep.sweep import sweep
+    from softffd.run.sweep.table import Sweep
     from softffd.scene.scene import Scene, load_scene
 
 __version__ = "0.1.0"
@@ -24,12 +26,14 @@ __all__ = [
     "SceneError",
     "Simulation",
     "SoftffdError",
+    "Sweep",
     "deform",
     "load_mesh",
     "load_scene",
     "package_fmu",
     "save_mesh",
     "simulate",
+    "sweep",
 ]
 
 HOMES = {
@@ -40,12 +44,14 @@ HOMES = {
     "SceneError": "errors",
     "Simulation": "run.simulation",
     "SoftffdError": "errors",
+    "Sweep": "run.sweep.table",
     "deform": "embedding.deform",
     "load_mesh": "mesh.mesh",
     "load_scene": "scene.scene",
     "package_fmu": "fmu.package",
     "save_mesh": "mesh.mesh",
     "simulate": "run.simulate",
+    "sweep": "run.sweep.sweep",
 }
 """The module of each public name, imported when the name is asked for: numpy, pydantic and fmpy take most of a second."""
 

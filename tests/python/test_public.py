@@ -9,8 +9,8 @@ import pytest
 import softffd
 
 PUBLIC = [
-    *("FmuError", "MeshError", "Result", "Scene", "SceneError", "Simulation", "SoftffdError"),
-    *("deform", "load_mesh", "load_scene", "package_fmu", "save_mesh", "simulate"),
+    *("FmuError", "MeshError", "Result", "Scene", "SceneError", "Simulation", "SoftffdError", "Sweep"),
+    *("deform", "load_mesh", "load_scene", "package_fmu", "save_mesh", "simulate", "sweep"),
 ]
 
 
@@ -58,7 +58,7 @@ HEAVY = {"numpy", "fmpy", "pydantic", "PIL", "matplotlib", "trimesh", "scipy", "
         ("import softffd; dir(softffd); softffd.__version__; softffd.FmuError", set()),
         ("import softffd; softffd.load_scene('press')", {"numpy", "pydantic"}),
         ("import softffd; softffd.deform, softffd.load_mesh", {"numpy"}),
-        ("import softffd; softffd.simulate, softffd.Simulation, softffd.package_fmu", {"numpy", "fmpy", "pydantic"}),
+        ("import softffd; softffd.simulate, softffd.sweep, softffd.Simulation, softffd.package_fmu", {"numpy", "fmpy", "pydantic"}),
     ],
 )
 def test_packages_are_loaded_when_they_are_needed(program, wanted):

@@ -35,7 +35,7 @@ from softffd.installed import available_methods
 from softffd.scene.scene import shipped_scenes
 from softffd.validation.stability.cases import CASES
 from softffd.validation.stability.drive import Drive
-from softffd.validation.stability.guard import guarded
+from softffd.run.guard import guarded
 from softffd.validation.stability.verdict import run_case
 
 FILE = Path(__file__).resolve().parents[1] / "data" / "fingerprint.json"

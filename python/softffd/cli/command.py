@@ -113,6 +113,12 @@ def _run(options: argparse.Namespace) -> None:
         webbrowser.open((folder / "view.html").resolve().as_uri())
 
 
+def _sweep(options: argparse.Namespace) -> None:
+    from softffd.cli.sweep import run_sweep
+
+    run_sweep(options, dict(_setting(text) for text in options.settings), _jobs(options))
+
+
 def _setting(text: str) -> tuple[str, str]:
     name, equals, value = text.partition("=")
     if not equals or not name.strip() or not value.strip():
@@ -219,6 +225,6 @@ def _schema(_options: argparse.Namespace) -> None:
 
 
 COMMANDS: dict[str, Callable[[argparse.Namespace], None]] = {
-    "demo": _demo, "build": _build, "run": _run, "accuracy": _accuracy, "stability": _stability, "drivers": _drivers, "scenes": _scenes,
-    "view": _view, "info": _info, "new": _new, "schema": _schema,
+    "demo": _demo, "build": _build, "run": _run, "sweep": _sweep, "accuracy": _accuracy, "stability": _stability, "drivers": _drivers,
+    "scenes": _scenes, "view": _view, "info": _info, "new": _new, "schema": _schema,
 }  # fmt: skip

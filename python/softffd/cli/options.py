@@ -53,7 +53,7 @@ def parser() -> Parser:
         command.set_defaults(parser=command)
         return command
 
-    for add_commands in (_demo_and_build, _run, _accuracy, _stability, _others):
+    for add_commands in (_demo_and_build, _run, _sweep, _accuracy, _stability, _others):
         add_commands(add)
     return whole
 
@@ -89,6 +89,29 @@ def _run(add: Add) -> None:
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-NAME here")
     run.add_argument("--overwrite", action="store_true", help="write over the results of an earlier run")
     run.add_argument("--view", action="store_true", help="open the interactive page when done")
+
+
+def _sweep(add: Add) -> None:
+    sweep = add(
+        "sweep",
+        "run a scene or an FMU for every combination of some values: table and picture",
+        "softffd sweep press --vary stiffness.edge=500:2000:5:log --vary damping=0.1,0.2 --stop-time 1.5",
+    )
+    sweep.add_argument("what", metavar="SCENE|X.fmu", help="a scene file, a shipped scene's name, or an FMU")
+    sweep.add_argument(
+        "--vary", action="append", required=True, metavar="NAME=FROM:TO:COUNT[:log]",
+        help="values of a parameter or input, or a list NAME=V1,V2; repeated: every combination",
+    )  # fmt: skip
+    sweep.add_argument(
+        "--measure", action="append", metavar="OUTPUT", help="an output at the end, or max(NAME), min(NAME), mean(NAME); may be repeated"
+    )
+    sweep.add_argument("--stop-time", type=float, metavar="T", help="s")
+    sweep.add_argument("--step", type=float, metavar="H", help="communication step, s")
+    sweep.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value in every run")
+    sweep.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time; default: the CSV beside the scene")
+    sweep.add_argument("--no-input", action="store_true", help="without the CSV beside the scene: inputs keep their start values")
+    sweep.add_argument("-j", "--jobs", type=int, metavar="J", help="runs at a time; default: the number of cores")
+    sweep.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-sweep-NAME here; the same sweep there goes on")
 
 
 def _accuracy(add: Add) -> None:

@@ -17,7 +17,7 @@ from softffd.validation.stability.border import borders, grows
 from softffd.validation.stability.cases import CASES, run_named
 from softffd.validation.stability.cell import Cell, Judged, Panel, omega, settings
 from softffd.validation.stability.drive import Drive, Refused
-from softffd.validation.stability.guard import Lost, abreast, guarded
+from softffd.run.guard import Lost, abreast, guarded
 from softffd.validation.stability.map import document, run_cells, unit_sag
 from softffd.validation.stability.scenes import DOWN, box, plane
 from softffd.validation.stability.survey import Survey, planned, run

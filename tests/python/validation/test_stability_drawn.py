@@ -14,7 +14,7 @@ from softffd.validation.stability import drawn_survey
 from softffd.validation.stability.drawn import Course, Draws, drawn
 from softffd.validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, Job, Run, _grown, judge, run_jobs
 from softffd.validation.stability.drive import Drive
-from softffd.validation.stability.guard import Lost
+from softffd.run.guard import Lost
 from softffd.validation.stability.scenes import box
 from softffd.validation.stability.stated import stated_error
 

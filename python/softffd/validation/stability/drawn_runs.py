@@ -23,7 +23,7 @@ import numpy as np
 
 from softffd.validation.stability.drawn import Drawn, drawn
 from softffd.validation.stability.drive import Drive, Refused, StateTouched
-from softffd.validation.stability.guard import Lost
+from softffd.run.guard import Lost
 from softffd.validation.stability.scenes import GRAVITY
 from softffd.validation.stability.stated import STATED, stated_errors
 

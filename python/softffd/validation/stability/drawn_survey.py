@@ -16,7 +16,7 @@ from softffd.validation.conditions import conditions
 from softffd.validation.kept import csv_text, json_text, keep_files
 from softffd.validation.stability.drawn import drawn
 from softffd.validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, VERDICTS, Job, Judged, judge, patience, run_jobs
-from softffd.validation.stability.guard import guarded
+from softffd.run.guard import guarded
 
 TOGETHER = 4
 """Scenes that a process runs one after the other."""

@@ -14,7 +14,7 @@ from softffd.validation.stability.border import Border, borders
 from softffd.validation.stability.cases import CASES, run_named
 from softffd.validation.stability.cell import HANG, Cell, Judged, Panel
 from softffd.validation.stability.drive import Drive
-from softffd.validation.stability.guard import Lost, guarded
+from softffd.run.guard import Lost, guarded
 from softffd.validation.stability.map import SCENES, document, run_cells
 from softffd.validation.stability.verdict import Outcome, outcome_of
 

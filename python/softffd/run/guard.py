@@ -8,8 +8,10 @@ import sys
 import time as clock
 import traceback
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from multiprocessing.connection import wait
+from types import ModuleType
 from typing import Any
 
 from softffd.errors import SoftffdError
@@ -84,10 +86,11 @@ class _Batch:
     started: bool = field(init=False)
 
     def begin(self) -> None:
-        context: Any = multiprocessing.get_context(_way())
+        context: Any = multiprocessing.get_context(_way(self.work))
         self.results, sender = context.Pipe(duplex=False)
         self.process = context.Process(target=_serve, args=(self.work, self.left, sender), daemon=True)
-        self.process.start()
+        with _no_script():
+            self.process.start()
         sender.close()
         self.started, self.deadline = False, clock.monotonic() + START_UP
 
@@ -123,15 +126,26 @@ class _Batch:
             return Lost("crash", f"the process ended with status {self.process.exitcode}")
 
 
-def _way() -> str:
-    """The quickest safe way to start a process: forked from a server that has everything imported, where there is such a thing."""
+def _way(work: Work) -> str:
+    """The quickest safe way to start a process: forked from a server that has what the work needs imported, where there is such a thing."""
     if "forkserver" not in multiprocessing.get_all_start_methods() or sys.platform == "darwin":
         return "spawn"
-    multiprocessing.set_forkserver_preload(["softffd.validation.stability.map"])
+    multiprocessing.set_forkserver_preload([getattr(work, "func", work).__module__])
     return "forkserver"
 
 
-def _serve(work, jobs, sender) -> None:
+@contextmanager
+def _no_script() -> Iterator[None]:
+    """A process that starts meanwhile does not run the user's script again, which need not be made for that."""
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
+
+
+def _serve(work: Work, jobs: list[Any], sender: Any) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends this process
     sender.send(None)
     try:

@@ -1,0 +1,85 @@
+"""`softffd sweep`: a scene or an FMU over a grid of values, and the files of it."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time as clock
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from softffd.errors import SoftffdError
+from softffd.run.progress import ProgressLine
+from softffd.run.result import require_writable
+from softffd.run.sweep.sweep import sweep
+from softffd.scene.scene import load_scene
+
+WANTED = "NAME=FROM:TO:COUNT, NAME=FROM:TO:COUNT:log or NAME=V1,V2,..., e.g. --vary stiffness.edge=500:2000:4:log"
+
+
+def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: int) -> None:
+    """Makes what is missing of the sweep, keeps it and says what came out."""
+    vary = dict(_varied(text) for text in options.vary)
+    if len(vary) < len(options.vary):
+        raise SoftffdError("--vary: wanted each variable once")
+    if options.no_input and options.input:
+        raise SoftffdError("--no-input: wanted without --input")
+    source = options.what if options.what.endswith(".fmu") else load_scene(options.what)
+    inputs = None if options.no_input else options.input or getattr(source, "default_inputs", None)
+    folder = options.output or Path(f"softffd-sweep-{Path(options.what).stem}")
+    require_writable(folder)
+    began = clock.monotonic()
+    with ProgressLine("sweeping") as line:
+
+        def progress(done: int, total: int) -> None:
+            line.note(f"{done} of {total} runs, {clock.monotonic() - began:.0f} s", at_once=done == total)
+
+        table = sweep(
+            source, vary, outputs=options.measure, stop_time=options.stop_time, step=options.step, start_values=start_values, inputs=inputs,
+            jobs=jobs, file=folder / "sweep.npz", progress=progress,
+        )  # fmt: skip
+    files = [folder / "sweep.npz", table.to_csv(folder / "sweep.csv")]
+    if len(table.values) <= 2:
+        table.plot(folder / "sweep.png", outputs=list(table.outputs)[:30])
+        files.append(folder / "sweep.png")
+    _say(table, files, folder)
+
+
+def _say(table: Any, files: list[Path], folder: Path) -> None:
+    failures = table.failures
+    print(f"{table.about['title']}\n  {table.done.size} runs, {len(failures)} failed")
+    for name, column in table.outputs.items():
+        if np.isfinite(column).any():
+            print(f"  {name}: {np.nanmin(column):.6g} to {np.nanmax(column):.6g} {table.about['units'][name]}".rstrip())
+    for values, words in failures[:3]:
+        print(f"  failed with {', '.join(f'{name} = {value}' for name, value in values.items())}: {words}")
+    print(f"  kept in {folder}: {', '.join(file.name for file in files)}")
+
+
+def _varied(text: str) -> tuple[str, list[Any]]:
+    """The name and the values of a --vary."""
+    name, _, given = text.partition("=")
+    parts = given.strip().split(":")
+    if not name.strip() or not given.strip() or (len(parts) > 1 and len(parts) not in (3, 4)) or parts[3:] not in ([], ["log"]):
+        raise SoftffdError(f"--vary {text}: wanted {WANTED}")
+    if len(parts) == 1:
+        return name.strip(), [_value(each.strip()) for each in given.split(",")]
+    try:
+        first, last, count = float(parts[0]), float(parts[1]), int(parts[2])
+    except ValueError:
+        raise SoftffdError(f"--vary {text}: wanted {WANTED}") from None
+    if not (math.isfinite(first) and math.isfinite(last) and 1 <= count <= 1_000_000):
+        raise SoftffdError(f"--vary {text}: wanted finite ends and a count of 1 to 1000000")
+    if parts[3:] and not (first > 0 and last > 0):
+        raise SoftffdError(f"--vary {text}: wanted ends > 0 for values by a factor")
+    return name.strip(), (np.geomspace if parts[3:] else np.linspace)(first, last, count).tolist()
+
+
+def _value(text: str) -> float | str:
+    """A number, or the name of a value."""
+    try:
+        return float(text)
+    except ValueError:
+        return text

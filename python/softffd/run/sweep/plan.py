@@ -1,0 +1,192 @@
+"""What a sweep is asked for, checked against the FMU before the first run."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from softffd.errors import FmuError, UnknownName
+from softffd.fmu.block import number_of
+from softffd.fmu.component import Component
+from softffd.fmu.interface import ScalarVariable
+from softffd.names import parse_name
+from softffd.run.inputs import Inputs, Source
+from softffd.run.simulate import _input as driven_input
+from softffd.run.simulate import _require_undriven as require_undriven
+from softffd.run.simulate import communication_points, positive, require_memory
+from softffd.run.simulation import Simulation
+from softffd.spelling import did_you_mean, nearest_of
+
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
+
+END, FOLDS = "end", ("max", "min", "mean")
+MOST_RUNS = 10_000_000
+SETTABLE = ("parameter", "input")
+
+
+class Reading(NamedTuple):
+    """What is read of a run: an output at its end, or folded over its communication points."""
+
+    fold: str
+    """ "end", "max", "min" or "mean\""""
+    name: str
+
+    def __str__(self) -> str:
+        return self.name if self.fold == END else f"{self.fold}({self.name})"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All that a worker needs, and what tells one sweep from another. It goes to other processes."""
+
+    source: Scene | str | Path
+    given: dict[str, list[Any]]
+    """The values of each varied variable as they were given: numbers or names"""
+    numbers: dict[str, list[float | int]]
+    """The numbers that stand for them"""
+    readings: tuple[Reading, ...]
+    start_values: dict[str, Any]
+    stop_time: float
+    step: float
+    driven: tuple[str, ...]
+    """Inputs that go over time"""
+    course: np.ndarray
+    """Their values (T, m) at the communication points"""
+    about: dict[str, Any]
+    """Title, units and the fingerprint of the FMU"""
+    folder: str
+    """Where the paths of the scene and the FMU begin"""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the grid."""
+        return tuple(map(len, self.numbers.values()))
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """The communication points (T,) [s]."""
+        return communication_points(self.stop_time, self.step)
+
+    def start(self, index: tuple[int, ...]) -> dict[str, Any]:
+        """The start values of one run of the grid."""
+        return self.start_values | {name: numbers[i] for i, (name, numbers) in zip(index, self.numbers.items(), strict=True)}
+
+
+def plan_of(
+    scene_or_fmu: Scene | str | Path, vary: Mapping[str, Iterable[Any]], outputs: Iterable[str] | None, stop_time: float | None,
+    step: float | None, start_values: Mapping[str, Any] | None, inputs: Source | None,
+) -> Plan:  # fmt: skip
+    """The plan of a sweep, see `sweep`; FmuError for what cannot be asked of this FMU."""
+    with Simulation(scene_or_fmu, start_values=start_values) as simulation:
+        component = simulation.component
+        interface = component.interface
+        stop_time = positive("stop time", stop_time, interface.stop_time)
+        step = positive("communication step", step, interface.step)
+        source = Inputs(inputs)
+        driven = [driven_input(component, source, name).name for name in source.names]
+        source.derive_only({variable.name for variable in component.variables("input")})
+        driven += [component.variable(name).name for name in source.derived_names]
+        require_undriven(simulation, source, start_values or {}, driven)
+        given = _varied(component, vary, driven, source.where)
+        numbers = {name: [_number(component.variable(name), value) for value in values] for name, values in given.items()}
+        readings = _readings(component, outputs)
+        _require_size(numbers, readings)
+        require_memory(stop_time, step, 8 * (len(driven) + len(readings) + 1))
+        times = communication_points(stop_time, step)
+        course = np.array([source.values(now, then) for now, then in zip(times, [*times[1:], times[-1]], strict=True)]) if driven else None
+        units = {name: component.variable(name).unit or "" for name in [*given, *(reading.name for reading in readings)]}
+        about = {"title": interface.title, "fmu": interface.guid, "inputs": _fingerprint(driven, course), "units": units}
+        return Plan(
+            scene_or_fmu, given, numbers, readings, dict(start_values or {}), stop_time, step, tuple(driven),
+            np.zeros((0, 0)) if course is None else course, about, os.getcwd(),
+        )  # fmt: skip
+
+
+def _varied(component: Component, vary: Mapping[str, Iterable[Any]], driven: Sequence[str], where: str) -> dict[str, list[Any]]:
+    """The values by the FMU's own names."""
+    if not isinstance(vary, Mapping) or not vary:
+        raise FmuError(f"vary: wanted values by name, such as {{'stiffness.edge': [1e3, 2e3]}}, got {vary!r:.70}")
+    found: dict[str, list[Any]] = {}
+    for name, values in vary.items():
+        variable = component.by_name[name] if name in component.by_name else None
+        if variable is None or variable.causality not in SETTABLE:
+            raise UnknownName(_not_varied(component, str(name), variable, driven))
+        if variable.name in driven:
+            raise FmuError(f"{name}: cannot be varied: {where.removesuffix(': ')} gives it (or its velocity) over time")
+        if variable.name in found:
+            raise FmuError(f"{name}: wanted each variable once, got it in both forms of its name")
+        found[variable.name] = _listed(str(name), values)
+    return found
+
+
+def _not_varied(component: Component, name: str, variable: ScalarVariable | None, driven: Sequence[str]) -> str:
+    free = [v.name for v in component.by_name.values() if v.causality in SETTABLE and v.name not in driven]
+    single = [each for each in free if not _at_point(each)]
+    points = sorted({f"{found.family}[i,j,k].{found.component}" for each in free if (found := parse_name(each)) and _at_point(each)})
+    why = f"it is an {variable.causality}" if variable else "the FMU has no such parameter or input" + did_you_mean(nearest_of(name, free))
+    return f"{name}: cannot be varied: {why}; those that can: {', '.join(single + points)}"
+
+
+def _at_point(name: str) -> bool:
+    return (found := parse_name(name)) is not None and isinstance(found.instance, tuple)
+
+
+def _listed(name: str, values: Iterable[Any]) -> list[Any]:
+    try:
+        listed = [] if isinstance(values, str) else [value.item() if isinstance(value, np.generic) else value for value in values]
+    except TypeError:
+        listed = []
+    if not listed:
+        raise FmuError(f"{name}: wanted a list of values, got {values!r:.70}")
+    return listed
+
+
+def _number(variable: ScalarVariable, value: Any) -> float | int:
+    number = number_of(variable, value)
+    if not math.isfinite(number):
+        raise FmuError(f"{variable.name}: wanted finite numbers, got {number:g}")
+    return number
+
+
+def _readings(component: Component, outputs: Iterable[str] | None) -> tuple[Reading, ...]:
+    """Those asked for; by default all outputs but those at control points."""
+    every = [v.name for v in component.by_name.values() if v.causality == "output"]
+    if outputs is None:
+        outputs = [name for name in every if not _at_point(name)]
+    asked = [outputs] if isinstance(outputs, str) else list(outputs)
+    if not asked:
+        raise FmuError("outputs: wanted at least one, such as 'position[0,0,0].z' or 'max(position[0,0,0].z)', got none")
+    return tuple(dict.fromkeys(reading for text in asked for reading in _reading(component, str(text), every)))
+
+
+def _reading(component: Component, text: str, every: list[str]) -> list[Reading]:
+    """A reading from its text; one for each component of a vector."""
+    call = re.fullmatch(r"\s*(\w+)\s*\((.*)\)\s*", text)
+    fold, name = (call[1], call[2].strip()) if call else (END, text.strip())
+    if call and fold not in FOLDS:
+        raise FmuError(f"{text}: wanted one of {', '.join(FOLDS)}, got {fold}{did_you_mean(nearest_of(fold, FOLDS))}")
+    names = [name] if name in component.by_name else [full for c in "wxyz" if (full := f"{name}.{c}") in component.by_name]
+    variables = [component.by_name[each] for each in names]
+    if not variables or (other := next((v for v in variables if v.causality != "output"), None)):
+        what = f"an output, got the FMU's {other.causality} of that name" if variables else "an output of the FMU, which has none of this name"
+        raise UnknownName(f"{text}: wanted {what}{did_you_mean(nearest_of(name, every))}")
+    return [Reading(fold, variable.name) for variable in variables]
+
+
+def _require_size(numbers: Mapping[str, list[Any]], readings: Sequence[Reading]) -> None:
+    if (count := math.prod(map(len, numbers.values()))) * len(readings) > MOST_RUNS:
+        raise FmuError(f"vary: {count} runs of {len(readings)} outputs; wanted at most {MOST_RUNS:g} values: vary less, or read less")
+
+
+def _fingerprint(names: Sequence[str], course: np.ndarray | None) -> str:
+    return "" if course is None else hashlib.sha256("\n".join(names).encode() + course.tobytes()).hexdigest()

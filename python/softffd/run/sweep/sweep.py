@@ -1,0 +1,109 @@
+"""Runs a scene or an FMU for every combination of some values."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from softffd.errors import SoftffdError
+from softffd.run.guard import Lost, guarded
+from softffd.run.inputs import Source
+from softffd.run.sweep.plan import Plan, plan_of
+from softffd.run.sweep.table import Sweep
+from softffd.run.sweep.worker import run_all
+
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
+
+KEEP_EVERY = 10.0
+"""The file of a sweep is written so often [s]."""
+TOGETHER = 200
+"""Runs that a process makes at most before a new one takes over"""
+PATIENCE = 1e6
+"""A single run may take this long [s]."""
+
+Index = tuple[int, ...]
+
+
+def sweep(
+    scene_or_fmu: Scene | str | Path,
+    vary: Mapping[str, Iterable[Any]],
+    *,
+    outputs: Iterable[str] | None = None,
+    stop_time: float | None = None,
+    step: float | None = None,
+    start_values: Mapping[str, Any] | None = None,
+    inputs: Source | None = None,
+    jobs: int = 1,
+    file: str | Path | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> Sweep:
+    """Runs every combination of the values in `vary` and returns a table of outputs; the numbers are those of `simulate`.
+
+    vary: values by the name of a parameter or input of the FMU.
+    outputs: names, for the value at the end of the run, or "max(NAME)", "min(NAME)", "mean(NAME)" over its communication points; a
+    vector's name means its components. By default all outputs but those at control points.
+    stop_time, step, start_values, inputs: of every run, as for `simulate`. What `inputs` gives cannot be varied.
+    jobs: processes. In more than one a run that takes its process down is a failed run too.
+    file: NPZ file that keeps what is done, written whole or not at all: of an interrupted sweep the same call makes what is missing.
+    progress: called as progress(runs done, runs of the sweep).
+    A run that fails is NaN in the table, with its words. Raises FmuError where a name or a value cannot be used in any run, and SoftffdError
+    where `file` holds another sweep.
+    """
+    if jobs < 1:
+        raise SoftffdError(f"jobs: wanted at least 1, got {jobs}")
+    plan = plan_of(scene_or_fmu, vary, outputs, stop_time, step, start_values, inputs)
+    table = _begun(plan, None if file is None else Path(file))
+    try:
+        _run(plan, table, jobs, file, progress)
+    except KeyboardInterrupt:
+        if file is None:
+            raise
+        raise KeyboardInterrupt(f"{table.done.sum()} of {table.done.size} runs are kept in {file}, the same call goes on from there") from None
+    finally:
+        if file is not None:
+            table.save(file)
+    return table
+
+
+def _begun(plan: Plan, file: Path | None) -> Sweep:
+    """The table as it is in the file, else an empty one; SoftffdError where the file holds something else or cannot be written."""
+    table = Sweep.empty(plan)
+    if file is None:
+        return table
+    if not file.exists():
+        table.save(file)
+        return table
+    kept = Sweep.load(file)
+    if others := kept.differences(table):
+        raise SoftffdError(f"{file}: holds another sweep: other {', '.join(others)}; wanted the same one, or another file")
+    return kept
+
+
+def _run(plan: Plan, table: Sweep, jobs: int, file: str | Path | None, progress: Callable[[int, int], object] | None) -> None:
+    missing = [index for index in np.ndindex(plan.shape) if not table.done[index]]
+    kept = clock.monotonic()
+    for count, (index, result) in enumerate(_results(plan, missing, jobs), table.done.size - len(missing) + 1):
+        table.note(index, result)
+        if file is not None and clock.monotonic() - kept > KEEP_EVERY:
+            table.save(file)
+            kept = clock.monotonic()
+        if progress:
+            progress(count, table.done.size)
+
+
+def _results(plan: Plan, indices: list[Index], jobs: int) -> Iterator[tuple[Index, np.ndarray | str]]:
+    if jobs == 1:
+        yield from zip(indices, run_all(plan, indices), strict=True)
+        return
+    together = min(TOGETHER, math.ceil(len(indices) / (4 * jobs)) or 1)
+    for index, result in guarded(partial(run_all, plan), indices, lambda _index: PATIENCE, jobs, together):
+        if isinstance(result, Lost) and result.how == "fault":
+            raise RuntimeError(result.words)
+        yield index, result.words if isinstance(result, Lost) else result

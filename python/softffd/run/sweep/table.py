@@ -1,0 +1,135 @@
+"""The table of a sweep, and the files it is kept in."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from softffd.errors import SoftffdError
+from softffd.files import replacing, write_text
+from softffd.run.result import Columns
+
+if TYPE_CHECKING:
+    from softffd.run.sweep.plan import Plan
+
+COMPARED = ("fmu", "values", "outputs", "start_values", "inputs", "stop_time", "step")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Sweep:
+    """Outputs over the grid of the varied values. The grid has an axis for each of `values`, in their order."""
+
+    values: dict[str, np.ndarray]
+    """The values (n,) of each varied variable, numbers or names"""
+    outputs: dict[str, np.ndarray]
+    """Each output over the grid; NaN where the run failed or is still to come"""
+    messages: np.ndarray
+    """Over the grid: the words of a run that failed, empty for others"""
+    done: np.ndarray
+    """Over the grid: whether the run is made"""
+    about: dict[str, Any]
+    """title, units by name, stop_time and step [s], and what tells one sweep from another"""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", Columns(self.values, "varied variable"))
+        object.__setattr__(self, "outputs", Columns(self.outputs, "output"))
+
+    @classmethod
+    def empty(cls, plan: Plan) -> Sweep:
+        """Of a sweep that has not begun."""
+        names = [str(reading) for reading in plan.readings]
+        units = plan.about["units"] | {str(reading): plan.about["units"][reading.name] for reading in plan.readings}
+        asked = {
+            "values": plan.given, "outputs": names, "start_values": plan.start_values, "stop_time": plan.stop_time, "step": plan.step,
+        }  # fmt: skip
+        about = json.loads(json.dumps(plan.about | asked | {"units": units}, default=lambda value: np.asarray(value).tolist()))
+        return cls(
+            {name: np.array(values) for name, values in plan.given.items()}, {name: np.full(plan.shape, np.nan) for name in names},
+            np.full(plan.shape, "", dtype=object), np.zeros(plan.shape, bool), about,
+        )  # fmt: skip
+
+    def __repr__(self) -> str:
+        grid = " x ".join(f"{name} ({len(values)})" for name, values in self.values.items())
+        count = f"{self.done.sum()} of {self.done.size}" if not self.done.all() else f"{self.done.size}"
+        return f"<Sweep of {self.about['title']!r}: {grid}; {count} runs, {len(self.failures)} failed; {', '.join(self.outputs)}>"
+
+    def note(self, index: tuple[int, ...], result: np.ndarray | str) -> None:
+        """Enters a run: its outputs in their order, or the words of what failed."""
+        if isinstance(result, str):
+            self.messages[index] = result
+        else:
+            for column, value in zip(self.outputs.values(), result, strict=True):
+                column[index] = value
+        self.done[index] = True
+
+    @property
+    def failures(self) -> list[tuple[dict[str, Any], str]]:
+        """The values and the words of each run that failed."""
+        return [(self._at(index), self.messages[index]) for index in np.ndindex(self.done.shape) if self.messages[index]]
+
+    def _at(self, index: tuple[int, ...]) -> dict[str, Any]:
+        return {name: values[i].item() for i, (name, values) in zip(index, self.values.items(), strict=True)}
+
+    def differences(self, other: Sweep) -> list[str]:
+        """What of the question is not the same; empty for the same sweep."""
+        return [key.replace("_", " ") for key in COMPARED if self.about.get(key) != other.about.get(key)]
+
+    # ---- files and other forms ----
+
+    def save(self, file: str | Path) -> Path:
+        """Writes an NPZ file with an array for each varied variable and each output; it appears whole or not at all."""
+        arrays: dict[str, Any] = {**self.values, **self.outputs}
+        own = {"sweep.done": self.done, "sweep.messages": self.messages.astype(str), "sweep.about": json.dumps(self.about)}
+        Path(file).parent.mkdir(parents=True, exist_ok=True)
+        with replacing(file) as stream:
+            np.savez_compressed(stream, **arrays, **own)
+        return Path(file)
+
+    @classmethod
+    def load(cls, file: str | Path) -> Sweep:
+        """A saved sweep; SoftffdError for a file that is none."""
+        try:
+            with np.load(file, allow_pickle=False) as kept:
+                about = json.loads(str(kept["sweep.about"]))
+                values, outputs = ({name: kept[name] for name in about[key]} for key in ("values", "outputs"))
+                return cls(values, outputs, kept["sweep.messages"].astype(object), kept["sweep.done"], about)
+        except FileNotFoundError:
+            raise SoftffdError(f"{file}: there is no such file") from None
+        except (ValueError, KeyError, EOFError, BadZipFile):
+            raise SoftffdError(f"{file}: wanted the NPZ file of a sweep") from None
+
+    def to_csv(self, file: str | Path) -> Path:
+        """Writes a row for each run: values, outputs, and the words of what failed."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow([*self.values, *self.outputs, "failure"])
+        for index in np.ndindex(self.done.shape):
+            outputs = (f"{column[index]:.17g}" for column in self.outputs.values())
+            writer.writerow([*self._at(index).values(), *outputs, self.messages[index]])
+        write_text(file, text.getvalue())
+        return Path(file)
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset: the varied variables are its dimensions, the outputs its variables. SoftffdError where xarray is missing."""
+        try:
+            import xarray
+        except ImportError:
+            raise SoftffdError("to_xarray needs xarray, which is not installed here: pip install softffd[xarray]") from None
+        units = self.about["units"]
+        data = {name: (tuple(self.values), column, {"units": units[name]}) for name, column in self.outputs.items()}
+        axes = {name: (name, values, {"units": units[name]}) for name, values in self.values.items()}
+        return xarray.Dataset(data, axes, {"title": self.about["title"]})
+
+    def plot(self, file: str | Path | None = None, *, outputs: Iterable[str] | None = None) -> Any:
+        """A matplotlib Figure of some outputs, all by default: lines over one varied variable, maps over two; written where `file` says."""
+        from softffd.run.sweep.picture import draw
+
+        return draw(self, file, [outputs] if isinstance(outputs, str) else outputs)
