@@ -12,12 +12,12 @@ import pytest
 
 from softffd.cli.command import main
 from softffd.errors import SoftffdError
+from softffd.run.guard import Lost, abreast, guarded
 from softffd.validation.stability import survey as survey_module
 from softffd.validation.stability.border import borders, grows
 from softffd.validation.stability.cases import CASES, run_named
 from softffd.validation.stability.cell import Cell, Judged, Panel, omega, settings
 from softffd.validation.stability.drive import Drive, Refused
-from softffd.run.guard import Lost, abreast, guarded
 from softffd.validation.stability.map import document, run_cells, unit_sag
 from softffd.validation.stability.scenes import DOWN, box, plane
 from softffd.validation.stability.survey import Survey, planned, run

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from softffd.cli.command import main
+from softffd.run.guard import Lost
 from softffd.scene.scene import scene_from
 from softffd.validation.stability import drawn_survey
 from softffd.validation.stability.drawn import Course, Draws, drawn
 from softffd.validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, Job, Run, _grown, judge, run_jobs
 from softffd.validation.stability.drive import Drive
-from softffd.run.guard import Lost
 from softffd.validation.stability.scenes import box
 from softffd.validation.stability.stated import stated_error
 

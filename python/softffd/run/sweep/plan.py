@@ -118,7 +118,7 @@ def _varied(component: Component, vary: Mapping[str, Iterable[Any]], driven: Seq
         raise FmuError(f"vary: wanted values by name, such as {{'stiffness.edge': [1e3, 2e3]}}, got {vary!r:.70}")
     found: dict[str, list[Any]] = {}
     for name, values in vary.items():
-        variable = component.by_name[name] if name in component.by_name else None
+        variable = component.by_name.get(name)
         if variable is None or variable.causality not in SETTABLE:
             raise UnknownName(_not_varied(component, str(name), variable, driven))
         if variable.name in driven:
@@ -177,8 +177,9 @@ def _reading(component: Component, text: str, every: list[str]) -> list[Reading]
         raise FmuError(f"{text}: wanted one of {', '.join(FOLDS)}, got {fold}{did_you_mean(nearest_of(fold, FOLDS))}")
     names = [name] if name in component.by_name else [full for c in "wxyz" if (full := f"{name}.{c}") in component.by_name]
     variables = [component.by_name[each] for each in names]
-    if not variables or (other := next((v for v in variables if v.causality != "output"), None)):
-        what = f"an output, got the FMU's {other.causality} of that name" if variables else "an output of the FMU, which has none of this name"
+    other = next((v.causality for v in variables if v.causality != "output"), "")
+    if other or not variables:
+        what = f"an output, got the FMU's {other} of that name" if other else "an output of the FMU, which has none of this name"
         raise UnknownName(f"{text}: wanted {what}{did_you_mean(nearest_of(name, every))}")
     return [Reading(fold, variable.name) for variable in variables]
 

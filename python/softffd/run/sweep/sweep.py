@@ -53,8 +53,8 @@ def sweep(
     jobs: processes. In more than one a run that takes its process down is a failed run too.
     file: NPZ file that keeps what is done, written whole or not at all: of an interrupted sweep the same call makes what is missing.
     progress: called as progress(runs done, runs of the sweep).
-    A run that fails is NaN in the table, with its words. Raises FmuError where a name or a value cannot be used in any run, and SoftffdError
-    where `file` holds another sweep.
+    A run that fails is NaN in the table, with its words. Raises FmuError where a name or a value cannot be used in any run, and
+    SoftffdError where `file` holds another sweep.
     """
     if jobs < 1:
         raise SoftffdError(f"jobs: wanted at least 1, got {jobs}")
@@ -65,7 +65,9 @@ def sweep(
     except KeyboardInterrupt:
         if file is None:
             raise
-        raise KeyboardInterrupt(f"{table.done.sum()} of {table.done.size} runs are kept in {file}, the same call goes on from there") from None
+        raise KeyboardInterrupt(
+            f"{table.done.sum()} of {table.done.size} runs are kept in {file}, the same call goes on from there"
+        ) from None
     finally:
         if file is not None:
             table.save(file)

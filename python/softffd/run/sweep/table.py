@@ -73,7 +73,7 @@ class Sweep:
     @property
     def failures(self) -> list[tuple[dict[str, Any], str]]:
         """The values and the words of each run that failed."""
-        return [(self._at(index), self.messages[index]) for index in np.ndindex(self.done.shape) if self.messages[index]]
+        return [(self._at(index), str(self.messages[index])) for index in np.ndindex(self.done.shape) if self.messages[index]]
 
     def _at(self, index: tuple[int, ...]) -> dict[str, Any]:
         return {name: values[i].item() for i, (name, values) in zip(index, self.values.items(), strict=True)}
@@ -86,11 +86,11 @@ class Sweep:
 
     def save(self, file: str | Path) -> Path:
         """Writes an NPZ file with an array for each varied variable and each output; it appears whole or not at all."""
-        arrays: dict[str, Any] = {**self.values, **self.outputs}
         own = {"sweep.done": self.done, "sweep.messages": self.messages.astype(str), "sweep.about": json.dumps(self.about)}
+        arrays: dict[str, Any] = {**self.values, **self.outputs, **own}
         Path(file).parent.mkdir(parents=True, exist_ok=True)
         with replacing(file) as stream:
-            np.savez_compressed(stream, **arrays, **own)
+            np.savez_compressed(stream, **arrays)
         return Path(file)
 
     @classmethod

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from softffd.run.simulate import step_lengths
 from softffd.run.simulation import Simulation
 from softffd.run.sweep.plan import END, Plan
 
-FOLD = {END: lambda column: column[-1], "max": np.max, "min": np.min, "mean": np.mean}
+FOLD: dict[str, Callable[[np.ndarray], Any]] = {END: lambda column: column[-1], "max": np.max, "min": np.min, "mean": np.mean}
 
 
 def run_all(plan: Plan, indices: Sequence[tuple[int, ...]]) -> Iterator[np.ndarray | str]:

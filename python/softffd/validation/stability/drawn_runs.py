@@ -21,9 +21,9 @@ from itertools import groupby
 
 import numpy as np
 
+from softffd.run.guard import Lost
 from softffd.validation.stability.drawn import Drawn, drawn
 from softffd.validation.stability.drive import Drive, Refused, StateTouched
-from softffd.run.guard import Lost
 from softffd.validation.stability.scenes import GRAVITY
 from softffd.validation.stability.stated import STATED, stated_errors
 

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from softffd.errors import SoftffdError
+from softffd.run.guard import guarded
 from softffd.run.progress import Note, silent
 from softffd.run.simulate import positive
 from softffd.validation.conditions import conditions
 from softffd.validation.kept import csv_text, json_text, keep_files
 from softffd.validation.stability.drawn import drawn
 from softffd.validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, VERDICTS, Job, Judged, judge, patience, run_jobs
-from softffd.run.guard import guarded
 
 TOGETHER = 4
 """Scenes that a process runs one after the other."""

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from softffd.errors import SoftffdError
+from softffd.run.guard import Lost, guarded
 from softffd.run.progress import Note
 from softffd.spelling import did_you_mean, nearest_of
 from softffd.validation.stability import rebound
@@ -14,7 +15,6 @@ from softffd.validation.stability.border import Border, borders
 from softffd.validation.stability.cases import CASES, run_named
 from softffd.validation.stability.cell import HANG, Cell, Judged, Panel
 from softffd.validation.stability.drive import Drive
-from softffd.run.guard import Lost, guarded
 from softffd.validation.stability.map import SCENES, document, run_cells
 from softffd.validation.stability.verdict import Outcome, outcome_of
 

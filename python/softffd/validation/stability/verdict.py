@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import SupportsFloat
 
-from softffd.validation.stability.drive import Drive, Refused, StateTouched
 from softffd.run.guard import Lost
+from softffd.validation.stability.drive import Drive, Refused, StateTouched
 
 VERDICTS = ("right", "bounded", "refused", "slow", "WRONG")
 """right: within every limit. bounded: outside a limit, but within the bound that goes with it. refused: fmi2Discard or fmi2Error, with its

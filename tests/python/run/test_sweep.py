@@ -1,0 +1,241 @@
+"""Sweeps: the numbers are those of single runs, failures and interrupts cost nothing of the rest, wrong questions are refused."""
+
+import csv
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import softffd
+from scenes import box, table_and_press
+from softffd import FmuError, SoftffdError, Sweep, simulate, sweep
+from softffd.cli.command import main
+from softffd.run.guard import Lost
+from softffd.run.sweep import sweep as sweep_module
+from softffd.run.sweep import worker
+
+SCENE = box(
+    plane=table_and_press(friction=0.3), gravity=[0.0, 0.0, -9.81], reactions=True, energy=True, solver={"tolerance": 1e-3},
+    outputs={"solver": True}, stop_time=0.05, communication_step=0.01, title="Pressed box",
+)  # fmt: skip
+VARY = {"stiffness.edge": [400.0, 900.0], "plane.press.point.z": [1.0, 0.9, 0.95]}
+FORCE, STEPS = "plane.table.reaction.z", "solver.steps"
+COURSE = np.array([(0.0, 1.0), (0.05, 0.9)], dtype=[("time", float), ("plane.press.point.z", float)])
+
+
+@pytest.fixture(scope="module")
+def table() -> Sweep:
+    return sweep(SCENE, VARY, outputs=[FORCE, f"max({FORCE})", "min(energy.kinetic)", "mean(energy.kinetic)", STEPS])
+
+
+def test_a_sweep_has_the_numbers_of_single_runs_whatever_ran_before(table):
+    for i, edge in enumerate(VARY["stiffness.edge"]):
+        for j, height in enumerate(VARY["plane.press.point.z"]):
+            found = simulate(SCENE, start_values={"stiffness.edge": edge, "plane.press.point.z": height}).outputs
+            assert table.outputs[FORCE][i, j] == found[FORCE][-1]
+            assert table.outputs[f"max({FORCE})"][i, j] == found[FORCE].max()
+            assert table.outputs["min(energy.kinetic)"][i, j] == found["energy.kinetic"].min()
+            assert table.outputs["mean(energy.kinetic)"][i, j] == pytest.approx(found["energy.kinetic"].mean(), rel=1e-14)
+            assert table.outputs[STEPS][i, j] == found[STEPS][-1]
+    assert len(np.unique(table.outputs[FORCE])) == 6
+
+
+def test_inputs_drive_every_run():
+    table = sweep(SCENE, {"mass": [1, 2]}, outputs=[FORCE], inputs=COURSE)
+    alone = [simulate(SCENE, start_values={"mass": mass}, inputs=COURSE).outputs[FORCE][-1] for mass in (1, 2)]
+    assert table.outputs[FORCE].tolist() == alone
+
+
+def test_processes_make_the_same_table(table):
+    several = sweep(SCENE, VARY, outputs=list(table.outputs), jobs=2)
+    for name, column in table.outputs.items():
+        assert np.array_equal(several.outputs[name], column)
+
+
+def test_by_default_all_outputs_but_those_at_control_points_are_read():
+    names = list(sweep(SCENE, {"mass": [1]}, stop_time=0.01).outputs)
+    assert FORCE in names and STEPS in names and not any("[" in name for name in names)
+
+
+def test_a_vector_means_its_components():
+    table = sweep(SCENE, {"mass": [1]}, outputs=["max(plane.table.reaction)", "position[0,0,0]"], stop_time=0.01)
+    assert list(table.outputs) == [*(f"max(plane.table.reaction.{c})" for c in "xyz"), *(f"position[0,0,0].{c}" for c in "xyz")]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_failed_run_keeps_its_words_and_the_rest_goes_on(jobs):
+    table = sweep(SCENE, {"stiffness.edge": [400.0, -5.0, 900.0]}, outputs=[FORCE], jobs=jobs)
+    assert np.isnan(table.outputs[FORCE]).tolist() == [False, True, False]
+    ((values, words),) = table.failures
+    assert values == {"stiffness.edge": -5.0} and "wanted >= 0 N/m, got -5" in words
+    assert table.outputs[FORCE][2] == sweep(SCENE, {"stiffness.edge": [900.0]}, outputs=[FORCE]).outputs[FORCE][0]
+
+
+def test_a_run_that_is_refused_on_its_way_says_when(monkeypatch):
+    def refused(simulation, *_arguments, **_options):
+        simulation.time = 0.03
+        raise FmuError("no more")
+
+    monkeypatch.setattr(worker.Simulation, "step", refused)
+    ((_, words),) = sweep(SCENE, {"mass": [1]}, outputs=[FORCE]).failures
+    assert words == "at 0.03 s: no more"
+
+
+def test_a_run_that_takes_its_process_down_is_a_failed_run(monkeypatch):
+    def guarded(work, jobs, *rest):
+        return ((job, Lost("crash", "the process ended") if job == (1,) else np.array([1.0])) for job in jobs)
+
+    monkeypatch.setattr(sweep_module, "guarded", guarded)
+    table = sweep(SCENE, {"mass": [1, 2, 3]}, outputs=[FORCE], jobs=2)
+    assert table.failures == [({"mass": 2}, "the process ended")]
+    assert np.isnan(table.outputs[FORCE]).tolist() == [False, True, False]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_an_interrupted_sweep_goes_on_where_it_was(table, tmp_path, monkeypatch, jobs):
+    file, wanted = tmp_path / "kept.npz", list(table.outputs)
+
+    def stop(done, total):
+        if done == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match=r"4 of 6 runs are kept in .*kept.npz"):
+        sweep(SCENE, VARY, outputs=wanted, file=file, jobs=jobs, progress=stop)
+    kept = Sweep.load(file)
+    assert kept.done.sum() == 4 and np.isnan(kept.outputs[FORCE]).sum() == 2
+    told = []
+    whole = sweep(SCENE, VARY, outputs=wanted, file=file, jobs=jobs, progress=lambda done, total: told.append((done, total)))
+    assert told == [(5, 6), (6, 6)]
+    assert all(np.array_equal(whole.outputs[name], table.outputs[name]) for name in wanted)
+    assert [path.name for path in tmp_path.iterdir()] == ["kept.npz"]
+
+
+def test_a_file_of_another_sweep_is_refused(tmp_path):
+    file = tmp_path / "kept.npz"
+    sweep(SCENE, {"mass": [1]}, outputs=[FORCE], stop_time=0.01, file=file)
+    with pytest.raises(SoftffdError, match="holds another sweep: other values, outputs;"):
+        sweep(SCENE, {"mass": [2]}, outputs=[STEPS], stop_time=0.01, file=file)
+    with pytest.raises(SoftffdError, match="other fmu, inputs;"):
+        sweep(SCENE.replace({"material.damping": 0.3}), {"mass": [1]}, outputs=[FORCE], stop_time=0.01, file=file, inputs=COURSE)
+    file.write_text("nothing")
+    with pytest.raises(SoftffdError, match="wanted the NPZ file of a sweep"):
+        sweep(SCENE, {"mass": [1]}, file=file)
+
+
+@pytest.mark.parametrize(
+    "vary, options, words",
+    [
+        (
+            {"stifness.edge": [1]},
+            {},
+            r'stifness.edge: cannot be varied: .* did you mean "stiffness.edge"\?; those that can: .*mass',
+        ),
+        ({"lattice.points": [3]}, {}, "lattice.points: cannot be varied: the FMU has no such parameter or input.*those that can: .*mass"),
+        ({FORCE: [3]}, {}, "cannot be varied: it is an output; those that can"),
+        ({"plane.press.velocity.z": [1]}, {"inputs": COURSE}, r"velocity.z: cannot be varied: inputs gives it \(or its velocity\)"),
+        ({}, {}, "vary: wanted values by name"),
+        ({"mass": 2.0}, {}, "mass: wanted a list of values"),
+        ({"mass": [1, float("nan")]}, {}, "mass: wanted finite numbers"),
+        ({"solver.method": ["bm5"]}, {}, 'did you mean "bm4"'),
+        ({"mass": range(1, 10_001), "damping": range(10_000)}, {}, "wanted at most 1e.07 values"),
+        ({"mass": [1]}, {"outputs": ["max(plane.tabel.reaction.z)"]}, 'did you mean "plane.table.reaction.z"'),
+        ({"mass": [1]}, {"outputs": [f"mx({FORCE})"]}, 'did you mean "max"'),
+        ({"mass": [1]}, {"outputs": ["damping"]}, "wanted an output, got the FMU's parameter"),
+        ({"mass": [1]}, {"outputs": []}, "outputs: wanted at least one"),
+        ({"mass": [1]}, {"start_values": {"dampin": 1}}, 'did you mean "damping"'),
+        ({"mass": [1]}, {"jobs": 0}, "jobs: wanted at least 1"),
+    ],
+)
+def test_wrong_questions_are_refused_before_the_first_run(vary, options, words):
+    with pytest.raises(SoftffdError, match=words):
+        sweep(SCENE, vary, **options)
+
+
+def test_a_table_goes_through_its_file_and_to_csv(table, tmp_path):
+    loaded = Sweep.load(table.save(tmp_path / "table.npz"))
+    assert repr(loaded) == repr(table) and "stiffness.edge (2) x plane.press.point.z (3); 6 runs, 0 failed" in repr(table)
+    assert loaded.differences(table) == []
+    rows = list(csv.DictReader(table.to_csv(tmp_path / "table.csv").open()))
+    assert [(float(row["stiffness.edge"]), float(row["plane.press.point.z"])) for row in rows[:4]] == [
+        (400, 1.0), (400, 0.9), (400, 0.95), (900, 1.0),
+    ]  # fmt: skip
+    assert [float(row[FORCE]) for row in rows] == loaded.outputs[FORCE].ravel().tolist()
+
+
+def test_a_table_as_a_data_set(table):
+    pytest.importorskip("xarray")
+    data = table.to_xarray()
+    assert float(data[FORCE].sel({"stiffness.edge": 900.0, "plane.press.point.z": 0.9})) == table.outputs[FORCE][1, 1]
+    assert data[f"max({FORCE})"].attrs["units"] == "N"
+
+
+def test_without_xarray_its_name_is_told(table, monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(SoftffdError, match=r"pip install softffd\[xarray\]"):
+        table.to_xarray()
+
+
+def test_one_variable_is_drawn_as_lines_and_two_as_maps(table, tmp_path):
+    line = sweep(SCENE, {"solver.method": ["leapfrog", "bm4"]}, outputs=[FORCE], stop_time=0.01)
+    (panel,) = line.plot().axes
+    assert panel.lines[0].get_ydata().tolist() == line.outputs[FORCE].tolist()
+    assert [text.get_text() for text in panel.get_xticklabels()] == ["leapfrog", "bm4"]
+    panel, bar = table.plot(tmp_path / "map.png", outputs=FORCE).axes
+    drawn = panel.collections[0].get_array()
+    assert drawn.tolist() == table.outputs[FORCE][:, [1, 2, 0]].T.tolist()  # heights in their order
+    assert (tmp_path / "map.png").read_bytes().startswith(b"\x89PNG") and bar.get_ylabel() == f"{FORCE} [N]"
+
+
+def test_a_picture_of_three_variables_is_refused():
+    table = sweep(SCENE, {"mass": [1], "damping": [0.1], "stiffness.edge": [500]}, outputs=[FORCE], stop_time=0.01)
+    with pytest.raises(SoftffdError, match="wanted one or two varied variables, got 3"):
+        table.plot()
+
+
+def test_the_command_keeps_table_and_picture_and_goes_on(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    arguments = ["sweep", "press", "--vary", "stiffness.edge=400:1600:3:log", "--vary", "solver.method=auto", "--stop-time", "0.02"]
+    arguments += ["--measure", f"max({FORCE})", "-j", "1", "-o", "kept"]
+    assert main(arguments) == 0
+    said = capsys.readouterr().out
+    assert "3 runs, 0 failed" in said and f"max({FORCE}): " in said
+    assert sorted(path.name for path in (tmp_path / "kept").iterdir()) == ["sweep.csv", "sweep.npz", "sweep.png"]
+    assert Sweep.load("kept/sweep.npz").values["stiffness.edge"] == pytest.approx([400, 800, 1600])
+    monkeypatch.setattr(sweep_module, "run_all", lambda plan, indices: pytest.fail("again") if indices else iter(()))
+    assert main(arguments) == 0
+
+
+@pytest.mark.parametrize(
+    "vary, words",
+    [
+        ("mass", "wanted NAME=FROM:TO:COUNT"),
+        ("mass=1:2", "wanted NAME=FROM:TO:COUNT"),
+        ("mass=1:2:3:lin", "wanted NAME=FROM:TO:COUNT"),
+        ("mass=1:2:0", "a count of 1 to 1000000"),
+        ("mass=0:2:3:log", "wanted ends > 0"),
+        ("mass=heavy", "mass: wanted a number"),
+        ("plane.press.point.z=1,2", "press.csv gives it"),
+    ],
+)
+def test_the_command_refuses_wrong_values(vary, words, tmp_path, capsys):
+    assert main(["sweep", "press", "--vary", vary, "-o", str(tmp_path / "kept")]) == 1
+    assert words in capsys.readouterr().err
+    assert not (tmp_path / "kept").exists()
+
+
+def test_a_script_needs_no_guard_against_its_own_processes(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import softffd\nprint('begun')\nscene = softffd.load_scene('press')\n"
+        "print(softffd.sweep(scene, {'mass': [1, 2]}, outputs=['energy.work'], stop_time=0.01, jobs=2).done.sum())\n"
+    )
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True)
+    assert done.stdout.split() == ["begun", "2"], done.stderr
+
+
+def test_an_fmu_is_swept_as_its_scene_is(table, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    softffd.package_fmu(SCENE, "pressed.fmu")
+    packed = sweep("pressed.fmu", VARY, outputs=[FORCE], jobs=2)
+    assert np.array_equal(packed.outputs[FORCE], table.outputs[FORCE])
