@@ -24,13 +24,13 @@ POINTS = ("time", "i", "j", "k", "axis")
 
 def data_frame(result: Result) -> pd.DataFrame:
     """Outputs, positions among them, and inputs in columns by variable name; the index is the time [s]."""
-    pandas = _package("pandas", "to_dataframe", "dataframes")
+    pandas = package("pandas", "to_dataframe", "dataframes")
     return pandas.DataFrame({**result.columns(), **result.inputs}, index=pandas.Index(result.time, name="time"))
 
 
 def dataset(result: Result) -> xr.Dataset:
     """The same with vectors as one array each, (time, axis), those at control points (time, i, j, k, axis); parameters are attributes."""
-    xarray = _package("xarray", "to_xarray", "datasets")
+    xarray = package("xarray", "to_xarray", "datasets")
     arrays: dict[str, Any] = {"position": (POINTS, result.positions, {"units": "m"})}
     values = {**result.outputs, **result.inputs}
     for name, members in _together(values).items():
@@ -40,7 +40,8 @@ def dataset(result: Result) -> xr.Dataset:
     return xarray.Dataset(arrays, coordinates, {"title": result.title, **result.parameters})
 
 
-def _package(name: str, method: str, extra: str) -> Any:
+def package(name: str, method: str, extra: str) -> Any:
+    """An optional package, for a method of this name; SoftffdError tells the extra where it is missing."""
     try:
         return import_module(name)
     except ImportError:

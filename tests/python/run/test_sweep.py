@@ -172,7 +172,7 @@ def test_a_table_as_a_data_set(table):
 
 def test_without_xarray_its_name_is_told(table, monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(SoftffdError, match=r"pip install softffd\[xarray\]"):
+    with pytest.raises(SoftffdError, match=r"pip install 'softffd\[datasets\]'"):
         table.to_xarray()
 
 

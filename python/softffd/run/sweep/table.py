@@ -16,6 +16,7 @@ import numpy as np
 from softffd.errors import SoftffdError
 from softffd.files import replacing, write_text
 from softffd.run.result import Columns
+from softffd.run.tables import package
 
 if TYPE_CHECKING:
     from softffd.run.sweep.plan import Plan
@@ -119,10 +120,7 @@ class Sweep:
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset: the varied variables are its dimensions, the outputs its variables. SoftffdError where xarray is missing."""
-        try:
-            import xarray
-        except ImportError:
-            raise SoftffdError("to_xarray needs xarray, which is not installed here: pip install softffd[xarray]") from None
+        xarray = package("xarray", "to_xarray", "datasets")
         units = self.about["units"]
         data = {name: (tuple(self.values), column, {"units": units[name]}) for name, column in self.outputs.items()}
         axes = {name: (name, values, {"units": units[name]}) for name, values in self.values.items()}
