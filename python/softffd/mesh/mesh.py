@@ -118,8 +118,7 @@ def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
     Raises MeshError for a missing, damaged, empty, flat or otherwise unusable file, saying what is wrong.
     """
     path = Path(path)
-    if up not in _TO_Z_UP:
-        raise MeshError(f"{path}: mesh.up: wanted one of x, y, z, got {up!r}")
+    _require_axis(path, up)
     if not (np.isfinite(scale) and scale > 0):
         raise MeshError(f"{path}: mesh.scale: wanted a number > 0, got {scale}")
     read = _read(path)
@@ -146,6 +145,7 @@ def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = Non
     """
     path = Path(path)
     _require_known_ending(path, WRITTEN)
+    _require_axis(path, up)
     vertices = np.asarray(mesh.vertices if vertices is None else vertices, dtype=float)
     if vertices.shape != mesh.vertices.shape:
         raise ValueError(f"vertices: wanted the mesh's shape {mesh.vertices.shape}, got {vertices.shape}")
@@ -223,12 +223,19 @@ def _read(path: Path) -> Triangles:
         return _READERS[path.suffix.lower()](path, data)
 
 
+def _require_axis(path: Path, up: str) -> None:
+    if up not in _TO_Z_UP:
+        raise MeshError(f"{path}: mesh.up: wanted one of x, y, z, got {up!r}{did_you_mean(nearest_of(str(up), _TO_Z_UP))}")
+
+
 def _require_known_ending(path: Path, known: tuple[str, ...]) -> None:
     if path.is_dir():
         raise MeshError(f"{path}: is a directory; wanted a mesh file ({_KINDS})")
     if path.suffix.lower() not in known:
         ending = path.suffix or "no ending"
-        raise MeshError(f"{path}: wanted a mesh file that ends with one of {', '.join(known)}, got {ending}")
+        raise MeshError(
+            f"{path}: wanted a mesh file that ends with one of {', '.join(known)}, got {ending}{did_you_mean(nearest_of(ending, known))}"
+        )
 
 
 def _require_faces(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:

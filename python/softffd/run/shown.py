@@ -61,7 +61,7 @@ def page(result: Result, path: str | Path | None = None, *, browser: bool) -> Pa
 
 def in_notebook(result: Result) -> str:
     """The words and, where positions were recorded, the picture and, if it is small, the interactive page, to be opened with a click."""
-    said = f"<pre>{html.escape(in_words(result))}</pre>"
+    said = f'<pre style="white-space: pre-wrap">{html.escape(in_words(result))}</pre>'
     if not result.has_positions:
         return said
     from softffd.show.picture import png_of

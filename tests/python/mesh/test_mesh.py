@@ -237,3 +237,12 @@ class TestRealMeshes:
 def test_an_obj_may_begin_with_a_byte_order_mark(tmp_path):
     mesh = loaded(tmp_path, "a.obj", b"\xef\xbb\xbf" + (TETRAHEDRON + FACES).encode())
     assert len(mesh.vertices) == 4
+
+
+def test_a_misspelt_axis_or_ending_is_told_the_nearest(tmp_path):
+    save_mesh(ball(), tmp_path / "ball.obj")
+    for use in (lambda: load_mesh(tmp_path / "ball.obj", up="Y"), lambda: save_mesh(ball(), tmp_path / "ball.obj", up="Y")):
+        with pytest.raises(MeshError, match=r"wanted one of x, y, z, got 'Y', did you mean \"y\""):
+            use()
+    with pytest.raises(MeshError, match=r'got \.objj, did you mean "\.obj"'):
+        save_mesh(ball(), tmp_path / "ball.objj")

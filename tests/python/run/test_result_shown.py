@@ -49,13 +49,13 @@ def test_without_positions_there_is_nothing_to_see(tmp_path, opened):
         with pytest.raises(SoftffdError, match=r'outputs\.positions = "all"'):
             ask()
     assert not opened and not list(tmp_path.iterdir())
-    assert run._repr_html_() == f"<pre>{html.escape(repr(run))}</pre>"
+    assert run._repr_html_() == f'<pre style="white-space: pre-wrap">{html.escape(repr(run))}</pre>'
 
 
 def test_a_notebook_shows_words_picture_and_page(monkeypatch):
     run = replace(made_up_run(), summary={"title": "<Box> & co"}, scene=None)
     shown = run._repr_html_()
-    assert shown.startswith(f"<pre>{html.escape(repr(run))}</pre>") and "<Box>" not in shown
+    assert shown.startswith(f'<pre style="white-space: pre-wrap">{html.escape(repr(run))}</pre>') and "<Box>" not in shown
     with Image.open(BytesIO(base64.b64decode(re.search(r"base64,([^\"]+)\"", shown)[1]))) as image:
         assert image.width > 1000
     frame = html.unescape(re.search(r'srcdoc="([^"]+)"', shown)[1])
