@@ -23,7 +23,10 @@ def shares(changes: Sequence[tuple[int, tuple[str, str]]], times: np.ndarray) ->
     """What each method with its reason took of a run, most first: method, reason, simulated_s, share in 0..1, communication_steps.
 
     changes: the communication steps, from 0, in which a choice was new, in their order, with it. times: communication points (T,) [s].
+    Without changes, as of a component that tells of no choice, there is nothing.
     """
+    if not changes:
+        return []
     ends = [row for row, _ in changes[1:]] + [len(times) - 1]
     taken: dict[tuple[str, str], list[float]] = {}
     for (begin, choice), end in zip(changes, ends, strict=True):

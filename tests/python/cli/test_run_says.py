@@ -13,6 +13,7 @@ from softffd.cli.command import main
 from softffd.cli.told import pace
 from softffd.errors import FmuError
 from softffd.fmu.component import Component
+from softffd.run.choices import shares
 from softffd.run.progress import ProgressLine
 
 PUSHED = """
@@ -99,6 +100,10 @@ def test_methods_are_told_with_their_share_and_reason(capsys):
         assert f"  {row['communication_steps'] / 40:.0%} of it by {row['method']}: {row['reason']}\n" in said
     said = told(capsys, "run", "box.toml", "--set", "solver.method=leapfrog", "--stop-time", "0.02")
     assert "\n  all of it by leapfrog: as asked" in said
+
+
+def test_a_component_that_tells_of_no_method_runs_too():
+    assert shares([], np.arange(3.0)) == []
 
 
 @pytest.mark.parametrize(
