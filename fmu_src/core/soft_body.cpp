@@ -251,7 +251,8 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   const double jump = (drive_.force - now_.outside).abs().maxCoeff();
   if (watched && jump > 0) jolt(now_.energy, model_.body, motion.spring, now_.outside, drive_.force);
   const double booked = watched ? open_account(now_, before_, model_, drive_, changed, moved) : 0;
-  drive_.damping_unwatched = !definition_.watch_energy;  // the account does not need it
+  if (!all_finite(now_.energy)) return StepStatus::not_finite;  // forces whose squares are no numbers
+  drive_.damping_unwatched = !definition_.watch_energy;         // the account does not need it
   drive_.watch = definition_.watch_energy || (watched && drive_.ramped);
   const Request request{.method = settings.method,
                         .tolerance = settings.tolerance * model_.body.length,

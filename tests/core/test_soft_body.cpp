@@ -100,6 +100,18 @@ TEST(a_call_does_no_more_than_its_work) {
         }
 }
 
+TEST(forces_whose_squares_are_no_numbers_are_refused_before_a_step) {
+  Definition definition = stretched();
+  definition.planes = 1;
+  SoftBody body(definition);
+  body.settings.stiffness = {1e8, 1e8, 1e8};
+  body.settings.planes[0] = {{0, 0, 0}, {0, 0, 1}, Vec3::Zero(), Vec3::Zero(), 0, false};
+  body.settings.force(0, 2) = -1e300;
+  body.initialize(0);
+  CHECK(body.advance(0.1) == StepStatus::not_finite);
+  CHECK(body.work_done() == 0);
+}
+
 TEST(a_change_that_waits_at_a_refused_step_waits_on) {
   SoftBody body(stretched());
   body.settings.stiffness = {1e3, 1e3, 1e3};
