@@ -58,15 +58,14 @@ def point_masses(
     distribution: "uniform" (the same for all), "vertices" (an equal share at each distinct vertex position),
     "surface" (even over the area) or "volume" (even through the solid); all but the first need `mesh`,
     "volume" a closed one.
-    total: kg, > 0; or density: kg/m^3, > 0, times the volume of a closed mesh. Exactly one of the two.
+    total: kg, > 0; or density: kg/m^3, > 0, times the volume of a closed mesh, or of the box without a mesh. Exactly one of the two.
     uniform_share: 0 to 1; this part of the total is spread evenly instead, which moves the centre of mass by
     `shift`. basis: of the volume, "bezier" or "bspline".
     Raises SoftffdError where a value or the mesh does not fit, or a control point would be left without mass.
     """
     _require_values(distribution, mesh, total, density, uniform_share)
     if density is not None:
-        assert mesh is not None
-        total = density * enclosed_volume(mesh)
+        total = density * (enclosed_volume(mesh) if mesh is not None else float(np.prod(size)))
     assert total is not None
     shares = _shares(distribution, counts, origin, size, mesh, basis)
     shares /= shares.sum()
@@ -97,9 +96,10 @@ def enclosed_volume(mesh: Mesh) -> float:
 def _require_values(distribution, mesh, total, density, uniform_share) -> None:
     if distribution not in DISTRIBUTIONS:
         raise SoftffdError(f"mass.distribution: wanted one of {', '.join(DISTRIBUTIONS)}, got {distribution!r}")
-    if mesh is None and (distribution != "uniform" or density is not None):
-        key = "mass.density" if distribution == "uniform" else f"mass.distribution = '{distribution}'"
-        raise SoftffdError(f"{key}: needs a mesh and the scene has none; add [mesh], or use mass.total with the distribution 'uniform'")
+    if mesh is None and distribution != "uniform":
+        raise SoftffdError(
+            f"mass.distribution = '{distribution}': needs a mesh and the scene has none; add [mesh], or use the distribution 'uniform'"
+        )
     if (total is None) == (density is None):
         raise SoftffdError(f"mass: wanted either total or density, got {'neither' if total is None else 'both'}")
     for key, value in (("total", total), ("density", density)):

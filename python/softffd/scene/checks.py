@@ -97,7 +97,7 @@ def _mass(draft: Draft) -> Iterator[Fault]:
     if draft.sound("mass", "distribution") and mass.distribution != "uniform":
         inside = mass.distribution == "volume"
         yield from _needs_mesh(draft, "distribution", closed=inside, instead='take "surface"')
-    if draft.sound("mass", "density") and mass.density is not None:
+    if draft.sound("mass", "density") and mass.density is not None and draft.scene.mesh is not None:
         yield from _needs_mesh(draft, "density", closed=True, instead='give "total"')
 
 

@@ -157,7 +157,12 @@ class Mass(Section):
     """The object's mass and how it is spread over the control points."""
 
     total: Number | None = quantity(None, "kg", "total mass; absent together with `density`: 1", gt=0)
-    density: Number | None = quantity(None, "kg/m3", "density, for a closed mesh, in place of `total`", gt=0)
+    density: Number | None = quantity(
+        None,
+        "kg/m3",
+        "density, in place of `total`: times the volume of the mesh, which must be closed, or of the box where there is no mesh",
+        gt=0,
+    )
     distribution: Literal["uniform", "vertices", "surface", "volume"] = key(
         "uniform",
         '"uniform": equal points; "vertices", "surface", "volume": as it is spread over the mesh',

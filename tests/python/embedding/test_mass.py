@@ -316,10 +316,15 @@ def test_values_out_of_range_are_refused(keys, fault):
         masses(keys.pop("distribution"), wedge(), **keys)
 
 
-@pytest.mark.parametrize("keys", [{"distribution": "surface", "total": 1.0}, {"distribution": "uniform", "density": 1.0}])
-def test_what_needs_a_mesh_says_so(keys):
+@pytest.mark.parametrize("amount", [{"total": 1.0}, {"density": 1.0}])
+def test_what_needs_a_mesh_says_so(amount):
     with pytest.raises(SoftffdError, match=r"needs a mesh and the scene has none; add \[mesh\]"):
-        point_masses(**keys, counts=(4, 4, 4), origin=[0, 0, 0], size=[1, 1, 1], mesh=None)
+        point_masses("surface", **amount, counts=(4, 4, 4), origin=[0, 0, 0], size=[1, 1, 1], mesh=None)
+
+
+def test_density_without_a_mesh_fills_the_box():
+    found = point_masses("uniform", density=30.0, counts=(4, 3, 5), origin=[5, 6, 7], size=[2, 0.5, 3], mesh=None)
+    np.testing.assert_allclose(found.mass, np.full(60, 90.0 / 60), rtol=1e-14)
 
 
 def test_a_mesh_outside_the_box_is_refused():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from softffd.errors import SceneError
+from softffd.fmu.package import scene_masses
 from softffd.scene.scene import Scene, load_scene, scene_from, schema, shipped_scenes, template
 
 TETRAHEDRON = "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
@@ -74,6 +75,11 @@ def test_a_given_box_wins_over_that_of_the_mesh(tetrahedron):
     box = {"origin": [-1, -1, -1], "size": [5, 5, 6]}
     scene = scene_from({"mesh": {"file": "tetrahedron.obj"}, "lattice": box}, path=tetrahedron)
     assert scene.lattice.origin == (-1, -1, -1) and scene.lattice.size == (5, 5, 6)
+
+
+def test_density_without_a_mesh_is_that_of_the_box():
+    scene = scene_from({"lattice": {"size": [2.0, 1.0, 0.5]}, "mass": {"density": 30.0}})
+    assert scene.mass.total is None and scene_masses(scene).mass.sum() == pytest.approx(30.0, rel=1e-14)
 
 
 def test_density_of_a_closed_mesh_leaves_the_total_open(tetrahedron):

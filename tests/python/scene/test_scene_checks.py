@@ -98,7 +98,6 @@ def test_total_and_density_exclude_each_other(folder):
 @pytest.mark.parametrize(
     ("mass", "line"),
     [
-        ({"density": 5.0}, "mass.density: 5.0 needs a closed mesh, but the scene has no [mesh]"),
         (
             {"distribution": "volume"},
             'mass.distribution: "volume" needs a closed mesh, but the scene has no [mesh]',
