@@ -16,7 +16,7 @@ PLAIN = box(
 
 ALWAYS = {"mass", "stiffness.edge", "stiffness.face", "stiffness.body", "solver.method", "solver.tolerance", "solver.step"}
 ALWAYS_RECORDS = {"guid", "counts", "origin", "size", "topology", "mass", "stiffness", "positions", "initial", "reactions"}
-ALWAYS_RECORDS |= {"stop_time", "method", "tolerance", "step"}
+ALWAYS_RECORDS |= {"stop_time", "method", "tolerance", "step", "most_work"}
 
 PLANE = ("point", "normal", "velocity", "angular_velocity", "reaction", "torque")
 PIN = ("position", "orientation", "velocity", "angular_velocity", "reaction", "torque")
