@@ -143,7 +143,7 @@ struct Course {
   double usual = 0;  ///< length of communication steps of late [s]
   Count rejected = 0;
   Count factors = 0;         ///< matrices factored
-  double contact_error = 0;  ///< of explicit steps beside obstacles, at the end of the run, summed [m]
+  double contact_error = 0;  ///< of explicit steps beside obstacles, at the end of the run [m]: the root of the sum of squares
 
   Calibration& calibration(Method which) { return calibrations[std::size_t(which)]; }
   double& controlled_step(Method which) { return controlled[std::size_t(which)]; }

@@ -100,7 +100,7 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
         taken += steps;
         path.motion.time = next;
         if (impact) book_impact(job, trial.before().motion);
-        course.contact_error += contact.left_over;
+        course.contact_error = std::hypot(course.contact_error, contact.left_over);
         trial.keep();
         return StepStatus::ok;
       }
@@ -118,7 +118,7 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
     if (error <= use::too_much * allowed || last) {
       const double left_over = outcome_of(job, coarse_, path.motion, outlook(job, path.motion)) / 3;
-      course.contact_error += left_over;
+      course.contact_error = std::hypot(course.contact_error, left_over);
       contact.left_over = 4 * left_over;
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;

@@ -66,7 +66,7 @@ TEST(a_stretch_that_is_run_once_counts_as_the_coarser_run_before) {
   CHECK(once > 0 && b.run.course.contact.free > 0);
   CHECK(doubled.run(b.integrators, b.job(), double(2 * steps) * limit) == StepStatus::ok);
   CHECK(b.run.path.steps - taken == steps);
-  CHECK_NEAR(b.run.course.contact_error, 5 * once, 1e-12);
+  CHECK_NEAR(b.run.course.contact_error, std::sqrt(17) * once, 1e-12);
 }
 
 TEST(a_stretch_without_a_finite_result_is_none) {
