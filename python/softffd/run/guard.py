@@ -56,8 +56,8 @@ def abreast(work: Work, batches: Sequence[Sequence[Any]], patience: Callable[[An
     try:
         while waiting or running:
             while waiting and len(running) < processes:
+                waiting[-1].begin()
                 running.append(waiting.pop())
-                running[-1].begin()
             earliest = min(batch.deadline for batch in running)
             ready = set(wait([batch.results for batch in running], max(0.0, earliest - clock.monotonic())))
             for batch in list(running):
