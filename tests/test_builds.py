@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-import cpp
+import cpp_tests
 import importers
 
 ZIG_OPTIONS = "-m;ziglang;c++;-target;x86_64-linux-gnu.2.17"
@@ -34,15 +34,15 @@ def library(request) -> Path:
             options = [f"-DCMAKE_CXX_COMPILER={importers.installed('zig')};{ZIG_OPTIONS}"]
         except importers.Missing as missing:
             pytest.skip(str(missing))
-    folder = cpp.ROOT / "build" / request.param
-    cpp.build(folder, "-DCMAKE_BUILD_TYPE=Release", *options, target="softffd")
+    folder = cpp_tests.ROOT / "build" / request.param
+    cpp_tests.build(folder, "-DCMAKE_BUILD_TYPE=Release", *options, target="softffd")
     (found,) = folder.glob("binaries/linux64/softffd.so")
     return found
 
 
 @pytest.mark.parametrize("part", range(1, PARTS + 1))
 def test_another_build_gives_the_same_bits(library, part):
-    compare = [cpp.ROOT / "tests" / "support" / "fingerprint.py", "compare", "--library", library, "--part", f"{part}/{PARTS}", "-j1"]
+    compare = [cpp_tests.ROOT / "tests" / "support" / "fingerprint.py", "compare", "--library", library, "--part", f"{part}/{PARTS}", "-j1"]
     done = subprocess.run([sys.executable, *compare], capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
     assert re.search(r"^[1-9]\d* entries, 0 differ$", done.stdout, re.MULTILINE), done.stdout

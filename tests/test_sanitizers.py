@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-import cpp
+import cpp_tests
 
-FOLDER = cpp.ROOT / "build" / "sanitized"
+FOLDER = cpp_tests.ROOT / "build" / "sanitized"
 PRESET = ("--preset", "asan-ubsan", "-DSOFTFFD_WERROR=OFF")  # a sanitizer brings warnings of its own, another with every compiler
 PARTS = 8
 """Parts of the fingerprint, each of some minutes at most."""
@@ -22,7 +22,7 @@ PATIENCE = 1800.0
 REPORT = re.compile(r"runtime error:|ERROR: \w+Sanitizer|Sanitizer CHECK failed")
 
 FAULTS = {1: "ERROR: AddressSanitizer: heap-buffer-overflow", 2: "runtime error: signed integer overflow"}
-"""Of tests/support/faults.cpp: what is said of each."""
+"""Of tests/support/cpp/faults.cpp: what is said of each."""
 
 pytestmark = pytest.mark.full
 bundled_with_programs = pytest.mark.bundle("all that is sanitized")
@@ -48,14 +48,14 @@ def runtime(tmp_path_factory) -> str:
 
 @pytest.fixture(scope="session")
 def library(runtime) -> Path:
-    cpp.build(FOLDER, *PRESET, target="softffd")
+    cpp_tests.build(FOLDER, *PRESET, target="softffd")
     (found,) = FOLDER.glob("binaries/*/softffd.so")
     return found
 
 
 @pytest.fixture(scope="session")
 def programs(runtime) -> Path:
-    cpp.build(FOLDER, *PRESET)
+    cpp_tests.build(FOLDER, *PRESET)
     return FOLDER
 
 
@@ -63,7 +63,7 @@ def programs(runtime) -> Path:
 def faults(runtime) -> Path:
     """The folder of the program and of the library with faults."""
     for target in ("faults", "faults_library"):
-        cpp.build(FOLDER, *PRESET, target=target)
+        cpp_tests.build(FOLDER, *PRESET, target=target)
     return FOLDER / "tests" / "core"
 
 
@@ -81,13 +81,13 @@ def run(command: list, environment: dict[str, str] | None = None) -> tuple[int, 
 
 def compare(library: Path, *options: str) -> list:
     """The command that compares results of this library with the fingerprint."""
-    return [sys.executable, cpp.ROOT / "tests" / "support" / "fingerprint.py", "compare", "--library", library, *options]
+    return [sys.executable, cpp_tests.ROOT / "tests" / "support" / "fingerprint.py", "compare", "--library", library, *options]
 
 
 @bundled_with_programs
-@pytest.mark.parametrize("source", cpp.SOURCES, ids=cpp.source_id)
+@pytest.mark.parametrize("source", cpp_tests.SOURCES, ids=cpp_tests.source_id)
 def test_a_program_runs_without_a_report(programs, source):
-    cpp.check(programs, source, patience=PATIENCE)
+    cpp_tests.check(programs, source, patience=PATIENCE)
 
 
 @bundled_with_results

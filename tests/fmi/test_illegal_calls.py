@@ -1,10 +1,10 @@
 """Illegal calls: each is an error with one message, changes nothing, and a reset runs as new."""
 
+import os
 import random
 import subprocess
 import sys
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_void_p, create_string_buffer
-from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
@@ -243,10 +243,9 @@ def test_dead_and_foreign_handles_are_errors(rich):
 def test_getters_answer_in_the_error_state_before_initialization(rich):
     script = """
 import sys
-sys.path.insert(0, sys.argv[1])
 from pathlib import Path
 import c_host as c, straight_run
-fmu = c.Fmu(straight_run.RICH, Path(sys.argv[2]) / "again")
+fmu = c.Fmu(straight_run.RICH, Path(sys.argv[1]) / "again")
 for reference in fmu.reals:
     host = c.Host(fmu)
     assert host.set({"mass": -1.0}) == c.ERROR
@@ -256,9 +255,8 @@ for reference in fmu.reals:
 print("done")
 """
     with TemporaryDirectory() as folder:
-        done = subprocess.run(
-            [sys.executable, "-c", script, str(Path(__file__).parents[1] / "support"), folder], capture_output=True, text=True
-        )
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+        done = subprocess.run([sys.executable, "-c", script, folder], env=environment, capture_output=True, text=True)
     last = done.stdout.splitlines()[-1] if done.stdout else done.stderr[-300:]
     name = next((n for n, r in rich.names.items() if str(r) == last), last)
     assert done.returncode == 0, f"{name}: ended with {done.returncode}"

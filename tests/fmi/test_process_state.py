@@ -6,7 +6,6 @@ import struct
 import subprocess
 import sys
 from ctypes import CDLL, create_string_buffer
-from pathlib import Path
 
 import pytest
 
@@ -77,13 +76,12 @@ def test_the_hosts_floating_point_environment_neither_matters_nor_changes(fmus, 
 
 LOCALE_SCRIPT = """
 import locale, sys
-sys.path.insert(0, sys.argv[1])
 from pathlib import Path
 import c_host as c
 import straight_run as t
-fmu = c.Fmu(t.RICH, Path(sys.argv[2]))
+fmu = c.Fmu(t.RICH, Path(sys.argv[1]))
 expected = t.straight(fmu)
-locale.setlocale(locale.LC_ALL, sys.argv[3])
+locale.setlocale(locale.LC_ALL, sys.argv[2])
 point = locale.localeconv()["decimal_point"]
 assert point != ".", point
 assert t.straight(fmu) == expected
@@ -106,8 +104,9 @@ def test_the_hosts_locale_neither_matters_nor_changes(tmp_path, name):
         pytest.skip("no localedef")
     if not target.is_dir():
         pytest.skip(f"localedef has no {name}: {done.stderr.decode(errors='replace')[:200]}")
-    arguments = [sys.executable, "-c", LOCALE_SCRIPT, str(Path(__file__).parents[1] / "support"), str(tmp_path / "fmu"), f"{name}.UTF-8"]
-    done = subprocess.run(arguments, capture_output=True, env=os.environ | {"LOCPATH": str(tmp_path)})
+    arguments = [sys.executable, "-c", LOCALE_SCRIPT, str(tmp_path / "fmu"), f"{name}.UTF-8"]
+    environment = os.environ | {"LOCPATH": str(tmp_path), "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run(arguments, capture_output=True, env=environment)
     if b"unsupported locale setting" in done.stderr:
         pytest.skip(f"localedef could not make {name} here: the sources of locales are not on this machine")
     assert done.returncode == 0, done.stderr.decode()

@@ -124,7 +124,7 @@ def test_a_serialized_state_continues_in_another_process(fmu, slave, tmp_path):
     slave.advance(20, 50)
     script = f"""
 import sys
-sys.path[:0] = [{str(Path(__file__).parent)!r}, {str(Path(__file__).parents[1] / "support")!r}]
+sys.path[:0] = {[str(Path(__file__).parent), *sys.path]!r}
 from pathlib import Path
 from test_state import Slave
 slave = Slave(Path({str(fmu)!r}), Path({str(tmp_path / "process")!r}))

@@ -181,8 +181,8 @@ A given `solver.step` ({START["solver.step"]:g} s, for `stiff_bounce` {STIFF_STA
 last bits of a host's clock; steps that the component chooses itself may differ with them, within the tolerance. None of the importers
 passed on a warning of the component.
 
-This page is made by `python tests/support/importer_runs.py docs/importers.md`; `python3 python/run.py test --full` runs all of it again
-and compares it with this page.
+This page is made by `python tests/support/hosts/importer_runs.py docs/importers.md`; `python3 python/run.py test --full` runs all of it
+again and compares it with this page.
 """
 
 

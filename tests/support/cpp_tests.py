@@ -1,4 +1,4 @@
-"""The C++ tests of tests/core and tests/fmi: where they are, how they are built, and what one says that has passed."""
+"""The C++ tests of tests/core and tests/fmi/library: where they are, how they are built, and what one says that has passed."""
 
 import os
 import subprocess
@@ -9,7 +9,7 @@ from pathlib import Path
 from locks import one_at_a_time
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = sorted([*ROOT.glob("tests/core/**/test_*.cpp"), *ROOT.glob("tests/fmi/test_*.cpp")])
+SOURCES = sorted([*ROOT.glob("tests/core/**/test_*.cpp"), *ROOT.glob("tests/fmi/library/test_*.cpp")])
 
 
 def source_id(source: Path) -> str:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-FOLDER = HERE.parents[1] / "build" / "importers"
+FOLDER = HERE.parents[2] / "build" / "importers"
 PYTHON_PACKAGES = {
     "fmutool": ("fmu-manipulation-toolbox==2.0",),
     "libcosim": ("libcosimpy==0.0.6",),
