@@ -11,8 +11,9 @@ from softffd.errors import SoftffdError
 from softffd.fmu.archive import write_archive
 from softffd.fmu.arrays import array_variables
 from softffd.fmu.deflated import deflate, deflated_file
+from softffd.fmu.description_parts import completed
 from softffd.fmu.interface import Interface, scene_interface
-from softffd.fmu.model_description import completed, model_description
+from softffd.fmu.model_description import model_description
 from softffd.fmu.model_description3 import model_description3
 from softffd.fmu.records import NAME, scene_records, scene_text
 from softffd.fmu.variables import variables

@@ -23,7 +23,8 @@ import numpy as np
 from softffd.drivers import MENDING
 from softffd.embedding.basis import weights
 from softffd.errors import SoftffdError
-from softffd.fmu.model_description import completed, model_description
+from softffd.fmu.description_parts import completed
+from softffd.fmu.model_description import model_description
 from softffd.fmu.package import fmu_path, scene_masses
 from softffd.fmu.variables import variables
 from softffd.installed import table

@@ -1,0 +1,139 @@
+"""What modelDescription.xml of a scene's FMU says in any version of the standard."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Mapping, Sequence
+from typing import TypeVar
+from xml.etree import ElementTree as Xml
+
+from softffd import __version__
+from softffd.fmu.arrays import ArrayVariable
+from softffd.fmu.origin import AUTHOR, COPYRIGHT, generation_time
+from softffd.fmu.variables import Variable
+from softffd.installed import table
+from softffd.scene.scene import Scene
+
+GUID_PLACE = "{softffd-guid}"
+"""Stands where the guid goes; the guid is a hash of everything else but the date."""
+DATE_PLACE = "{softffd-date}"
+"""Stands where the date goes."""
+CONVENTIONS = {"structured": "structured", "plain": "flat"}
+"""variableNamingConvention by fmu.names"""
+INITIAL = {"parameter": "exact", "output": "calculated"}
+"""By causality"""
+
+OneOf = TypeVar("OneOf", Variable, ArrayVariable)
+
+
+def completed(description: str, guid: str) -> str:
+    """The text with its guid, and with the time of the sources: states go from one installation to another whatever their dates."""
+    return description.replace(GUID_PLACE, guid).replace(DATE_PLACE, generation_time())
+
+
+def head(
+    scene: Scene, identity: Mapping[str, str], simulation: Mapping[str, str], units: Container[str | None], leave_out: Container[str] = ()
+) -> Xml.Element:
+    """The root with all that comes before the variables.
+
+    identity: version of the standard and guid, by the standard's names. simulation: attributes of the CoSimulation element. units, and
+    leave_out of the log categories: names.
+    """
+    root = Xml.Element("fmiModelDescription", {**identity, **_origin(scene)})
+    Xml.SubElement(root, "CoSimulation", dict(simulation))
+    _add_units(root, units)
+    _add_log_categories(root, leave_out)
+    _add_default_experiment(root, scene)
+    return root
+
+
+def xml_text(root: Xml.Element) -> str:
+    """The document."""
+    Xml.indent(root, space="  ")
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + Xml.tostring(root, encoding="unicode") + "\n"
+
+
+def what_it_is(variable: Variable | ArrayVariable) -> dict[str, str]:
+    """Attributes of a variable of any type."""
+    causality = variable.family["causality"]
+    attributes = {
+        "name": variable.name,
+        "valueReference": str(variable.reference),
+        "causality": causality,
+        "variability": variable.family["variability"],
+        "description": variable.description,
+    }
+    return attributes | ({"initial": INITIAL[causality]} if causality in INITIAL else {})
+
+
+def its_values(variable: Variable | ArrayVariable, start: Sequence[float | int]) -> dict[str, str]:
+    """Attributes of its type: unit, bounds, usual size and start values, which may be none."""
+    family, attributes = variable.family, {}
+    if "unit" in family:
+        attributes["unit"] = family["unit"]
+    if "min" in family:
+        attributes["min"] = repr(family["min"])
+    if variable.most is not None:
+        attributes["max"] = repr(variable.most)
+    if variable.nominal is not None:
+        attributes["nominal"] = repr(float(variable.nominal))
+    if start:
+        real = family.get("type", "Real") == "Real"
+        attributes["start"] = " ".join(repr(float(value) if real else value) for value in start)
+    return attributes
+
+
+def dependencies(variables: Sequence[OneOf], number: Callable[[OneOf], int]) -> list[tuple[str, str]]:
+    """For every output its number, and the numbers of what its initial value depends on.
+
+    Outputs do not depend on inputs of the same moment: they act during the step that follows. Initially some do.
+    """
+    by_family: dict[str, list[int]] = {}
+    for variable in variables:
+        by_family.setdefault(variable.family["key"], []).append(number(variable))
+    found = []
+    for variable in variables:
+        if variable.family["causality"] == "output":
+            known = sorted(other for key in variable.family["initial_from"] for other in by_family.get(key, []))
+            found.append((str(number(variable)), " ".join(map(str, known))))
+    return found
+
+
+def _origin(scene: Scene) -> dict[str, str]:
+    """What the FMU is and who made it."""
+    return {
+        "modelName": scene.name,
+        "description": scene.title,
+        "author": AUTHOR,
+        "version": __version__,
+        "copyright": COPYRIGHT,
+        "license": "BSD-2-Clause",
+        "generationTool": f"softffd {__version__}",
+        "generationDateAndTime": DATE_PLACE,
+        "variableNamingConvention": CONVENTIONS[scene.fmu.names],
+    }
+
+
+def _add_units(root: Xml.Element, used: Container[str | None]) -> None:
+    parent = Xml.SubElement(root, "UnitDefinitions")
+    for unit in table()["unit"]:
+        if unit["name"] in used:
+            element = Xml.SubElement(parent, "Unit", name=unit["name"])
+            Xml.SubElement(element, "BaseUnit", {key: str(power) for key, power in unit["base"].items()})
+
+
+def _add_log_categories(root: Xml.Element, leave_out: Container[str]) -> None:
+    parent = Xml.SubElement(root, "LogCategories")
+    for category in (each for each in table()["log_category"] if each["name"] not in leave_out):
+        Xml.SubElement(parent, "Category", name=category["name"], description=category["description"])
+
+
+def _add_default_experiment(root: Xml.Element, scene: Scene) -> None:
+    """The run that the scene describes."""
+    Xml.SubElement(
+        root,
+        "DefaultExperiment",
+        startTime="0",
+        stopTime=repr(scene.experiment.stop_time),
+        tolerance=repr(scene.solver.tolerance),
+        stepSize=repr(scene.experiment.communication_step),
+    )
