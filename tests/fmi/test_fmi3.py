@@ -18,7 +18,7 @@ from softffd.fmu.component import Component
 from softffd.lattice import all_points, rest_grid, to_flat, to_grid
 from softffd.names import variable_names
 from softffd.run.inputs import Inputs
-from softffd.run.simulate import communication_points, step_lengths
+from softffd.run.times import communication_points, step_lengths
 from softffd.scene.document import shipped_scenes
 from straight_run import BARE, RICH, straight
 

@@ -1,18 +1,16 @@
 """Illegal calls of FMI 3.0: each is an error with one message, changes nothing, and a reset runs as new."""
 
-import random
 from ctypes import byref, c_bool, c_char_p, c_double, c_int64, c_size_t, c_uint32, c_void_p
 
 import pytest
 
 from c_host import ERROR, STEP, check_message, ints
 from c_host3 import Fmu3, Host3
+from illegal_calls import ENDED, FAILED, FRESH, INITIALIZING, PHASES, RUNNING, SETTABLE, check_random_calls
 from signatures3 import ABSENT, OTHER_TYPES, SIGNATURES
 from straight_run import RICH, apply, check_as_new, straight
 
 NAN, INF = float("nan"), float("inf")
-FRESH, INITIALIZING, RUNNING, FAILED, ENDED = PHASES = ("fresh", "initializing", "running", "failed", "ended")
-SETTABLE, ALIVE = (FRESH, INITIALIZING, RUNNING), (INITIALIZING, RUNNING)
 
 
 @pytest.fixture(scope="module")
@@ -147,20 +145,7 @@ def test_every_illegal_call_is_an_error_with_one_message_and_changes_nothing(ric
 
 
 def test_random_illegal_calls_between_legal_ones_leave_a_reset_as_new(rich):
-    generator, expected = random.Random(3), straight(rich, 3)
-    host = rich.host()
-    for _ in range(100):
-        host.must("Reset")
-        phase = generator.choice(PHASES)
-        bring_to(host, phase)
-        for _ in range(generator.randrange(1, 5)):
-            wanted, call = generator.choice([(wanted, call) for phases, wanted, call in ILLEGAL if phase in phases])
-            assert call(host) == ERROR
-            check_message(host, wanted)
-            if not any(word in wanted for word in ("FMUstate: wanted", "the state is")):
-                phase = FAILED
-        check_as_new(host, expected)
-    host.free()
+    check_random_calls(rich.host(), bring_to, ILLEGAL, seed=3, lives=100)
 
 
 def test_dead_and_foreign_handles_are_errors(rich):

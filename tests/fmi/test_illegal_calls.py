@@ -1,7 +1,6 @@
 """Illegal calls: each is an error with one message, changes nothing, and a reset runs as new."""
 
 import os
-import random
 import subprocess
 import sys
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_void_p, create_string_buffer
@@ -10,10 +9,10 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from c_host import DISCARD, ERROR, SIGNATURES, STEP, STEPS, TIMES, Fmu, Host, check_message, doubles, ints, uints
+from illegal_calls import ALIVE, ENDED, FAILED, FRESH, INITIALIZING, PHASES, RUNNING, SETTABLE, check_random_calls
 from straight_run import RICH, apply, check_as_new, straight
 
 NAN, INF = float("nan"), float("inf")
-FRESH, INITIALIZING, RUNNING, FAILED, ENDED = "fresh", "initializing", "running", "failed", "ended"
 
 
 def bring_to(host: Host, phase: str) -> None:
@@ -62,10 +61,6 @@ def too_small(host: Host) -> int:
     return status
 
 
-ANY = (FRESH, INITIALIZING, RUNNING, ENDED, FAILED)
-ALIVE = (INITIALIZING, RUNNING)
-SETTABLE = (FRESH, INITIALIZING, RUNNING)
-# phases in which the call is illegal; what the message must hold; the call
 ILLEGAL = [
     ((INITIALIZING, RUNNING, ENDED, FAILED), "fmi2SetupExperiment: not allowed", lambda h: h("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)),
     ((INITIALIZING, RUNNING, ENDED, FAILED), "fmi2EnterInitializationMode: not allowed", lambda h: h("EnterInitializationMode")),
@@ -99,7 +94,7 @@ ILLEGAL = [
         "fmi2GetRealOutputDerivatives: got a null",
         lambda h: h("GetRealOutputDerivatives", uints([60 << 24]), 1, ints([1]), None),
     ),
-    (ANY, "fmi2SetDebugLogging: got a null", lambda h: h("SetDebugLogging", 1, 2, None)),
+    (PHASES, "fmi2SetDebugLogging: got a null", lambda h: h("SetDebugLogging", 1, 2, None)),
     (ALIVE, "value reference 0: this scene has no such", lambda h: h("GetReal", uints([0]), 1, doubles([0]))),
     (ALIVE, "value reference 4294967295", lambda h: h("GetReal", uints([4294967295]), 1, doubles([0]))),
     (ALIVE, "value reference 1006633041", lambda h: h("GetReal", uints([60 << 24, (60 << 24) + 81]), 2, doubles([0, 0]))),
@@ -148,20 +143,20 @@ ILLEGAL = [
         for t in (NAN, -1.0, 0.0, INF)
     ],
     *[((FRESH,), f"above startTime, got {t:g}", lambda h, t=t: h("SetupExperiment", 0, 0.0, 1.0, 1, t)) for t in (NAN, 1.0, 0.5, INF)],
-    (ANY, "fmi2GetFMUstate: got a null", lambda h: h("GetFMUstate", None)),
-    (ANY, "fmi2GetFMUstate: FMUstate: wanted a state", lambda h: h("GetFMUstate", byref(c_void_p(64)))),
-    (ANY, "fmi2SetFMUstate: FMUstate: wanted a state", lambda h: h("SetFMUstate", None)),
-    (ANY, "fmi2SetFMUstate: FMUstate: wanted a state", lambda h: h("SetFMUstate", h.component)),
-    (ANY, "fmi2FreeFMUstate: FMUstate: wanted a state", lambda h: h("FreeFMUstate", byref(c_void_p(h.component)))),
-    (ANY, "fmi2SerializedFMUstateSize: FMUstate: wanted a state", lambda h: h("SerializedFMUstateSize", None, byref(c_size_t()))),
-    (ANY, "fmi2SerializeFMUstate: FMUstate: wanted a state", lambda h: h("SerializeFMUstate", None, None, 0)),
-    (ANY, "fmi2SerializeFMUstate: size: wanted", too_small),
-    (ANY, "fmi2DeSerializeFMUstate: got a null", lambda h: h("DeSerializeFMUstate", None, 8, byref(c_void_p()))),
-    (ANY, "fmi2DeSerializeFMUstate: got a null", lambda h: h("DeSerializeFMUstate", b"12345678", 8, None)),
-    (ANY, "fmi2DeSerializeFMUstate: the state is too short", lambda h: h("DeSerializeFMUstate", b"12345678", 8, byref(c_void_p()))),
-    (ANY, "fmi2DeSerializeFMUstate: the state is damaged", damaged),
+    (PHASES, "fmi2GetFMUstate: got a null", lambda h: h("GetFMUstate", None)),
+    (PHASES, "fmi2GetFMUstate: FMUstate: wanted a state", lambda h: h("GetFMUstate", byref(c_void_p(64)))),
+    (PHASES, "fmi2SetFMUstate: FMUstate: wanted a state", lambda h: h("SetFMUstate", None)),
+    (PHASES, "fmi2SetFMUstate: FMUstate: wanted a state", lambda h: h("SetFMUstate", h.component)),
+    (PHASES, "fmi2FreeFMUstate: FMUstate: wanted a state", lambda h: h("FreeFMUstate", byref(c_void_p(h.component)))),
+    (PHASES, "fmi2SerializedFMUstateSize: FMUstate: wanted a state", lambda h: h("SerializedFMUstateSize", None, byref(c_size_t()))),
+    (PHASES, "fmi2SerializeFMUstate: FMUstate: wanted a state", lambda h: h("SerializeFMUstate", None, None, 0)),
+    (PHASES, "fmi2SerializeFMUstate: size: wanted", too_small),
+    (PHASES, "fmi2DeSerializeFMUstate: got a null", lambda h: h("DeSerializeFMUstate", None, 8, byref(c_void_p()))),
+    (PHASES, "fmi2DeSerializeFMUstate: got a null", lambda h: h("DeSerializeFMUstate", b"12345678", 8, None)),
+    (PHASES, "fmi2DeSerializeFMUstate: the state is too short", lambda h: h("DeSerializeFMUstate", b"12345678", 8, byref(c_void_p()))),
+    (PHASES, "fmi2DeSerializeFMUstate: the state is damaged", damaged),
     (
-        ANY,
+        PHASES,
         "fmi2GetDirectionalDerivative: not available",
         lambda h: h("GetDirectionalDerivative", uints([0]), 1, uints([0]), 1, doubles([0]), doubles([0])),
     ),
@@ -185,21 +180,7 @@ def test_every_illegal_call_is_an_error_with_one_message_and_changes_nothing(ric
 
 
 def test_random_illegal_calls_between_legal_ones_leave_a_reset_as_new(rich):
-    generator, expected = random.Random(7), straight(rich, 3)
-    host = Host(rich)
-    for _ in range(300):
-        host.must("Reset")
-        phase = generator.choice(ANY)
-        bring_to(host, phase)
-        for _ in range(generator.randrange(1, 5)):
-            fitting = [(wanted, call) for phases, wanted, call in ILLEGAL if phase in phases]
-            wanted, call = generator.choice(fitting)
-            assert call(host) == ERROR
-            check_message(host, wanted)
-            if not any(word in wanted for word in ("FMUstate: wanted", "the state is")):
-                phase = FAILED
-        check_as_new(host, expected)
-    host.free()
+    check_random_calls(Host(rich), bring_to, ILLEGAL, seed=7, lives=300)
 
 
 def test_a_refused_foreign_state_leaves_the_run_as_it_was(rich):
