@@ -23,7 +23,7 @@ import numpy as np
 
 import softffd
 from softffd.run.inputs import Inputs
-from softffd.run.simulate import communication_points
+from softffd.run.times import communication_points
 
 NAME, OUTPUT = "stiffness.edge", "plane.table.reaction.z"
 

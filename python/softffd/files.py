@@ -6,6 +6,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+from softffd.errors import SoftffdError
+
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[BinaryIO]:
@@ -33,3 +35,12 @@ def write_bytes(path: str | Path, content: bytes) -> None:
 def write_text(path: str | Path, text: str) -> None:
     """Writes a whole file in UTF-8; line ends stay as they are."""
     write_bytes(path, text.encode())
+
+
+def require_writable(folder: Path) -> None:
+    """SoftffdError where files could not be written to a folder, which need not exist yet: to be asked before a long run."""
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} is a file")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} may not be written to")

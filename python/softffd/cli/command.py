@@ -14,9 +14,9 @@ from typing import Any
 
 from softffd.cli.options import parse
 from softffd.errors import FmuError, Interrupted, SoftffdError
+from softffd.files import require_writable
 from softffd.run.inputs import Inputs
 from softffd.run.progress import ProgressLine
-from softffd.run.result import require_writable
 from softffd.run.simulation import Simulation
 from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import load_scene, schema, shipped_scenes

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from softffd.errors import SoftffdError
+from softffd.files import require_writable
 from softffd.run.progress import ProgressLine
-from softffd.run.result import require_writable
 from softffd.run.sweep.sweep import sweep
 from softffd.scene.scene import load_scene
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -14,7 +13,7 @@ import numpy as np
 
 from softffd.embedding.deform import deform
 from softffd.errors import MeshError, SoftffdError, UnknownName
-from softffd.files import replacing
+from softffd.files import replacing, require_writable
 from softffd.lattice import LatticeBox, all_points
 from softffd.mesh.mesh import Mesh
 from softffd.names import ByName, part_names, variable_names, vector_names
@@ -213,12 +212,3 @@ class Result:
 
     def _write_summary(self, stream: Any) -> None:
         stream.write((json.dumps(self.summary, indent=2) + "\n").encode())
-
-
-def require_writable(folder: Path) -> None:
-    """SoftffdError where files could not be written to a folder, which need not exist yet: to be asked before a long run."""
-    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
-    if not there.is_dir():
-        raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} is a file")
-    if not os.access(there, os.W_OK | os.X_OK):
-        raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} may not be written to")

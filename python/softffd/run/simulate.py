@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import os
 import time as clock
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -14,15 +13,15 @@ import numpy as np
 
 from softffd.errors import FmuError, Interrupted
 from softffd.fmu.component import Block, Component
-from softffd.fmu.interface import ScalarVariable
 from softffd.lattice import LatticeBox
-from softffd.names import is_pose
 from softffd.run.choices import choice_in, shares
+from softffd.run.driven import driven_inputs, require_undriven
 from softffd.run.inputs import Inputs, Source
 from softffd.run.points import is_position, places
 from softffd.run.recorded import recorded_outputs
 from softffd.run.result import Result
 from softffd.run.simulation import Simulation, open_component
+from softffd.run.times import communication_points, positive, require_memory, step_lengths
 from softffd.scene.scene import Scene
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -77,7 +76,7 @@ def simulate(
             component, tolerance=tolerance, method=method, start_values=start_values, start_time=start_time, stop_time=stop_time
         ) as simulation:
             recorder = _Recorder.of(simulation, source, stop_time, step, interpolation, recorded_outputs(component, output))
-            _require_undriven(simulation, source, start_values or {}, recorder.inputs.names)
+            require_undriven(simulation, source, start_values or {}, recorder.inputs.names)
             recorder.apply_inputs(0)
             simulation.initialize()
             if begun:
@@ -101,62 +100,6 @@ def simulate(
             if not whole:
                 raise Interrupted(recorder.result(summary | {"interrupted_before_s": stop_time}, scene))
             return recorder.result(summary, scene)
-
-
-def _require_undriven(simulation: Simulation, source: Inputs, start_values: Mapping[str, Any], driven: Sequence[str]) -> None:
-    """FmuError where a start value would be lost, for the inputs give that variable from the first communication point on."""
-    for given in start_values:
-        if lost := [name for name in simulation.block([given]).names if name in driven]:
-            follows = "" if lost[0] in source.names else " with its pose"
-            other = "; softffd run --no-input goes without the file" if source.is_file else ""
-            raise FmuError(
-                f"{source.where}{lost[0]} comes from here over time{follows}, so that its start value would be lost: "
-                f"leave out one of the two{other}"
-            )
-
-
-def positive(what: str, given: float | None, default: Any, *, after: float = 0.0) -> float:
-    """The given value, else the default, if it is a number > 0, or > `after` [s]; FmuError says what is wrong otherwise."""
-    wanted = f"wanted > {after:g} s{', the start time' if after else ''}"
-    if given is None and default is None:
-        raise FmuError(f"{what}: {wanted}, got none; the FMU names no default, so it must be given")
-    value = float(default if given is None else given)
-    if not (math.isfinite(value) and value > after):
-        source = "given" if given is not None else "in the FMU's default experiment"
-        raise FmuError(f"{what}: {wanted}, got {value:g} ({source})")
-    return value
-
-
-def communication_points(stop_time: float, step: float, start_time: float = 0.0) -> np.ndarray:
-    """The start time, multiples of step after it, and the stop time: (T,) [s]."""
-    count = math.ceil((stop_time - start_time) / step * (1 - 1e-9))
-    return np.append(start_time + step * np.arange(count), stop_time)
-
-
-def require_memory(stop_time: float, step: float, bytes_per_point: int) -> None:
-    """FmuError where the values of all communication points would not fit into this machine's memory."""
-    count = stop_time / step
-    if not count * bytes_per_point <= _memory():
-        raise FmuError(
-            f"communication step {step:g} s and stop time {stop_time:g} s make {count:.3g} communication points, whose result would take "
-            f"{count * bytes_per_point / 1e9:.3g} GB; wanted at most {_memory() / 1e9:.3g} GB, this machine's memory: "
-            "take a longer step, a shorter stop time or fewer outputs"
-        )
-
-
-def _memory() -> float:
-    """Of this machine [bytes]; 16 GB where it does not tell."""
-    try:
-        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    except (AttributeError, OSError, ValueError):
-        return 16e9
-
-
-def step_lengths(times: np.ndarray, step: float) -> list[float]:
-    """Lengths between the times: the same double for all but a shorter last one."""
-    last = float(times[-1] - times[-2])
-    whole = math.isclose(last, step, rel_tol=1e-9, abs_tol=4 * float(np.spacing(abs(times).max())))
-    return [step] * (len(times) - 2) + [step if whole else last]
 
 
 @dataclass
@@ -190,9 +133,8 @@ class _Recorder:
         cls, simulation: Simulation, source: Inputs, stop_time: float, step: float, interpolation: Interpolation, chosen: set[str]
     ) -> _Recorder:
         component = simulation.component
-        given = [_input(component, source, name) for name in source.names]
-        source.derive_only({variable.name for variable in component.variables("input")})
-        inputs = component.block_of([*given, *(_input(component, source, name) for name in source.derived_names)])
+        driven = driven_inputs(component, source)
+        inputs, given = component.block_of(driven), component.block_of(driven[: len(source.names)])
         reals = component.block_of([v for v in component.variables("output") if v.name in chosen])
         integers = component.block_of([v for v in component.variables("output", real=False) if v.name in chosen])
         places = math.prod(component.lattice.points) if component.lattice else len(reals.names) // 3
@@ -201,7 +143,7 @@ class _Recorder:
         times = communication_points(stop_time, step, simulation.time)
         rows = len(times)
         return cls(
-            simulation, times, step_lengths(times, step), source, interpolation, inputs, component.block_of(given), reals, integers,
+            simulation, times, step_lengths(times, step), source, interpolation, inputs, given, reals, integers,
             {**_read(component, "input"), **_read(component, "parameter")},
             np.zeros((rows, len(inputs.names))), np.zeros((rows, len(reals.names))), np.zeros((rows, len(integers.names)), np.int64),
         )  # fmt: skip
@@ -278,18 +220,6 @@ class _Recorder:
 def _read(component: Component, causality: str) -> dict[str, float]:
     block = component.block_of(component.variables(causality))
     return dict(zip(block.names, block.get().tolist(), strict=True))
-
-
-def _input(component: Component, source: Inputs, name: str) -> ScalarVariable:
-    """The input of this name; FmuError that tells the source otherwise."""
-    try:
-        variable = component.variable(name)
-    except FmuError as error:
-        raise FmuError(f"{source.where}{error}") from None
-    if variable.causality != "input":
-        hint = "; the scene names it in `inputs` of a plane or pin to make it one" if is_pose(name) else ""
-        raise FmuError(f"{source.where}{name}: wanted an input of the FMU, got its {variable.causality} of that name{hint}")
-    return variable
 
 
 def _positions(columns: dict[str, np.ndarray], rows: int, lattice: LatticeBox | None) -> np.ndarray:

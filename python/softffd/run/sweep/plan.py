@@ -19,11 +19,10 @@ from softffd.fmu.block import number_of
 from softffd.fmu.component import Component
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import parse_name
+from softffd.run.driven import driven_inputs, require_undriven
 from softffd.run.inputs import Inputs, Source
-from softffd.run.simulate import _input as driven_input
-from softffd.run.simulate import _require_undriven as require_undriven
-from softffd.run.simulate import communication_points, positive, require_memory
 from softffd.run.simulation import Simulation
+from softffd.run.times import communication_points, positive, require_memory
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
@@ -93,9 +92,7 @@ def plan_of(
         stop_time = positive("stop time", stop_time, interface.stop_time)
         step = positive("communication step", step, interface.step)
         source = Inputs(inputs)
-        driven = [driven_input(component, source, name).name for name in source.names]
-        source.derive_only({variable.name for variable in component.variables("input")})
-        driven += [component.variable(name).name for name in source.derived_names]
+        driven = [variable.name for variable in driven_inputs(component, source)]
         require_undriven(simulation, source, start_values or {}, driven)
         given = _varied(component, vary, driven, source.where)
         numbers = {name: [_number(component.variable(name), value) for value in values] for name, values in given.items()}

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from softffd.errors import FmuError
-from softffd.run.simulate import step_lengths
 from softffd.run.simulation import Simulation
 from softffd.run.sweep.plan import END, Plan
+from softffd.run.times import step_lengths
 
 FOLD: dict[str, Callable[[np.ndarray], Any]] = {END: lambda column: column[-1], "max": np.max, "min": np.min, "mean": np.mean}
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from softffd.errors import FmuError
 from softffd.run.progress import Note, silent
-from softffd.run.simulate import positive
+from softffd.run.times import positive
 from softffd.scene.scene import load_scene
 from softffd.validation.accuracy.files import keep
 from softffd.validation.accuracy.measure import Interrupted, measure

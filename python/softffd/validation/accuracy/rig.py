@@ -14,8 +14,8 @@ from softffd.fmu.variables import spring_damping_present
 from softffd.lattice import all_points
 from softffd.names import variable_names
 from softffd.run.inputs import Inputs
-from softffd.run.simulate import communication_points, positive, require_memory, step_lengths
 from softffd.run.simulation import Simulation
+from softffd.run.times import communication_points, positive, require_memory, step_lengths
 from softffd.scene.scene import Scene
 
 ENOUGH = 0.4

@@ -8,7 +8,7 @@ from typing import Any
 
 from softffd.errors import SoftffdError
 from softffd.run.progress import Note, silent
-from softffd.run.simulate import positive
+from softffd.run.times import positive
 from softffd.validation.conditions import conditions
 from softffd.validation.stability.files import keep
 from softffd.validation.stability.survey import Survey, planned, run

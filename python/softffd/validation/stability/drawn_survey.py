@@ -12,7 +12,7 @@ from typing import Any
 from softffd.errors import SoftffdError
 from softffd.run.guard import guarded
 from softffd.run.progress import Note, silent
-from softffd.run.simulate import positive
+from softffd.run.times import positive
 from softffd.validation.conditions import conditions
 from softffd.validation.kept import csv_text, json_text, keep_files
 from softffd.validation.stability.drawn import drawn

@@ -1,0 +1,47 @@
+"""Which inputs of an FMU a source drives over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from softffd.errors import FmuError
+from softffd.names import is_pose
+
+if TYPE_CHECKING:
+    from softffd.fmu.component import Component
+    from softffd.fmu.interface import ScalarVariable
+    from softffd.run.inputs import Inputs
+    from softffd.run.simulation import Simulation
+
+
+def driven_inputs(component: Component, source: Inputs) -> list[ScalarVariable]:
+    """The inputs that a source gives, in the order of its names, and then the velocities that follow from them, where the FMU has these as
+    inputs. FmuError, which tells the source, where it names what is no input."""
+    given = [_input(component, source, name) for name in source.names]
+    source.derive_only({variable.name for variable in component.variables("input")})
+    return given + [component.variable(name) for name in source.derived_names]
+
+
+def require_undriven(simulation: Simulation, source: Inputs, start_values: Mapping[str, Any], driven: Sequence[str]) -> None:
+    """FmuError where a start value would be lost, for the inputs give that variable from the first communication point on."""
+    for given in start_values:
+        if lost := [name for name in simulation.block([given]).names if name in driven]:
+            follows = "" if lost[0] in source.names else " with its pose"
+            other = "; softffd run --no-input goes without the file" if source.is_file else ""
+            raise FmuError(
+                f"{source.where}{lost[0]} comes from here over time{follows}, so that its start value would be lost: "
+                f"leave out one of the two{other}"
+            )
+
+
+def _input(component: Component, source: Inputs, name: str) -> ScalarVariable:
+    """The input of this name; FmuError that tells the source otherwise."""
+    try:
+        variable = component.variable(name)
+    except FmuError as error:
+        raise FmuError(f"{source.where}{error}") from None
+    if variable.causality != "input":
+        hint = "; the scene names it in `inputs` of a plane or pin to make it one" if is_pose(name) else ""
+        raise FmuError(f"{source.where}{name}: wanted an input of the FMU, got its {variable.causality} of that name{hint}")
+    return variable
