@@ -30,8 +30,8 @@ class Integrators {
   /// Number of matrices factored since the start: none unless implicit steps are tried.
   Count factorizations() const;
 
-  /// Internal steps of the run. contact_ahead: one went behind an obstacle. not_finite: or is so far away that rounding is larger than the
-  /// body. too_much_work: nothing is left of the budget.
+  /// Internal steps of the run. contact_ahead: one went behind an obstacle. not_finite: a number is not, or the body is so far away that
+  /// rounding is larger than it. too_much_work: nothing is left of the budget.
   Outcome take(const Job& job, Method method, const Span& span);
   /// Does a step of length h from (t, x0, v0) to (x, v) go behind an obstacle? In the body's frame the end decides, as it does for the
   /// implicit contact step, which would take over.

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 WARNING, DISCARD = 1, 2
-STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
 CALLS = (
     *("fmi2SetupExperiment", "fmi2EnterInitializationMode", "fmi2ExitInitializationMode", "fmi2Terminate", "fmi2Reset", "fmi2DoStep"),
     *("fmi2SetReal", "fmi2GetReal", "fmi2SetInteger", "fmi2GetInteger", "fmi2SetRealInputDerivatives"),
