@@ -6,7 +6,7 @@ Run it where the README's box.toml lies.
 import softffd
 
 H, MASS, GRAVITY = 1e-3, 5.0, -9.81
-z, v, force = 1.2, 0.0, 0.0
+z, v, force = 0.2, 0.0, 0.0
 
 with softffd.Simulation(softffd.load_scene("box.toml"), stop_time=4.0) as box:
     moved = box.block(["plane.plate.point.z", "plane.plate.velocity.z"])

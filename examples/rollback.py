@@ -7,7 +7,7 @@ from the same saved state. Run it where the README's box.toml lies.
 import softffd
 
 H, MASS, LOAD, GRAVITY = 1e-3, 0.05, 20.0, -9.81
-z, v = 1.0, 0.0
+z, v = 0.0, 0.0
 
 with softffd.Simulation(softffd.load_scene("box.toml")) as box:
     plate = box.plane["plate"]

@@ -30,14 +30,18 @@ def blocks(document: Path) -> list[tuple[str, str]]:
     return re.findall(r"^```([\w ]*)\n(.*?)^```$", document.read_text(), re.MULTILINE | re.DOTALL)
 
 
+def lines(text: str) -> list[str]:
+    """The commands of a block, without their comments."""
+    return [command for line in text.splitlines() if (command := line.split("#")[0].strip())]
+
+
 def commands() -> list:
     """Every line of every block `sh`, by document."""
     found = []
     for document in DOCUMENTS:
         for kind, text in blocks(document):
-            lines = [line.split("#")[0].strip() for line in text.splitlines()] if kind.split()[:1] == ["sh"] else []
-            for line in lines:
-                if line and not line.startswith(SUITE):
+            for line in lines(text) if kind.split()[:1] == ["sh"] else []:
+                if not line.startswith(SUITE):
                     long = kind == "sh full" or line.startswith(MINUTES)
                     marks = [pytest.mark.full] if long else []
                     found.append(pytest.param(line, marks=marks, id=f"{document.name}: {line}"))
@@ -55,11 +59,13 @@ def scripts() -> list:
 
 @pytest.fixture(scope="module")
 def reader(tmp_path_factory) -> Path:
-    """Where a reader would work: the README's scene under the name that it gives, its FMU, and a mesh."""
+    """Where a reader would work: the README's scene under the name that it gives, its FMU, the drivers, their coupling, and a mesh."""
     folder = tmp_path_factory.mktemp("reader")
     (folder / "box.toml").write_text(next(text for kind, text in blocks(DOCUMENTS[0]) if kind == "toml"))
     save_mesh(ball(), folder / "cow.obj")
-    run([sys.executable, "-m", "softffd", "build", "box.toml"], folder)
+    coupling = next(text for kind, text in blocks(DOCUMENTS[0]) if kind == "sh" and "softffd ssp" in text)
+    for line in ["softffd build box.toml", *lines(coupling)]:
+        run([sys.executable, "-m", *line.split()], folder)
     return folder
 
 
@@ -102,9 +108,11 @@ def test_script_runs(code, folder):
 
 
 def test_the_coupled_plate_presses_with_its_weight(folder):
-    code = next(text for kind, text in blocks(DOCUMENTS[0]) if kind == "python" and "Simulation" in text)
-    newtons = float(re.search(r"with (\S+) N", run([sys.executable, "-c", code], folder))[1])
-    assert newtons == pytest.approx(5 * 9.81, rel=1e-2)
+    codes = [text for file in [*DOCUMENTS[:1], ROOT / "docs" / "coupling.md"] for kind, text in blocks(file) if "presses with" in text]
+    assert ["simulate_ssp" in code for code in codes] == [True, False]
+    for code in codes:
+        newtons = float(re.search(r"with (\S+) N", run([sys.executable, "-c", code], folder))[1])
+        assert newtons == pytest.approx(5 * 9.81, rel=1e-2)
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda document: document.name)

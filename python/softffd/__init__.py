@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from softffd.embedding.deform import deform
     from softffd.errors import FmuError, MeshError, SceneError, SoftffdError
     from softffd.fmu.package import package_fmu
+    from softffd.fmu.ssp import write_ssp
     from softffd.mesh.mesh import load_mesh, save_mesh
     from softffd.run.result import Result
     from softffd.run.simulate import simulate
@@ -34,6 +35,7 @@ __all__ = [
     "save_mesh",
     "simulate",
     "sweep",
+    "write_ssp",
 ]
 
 HOMES = {
@@ -52,6 +54,7 @@ HOMES = {
     "save_mesh": "mesh.mesh",
     "simulate": "run.simulate",
     "sweep": "run.sweep.sweep",
+    "write_ssp": "fmu.ssp",
 }
 """The module of each public name, imported when the name is asked for: numpy, pydantic and fmpy take most of a second."""
 

@@ -126,6 +126,12 @@ def _setting(text: str) -> tuple[str, str]:
     return name.strip(), value.strip()
 
 
+def _ssp(options: argparse.Namespace) -> None:
+    from softffd.cli.coupled import write_coupled
+
+    print(write_coupled(options))
+
+
 def _accuracy(options: argparse.Namespace) -> None:
     from softffd.validation.accuracy.command import report_accuracy
 
@@ -174,10 +180,10 @@ def _random(options: argparse.Namespace) -> None:
 
 def _drivers(options: argparse.Namespace) -> None:
     from softffd.drivers import build_drivers
-    from softffd.drivers.coupled import write_ssp
+    from softffd.drivers.coupled import write_plate_ssp
 
     require_writable(options.output)
-    for path in [*build_drivers(options.output), write_ssp(options.output / "plate_on_box.ssp")]:
+    for path in [*build_drivers(options.output), write_plate_ssp(options.output / "plate_on_box.ssp")]:
         print(path)
 
 
@@ -225,6 +231,6 @@ def _schema(_options: argparse.Namespace) -> None:
 
 
 COMMANDS: dict[str, Callable[[argparse.Namespace], None]] = {
-    "demo": _demo, "build": _build, "run": _run, "sweep": _sweep, "accuracy": _accuracy, "stability": _stability, "drivers": _drivers,
-    "scenes": _scenes, "view": _view, "info": _info, "new": _new, "schema": _schema,
+    "demo": _demo, "build": _build, "run": _run, "ssp": _ssp, "sweep": _sweep, "accuracy": _accuracy, "stability": _stability,
+    "drivers": _drivers, "scenes": _scenes, "view": _view, "info": _info, "new": _new, "schema": _schema,
 }  # fmt: skip

@@ -53,7 +53,7 @@ def parser() -> Parser:
         command.set_defaults(parser=command)
         return command
 
-    for add_commands in (_demo_and_build, _run, _sweep, _accuracy, _stability, _others):
+    for add_commands in (_demo_and_build, _run, _ssp, _sweep, _accuracy, _stability, _others):
         add_commands(add)
     return whole
 
@@ -89,6 +89,38 @@ def _run(add: Add) -> None:
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-NAME here")
     run.add_argument("--overwrite", action="store_true", help="write over the results of an earlier run")
     run.add_argument("--view", action="store_true", help="open the interactive page when done")
+
+
+def _ssp(add: Add) -> None:
+    ssp = add(
+        "ssp",
+        "couple a scene's FMU with others in a system (SSP)",
+        "softffd ssp box.toml --with plate.fmu --connect plate.point=box.plane.plate.point --set plate.mass=2",
+    )
+    ssp.add_argument(
+        "scene", metavar="[NAME=]SCENE", help="a scene file or the name of a shipped scene; its component has its name, or NAME"
+    )
+    ssp.add_argument(
+        "--with",
+        action="append",
+        default=[],
+        metavar="[NAME=]X.fmu",
+        dest="others",
+        help="another component: an FMU or a scene; may be repeated",
+    )
+    ssp.add_argument(
+        "--connect", action="append", default=[], metavar="END=END[:FACTOR[:OFFSET]]", dest="connections",
+        help="an output and an input, COMPONENT.VARIABLE, vectors as a whole; the input gets factor * output + offset; may be repeated",
+    )  # fmt: skip
+    ssp.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="END=VALUE",
+        dest="settings",
+        help="start value of an input or parameter, vectors as x,y,z",
+    )
+    ssp.add_argument("-o", "--output", type=Path, metavar="X.ssp", help="default: the scene's name here")
 
 
 def _sweep(add: Add) -> None:

@@ -2,19 +2,19 @@
 
 import json
 import re
-import zipfile
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from fmpy.ssp.simulation import simulate_ssp
+from fmpy.ssp.ssd import read_ssv
 
 import importers
 from coupled_parts import PLANE, body_fmu, run_explicitly
-from scenes import box
-from softffd import SoftffdError, package_fmu
-from softffd.drivers import build_driver
-from softffd.drivers.coupled import write_ssp
+from softffd import SoftffdError, load_scene, simulate, write_ssp
+from softffd.cli.command import main
+from softffd.drivers.coupled import write_plate_ssp
 
 READ_BACK = ("plate", "point.z"), ("plate", "velocity.z"), ("body", PLANE + "reaction.z"), ("body", "probe.middle.z")
 STEP, STEPS = 1e-3, 200
@@ -45,7 +45,7 @@ path, step, steps, wanted, result = sys.argv[1], float(sys.argv[2]), int(sys.arg
 EcosLib.set_log_level("debug")
 rows = []
 with EcosSimulation(ssp_path=path, step_size=step) as simulation:
-    simulation.init()
+    simulation.init(parameter_set=sys.argv[6] if len(sys.argv) > 6 else None)
     for _ in range(steps):
         simulation.step()
         rows.append([simulation.get_real(f"{p}::{name}") for p, name in wanted])
@@ -56,7 +56,7 @@ json.dump(rows, open(result, "w"))
 
 @pytest.fixture(scope="module")
 def ssp(drivers) -> Path:
-    return write_ssp(drivers / "coupled.ssp")
+    return write_plate_ssp(drivers / "coupled.ssp")
 
 
 @pytest.fixture(scope="module")
@@ -80,66 +80,92 @@ def test_the_system_runs_elsewhere_as_in_fmpy(name, script, ssp, in_fmpy, tmp_pa
     assert -0.51 < rows[-1, 3] < -0.5
 
 
-def in_master(name: str, script: str, ssp: Path, wanted, result: Path) -> np.ndarray:
+def in_master(name: str, script: str, ssp: Path, wanted, result: Path, *more: str) -> np.ndarray:
     """(STEPS, len(wanted)): what is wanted of the parts after every step in a master that may be missing."""
     try:
         tool = getattr(importers, name)()
     except importers.Missing as missing:
         pytest.skip(str(missing))
     master = importers.Tool((tool.command[0], "-I", "-c", script), tool.environment)
-    printed = master.run(ssp, str(STEP), str(STEPS), json.dumps(wanted), result)
+    printed = master.run(ssp, str(STEP), str(STEPS), json.dumps(wanted), result, *more)
     assert result.is_file(), "\n".join(printed)
     return np.array(json.loads(result.read_text()))
 
 
 def test_a_plane_that_is_none_of_the_scenes_is_refused(tmp_path):
     with pytest.raises(SoftffdError, match=r'wanted one with motion = "input" \(plate\), got ground'):
-        write_ssp(tmp_path / "x.ssp", plane="ground")
+        write_plate_ssp(tmp_path / "x.ssp", plane="ground")
     with pytest.raises(SoftffdError, match="there is none"):
-        write_ssp(tmp_path / "x.ssp", "free_vibration")
+        write_plate_ssp(tmp_path / "x.ssp", "free_vibration")
 
 
-SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
-<ssd:SystemStructureDescription xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
-    xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon" version="1.0" name="scaled">
-  <ssd:System name="scaled">
-    <ssd:Elements>
-      <ssd:Component name="actuator" type="application/x-fmu-sharedlibrary" source="resources/actuator.fmu">
-        <ssd:Connectors><ssd:Connector name="position.z" kind="output"><ssc:Real/></ssd:Connector></ssd:Connectors>
-      </ssd:Component>
-      <ssd:Component name="body" type="application/x-fmu-sharedlibrary" source="resources/body.fmu">
-        <ssd:Connectors><ssd:Connector name="plane.plate.point.z" kind="input"><ssc:Real/></ssd:Connector></ssd:Connectors>
-      </ssd:Component>
-    </ssd:Elements>
-    <ssd:Connections>{connection}</ssd:Connections>
-  </ssd:System>
-  <ssd:DefaultExperiment startTime="0.0" stopTime="1.0"/>
-</ssd:SystemStructureDescription>
+LOW_BOX = """
+[lattice]
+origin = [0.0, 0.0, -1.0]
+[[plane]]
+name = "plate"
+normal = [0.0, 0.0, -1.0]
+motion = "input"
+[[load]]
+name = "push"
+points = "x+"
+[solver]
+step = 1e-4
 """
-
-
-LID = {"name": "plate", "point": [0, 0, 1.2], "normal": [0, 0, -1], "motion": "input"}
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("name, script, late", [("libcosim", LIBCOSIM, 1), ("ecos", ECOS, 0)])
-def test_a_connection_of_the_document_takes_another_unit(name, script, late, tmp_path):
+def test_a_connection_of_the_document_takes_another_unit(name, script, late, drivers, tmp_path, monkeypatch):
     """The connection of docs/coupling.md: travel in millimetres downwards is the plate's height in metres.
     late: whether the master hands values over at the begin of the next step, after they are read here."""
     document = Path(__file__).resolve().parents[3] / "docs" / "coupling.md"
-    connection = re.search(r"```xml\n(.*?)```", document.read_text(), re.DOTALL)[1]
-    start = {"travel": (0.0, 0.0, 100.0), "duration": 1.0}
-    files = {
-        "actuator": build_driver("actuator", tmp_path, start_values=start),
-        "body": package_fmu(
-            box(plane=[{"name": "plate", "point": [0, 0, 1.2], "normal": [0, 0, -1], "motion": "input"}]), tmp_path / "b.fmu"
-        ),
-    }
-    with zipfile.ZipFile(tmp_path / "scaled.ssp", "w") as archive:
-        archive.writestr("SystemStructure.ssd", SYSTEM.format(connection=connection))
-        for part, file in files.items():
-            archive.write(file, f"resources/{part}.fmu")
-    wanted = [("actuator", "position.z"), ("body", "plane.plate.point.z")]
-    travel, height = in_master(name, script, tmp_path / "scaled.ssp", wanted, tmp_path / "rows.json").T
+    command = re.search(r"^softffd (ssp box.toml --with actuator.fmu .*)$", document.read_text(), re.MULTILINE)[1]
+    monkeypatch.chdir(tmp_path)
+    Path("box.toml").write_text(LOW_BOX)
+    shutil.copy(drivers / "actuator.fmu", ".")
+    assert main([*command.split(), "--set", "actuator.duration=1"]) == 0
+    wanted = [("actuator", "position.z"), ("box", "plane.plate.point.z")]
+    travel, height = in_master(name, script, Path("box.ssp").resolve(), wanted, tmp_path / "rows.json", "start").T
     assert np.ptp(travel) > 50
-    np.testing.assert_allclose(height[late:], 1.2 - 0.001 * travel[: STEPS - late], rtol=1e-12)
+    np.testing.assert_allclose(height[late:], 0.1 - 0.001 * travel[: STEPS - late], rtol=1e-12)
+
+
+PLATE_POINT = "plane.plate.point.x"
+"""Of a plate without friction: where it is in its own plane says nothing to the box, and a host that it was told."""
+TIPS = [("one", "position[3,3,3].x"), ("two", "position[3,3,3].x")]
+
+
+@pytest.fixture
+def three(drivers, tmp_path) -> Path:
+    """A system of two soft boxes that hear of each other, and an actuator that pushes both; one box has another mass at the start."""
+    (tmp_path / "box.toml").write_text(LOW_BOX)
+    components = {"one": tmp_path / "box.toml", "two": load_scene(tmp_path / "box.toml"), "actuator": drivers / "actuator.fmu"}
+    pushes = [("actuator.force", "one.load.push"), ("two.load.push", "actuator.force")]
+    heard = [(f"one.{TIPS[0][1]}", f"two.{PLATE_POINT}"), (f"two.{TIPS[1][1]}", f"one.{PLATE_POINT}")]
+    starts = {"two.mass": 4.0, "actuator.load": (40.0, 0.0, 0.0), "actuator.course": 1, "actuator.duration": 0.5}
+    return write_ssp(tmp_path / "three.ssp", components, pushes + heard, start_values=starts)
+
+
+@pytest.mark.parametrize(
+    "name, script",
+    [("fmpy", ""), pytest.param("libcosim", LIBCOSIM, marks=pytest.mark.full), pytest.param("ecos", ECOS, marks=pytest.mark.full)],
+)
+def test_a_system_of_three_starts_and_runs_as_its_parts_do_alone(name, script, three, tmp_path):
+    wanted = [*TIPS, ("actuator", "force.x"), ("one", PLATE_POINT)]
+    if script:
+        rows = in_master(name, script, three, wanted, tmp_path / "rows.json", "start")
+    else:
+        start = read_ssv(str(three), "resources/start.ssv")
+        table = simulate_ssp(str(three), stop_time=(STEPS - 0.5) * STEP, step_size=STEP, parameter_set=start)
+        rows = np.stack([table[f"{part}.{variable}"] for part, variable in wanted], axis=1)
+    forces = [0.0, *rows[:, 2]]  # what a step begins with
+    box = load_scene(tmp_path / "box.toml")
+    for mass, tip in ((1.0, rows[:, 0]), (4.0, rows[:, 1])):
+        alone = simulate(
+            box, stop_time=STEPS * STEP, step=STEP, start_values={"mass": mass},
+            inputs=lambda time: {"load.push.x": forces[round(time / STEP)]},
+        )  # fmt: skip
+        np.testing.assert_allclose(tip, alone.positions[1:, 3, 3, 3, 0], rtol=0, atol=1e-7)  # the force of the start is 5e-4 N in two hosts
+        assert np.ptp(tip) > 0.01
+    assert set(rows[2:, 3]) <= set(rows[:, 1]) and np.ptp(rows[2:, 3]) > 0.01

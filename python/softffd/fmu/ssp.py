@@ -1,0 +1,179 @@
+"""A system of coupled FMUs as a file `.ssp` (SSP 1.0): SystemStructure.ssd and the FMUs in resources/.
+
+Start values stand beside each component as a parameter set `start`, which libcosim takes by itself and Ecos by its name; and once more, as
+COMPONENT.VARIABLE, in resources/start.ssv for fmpy, which reads none of its own accord: read_ssv(path, "resources/start.ssv").
+"""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+from xml.etree import ElementTree as Xml
+
+from softffd.errors import SoftffdError
+from softffd.files import replacing
+from softffd.fmu.interface import read_interface
+from softffd.fmu.package import package_fmu
+from softffd.fmu.wiring import Connection, Element, Wiring, read_units
+from softffd.scene.scene import Scene, load_scene
+from softffd.spelling import did_you_mean
+
+SSP = "http://ssp-standard.org/SSP1/SystemStructure"
+SPACES = {"ssd": f"{SSP}Description", "ssc": f"{SSP}Common", "ssv": f"{SSP}ParameterValues"}
+FMU, START = "application/x-fmu-sharedlibrary", "resources/start.ssv"
+
+
+def write_ssp(
+    path: str | Path,
+    components: Mapping[str, Scene | str | Path],
+    connections: Iterable[Sequence[Any]],
+    *,
+    start_values: Mapping[str, Any] | None = None,
+) -> Path:
+    """Writes a system of FMUs for SSP hosts and returns its path. For a plate from `softffd drivers` that rests on a scene's box:
+
+        write_ssp("pressed.ssp", {"box": scene, "plate": "plate.fmu"},
+                  [("plate.point", "box.plane.plate.point"), ("box.plane.plate.reaction", "plate.reaction")])
+
+    path: a file name ending in .ssp; folders are made where absent.
+    components: by name: scenes, scene files, names of shipped scenes, or FMUs (FMI 2.0 co-simulation).
+    connections: pairs of ends `component.variable`, an output and an input in either order; vectors connect all components. A third
+        number is a factor and a fourth an offset [unit of the input]: the input gets factor * output + offset. fmpy passes over these.
+    start_values: of inputs and parameters by end, numbers or vectors.
+    Raises SoftffdError with every unknown name, mismatch of causality, type or unit, and input that is connected twice.
+    """
+    return _write(Path(path), components, connections, start_values or {})[0]
+
+
+def told_ssp(path: Path, *asked: Any) -> list[str]:
+    """Writes a system as write_ssp does; what a user should know of it."""
+    _, wiring = _write(path, *asked)
+    names, count = ", ".join(wiring.elements), len(wiring.connections)
+    lines = [f"{path}: {names}; {count} connection{'s' * (count != 1)}"]
+    if elsewhere := wiring.starts_elsewhere():
+        lines.append(f"  fmpy sets connected inputs to 0 in its first step; here they start from {', '.join(elsewhere)}")
+    if any(each[2:] != (1.0, 0.0) for each in wiring.connections):
+        lines.append("  fmpy passes over factors and offsets of connections")
+    if wiring.starts:
+        lines.append(f'  start values: Ecos takes parameter_set="start", fmpy parameter_set=read_ssv("{path}", "{START}")')
+    return lines
+
+
+def _write(
+    path: Path, components: Mapping[str, Any], connections: Iterable[Sequence[Any]], start_values: Mapping[str, Any]
+) -> tuple[Path, Wiring]:
+    if path.suffix != ".ssp" or path.is_dir():
+        raise SoftffdError(f"{path}: wanted a file name ending in .ssp{did_you_mean(f'{path}.ssp')}")
+    with TemporaryDirectory(prefix="softffd-") as folder:
+        files = {_checked_name(name): _fmu_of(name, what, Path(folder)) for name, what in components.items()}
+        wiring = Wiring({name: _element(name, file) for name, file in files.items()})
+        wiring.connect(connections)
+        wiring.start(start_values)
+        if problems := wiring.problems:
+            raise SoftffdError("\n".join([f"{path}: {len(problems)} problem{'s' * (len(problems) > 1)}", *(f"  {p}" for p in problems)]))
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with replacing(path) as stream, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr("SystemStructure.ssd", _text(_structure(path.stem, wiring)))
+            if wiring.starts:
+                named = {f"{name}.{key}": value for name, starts in wiring.starts.items() for key, value in starts.items()}
+                archive.writestr(START, _text(_parameter_set(named, wiring)))
+            for name, file in files.items():
+                archive.write(file, f"resources/{name}.fmu", zipfile.ZIP_STORED)
+    return path, wiring
+
+
+def _checked_name(name: str) -> str:
+    if not re.fullmatch(r"\w[\w-]*", name):
+        raise SoftffdError(f'component: wanted a name of letters, digits, "_" and "-", got "{name}"; NAME=FILE gives a file another')
+    return name
+
+
+def _fmu_of(name: str, what: Scene | str | Path, folder: Path) -> Path:
+    if isinstance(what, Scene) or Path(what).suffix != ".fmu":
+        return package_fmu(what if isinstance(what, Scene) else load_scene(what), folder / f"{name}.fmu")
+    if not Path(what).is_file():
+        raise SoftffdError(f"{what}: there is no such FMU")
+    return Path(what)
+
+
+def _element(name: str, file: Path) -> Element:
+    import fmpy
+
+    try:
+        description = fmpy.read_model_description(str(file), validate=False)
+        with zipfile.ZipFile(file) as archive:
+            units = read_units(archive.read("modelDescription.xml"))
+    except Exception as error:
+        raise SoftffdError(f"{file}: cannot be read as an FMU: {error}") from error
+    if description.coSimulation is None or description.fmiVersion != "2.0":
+        raise SoftffdError(f"{file}: wanted an FMI 2.0 co-simulation FMU, got FMI {description.fmiVersion}")
+    return Element(name, read_interface(description), units)
+
+
+def _structure(name: str, wiring: Wiring) -> Xml.Element:
+    """SystemStructure.ssd."""
+    root = _node(None, "ssd:SystemStructureDescription", version="1.0", name=name)
+    system = _node(root, "ssd:System", name=name)
+    elements = _node(system, "ssd:Elements")
+    for element in wiring.elements.values():
+        _component(elements, element, wiring)
+    connections = _node(system, "ssd:Connections") if wiring.connections else None
+    for connection in wiring.connections:
+        _connection(connections, connection)
+    used = {end.variable.unit: end for connection in wiring.connections for end in connection[:2] if end.variable.unit}
+    units = _node(root, "ssd:Units") if used else None
+    for unit, end in sorted(used.items()):
+        _node(_node(units, "ssc:Unit", name=unit), "ssc:BaseUnit", **end.element.units.get(unit, {}))
+    stops = [stop for element in wiring.elements.values() if (stop := element.interface.stop_time)]
+    _node(root, "ssd:DefaultExperiment", startTime="0.0", **({"stopTime": repr(stops[0])} if stops else {}))
+    return root
+
+
+def _component(parent: Xml.Element, element: Element, wiring: Wiring) -> None:
+    component = _node(parent, "ssd:Component", name=element.name, type=FMU, source=f"resources/{element.name}.fmu")
+    ends = {str(end): end for connection in wiring.connections for end in connection[:2] if end.element is element}
+    connectors = _node(component, "ssd:Connectors") if ends else None
+    for end in ends.values():
+        connector = _node(connectors, "ssd:Connector", name=end.variable.name, kind=end.variable.causality)
+        kind = "Integer" if end.variable.type == "Enumeration" else end.variable.type
+        _node(connector, f"ssc:{kind}", **({"unit": end.variable.unit} if end.variable.unit else {}))
+    if starts := wiring.starts.get(element.name):
+        binding = _node(_node(component, "ssd:ParameterBindings"), "ssd:ParameterBinding")
+        _node(binding, "ssd:ParameterValues").append(_parameter_set(starts, wiring, element.name))
+
+
+def _connection(parent: Xml.Element | None, connection: Connection) -> None:
+    source, target, factor, offset = connection
+    ends = {"startElement": source.element.name, "startConnector": source.variable.name}
+    node = _node(parent, "ssd:Connection", **ends, endElement=target.element.name, endConnector=target.variable.name)
+    if (factor, offset) != (1.0, 0.0):
+        _node(node, "ssc:LinearTransformation", factor=repr(factor), offset=repr(offset))
+
+
+def _parameter_set(starts: Mapping[str, float], wiring: Wiring, element: str | None = None) -> Xml.Element:
+    """starts: by variable of the element, or by end."""
+    root = _node(None, "ssv:ParameterSet", version="1.0", name="start")
+    parameters = _node(root, "ssv:Parameters")
+    for name, value in starts.items():
+        owner, _, variable = (name if element is None else f"{element}.{name}").partition(".")
+        kind = wiring.elements[owner].interface.variables[variable].type
+        text = {"Real": repr(float(value)), "Boolean": str(bool(value)).lower()}.get(kind, str(int(value)))
+        _node(_node(parameters, "ssv:Parameter", name=name), f"ssv:{'Integer' if kind == 'Enumeration' else kind}", value=text)
+    return root
+
+
+def _node(parent: Xml.Element | None, kind: str, /, **attributes: str) -> Xml.Element:
+    prefix, _, tag = kind.partition(":")
+    full = f"{{{SPACES[prefix]}}}{tag}"
+    return Xml.Element(full, attributes) if parent is None else Xml.SubElement(parent, full, attributes)
+
+
+def _text(root: Xml.Element) -> str:
+    for prefix, space in SPACES.items():
+        Xml.register_namespace(prefix, space)
+    Xml.indent(root, space="  ")
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + Xml.tostring(root, encoding="unicode") + "\n"

@@ -1,0 +1,174 @@
+"""Components of a coupled system and the connections between them: names looked up, ends checked, every problem told at once.
+
+An end is `component.variable`. A vector's name stands for all its components: plate.point is plate.point.x, .y and .z.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+from xml.etree import ElementTree as Xml
+
+from softffd.errors import SoftffdError
+from softffd.fmu.block import number_of
+from softffd.fmu.interface import Interface, ScalarVariable
+from softffd.spelling import did_you_mean, nearest_of
+
+STARTS = ("Real", "Integer", "Boolean", "Enumeration")
+"""Types of variables that take a start value"""
+
+
+@dataclass(frozen=True)
+class Element:
+    """One component of a system: what its FMU offers, and its units' powers of the base units, factors and offsets by name."""
+
+    name: str
+    interface: Interface
+    units: Mapping[str, Mapping[str, str]]
+
+
+class End(NamedTuple):
+    element: Element
+    variable: ScalarVariable
+
+    def __str__(self) -> str:
+        return f"{self.element.name}.{self.variable.name}"
+
+    @property
+    def unit(self) -> Any:
+        """What compares equal for equal units: the definition, else the name."""
+        return self.element.units.get(self.variable.unit or "", self.variable.unit)
+
+
+class Connection(NamedTuple):
+    """From an output to an input, which gets factor * value + offset."""
+
+    source: End
+    target: End
+    factor: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass
+class Wiring:
+    """Connections and start values of a system, with the problems that were found in what was asked."""
+
+    elements: Mapping[str, Element]
+    connections: list[Connection] = field(default_factory=list)
+    starts: dict[str, dict[str, float]] = field(default_factory=dict)
+    """By component and variable"""
+    problems: list[str] = field(default_factory=list)
+
+    def connect(self, asked: Iterable[Sequence[Any]]) -> None:
+        """asked: pairs of ends, in either order, or with a factor, or with a factor and an offset."""
+        for given in asked:
+            for connection in self._connections(given):
+                self._add(connection)
+
+    def start(self, values: Mapping[str, Any]) -> None:
+        """values: by end, numbers or vectors."""
+        if values and (alike := [f"{a} and {b}" for a in self.elements for b in self.elements if a != b and b.startswith(a)]):
+            self.problems.append(f"components {alike[0]}: wanted names of which none begins with another, which fmpy takes start values by")
+        for name, given in values.items():
+            ends = self._ends(name)
+            each = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
+            if ends and len(each) != len(ends):
+                self.problems.append(f"{name}: wanted {len(ends)} number{'s' * (len(ends) > 1)}, got {given!r:.70}")
+                continue
+            for end, value in zip(ends, each, strict=False):
+                self._start(end, value)
+
+    def _start(self, end: End, value: Any) -> None:
+        variable = end.variable
+        if variable.causality not in ("input", "parameter"):
+            self.problems.append(f"{end}: wanted an input or a parameter to start from, got {_kind(variable)}")
+        elif variable.type not in STARTS:
+            self.problems.append(f"{end}: wanted a variable of the type {', '.join(STARTS)}, got {_kind(variable)}")
+        else:
+            try:
+                number = number_of(variable, value)
+            except SoftffdError as error:
+                self.problems.append(f"{end.element.name}.{error}")
+                return
+            if not math.isfinite(number):
+                self.problems.append(f"{end}: wanted a finite number, got {number:g}")
+            self.starts.setdefault(end.element.name, {})[variable.name] = number
+
+    def _connections(self, given: Sequence[Any]) -> Iterator[Connection]:
+        if isinstance(given, str) or not 2 <= len(given) <= 4 or not all(isinstance(end, str) for end in given[:2]):
+            self.problems.append(f"connection: wanted two ends and, if any, a factor and an offset, got {given!r:.70}")
+            return
+        first, second = self._ends(given[0]), self._ends(given[1])
+        if first and second and _suffixes(given[0], first) != _suffixes(given[1], second):
+            told = (f"{name} ({', '.join(_suffixes(name, ends)) or 'a number'})" for name, ends in ((given[0], first), (given[1], second)))
+            self.problems.append(f"wanted two ends of the same components, got {' and '.join(told)}")
+            return
+        for ends in zip(first, second, strict=False):
+            one, other = ends if ends[0].variable.causality == "output" else ends[::-1]
+            yield Connection(one, other, *map(float, given[2:]))
+
+    def _ends(self, name: str) -> list[End]:
+        """The end of this name, or those of the vector's components; a problem and none where there is none."""
+        element, _, variable = name.partition(".")
+        if element not in self.elements:
+            nearest = nearest_of(element, self.elements)
+            self.problems.append(f"{name}: wanted COMPONENT.VARIABLE of {', '.join(self.elements)}{did_you_mean(nearest)}")
+            return []
+        owner = self.elements[element]
+        known = owner.interface.variables
+        names = [variable] if variable in known else [full for c in "wxyz" if (full := f"{variable}.{c}") in known]
+        if not names:
+            vectors = {each[:-2] for each in known if each[-2:] in (".w", ".x", ".y", ".z")}
+            nearest = nearest_of(variable, [*known, *sorted(vectors)])
+            self.problems.append(f"{name}: {element} has no such variable{did_you_mean(nearest and f'{element}.{nearest}')}")
+        return [End(owner, known[each]) for each in names]
+
+    def _add(self, new: Connection) -> None:
+        problem = _problem_of(new)
+        if not problem:
+            earlier = next((each for each in self.connections if str(each.target) == str(new.target)), None)
+            problem = earlier and f"{new.target}: wanted one connection to an input, got {earlier.source} and {new.source}"
+        if problem:
+            self.problems.append(problem)
+        else:
+            self.connections.append(new)
+
+    def starts_elsewhere(self) -> list[str]:
+        """What connected inputs start from, where that is not zero: fmpy sets these to zero in its first step."""
+        targets = [each.target for each in self.connections]
+        values = [(end, self.starts.get(end.element.name, {}).get(end.variable.name, end.variable.start)) for end in targets]
+        return [f"{end} = {float(value):g}" for end, value in values if value and float(value)]
+
+
+def _problem_of(connection: Connection) -> str | None:
+    source, target, factor, offset = connection
+    ends = f"{source} to {target}"
+    if (source.variable.causality, target.variable.causality) != ("output", "input"):
+        return f"{ends}: wanted an output and an input, got {_kind(source.variable)} and {_kind(target.variable)}"
+    if source.variable.type != target.variable.type:
+        return f"{ends}: wanted one type, got {source.variable.type} and {target.variable.type}"
+    if not (math.isfinite(factor) and factor and math.isfinite(offset)):
+        return f"{ends}: wanted a finite factor that is not 0 and a finite offset, got {factor:g} and {offset:g}"
+    converted = (factor, offset) != (1.0, 0.0)
+    if converted and source.variable.type != "Real":
+        return f"{ends}: wanted Reals for a factor and an offset, got {source.variable.type}"
+    if not converted and source.variable.unit and target.variable.unit and source.unit != target.unit:
+        return f"{ends}: wanted one unit or a factor from one to the other, got {source.variable.unit} and {target.variable.unit}"
+    return None
+
+
+def _kind(variable: ScalarVariable) -> str:
+    words = f"{variable.variability} {variable.causality}" if variable.causality == "parameter" else variable.causality
+    return f"{'an' if words[0] in 'aeiou' else 'a'} {words}" + ("" if variable.type == "Real" else f" ({variable.type})")
+
+
+def _suffixes(name: str, ends: list[End]) -> list[str]:
+    return [str(end).removeprefix(name) for end in ends if str(end) != name]
+
+
+def read_units(description: bytes) -> dict[str, dict[str, str]]:
+    """The units that a modelDescription.xml defines, by name: powers of the base units, factor, offset."""
+    units = Xml.fromstring(description).iterfind("UnitDefinitions/Unit")
+    return {unit.get("name", ""): dict(base.attrib) for unit in units if (base := unit.find("BaseUnit")) is not None}

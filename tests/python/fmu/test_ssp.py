@@ -1,0 +1,143 @@
+"""Systems of coupled FMUs: what is refused in words, and what is written."""
+
+import zipfile
+from pathlib import Path
+
+import pytest
+from fmpy.ssp.ssd import read_ssd, read_ssv
+
+from scenes import box
+from softffd import SoftffdError, package_fmu, write_ssp
+from softffd.cli.command import main
+from softffd.fmu.ssp import SPACES, START
+
+LID = {"name": "lid", "point": [0, 0, 1.5], "normal": [0, 0, -1], "motion": "input"}
+FALL = {"gravity": [0, 0, -9.81]}
+PARTS = {"a": box(plane=[LID], environment=FALL), "b": box(plane=[LID], environment=FALL, load=[{"name": "push", "points": "x+"}])}
+"""Each can move the other's lid by its probe's place or take its reaction as a load."""
+
+REFUSED = {
+    "unknown component": (("c.mass", "a.mass"), r"c\.mass: wanted COMPONENT\.VARIABLE of a, b"),
+    "unknown variable": (("a.plane.lid.reactoin", "b.load.push"), r'a has no such variable, did you mean "a\.plane\.lid\.reaction"\?'),
+    "two outputs": (("a.plane.lid.reaction.x", "b.plane.lid.reaction.x"), "wanted an output and an input, got an output and an output"),
+    "two inputs": (("a.plane.lid.point.x", "b.load.push.x"), "wanted an output and an input, got an input and an input"),
+    "a parameter": (("a.plane.lid.reaction.x", "b.damping"), "got an output and a tunable parameter"),
+    "type": (
+        ("a.plane.lid.contacts", "b.load.push.x"),
+        r"a\.plane\.lid\.contacts to b\.load\.push\.x: wanted one type, got Integer and Real",
+    ),
+    "unit": (
+        ("a.position[0,0,0]", "b.load.push"),
+        r"position\[0,0,0\]\.x to b\.load\.push\.x: wanted one unit or a factor .*, got m and N",
+    ),
+    "a vector and a number": (
+        ("a.plane.lid.reaction", "b.load.push.x"),
+        r"got a\.plane\.lid\.reaction \(\.x, \.y, \.z\) and b\.load\.push\.x \(a n",
+    ),
+    "no factor": (("a.position[0,0,0].x", "b.load.push.x", 0.0), "wanted a finite factor that is not 0 .*, got 0 and 0"),
+    "one end": (("a.mass",), r"wanted two ends and, if any, a factor and an offset, got \('a\.mass',\)"),
+}
+
+
+@pytest.mark.parametrize("connection, words", REFUSED.values(), ids=REFUSED)
+def test_a_connection_that_does_not_fit_is_refused(connection, words, tmp_path):
+    with pytest.raises(SoftffdError, match=words):
+        write_ssp(tmp_path / "x.ssp", PARTS, [connection])
+    assert not list(tmp_path.iterdir())
+
+
+def test_all_problems_are_told_at_once_an_input_connected_twice_among_them(tmp_path):
+    forces = [("a.plane.lid.reaction", "b.load.push"), ("b.load.push.y", "b.plane.lid.reaction.y"), ("a.nobody", "b.load.push.y")]
+    with pytest.raises(SoftffdError, match="5 problems") as caught:
+        write_ssp(tmp_path / "x.ssp", PARTS, forces, start_values={"a.mas": 1, "a.gravity": (1, 2), "a.position[0,0,0].x": 1})
+    twice = r"b.load.push.y: wanted one connection to an input, got a.plane.lid.reaction.y and b.plane.lid.reaction.y"
+    for words in (
+        twice,
+        "a.nobody: a has",
+        'a.mass"',
+        "a.gravity: wanted 3 numbers",
+        "wanted an input or a parameter to start from, got an output",
+    ):
+        assert words in str(caught.value)
+
+
+def test_the_system_holds_its_components_connections_units_and_start_values(tmp_path):
+    fmu = package_fmu(PARTS["b"], tmp_path / "b.fmu")
+    asked = [("b.load.push", "a.plane.lid.reaction"), ("a.position[1,1,1].z", "b.plane.lid.point.z", 2, -1)]
+    path = write_ssp(tmp_path / "new" / "two.ssp", {"a": PARTS["a"], "b": fmu}, asked, start_values={"a.mass": 3, "b.gravity": (0, 0, -1)})
+    system = read_ssd(str(path)).system  # which checks it against the schema
+    kinds = {(part.name, each.name): each.kind for part in system.elements for each in part.connectors}
+    assert kinds["a", "plane.lid.reaction.y"] == "output" and kinds["b", "load.push.y"] == "input" and len(kinds) == 8
+    ends = [(each.startElement, each.startConnector, each.endElement, each.endConnector) for each in system.connections]
+    assert ("a", "plane.lid.reaction.x", "b", "load.push.x") in ends and len(ends) == 4
+    with zipfile.ZipFile(path) as archive:
+        assert archive.read("resources/b.fmu") == fmu.read_bytes()
+        text = archive.read("SystemStructure.ssd").decode()
+    assert '<ssc:LinearTransformation factor="2.0" offset="-1.0"' in text
+    assert '<ssc:Unit name="N">\n      <ssc:BaseUnit kg="1" m="1" s="-2"' in text and SPACES["ssv"] in text
+    given = {each.name: float(each.value) for each in read_ssv(str(path), START).parameters}
+    assert given == {"a.mass": 3, "b.gravity.x": 0, "b.gravity.y": 0, "b.gravity.z": -1}
+
+
+def test_names_that_hosts_would_mix_up_are_refused(tmp_path):
+    with pytest.raises(SoftffdError, match="components a and ab: wanted names of which none begins with another"):
+        write_ssp(tmp_path / "x.ssp", {"a": PARTS["a"], "ab": PARTS["a"]}, [], start_values={"ab.mass": 1})
+    with pytest.raises(SoftffdError, match=r'wanted a name of letters, digits, "_" and "-", got "a\.b"; NAME=FILE'):
+        write_ssp(tmp_path / "x.ssp", {"a.b": PARTS["a"]}, [])
+
+
+@pytest.mark.parametrize(
+    "what, words", [("nobody.fmu", "there is no such FMU"), ("empty.fmu", "cannot be read as an FMU"), ("pres", '"press"')]
+)
+def test_a_component_that_is_none_is_refused(what, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("empty.fmu").write_bytes(b"")
+    with pytest.raises(SoftffdError, match=words):
+        write_ssp("x.ssp", {"a": what}, [])
+
+
+def test_an_fmi3_fmu_and_another_ending_are_refused(tmp_path):
+    fmu = package_fmu(PARTS["a"], tmp_path / "three.fmu", fmi=3)
+    with pytest.raises(SoftffdError, match=r"wanted an FMI 2\.0 co-simulation FMU, got FMI 3\.0"):
+        write_ssp(tmp_path / "x.ssp", {"a": fmu}, [])
+    with pytest.raises(SoftffdError, match=r'wanted a file name ending in \.ssp, did you mean ".*x\.zip\.ssp"'):
+        write_ssp(tmp_path / "x.zip", PARTS, [])
+
+
+@pytest.fixture
+def says(capsys, tmp_path, monkeypatch):
+    """What the command line says to some words after `softffd ssp`, where the FMUs a and b are."""
+    monkeypatch.chdir(tmp_path)
+    for name, scene in PARTS.items():
+        package_fmu(scene, f"{name}.fmu")
+
+    def said(*words: str, status: int = 0) -> str:
+        assert main(["ssp", *words]) == status
+        told = capsys.readouterr()
+        return told.err if status else told.out
+
+    return said
+
+
+def test_the_command_line_says_what_hosts_do_otherwise(says):
+    connect = ("--connect", "a.plane.lid.reaction=other.load.push", "--connect", "a.position[3,3,3].z=press.plane.press.point.z:0.5:1")
+    told = says("press", "--with", "a.fmu", "--with", "other=b.fmu", *connect, "--set", "a.gravity=0,0,-2", "-o", "three.ssp")
+    assert told.splitlines()[0] == "three.ssp: press, a, other; 4 connections"
+    assert "fmpy sets connected inputs to 0 in its first step; here they start from press.plane.press.point.z = 1" in told
+    assert "fmpy passes over factors" in told and f'read_ssv("three.ssp", "{START}")' in told
+    assert [each.name for each in read_ssd("three.ssp").system.elements] == ["press", "a", "other"]
+
+
+@pytest.mark.parametrize(
+    "words, told",
+    [
+        (("--with", "a.fmu", "--with", "a.fmu"), "there is a component a already; wanted --with NAME=a.fmu"),
+        (("--connect", "a.mass"), r"--connect a.mass: wanted END=END[:FACTOR[:OFFSET]]"),
+        (("--connect", "a.mass=b.mass:x"), r"--connect a.mass=b.mass:x: wanted END=END"),
+        (("--set", "a.mass"), "--set a.mass: wanted COMPONENT.VARIABLE=VALUE"),
+        (("--set", "press.mass=heavy"), "press.mass: wanted a number, got 'heavy'"),
+    ],
+)
+def test_a_wrong_word_of_the_command_line_is_refused(says, words, told):
+    assert told in says("press", *words, status=1)
+    assert not Path("press.ssp").exists()
