@@ -49,6 +49,7 @@ Pin make_pin(const Definition& definition, const PinDefinition& source, Vec3& or
   pin.points = source.points;
   origin.setZero();
   for (int p : source.points) origin += row(rest, p) / double(source.points.size());
+  origin = source.origin.value_or(origin);
   for (int p : source.points) pin.local.push_back(row(rest, p) - origin);
   return pin;
 }
@@ -239,7 +240,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   if (status != StepStatus::ok) return status;
   exchange.clear();
   now_.exchange_time = H;
-  bool moved = place_pins(true);
+  bool& moved = moved_ = place_pins(true);
   const StepStatus cleared = clear_jumps(moved);
   if (cleared != StepStatus::ok) return cleared;
   if (changed || moved) model_.body.internal_force(motion.x, motion.spring);

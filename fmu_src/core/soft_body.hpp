@@ -19,6 +19,7 @@ struct Region {
 
 struct PinDefinition {
   std::vector<int> points;
+  std::optional<Vec3> origin = {};  ///< of the frame at rest [m]; absent: the centroid of the points' rest positions
 };
 
 /// Creation data of a soft object: a resolved scene.
@@ -82,11 +83,11 @@ class SoftBody {
   /// that had taken effect.
   void restore(const Run& run, double start_time);
   const Lattice& lattice() const { return definition_.lattice; }
-  /// Rest centroid of pin a's points: where its frame is at rest [m].
+  /// Where pin a's frame is at rest [m].
   Vec3 pin_origin(int a) const { return pin_origins_[a]; }
 
   /// What can be read of the body as it is.
-  Readings readings() const { return {model_, drive_, cells_, now_, before_, settings.gravity, settings.step}; }
+  Readings readings() const { return {model_, drive_, cells_, now_, before_, settings.gravity, settings.step, moved_}; }
   /// What the internal steps of the last communication step were divided by, because with larger ones its result was not finite.
   double divided() const { return divided_; }
   /// Work of the last call, in evaluations of the spring forces.
@@ -122,6 +123,7 @@ class SoftBody {
   Material material_;      ///< of the settings, what is in effect
   double moved_mass_ = 0;  ///< share of the mass that was moved to light points
   double start_time_ = 0;  ///< [s]
+  bool moved_ = false;     ///< pins or planes moved points at once when the last communication step began
 };
 
 }  // namespace softffd

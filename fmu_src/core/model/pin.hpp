@@ -31,8 +31,7 @@ struct PinMotion {
   std::array<double, 4> orientation_rate{};       ///< where not zero, turns the frame instead of the angular velocity [1/s]
 };
 
-/// The same from time `since` on, with a quaternion of unit length, and what hangs on the frame. The frame at rest has its origin at the
-/// centroid of the pinned points' rest positions and the world's axes.
+/// The same from time `since` on, with a quaternion of unit length, and what hangs on the frame. The frame at rest has the world's axes.
 struct Pin : PinMotion {
   std::vector<int> points;  ///< control points, each in one pin only
   std::vector<Vec3> local;  ///< their rest positions in the frame [m]

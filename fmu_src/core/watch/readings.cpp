@@ -23,6 +23,23 @@ bool Readings::rubs_undamped() const {
   return std::any_of(drive.planes.begin(), drive.planes.end(), rubs) && internal_step() > rubbing * stable_step();
 }
 
+double Readings::pin_jump(int a) const {
+  const Pin& pin = drive.pins[a];
+  const Frame frame = pin.at(drive.since);
+  double jump = 0;
+  for (std::size_t n = 0; n < pin.points.size(); ++n)
+    jump = std::max(jump, (frame.origin + frame.arm(pin.local[n]) - row(before.path.motion.x, pin.points[n])).norm());
+  return jump;
+}
+
+double Readings::plane_jump(int q) const {
+  const HalfSpace plane = drive.planes[q].at(drive.since);
+  double jump = 0;
+  for (int p = 0; p < model.body.points(); ++p)
+    if (!model.body.pinned[p]) jump = std::max(jump, -plane.gap(row(before.path.motion.x, p)));
+  return jump;
+}
+
 double Readings::damped_spin() const {
   if (now.course.method != Method::backward_euler || now.course.reason != Reason::asked) return 0;
   const auto spin = [&](const State& state) { return rigid_motion(model.body.mass, state.x, state.v).spin.norm(); };

@@ -20,12 +20,17 @@ struct Readings {
   const Run &now, &before;  ///< after and before the last communication step
   Vec3 gravity;             ///< [m/s2]
   double given_step;        ///< internal step that the user gives [s]; 0: none
+  bool moved;               ///< pins or planes moved points at once when the last communication step began
 
   Vec3 plane_reaction(int q) const { return now.path.exchange.planes[q].force / now.exchange_time; }
   Vec3 plane_torque(int q) const { return now.path.exchange.planes[q].torque / now.exchange_time; }
   Count plane_contacts(int q) const { return now.contacts[q]; }
   Vec3 pin_reaction(int a) const { return now.path.exchange.pins[a].force / now.exchange_time; }
   Vec3 pin_torque(int a) const { return now.path.exchange.pins[a].torque / now.exchange_time; }
+
+  /// How far pin a, and obstacle q, moved a control point at once when the last communication step began [m].
+  double pin_jump(int a) const;
+  double plane_jump(int q) const;
 
   double kinetic_energy() const;
   double elastic_energy() const { return model.body.elastic_energy(now.path.motion.x); }

@@ -74,7 +74,7 @@ fmi2Status Instance::do_step(double time, double step) {
   times_.now = time + step;
   variables_.end_step(step);
   variables_.forget_rates();
-  messages_.stepped(body_, times_.now);
+  messages_.stepped(body_, times_.now, step);
   return fmi2OK;
 }
 

@@ -14,6 +14,8 @@ constexpr double quiet_share = 0.3;
 constexpr double doubtful = 3;
 /// Angle of an implicit contact step from which on what it takes from a rotation is worth a word [rad].
 constexpr double damped_turn = 0.05;
+/// Jump of a pose, relative to the box, from which on it is worth a word [1].
+constexpr double noticed_jump = 1e-6;
 
 std::string method_name(Method method, Reason reason) {
   if (reason == Reason::ringing_flight) return "rigid motion with the modes of the rest shape";
@@ -46,6 +48,17 @@ std::string reason_text(Reason reason) {
     case Reason::ringing_flight: return "a stiff body flies beside an obstacle; its modes carry its vibrations";
   }
   return "unknown";
+}
+
+/// Is a plane, or a pin's frame, given no motion beside its pose?
+template <class Motion>
+bool rests(const Motion& given) {
+  return given.velocity.isZero(0) && given.angular_velocity.isZero(0) && given.acceleration.isZero(0) &&
+         given.angular_acceleration.isZero(0);
+}
+bool still(const PlaneMotion& given) { return rests(given) && given.normal_rate.isZero(0); }
+bool still(const PinMotion& given) {
+  return rests(given) && std::ranges::none_of(given.orientation_rate, [](double rate) { return rate != 0; });
 }
 
 std::string at_time(double time) { return "at time " + number(time) + " s: "; }
@@ -90,6 +103,29 @@ std::string turning_warning(const SoftBody& body, double time) {
          " s, or solver.method = leapfrog, which resolves it";
 }
 
+std::string jump_warning(const std::string& name, double jump, double time) {
+  return at_time(time) + "the pose of " + name + " jumped with no velocity given, and moved control points at once by up to " +
+         number(jump) +
+         " m; a motion given by poses alone strikes the body at every communication point, and the result hangs on their spacing: give " +
+         name + ".velocity too (or .angular_velocity; the scene's `inputs` name them), which moves it smoothly between the points";
+}
+
+/// Of the first pose that is an input and jumps while nothing is said of its velocity.
+std::string jump_warning(const SoftBody& body, const SceneFile& scene, double time) {
+  const Readings now = body.readings();
+  if (!now.moved) return {};
+  const Settings& given = body.settings;
+  const double least = noticed_jump * body.lattice().largest_side();
+  for (std::size_t a = 0; a < scene.pins.size(); ++a)
+    if (scene.pins[a].moved_by_input && still(given.pins[a]) && now.pin_jump(int(a)) > least)
+      return jump_warning("pin." + scene.pins[a].name, now.pin_jump(int(a)), time);
+  if (given.method == Method::central_difference) return {};  // as published, points get behind planes without any jump
+  for (std::size_t q = 0; q < scene.planes.size(); ++q)
+    if (scene.planes[q].moved_by_input && still(given.planes[q]) && now.plane_jump(int(q)) > least)
+      return jump_warning("plane." + scene.planes[q].name, now.plane_jump(int(q)), time);
+  return {};
+}
+
 /// That cells are turned inside out is a state of the model like any other, but seldom a wanted one.
 std::string folding_warning(const SoftBody& body, double volume_stiffness, double time) {
   const int folded = body.readings().folded_cells();
@@ -121,7 +157,7 @@ void Messages::begun(const SoftBody& body, double time) {
     logger_.log(fmi2Warning, log_warning, at_time(time) + behind + "; " + clear_of_planes);
 }
 
-void Messages::stepped(SoftBody& body, double time) {
+void Messages::stepped(SoftBody& body, double time, double length) {
   once(rubbing, [&] { return rubbing_warning(body); });
   say_choice(body);
   warn_of_folding(body, time);
@@ -129,6 +165,7 @@ void Messages::stepped(SoftBody& body, double time) {
   once(gain, [&] { return gain_warning(body, time); });
   once(division, [&] { return division_warning(body, time); });
   once(turning, [&] { return turning_warning(body, time); });
+  if (logger_.on(log_warning)) once(jump, [&] { return jump_warning(body, scene_, time - length); });
   say_error(body, time);
 }
 

@@ -16,11 +16,11 @@ class Messages {
   void not_set_up();
   /// Looks at the initial state; time [s].
   void begun(const SoftBody& body, double time);
-  /// Looks at a communication step that has been done and has led to this time [s].
-  void stepped(SoftBody& body, double time);
+  /// Looks at a communication step of this length [s] that has been done and has led to this time [s].
+  void stepped(SoftBody& body, double time, double length);
 
  private:
-  enum Topic : unsigned { rubbing = 1, folding = 2, gain = 4, division = 8, turning = 16, set_up = 32 };
+  enum Topic : unsigned { rubbing = 1, folding = 2, gain = 4, division = 8, turning = 16, set_up = 32, jump = 64 };
   struct Said {
     unsigned topics = 0;
     std::optional<Method> method;

@@ -132,8 +132,12 @@ void read_pin(Record& r, SceneFile& s) {
   pin.name = r.word();
   pin.moved_by_input = r.choice<bool>({{"input", true}, {"fixed", false}});
   s.pins.push_back(pin);
-  s.definition.pins.push_back({r.points(count(s))});
+  s.definition.pins.push_back({r.points(count(s)), {}});
   if (s.definition.pins.back().points.empty()) r.fail("a pin without points");
+}
+void read_pin_origin(Record& r, SceneFile& s) {
+  if (s.definition.pins.empty()) r.fail("there is no pin before it");
+  s.definition.pins.back().origin = r.vector();
 }
 bool is_pose(Part part, std::string_view word) {
   for (const FamilyInfo& info : families)
@@ -191,6 +195,7 @@ constexpr Reader readers[] = {
     {"plane", read_plane},
     {"plane_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.planes, Part::input_planes); }},
     {"pin", read_pin},
+    {"pin_origin", read_pin_origin},
     {"pin_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.pins, Part::input_pins); }},
     {"load", read_load},
     {"probe",

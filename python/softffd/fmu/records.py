@@ -48,6 +48,8 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
             lines.append(["plane_inputs", *plane.input_components()])
     for pin in scene.pin:
         lines.append(["pin", pin.name, pin.motion, *scene.select(pin.points)])
+        if pin.origin is not None:
+            lines.append(["pin_origin", *pin.origin])
         if pin.motion == "input":
             lines.append(["pin_inputs", *pin.input_components()])
     lines += [["load", load.name, *scene.select(load.points)] for load in scene.load]
@@ -116,13 +118,10 @@ def read_pins(resources: Path) -> list[PinRecord]:
     for key, *words in _lines(resources):
         if key == "pin":
             name, motion, *points = words
-            found.append(PinRecord(name, motion == "input", len(points), _tuple(rest[[int(p) for p in points]].mean(axis=0))))
+            found.append(PinRecord(name, motion == "input", len(points), _three(float, rest[[int(p) for p in points]].mean(axis=0))))
+        elif key == "pin_origin":
+            found[-1] = found[-1]._replace(origin=_three(float, words))
     return found
-
-
-def _tuple(vector: np.ndarray) -> tuple[float, float, float]:
-    x, y, z = map(float, vector)
-    return x, y, z
 
 
 def read_points(resources: Path, key: str) -> list[Point]:
@@ -143,7 +142,7 @@ def _lines(resources: Path) -> list[list[str]]:
     return [line.split() for line in text.splitlines() if line.strip()] if text.startswith(HEAD) else []
 
 
-def _three(read: Callable[[str], T], words: Iterable[str]) -> tuple[T, T, T]:
+def _three(read: Callable[[Any], T], words: Iterable[Any]) -> tuple[T, T, T]:
     x, y, z = map(read, words)
     return x, y, z
 

@@ -73,10 +73,9 @@ def _plane(plane: Plane) -> dict[str, Any]:
 
 
 def _pin(scene: Scene, pin: Pin) -> dict[str, Any]:
-    origin = scene.rest_positions()[scene.select(pin.points)].mean(axis=0)
     return {
         "name": pin.name,
-        "position": tuple(map(float, origin)),
+        "position": scene.pin_origin(pin),
         "orientation": (1.0, 0.0, 0.0, 0.0),
         "inputs": pin.input_components(),
     }

@@ -16,6 +16,7 @@ from softffd.scene.document import find_scene, read_document, shipped_scenes, sh
 from softffd.scene.draft import unshared
 from softffd.scene.keys import SceneKeys
 from softffd.scene.schema import schema
+from softffd.scene.sections import Pin
 from softffd.scene.selection import Selection, flat_indices
 from softffd.scene.settle import settled
 from softffd.scene.template import template
@@ -133,6 +134,11 @@ class Scene(SceneKeys):
     def select(self, selection: Selection) -> np.ndarray:
         """Flat indices of a selection, (m,) int64. Raises ValueError outside the lattice."""
         return flat_indices(selection, self.lattice.points)
+
+    def pin_origin(self, pin: Pin) -> tuple[float, float, float]:
+        """Where the frame of a pin of this scene is at rest [m]."""
+        x, y, z = pin.origin or map(float, self.rest_positions()[self.select(pin.points)].mean(axis=0))
+        return x, y, z
 
     def rest_positions(self) -> np.ndarray:
         """The control points at rest in flat order, (n, 3) [m]."""

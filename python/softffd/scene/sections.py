@@ -259,10 +259,14 @@ class Plane(Section):
 
 
 class Pin(Section):
-    """Control points on a rigid frame; at rest its origin is their centroid, its axes are the world's."""
+    """Control points on a rigid frame, whose axes at rest are the world's."""
 
     name: Name = key(..., NAME, examples=["base"])
     points: Selection = key(..., "the pinned control points: a selection of at least one", examples=["z-"])
+    origin: Vector | None = quantity(
+        None, "m", "origin of the frame at rest: what its position and velocity are those of, and its torque is about; default: the "
+        "centroid of the points"
+    )  # fmt: skip
     motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
     inputs: PinInputs = key(
         ("position", "velocity"),

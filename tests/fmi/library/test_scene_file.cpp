@@ -69,6 +69,8 @@ TEST(faulty_records_are_refused) {
                              "plane p fixed 0 0 0 0 0 1 0 0 0 0 0 0 0\nplane_inputs point.z\n",
                              "plane p input 0 0 0 0 0 1 0 0 0 0 0 0 0\nplane_inputs point\n",
                              "pin p input 0\npin_inputs point.z\n",
+                             "pin_origin 0 0 0\n",
+                             "pin p input 0\npin_origin 0 0\n",
                              "volume_stiffness 0\n",
                              "basis spline\n",
                              "guid a b\n",

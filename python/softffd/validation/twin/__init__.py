@@ -96,7 +96,10 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
 
     return resolved(scene, mass) | {
         "planes": [{"name": plane.name, "motion": plane.motion} for plane in scene.plane],
-        "pins": [{"name": pin.name, "motion": pin.motion, "points": scene.select(pin.points).tolist()} for pin in scene.pin],
+        "pins": [
+            {"name": pin.name, "motion": pin.motion, "points": scene.select(pin.points).tolist(), "origin": scene.pin_origin(pin)}
+            for pin in scene.pin
+        ],
         "probes": {probe.name: _embedded(probe.at, scene.lattice) for probe in scene.probe},
         "position": at_points("position", scene.outputs.positions),
         "velocity": at_points("velocity", scene.outputs.velocities),

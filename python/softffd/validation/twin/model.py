@@ -95,7 +95,7 @@ class Model:
 
     def _pin(self, pin: dict, values: Mapping[str, float]) -> Pin:
         points, name = np.array(pin["points"]), f"pin.{pin['name']}"
-        origin = self.rest[points].mean(axis=0)
+        origin = np.array(pin["origin"])
         arms, velocity, spin = self.rest[points] - origin, np.zeros(3), np.zeros(3)
         if pin["motion"] == "input":
             w, *axis = (values[f"{name}.orientation.{each}"] for each in "wxyz")
