@@ -5,6 +5,7 @@
     python3 python/run.py test [ARGUMENTS]    the tests, on all cores (pytest's arguments; -n 0: in one process)
     python3 python/run.py test --full         with the long ones: complete matrices, endurance, importers, surveys
     python3 python/run.py bench               what each part of a scene costs
+    python3 python/run.py docs                this documentation as a site, in build/docs/site
     python3 python/run.py release             a wheel with the libraries of all platforms (some ten minutes)
     python3 python/run.py build SCENE ...     any other command of softffd
 
@@ -83,14 +84,17 @@ def fingerprint():
     return digest.hexdigest()
 
 
-def requirements():
-    """What building needs, and what the package and its tests need besides."""
+def settings(section):
+    """A section of pyproject.toml."""
     import tomllib  # with Python 3.11, which has been looked for by now
 
-    table = tomllib.loads((ROOT / "pyproject.toml").read_text())
-    project = table["project"]
-    others = [*project["dependencies"], *project["optional-dependencies"]["test"]]
-    return [*table["build-system"]["requires"], *(name for name in others if name.startswith(("cmake>", "ninja>")))], others
+    return tomllib.loads((ROOT / "pyproject.toml").read_text())[section]
+
+
+def requirements():
+    """What building needs, and what the package and its tests need besides."""
+    others = [*settings("project")["dependencies"], *settings("project")["optional-dependencies"]["test"]]
+    return [*settings("build-system")["requires"], *(name for name in others if name.startswith(("cmake>", "ninja>")))], others
 
 
 def building_environment():
@@ -126,6 +130,9 @@ def main():
     set_up()
     if arguments[0] == "release":
         return build_release(PYTHON)
+    if arguments[0] == "docs":
+        pip("install", *settings("project")["optional-dependencies"]["docs"])
+        return subprocess.call([PYTHON, ROOT / "docs" / "site" / "make_site.py"])
     if arguments[0] == "test":
         parallel = ["-n", "auto", "--dist", "worksteal"]
         return subprocess.call([PYTHON, "-m", "pytest", *parallel, *arguments[1:]], cwd=ROOT, env=compiler_environment())

@@ -4,11 +4,13 @@ A block marked `sh full` takes minutes and runs with --full; a block marked `tex
 that is not everywhere would need.
 """
 
+import json
 import os
 import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -18,6 +20,8 @@ from softffd import save_mesh
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "fmu_src").rglob("README.md"))]
+TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
+"""Run from start to end in test_tutorials.py"""
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 SUITE = "python3 python/run.py test"
 """This suite, which does not run itself."""
@@ -32,7 +36,7 @@ def blocks(document: Path) -> list[tuple[str, str]]:
 
 def lines(text: str) -> list[str]:
     """The commands of a block, without their comments."""
-    return [command for line in text.splitlines() if (command := line.split("#")[0].strip())]
+    return [command for line in text.replace("\\\n", " ").splitlines() if (command := line.split("#")[0].strip())]
 
 
 def commands() -> list:
@@ -93,8 +97,8 @@ def test_command_runs(line, folder):
     words = line.split()
     if words[:3] == ["python3", "python/run.py", "bench"]:
         words = [sys.executable, str(ROOT / "benchmarks" / "feature_cost.py"), *words[3:]]
-    elif words == ["python3", "python/run.py", "release"]:
-        words = [sys.executable, str(ROOT / "python" / "run.py"), "release"]
+    elif words[:2] == ["python3", "python/run.py"] and words[2] in ("release", "docs"):
+        words = [sys.executable, str(ROOT / "python" / "run.py"), words[2]]
     elif words[:2] == ["python3", "python/run.py"]:  # hands over to the same program once it has set up
         words = [sys.executable, "-m", "softffd", *words[2:]]
     elif words[0] == "softffd":
@@ -115,7 +119,7 @@ def test_the_coupled_plate_presses_with_its_weight(folder):
         assert newtons == pytest.approx(5 * 9.81, rel=1e-2)
 
 
-@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda document: document.name)
+@pytest.mark.parametrize("document", DOCUMENTS + TUTORIALS, ids=lambda document: document.name)
 def test_every_place_that_a_document_names_exists(document):
     text = document.read_text()
     for name in re.findall(r"`((?:python|fmu_src|tests|modelDescription|docs|examples|benchmarks)/[\w/.]+)`", text):
@@ -126,4 +130,41 @@ def test_every_place_that_a_document_names_exists(document):
 
 def test_no_document_is_left_out():
     readme = DOCUMENTS[0].read_text()
-    assert [file.name for file in (ROOT / "docs").glob("*.md") if f"docs/{file.name}" not in readme] == []
+    documents = [file.relative_to(ROOT).as_posix() for file in (ROOT / "docs").rglob("*.md")]
+    assert [name for name in documents if name not in readme] == []
+    in_site = (ROOT / "docs" / "site" / "mkdocs.yml").read_text()
+    assert [name for name in documents if name not in in_site] == []
+
+
+def checked_as() -> dict[str, str]:
+    """The Python of documents, tutorials, examples and notebooks by module names; a tutorial and a notebook are a session each."""
+    found = {}
+    for document in DOCUMENTS + TUTORIALS:
+        codes = [text for kind, text in blocks(document) if kind == "python"]
+        texts = ["\n".join(codes)] if document in TUTORIALS else codes
+        stem = "_".join(document.relative_to(ROOT).with_suffix("").parts)
+        found |= {f"{stem}_{n + 1}": text for n, text in enumerate(texts)}
+    for notebook in sorted((ROOT / "examples").glob("*.ipynb")):
+        cells = [cell for cell in json.loads(notebook.read_text())["cells"] if cell["cell_type"] == "code"]
+        found[notebook.stem] = "".join("".join([*cell["source"], "\n"]) for cell in cells)
+    return found | {f"examples_{file.stem}": file.read_text() for file in EXAMPLES}
+
+
+def test_a_type_checker_finds_nothing_in_what_the_documents_show(tmp_path):
+    texts = checked_as()
+    for name, text in texts.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    assert len(texts) >= 20
+    loose = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["mypy"]["disable_error_code"]
+    codes = [f"--enable-error-code={code}" for code in loose if code != "import-untyped"]  # what the package's older rooms leave out
+    options = [
+        "--config-file",
+        str(ROOT / "pyproject.toml"),
+        "--check-untyped-defs",
+        "--follow-imports=silent",
+        "--cache-dir",
+        str(ROOT / ".mypy_cache" / "documents"),
+        *codes,
+    ]
+    done = subprocess.run([sys.executable, "-m", "mypy", *options, tmp_path], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -37,7 +37,7 @@ def write_ssp(
     """Writes a system of FMUs for SSP hosts and returns its path. For a plate from `softffd drivers` that rests on a scene's box:
 
         write_ssp("pressed.ssp", {"box": scene, "plate": "plate.fmu"},
-                  [("plate.point", "box.plane.plate.point"), ("box.plane.plate.reaction", "plate.reaction")])
+                  [(f"plate.{name}", f"box.plane.plate.{name}") for name in ("point", "velocity", "reaction")])
 
     path: a file name ending in .ssp; folders are made where absent.
     components: by name: scenes, scene files, names of shipped scenes, or FMUs (FMI 2.0 co-simulation).

@@ -138,9 +138,9 @@ def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = Non
     """Write `mesh` as OBJ, STL, PLY or GLB, with its looks: all in OBJ and GLB, pictures inside GLB and beside OBJ with NAME.mtl;
     colours and one picture beside it in PLY, where materials have no names and groups are not; nothing in STL.
 
-    vertices: (V, 3) m, written in place of the mesh's own, as deform returns them. up: the axis of the file
-    that stands for +z, as for load_mesh ("y" for programs that follow glTF's habit). decimals: of the numbers
-    in an OBJ file; the other formats hold single precision.
+    vertices: (V, 3) m, written in place of the mesh's own, as deform returns them.
+    up: the axis of the file that stands for +z, as for load_mesh ("y" for programs that follow glTF's habit).
+    decimals: of the numbers in an OBJ file; the other formats hold single precision.
     Raises MeshError where the ending is none of the four or the file cannot be written.
     """
     path = Path(path)

@@ -120,7 +120,7 @@ def test_a_connection_of_the_document_takes_another_unit(name, script, late, dri
     """The connection of docs/coupling.md: travel in millimetres downwards is the plate's height in metres.
     late: whether the master hands values over at the begin of the next step, after they are read here."""
     document = Path(__file__).resolve().parents[3] / "docs" / "coupling.md"
-    command = re.search(r"^softffd (ssp box.toml --with actuator.fmu .*)$", document.read_text(), re.MULTILINE)[1]
+    command = re.search(r"^softffd (ssp box.toml --with actuator.fmu .*)$", document.read_text().replace("\\\n", " "), re.MULTILINE)[1]
     monkeypatch.chdir(tmp_path)
     Path("box.toml").write_text(LOW_BOX)
     shutil.copy(drivers / "actuator.fmu", ".")
