@@ -40,12 +40,13 @@ def lines(text: str) -> list[str]:
 
 
 def commands() -> list:
-    """Every line of every block `sh`, by document."""
-    found = []
+    """Every line of every block `sh`, by the first document that has it."""
+    found, seen = [], set()
     for document in DOCUMENTS:
         for kind, text in blocks(document):
             for line in lines(text) if kind.split()[:1] == ["sh"] else []:
-                if not line.startswith(SUITE):
+                if not line.startswith(SUITE) and line not in seen:
+                    seen.add(line)
                     long = kind == "sh full" or line.startswith(MINUTES)
                     marks = [pytest.mark.full] if long else []
                     found.append(pytest.param(line, marks=marks, id=f"{document.name}: {line}"))
