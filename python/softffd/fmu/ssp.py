@@ -68,6 +68,8 @@ def _write(
 ) -> tuple[Path, Wiring]:
     if path.suffix != ".ssp" or path.is_dir():
         raise SoftffdError(f"{path}: wanted a file name ending in .ssp{did_you_mean(f'{path}.ssp')}")
+    if not isinstance(components, Mapping) or not components:
+        raise SoftffdError(f"components: wanted scenes and FMUs by name, as {{'box': scene, 'plate': 'plate.fmu'}}, got {components!r:.70}")
     with TemporaryDirectory(prefix="softffd-") as folder:
         files = {_checked_name(name): _fmu_of(name, what, Path(folder)) for name, what in components.items()}
         wiring = Wiring({name: _element(name, file) for name, file in files.items()})
@@ -87,12 +89,14 @@ def _write(
 
 
 def _checked_name(name: str) -> str:
-    if not re.fullmatch(r"\w[\w-]*", name):
+    if not re.fullmatch(r"\w[\w-]*", str(name)):
         raise SoftffdError(f'component: wanted a name of letters, digits, "_" and "-", got "{name}"; NAME=FILE gives a file another')
     return name
 
 
 def _fmu_of(name: str, what: Scene | str | Path, folder: Path) -> Path:
+    if not isinstance(what, Scene | str | Path):
+        raise SoftffdError(f"{name}: wanted a Scene, its file or name, or the path of an FMU, got {what!r:.70}")
     if isinstance(what, Scene) or Path(what).suffix != ".fmu":
         return package_fmu(what if isinstance(what, Scene) else load_scene(what), folder / f"{name}.fmu")
     if not Path(what).is_file():

@@ -77,7 +77,7 @@ class Wiring:
             if ends and len(each) != len(ends):
                 self.problems.append(f"{name}: wanted {len(ends)} number{'s' * (len(ends) > 1)}, got {given!r:.70}")
                 continue
-            for end, value in zip(ends, each, strict=False):
+            for end, value in zip(ends.values(), each, strict=False):
                 self._start(end, value)
 
     def _start(self, end: End, value: Any) -> None:
@@ -97,33 +97,42 @@ class Wiring:
             self.starts.setdefault(end.element.name, {})[variable.name] = number
 
     def _connections(self, given: Sequence[Any]) -> Iterator[Connection]:
-        if isinstance(given, str) or not 2 <= len(given) <= 4 or not all(isinstance(end, str) for end in given[:2]):
-            self.problems.append(f"connection: wanted two ends and, if any, a factor and an offset, got {given!r:.70}")
+        wanted = "wanted two ends and, if any, a factor and an offset"
+        try:
+            one, other, *numbers = given
+            factors = [float(number) for number in numbers]
+        except (TypeError, ValueError):
+            one = other = None
+        if not (isinstance(one, str) and isinstance(other, str)) or isinstance(given, str) or len(factors) > 2:
+            self.problems.append(f"connection: {wanted}, got {given!r:.70}")
             return
-        first, second = self._ends(given[0]), self._ends(given[1])
-        if first and second and _suffixes(given[0], first) != _suffixes(given[1], second):
-            told = (f"{name} ({', '.join(_suffixes(name, ends)) or 'a number'})" for name, ends in ((given[0], first), (given[1], second)))
+        first, second = self._ends(one), self._ends(other)
+        if first and second and set(first) != set(second):
+            told = (f"{name} ({', '.join(filter(None, ends)) or 'a number'})" for name, ends in ((one, first), (other, second)))
             self.problems.append(f"wanted two ends of the same components, got {' and '.join(told)}")
             return
-        for ends in zip(first, second, strict=False):
-            one, other = ends if ends[0].variable.causality == "output" else ends[::-1]
-            yield Connection(one, other, *map(float, given[2:]))
+        for component in first if second else ():
+            ends = (first[component], second[component])
+            source, target = ends if ends[0].variable.causality == "output" else ends[::-1]
+            yield Connection(source, target, *factors)
 
-    def _ends(self, name: str) -> list[End]:
-        """The end of this name, or those of the vector's components; a problem and none where there is none."""
+    def _ends(self, name: str) -> dict[str, End]:
+        """By component, "" of a number: the end of this name, or those of the vector; a problem and none where there is none."""
         element, _, variable = name.partition(".")
         if element not in self.elements:
             nearest = nearest_of(element, self.elements)
             self.problems.append(f"{name}: wanted COMPONENT.VARIABLE of {', '.join(self.elements)}{did_you_mean(nearest)}")
-            return []
+            return {}
         owner = self.elements[element]
         known = owner.interface.variables
-        names = [variable] if variable in known else [full for c in "wxyz" if (full := f"{variable}.{c}") in known]
-        if not names:
+        if variable in known:
+            return {"": End(owner, known[variable])}
+        ends = {f".{c}": End(owner, known[full]) for c in "wxyz" if (full := f"{variable}.{c}") in known}
+        if not ends:
             vectors = {each[:-2] for each in known if each[-2:] in (".w", ".x", ".y", ".z")}
             nearest = nearest_of(variable, [*known, *sorted(vectors)])
             self.problems.append(f"{name}: {element} has no such variable{did_you_mean(nearest and f'{element}.{nearest}')}")
-        return [End(owner, known[each]) for each in names]
+        return ends
 
     def _add(self, new: Connection) -> None:
         problem = _problem_of(new)
@@ -162,10 +171,6 @@ def _problem_of(connection: Connection) -> str | None:
 def _kind(variable: ScalarVariable) -> str:
     words = f"{variable.variability} {variable.causality}" if variable.causality == "parameter" else variable.causality
     return f"{'an' if words[0] in 'aeiou' else 'a'} {words}" + ("" if variable.type == "Real" else f" ({variable.type})")
-
-
-def _suffixes(name: str, ends: list[End]) -> list[str]:
-    return [str(end).removeprefix(name) for end in ends if str(end) != name]
 
 
 def read_units(description: bytes) -> dict[str, dict[str, str]]:

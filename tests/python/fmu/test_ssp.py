@@ -35,6 +35,9 @@ REFUSED = {
         r"got a\.plane\.lid\.reaction \(\.x, \.y, \.z\) and b\.load\.push\.x \(a n",
     ),
     "no factor": (("a.position[0,0,0].x", "b.load.push.x", 0.0), "wanted a finite factor that is not 0 .*, got 0 and 0"),
+    "a word for a factor": (("a.position[0,0,0].x", "b.load.push.x", "half"), r"connection: wanted two ends and, if any, a factor"),
+    "too many numbers": (("a.position[0,0,0].x", "b.load.push.x", 1, 2, 3), r"connection: wanted two ends and, if any, a factor"),
+    "a name alone": ("ab", r"wanted two ends and, if any, a factor and an offset, got 'ab'"),
     "one end": (("a.mass",), r"wanted two ends and, if any, a factor and an offset, got \('a\.mass',\)"),
 }
 
