@@ -116,7 +116,7 @@ def _run(options: argparse.Namespace) -> None:
 def _sweep(options: argparse.Namespace) -> None:
     from softffd.cli.sweep import run_sweep
 
-    run_sweep(options, dict(_setting(text) for text in options.settings), _jobs(options))
+    run_sweep(options, dict(_setting(text) for text in options.settings), options.jobs if options.scheduler else _jobs(options))
 
 
 def _setting(text: str) -> tuple[str, str]:

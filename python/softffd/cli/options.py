@@ -143,6 +143,7 @@ def _sweep(add: Add) -> None:
     sweep.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time; default: the CSV beside the scene")
     sweep.add_argument("--no-input", action="store_true", help="without the CSV beside the scene: inputs keep their start values")
     sweep.add_argument("-j", "--jobs", type=int, metavar="J", help="runs at a time; default: the number of cores")
+    sweep.add_argument("--scheduler", metavar="ADDRESS", help="run on the Dask cluster of this scheduler, e.g. tcp://host:8786")
     sweep.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-sweep-NAME here; the same sweep there goes on")
 
 

@@ -19,7 +19,7 @@ from softffd.scene.scene import load_scene
 WANTED = "NAME=FROM:TO:COUNT, NAME=FROM:TO:COUNT:log or NAME=V1,V2,..., e.g. --vary stiffness.edge=500:2000:4:log"
 
 
-def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: int) -> None:
+def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: int | None) -> None:
     """Makes what is missing of the sweep, keeps it and says what came out."""
     vary = dict(_varied(text) for text in options.vary)
     if len(vary) < len(options.vary):
@@ -38,7 +38,7 @@ def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: i
 
         table = sweep(
             source, vary, outputs=options.measure, stop_time=options.stop_time, step=options.step, start_values=start_values, inputs=inputs,
-            jobs=jobs, file=folder / "sweep.npz", progress=progress,
+            jobs=jobs, scheduler=options.scheduler, file=folder / "sweep.npz", progress=progress,
         )  # fmt: skip
     files = [folder / "sweep.npz", table.to_csv(folder / "sweep.csv")]
     if len(table.values) <= 2:

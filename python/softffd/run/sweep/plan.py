@@ -64,7 +64,7 @@ class Plan:
     about: dict[str, Any]
     """Title, units and the fingerprint of the FMU"""
     folder: str
-    """Where the paths of the scene and the FMU begin"""
+    """Where the paths of the scene and the FMU begin; empty where there are none"""
 
     @property
     def shape(self) -> tuple[int, ...]:

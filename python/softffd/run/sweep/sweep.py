@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,8 @@ from softffd.run.sweep.table import Sweep
 from softffd.run.sweep.worker import run_all
 
 if TYPE_CHECKING:
+    from distributed import Client
+
     from softffd.scene.scene import Scene
 
 KEEP_EVERY = 10.0
@@ -29,6 +32,8 @@ PATIENCE = 1e6
 """A single run may take this long [s]."""
 
 Index = tuple[int, ...]
+Made = Generator[tuple[Index, np.ndarray | str]]
+"""Runs of the grid: each with its readings, or the words of what failed"""
 
 
 def sweep(
@@ -40,7 +45,8 @@ def sweep(
     step: float | None = None,
     start_values: Mapping[str, Any] | None = None,
     inputs: Source | None = None,
-    jobs: int = 1,
+    jobs: int | None = None,
+    scheduler: str | Client | None = None,
     file: str | Path | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Sweep:
@@ -50,18 +56,22 @@ def sweep(
     outputs: names, for the value at the end of the run, or "max(NAME)", "min(NAME)", "mean(NAME)" over its communication points; a
     vector's name means its components. By default all outputs but those at control points.
     stop_time, step, start_values, inputs: of every run, as for `simulate`. What `inputs` gives cannot be varied.
-    jobs: processes. In more than one a run that takes its process down is a failed run too.
+    jobs: processes, by default this one. In more than one a run that takes its process down is a failed run too.
+    scheduler: address of a Dask cluster's scheduler, such as "tcp://host:8786", or a distributed.Client: the runs are made there, on as
+    many workers as there are, which need the same softffd and no files; such a run that takes its worker down is a failed run too.
     file: NPZ file that keeps what is done, written whole or not at all: of an interrupted sweep the same call makes what is missing.
     progress: called as progress(runs done, runs of the sweep).
     A run that fails is NaN in the table, with its words. Raises FmuError where a name or a value cannot be used in any run, and
     SoftffdError where `file` holds another sweep.
     """
-    if jobs < 1:
+    if jobs is not None and scheduler is not None:
+        raise SoftffdError("jobs: wanted without a scheduler, whose workers say how many runs there are at a time")
+    if jobs is not None and jobs < 1:
         raise SoftffdError(f"jobs: wanted at least 1, got {jobs}")
     plan = plan_of(scene_or_fmu, vary, outputs, stop_time, step, start_values, inputs)
     table = _begun(plan, None if file is None else Path(file))
     try:
-        _run(plan, table, jobs, file, progress)
+        _run(plan, table, partial(_results, jobs=jobs or 1, scheduler=scheduler), file, progress)
     except KeyboardInterrupt:
         if file is None:
             raise
@@ -88,19 +98,31 @@ def _begun(plan: Plan, file: Path | None) -> Sweep:
     return kept
 
 
-def _run(plan: Plan, table: Sweep, jobs: int, file: str | Path | None, progress: Callable[[int, int], object] | None) -> None:
+def _run(
+    plan: Plan,
+    table: Sweep,
+    results: Callable[[Plan, list[Index]], Made],
+    file: str | Path | None,
+    progress: Callable[[int, int], object] | None,
+) -> None:
     missing = [index for index in np.ndindex(plan.shape) if not table.done[index]]
     kept = clock.monotonic()
-    for count, (index, result) in enumerate(_results(plan, missing, jobs), table.done.size - len(missing) + 1):
-        table.note(index, result)
-        if file is not None and clock.monotonic() - kept > KEEP_EVERY:
-            table.save(file)
-            kept = clock.monotonic()
-        if progress:
-            progress(count, table.done.size)
+    with closing(results(plan, missing)) as made:  # an interrupt ends what is under way
+        for count, (index, result) in enumerate(made, table.done.size - len(missing) + 1):
+            table.note(index, result)
+            if file is not None and clock.monotonic() - kept > KEEP_EVERY:
+                table.save(file)
+                kept = clock.monotonic()
+            if progress:
+                progress(count, table.done.size)
 
 
-def _results(plan: Plan, indices: list[Index], jobs: int) -> Iterator[tuple[Index, np.ndarray | str]]:
+def _results(plan: Plan, indices: list[Index], jobs: int, scheduler: str | Client | None) -> Made:
+    if scheduler is not None:
+        from softffd.run.sweep.cluster import on_cluster
+
+        yield from on_cluster(scheduler, plan, indices)
+        return
     if jobs == 1:
         yield from zip(indices, run_all(plan, indices), strict=True)
         return

@@ -18,7 +18,8 @@ FOLD: dict[str, Callable[[np.ndarray], Any]] = {END: lambda column: column[-1], 
 
 def run_all(plan: Plan, indices: Sequence[tuple[int, ...]]) -> Iterator[np.ndarray | str]:
     """Of each run of the grid its readings (r,), or the words of what failed. After a failure the component is opened anew."""
-    os.chdir(plan.folder)
+    if plan.folder:
+        os.chdir(plan.folder)
     runner: Runner | None = None
     try:
         for index in indices:
