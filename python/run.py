@@ -15,9 +15,11 @@ Makes .venv, builds the C++ library into it (with the machine's compiler, else w
 import hashlib
 import os
 import platform
+import re
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from release import build_release
@@ -29,11 +31,18 @@ BUILD = ROOT / "build" / "native"
 STAMP = VENV / "softffd-built"
 BUILT_FROM = ("pyproject.toml", "CMakeLists.txt", "LICENSE", "fmu_src", "modelDescription")
 LEAST_PYTHON = (3, 11)
+COMPILED = re.compile(r"^\s*\[\s*([1-9]\d*/\d+|\d+%)\]")  # ninja's words for how far it is, and those of make
+CLEAR = "\r\033[K"
+TELL_EVERY = 5  # s, where the output is no terminal
 PIP_FAILED = "pip failed (see above). It needs the Python package index, or a mirror of it, in reach."
 
 
 def stop(message):
     sys.exit(f"run.py: {message}")
+
+
+def step(words):
+    print(f"run.py: {words}", flush=True)
 
 
 def pip_command(*arguments):
@@ -43,6 +52,23 @@ def pip_command(*arguments):
 def pip(*arguments, env=None):
     if subprocess.call(pip_command(*arguments), env=env) != 0:
         stop(PIP_FAILED)
+
+
+def pip_compile(*arguments, env=None):
+    """pip, telling how far the compiler is; all that it said where it fails."""
+    command = [word for word in pip_command(*arguments, "-v") if word != "-q"]
+    build = subprocess.Popen(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+    said, told, terminal = [], -TELL_EVERY, sys.stdout.isatty()
+    for line in build.stdout:
+        said.append(line)
+        found = COMPILED.match(line)
+        if found and (terminal or time.monotonic() - told >= TELL_EVERY):
+            told = time.monotonic()
+            print(f"{CLEAR if terminal else ''}run.py:    compiled {found[1]}", end="" if terminal else "\n", flush=True)
+    if terminal:
+        print(CLEAR, end="", flush=True)
+    if build.wait() != 0:
+        stop("".join(said) + PIP_FAILED)
 
 
 def make_venv():
@@ -110,13 +136,16 @@ def set_up():
     if PYTHON.exists() and STAMP.exists() and STAMP.read_text() == print_once:
         return
     make_venv()
-    print("run.py: building and installing into .venv (a minute or two, once)", flush=True)
+    print("run.py: building and installing into .venv (some minutes, once)", flush=True)
     building, others = requirements()
+    step("1 of 3: packages that building needs")
     pip("install", *building)
+    step("2 of 3: the C++ library; beside it the packages that the program and its tests need")
     meanwhile = subprocess.Popen(pip_command("install", *others))
     # in this environment and in a folder that stays: the C++ tests are made of the same objects
     options = ["-C", f"build-dir={BUILD}", "-C", "cmake.define.SOFTFFD_TESTS=OFF"]
-    pip("install", "--no-deps", "--no-build-isolation", *options, "-e", ROOT, env=building_environment())
+    pip_compile("install", "--no-deps", "--no-build-isolation", *options, "-e", ROOT, env=building_environment())
+    step("3 of 3: what is left of the packages")
     if meanwhile.wait() != 0:
         stop(PIP_FAILED)
     STAMP.write_text(print_once)

@@ -68,11 +68,11 @@ def test_the_command_measures_scipy_beside(folder, few):
 def test_without_scipy_the_option_says_what_to_install(folder, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "scipy.integrate", None)
     assert main(["accuracy", "small.toml", "--quick", "--scipy", "-o", "out"]) == 1
-    assert "softffd[scipy]" in capsys.readouterr().err and not Path("out").exists()
+    assert "softffd[comparisons]" in capsys.readouterr().err and not Path("out").exists()
 
 
 def scipy_part():
-    pytest.importorskip("scipy", reason="the outside anchors need SciPy: pip install softffd[scipy]")
+    pytest.importorskip("scipy", reason="the outside anchors need SciPy: pip install softffd[comparisons]")
     from softffd.validation.accuracy import scipy as accuracy_scipy
 
     return accuracy_scipy

@@ -66,7 +66,7 @@ def solver() -> Callable:
     try:
         from scipy.integrate import solve_ivp
     except ImportError:
-        raise SoftffdError("--scipy needs SciPy, which is not installed here: pip install softffd[scipy]") from None
+        raise SoftffdError("--scipy needs SciPy, which is not installed here: pip install 'softffd[comparisons]'") from None
     return solve_ivp
 
 
