@@ -63,9 +63,10 @@ def _build(options: argparse.Namespace) -> None:
     from softffd.installed import least_glibc, libraries
 
     scene = load_scene(options.scene)
-    path = package_fmu(
-        scene, f"{scene.name}.fmu" if options.output is None else options.output, platforms=options.platform, fmi=options.fmi
-    )
+    with ProgressLine("packaging"):
+        path = package_fmu(
+            scene, f"{scene.name}.fmu" if options.output is None else options.output, platforms=options.platform, fmi=options.fmi
+        )
     masses = scene_masses(scene)
     print(f"{path}: {scene.title}")
     count = len(variables(scene, masses.mass)) if options.fmi == 2 else len(array_variables(scene, masses.mass)) + 1  # and time
@@ -129,7 +130,9 @@ def _setting(text: str) -> tuple[str, str]:
 def _ssp(options: argparse.Namespace) -> None:
     from softffd.cli.coupled import write_coupled
 
-    print(write_coupled(options))
+    with ProgressLine("packaging"):
+        written = write_coupled(options)
+    print(written)
 
 
 def _accuracy(options: argparse.Namespace) -> None:
@@ -201,7 +204,8 @@ def _new(options: argparse.Namespace) -> None:
     if path.exists():
         raise SoftffdError(f"{path}: exists already; wanted a new name")
     if options.mesh is not None:
-        made = scene_of_mesh(options.mesh, folder=path.parent, **_mesh_options(options))
+        with ProgressLine("reading the mesh"):
+            made = scene_of_mesh(options.mesh, folder=path.parent, **_mesh_options(options))
         print(made.said)
     elif given := [key for key, value in _mesh_options(options).items() if value is not None]:
         raise SoftffdError(f"--{given[0]}: wanted with --mesh FILE")
@@ -212,7 +216,8 @@ def _new(options: argparse.Namespace) -> None:
 def _view(options: argparse.Namespace) -> None:
     from softffd.cli.keep import page_of
 
-    page = page_of(options.what)
+    with ProgressLine("writing view.html"):
+        page = page_of(options.what)
     print(page)
     webbrowser.open(page.resolve().as_uri())
 
@@ -222,7 +227,9 @@ def _info(options: argparse.Namespace) -> None:
     from softffd.fmu.component import Component
 
     what = options.what if options.what.endswith(".fmu") else load_scene(options.what)
-    with Component(what) as component:
+    with ProgressLine("packaging"):
+        component = Component(what)
+    with component:
         print(told_info(component, every=options.all))
 
 

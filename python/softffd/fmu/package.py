@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -25,9 +26,13 @@ PLATFORMS3 = {"linux64": "x86_64-linux", "win64": "x86_64-windows", "darwin64": 
 """What FMI 3.0 calls the platforms, where it has another word than FMI 2.0."""
 
 
+_point_masses = lru_cache(maxsize=1)(point_masses)
+"""The last ones are kept: over a fine lattice and mesh they take minutes, and an FMU, its summary and a run want the same"""
+
+
 def scene_masses(scene: Scene) -> Masses:
     """The control points' masses (n,) [kg] and the shift of the centre of mass (3,) [m] by mass.uniform_share, overrides included."""
-    masses = point_masses(
+    masses = _point_masses(
         scene.mass.distribution,
         counts=scene.lattice.points,
         origin=scene.lattice.origin,

@@ -11,8 +11,10 @@ import pytest
 from softffd import Simulation, load_scene, simulate
 from softffd.cli.command import main
 from softffd.cli.told import pace
+from softffd.embedding import mass
 from softffd.errors import FmuError
 from softffd.fmu.component import Component
+from softffd.fmu.package import package_fmu, scene_masses
 from softffd.run.choices import shares
 from softffd.run.progress import ProgressLine
 
@@ -171,6 +173,28 @@ def test_every_stage_of_a_run_is_shown_where_somebody_looks(monkeypatch, capsys)
     shown = capsys.readouterr().err
     stages = ["packaging", "simulating", "writing the numbers", "drawing picture.png", "writing view.html"]
     assert sorted(stages, key=shown.index) == stages
+
+
+@pytest.mark.parametrize(
+    "stage, command",
+    [("packaging", "build box.toml"), ("packaging", "info box.toml"), ("reading the mesh", "new cut --mesh flat.obj")],
+)
+def test_other_commands_that_may_take_minutes_show_what_they_do(stage, command, monkeypatch, capsys):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    Path("flat.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+    assert main(command.split()) == 0
+    assert f"{stage}: ..." in capsys.readouterr().err
+
+
+def test_the_masses_of_a_mesh_are_worked_out_once(monkeypatch):
+    worked = []
+    monkeypatch.setattr(mass, "_shares", lambda *given, real=mass._shares: worked.append(0) or real(*given))
+    scene = load_scene("car_drop")
+    package_fmu(scene, "car.fmu")
+    simulate(scene, stop_time=scene.experiment.communication_step)
+    assert scene_masses(scene).mass.sum() == pytest.approx(scene.mass.total, rel=1e-12) and len(worked) == 1
+    heavier = scene.replace({"mass.total": 2 * scene.mass.total})
+    assert scene_masses(heavier).mass.sum() == pytest.approx(heavier.mass.total, rel=1e-12) and len(worked) == 2
 
 
 def test_a_stage_without_news_tells_how_long_it_takes(monkeypatch, capsys):
