@@ -30,6 +30,9 @@ OUTSIDE_ALLOWED = 1e-6
 _KEPT, _BLOCK = 1 << 22, 1 << 19
 """Weights that an embedding keeps, if no more (32 MB); numbers worked on at a time otherwise (4 MB)."""
 
+_FEW = 8
+"""Up to so many times are deformed axis by axis; for more, products of weights that all of them share cost less."""
+
 
 def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=None, basis="bezier") -> np.ndarray:
     """Return the deformed vertices of `mesh`: Q of eq. (1) at every vertex, m.
@@ -77,9 +80,13 @@ class Embedding:
             return moved[0] if positions.ndim == 4 else moved
         control = to_flat(frames).swapaxes(1, 2).reshape(3 * len(frames), -1)
         moved = np.empty((len(frames), len(self.coordinates), 3))
-        for part in self._parts(len(frames)):
-            block = self._products(part) if self._kept is None else self._kept[:, part]
-            moved[:, part] = (control @ block).reshape(len(frames), 3, -1).transpose(0, 2, 1)
+        summed = self._kept is None and len(frames) <= _FEW
+        for part in self._parts(len(frames), summed):
+            if summed:
+                sums = self._summed(control, part)
+            else:
+                sums = control @ (self._products(part) if self._kept is None else self._kept[:, part])
+            moved[:, part] = sums.reshape(len(frames), 3, -1).transpose(0, 2, 1)
         return moved[0] if positions.ndim == 4 else moved
 
     def _local(self) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -95,10 +102,20 @@ class Embedding:
             moved += (u[:, a] * v[:, b] * w[:, c])[:, None] * frame[i + a, j + b, k + c]
         return moved
 
-    def _parts(self, frames: int) -> Iterator[slice]:
+    def _parts(self, frames: int, summed: bool) -> Iterator[slice]:
         """Slices of the vertices, so short that a block's weights and results fit the memory set aside."""
-        step = max(1, _BLOCK // (int(np.prod(self.counts)) + 3 * frames))
+        points = 3 * frames * int(np.prod(self.counts[:2])) if summed else int(np.prod(self.counts)) + 3 * frames
+        step = max(1, _BLOCK // points)
         return (slice(start, start + step) for start in range(0, len(self.coordinates), step))
+
+    def _summed(self, control: np.ndarray, part: slice) -> np.ndarray:
+        """The rows of `control`, (rows, n) in flat order, at the vertices of `part`, (rows, vertices): one axis of the lattice after the
+        other. At one time this takes a tenth of what the products of all three take, which many times share."""
+        u, v, w = (weights(t, n, self.basis).T for t, n in zip(self.coordinates[part].T, self.counts, strict=True))
+        nx, ny, nz = self.counts
+        layers = control.reshape(-1, nz, ny * nx).swapaxes(1, 2).reshape(-1, nz) @ w
+        lines = np.einsum("rjiv,iv->rjv", layers.reshape(-1, ny, nx, w.shape[1]), u)
+        return np.einsum("rjv,jv->rv", lines, v)
 
     def _products(self, part: slice) -> np.ndarray:
         """W_i(u) W_j(v) W_k(w) at the vertices of `part`, shape (n, vertices), control points in flat order."""

@@ -175,3 +175,14 @@ def test_an_unknown_basis_is_refused_with_the_choices(basis):
     near = ', did you mean "bspline"\\?' if basis in ("Bspline", "bsplin") else "$"
     with pytest.raises(ValueError, match=f'basis: wanted "bezier" or "bspline", got {basis!r}{near}'):
         deform(cloud(), rest_grid((4, 4, 4)), origin=ORIGIN, size=SIZE, basis=basis)
+
+
+def test_large_embeddings_sum_axis_by_axis_what_small_ones_have_as_products(monkeypatch):
+    rng = np.random.default_rng(5)
+    vertices, positions = rng.random((40, 3)), rng.random((3, 5, 3, 4, 3))
+    kept = Embedding(vertices, (0, 0, 0), (1, 1, 1), (5, 3, 4)).deform(positions)
+    monkeypatch.setattr(import_module("softffd.embedding.deform"), "_KEPT", 0)
+    monkeypatch.setattr(import_module("softffd.embedding.deform"), "_BLOCK", 700)  # several blocks
+    for few in (8, 0):
+        monkeypatch.setattr(import_module("softffd.embedding.deform"), "_FEW", few)
+        np.testing.assert_allclose(Embedding(vertices, (0, 0, 0), (1, 1, 1), (5, 3, 4)).deform(positions), kept, rtol=1e-13)
