@@ -3,11 +3,13 @@
 #include <Eigen/Geometry>
 #include <limits>
 
-#include "forces/clones.hpp"
+#include "forces/instructions.hpp"
 
 namespace softffd {
 
 namespace kernels {
+
+namespace loops {
 
 // Components of the three edges of a corner are named by axis of the edge and coordinate.
 
@@ -57,9 +59,8 @@ struct CornerEdges {
 };
 
 /// Edges (9 * points) and the smallest corner volumes (lanes) of all cells.
-SOFTFFD_CLONES
-void corner_volumes(int points, int lanes, const int offset[3], const double per_length[3], const double* absent, const double* x,
-                    double* edges, double* smallest) {
+INNER void corner_volumes(int points, int lanes, const int offset[3], const double per_length[3], const double* absent, const double* x,
+                          double* edges, double* smallest) {
   for (int axis = 0; axis < 3; ++axis)
     for (int coordinate = 0; coordinate < 3; ++coordinate) {
       const double* here = x + coordinate * points;
@@ -74,17 +75,15 @@ void corner_volumes(int points, int lanes, const int offset[3], const double per
   for (int p = 0; p < lanes; ++p) smallest[p] += absent[p];
 }
 
-SOFTFFD_CLONES
-bool any_below(int lanes, double limit, const double* values) {
+INNER bool any_below(int lanes, double limit, const double* values) {
   int below = 0;
   for (int p = 0; p < lanes; ++p) below |= values[p] < limit;
   return below != 0;
 }
 
 /// pulls (9 * points) = sums over the corners with J < limit of (limit - J)^2 dJ/dedge; f += factor times the pulls on the edges' ends.
-SOFTFFD_CLONES
-void add_squares(int points, int lanes, const int offset[3], const double factor[3], double limit, const double* absent,
-                 const double* edges, double* pulls, double* f) {
+INNER void add_squares(int points, int lanes, const int offset[3], const double factor[3], double limit, const double* absent,
+                       const double* edges, double* pulls, double* f) {
   for (int i = 0; i < 9 * points; ++i) pulls[i] = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
     const CornerEdges at(offset, corner);
@@ -101,6 +100,12 @@ void add_squares(int points, int lanes, const int offset[3], const double factor
       add_scaled(points - offset[axis], factor[axis], pull, first + offset[axis]);
     }
 }
+
+}  // namespace loops
+
+const auto corner_volumes = chosen<loops::corner_volumes>();
+const auto any_below = chosen<loops::any_below>();
+const auto add_squares = chosen<loops::add_squares>();
 
 }  // namespace kernels
 

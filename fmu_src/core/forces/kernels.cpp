@@ -2,20 +2,11 @@
 
 #include <cmath>
 
-#include "forces/clones.hpp"
+#include "forces/instructions.hpp"
 
 namespace softffd::kernels {
 
-INNER void forces(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In k, In l, Out sx, Out sy, Out sz) {
-  for (int p = 0; p < lanes; ++p) {
-    const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
-    const double r = std::sqrt(dx * dx + dy * dy + dz * dz + smallest_square);
-    const double s = k[p] * (1.0 - l[p] / r);
-    sx[p] = s * dx;
-    sy[p] = s * dy;
-    sz[p] = s * dz;
-  }
-}
+namespace loops {
 
 INNER void add(int lanes, In sx, In sy, In sz, Out fx, Out fy, Out fz) {
   for (int p = 0; p < lanes; ++p) {
@@ -60,20 +51,8 @@ INNER void add_square(int lanes, In a0, In a1, In b0, In b1, In k, Out square) {
   }
 }
 
-SOFTFFD_CLONES
-void add_spring_forces(const SpringRow& springs, int points, const double* x, double* f, double* scratch) {
-  const int lanes = springs.lanes;
-  const double *a = x + springs.begin, *b = a + springs.offset;
-  double *sx = scratch, *sy = scratch + lanes, *sz = scratch + 2 * lanes;
-  forces(lanes, a, a + points, a + 2 * points, b, b + points, b + 2 * points, springs.stiffness, springs.rest_length, sx, sy, sz);
-  double *first = f + springs.begin, *second = first + springs.offset;
-  add(lanes, sx, sy, sz, first, first + points, first + 2 * points);
-  subtract(lanes, sx, sy, sz, second, second + points, second + 2 * points);
-}
-
-SOFTFFD_CLONES
-void add_stiffness_bounds(const SpringRow& springs, int points, const double* x, const double* first, const double* second, double* s,
-                          double* bounds) {
+INNER void add_stiffness_bounds(const SpringRow& springs, int points, const double* x, const double* first, const double* second, double* s,
+                                double* bounds) {
   const int lanes = springs.lanes;
   const double *a = x + springs.begin, *b = a + springs.offset;
   const auto part = [&](int c) __attribute__((always_inline)) { return bounds + c * lanes; };
@@ -86,29 +65,24 @@ void add_stiffness_bounds(const SpringRow& springs, int points, const double* x,
   }
 }
 
-SOFTFFD_CLONES
-void kick(std::size_t n, const double* a, const double* b, const double* f, const double* g, double* __restrict v) {
+INNER void kick(std::size_t n, const double* a, const double* b, const double* f, const double* g, double* __restrict v) {
   for (std::size_t i = 0; i < n; ++i) v[i] = a[i] * v[i] + b[i] * (f[i] + g[i]);
 }
 
-SOFTFFD_CLONES
-void kick_undamped(std::size_t n, const double* b, const double* f, const double* g, double* __restrict v) {
+INNER void kick_undamped(std::size_t n, const double* b, const double* f, const double* g, double* __restrict v) {
   for (std::size_t i = 0; i < n; ++i) v[i] = v[i] + b[i] * (f[i] + g[i]);
 }
 
-SOFTFFD_CLONES
-void drift(std::size_t n, double h, const double* x, const double* v, double* __restrict y) {
+INNER void drift(std::size_t n, double h, const double* x, const double* v, double* __restrict y) {
   for (std::size_t i = 0; i < n; ++i) y[i] = x[i] + h * v[i];
 }
 
-SOFTFFD_CLONES
-void accelerate(std::size_t n, const double* m, const double* f, const double* g, double* __restrict a) {
+INNER void accelerate(std::size_t n, const double* m, const double* f, const double* g, double* __restrict a) {
   for (std::size_t i = 0; i < n; ++i) a[i] = m[i] * (f[i] + g[i]);
 }
 
-SOFTFFD_CLONES
-void accelerate_damped(std::size_t n, const double* m, const double* r, const double* f, const double* g, const double* v,
-                       double* __restrict a) {
+INNER void accelerate_damped(std::size_t n, const double* m, const double* r, const double* f, const double* g, const double* v,
+                             double* __restrict a) {
   for (std::size_t i = 0; i < n; ++i) a[i] = m[i] * (f[i] + g[i]) - r[i] * v[i];
 }
 
@@ -119,8 +93,7 @@ INNER void add_weighted(std::size_t n, double w, In a, Out y) {
   for (std::size_t i = 0; i < n; ++i) y[i] += w * a[i];
 }
 
-SOFTFFD_CLONES
-void combine(std::size_t n, const double* x, int count, const double* w, const double* const* a, double* __restrict y) {
+INNER void combine(std::size_t n, const double* x, int count, const double* w, const double* const* a, double* __restrict y) {
   for (std::size_t begin = 0; begin < n; begin += stretch) {
     const std::size_t size = n - begin < stretch ? n - begin : stretch;
     for (std::size_t i = 0; i < size; ++i) y[begin + i] = x[begin + i];
@@ -128,8 +101,7 @@ void combine(std::size_t n, const double* x, int count, const double* w, const d
   }
 }
 
-SOFTFFD_CLONES
-double largest(std::size_t n, const double* x) {
+INNER double largest(std::size_t n, const double* x) {
   double largest = 0.0, sum = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     const double size = std::abs(x[i]);
@@ -139,8 +111,7 @@ double largest(std::size_t n, const double* x) {
   return largest + sum;
 }
 
-SOFTFFD_CLONES
-double largest_weighted(std::size_t n, const double* w, const double* x) {
+INNER double largest_weighted(std::size_t n, const double* w, const double* x) {
   double largest = 0.0, sum = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     const double size = std::abs(w[i] * x[i]);
@@ -150,8 +121,7 @@ double largest_weighted(std::size_t n, const double* w, const double* x) {
   return largest + sum;
 }
 
-SOFTFFD_CLONES
-bool gaps(int points, const double* x, const double normal[3], double offset, double* __restrict gap) {
+INNER bool gaps(int points, const double* x, const double normal[3], double offset, double* __restrict gap) {
   const double nx = normal[0], ny = normal[1], nz = normal[2];
   const double* __restrict y = x + points, * __restrict z = y + points;
   int behind = 0;
@@ -162,8 +132,7 @@ bool gaps(int points, const double* x, const double normal[3], double offset, do
   return behind != 0;
 }
 
-SOFTFFD_CLONES
-double largest_change(const SpringRow& springs, int points, const double* x, const double* y, double* scratch) {
+INNER double largest_change(const SpringRow& springs, int points, const double* x, const double* y, double* scratch) {
   const int lanes = springs.lanes, offset = springs.offset;
   for (int p = 0; p < lanes; ++p) scratch[p] = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -188,8 +157,7 @@ INNER void stiffness_products(int lanes, In x0, In y0, In z0, In x1, In y1, In z
   }
 }
 
-SOFTFFD_CLONES
-void subtract_stiffness_product(const SpringRow& springs, int points, const double* x, const double* u, double* f, double* scratch) {
+INNER void subtract_stiffness_product(const SpringRow& springs, int points, const double* x, const double* u, double* f, double* scratch) {
   const int lanes = springs.lanes, offset = springs.offset;
   const double *a = x + springs.begin, *b = a + offset, *ua = u + springs.begin, *ub = ua + offset;
   double *sx = scratch, *sy = scratch + lanes, *sz = scratch + 2 * lanes;
@@ -199,5 +167,20 @@ void subtract_stiffness_product(const SpringRow& springs, int points, const doub
   add(lanes, sx, sy, sz, first, first + points, first + 2 * points);
   subtract(lanes, sx, sy, sz, second, second + points, second + 2 * points);
 }
+
+}  // namespace loops
+
+decltype(add_stiffness_bounds) add_stiffness_bounds = chosen<loops::add_stiffness_bounds>();
+decltype(kick) kick = chosen<loops::kick>();
+decltype(kick_undamped) kick_undamped = chosen<loops::kick_undamped>();
+decltype(drift) drift = chosen<loops::drift>();
+decltype(accelerate) accelerate = chosen<loops::accelerate>();
+decltype(accelerate_damped) accelerate_damped = chosen<loops::accelerate_damped>();
+decltype(combine) combine = chosen<loops::combine>();
+decltype(largest) largest = chosen<loops::largest>();
+decltype(largest_weighted) largest_weighted = chosen<loops::largest_weighted>();
+decltype(gaps) gaps = chosen<loops::gaps>();
+decltype(largest_change) largest_change = chosen<loops::largest_change>();
+decltype(subtract_stiffness_product) subtract_stiffness_product = chosen<loops::subtract_stiffness_product>();
 
 }  // namespace softffd::kernels

@@ -17,41 +17,39 @@ struct SpringRow {
   const double* rest_length;  ///< l > 0 [m] (lanes)
 };
 
-/// f += forces of one direction's springs, eq. (6): k (1 - l/r) d on the first point, the opposite on the second; r = 0 gives no force.
-/// x, f: (3 * points) coordinate by coordinate; scratch: (3 * lanes).
-void add_spring_forces(const SpringRow& springs, int points, const double* x, double* f, double* scratch);
-
 /// s += upper bounds of the springs' Hessians, weighted: c (e I + (1 - e) u u^T) with e = max(0, 1 - l/r), as xx yy zz xy xz yz
 /// (6 * points). c: `first` on the first point, `second` on the other (lanes). bounds = e I + (1 - e) u u^T of every lane, (6 * lanes).
-void add_stiffness_bounds(const SpringRow& springs, int points, const double* x, const double* first, const double* second, double* s,
-                          double* bounds);
+extern void (*const add_stiffness_bounds)(const SpringRow& springs, int points, const double* x, const double* first, const double* second,
+                                          double* s, double* bounds);
 
 /// v = a v + b (f + g), n values each.
-void kick(std::size_t n, const double* a, const double* b, const double* f, const double* g, double* v);
+extern void (*const kick)(std::size_t n, const double* a, const double* b, const double* f, const double* g, double* v);
 /// v = v + b (f + g), n values each.
-void kick_undamped(std::size_t n, const double* b, const double* f, const double* g, double* v);
+extern void (*const kick_undamped)(std::size_t n, const double* b, const double* f, const double* g, double* v);
 /// y = x + h v, n values each.
-void drift(std::size_t n, double h, const double* x, const double* v, double* y);
+extern void (*const drift)(std::size_t n, double h, const double* x, const double* v, double* y);
 
 /// a = m (f + g) with inverse masses m, n values each.
-void accelerate(std::size_t n, const double* m, const double* f, const double* g, double* a);
+extern void (*const accelerate)(std::size_t n, const double* m, const double* f, const double* g, double* a);
 /// a = m (f + g) - r v with damping rates r, n values each.
-void accelerate_damped(std::size_t n, const double* m, const double* r, const double* f, const double* g, const double* v, double* a);
+extern void (*const accelerate_damped)(std::size_t n, const double* m, const double* r, const double* f, const double* g, const double* v,
+                                       double* a);
 /// y = x + sum of w_j a_j over `count` arrays of n values each.
-void combine(std::size_t n, const double* x, int count, const double* w, const double* const* a, double* y);
+extern void (*const combine)(std::size_t n, const double* x, int count, const double* w, const double* const* a, double* y);
 /// Largest |x_i|; NaN if any is NaN or infinite.
-double largest(std::size_t n, const double* x);
+extern double (*const largest)(std::size_t n, const double* x);
 /// Largest |w_i x_i|; NaN if any is NaN or infinite.
-double largest_weighted(std::size_t n, const double* w, const double* x);
+extern double (*const largest_weighted)(std::size_t n, const double* w, const double* x);
 
 /// gap_p = normal . x_p - offset (points). Returns whether any is negative.
-bool gaps(int points, const double* x, const double normal[3], double offset, double* gap);
+extern bool (*const gaps)(int points, const double* x, const double normal[3], double offset, double* gap);
 
 /// Largest squared change of the spring vectors of one direction between two states, [m2]; NaN if any is NaN or infinite.
-double largest_change(const SpringRow& springs, int points, const double* x, const double* y, double* scratch);
+extern double (*const largest_change)(const SpringRow& springs, int points, const double* x, const double* y, double* scratch);
 
 /// f += forces that springs would exert if their ends moved by u and their stiffness matrix were the bound of `add_stiffness_bounds`:
 /// f -= K u. x, u, f: (3 * points); scratch: (3 * lanes).
-void subtract_stiffness_product(const SpringRow& springs, int points, const double* x, const double* u, double* f, double* scratch);
+extern void (*const subtract_stiffness_product)(const SpringRow& springs, int points, const double* x, const double* u, double* f,
+                                                double* scratch);
 
 }  // namespace softffd::kernels

@@ -6,9 +6,6 @@ namespace softffd {
 
 namespace {
 
-/// Points whose springs are done before those of the next ones, so that what they share stays in the nearest caches.
-constexpr int stretch = 512;
-
 bool on_boundary(int i, int n) { return i == 0 || i == n - 1; }
 
 /// An edge segment on one of the twelve edges of the box belongs to two faces: making springs face by face makes it twice.
@@ -39,31 +36,30 @@ Springs::Row make_row(const Lattice& lattice, Topology topology, const Direction
   return row;
 }
 
+SpringPass make_pass(const Lattice& lattice) {
+  SpringPass::Offsets offsets;
+  for (std::size_t d = 0; d < directions.size(); ++d) offsets[d] = directions[d].offset(lattice);
+  return {lattice.points(), offsets};
+}
+
 }  // namespace
 
-Springs::Springs(const Lattice& lattice, Topology topology) : scratch_(6 * lattice.points()) {
+Springs::Springs(const Lattice& lattice, Topology topology) : pass_(make_pass(lattice)), scratch_(6 * lattice.points()) {
   const Points rest = rest_positions(lattice);
   for (const Direction& direction : directions) rows_.push_back(make_row(lattice, topology, direction, rest));
 }
 
 void Springs::set_stiffness(const Stiffness& stiffness, const std::vector<StiffnessOverride>& overrides) {
-  for (Row& row : rows_)
+  for (std::size_t d = 0; d < rows_.size(); ++d) {
+    Row& row = rows_[d];
     for (int p = 0; p < row.lanes(); ++p) {
       double k = stiffness.of(row.direction.kind());
       for (const auto& override : overrides)
         if (override.selected[row.begin + p] && override.selected[row.begin + p + row.offset]) k = override.stiffness;
       row.stiffness[p] = row.multiplicity[p] * k;
+      pass_.set(row.begin + p, int(d), row.stiffness[p], row.rest_length[p]);
     }
-}
-
-void Springs::force(const Points& x, Points& f) const {
-  f.setZero();
-  const int points = int(x.rows());
-  for (int first = 0; first < points; first += stretch)
-    for (const Row& row : rows_) {
-      const kernels::SpringRow part = row.part(first, first + stretch);
-      if (part.lanes > 0) kernels::add_spring_forces(part, points, x.data(), f.data(), scratch_.data());
-    }
+  }
 }
 
 double Springs::energy(const Points& x) const {

@@ -6,10 +6,10 @@
 ///      p        0  1  2  3 | 4  5 ...        direction (1,0,0), offset 1
 ///      spring   *  *  *  . | *  *            '.': the neighbour is in the next line of points; k = 0
 #pragma once
-#include <algorithm>
 #include <vector>
 
 #include "forces/kernels.hpp"
+#include "forces/spring_pass.hpp"
 #include "model/lattice.hpp"
 
 namespace softffd {
@@ -38,7 +38,7 @@ class Springs {
   void set_stiffness(const Stiffness& stiffness, const std::vector<StiffnessOverride>& overrides);
 
   /// f = spring forces on the points at x [N], (points, 3).
-  void force(const Points& x, Points& f) const;
+  void force(const Points& x, Points& f) const { pass_.force(x.data(), f.data()); }
   /// Elastic energy at x [J].
   double energy(const Points& x) const;
   /// Number of springs; a doubled segment counts twice.
@@ -52,18 +52,13 @@ class Springs {
     Scalars rest_length;   ///< [m] (lanes)
     int lanes() const { return int(stiffness.size()); }
     kernels::SpringRow view() const { return {begin, lanes(), offset, stiffness.data(), rest_length.data()}; }
-    /// The springs whose first point is from `first` on and before `last`; there may be none.
-    kernels::SpringRow part(int first, int last) const {
-      first = std::max(first, begin);
-      last = std::min(last, begin + lanes());
-      return {first, std::max(0, last - first), offset, stiffness.data() + (first - begin), rest_length.data() + (first - begin)};
-    }
   };
   const std::vector<Row>& rows() const { return rows_; }
   double* scratch() const { return scratch_.data(); }  ///< (6 * points), overwritten by every kernel call
 
  private:
   std::vector<Row> rows_;
+  SpringPass pass_;
   mutable Scalars scratch_;
 };
 

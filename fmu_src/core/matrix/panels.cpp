@@ -2,9 +2,11 @@
 
 #include <cmath>
 
-#include "forces/clones.hpp"
+#include "forces/instructions.hpp"
 
 namespace softffd::kernels {
+
+namespace loops {
 
 /// Two columns c -= four columns a times the values at s, s + stride, ...: few enough to stay in registers.
 INNER void subtract_four(int n, std::size_t stride, const double* a, const double* s, Out c0, Out c1) {
@@ -17,8 +19,7 @@ INNER void subtract_four(int n, std::size_t stride, const double* a, const doubl
   }
 }
 
-SOFTFFD_CLONES
-void subtract_products(int blocks, int count, std::size_t stride, const double* a, double* c) {
+INNER void subtract_products(int blocks, int count, std::size_t stride, const double* a, double* c) {
   const int n = block * blocks;
   for (int k = 0; k < count; k += 4, a += 4 * stride)
     for (int j = 0; j < block; j += 2) subtract_four(n, stride, a, a + j, c + j * stride, c + (j + 1) * stride);
@@ -49,8 +50,7 @@ INNER void factor_four(int n, std::size_t stride, int diagonal, double* c, doubl
   divide_four(n, l, inverse, c, c + stride, c + 2 * stride, c + 3 * stride);
 }
 
-SOFTFFD_CLONES
-void factor_panel(int blocks, std::size_t stride, double* c, double* inverse) {
+INNER void factor_panel(int blocks, std::size_t stride, double* c, double* inverse) {
   const int n = block * blocks;
   double* second = c + 4 * stride;
   factor_four(n, stride, 0, c, inverse);
@@ -66,8 +66,7 @@ INNER void subtract_eight(int n, std::size_t stride, const double* a, const doub
     y[i] -= ((a0[i] * s0 + a1[i] * s1) + (a2[i] * s2 + a3[i] * s3)) + ((a4[i] * s4 + a5[i] * s5) + (a6[i] * s6 + a7[i] * s7));
 }
 
-SOFTFFD_CLONES
-void solve_lower(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y) {
+INNER void solve_lower(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y) {
   for (int j = 0; j < columns; j += block) {
     const double* panel = l + j * stride + j;
     double s[block];
@@ -93,8 +92,7 @@ INNER void multiply_four(int blocks, std::size_t stride, const double* l, In y, 
   }
 }
 
-SOFTFFD_CLONES
-void solve_upper(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y) {
+INNER void solve_upper(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y) {
   for (int j = columns - block; j >= 0; j -= block) {
     const double* panel = l + j * stride + j;
     double s[block];
@@ -106,5 +104,12 @@ void solve_upper(int columns, int rows, std::size_t stride, const double* l, con
     }
   }
 }
+
+}  // namespace loops
+
+decltype(subtract_products) subtract_products = chosen<loops::subtract_products>();
+decltype(factor_panel) factor_panel = chosen<loops::factor_panel>();
+decltype(solve_lower) solve_lower = chosen<loops::solve_lower>();
+decltype(solve_upper) solve_upper = chosen<loops::solve_upper>();
 
 }  // namespace softffd::kernels

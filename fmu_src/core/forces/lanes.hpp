@@ -1,0 +1,53 @@
+/// A few numbers side by side, in the compiler's own vector type: as many as a register holds. No operation mixes lanes, so the bits are
+/// the same for any number. Included by the files of vectorised loops alone.
+#pragma once
+#include <cmath>
+#include <cstring>
+
+#include "forces/instructions.hpp"
+
+#ifdef __GNUC__
+#pragma GCC diagnostic ignored "-Wpsabi"  // about passing such vectors between functions, which are all inline here
+#endif
+
+namespace softffd::kernels {
+
+template <int n>
+struct Register {
+  typedef double Lanes __attribute__((vector_size(8 * n)));
+};
+template <int n>
+using Lanes = typename Register<n>::Lanes;
+
+template <int n>
+INNER Lanes<n> load(const double* from) {
+  Lanes<n> v;
+  std::memcpy(&v, from, sizeof v);
+  return v;
+}
+
+/// Three coordinates side by side.
+template <int n>
+struct Triple {
+  Lanes<n> x{}, y{}, z{};
+};
+
+template <int n>
+INNER void store(double* x, std::ptrdiff_t column, const Triple<n>& v) {
+  std::memcpy(x, &v.x, sizeof v.x);
+  std::memcpy(x + column, &v.y, sizeof v.y);
+  std::memcpy(x + 2 * column, &v.z, sizeof v.z);
+}
+
+template <int n>
+INNER Lanes<n> square_root(const Lanes<n>& v) {
+#if defined(__has_builtin) && __has_builtin(__builtin_elementwise_sqrt)
+  return __builtin_elementwise_sqrt(v);
+#else
+  Lanes<n> root;
+  for (int i = 0; i < n; ++i) root[i] = std::sqrt(v[i]);
+  return root;
+#endif
+}
+
+}  // namespace softffd::kernels
