@@ -12,7 +12,7 @@ namespace {
 void snap(const HalfSpace& plane, Vec3& x) { x -= plane.gap(x) * plane.normal; }
 
 /// Coulomb friction of a normal impulse R on a point that slides: opposite to the mean slip, holding if it can.
-Vec3 after_friction(double limit, const Vec3& slip_before, const Vec3& slip_after) {
+inline Vec3 after_friction(double limit, const Vec3& slip_before, const Vec3& slip_after) {
   const double size = slip_after.norm();
   if (size <= limit) return Vec3::Zero();
   const Vec3 mean = slip_before + slip_after;
@@ -194,29 +194,32 @@ StepStatus Contact::close(const StepView& step, const Points& before, const Poin
 }
 
 StepStatus Contact::close_point(const StepView& step, Touch& touch, const Vec3& before, const Vec3& x1, Vec3& v, Exchange& exchange) {
-  constraints_.clear();
   active_.clear();
-  for (std::size_t q = 0; q < end_.size(); ++q) {
-    if (end_[q].gap(x1) > touching * step.body.length) continue;
-    const Vec3 surface = end_[q].material_velocity(x1);
-    const Vec3& n = end_[q].normal;
-    constraints_.push_back({.normal = n, .bound = n.dot(surface), .friction = step.around.planes[q].friction, .surface = surface});
-    active_.push_back(int(q));
-  }
-  if (constraints_.empty()) return StepStatus::ok;
-  if (constraints_.size() == 1) {
-    Constraint& c = constraints_[0];
-    c.normal_impulse = std::max(0.0, c.bound - c.normal.dot(v));
-    const Vec3 slip = tangential(c.normal, v - c.surface);
-    const Vec3 left = after_friction(c.friction * c.normal_impulse, tangential(c.normal, before - c.surface), slip);
-    c.friction_impulse = left - slip;
-    v += c.normal_impulse * c.normal + c.friction_impulse;
-  } else if (!feasible_.resolve(constraints_, velocity_slack * (unit_speed + v.norm()), v)) {
-    return StepStatus::impossible_planes;
-  }
-  for (std::size_t i = 0; i < active_.size(); ++i) {
-    const Constraint& c = constraints_[i];
-    book(touch, active_[i], step.kicks.closing_mass(touch.point) * (c.normal_impulse * c.normal + c.friction_impulse), x1, exchange);
+  for (std::size_t q = 0; q < end_.size(); ++q)
+    if (end_[q].gap(x1) <= touching * step.body.length) active_.push_back(int(q));
+  const double mass = step.kicks.closing_mass(touch.point);
+  if (active_.size() == 1) {
+    const int plane = active_[0];
+    const Vec3& n = end_[plane].normal;
+    const Vec3 surface = end_[plane].material_velocity(x1);
+    const double reaction = std::max(0.0, n.dot(surface) - n.dot(v));
+    const Vec3 slip = tangential(n, v - surface);
+    const Vec3 left = after_friction(step.around.planes[plane].friction * reaction, tangential(n, before - surface), slip);
+    const Vec3 change = reaction * n + (left - slip);
+    v += change;
+    book(touch, plane, mass * change, x1, exchange);
+  } else if (!active_.empty()) {
+    constraints_.clear();
+    for (const int q : active_) {
+      const Vec3 surface = end_[q].material_velocity(x1);
+      const Vec3& n = end_[q].normal;
+      constraints_.push_back({.normal = n, .bound = n.dot(surface), .friction = step.around.planes[q].friction, .surface = surface});
+    }
+    if (!feasible_.resolve(constraints_, velocity_slack * (unit_speed + v.norm()), v)) return StepStatus::impossible_planes;
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      const Constraint& c = constraints_[i];
+      book(touch, active_[i], mass * (c.normal_impulse * c.normal + c.friction_impulse), x1, exchange);
+    }
   }
   return StepStatus::ok;
 }

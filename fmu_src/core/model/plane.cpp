@@ -1,12 +1,9 @@
 #include "model/plane.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 namespace softffd {
-
-Vec3 HalfSpace::material_velocity(const Vec3& x) const { return velocity + spin.cross(x - point); }
 
 HalfSpace Plane::at(double time) const {
   const double age = time - since;

@@ -1,5 +1,7 @@
 /// Obstacle planes: rigid half-spaces in rigid motion.
 #pragma once
+#include <Eigen/Geometry>
+
 #include "model/rotation.hpp"
 
 namespace softffd {
@@ -16,7 +18,7 @@ struct HalfSpace {
 
   double gap(const Vec3& x) const { return normal.dot(x) - offset; }
   /// Velocity of the obstacle's material at x [m/s].
-  Vec3 material_velocity(const Vec3& x) const;
+  Vec3 material_velocity(const Vec3& x) const { return velocity + spin.cross(x - point); }
 };
 
 /// Pose and motion at one moment, as a host gives them.
