@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Mapping, Sequence
 from typing import TypeVar
 from xml.etree import ElementTree as Xml
+from xml.sax.saxutils import quoteattr
 
 from softffd import __version__
 from softffd.fmu.arrays import ArrayVariable
@@ -19,8 +20,6 @@ DATE_PLACE = "{softffd-date}"
 """Stands where the date goes."""
 CONVENTIONS = {"structured": "structured", "plain": "flat"}
 """variableNamingConvention by fmu.names"""
-INITIAL = {"parameter": "exact", "output": "calculated"}
-"""By causality"""
 
 OneOf = TypeVar("OneOf", Variable, ArrayVariable)
 
@@ -52,17 +51,25 @@ def xml_text(root: Xml.Element) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + Xml.tostring(root, encoding="unicode") + "\n"
 
 
+def attributes_text(attributes: Mapping[str, str]) -> str:
+    """As they stand in an element, with a space before each."""
+    return "".join(f" {name}={quoteattr(value)}" for name, value in attributes.items())
+
+
 def what_it_is(variable: Variable | ArrayVariable) -> dict[str, str]:
     """Attributes of a variable of any type."""
-    causality = variable.family["causality"]
-    attributes = {
+    return {
         "name": variable.name,
         "valueReference": str(variable.reference),
-        "causality": causality,
-        "variability": variable.family["variability"],
+        **causality(variable),
         "description": variable.description,
     }
-    return attributes | ({"initial": INITIAL[causality]} if causality in INITIAL else {})
+
+
+def causality(variable: Variable | ArrayVariable) -> dict[str, str]:
+    """Attributes of how it is used: without those that have the standards' default values, as `initial` of all outputs and parameters."""
+    causality, variability = variable.family["causality"], variable.family["variability"]
+    return {"causality": causality} | ({} if variability == "continuous" else {"variability": variability})
 
 
 def its_values(variable: Variable | ArrayVariable, start: Sequence[float | int]) -> dict[str, str]:
@@ -90,12 +97,12 @@ def dependencies(variables: Sequence[OneOf], number: Callable[[OneOf], int]) -> 
     by_family: dict[str, list[int]] = {}
     for variable in variables:
         by_family.setdefault(variable.family["key"], []).append(number(variable))
-    found = []
-    for variable in variables:
-        if variable.family["causality"] == "output":
-            known = sorted(other for key in variable.family["initial_from"] for other in by_family.get(key, []))
-            found.append((str(number(variable)), " ".join(map(str, known))))
-    return found
+    rows = {variable.family["key"]: variable.family for variable in variables if variable.family["causality"] == "output"}
+    known = {
+        key: " ".join(map(str, sorted(other for part in row["initial_from"] for other in by_family.get(part, []))))
+        for key, row in rows.items()
+    }
+    return [(str(number(variable)), known[key]) for variable in variables if (key := variable.family["key"]) in known]
 
 
 def _origin(scene: Scene) -> dict[str, str]:

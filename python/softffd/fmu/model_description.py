@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from operator import attrgetter
-from xml.etree import ElementTree as Xml
+from typing import Any
+from xml.sax.saxutils import quoteattr
 
-from softffd.fmu.description_parts import GUID_PLACE, dependencies, head, its_values, what_it_is, xml_text
+from softffd.fmu.description_parts import GUID_PLACE, attributes_text, causality, dependencies, head, its_values, xml_text
 from softffd.fmu.interface import IDENTIFIER
 from softffd.fmu.variables import Variable
 from softffd.scene.scene import Scene
@@ -22,23 +24,36 @@ SIMULATION = {
 
 
 def model_description(scene: Scene, variables: list[Variable]) -> str:
-    """The XML text with GUID_PLACE in the place of the guid and DATE_PLACE in that of the date."""
+    """The XML text with GUID_PLACE in the place of the guid and DATE_PLACE in that of the date.
+
+    A large lattice has a hundred thousand variables: each is written as one line of text, and as little of it as the standard allows.
+    """
     root = head(scene, {"fmiVersion": "2.0", "guid": GUID_PLACE}, SIMULATION, {variable.family.get("unit") for variable in variables})
-    listed = Xml.SubElement(root, "ModelVariables")
+    begin, end = xml_text(root).rsplit("</", 1)
+    return "\n".join([begin.rstrip(), "<ModelVariables>", *_listed(variables), "</ModelVariables>", *_structure(variables), f"</{end}"])
+
+
+def _listed(variables: list[Variable]) -> Iterator[str]:
+    """The elements of the variables, which have most in common within a family."""
+    common: dict[tuple[str, Any, Any, Any], tuple[str, str]] = {}
     for variable in variables:
-        scalar = Xml.SubElement(listed, "ScalarVariable", what_it_is(variable))
-        start = () if variable.start is None else (variable.start,)
-        Xml.SubElement(scalar, variable.family.get("type", "Real"), its_values(variable, start))
-    _structure(Xml.SubElement(root, "ModelStructure"), variables)
-    return xml_text(root)
+        like = (variable.family["key"], variable.start, variable.most, variable.nominal)
+        if like not in common:
+            start = () if variable.start is None else (variable.start,)
+            values = attributes_text(its_values(variable, start))
+            common[like] = attributes_text(causality(variable)), f"<{variable.family.get('type', 'Real')}{values}/></ScalarVariable>"
+        kind, values = common[like]
+        words = quoteattr(variable.description)
+        yield f'<ScalarVariable name="{variable.name}" valueReference="{variable.reference}"{kind} description={words}>{values}'
 
 
-def _structure(parent: Xml.Element, variables: list[Variable]) -> None:
+def _structure(variables: list[Variable]) -> Iterator[str]:
     outputs = dependencies(variables, attrgetter("index"))
     if not outputs:
+        yield "<ModelStructure/>"
         return
-    direct = Xml.SubElement(parent, "Outputs")
-    initial = Xml.SubElement(parent, "InitialUnknowns")
-    for index, known in outputs:
-        Xml.SubElement(direct, "Unknown", index=index, dependencies="")
-        Xml.SubElement(initial, "Unknown", index=index, dependencies=known)
+    yield "<ModelStructure>\n<Outputs>"
+    yield from (f'<Unknown index="{index}" dependencies=""/>' for index, _ in outputs)
+    yield "</Outputs>\n<InitialUnknowns>"
+    yield from (f'<Unknown index="{index}" dependencies="{known}"/>' for index, known in outputs)
+    yield "</InitialUnknowns>\n</ModelStructure>"
