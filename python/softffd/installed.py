@@ -4,6 +4,7 @@ import math
 import re
 import sys
 import tomllib
+from ctypes import CDLL
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -46,6 +47,12 @@ def host_library() -> Path:
     arm = machine().lower() in ("aarch64", "arm64")
     system = {"win32": "win64", "darwin": "darwin64"}.get(sys.platform, "aarch64-linux" if arm else "linux64")
     return libraries([system])[system]
+
+
+@cache
+def loaded_library() -> CDLL:
+    """The same, loaded for good: unloading it would leave the memory that its C++ runtime took, 70 kB, each time."""
+    return CDLL(str(host_library()))
 
 
 def libraries(platforms: list[str] | None = None) -> dict[str, Path]:

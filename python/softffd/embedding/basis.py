@@ -49,11 +49,6 @@ def local_weights(t: np.ndarray, n: int, basis: str = "bezier") -> tuple[np.ndar
     return bsplines(parameter(t, n, basis), n)[:2]
 
 
-def support(n: int, basis: str) -> int:
-    """How many control points of an axis count at a place."""
-    return n if _one_span(n, basis) else 4
-
-
 def parameter(t: np.ndarray, n: int, basis: str) -> np.ndarray:
     """The parameter s of each place, (m,): X(s) = t, in spans 0 .. n - 3 of B-splines, and t itself with one span.
 

@@ -11,14 +11,14 @@ the control points: where no control point is behind a plane, nothing of the obj
 lost and the polynomials grow fast, so a point outside is an error here, not an extrapolation.
 """
 
-from collections.abc import Iterator
-from itertools import product
+from collections.abc import Callable, Iterator
+from ctypes import c_int, c_longlong, c_void_p
+from functools import cache
 
 import numpy as np
 
-from softffd.embedding.basis import local_weights, support, weights
 from softffd.errors import MeshError
-from softffd.lattice import to_flat
+from softffd.installed import loaded_library
 from softffd.mesh.mesh import Mesh
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -27,11 +27,8 @@ BASES = ("bezier", "bspline")
 OUTSIDE_ALLOWED = 1e-6
 """How far outside the box a point may lie, as a share of the side: room for a box typed with six digits."""
 
-_KEPT, _BLOCK = 1 << 22, 1 << 19
-"""Weights that an embedding keeps, if no more (32 MB); numbers worked on at a time otherwise (4 MB)."""
-
-_FEW = 8
-"""Up to so many times are deformed axis by axis; for more, products of weights that all of them share cost less."""
+_BLOCK = 1 << 27
+"""Multiplications in one call of the library: some 20 ms, then Ctrl-C is heard."""
 
 
 def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=None, basis="bezier") -> np.ndarray:
@@ -41,20 +38,23 @@ def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=
     positions: control points (nx, ny, nz, 3) m, positions[i, j, k] = p_ijk; or (T, nx, ny, nz, 3), T instants.
     origin, size: lower corner and sides (3,) m of the lattice's box at rest; default the vertices' bounding box.
     basis: "bezier" or "bspline", as the scene's lattice.basis. For a run's own lattice `Result.deformed` knows all three.
-    Returns (V, 3), or (T, V, 3); the last bits of a vertex depend on how many are deformed together.
+    Returns (V, 3), or (T, V, 3); a vertex has the same bits whichever others, and at how many instants, are deformed with it.
     Raises MeshError where a vertex lies outside the box, ValueError for arguments of no such form.
     """
-    vertices = mesh.vertices if isinstance(mesh, Mesh) else np.asarray(mesh, dtype=float)
+    vertices = _points(mesh.vertices if isinstance(mesh, Mesh) else mesh)
     positions = np.asarray(positions, dtype=float)
     if positions.ndim not in (4, 5):
         raise ValueError(f"positions: wanted the shape (nx, ny, nz, 3) or (T, nx, ny, nz, 3), got {positions.shape}")
-    origin = vertices.min(axis=0) if origin is None else origin
-    size = vertices.max(axis=0) - origin if size is None else size
+    if (origin is None or size is None) and not len(vertices):
+        raise ValueError("origin, size: wanted both where there are no vertices, got none")
+    low, high = (None, None) if origin is not None and size is not None else bounds(vertices)
+    origin = low if origin is None else origin
+    size = high - origin if size is None else size
     return Embedding(vertices, origin, size, positions.shape[-4:-1], basis).deform(positions)
 
 
 class Embedding:
-    """An object's points in a lattice: made once, then deformed as often as the control points move."""
+    """An object's points in a lattice: checked once, then deformed as often as the control points move."""
 
     def __init__(self, vertices: np.ndarray, origin, size, counts, basis="bezier"):
         """Place `vertices` (V, 3) m in a lattice: box at `origin` (3,) m, sides `size` (3,) m, counts (nx, ny, nz), `basis`.
@@ -62,12 +62,7 @@ class Embedding:
         Raises MeshError where a vertex lies outside the box by more than OUTSIDE_ALLOWED of its side.
         """
         self.counts, self.basis = _checked_counts(counts), _checked_basis(basis)
-        self.coordinates = lattice_coordinates(vertices, origin, size)
-        points = int(np.prod(self.counts))
-        small = points * len(self.coordinates) <= _KEPT
-        self._kept = self._products(slice(None)) if small else None
-        few = np.prod([support(n, basis) for n in self.counts]) <= points / 2
-        self._near = self._local() if few and not small else None
+        self.vertices, self.origin, self.size = _in_box(vertices, origin, size)
 
     def deform(self, positions: np.ndarray) -> np.ndarray:
         """Return the vertices (V, 3) m for control points (nx, ny, nz, 3) m, or (T, V, 3) for (T, nx, ny, nz, 3)."""
@@ -75,53 +70,46 @@ class Embedding:
         if positions.shape[-4:] != (*self.counts, 3) or positions.ndim > 5:
             raise ValueError(f"positions: wanted the shape {(*self.counts, 3)}, or one axis of time before, got {positions.shape}")
         frames = positions.reshape(-1, *self.counts, 3)
-        if self._near is not None:
-            moved = np.stack([self._moved_by_few(frame, self._near) for frame in frames])
-            return moved[0] if positions.ndim == 4 else moved
-        control = to_flat(frames).swapaxes(1, 2).reshape(3 * len(frames), -1)
-        moved = np.empty((len(frames), len(self.coordinates), 3))
-        summed = self._kept is None and len(frames) <= _FEW
-        for part in self._parts(len(frames), summed):
-            if summed:
-                sums = self._summed(control, part)
-            else:
-                sums = control @ (self._products(part) if self._kept is None else self._kept[:, part])
-            moved[:, part] = sums.reshape(len(frames), 3, -1).transpose(0, 2, 1)
+        fill = max(0, 4 - self.counts[2])  # the library works on four along z
+        control = np.ascontiguousarray(np.pad(frames, [(0, 0)] * 3 + [(0, fill), (0, 0)]) if fill else frames)
+        moved = np.empty((len(frames), len(self.vertices), 3))
+        counts, spline = np.array(self.counts, dtype=np.int32), self.basis == "bspline"
+        for part in self._parts(len(frames)):
+            rest = np.ascontiguousarray(self.vertices[part], dtype=float)
+            _library_deform()(
+                self.origin.ctypes.data, self.size.ctypes.data, counts.ctypes.data, spline, len(frames), control.ctypes.data,
+                len(rest), rest.ctypes.data, len(self.vertices), moved.ctypes.data + part.start * rest.itemsize * 3,
+            )  # fmt: skip
         return moved[0] if positions.ndim == 4 else moved
 
-    def _local(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Per axis the first control point that counts at each vertex (V,), and the weights from there on (V, support)."""
-        axes = zip(self.coordinates.T, self.counts, strict=True)
-        return [local_weights(t, n, self.basis) for t, n in axes]
+    def _parts(self, frames: int) -> Iterator[slice]:
+        """Slices of the vertices, so short that one takes little memory and time."""
+        work = 3 * max(1, frames) * int(np.prod([n if self.basis == "bezier" else min(n, 4) for n in self.counts]))
+        step = 32 * max(1, min(_BLOCK // work, 1 << 16) // 32)
+        return (slice(start, min(start + step, len(self.vertices))) for start in range(0, len(self.vertices), step))
 
-    def _moved_by_few(self, frame: np.ndarray, near: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
-        """Vertices (V, 3) for control points (nx, ny, nz, 3): 64 of these count at a vertex, whatever their number."""
-        (i, u), (j, v), (k, w) = near
-        moved = np.zeros_like(self.coordinates)
-        for a, b, c in product(*(range(part.shape[1]) for part in (u, v, w))):
-            moved += (u[:, a] * v[:, b] * w[:, c])[:, None] * frame[i + a, j + b, k + c]
-        return moved
 
-    def _parts(self, frames: int, summed: bool) -> Iterator[slice]:
-        """Slices of the vertices, so short that a block's weights and results fit the memory set aside."""
-        points = 3 * frames * int(np.prod(self.counts[:2])) if summed else int(np.prod(self.counts)) + 3 * frames
-        step = max(1, _BLOCK // points)
-        return (slice(start, start + step) for start in range(0, len(self.coordinates), step))
+@cache
+def _library_deform() -> Callable[..., None]:
+    """fmu_src/core/embedding/deform.hpp says what it takes."""
+    function = loaded_library().softffd_deform
+    function.argtypes = [*[c_void_p] * 3, c_int, c_longlong, c_void_p, c_longlong, c_void_p, c_longlong, c_void_p]
+    function.restype = None
+    return function
 
-    def _summed(self, control: np.ndarray, part: slice) -> np.ndarray:
-        """The rows of `control`, (rows, n) in flat order, at the vertices of `part`, (rows, vertices): one axis of the lattice after the
-        other. At one time this takes a tenth of what the products of all three take, which many times share."""
-        u, v, w = (weights(t, n, self.basis).T for t, n in zip(self.coordinates[part].T, self.counts, strict=True))
-        nx, ny, nz = self.counts
-        layers = control.reshape(-1, nz, ny * nx).swapaxes(1, 2).reshape(-1, nz) @ w
-        lines = np.einsum("rjiv,iv->rjv", layers.reshape(-1, ny, nx, w.shape[1]), u)
-        return np.einsum("rjv,jv->rv", lines, v)
 
-    def _products(self, part: slice) -> np.ndarray:
-        """W_i(u) W_j(v) W_k(w) at the vertices of `part`, shape (n, vertices), control points in flat order."""
-        u, v, w = (weights(t, n, self.basis).T for t, n in zip(self.coordinates[part].T, self.counts, strict=True))
-        product = w[:, None, None] * v[None, :, None] * u[None, None, :]
-        return product.reshape(-1, product.shape[-1])
+def bounds(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper corner (3,) of points (m, 3), infinite without any.
+
+    In rows of 64 points: numpy takes ten times as long where three numbers make a row.
+    """
+    many = len(points) // 64 * 64 if points.flags.c_contiguous else 0
+    rows, left = points[:many].reshape(-1, 192), points[many:]
+
+    def corner(extreme: np.ufunc, none: float) -> np.ndarray:
+        return extreme.reduce(np.vstack([extreme.reduce(rows, axis=0, initial=none).reshape(64, 3), left]), axis=0).astype(float)
+
+    return corner(np.minimum, np.inf), corner(np.maximum, -np.inf)
 
 
 def lattice_coordinates(points: np.ndarray, origin, size) -> np.ndarray:
@@ -129,23 +117,41 @@ def lattice_coordinates(points: np.ndarray, origin, size) -> np.ndarray:
 
     Raises MeshError where a point lies outside the box by more than OUTSIDE_ALLOWED of its side.
     """
-    points = np.asarray(points, dtype=float)
-    origin, size = np.asarray(origin, dtype=float), np.asarray(size, dtype=float)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise ValueError(f"points: wanted the shape (m, 3), got {points.shape}")
+    points, origin, size = _in_box(points, origin, size)
+    return (points - origin) / size
+
+
+def _in_box(points: np.ndarray, origin, size) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The points and the box, checked."""
+    points = _points(points)
+    origin, size = np.array(origin, dtype=float), np.array(size, dtype=float)
     if origin.shape != (3,) or size.shape != (3,) or not np.isfinite([origin, size]).all():
         raise ValueError(f"lattice box: wanted three finite numbers each, got origin {origin} and size {size}")
     if not (size > 0).all():
         raise MeshError(f"lattice.size: wanted three sides > 0 m, got {_triple(size)}")
-    coordinates = (points - origin) / size
-    _require_inside(coordinates, points, origin, size)
-    return coordinates
+    low, high = bounds(points)
+    if not (_inside((low - origin) / size) and _inside((high - origin) / size)) and len(points):
+        _refuse(points, origin, size)
+    return points, origin, size
 
 
-def _require_inside(coordinates: np.ndarray, points: np.ndarray, origin: np.ndarray, size: np.ndarray) -> None:
-    outside = ~((coordinates >= -OUTSIDE_ALLOWED) & (coordinates <= 1 + OUTSIDE_ALLOWED)).all(axis=1)
-    if not outside.any():
-        return
+def _points(given) -> np.ndarray:
+    """Points (m, 3) as floating-point numbers of either length."""
+    points = np.asarray(given)
+    if points.dtype not in (np.float32, np.float64):
+        points = points.astype(float)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ValueError(f"points: wanted the shape (m, 3), got {points.shape}")
+    return points
+
+
+def _inside(coordinates: np.ndarray) -> np.ndarray:
+    """Which points with these coordinates (.., 3) are in the box."""
+    return ((coordinates >= -OUTSIDE_ALLOWED) & (coordinates <= 1 + OUTSIDE_ALLOWED)).all(axis=-1)
+
+
+def _refuse(points: np.ndarray, origin: np.ndarray, size: np.ndarray) -> None:
+    outside = ~_inside((points - origin) / size)
     low, high = points.min(axis=0), points.max(axis=0)
     raise MeshError(
         f"lattice.origin, lattice.size: {outside.sum()} of the mesh's {len(points)} points lie outside the lattice's "

@@ -1,12 +1,13 @@
 """Facts about the free-form deformation, Xia & Wang 2009, eq. (1)."""
 
+import tracemalloc
 from importlib import import_module
 
 import numpy as np
 import pytest
 
 from softffd.embedding.basis import weights
-from softffd.embedding.deform import Embedding, deform
+from softffd.embedding.deform import Embedding, bounds, deform
 from softffd.errors import MeshError
 from softffd.mesh.mesh import Mesh
 
@@ -98,23 +99,51 @@ def test_many_instants_are_deformed_at_once():
         np.testing.assert_allclose(moved, deform(points, grid, origin=ORIGIN, size=SIZE), atol=1e-13)
 
 
-def test_working_in_small_blocks_changes_nothing(monkeypatch):
-    points, positions = cloud(), moved_grid((4, 4, 4))
-    whole = deform(points, positions, origin=ORIGIN, size=SIZE)
-    module = import_module("softffd.embedding.deform")  # the package's attribute of this name is the function
-    monkeypatch.setattr(module, "_KEPT", 0)
-    monkeypatch.setattr(module, "_BLOCK", 500)
-    np.testing.assert_allclose(deform(points, positions, origin=ORIGIN, size=SIZE), whole, atol=1e-14)
+@pytest.mark.parametrize(("counts", "basis"), VOLUMES)
+def test_a_vertex_has_the_same_bits_whichever_others_and_instants_are_deformed_with_it(counts, basis, monkeypatch):
+    points, positions = cloud(), np.stack([moved_grid(counts, seed) for seed in range(3)])
+    box = {"origin": ORIGIN, "size": SIZE, "basis": basis}
+    whole = deform(points, positions, **box)
+    alone = [deform(points[p : p + 1], positions[1], **box)[0] for p in range(len(points))]
+    np.testing.assert_array_equal(whole[1], alone)
+    monkeypatch.setattr(import_module("softffd.embedding.deform"), "_BLOCK", 1)  # the package's attribute of this name is the function
+    np.testing.assert_array_equal(deform(points, positions, **box), whole)
 
 
-def test_a_large_lattice_of_bsplines_is_worked_point_by_point_with_the_same_result(monkeypatch):
-    """Only the points that count are looked at where all of them together would be too many."""
-    points, positions = cloud(), np.stack([moved_grid((16, 9, 12), seed) for seed in range(2)])
-    box = {"origin": ORIGIN, "size": SIZE, "basis": "bspline"}
-    whole, one = deform(points, positions, **box), deform(points, positions[0], **box)
-    monkeypatch.setattr(import_module("softffd.embedding.deform"), "_KEPT", 0)
-    np.testing.assert_allclose(deform(points, positions, **box), whole, atol=1e-13)
-    np.testing.assert_allclose(deform(points, positions[0], **box), one, atol=1e-13)
+def test_points_in_any_memory_are_the_same_points():
+    points, grid, box = cloud(500), moved_grid((4, 4, 4)), {"origin": ORIGIN, "size": SIZE}
+    short = points.astype(np.float32)
+    expected = deform(short.astype(float), grid, **box)
+    np.testing.assert_array_equal(deform(short, grid, **box), expected)
+    np.testing.assert_array_equal(deform(np.asfortranarray(short), grid, **box), expected)
+    np.testing.assert_array_equal(deform(np.repeat(short, 2, axis=0)[::2], np.asfortranarray(grid), **box), expected)
+    np.testing.assert_array_equal(deform(short.astype(">f8"), grid.tolist(), **box), expected)
+
+
+def test_no_points_stay_none():
+    assert deform(np.zeros((0, 3)), rest_grid((4, 4, 4)), origin=ORIGIN, size=SIZE).shape == (0, 3)
+    assert deform(cloud(), np.zeros((0, 4, 4, 4, 3)), origin=ORIGIN, size=SIZE).shape == (0, 200, 3)
+    with pytest.raises(ValueError, match="origin, size: wanted both where there are no vertices"):
+        deform(np.zeros((0, 3)), rest_grid((4, 4, 4)))
+
+
+@pytest.mark.parametrize("points", [64, 65, 200])
+def test_bounds_are_those_of_all_points(points):
+    some = cloud(points)
+    np.testing.assert_array_equal(bounds(some), [some.min(axis=0), some.max(axis=0)])
+    some[points - 1, 1] = np.nan
+    assert np.isnan(bounds(some)).tolist() == [[False, True, False]] * 2
+
+
+def test_the_weights_of_24_control_points_an_axis_are_no_array_of_their_own():
+    """The numbers of 13,824 control points at each of 3,000 vertices would take 330 MB."""
+    points, grid = cloud(3000), moved_grid((24, 24, 24))
+    deform(points[:1], grid, origin=ORIGIN, size=SIZE)
+    tracemalloc.start()
+    deform(points, grid, origin=ORIGIN, size=SIZE)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 1e6
 
 
 def test_an_embedding_is_used_again_and_again():
@@ -175,14 +204,3 @@ def test_an_unknown_basis_is_refused_with_the_choices(basis):
     near = ', did you mean "bspline"\\?' if basis in ("Bspline", "bsplin") else "$"
     with pytest.raises(ValueError, match=f'basis: wanted "bezier" or "bspline", got {basis!r}{near}'):
         deform(cloud(), rest_grid((4, 4, 4)), origin=ORIGIN, size=SIZE, basis=basis)
-
-
-def test_large_embeddings_sum_axis_by_axis_what_small_ones_have_as_products(monkeypatch):
-    rng = np.random.default_rng(5)
-    vertices, positions = rng.random((40, 3)), rng.random((3, 5, 3, 4, 3))
-    kept = Embedding(vertices, (0, 0, 0), (1, 1, 1), (5, 3, 4)).deform(positions)
-    monkeypatch.setattr(import_module("softffd.embedding.deform"), "_KEPT", 0)
-    monkeypatch.setattr(import_module("softffd.embedding.deform"), "_BLOCK", 700)  # several blocks
-    for few in (8, 0):
-        monkeypatch.setattr(import_module("softffd.embedding.deform"), "_FEW", few)
-        np.testing.assert_allclose(Embedding(vertices, (0, 0, 0), (1, 1, 1), (5, 3, 4)).deform(positions), kept, rtol=1e-13)

@@ -1,0 +1,8 @@
+/// Marks what the Python package calls of the library beside the functions of the standards.
+#pragma once
+
+#ifdef _WIN32
+#define SOFTFFD_EXPORTED extern "C" __declspec(dllexport)
+#else
+#define SOFTFFD_EXPORTED extern "C" __attribute__((visibility("default")))
+#endif
