@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Mapping, Sequence
-from ctypes import CDLL, POINTER, byref, c_char, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
-from functools import cache, cached_property
+from ctypes import POINTER, byref, c_char, c_double, c_int, c_size_t, c_uint, c_void_p, cast, create_string_buffer
+from functools import cached_property
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -97,7 +97,7 @@ class Component:
         self.lattice: LatticeBox | None = read_lattice(Path(self._folder) / "resources")
         """Of an FMU of this package"""
         instance = c_void_p(slave.component)
-        self._calls = {name: _bound(getattr(slave.dll, name), instance, self._check) for name in CALLS}
+        self._calls = {name: _bound(getattr(slave.dll, name), instance, self.check) for name in CALLS}
         self._keep_loop_calls()
 
     def _unpack(self, path: Path) -> str | None:
@@ -124,13 +124,12 @@ class Component:
     def _write(self, scene: Scene) -> str:
         """Writes a scene's FMU unpacked and returns the path of the library, which stays where it is installed."""
         from softffd.fmu.package import write_folder
-        from softffd.installed import host_library
+        from softffd.installed import host_library, loaded_library
 
         self.interface = write_folder(scene, Path(self._folder))
         self._name = scene.name
-        library = host_library()
-        _loaded(library)
-        return str(library)
+        loaded_library()
+        return str(host_library())
 
     @cached_property
     def description(self) -> Any:
@@ -167,7 +166,17 @@ class Component:
         self._set_real, self._get_real = calls["fmi2SetReal"], calls["fmi2GetReal"]
         self._set_integer, self._get_integer = calls["fmi2SetInteger"], calls["fmi2GetInteger"]
 
-    def _check(self, status: int) -> None:
+    @property
+    def instance(self) -> int:
+        """The fmi2Component."""
+        return int(self._slave.component)
+
+    def address(self, call: str) -> int | None:
+        """Of a function of the component's library."""
+        return cast(getattr(self._library, call), c_void_p).value
+
+    def check(self, status: int) -> None:
+        """FmuError with the component's words for the fmi2Status of a call that discarded or failed."""
         if status >= DISCARD:
             word = "discarded the step" if status == DISCARD else "reported an error"
             raise FmuError(f"the component {word}: {self._last_message() or 'no message'}")
@@ -334,12 +343,6 @@ class Component:
 
     def __exit__(self, *_exception: object) -> None:
         self.close()
-
-
-@cache
-def _loaded(library: Path) -> CDLL:
-    """Keeps a library loaded from now on: unloading it would leave the memory that its C++ runtime took, 70 kB, each time."""
-    return CDLL(str(library))
 
 
 def _bound(function: Callable[..., int], instance: c_void_p, check: Callable[[int], None]) -> Callable[..., None]:

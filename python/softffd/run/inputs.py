@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Container, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
 
@@ -45,6 +46,7 @@ class Inputs:
         self.where = f"{shown(Path(source))}: " if isinstance(source, str | Path) else "inputs: "
         """How messages about the source begin"""
         self.is_file = isinstance(source, str | Path)
+        self.is_function, self._steady = callable(source), source is None or isinstance(source, Mapping)
         self._at, self.names = _course(source, self.where, start_time)
         self._takes_bends = [(found := parse_name(name)) is not None and found.family in ("force", "load") for name in self.names]
         now = self._at(start_time, False)
@@ -60,6 +62,15 @@ class Inputs:
         now = self._at(time, False)
         derived = derived_velocities(now, self._at(then, True), then - time) if then > time else {}
         return np.array([*(now[name] for name in self.names), *(derived.get(name, 0.0) for name in self.derived_names)])
+
+    def rows(self, times: np.ndarray) -> np.ndarray:
+        """`values` at each of some communication points but the last, (points - 1, names)."""
+        if self._steady:
+            return np.broadcast_to(self.values(times[0], times[1]), (len(times) - 1, len(self.names) + len(self.derived_names)))
+        if self.derived_names:
+            return np.array([self.values(time, then) for time, then in pairwise(times)])
+        now = self._at(times[:-1], False)
+        return np.stack([now[name] for name in self.names], axis=1)
 
     def rates(self, time: float, then: float) -> np.ndarray:
         """Slopes from a communication point to the next, `then` > `time` [s], in the order of `names` [unit / s]."""
@@ -96,8 +107,8 @@ class Inputs:
         return np.clip((before_slope + after_slope) / 2, -most, most)
 
 
-Course = Callable[[float, bool], Mapping[str, float]]
-"""Values by name at a time [s], for what ends there or for what begins there."""
+Course = Callable[[Any, bool], Mapping[str, Any]]
+"""Values by name at a time [s], for what ends there or for what begins there; a table's at many times too."""
 
 
 def _course(source: Source | None, where: str, start: float) -> tuple[Course, list[str]]:
@@ -165,13 +176,11 @@ def _of_table(table: np.ndarray, where: str) -> tuple[Course, list[str]]:
     names = _structured(given, where)
     columns = {name: table[own].astype(float) for name, own in zip(names, given, strict=True)}
 
-    def course(time: float, ends: bool) -> dict[str, float]:
+    def course(time: Any, ends: bool) -> dict[str, Any]:
         slack = SLACK * abs(time)
         first, behind = np.searchsorted(times, time - slack, "left"), np.searchsorted(times, time + slack, "right")
-        if first < behind:  # rows of this time
-            row = first if ends else behind - 1
-            return {name: float(column[row]) for name, column in columns.items()}
-        return {name: float(np.interp(time, times, column)) for name, column in columns.items()}
+        here, row = first < behind, np.minimum(first, len(times) - 1) if ends else behind - 1  # rows of this time, and which counts
+        return {name: np.where(here, column[row], np.interp(time, times, column)) for name, column in columns.items()}
 
     return course, names
 

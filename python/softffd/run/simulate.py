@@ -17,6 +17,7 @@ from softffd.lattice import LatticeBox
 from softffd.run.choices import choice_in, shares
 from softffd.run.driven import driven_inputs, require_undriven
 from softffd.run.inputs import Inputs, Source
+from softffd.run.many_steps import ManySteps
 from softffd.run.points import is_position, places
 from softffd.run.recorded import recorded_outputs
 from softffd.run.result import Result
@@ -123,8 +124,6 @@ class _Recorder:
     integer_rows: np.ndarray
     changes: list[tuple[int, tuple[str, str]]] = field(default_factory=list)
     """Communication steps in which the method or its reason were new"""
-    heard: int = 0
-    """Messages that were looked through for changes"""
     done: int = 0
     """Communication steps that are recorded"""
 
@@ -176,23 +175,31 @@ class _Recorder:
         return True
 
     def _go_on(self, progress: Progress | None) -> None:
+        """Held values go to the library with many steps at once; what is a function, or moves within a step, is set before each."""
         last, times = len(self.times) - 1, self.times.tolist()
         report_every = max(1, last // 200)
-        for row in range(last):
-            if row > 0:
-                self.apply_inputs(row)
-            self.simulation.step(self.steps[row], end=times[row + 1])
-            self.record(row + 1)
-            self._note_choice(row)
-            self.done = row + 1
-            if progress and (row + 1) % report_every == 0:
-                progress((row + 1) / last, times[row + 1])
+        one_by_one = self.source.is_function or self.interpolation != "held"
+        inputs = self.simulation.component.block_of([]) if one_by_one else self.inputs
+        rows = {"inputs": (inputs, self.input_rows), "reals": (self.reals, self.real_rows), "integers": (self.integers, self.integer_rows)}
+        many = ManySteps(self.simulation.component, self.times, self.steps, rows, single=one_by_one)
+        try:
+            with many.listening():
+                while self.done < last:
+                    if one_by_one:
+                        until = self.done + 1
+                        if self.done > 0:
+                            self.apply_inputs(self.done)
+                    else:
+                        until = min(last, self.done + many.together, (self.done // report_every + 1) * report_every if progress else last)
+                        self.input_rows[self.done : until] = self.source.rows(self.times[self.done : until + 1])
+                    many.go_on(until)
+                    self.done, self.simulation.time = until, times[until]
+                    if progress and self.done % report_every == 0:
+                        progress(self.done / last, times[self.done])
+        finally:
+            self.done, self.simulation.time = many.done, times[many.done]
+            self.changes = [(row, choice) for row, message in many.said if (choice := choice_in(message.text))]
         self.apply_inputs(last)
-
-    def _note_choice(self, row: int) -> None:
-        messages = self.simulation.log
-        self.changes += [(row, choice) for message in messages[self.heard :] if (choice := choice_in(message.text))]
-        self.heard = len(messages)
 
     def _cut(self) -> None:
         """Keeps the communication points up to the last step that was done."""
@@ -204,10 +211,11 @@ class _Recorder:
 
     def result(self, summary: dict[str, Any], scene: Scene | None) -> Result:
         component = self.simulation.component
-        columns = dict(zip(self.reals.names, self.real_rows.T, strict=True))
-        moved = {name: columns.pop(name) for name in self.reals.names if is_position(name)}
-        positions = _positions(moved, len(self.times), component.lattice)
-        others = columns | dict(zip(self.integers.names, self.integer_rows.T, strict=True))
+        names = self.reals.names
+        moved = [column for column, name in enumerate(names) if is_position(name)]
+        positions = _positions([names[column] for column in moved], np.take(self.real_rows, moved, axis=1), component.lattice)
+        others = {name: self.real_rows[:, column] for column, name in enumerate(names) if not is_position(name)}
+        others |= dict(zip(self.integers.names, self.integer_rows.T, strict=True))
         held = {v.name: np.full(len(self.times), self.starts[v.name]) for v in component.variables("input")}
         held |= dict(zip(self.inputs.names, self.input_rows.T, strict=True))
         parameters = {v.name: self.starts[v.name] for v in component.variables("parameter")}
@@ -222,11 +230,12 @@ def _read(component: Component, causality: str) -> dict[str, float]:
     return dict(zip(block.names, block.get().tolist(), strict=True))
 
 
-def _positions(columns: dict[str, np.ndarray], rows: int, lattice: LatticeBox | None) -> np.ndarray:
-    """(T, nx, ny, nz, 3) from the columns position[i,j,k].c; NaN where there is none. Without a lattice the largest indices count."""
-    indices = places(list(columns))
+def _positions(names: list[str], values: np.ndarray, lattice: LatticeBox | None) -> np.ndarray:
+    """(T, nx, ny, nz, 3) from values (T, m) of variables position[i,j,k].c; NaN where there is none. Without a lattice the largest indices
+    count."""
+    indices = places(names)
     counts = lattice.points if lattice else tuple(indices[:, :3].max(axis=0, initial=-1) + 1)
-    positions = np.full((rows, *counts, 3), np.nan)
-    if columns:
-        positions[:, *indices.T] = np.stack(list(columns.values()), axis=1)
+    positions = np.full((len(values), *counts, 3), np.nan)
+    if names:
+        positions.reshape(len(values), -1)[:, np.ravel_multi_index(tuple(indices.T), positions.shape[1:])] = values
     return positions

@@ -13,9 +13,9 @@ from softffd.cli.command import main
 from softffd.cli.told import pace
 from softffd.embedding import mass
 from softffd.errors import FmuError
-from softffd.fmu.component import Component
 from softffd.fmu.package import package_fmu, scene_masses
 from softffd.run.choices import shares
+from softffd.run.many_steps import ManySteps
 from softffd.run.progress import ProgressLine
 
 PUSHED = """
@@ -52,15 +52,14 @@ def told(capsys, *arguments: str, status: int = 0) -> str:
 
 def stopped_at(monkeypatch, row: int, error: type[BaseException] = KeyboardInterrupt) -> None:
     """The component's step of this number, from 0, raises."""
-    whole, taken = Component.do_step, []
+    whole = ManySteps.go_on
 
-    def do_step(*arguments):
-        taken.append(None)
-        if len(taken) > row:
+    def go_on(many, until):
+        whole(many, min(until, row))
+        if until > row:
             raise error
-        whole(*arguments)
 
-    monkeypatch.setattr(Component, "do_step", do_step)
+    monkeypatch.setattr(ManySteps, "go_on", go_on)
 
 
 def test_what_runs_is_said_before_the_first_step(monkeypatch, capsys):
