@@ -91,25 +91,30 @@ def _mesh_scene(file: Path, error: bool, given: dict[str, Any]) -> Scene:
     return scene.replace({"solver.error_estimate": True}) if error else scene
 
 
-def keep_run(result: Result, folder: Path, stage: Note = silent) -> list[Path]:
+def keep_run(result: Result, folder: Path, stage: Note = silent, *, pictures: bool = True) -> list[Path]:
     """Writes results, picture, interactive page and, with a mesh, its last shape; returns the files.
 
-    stage: is told what is being done.
+    stage: is told what is being done. pictures: without, neither picture nor page, and those of an earlier run go.
     """
     stage("writing the numbers")
     files = result.save(folder)
     if np.isnan(result.positions).any() or not result.positions.size:
         result.summary["findings"].append('no pictures: they need outputs.positions = "all"')
         return files
-    from softffd.show.picture import draw_run
-    from softffd.show.view import write_view
-
     mesh = result.loaded_mesh
-    stage("drawing picture.png")
-    draw_run(result, folder / "picture.png", mesh=mesh)
-    stage("writing view.html")
-    write_view(result, folder / "view.html", mesh=mesh)
-    files += [folder / "picture.png", folder / "view.html"]
+    picture, page = folder / "picture.png", folder / "view.html"
+    if pictures:
+        from softffd.show.picture import draw_run
+        from softffd.show.view import write_view
+
+        stage("drawing picture.png")
+        draw_run(result, picture, mesh=mesh)
+        stage("writing view.html")
+        write_view(result, page, mesh=mesh)
+        files += [picture, page]
+    else:
+        picture.unlink(missing_ok=True)
+        page.unlink(missing_ok=True)
     if mesh and result.scene and result.scene.mesh:
         kind = result.scene.mesh.file.suffix.lower()
         path = folder / f"deformed{kind if kind in WRITTEN else '.glb'}"

@@ -88,7 +88,9 @@ def _run(add: Add) -> None:
     run.add_argument("--error", action="store_true", help="estimate the error of the run by a second one beside it")
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-NAME here")
     run.add_argument("--overwrite", action="store_true", help="write over the results of an earlier run")
-    run.add_argument("--view", action="store_true", help="open the interactive page when done")
+    shown = run.add_mutually_exclusive_group()
+    shown.add_argument("--view", action="store_true", help="open the interactive page when done")
+    shown.add_argument("--no-pictures", action="store_true", help="numbers alone; softffd view DIR makes the page later")
 
 
 def _ssp(add: Add) -> None:

@@ -67,6 +67,15 @@ def test_build_then_run_the_fmu_then_run_the_scene(quick, capsys):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="glibc is Linux's")
+def test_no_pictures_leaves_the_numbers_and_none_of_an_earlier_run(quick, capsys):
+    assert main(["run", "quick.toml", "-o", "kept"]) == 0
+    shown = {"picture.png", "view.html"}
+    before = {file.name for file in (quick / "kept").iterdir()}
+    assert main(["run", "quick.toml", "-o", "kept", "--overwrite", "--no-pictures"]) == 0
+    assert before >= shown and {file.name for file in (quick / "kept").iterdir()} == before - shown
+    assert "picture.png" not in capsys.readouterr().out.splitlines()[-1]
+
+
 def test_build_says_which_glibc_its_library_needs(quick, capsys):
     assert main(["build", "quick.toml"]) == 0
     needed = re.search(r"runs on .*\S+ with glibc (\d+)\.(\d+) or newer", capsys.readouterr().out)
