@@ -55,6 +55,14 @@ def loaded_library() -> CDLL:
     return CDLL(str(host_library()))
 
 
+def library_function(name: str) -> Any:
+    """A function that the library has for this package; SoftffdError where the library is another version's."""
+    try:
+        return getattr(loaded_library(), name)
+    except AttributeError:
+        raise SoftffdError(f"{host_library()}: wanted this version's library, got one without {name}; install the package anew") from None
+
+
 def libraries(platforms: list[str] | None = None) -> dict[str, Path]:
     """The built libraries by FMI platform name, all of them or the ones asked for; SoftffdError names what is there instead."""
     found = {

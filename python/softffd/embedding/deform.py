@@ -18,7 +18,7 @@ from functools import cache
 import numpy as np
 
 from softffd.errors import MeshError
-from softffd.installed import loaded_library
+from softffd.installed import library_function
 from softffd.mesh.mesh import Mesh
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -92,7 +92,7 @@ class Embedding:
 @cache
 def _library_deform() -> Callable[..., None]:
     """fmu_src/core/embedding/deform.hpp says what it takes."""
-    function = loaded_library().softffd_deform
+    function = library_function("softffd_deform")
     function.argtypes = [*[c_void_p] * 3, c_int, c_longlong, c_void_p, c_longlong, c_void_p, c_longlong, c_void_p]
     function.restype = None
     return function

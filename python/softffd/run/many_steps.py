@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from softffd.installed import loaded_library
+from softffd.installed import library_function
 
 if TYPE_CHECKING:
     from softffd.fmu.component import Block, Component, Message
@@ -107,6 +107,6 @@ def _interrupted_afterwards() -> Iterator[None]:
 
 @cache
 def _library_many_steps() -> Any:
-    function = loaded_library().softffd_many_steps
+    function = library_function("softffd_many_steps")
     function.argtypes, function.restype = [POINTER(_Run), c_longlong], c_int
     return function

@@ -8,7 +8,8 @@ import pytest
 
 from softffd.embedding.basis import weights
 from softffd.embedding.deform import Embedding, bounds, deform
-from softffd.errors import MeshError
+from softffd.errors import MeshError, SoftffdError
+from softffd.installed import library_function
 from softffd.mesh.mesh import Mesh
 
 ORIGIN, SIZE = np.array([-1.0, 2.0, 0.5]), np.array([2.0, 0.7, 1.3])
@@ -204,3 +205,8 @@ def test_an_unknown_basis_is_refused_with_the_choices(basis):
     near = ', did you mean "bspline"\\?' if basis in ("Bspline", "bsplin") else "$"
     with pytest.raises(ValueError, match=f'basis: wanted "bezier" or "bspline", got {basis!r}{near}'):
         deform(cloud(), rest_grid((4, 4, 4)), origin=ORIGIN, size=SIZE, basis=basis)
+
+
+def test_a_library_of_another_version_is_told():
+    with pytest.raises(SoftffdError, match="wanted this version's library, got one without softffd_nothing; install the package anew"):
+        library_function("softffd_nothing")
