@@ -1,7 +1,13 @@
 #include "calls/exception_storage.hpp"
 
 #ifndef _MSC_VER
-#include <cxxabi.h>
+namespace __cxxabiv1 {
+
+struct __cxa_eh_globals;
+/// Itanium C++ ABI: Exception Handling, 2.2.2. Declared here, because LLVM's library has it without saying so in its header.
+extern "C" __cxa_eh_globals* __cxa_get_globals() noexcept;
+
+}  // namespace __cxxabiv1
 #endif
 
 namespace softffd::fmi {
@@ -19,7 +25,7 @@ void claim_exception_storage() {
   described = 1;
 #endif
 #ifndef _MSC_VER
-  [[maybe_unused]] const void* volatile claimed = abi::__cxa_get_globals();  // volatile: called for what it does
+  [[maybe_unused]] const void* volatile claimed = __cxxabiv1::__cxa_get_globals();  // volatile: called for what it does
 #endif
 }
 
