@@ -12,7 +12,7 @@ namespace {
 void snap(const HalfSpace& plane, Vec3& x) { x -= plane.gap(x) * plane.normal; }
 
 /// Coulomb friction of a normal impulse R on a point that slides: opposite to the mean slip, holding if it can.
-inline Vec3 after_friction(double limit, const Vec3& slip_before, const Vec3& slip_after) {
+Vec3 after_friction(double limit, const Vec3& slip_before, const Vec3& slip_after) {
   const double size = slip_after.norm();
   if (size <= limit) return Vec3::Zero();
   const Vec3 mean = slip_before + slip_after;

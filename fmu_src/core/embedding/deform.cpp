@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "forces/lanes.hpp"
+#include "machine/lanes.hpp"
 #include "model/basis_formulas.hpp"
 
 namespace {
@@ -82,6 +82,7 @@ INNER void deform(const double* origin, const double* size, const int* counts, i
                   long long points, const double* rest, long long frame, double* moved) {
   const Step line = 3 * std::max(counts[2], 4), face = counts[1] * line, whole = counts[0] * face;
   const bool alike = !bspline || std::max({counts[0], counts[1], counts[2]}) <= 4;
+  constexpr int few = n < 4 ? n : 4;
   Axis axes[3];
   double last[3 * together];
   for (long long begin = 0; begin < points; begin += together) {
@@ -108,7 +109,7 @@ INNER void deform(const double* origin, const double* size, const int* counts, i
       else
         for (int at = 0; at < here; ++at) {
           const Step first = int(axes[0].first[at]) * face + int(axes[1].first[at]) * line + 3 * int(axes[2].first[at]);
-          contract_one < n<4 ? n : 4>(axes, at, nx, ny, points + first, line, face, found + 3 * at);
+          contract_one<few>(axes, at, nx, ny, points + first, line, face, found + 3 * at);
         }
       std::memcpy(moved + 3 * (f * frame + begin), found, 3 * here * sizeof(double));
     }

@@ -14,7 +14,7 @@
 /// The weights of 32 points are computed at once. Every point has its own sums, in an order that depends on the lattice alone: it has the
 /// same bits whichever others are deformed with it, and whatever registers the machine has.
 #pragma once
-#include "model/exported.hpp"
+#include "machine/exported.hpp"
 
 /// origin, size: of the box at rest (3) [m]. counts: control points per axis (3), 2 to 32. bspline: 0 for a Bezier volume.
 /// control: control points [m] (frames, nx, ny, nz, 3), of fewer than four along z with zeros up to four.

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <limits>
 
-#include "forces/instructions.hpp"
+#include "machine/instructions.hpp"
 
 namespace softffd {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "forces/instructions.hpp"
+#include "machine/instructions.hpp"
 
 namespace softffd::kernels {
 

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
-#include "forces/kernels.hpp"
-#include "forces/lanes.hpp"
+#include "machine/lanes.hpp"
 
 namespace softffd {
 
 namespace {
 
-constexpr int lanes = SpringPass::lanes, directions = SpringPass::directions;
+constexpr int lanes = SpringPass::lanes;
+constexpr std::size_t ways = directions.size();
 
 std::ptrdiff_t whole_blocks(std::ptrdiff_t n) { return (n + lanes - 1) / lanes * lanes; }
 
@@ -20,7 +20,7 @@ namespace kernels {
 /// What is before the first point gives nothing.
 template <int n>
 INNER void clear(const SpringPass& pass, double* rings, std::ptrdiff_t stride) {
-  for (int d = 0; d < directions; ++d, rings += 3 * stride)
+  for (std::size_t d = 0; d < ways; ++d, rings += 3 * stride)
     for (std::ptrdiff_t i = pass.ring - n; i > pass.ring - n - pass.offsets[d]; i -= n) store<n>(rings + i, stride, {});
 }
 
@@ -29,7 +29,7 @@ template <int n>
 INNER void give(const SpringPass::Offsets& offsets, std::ptrdiff_t length, const SpringPass::Material* material, unsigned springs, int lane,
                 const double* x, std::ptrdiff_t column, double* ring, std::ptrdiff_t stride, bool first) {
   const Lanes<n> x0 = load<n>(x), y0 = load<n>(x + column), z0 = load<n>(x + 2 * column);
-  for (int d = 0; d < directions; ++d, ring += 3 * stride) {
+  for (std::size_t d = 0; d < ways; ++d, ring += 3 * stride) {
     Lanes<n> sx{}, sy{}, sz{};
     if (springs >> d & 1) {
       const double* there = x + offsets[d];
@@ -48,7 +48,7 @@ template <int n>
 INNER Triple<n> take(const SpringPass::Offsets& offsets, std::ptrdiff_t length, const double* rings, std::ptrdiff_t stride,
                      std::ptrdiff_t slot) {
   Lanes<n> fx{}, fy{}, fz{};
-  for (int d = 0; d < directions; ++d, rings += 3 * stride) {
+  for (std::size_t d = 0; d < ways; ++d, rings += 3 * stride) {
     const std::ptrdiff_t back = slot - offsets[d];
     const double *given = rings + slot, *taken = rings + (back < 0 ? back + length : back);
     fx += load<n>(given), fy += load<n>(given + stride), fz += load<n>(given + 2 * stride);
@@ -68,7 +68,7 @@ INNER void add_up(const SpringPass& pass, const double* x, double* f) {
   for (int c = 0; c < 3; ++c) std::memcpy(end + c * pass.column, x + c * points + pass.tail, (points - pass.tail) * sizeof(double));
   std::ptrdiff_t slot = 0, before = 0, column = points;
   const SpringPass::Material* material = pass.material.data();
-  for (int a = 0; a < points; a += lanes, x += lanes, material += directions) {
+  for (int a = 0; a < points; a += lanes, x += lanes, material += ways) {
     if (a == pass.tail) x = end, column = pass.column;
     const unsigned springs = pass.springs[a / lanes];
     for (int lane = 0; lane < lanes; lane += n) {
@@ -87,25 +87,28 @@ const auto add_up_here = chosen<add_up<2>, add_up<4>, add_up<8>>();
 
 }  // namespace kernels
 
-SpringPass::SpringPass(int n, const Offsets& o) : points(n), offsets(o) {
-  const std::ptrdiff_t reach = *std::max_element(o.begin(), o.end()), blocks = whole_blocks(n) / lanes;
+SpringPass::SpringPass(const Lattice& lattice) : points(lattice.points()) {
+  for (std::size_t d = 0; d < ways; ++d) offsets[d] = directions[d].offset(lattice);
+  const std::ptrdiff_t reach = *std::max_element(offsets.begin(), offsets.end()), blocks = whole_blocks(points) / lanes;
   ring = whole_blocks(reach) + 2 * lanes;
-  tail = int(std::max<std::ptrdiff_t>(0, whole_blocks(n - lanes - reach + 1)));
+  tail = int(std::max<std::ptrdiff_t>(0, whole_blocks(points - lanes - reach + 1)));
   column = blocks * lanes - tail + whole_blocks(reach);
-  material.resize(blocks * directions);
+  material.resize(blocks * ways);
   springs.resize(blocks);
-  rings.resize(3 * directions * (ring / lanes + 1));
+  rings.resize(3 * ways * (ring / lanes + 1));
   end.resize(3 * column / lanes);
 }
 
-void SpringPass::set(int p, int direction, double stiffness, double rest_length) {
-  const int block = p / lanes, lane = p % lanes;
-  Material& of = material[std::size_t(block) * directions + direction];
-  of.stiffness[lane] = stiffness;
-  of.rest_length[lane] = rest_length;
-  const bool any = std::any_of(of.stiffness, of.stiffness + lanes, [](double k) { return k > 0; });
+void SpringPass::set(std::size_t direction, const kernels::SpringRow& row) {
   const unsigned bit = 1u << direction;
-  springs[block] = any ? springs[block] | bit : springs[block] & ~bit;
+  for (unsigned& block : springs) block &= ~bit;
+  for (int n = 0; n < row.lanes; ++n) {
+    const int block = (row.begin + n) / lanes, lane = (row.begin + n) % lanes;
+    Material& of = material[block * ways + direction];
+    of.stiffness[lane] = row.stiffness[n];
+    of.rest_length[lane] = row.rest_length[n];
+    if (row.stiffness[n] > 0) springs[block] |= bit;
+  }
 }
 
 void SpringPass::force(const double* x, double* f) const { kernels::add_up_here(*this, x, f); }

@@ -20,17 +20,20 @@
 #include <cstddef>
 #include <vector>
 
+#include "forces/kernels.hpp"
+#include "model/lattice.hpp"
+
 namespace softffd {
 
 struct SpringPass {
-  static constexpr int directions = 13, lanes = 8;
-  using Offsets = std::array<std::ptrdiff_t, directions>;
+  static constexpr int lanes = 8;
+  using Offsets = std::array<std::ptrdiff_t, directions.size()>;
 
-  /// points >= 8; offsets: from a point to its neighbour in each direction, >= 1.
-  SpringPass(int points, const Offsets& offsets);
+  /// Without springs yet.
+  explicit SpringPass(const Lattice& lattice);
 
-  /// The spring from point p in a direction: stiffness k [N/m], 0 where there is none; rest length l [m].
-  void set(int p, int direction, double stiffness, double rest_length);
+  /// The springs of one of the lattice's directions.
+  void set(std::size_t direction, const kernels::SpringRow& row);
 
   /// f = forces at x [N], eq. (6): k (1 - l/r) d on the first point, the opposite on the second; r = 0 gives no force. Both (3 * points),
   /// coordinate by coordinate.
@@ -43,10 +46,10 @@ struct SpringPass {
     double stiffness[lanes] = {}, rest_length[lanes] = {};
   };
 
-  int points;
-  int tail;                     ///< first point of the first block with neighbours' lanes behind the last point
-  std::ptrdiff_t ring, column;  ///< [numbers]: a ring's length; from one coordinate of the tail's copy to the next
-  Offsets offsets;
+  int points;                        ///< >= 8
+  int tail;                          ///< first point of the first block with neighbours' lanes behind the last point
+  std::ptrdiff_t ring, column;       ///< [numbers]: a ring's length; from one coordinate of the tail's copy to the next
+  Offsets offsets;                   ///< from a point to its neighbour in each direction, >= 1
   std::vector<Material> material;    ///< block by block, direction by direction
   std::vector<unsigned> springs;     ///< (blocks) bits of the directions that have any
   mutable std::vector<Block> rings;  ///< by direction and coordinate, ring + lanes numbers each

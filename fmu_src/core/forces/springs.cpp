@@ -36,15 +36,9 @@ Springs::Row make_row(const Lattice& lattice, Topology topology, const Direction
   return row;
 }
 
-SpringPass make_pass(const Lattice& lattice) {
-  SpringPass::Offsets offsets;
-  for (std::size_t d = 0; d < directions.size(); ++d) offsets[d] = directions[d].offset(lattice);
-  return {lattice.points(), offsets};
-}
-
 }  // namespace
 
-Springs::Springs(const Lattice& lattice, Topology topology) : pass_(make_pass(lattice)), scratch_(6 * lattice.points()) {
+Springs::Springs(const Lattice& lattice, Topology topology) : pass_(lattice), scratch_(6 * lattice.points()) {
   const Points rest = rest_positions(lattice);
   for (const Direction& direction : directions) rows_.push_back(make_row(lattice, topology, direction, rest));
 }
@@ -57,8 +51,8 @@ void Springs::set_stiffness(const Stiffness& stiffness, const std::vector<Stiffn
       for (const auto& override : overrides)
         if (override.selected[row.begin + p] && override.selected[row.begin + p + row.offset]) k = override.stiffness;
       row.stiffness[p] = row.multiplicity[p] * k;
-      pass_.set(row.begin + p, int(d), row.stiffness[p], row.rest_length[p]);
     }
+    pass_.set(d, row.view());
   }
 }
 

@@ -1,14 +1,13 @@
 /// The formulas of the basis functions without branches, so that a compiler works on several places at once; what they mean says basis.hpp.
 #pragma once
-
-#define ALWAYS inline __attribute__((always_inline))  // a caller that is compiled for other instructions has its own copy
+#include "machine/instructions.hpp"
 
 namespace softffd::formulas {
 
-ALWAYS double larger(double a, double b) { return a < b ? b : a; }
-ALWAYS double smaller(double a, double b) { return b < a ? b : a; }
+INNER double larger(double a, double b) { return a < b ? b : a; }
+INNER double smaller(double a, double b) { return b < a ? b : a; }
 /// The whole number below; of less than 2^51.
-ALWAYS double rounded_down(double x) {
+INNER double rounded_down(double x) {
   const double rounded = (x + 0x1.8p52) - 0x1.8p52;  // numbers of this size have no fractions
   return rounded > x ? rounded - 1 : rounded;
 }
@@ -16,7 +15,7 @@ ALWAYS double rounded_down(double x) {
 /// Bernstein polynomials of degree n - 1 at some places t, by de Casteljau's recurrence: exact sum to rounding for any n.
 /// weights[i][place].
 template <int places>
-ALWAYS void bernstein(const double* t, int n, double (*weights)[places]) {
+INNER void bernstein(const double* t, int n, double (*weights)[places]) {
   for (int at = 0; at < places; ++at) weights[0][at] = 1;
   for (int degree = 1; degree < n; ++degree) {
     for (int at = 0; at < places; ++at) weights[degree][at] = t[at] * weights[degree - 1][at];
@@ -33,7 +32,7 @@ struct Span {
 
 /// By the recurrence of Cox (1972) and de Boor (1972), whose terms are all positive; n > 4. Knots are whole numbers, and the differences of
 /// those that meet here are 1, 2 or 3: their reciprocals are chosen.
-ALWAYS Span bsplines(double s, int n) {
+INNER Span bsplines(double s, int n) {
   constexpr double half = 1.0 / 2, third = 1.0 / 3;
   const double spans = n - 3;
   const double first = smaller(larger(rounded_down(s), 0), spans - 1);
@@ -56,7 +55,7 @@ ALWAYS Span bsplines(double s, int n) {
 ///      z = s + 1                                              from there to the other end's
 ///
 /// of which the first two are solved by Newton's method, from a polynomial of z that is off by 0.06 at most.
-ALWAYS double parameter(double t, int n) {
+INNER double parameter(double t, int n) {
   constexpr double joint = 23.0 / 12;
   const double whole = n - 1, along = t * whole, other = whole - along;
   const double z = smaller(along, other);

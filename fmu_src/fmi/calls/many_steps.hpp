@@ -5,7 +5,7 @@
 
 #include <fmi2FunctionTypes.h>
 
-#include "model/exported.hpp"
+#include "machine/exported.hpp"
 
 namespace softffd::fmi {
 

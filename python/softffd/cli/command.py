@@ -12,8 +12,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from softffd.cli.options import parse
-from softffd.errors import FmuError, Interrupted, SoftffdError
+from softffd.cli.options import parse, setting
+from softffd.errors import Interrupted, SoftffdError
 from softffd.files import require_writable
 from softffd.run.inputs import Inputs
 from softffd.run.progress import ProgressLine
@@ -84,7 +84,7 @@ def _run(options: argparse.Namespace) -> None:
     from softffd.cli.keep import keep_run, require_no_results, run_scene_or_fmu
     from softffd.cli.told import told_after, told_before
 
-    settings = dict(_setting(text) for text in options.settings)
+    settings = dict(setting(text) for text in options.settings)
     folder = options.output or Path(f"softffd-{Path(options.what).stem}")
     require_writable(folder)
     if not options.overwrite:
@@ -117,14 +117,7 @@ def _run(options: argparse.Namespace) -> None:
 def _sweep(options: argparse.Namespace) -> None:
     from softffd.cli.sweep import run_sweep
 
-    run_sweep(options, dict(_setting(text) for text in options.settings), options.jobs if options.scheduler else _jobs(options))
-
-
-def _setting(text: str) -> tuple[str, str]:
-    name, equals, value = text.partition("=")
-    if not equals or not name.strip() or not value.strip():
-        raise FmuError(f"--set {text}: wanted NAME=VALUE, e.g. --set mass=2")
-    return name.strip(), value.strip()
+    run_sweep(options, dict(setting(text) for text in options.settings), options.jobs if options.scheduler else _jobs(options))
 
 
 def _ssp(options: argparse.Namespace) -> None:

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+from softffd.cli.options import setting
 from softffd.errors import SoftffdError
 from softffd.fmu.ssp import told_ssp
 
@@ -42,7 +43,5 @@ def _connection(text: str) -> tuple[Any, ...]:
 
 
 def _start(text: str) -> tuple[str, Any]:
-    name, equals, value = (part.strip() for part in text.partition("="))
-    if not equals or not name or not value:
-        raise SoftffdError(f"--set {text}: wanted COMPONENT.VARIABLE=VALUE, e.g. --set plate.mass=2")
+    name, value = setting(text, "COMPONENT.VARIABLE=VALUE, e.g. --set plate.mass=2")
     return name, value.split(",") if "," in value else value

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from softffd import __version__
+from softffd.errors import SoftffdError
 from softffd.spelling import did_you_mean, nearest_of
 
 
@@ -32,6 +33,14 @@ class Parser(argparse.ArgumentParser):
 
 Add = Callable[..., Parser]
 """Adds a command: name, help, an example, and `more` words about that."""
+
+
+def setting(text: str, wanted: str = "NAME=VALUE, e.g. --set mass=2") -> tuple[str, str]:
+    """Name and value of --set NAME=VALUE. wanted: what is wanted, where it is not that."""
+    name, _, value = (part.strip() for part in text.partition("="))
+    if not name or not value:
+        raise SoftffdError(f"--set {text}: wanted {wanted}")
+    return name, value
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:

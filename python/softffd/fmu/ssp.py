@@ -16,6 +16,7 @@ from xml.etree import ElementTree as Xml
 
 from softffd.errors import SoftffdError
 from softffd.files import replacing
+from softffd.fmu.description_parts import xml_text
 from softffd.fmu.interface import read_interface
 from softffd.fmu.package import package_fmu
 from softffd.fmu.wiring import Connection, Element, Wiring, read_units
@@ -25,6 +26,8 @@ from softffd.spelling import did_you_mean
 SSP = "http://ssp-standard.org/SSP1/SystemStructure"
 SPACES = {"ssd": f"{SSP}Description", "ssc": f"{SSP}Common", "ssv": f"{SSP}ParameterValues"}
 FMU, START = "application/x-fmu-sharedlibrary", "resources/start.ssv"
+for _prefix, _space in SPACES.items():
+    Xml.register_namespace(_prefix, _space)
 
 
 def write_ssp(
@@ -79,10 +82,10 @@ def _write(
             raise SoftffdError("\n".join([f"{path}: {len(problems)} problem{'s' * (len(problems) > 1)}", *(f"  {p}" for p in problems)]))
         path.parent.mkdir(parents=True, exist_ok=True)
         with replacing(path) as stream, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr("SystemStructure.ssd", _text(_structure(path.stem, wiring)))
+            archive.writestr("SystemStructure.ssd", xml_text(_structure(path.stem, wiring)))
             if wiring.starts:
                 named = {f"{name}.{key}": value for name, starts in wiring.starts.items() for key, value in starts.items()}
-                archive.writestr(START, _text(_parameter_set(named, wiring)))
+                archive.writestr(START, xml_text(_parameter_set(named, wiring)))
             for name, file in files.items():
                 archive.write(file, f"resources/{name}.fmu", zipfile.ZIP_STORED)
     return path, wiring
@@ -174,10 +177,3 @@ def _node(parent: Xml.Element | None, kind: str, /, **attributes: str) -> Xml.El
     prefix, _, tag = kind.partition(":")
     full = f"{{{SPACES[prefix]}}}{tag}"
     return Xml.Element(full, attributes) if parent is None else Xml.SubElement(parent, full, attributes)
-
-
-def _text(root: Xml.Element) -> str:
-    for prefix, space in SPACES.items():
-        Xml.register_namespace(prefix, space)
-    Xml.indent(root, space="  ")
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + Xml.tostring(root, encoding="unicode") + "\n"

@@ -1,4 +1,5 @@
 #include "check.hpp"
+#include "crumpled.hpp"
 #include "forces/springs.hpp"
 
 using namespace softffd;
@@ -33,13 +34,6 @@ Points summed(const std::vector<std::vector<Spring>>& list, const Points& x) {
         for (int a = 0; a < 3; ++a) f(first ? s.first : s.second, a) += (first ? pull : -pull) * d[a];
       }
   return f;
-}
-
-Points crumpled(const Lattice& lattice) {
-  Points x = rest_positions(lattice);
-  for (int p = 0; p < x.rows(); ++p)
-    for (int a = 0; a < 3; ++a) x(p, a) += 0.2 * std::sin(7.0 * p + 3.0 * a);
-  return x;
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "check.hpp"
+#include "crumpled.hpp"
 #include "forces/springs.hpp"
 
 using namespace softffd;
@@ -9,13 +10,6 @@ Springs make(const Lattice& lattice, Topology topology = Topology::distinct, Sti
   Springs springs(lattice, topology);
   springs.set_stiffness(stiffness, {});
   return springs;
-}
-
-Points crumpled(const Lattice& lattice) {
-  Points x = rest_positions(lattice);
-  for (int p = 0; p < x.rows(); ++p)
-    for (int a = 0; a < 3; ++a) x(p, a) += 0.2 * std::sin(7.0 * p + 3.0 * a);
-  return x;
 }
 
 }  // namespace

@@ -4,11 +4,7 @@
 
 // The inner loops are functions of their own: only there does the compiler believe that the arrays do not overlap. They are inlined into a
 // function for each instruction set.
-#if defined(__GNUC__)
 #define INNER static inline __attribute__((always_inline))
-#else
-#define INNER static inline
-#endif
 
 #if defined(__x86_64__)
 #include <cpuid.h>

@@ -4,11 +4,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "forces/instructions.hpp"
+#include "machine/instructions.hpp"
 
-#ifdef __GNUC__
 #pragma GCC diagnostic ignored "-Wpsabi"  // about passing such vectors between functions, which are all inline here
-#endif
 
 namespace softffd::kernels {
 
