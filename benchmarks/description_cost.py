@@ -51,7 +51,7 @@ def as_a_tree(listed: list[Variable]) -> str:
         Xml.SubElement(Xml.SubElement(parent, "ScalarVariable", what), family.get("type", "Real"), its_values(variable, start))
     structure = Xml.SubElement(root, "ModelStructure")
     direct, initial = Xml.SubElement(structure, "Outputs"), Xml.SubElement(structure, "InitialUnknowns")
-    for index, known in dependencies(listed, lambda variable: variable.index):
+    for index, known in dependencies(listed, lambda variable: variable.place):
         Xml.SubElement(direct, "Unknown", index=index, dependencies="")
         Xml.SubElement(initial, "Unknown", index=index, dependencies=known)
     Xml.indent(root)

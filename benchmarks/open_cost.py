@@ -67,7 +67,7 @@ def main() -> None:
 
 def compress_all(scene: softffd.Scene, fmu: Path) -> None:
     """Packs the scene's FMU with zipfile, which compresses every entry."""
-    texts, _ = scene_texts(scene)
+    texts, _, _ = scene_texts(scene)
     with zipfile.ZipFile(fmu, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, text in texts.items():
             archive.writestr(name, text)

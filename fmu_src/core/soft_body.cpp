@@ -67,6 +67,9 @@ Run empty_run(const Definition& definition) {
   return run;
 }
 
+/// Whether any number is not 0. Sums take several at a time, isZero() one by one.
+bool any(const Points& points) { return points.abs().sum() != 0; }
+
 bool finite(const Run& run) {
   const auto mean_is_finite = [H = run.exchange_time](const Impulse& impulse) {
     return (impulse.force / H).allFinite() && (impulse.torque / H).allFinite();
@@ -165,9 +168,9 @@ StepStatus SoftBody::refresh_drive() {
   }
   for (int axis = 0; axis < 3; ++axis) drive_.force.col(axis) = settings.force.col(axis) + settings.gravity[axis] * model_.body.mass;
   drive_.force_rate = settings.force_rate;
-  drive_.force_bend = settings.force_bend;
-  drive_.bent = !settings.force_bend[0].isZero(0) || !settings.force_bend[1].isZero(0);
-  drive_.ramped = drive_.bent || !settings.force_rate.isZero(0);
+  drive_.bent = any(settings.force_bend[0]) || any(settings.force_bend[1]);
+  drive_.ramped = drive_.bent || any(settings.force_rate);
+  if (drive_.bent) drive_.force_bend = settings.force_bend;
   drive_.since = time;
   return StepStatus::ok;
 }

@@ -21,7 +21,7 @@ namespace {
 /// Whether a number tells the body's points apart there: further away rounding is larger than the body.
 bool tells_apart(const Job& job) {
   const Points& x = job.run.path.motion.x;
-  return rounding * kernels::largest(x.size(), x.data()) <= job.model.body.length;
+  return rounding * x.abs().maxCoeff() <= job.model.body.length && (x - x).sum() == 0;  // not of what is no number
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 /// and whoever needs all of a value, its bytes or whether it is finite, goes through that list. The assertion counts the fields of the
 /// aggregate itself, so that a new one that is not listed does not compile.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <type_traits>
@@ -70,6 +71,19 @@ void each_leaf(T& value, Leaf&& leaf) {
     leaf(value);
 }
 
+/// to = from; arrays of numbers as memory, for which the C library has wider registers than this is compiled for.
+template <class T>
+void assign(T& to, const T& from) {
+  if constexpr (Visited<T>) {
+    T::visit(to, [&](auto&... into) { T::visit(from, [&](const auto&... value) { (assign(into, value), ...); }); });
+  } else if constexpr (requires { to.resizeLike(from); }) {
+    to.resizeLike(from);
+    std::copy_n(from.data(), from.size(), to.data());
+  } else {
+    to = from;
+  }
+}
+
 /// Whether all numbers are finite.
 template <class T>
 bool all_finite(const T& value) {
@@ -79,7 +93,7 @@ bool all_finite(const T& value) {
     if constexpr (std::is_same_v<Leaf, double>)
       finite = finite && std::isfinite(leaf);
     else if constexpr (!std::is_integral_v<Leaf> && !std::is_enum_v<Leaf>)
-      finite = finite && leaf.allFinite();
+      finite = finite && (leaf - leaf).sum() == 0;  // NaN of what is none; several at a time, as allFinite() is not
   });
   return finite;
 }

@@ -93,6 +93,9 @@ constexpr Binding setting(Family family, Binding::Place place, Binding::Place ra
 constexpr Binding output(Family family, Binding::Output output, Binding::Output rate = nullptr) {
   return {.family = family, .is_output = true, .output = output, .rate_output = rate};
 }
+constexpr Binding field(Family family, Binding::Field field, Binding::Output rate = nullptr) {
+  return {.family = family, .is_output = true, .field = field, .rate_output = rate};
+}
 
 }  // namespace
 
@@ -125,10 +128,10 @@ constexpr std::array<Binding, family_count> bindings{
     spread(Family::solver_method),
     setting(Family::solver_tolerance, [](Settings& s, int) { return &s.tolerance; }),
     setting(Family::solver_step, [](Settings& s, int) { return &s.step; }),
-    output(
-        Family::position, [](const Observed& o, int p, int axis) { return o.body.state().x(p, axis); },
+    field(
+        Family::position, [](const SoftBody& body) -> const Points& { return body.state().x; },
         [](const Observed& o, int p, int axis) { return o.body.state().v(p, axis); }),
-    output(Family::velocity, [](const Observed& o, int p, int axis) { return o.body.state().v(p, axis); }),
+    field(Family::velocity, [](const SoftBody& body) -> const Points& { return body.state().v; }),
     output(
         Family::probe, [](const Observed& o, int n, int axis) { return o.probes[n](o.body.state().x.col(axis)); },
         [](const Observed& o, int n, int axis) { return o.probes[n](o.body.state().v.col(axis)); }),

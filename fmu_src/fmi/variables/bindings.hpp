@@ -6,7 +6,16 @@
 
 namespace softffd::fmi {
 
-inline constexpr std::size_t family_count = std::size(families);
+inline constexpr std::size_t family_count = std::size(families), no_row = family_count;
+
+/// Where a family's row is in the table, by its id.
+inline constexpr auto rows_by_id = [] {
+  std::array<std::size_t, 128> rows{};
+  rows.fill(no_row);
+  for (std::size_t row = 0; row < family_count; ++row) rows[std::size_t(families[row].family)] = row;
+  return rows;
+}();
+constexpr std::size_t row_of(Family family) { return rows_by_id[std::size_t(family)]; }
 
 /// The members of a part, one instance of its families each: control points, or numbers in one of the scene's lists. A part without a list
 /// has one member or none.
@@ -27,15 +36,18 @@ struct Observed {
   const ErrorEstimate* estimate;  ///< null where the scene has none
 };
 
-/// A family has a place in the settings, or an output, or neither: then its values go into the settings in a way of their own.
+/// A family has a place in the settings, or an output, as a field or by component, or neither: then its values go into the settings in a
+/// way of their own.
 struct Binding {
   using Place = double* (*)(Settings& settings, int member);
   using Output = double (*)(const Observed& observed, int member, int axis);
+  using Field = const Points& (*)(const SoftBody& body);
 
   Family family;
-  bool is_output = false;        ///< then it has `output`: GCC's sanitizers do not compare function pointers while compiling
+  bool is_output = false;        ///< then it has `field` or `output`: GCC's sanitizers do not compare function pointers while compiling
   Place place = nullptr;         ///< of a member's first component
   Place rate_place = nullptr;    ///< the same for the first time derivative
+  Field field = nullptr;         ///< of which members are control points
   Output output = nullptr;       ///< a component
   Output rate_output = nullptr;  ///< its time derivative, where the body knows it
 };

@@ -26,7 +26,11 @@ void Variables::get_output_derivatives(const fmi2ValueReference* references, std
 
 /// Outputs that the next step wants to know too are read once: an energy costs as much as the springs' forces, a stable step more.
 double Variables::read(const Variable& variable, const Observed& observed) {
-  const auto now = [&] { return bindings[variable.row].output(observed, member(variable), variable.component()); };
+  const Binding& binding = bindings[variable.row];
+  const auto now = [&] {
+    if (binding.field) return binding.field(observed.body)(member(variable), variable.component());
+    return binding.output(observed, member(variable), variable.component());
+  };
   if (!differenced(variable.row)) return now();
   double& seen = seen_[variable.row][variable.index];
   if (std::isnan(seen)) seen = now();
@@ -34,17 +38,17 @@ double Variables::read(const Variable& variable, const Observed& observed) {
 }
 
 void Variables::forget_seen() {
-  for (auto& list : seen_) std::fill(list.begin(), list.end(), std::numeric_limits<double>::quiet_NaN());
+  for (const std::size_t row : differenced_) std::fill(seen_[row].begin(), seen_[row].end(), std::numeric_limits<double>::quiet_NaN());
 }
 
 void Variables::begin_step(SoftBody& body, const ErrorEstimate* estimate) {
   const Observed observed{probes_, body, estimate};
-  for (std::size_t row = 0; row < family_count; ++row)
+  for (const std::size_t row : differenced_)
     for (std::size_t index = 0; index < begun_[row].size(); ++index) begun_[row][index] = read(variable(row, int(index)), observed);
 }
 
 void Variables::end_step(double length) {
-  std::swap(last_.before, begun_);
+  for (const std::size_t row : differenced_) last_.before[row].swap(begun_[row]);
   last_.length = length;
   forget_seen();
 }

@@ -1,49 +1,17 @@
 #include "variables/variables.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
-
-#include "matrix/layer_matrix.hpp"
 
 namespace softffd::fmi {
 
 namespace {
 
-constexpr std::size_t no_row = family_count;
-
-/// Where a family's row is in the table, by its id.
-constexpr auto rows_by_id = [] {
-  std::array<std::size_t, 128> rows{};
-  rows.fill(no_row);
-  for (std::size_t row = 0; row < family_count; ++row) rows[std::size_t(families[row].family)] = row;
-  return rows;
-}();
-constexpr std::size_t row_of(Family family) { return rows_by_id[std::size_t(family)]; }
-
-int highest_order_of(Family family) { return family == Family::force || family == Family::load ? Variables::highest_order : 1; }
-
-/// Phases in which a variable may be set (FMI 2.0.4, section 4.2.4).
-unsigned settable_in(const FamilyInfo& info) {
-  if (info.causality == Causality::output) return 0;
-  const bool any_time = info.causality == Causality::input || info.variability == Variability::tunable;
-  return instantiated | initializing | (any_time ? stepping : 0u);
-}
-
-const char* type_name(Type type) { return type == Type::Real ? "Real" : "Integer"; }
-
 void replace(std::string& text, std::string_view placeholder, const std::string& value) {
   const std::size_t at = text.find(placeholder);
   if (at != text.npos) text.replace(at, placeholder.size(), value);
-}
-
-std::string shortest(double value) {
-  std::array<char, 32> text;
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() ? std::string(text.data(), end) : "?";
 }
 
 Method method_of(double value) {
@@ -84,7 +52,10 @@ Variables::Variables(const SceneFile& scene, Settings& settings) : scene_(scene)
     std::vector<int>& list = members_[std::size_t(info.part)];
     if (list.empty()) list = binding_of(info.part).members(scene);
     if (!info.pose.empty()) choose(row);
-    if (differenced(row)) begun_[row].resize(count(row));
+    if (differenced(row) && count(row) > 0) {
+      differenced_.push_back(row);
+      begun_[row].resize(count(row));
+    }
     if (info.causality == Causality::output) continue;
     for (int index = 0; index < count(row); ++index) {
       const Variable each = variable(row, index);
@@ -93,6 +64,9 @@ Variables::Variables(const SceneFile& scene, Settings& settings) : scene_(scene)
     for (int order = 1; order <= highest_order_of(info.family); ++order) starts_.rates[order - 1][row].resize(starts_.numbers[row].size());
   }
   starts_.numbers[row_of(Family::solver_method)] = {double(scene.method)};
+  int most = 0;
+  for (std::size_t row = 0; row < family_count; ++row) most += count(row);
+  for (Meant* last : {&last_set_[0], &last_set_[1], &last_got_[0], &last_got_[1]}) last->reserve(most);
   for (const auto& probe : scene.probes) probes_.push_back(embed(scene.basis, scene.definition.lattice, probe.at));
   reset();
 }
@@ -145,83 +119,6 @@ std::string Variables::name(fmi2ValueReference reference) const {
   if (part.name) replace(text, "{name}", part.name(scene_, own));
   if (!info.components.empty()) replace(text, "{c}", std::string(1, info.components[variable->component()]));
   return text;
-}
-
-Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) const {
-  const auto variable = find(reference);
-  if (!variable) throw CallError(name(reference) + ": this scene has no such variable");
-  const Type own = variable->info().type;
-  if (own != type) throw CallError(name(reference) + ": is of type " + type_name(own) + ", got a call for " + type_name(type));
-  return *variable;
-}
-
-void Variables::check_method(double method) const {
-  const Lattice& lattice = scene_.definition.lattice;
-  const std::string name(families[row_of(Family::solver_method)].name);
-  if (!(method >= 1 && method <= method_count)) {
-    std::string wanted;
-    for (int value = 1; value <= method_count; ++value)
-      if (has_method(lattice, value))
-        wanted.append(wanted.empty() ? "" : ", ").append(std::to_string(value) + " ").append(methods[value - 1].name);
-    throw CallError(name + ": wanted one of " + wanted + ", got " + shortest(method));
-  }
-  if (!has_method(lattice, int(method)))
-    throw CallError(name + ": " + std::string(methods[int(method) - 1].name) + " is for lattices with at most " +
-                    std::to_string(LayerMatrix::widest) + " control points in a layer across the axis with most, this one has " +
-                    std::to_string(LayerMatrix::points_per_layer(lattice)) + "; wanted auto (1) or an explicit method, e.g. dop853 (" +
-                    std::to_string(int(MethodValue::dop853)) + ")");
-}
-
-void Variables::check_settable(Phase phase, fmi2ValueReference reference, Type type, double value) const {
-  const FamilyInfo& info = checked(reference, type).info();
-  if (!(settable_in(info) & phase))
-    throw CallError(name(reference) + ": cannot be set " +
-                    (info.causality == Causality::output ? "(it is an output)" : "after initialization"));
-  const auto wanted = [&](const std::string& what) {
-    const std::string unit = info.unit.empty() || info.unit == "1" ? std::string() : std::string(" ").append(info.unit);
-    return CallError(name(reference) + ": wanted " + what + unit + ", got " + shortest(value));
-  };
-  if (!std::isfinite(value)) throw CallError(name(reference) + ": wanted a finite number, got " + shortest(value));
-  if (info.family == Family::solver_method) check_method(value);
-  if (value < info.min) throw wanted(">= " + shortest(info.min));
-  if (value <= info.above) throw wanted("> " + shortest(info.above));
-}
-
-void Variables::set(Phase phase, Type type, const fmi2ValueReference* references, std::size_t count, const double* numbers) {
-  for (std::size_t n = 0; n < count; ++n) check_settable(phase, references[n], type, numbers[n]);
-  for (std::size_t n = 0; n < count; ++n) {
-    const Variable variable = *find(references[n]);
-    values_.numbers[variable.row][variable.index] = numbers[n];
-    values_.changed = true;
-    values_.material_changed = values_.material_changed || variable.info().material;
-  }
-}
-
-void Variables::get(Type type, const fmi2ValueReference* references, std::size_t count, double* numbers, SoftBody& body,
-                    const ErrorEstimate* estimate) {
-  for (std::size_t n = 0; n < count; ++n) checked(references[n], type);
-  const Observed observed{probes_, body, estimate};
-  for (std::size_t n = 0; n < count; ++n) {
-    const Variable variable = *find(references[n]);
-    numbers[n] = bindings[variable.row].output ? read(variable, observed) : values_.numbers[variable.row][variable.index];
-  }
-}
-
-void Variables::set_input_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders,
-                                      const double* numbers) {
-  for (std::size_t n = 0; n < count; ++n) {
-    const FamilyInfo& info = checked(references[n], Type::Real).info();
-    if (info.causality != Causality::input) throw CallError(name(references[n]) + ": is no input, it has no input derivative");
-    if (const int highest = highest_order_of(info.family); orders[n] < 1 || orders[n] > highest)
-      throw CallError(name(references[n]) + ": wanted a derivative of order 1" + (highest > 1 ? " to " + std::to_string(highest) : "") +
-                      ", got " + std::to_string(orders[n]));
-    if (!std::isfinite(numbers[n])) throw CallError(name(references[n]) + ": wanted a finite derivative, got " + shortest(numbers[n]));
-  }
-  for (std::size_t n = 0; n < count; ++n) {
-    const Variable variable = *find(references[n]);
-    values_.rates[orders[n] - 1][variable.row][variable.index] = numbers[n];
-    values_.changed = values_.rated = true;
-  }
 }
 
 void Variables::restore(Values values, LastStep last) {

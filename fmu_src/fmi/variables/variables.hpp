@@ -93,10 +93,19 @@ class Variables {
     int instance() const { return place / components_of(row); }
     int component() const { return place % components_of(row); }
   };
+  /// What a list of value references means: the last one of a kind of call is kept, for hosts call with the same again and again.
+  struct Meant {
+    std::vector<fmi2ValueReference> references;
+    std::vector<Variable> variables;
+    std::vector<int> places;  ///< in the field, of those of fields
+    void reserve(std::size_t most);
+  };
   static int components_of(std::size_t row) { return std::max(1, int(families[row].components.size())); }
   std::optional<Variable> find(fmi2ValueReference reference) const;
+  /// Throws CallError where a reference is none of a variable of this type.
+  const Meant& meant(Meant& last, Type type, const fmi2ValueReference* references, std::size_t count);
   Variable checked(fmi2ValueReference reference, Type type) const;
-  void check_settable(Phase phase, fmi2ValueReference reference, Type type, double value) const;
+  void check_settable(Phase phase, fmi2ValueReference reference, const FamilyInfo& info, double value) const;
   int member(const Variable& variable) const { return members(variable.info().part)[variable.instance()]; }
   const std::vector<int>& members(Part part) const { return members_[std::size_t(part)]; }
   void choose(std::size_t row);
@@ -109,11 +118,14 @@ class Variables {
   void spread(const Table& table, Points& force) const;
   double read(const Variable& variable, const Observed& observed);
   void forget_seen();
+  static int highest_order_of(Family family);
 
   const SceneFile& scene_;
   std::array<std::vector<int>, family_count> members_;  ///< by part; there are no more parts than families
   std::array<std::vector<int>, family_count> chosen_;   ///< by row, of poses: the places that are there
   std::vector<Embedding> probes_;
+  std::vector<std::size_t> differenced_;      ///< the rows of `begun_` and `seen_` that have any
+  std::array<Meant, 2> last_set_, last_got_;  ///< by type
   Values starts_, values_;
   LastStep last_;
   Table begun_;  ///< those outputs at the start of a communication step that is not done yet

@@ -59,7 +59,7 @@ def _demo(options: argparse.Namespace) -> None:
 def _build(options: argparse.Namespace) -> None:
     from softffd.fmu.arrays import array_variables
     from softffd.fmu.package import package_fmu, scene_masses
-    from softffd.fmu.variables import size_warning, variables
+    from softffd.fmu.variables import number_of_variables, size_warning
     from softffd.installed import least_glibc, libraries
 
     scene = load_scene(options.scene)
@@ -69,7 +69,7 @@ def _build(options: argparse.Namespace) -> None:
         )
     masses = scene_masses(scene)
     print(f"{path}: {scene.title}")
-    count = len(variables(scene, masses.mass)) if options.fmi == 2 else len(array_variables(scene, masses.mass)) + 1  # and time
+    count = number_of_variables(scene, masses.mass) if options.fmi == 2 else len(array_variables(scene, masses.mass)) + 1  # and time
     print(f"  {count} variables, {path.stat().st_size / 1024:.0f} kB, mass {masses.mass.sum():.6g} kg")
     needs = {name: least_glibc(library) for name, library in libraries(options.platform).items()}
     print("  runs on " + ", ".join(f"{name} with glibc {glibc} or newer" if glibc else name for name, glibc in needs.items()))

@@ -28,6 +28,7 @@ from softffd.fmu.block import Block, number_of
 from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
 from softffd.fmu.records import PinRecord, read_lattice, read_pins
 from softffd.fmu.scalars import read_interface3
+from softffd.fmu.unpacking import unpack
 from softffd.lattice import LatticeBox
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -101,21 +102,22 @@ class Component:
         self._keep_loop_calls()
 
     def _unpack(self, path: Path) -> str | None:
-        """Unpacks and reads an FMU; returns the path of its library where that is not where FMI 2.0 says."""
+        """Unpacks and reads an FMU; returns the path of its library where that is not where FMI 2.0 says: the installed one if it is the
+        same."""
         import fmpy
 
         self._name = str(path)
         try:
-            fmpy.extract(str(path), unzipdir=self._folder)
+            library = unpack(path, self._folder)
             description = self.description
             resources = Path(self._folder) / "resources"
             if description.fmiVersion.startswith("3.") and read_lattice(resources):
                 self.interface = read_interface3(description, resources)
-                return str(next(Path(self._folder).glob(f"binaries/{fmpy.platform_tuple}/{IDENTIFIER}.*")))
+                return library or str(next(Path(self._folder).glob(f"binaries/{fmpy.platform_tuple}/{IDENTIFIER}.*")))
             if description.coSimulation is None or description.fmiVersion != "2.0":
                 raise FmuError(f"{path}: wanted an FMI 2.0 co-simulation FMU, or one of this package for FMI 3.0")
             self.interface = read_interface(description)
-            return None
+            return library
         except FmuError:
             raise
         except Exception as error:

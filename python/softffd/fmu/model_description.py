@@ -48,7 +48,7 @@ def _listed(variables: list[Variable]) -> Iterator[str]:
 
 
 def _structure(variables: list[Variable]) -> Iterator[str]:
-    outputs = dependencies(variables, attrgetter("index"))
+    outputs = dependencies(variables, attrgetter("place"))
     if not outputs:
         yield "<ModelStructure/>"
         return

@@ -17,7 +17,7 @@ from softffd.fmu.interface import Interface, scene_interface
 from softffd.fmu.model_description import model_description
 from softffd.fmu.model_description3 import model_description3
 from softffd.fmu.records import NAME, scene_records, scene_text
-from softffd.fmu.variables import variables
+from softffd.fmu.variables import Variable, variables
 from softffd.installed import data_folder, libraries
 from softffd.scene.scene import Scene
 from softffd.spelling import did_you_mean
@@ -63,7 +63,7 @@ def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None =
         raise SoftffdError(f"fmi: wanted 2 or 3, got {fmi!r:.70}")
     found = libraries(platforms)
     if fmi == 2:
-        texts, _ = scene_texts(scene)
+        texts, _, _ = scene_texts(scene)
         folders, icon = {name: name for name in found}, "model.png"
     else:
         texts = scene_texts3(scene)
@@ -81,11 +81,11 @@ def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None =
 def write_folder(scene: Scene, folder: Path) -> Interface:
     """Writes what a run of the scene's FMU reads to a folder that exists: no archive, and the library stays where it is installed."""
     _require_scene(scene, "a run")
-    texts, interface = scene_texts(scene)
+    texts, listed, guid = scene_texts(scene)
     (folder / "resources").mkdir()
     for name, text in texts.items():
         (folder / name).write_bytes(text)
-    return interface
+    return scene_interface(scene, listed, guid)
 
 
 def _require_scene(scene: Any, who: str) -> None:
@@ -93,12 +93,12 @@ def _require_scene(scene: Any, who: str) -> None:
         raise SoftffdError(f"{who}: wanted a Scene, got {scene!r:.70}; load_scene gives the scene of a file")
 
 
-def scene_texts(scene: Scene) -> tuple[dict[str, bytes], Interface]:
-    """The two files of an FMU that differ from scene to scene, and what they say to a host."""
+def scene_texts(scene: Scene) -> tuple[dict[str, bytes], list[Variable], str]:
+    """The two files of an FMU that differ from scene to scene, its variables and its guid."""
     mass = scene_masses(scene).mass
     listed = variables(scene, mass)
     texts, guid = _completed_texts(model_description(scene, listed), scene_records(scene, mass))
-    return texts, scene_interface(scene, listed, guid)
+    return texts, listed, guid
 
 
 def scene_texts3(scene: Scene) -> dict[str, bytes]:

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass
-from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from softffd.fmu.values import list_of_values
 from softffd.installed import available_methods, table
 from softffd.lattice import Point
-from softffd.names import variable_name
+from softffd.names import variable_names
 from softffd.scene.scene import Scene
 from softffd.scene.sections import Pin, Plane
 from softffd.scene.selection import Selection
@@ -24,11 +22,10 @@ READABLE = 20_000
 """More variables than this make the descriptions slow to read in many tools"""
 
 
-@dataclass(frozen=True)
-class Variable:
-    """One scalar variable as modelDescription.xml states it; `index` counts from 1 in the order of the table."""
+class Variable(NamedTuple):
+    """One scalar variable as modelDescription.xml states it; `place` counts from 1 in the order of the table."""
 
-    index: int
+    place: int
     name: str
     reference: int
     family: dict[str, Any]
@@ -166,25 +163,33 @@ def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
     found: list[Variable] = []
     counts: Counter[str] = Counter()
     for families in families_of_one_name():
-        components = families[0].get("components", "")
-        for instance, component in product(present[families[0]["part"]], range(max(1, len(components)))):
-            words = {**instance, "c": components[component] if components else ""}
-            family = next(each for each in families if has_component(each, words))
-            number = counts[family["key"]]
-            counts[family["key"]] += 1
-            found.append(
-                Variable(
-                    index=len(found) + 1,
-                    name=variable_name(family["key"], _instance(words), words["c"], plain=plain),
-                    reference=family["id"] << 24 | number,
-                    family=family,
-                    start=value_in(family, "start", instance, component),
-                    most=value_in(family, "max", instance, component),
-                    nominal=value_in(family, "nominal", usual, component),
-                    description=family["description"].format(**words),
+        letters = families[0].get("components", "") or [""]
+        for instance in present[families[0]["part"]]:
+            names = variable_names(families[0]["key"], (_instance(instance),), plain=plain)
+            for component, (letter, name) in enumerate(zip(letters, names, strict=True)):
+                words = {**instance, "c": letter}
+                family = families[0] if len(families) == 1 else next(each for each in families if has_component(each, words))
+                number = counts[family["key"]]
+                counts[family["key"]] += 1
+                found.append(
+                    Variable(
+                        place=len(found) + 1,
+                        name=name,
+                        reference=family["id"] << 24 | number,
+                        family=family,
+                        start=value_in(family, "start", instance, component),
+                        most=value_in(family, "max", instance, component),
+                        nominal=value_in(family, "nominal", usual, component),
+                        description=family["description"].format(**words),
+                    )
                 )
-            )
     return found
+
+
+def number_of_variables(scene: Scene, mass: np.ndarray) -> int:
+    """How many `variables` has: each component of a part is of one of the families that share its name."""
+    present = parts(scene, mass)
+    return sum(len(present[families[0]["part"]]) * max(1, len(families[0].get("components", ""))) for families in families_of_one_name())
 
 
 def size_warning(scene: Scene, count: int) -> str | None:

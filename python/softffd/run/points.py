@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from softffd.run.parts import Vector
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from softffd.fmu.interface import ScalarVariable
     from softffd.run.simulation import Simulation
 
 
@@ -67,7 +69,14 @@ def is_position(name: str) -> bool:
     return bool((found := parse_name(name)) and found.family == "position")
 
 
-def places(names: list[str]) -> np.ndarray:
+def in_place(variables: list[ScalarVariable]) -> list[ScalarVariable]:
+    """The positions of control points in the order of an array (nx, ny, nz, 3), and then the others in theirs."""
+    moved = [variable for variable in variables if is_position(variable.name)]
+    order = np.lexsort(places([variable.name for variable in moved]).T[::-1])
+    return [moved[place] for place in order] + [variable for variable in variables if not is_position(variable.name)]
+
+
+def places(names: Sequence[str]) -> np.ndarray:
     """Indices (m, 4) of the variables of control points: i, j, k, number of the component."""
     found = [parse_name(name) for name in names]
     rows = [[*name.instance, "xyz".index(name.component)] for name in found if name and isinstance(name.instance, tuple)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -18,7 +18,7 @@ from softffd.run.choices import choice_in, shares
 from softffd.run.driven import driven_inputs, require_undriven
 from softffd.run.inputs import Inputs, Source
 from softffd.run.many_steps import ManySteps
-from softffd.run.points import is_position, places
+from softffd.run.points import in_place, is_position, places
 from softffd.run.recorded import recorded_outputs
 from softffd.run.result import Result
 from softffd.run.simulation import Simulation, open_component
@@ -134,7 +134,7 @@ class _Recorder:
         component = simulation.component
         driven = driven_inputs(component, source)
         inputs, given = component.block_of(driven), component.block_of(driven[: len(source.names)])
-        reals = component.block_of([v for v in component.variables("output") if v.name in chosen])
+        reals = component.block_of(in_place([v for v in component.variables("output") if v.name in chosen]))
         integers = component.block_of([v for v in component.variables("output", real=False) if v.name in chosen])
         places = math.prod(component.lattice.points) if component.lattice else len(reals.names) // 3
         held = len(inputs.names) + len(component.variables("input"))
@@ -212,9 +212,9 @@ class _Recorder:
     def result(self, summary: dict[str, Any], scene: Scene | None) -> Result:
         component = self.simulation.component
         names = self.reals.names
-        moved = [column for column, name in enumerate(names) if is_position(name)]
-        positions = _positions([names[column] for column in moved], np.take(self.real_rows, moved, axis=1), component.lattice)
-        others = {name: self.real_rows[:, column] for column, name in enumerate(names) if not is_position(name)}
+        moved = sum(map(is_position, names))
+        positions = _positions(names[:moved], self.real_rows[:, :moved], component.lattice)
+        others = dict(zip(names[moved:], self.real_rows[:, moved:].T, strict=True))
         others |= dict(zip(self.integers.names, self.integer_rows.T, strict=True))
         held = {v.name: np.full(len(self.times), self.starts[v.name]) for v in component.variables("input")}
         held |= dict(zip(self.inputs.names, self.input_rows.T, strict=True))
@@ -230,11 +230,13 @@ def _read(component: Component, causality: str) -> dict[str, float]:
     return dict(zip(block.names, block.get().tolist(), strict=True))
 
 
-def _positions(names: list[str], values: np.ndarray, lattice: LatticeBox | None) -> np.ndarray:
-    """(T, nx, ny, nz, 3) from values (T, m) of variables position[i,j,k].c; NaN where there is none. Without a lattice the largest indices
-    count."""
+def _positions(names: Sequence[str], values: np.ndarray, lattice: LatticeBox | None) -> np.ndarray:
+    """(T, nx, ny, nz, 3) from values (T, m) of variables position[i,j,k].c in the order of their places: a view where all are there, else
+    with NaN where there is none. Without a lattice the largest indices count."""
     indices = places(names)
     counts = lattice.points if lattice else tuple(indices[:, :3].max(axis=0, initial=-1) + 1)
+    if len(names) == 3 * math.prod(counts):
+        return values.reshape(-1, *counts, 3)
     positions = np.full((len(values), *counts, 3), np.nan)
     if names:
         positions.reshape(len(values), -1)[:, np.ravel_multi_index(tuple(indices.T), positions.shape[1:])] = values

@@ -1,4 +1,5 @@
 /// The C interface driven as a host drives it; meant for sanitizers above all.
+#include <cfenv>
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -39,6 +40,18 @@ std::vector<double> run(fmi2Component c, int steps) {
 }
 
 }  // namespace
+
+TEST(floating_point_exceptions_are_the_hosts_own) {
+  fmi2Component c = instantiate();
+  std::feclearexcept(FE_ALL_EXCEPT);
+  run(c, 2);
+  CHECK(std::fetestexcept(FE_ALL_EXCEPT) == 0);
+  std::feraiseexcept(FE_DIVBYZERO);
+  CHECK(fmi2DoStep(c, 0.02, 0.01, fmi2True) == fmi2OK);
+  CHECK(std::fetestexcept(FE_ALL_EXCEPT) == FE_DIVBYZERO);
+  std::feclearexcept(FE_ALL_EXCEPT);
+  fmi2FreeInstance(c);
+}
 
 TEST(threads_and_resets_give_the_same_bits) {
   fmi2Component one = instantiate();

@@ -134,6 +134,30 @@ TEST(every_output_can_be_read_and_not_set) {
   CHECK(scene.get(reference_of(Family::probe, 2)) > 1);
 }
 
+TEST(lists_of_the_same_length_one_after_the_other_are_told_apart) {
+  Scene scene;
+  const auto get = [&](Type type, std::vector<fmi2ValueReference> references) {
+    std::vector<double> numbers(references.size(), NAN);
+    scene.variables.get(type, references.data(), references.size(), numbers.data(), scene.body, &scene.estimate);
+    return numbers;
+  };
+  const fmi2ValueReference x = reference_of(Family::position, 15), z = reference_of(Family::position, 17),
+                           mass = reference_of(Family::mass);
+  const fmi2ValueReference steps = reference_of(Family::solver_steps), none = reference_of(Family::position, 24);
+  for (int times = 0; times < 2; ++times) {
+    CHECK(get(Type::Real, {x, z, mass}) == std::vector<double>({1, 1.5, 2}));
+    CHECK(get(Type::Real, {z, mass, x}) == std::vector<double>({1.5, 2, 1}));
+    CHECK(get(Type::Integer, {steps, steps, steps}) == std::vector<double>(3, 0));
+    CHECK(!refusal([&] { get(Type::Real, {z, mass, none}); }).empty() && !refusal([&] { get(Type::Integer, {z, mass, x}); }).empty());
+    CHECK(get(Type::Real, {}).empty() && get(Type::Real, {z, mass, x}) == std::vector<double>({1.5, 2, 1}));
+  }
+  for (const fmi2ValueReference each : {reference_of(Family::load, 0), reference_of(Family::load, 2)}) {
+    scene.set(each, 7);
+    CHECK(scene.get(each) == 7);
+  }
+  CHECK(scene.get(reference_of(Family::load, 1)) == 0);
+}
+
 TEST(references_of_no_variable_are_refused) {
   Scene scene;
   for (const FamilyInfo& info : families) {

@@ -1,7 +1,9 @@
 """What a simulation is opened from, and what it leaves behind."""
 
 from pathlib import Path
+from zipfile import ZipFile
 
+import fmpy
 import numpy as np
 import pytest
 
@@ -41,6 +43,29 @@ def test_a_run_leaves_no_folder_behind(monkeypatch, tmp_path):
     with pytest.raises(FmuError):
         Simulation(scene(), method="fast")
     assert not list(tmp_path.iterdir())
+
+
+def test_an_fmu_with_the_installed_library_is_opened_without_unpacking_it(monkeypatch, tmp_path):
+    fmu = package_fmu(scene(), tmp_path / "box.fmu")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "unpacked"))
+    (tmp_path / "unpacked").mkdir()
+
+    def opened(path):
+        with Simulation(path) as simulation:
+            step(simulation)
+            (folder,) = (tmp_path / "unpacked").iterdir()
+            return simulation.positions, {file.relative_to(folder).as_posix() for file in folder.rglob("*.*")}
+
+    positions, files = opened(fmu)
+    assert files == {"modelDescription.xml", "model.png", "resources/scene.txt"}
+    library = f"binaries/{fmpy.platform}/{installed.host_library().name}"
+    with ZipFile(fmu) as whole, ZipFile(tmp_path / "other.fmu", "w") as changed:
+        for name in whole.namelist():
+            changed.writestr(name, whole.read(name) + (b"another" if name == library else b""))
+        changed.writestr("binaries/elsewhere/softffd.so", whole.read(library))
+    with_other, others = opened(tmp_path / "other.fmu")
+    assert others == files | {library}
+    np.testing.assert_array_equal(with_other, positions)
 
 
 @pytest.mark.parametrize(

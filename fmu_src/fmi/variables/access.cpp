@@ -1,0 +1,135 @@
+/// Variables as a host sets and gets them: what its value references mean, and what it may hand over.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "matrix/layer_matrix.hpp"
+#include "variables/variables.hpp"
+
+namespace softffd::fmi {
+
+namespace {
+
+/// Phases in which a variable may be set (FMI 2.0.4, section 4.2.4).
+unsigned settable_in(const FamilyInfo& info) {
+  if (info.causality == Causality::output) return 0;
+  const bool any_time = info.causality == Causality::input || info.variability == Variability::tunable;
+  return instantiated | initializing | (any_time ? stepping : 0u);
+}
+
+const char* type_name(Type type) { return type == Type::Real ? "Real" : "Integer"; }
+
+std::string shortest(double value) {
+  std::array<char, 32> text;
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() ? std::string(text.data(), end) : "?";
+}
+
+}  // namespace
+
+Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) const {
+  const auto variable = find(reference);
+  if (!variable) throw CallError(name(reference) + ": this scene has no such variable");
+  const Type own = variable->info().type;
+  if (own != type) throw CallError(name(reference) + ": is of type " + type_name(own) + ", got a call for " + type_name(type));
+  return *variable;
+}
+
+void Variables::check_method(double method) const {
+  const Lattice& lattice = scene_.definition.lattice;
+  const std::string name(families[row_of(Family::solver_method)].name);
+  if (!(method >= 1 && method <= method_count)) {
+    std::string wanted;
+    for (int value = 1; value <= method_count; ++value)
+      if (has_method(lattice, value))
+        wanted.append(wanted.empty() ? "" : ", ").append(std::to_string(value) + " ").append(methods[value - 1].name);
+    throw CallError(name + ": wanted one of " + wanted + ", got " + shortest(method));
+  }
+  if (!has_method(lattice, int(method)))
+    throw CallError(name + ": " + std::string(methods[int(method) - 1].name) + " is for lattices with at most " +
+                    std::to_string(LayerMatrix::widest) + " control points in a layer across the axis with most, this one has " +
+                    std::to_string(LayerMatrix::points_per_layer(lattice)) + "; wanted auto (1) or an explicit method, e.g. dop853 (" +
+                    std::to_string(int(MethodValue::dop853)) + ")");
+}
+
+void Variables::check_settable(Phase phase, fmi2ValueReference reference, const FamilyInfo& info, double value) const {
+  if (!(settable_in(info) & phase))
+    throw CallError(name(reference) + ": cannot be set " +
+                    (info.causality == Causality::output ? "(it is an output)" : "after initialization"));
+  const auto wanted = [&](const std::string& what) {
+    const std::string unit = info.unit.empty() || info.unit == "1" ? std::string() : std::string(" ").append(info.unit);
+    return CallError(name(reference) + ": wanted " + what + unit + ", got " + shortest(value));
+  };
+  if (!std::isfinite(value)) throw CallError(name(reference) + ": wanted a finite number, got " + shortest(value));
+  if (info.family == Family::solver_method) check_method(value);
+  if (value < info.min) throw wanted(">= " + shortest(info.min));
+  if (value <= info.above) throw wanted("> " + shortest(info.above));
+}
+
+void Variables::Meant::reserve(std::size_t most) {
+  references.reserve(most);
+  variables.reserve(most);
+  places.reserve(most);
+}
+
+const Variables::Meant& Variables::meant(Meant& last, Type type, const fmi2ValueReference* references, std::size_t count) {
+  if (last.references.size() == count && std::equal(references, references + count, last.references.begin())) return last;
+  last.references.clear();
+  last.variables.clear();
+  last.places.clear();
+  for (std::size_t n = 0; n < count; ++n) {
+    const Variable variable = checked(references[n], type);
+    last.variables.push_back(variable);
+    last.places.push_back(bindings[variable.row].field ? member(variable) + variable.component() * scene_.definition.lattice.points() : 0);
+  }
+  last.references.assign(references, references + count);
+  return last;
+}
+
+void Variables::set(Phase phase, Type type, const fmi2ValueReference* references, std::size_t count, const double* numbers) {
+  const auto& variables = meant(last_set_[std::size_t(type)], type, references, count).variables;
+  for (std::size_t n = 0; n < count; ++n) check_settable(phase, references[n], variables[n].info(), numbers[n]);
+  for (std::size_t n = 0; n < count; ++n) {
+    const Variable& variable = variables[n];
+    values_.numbers[variable.row][variable.index] = numbers[n];
+    values_.changed = true;
+    values_.material_changed = values_.material_changed || variable.info().material;
+  }
+}
+
+void Variables::get(Type type, const fmi2ValueReference* references, std::size_t count, double* numbers, SoftBody& body,
+                    const ErrorEstimate* estimate) {
+  const Meant& list = meant(last_got_[std::size_t(type)], type, references, count);
+  const Observed observed{probes_, body, estimate};
+  for (std::size_t n = 0; n < count;) {
+    const auto [row, index, place] = list.variables[n];
+    if (bindings[row].field) {
+      const double* values = bindings[row].field(body).data();
+      for (; n < count && list.variables[n].row == row; ++n) numbers[n] = values[list.places[n]];
+    } else {
+      numbers[n] = bindings[row].is_output ? read(list.variables[n], observed) : values_.numbers[row][index];
+      ++n;
+    }
+  }
+}
+
+int Variables::highest_order_of(Family family) { return family == Family::force || family == Family::load ? highest_order : 1; }
+
+void Variables::set_input_derivatives(const fmi2ValueReference* references, std::size_t count, const fmi2Integer* orders,
+                                      const double* numbers) {
+  for (std::size_t n = 0; n < count; ++n) {
+    const FamilyInfo& info = checked(references[n], Type::Real).info();
+    if (info.causality != Causality::input) throw CallError(name(references[n]) + ": is no input, it has no input derivative");
+    if (const int highest = highest_order_of(info.family); orders[n] < 1 || orders[n] > highest)
+      throw CallError(name(references[n]) + ": wanted a derivative of order 1" + (highest > 1 ? " to " + std::to_string(highest) : "") +
+                      ", got " + std::to_string(orders[n]));
+    if (!std::isfinite(numbers[n])) throw CallError(name(references[n]) + ": wanted a finite derivative, got " + shortest(numbers[n]));
+  }
+  for (std::size_t n = 0; n < count; ++n) {
+    const Variable variable = *find(references[n]);
+    values_.rates[orders[n] - 1][variable.row][variable.index] = numbers[n];
+    values_.changed = values_.rated = true;
+  }
+}
+
+}  // namespace softffd::fmi

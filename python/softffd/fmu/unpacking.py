@@ -1,0 +1,53 @@
+"""What of an FMU's archive a run unpacks."""
+
+from __future__ import annotations
+
+import zlib
+from functools import cache
+from pathlib import Path
+from zipfile import ZipFile, ZipInfo
+
+import fmpy
+
+from softffd.errors import SoftffdError
+from softffd.installed import host_library, loaded_library
+
+
+def unpack(path: Path, folder: str) -> str | None:
+    """Unpacks what a run reads: no documentation, no libraries of other platforms. Returns the path of the installed library where the FMU
+    has the same one, which is not unpacked then: that and loading it again would take longer than a thousand communication steps."""
+    with ZipFile(path) as archive:
+        same = next((entry.filename for entry in archive.infolist() if _is_installed(entry)), None)
+    fmpy.extract(str(path), unzipdir=folder, include=lambda name: name != same and _is_read(name))
+    if not same:
+        return None
+    loaded_library()
+    return str(host_library())
+
+
+def _is_read(name: str) -> bool:
+    room, _, rest = name.partition("/")
+    return room not in ("documentation", "sources") and (room != "binaries" or rest.partition("/")[0] in _platforms())
+
+
+def _is_installed(entry: ZipInfo) -> bool:
+    """Whether it is this platform's library, and the installed one by what the archive's directory says of its content."""
+    room, _, rest = entry.filename.partition("/")
+    platform, _, name = rest.partition("/")
+    return room == "binaries" and platform in _platforms() and (name, entry.CRC, entry.file_size) == _installed()
+
+
+def _platforms() -> tuple[str, str]:
+    """What FMI 2.0 and 3.0 call this machine."""
+    return fmpy.platform, fmpy.platform_tuple
+
+
+@cache
+def _installed() -> tuple[str, int, int] | None:
+    """Name, CRC-32 and size [bytes] of the installed library; None where there is none for this machine."""
+    try:
+        library = host_library()
+    except SoftffdError:
+        return None
+    content = library.read_bytes()
+    return library.name, zlib.crc32(content), len(content)
