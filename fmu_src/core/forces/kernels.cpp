@@ -55,7 +55,7 @@ INNER void add_stiffness_bounds(const SpringRow& springs, int points, const doub
                                 double* bounds) {
   const int lanes = springs.lanes;
   const double *a = x + springs.begin, *b = a + springs.offset;
-  const auto part = [&](int c) __attribute__((always_inline)) { return bounds + c * lanes; };
+  const auto part = [&](int c) INLINED { return bounds + c * lanes; };
   bound(lanes, a, a + points, a + 2 * points, b, b + points, b + 2 * points, springs.rest_length, part(0), part(1), part(2), part(3),
         part(4), part(5));
   for (int c = 0; c < 6; ++c) {

@@ -18,6 +18,7 @@ struct KickCoefficients {
   explicit KickCoefficients(int points) : a(Scalars::Zero(3 * points)), b(a) {}
   /// f = spring + outside forces [N].
   void apply(bool damped, const Points& spring, const Points& outside, Points& v) const;
+  Stage::Kick kick() const { return {a.data(), b.data()}; }
   Scalars a, b;
 };
 
@@ -29,6 +30,9 @@ class HalfKicks {
 
   void open(const Points& spring, const Points& external, Points& v) const { open_.apply(damped_, spring, external, v); }
   void close(const Points& spring, const Points& external, Points& v) const { close_.apply(damped_, spring, external, v); }
+
+  /// A closing half kick, the next opening one and the drift after it.
+  Stage stage() const { return {{close_.kick(), open_.kick()}, 2, h_}; }
 
   /// The impulse that a velocity change right after the half kick stands for [N s per m/s]: (h/2) / b.
   double opening_mass(int p) const { return 0.5 * h_ / open_.b[p]; }

@@ -39,6 +39,10 @@ class Springs {
 
   /// f = spring forces on the points at x [N], (points, 3).
   void force(const Points& x, Points& f) const { pass_.force(x.data(), f.data()); }
+  /// A stage by these forces and the outside ones [N] from x and v to the positions `next`, all (points, 3).
+  void advance(const Stage& stage, const Points& outside, const Points& x, Points& v, Points& next) const {
+    pass_.advance(stage, outside.data(), x.data(), v.data(), next.data());
+  }
   /// Elastic energy at x [J].
   double energy(const Points& x) const;
   /// Number of springs; a doubled segment counts twice.

@@ -4,7 +4,8 @@
 
 // The inner loops are functions of their own: only there does the compiler believe that the arrays do not overlap. They are inlined into a
 // function for each instruction set.
-#define INNER static inline __attribute__((always_inline))
+#define INLINED __attribute__((always_inline))
+#define INNER static inline INLINED
 
 #if defined(__x86_64__)
 #include <cpuid.h>

@@ -31,10 +31,12 @@ struct Triple {
 };
 
 template <int n>
+INNER void store(double* x, const Lanes<n>& v) {
+  std::memcpy(x, &v, sizeof v);
+}
+template <int n>
 INNER void store(double* x, std::ptrdiff_t column, const Triple<n>& v) {
-  std::memcpy(x, &v.x, sizeof v.x);
-  std::memcpy(x + column, &v.y, sizeof v.y);
-  std::memcpy(x + 2 * column, &v.z, sizeof v.z);
+  store<n>(x, v.x), store<n>(x + column, v.y), store<n>(x + 2 * column, v.z);
 }
 
 template <int n>

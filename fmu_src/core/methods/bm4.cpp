@@ -82,8 +82,29 @@ void Bm4::kick(const Equations& equations, int k, double t, State& state) {
 Outcome Bm4::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
   const Equations equations{model.body, drive};
   prepare(model.body, span.h);
-  for (Count i = 0; i < span.steps; ++i) step(equations, span.time(i), span.h, run.path.motion, run.path.exchange);
+  ledger_.open(equations, drive.watch);
+  if (!ledger_.recording() && !drive.ramped && !model.body.volume)
+    glide(equations, span, run.path.motion);
+  else
+    for (Count i = 0; i < span.steps; ++i) step(equations, span.time(i), span.h, run.path.motion, run.path.exchange);
   return {.work = double(span.steps) * traits(Method::bm4).work};
+}
+
+/// Steps of which nothing is asked between forces and drift: each pair of a kick and a drift is one pass.
+void Bm4::glide(const Equations& equations, const Span& span, State& state) {
+  const auto& [body, around] = equations;
+  kicks_[order[0]].apply(damped_, state.spring, around.force, state.v);
+  kernels::drift(state.x.size(), drift_shares[0] * h_, state.x.data(), state.v.data(), next_.data());
+  state.x.swap(next_);
+  const Count drifts = Count(drift_shares.size()), last = span.steps * drifts;
+  for (Count n = 1; n < last; ++n) {
+    const int i = int(n % drifts);
+    const Stage::Kick kick = kicks_[order[i]].kick();
+    body.springs.advance({{kick, kick}, i == 0 ? 2 : 1, drift_shares[i] * h_}, around.force, state.x, state.v, next_);
+    state.x.swap(next_);
+  }
+  body.internal_force(state.x, state.spring);
+  kicks_[order[0]].apply(damped_, state.spring, around.force, state.v);
 }
 
 void Bm4::step(const Equations& equations, double t, double h, State& state, Exchange& exchange) {

@@ -16,6 +16,7 @@ class Bm4 final : public Integrator {
   Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) override;
 
  private:
+  void glide(const Equations& equations, const Span& span, State& state);
   void step(const Equations& equations, double t, double h, State& state, Exchange& exchange);
   void prepare(const Body& body, double h);
   void kick(const Equations& equations, int kick, double t, State& state);

@@ -55,11 +55,34 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
   const Count before = contact_.impacts();
   kicks_.prepare(model.body, span.h);
   if (drive.ramped) drive.force_at(span.time(0), force_);
+  const bool free = drive.planes.empty() && drive.pins.empty() && !model.body.volume;
+  const bool booked = drive.watch && (drive.ramped || (model.body.damped && !drive.damping_unwatched));
   Outcome outcome{.work = double(span.steps) * traits(Method::leapfrog).work};
+  if (free && !booked) {
+    glide(model.body, drive, span, run.path.motion);
+    return outcome;
+  }
   for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i)
     outcome.status = step(model.body, drive, span, i, run.path.motion, run.path.exchange);
   outcome.impacts = contact_.impacts() - before;
   return outcome;
+}
+
+/// Steps of which nothing is asked between their forces and the next drift: each but the first and the last is one pass.
+void Leapfrog::glide(const Body& body, const Drive& around, const Span& span, State& state) {
+  const Points& force = around.ramped ? force_ : around.force;
+  const Stage stage = kicks_.stage();
+  kicks_.open(state.spring, force, state.v);
+  kernels::drift(state.x.size(), span.h, state.x.data(), state.v.data(), next_.data());
+  state.x.swap(next_);
+  for (Count i = 1; i < span.steps; ++i) {
+    if (around.ramped) around.force_at(span.time(i), force_);
+    body.springs.advance(stage, force, state.x, state.v, next_);
+    state.x.swap(next_);
+  }
+  body.internal_force(state.x, state.spring);
+  if (around.ramped) around.force_at(span.time(span.steps), force_);
+  kicks_.close(state.spring, force, state.v);
 }
 
 StepStatus Leapfrog::step(const Body& body, const Drive& around, const Span& span, Count i, State& state, Exchange& exchange) {

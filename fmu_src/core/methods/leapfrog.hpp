@@ -12,6 +12,7 @@ class Leapfrog final : public Integrator {
   Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) override;
 
  private:
+  void glide(const Body& body, const Drive& drive, const Span& span, State& state);
   StepStatus step(const Body& body, const Drive& drive, const Span& span, Count i, State& state, Exchange& exchange);
 
   HalfKicks kicks_;

@@ -13,8 +13,11 @@
 
 namespace softffd {
 
+/// Control points per axis, at most; and how far the last of a point's neighbours may be from it in memory.
+inline constexpr int most_points = 32, farthest_neighbour = 1 + most_points * (1 + most_points);
+
 struct Lattice {
-  std::array<int, 3> counts{4, 4, 4};  ///< control points per axis, >= 2
+  std::array<int, 3> counts{4, 4, 4};  ///< control points per axis, 2 to most_points
   Vec3 origin = Vec3::Zero();          ///< lower corner of the box [m]
   Vec3 size = Vec3::Ones();            ///< sides of the box, > 0 [m]
 

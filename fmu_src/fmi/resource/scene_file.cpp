@@ -93,7 +93,7 @@ void read_counts(Record& r, SceneFile& s) {
   if (!(d.mass.empty() && d.regions.empty() && d.pins.empty() && s.loads.empty() && s.forces.empty() && s.positions.empty() &&
         s.velocities.empty()))
     r.fail("the counts come after records that depend on them");
-  for (int& n : s.definition.lattice.counts) n = r.integer(2, 32);
+  for (int& n : s.definition.lattice.counts) n = r.integer(2, most_points);
 }
 void read_size(Record& r, SceneFile& s) {
   for (int a = 0; a < 3; ++a) s.definition.lattice.size[a] = r.positive();

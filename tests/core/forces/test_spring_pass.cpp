@@ -36,11 +36,13 @@ Points summed(const std::vector<std::vector<Spring>>& list, const Points& x) {
   return f;
 }
 
+const std::vector<std::array<int, 3>> several{{2, 2, 2},  {4, 4, 4},  {3, 5, 4},  {5, 5, 5}, {2, 3, 7},
+                                              {16, 2, 2}, {2, 2, 16}, {32, 3, 2}, {9, 8, 7}, {32, 32, 3}};
+
 }  // namespace
 
 TEST(forces_are_the_springs_sums_to_the_last_bit) {
-  for (const std::array<int, 3> counts : std::vector<std::array<int, 3>>{
-           {2, 2, 2}, {4, 4, 4}, {3, 5, 4}, {5, 5, 5}, {2, 3, 7}, {16, 2, 2}, {2, 2, 16}, {32, 3, 2}, {9, 8, 7}, {32, 32, 3}}) {
+  for (const std::array<int, 3> counts : several) {
     const Lattice lattice{counts};
     Springs springs(lattice, Topology::paper);
     std::vector<bool> some(lattice.points(), false);
@@ -68,12 +70,36 @@ TEST(what_was_no_number_once_is_forgotten) {
 }
 
 TEST(directions_without_springs_cost_no_forces) {
-  const Lattice lattice;
-  Springs springs(lattice, Topology::distinct);
-  springs.set_stiffness({1000, 700, 300}, {});
-  springs.set_stiffness({1000, 0, 0}, {});
-  const Points x = crumpled(lattice);
-  Points f(x.rows(), 3);
-  springs.force(x, f);
-  CHECK((f == summed(listed(springs), x)).all());
+  for (const int side : {4, 7}) {
+    const Lattice lattice{{side, side, side}};
+    Springs springs(lattice, Topology::distinct);
+    const Points x = crumpled(lattice);
+    Points f(x.rows(), 3);
+    springs.set_stiffness({1000, 700, 300}, {});
+    springs.force(x, f);
+    springs.set_stiffness({1000, 0, 0}, {});
+    springs.force(x, f);
+    CHECK((f == summed(listed(springs), x)).all());
+  }
+}
+
+TEST(a_stage_is_forces_kicks_and_a_drift_to_the_last_bit) {
+  for (const std::array<int, 3> counts : several) {
+    const Lattice lattice{counts};
+    Springs springs(lattice, Topology::distinct);
+    springs.set_stiffness({1000, 700, 300}, {});
+    const Points x = crumpled(lattice), outside = 3 * x.reverse();
+    const auto share = [&](double least) -> Scalars { return least + 0.1 * x.col(0).sin(); };
+    const Scalars a = share(0.8), b = share(0.01), c = share(0.7), d = share(0.02);
+    Points f(x.rows(), 3), next(x.rows(), 3);
+    springs.force(x, f);
+    for (const int kicks : {1, 2}) {
+      Points v = x.square(), w = v;
+      springs.advance({{Stage::Kick{a.data(), b.data()}, Stage::Kick{c.data(), d.data()}}, kicks, 0.3}, outside, x, v, next);
+      for (int axis = 0; axis < 3; ++axis) w.col(axis) = a * w.col(axis) + b * (f.col(axis) + outside.col(axis));
+      for (int axis = 0; kicks > 1 && axis < 3; ++axis) w.col(axis) = c * w.col(axis) + d * (f.col(axis) + outside.col(axis));
+      CHECK((v == w).all());
+      CHECK((next == x + 0.3 * w).all());
+    }
+  }
 }

@@ -24,3 +24,5 @@ TEST(heavy_damping_is_its_exact_flow) {
   const double kept = std::exp(-o.d / o.m * s.duration);
   CHECK_NEAR(end.v(1, 0), 0.5 * o.w0 * kept, 1e-15 * o.w0);
 }
+
+TEST(unwatched_steps_have_the_same_bits) { check_unwatched_steps<Bm4>(); }

@@ -31,3 +31,5 @@ TEST(pins_receive_to_rounding_what_the_body_loses) {
   pin_ends(s, swinging);
   CHECK_NEAR(momentum_lost(s, run_with<Leapfrog>(s, 20)), 0.0, 1e-13);  // momenta of 1 N s
 }
+
+TEST(unwatched_steps_have_the_same_bits) { check_unwatched_steps<Leapfrog>(); }
