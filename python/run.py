@@ -4,7 +4,7 @@
     python3 python/run.py demo                the car, with pictures
     python3 python/run.py test [ARGUMENTS]    the tests, on all cores (pytest's arguments; -n 0: in one process)
     python3 python/run.py test --full         with the long ones: complete matrices, endurance, importers, surveys
-    python3 python/run.py bench               what each part of a scene costs
+    python3 python/run.py bench               times of everything, as ratios to what one would use otherwise
     python3 python/run.py docs                this documentation as a site, in build/docs/site
     python3 python/run.py release             a wheel with the libraries of all platforms (some ten minutes)
     python3 python/run.py build SCENE ...     any other command of softffd
@@ -151,6 +151,14 @@ def set_up():
     STAMP.write_text(print_once)
 
 
+def add_comparisons():
+    """What the program is compared with, for the numpy that is there; what cannot be had is left out of the table."""
+    there = subprocess.check_output([PYTHON, "-c", "import numpy; print('numpy==' + numpy.__version__)"], text=True).strip()
+    for name in settings("project")["optional-dependencies"]["comparisons"]:
+        if subprocess.call(pip_command("install", name, there)) != 0:
+            step(f"no {name} for this Python and {there}, see above: its rows are missing")
+
+
 def main():
     arguments = sys.argv[1:]
     if not arguments or arguments[0] in ("-h", "--help"):
@@ -165,8 +173,10 @@ def main():
     if arguments[0] == "test":
         parallel = ["-n", "auto", "--dist", "worksteal"]
         return subprocess.call([PYTHON, "-m", "pytest", *parallel, *arguments[1:]], cwd=ROOT, env=compiler_environment())
-    program = [ROOT / "benchmarks" / "feature_cost.py", *arguments[1:]] if arguments[0] == "bench" else ["-m", "softffd", *arguments]
-    return subprocess.call([PYTHON, *program])
+    if arguments[0] == "bench":
+        add_comparisons()
+        return subprocess.call([PYTHON, ROOT / "benchmarks" / "bench.py", *arguments[1:]])
+    return subprocess.call([PYTHON, "-m", "softffd", *arguments])
 
 
 if __name__ == "__main__":

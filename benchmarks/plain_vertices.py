@@ -1,28 +1,11 @@
-"""What deforming a vertex costs: processor time against a plain loop over its 64 weights, compiled by numba, in the same run.
-
-    pip install numba                                # for this alone
-    python benchmarks/vertices_cost.py
-
-A million vertices in a Bezier volume of 4 x 4 x 4 and in B-splines of 12 x 12 x 12 control points, from Python, checks of the vertices
-included; 35,000 in a Bezier volume of 24 x 24 x 24. The loop computes the weights of a vertex as basis.py does, then sums 64 products. One
-thread. Smallest of several times; the ratios are what to read.
-
-Predicted for 4 x 4 x 4: 252 multiplications and additions, four points at once, two of each a clock: 32 clocks, 10 ns; the weights 5 ns,
-the checks 3 ns. Axes contracted one after the other in 24 x 24 x 24: 41,000 of each, 35,000 times: 0.1 s.
-"""
+"""The baseline of deforming vertices: a loop over the weights of each, as one writes it for numba."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 
 import numba
 import numpy as np
-
-import softffd
-
-VERTICES, REPEATS = 1_000_000, 7
-ORIGIN, SIZE = np.array([-1.0, 2.0, 0.5]), np.array([2.0, 0.7, 1.3])
 
 
 @numba.njit
@@ -78,34 +61,23 @@ def loop_with(weights_at: Callable[[float, int, np.ndarray], int]) -> Callable[.
     return loop
 
 
-def main() -> None:
-    """Prints the table."""
-    rng = np.random.default_rng(0)
-    rest = ORIGIN + SIZE * rng.random((VERTICES, 3))
-    print("                               numba     deform    ratio  largest difference")
-    for side, basis, weights_at in ((4, "bezier", bernstein), (12, "bspline", bspline)):
-        control = rng.random((side, side, side, 3))
-        loop = loop_with(weights_at)
-        base, expected = smallest(loop, rest, ORIGIN, SIZE, control)
-        own, moved = smallest(softffd.deform, rest, control, origin=ORIGIN, size=SIZE, basis=basis)
-        ns = 1e9 / VERTICES
-        print(
-            f"{side:2}^3 {basis:8}         {base * ns:10.1f} ns {own * ns:7.1f} ns {own / base:6.2f}   {abs(moved - expected).max():.1e} m"
-        )
-    own, _ = smallest(softffd.deform, rest[:35_000], rng.random((24, 24, 24, 3)), origin=ORIGIN, size=SIZE)
-    print(f"24^3 bezier, 35,000 vertices           {own:7.2f} s")
-
-
-def smallest(function: Callable[..., np.ndarray], *arguments: object, **named: object) -> tuple[float, np.ndarray]:
-    """The smallest of several processor times [s], and what the function returns."""
-    times = []
-    result = function(*arguments, **named)
-    for _ in range(REPEATS):
-        began = time.process_time()
-        result = function(*arguments, **named)
-        times.append(time.process_time() - began)
-    return min(times), result
-
-
-if __name__ == "__main__":
-    main()
+@numba.njit
+def bezier_of_all(rest: np.ndarray, origin: np.ndarray, size: np.ndarray, control: np.ndarray) -> np.ndarray:
+    """The same in a Bezier volume of any size, where every control point counts."""
+    n = control.shape[0]
+    binomials = np.ones(n)
+    for i in range(1, n):
+        binomials[i] = binomials[i - 1] * (n - i) / i
+    moved, weights = np.zeros_like(rest), np.empty((3, n))
+    for m in range(len(rest)):
+        for a in range(3):
+            t = (rest[m, a] - origin[a]) / size[a]
+            for i in range(n):
+                weights[a, i] = binomials[i] * t**i * (1 - t) ** (n - 1 - i)
+        for i in range(n):
+            for j in range(n):
+                for k in range(n):
+                    weight = weights[0, i] * weights[1, j] * weights[2, k]
+                    for a in range(3):
+                        moved[m, a] += weight * control[i, j, k, a]
+    return moved

@@ -1,0 +1,97 @@
+"""Times of the program as ratios to what one would use otherwise, each measured in turn with it: one table.
+
+    python3 python/run.py bench [--quick] [--only TEXT ...] [-o FILE.json] [--picture FILE.png]
+
+A column for every instruction set of the processor, each in a process of its own, on one core; with --quick the widest alone. A ratio is
+the median of those of several repetitions, own time by the baseline's right after it, in processor time; behind it half the range of its
+quartiles. Everything is kept in softffd-bench/bench.json, whole or not at all.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import column
+import rows  # noqa: F401
+import table
+from measured import ROWS, Row
+from picture import GROUP, draw
+
+from softffd.errors import SoftffdError
+from softffd.files import require_writable, write_text
+from softffd.run.progress import ProgressLine
+from softffd.validation.conditions import conditions
+
+FILE = Path("softffd-bench") / "bench.json"
+
+
+def main() -> int:
+    """Measures, prints the table, keeps it."""
+    options = parsed()
+    if options.column:
+        return column.serve(options.column, quick=options.quick)
+    chosen = [row for row in ROWS.values() if not options.only or any(text in f"{row.group}: {row.name}" for text in options.only)]
+    if not chosen:
+        print(f"--only: wanted part of a row's name, got {' '.join(options.only)}; rows: {', '.join(ROWS)}", file=sys.stderr)
+        return 1
+    if options.picture and GROUP not in {row.group for row in chosen}:
+        print(f"--picture: wanted rows of {GROUP!r}, which --only leaves out", file=sys.stderr)
+        return 1
+    for file in filter(None, (options.output, options.picture)):
+        require_writable(file.parent)
+    about = conditions(["python3 python/run.py bench", *sys.argv[1:]], "numba", "scipy", "mujoco") | column.build()
+    about["load"] = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
+    sets = column.instruction_sets()
+    measured = measure(chosen, sets[:1] if options.quick else sets, quick=options.quick)
+    document = {"about": about, "quick": options.quick, "rows": measured}
+    options.output.parent.mkdir(parents=True, exist_ok=True)
+    write_text(options.output, json.dumps(document, indent=1) + "\n")
+    print("\n".join(table.foot(document)))
+    print(f"kept in {options.output}")
+    if options.picture:
+        draw(document, options.picture)
+    return 0
+
+
+def parsed() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="run.py bench", description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--quick", action="store_true", help="one repetition, with the widest instructions: whether it runs, not how fast")
+    parser.add_argument("--only", nargs="+", metavar="TEXT", help="rows with this in their names")
+    parser.add_argument("-o", dest="output", type=Path, default=FILE, metavar="FILE.json", help=f"{FILE} by default")
+    parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw what the parts of a scene cost")
+    parser.add_argument("--column", help=argparse.SUPPRESS)  # such a process measures for this program
+    return parser.parse_args()
+
+
+def measure(chosen: list[Row], sets: list[str], *, quick: bool) -> list[dict[str, Any]]:
+    """Row by row, in every column; what does not depend on the instruction set in the first alone."""
+    found: list[dict[str, Any]] = []
+    with column.Columns(sets, quick=quick) as columns, ProgressLine("measuring") as line:
+        line.say("\n".join(table.head(sets)))
+        for number, row in enumerate(chosen):
+            if number == 0 or row.group != chosen[number - 1].group:
+                line.say(f"\n{row.group}")
+            results = {}
+            for name in sets if row.every_set else sets[:1]:
+                line.note(f"{number + 1} of {len(chosen)}: {row.name}, {name}", at_once=True)
+                results[name] = columns.measure(name, row.name)
+            goals = {"goal": row.goal, "goal_seconds": row.seconds}
+            found.append({"group": row.group, "name": row.name, "against": row.against, **goals, "results": results})
+            line.say(table.line(found[-1], sets))
+    return found
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except SoftffdError as error:
+        print(f"bench: {error}", file=sys.stderr)
+        sys.exit(1)
+    except KeyboardInterrupt:
+        print("\nbench: interrupted; nothing is kept", file=sys.stderr)
+        sys.exit(130)

@@ -1,0 +1,8 @@
+"""All rows of the table, in its order."""
+
+import rows_steps  # noqa: F401, I001
+import rows_parts  # noqa: F401
+import rows_vertices  # noqa: F401
+import rows_runs  # noqa: F401
+import rows_files  # noqa: F401
+import rows_vibration  # noqa: F401

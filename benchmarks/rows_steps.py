@@ -1,0 +1,81 @@
+"""Internal steps: the bare one, explicit and implicit, and how its cost goes with the size of the lattice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from boxes import STEP, box
+from measured import NotMeasured, Pair, require_alike, row
+
+from softffd import Simulation
+from softffd.validation.mechanics import spring_list
+
+SPRING_STEPS = 8_000_000
+"""Springs times internal steps of a call."""
+
+
+def steps_of(side: int) -> int:
+    """In a call; in one communication step, whose own cost is then not seen."""
+    return max(1, round(SPRING_STEPS / springs(side)))
+
+
+def springs(side: int) -> int:
+    return len(spring_list([side] * 3, "distinct")[0])
+
+
+@row("steps", "an explicit step, 4^3", "numba, a loop over the springs", goal=0.35)
+def internal_step() -> Iterator[Pair]:
+    """Of 4 x 4 x 4 points."""
+    from plain_step import steps_of as plain_steps_of
+
+    scene, count = box(), steps_of(4)
+    plain, after = plain_steps_of(scene)
+    with Simulation(scene) as simulation:
+        simulation.step(50 * STEP)
+        require_alike("50 steps", simulation.positions.transpose(2, 1, 0, 3).reshape(-1, 3), after, 1e-12)
+        yield Pair(lambda: simulation.step(count * STEP), lambda: plain.run(count, STEP), per=count)
+
+
+def of_size(side: int, goal: float | None = None) -> None:
+    """A row for a lattice: the cost of a spring."""
+
+    @row("steps", f"a spring of {side}^3, each step", "a spring of 4^3", goal=goal)
+    def spring() -> Iterator[Pair]:
+        own, base = steps_of(side), steps_of(4)
+        with Simulation(box(side)) as large, Simulation(box()) as small:
+            yield Pair(lambda: large.step(own * STEP), lambda: small.step(base * STEP), per=own * springs(side), per_base=base * springs(4))
+
+
+of_size(8)
+of_size(16)
+of_size(32, goal=1.0)
+
+
+def implicit_of_size(side: int) -> None:
+    """Rows for a lattice: assembly, factor and solutions against the explicit step, and against SciPy's."""
+    h, count = 1e-3, 40 if side == 4 else 3
+
+    def simulation() -> Simulation:
+        found = Simulation(box(side, "backward_euler", solver={"method": "backward_euler", "step": h}))
+        found.step(h)
+        if not any("as asked" in message.text and "0.001 s" in message.text for message in found.component.messages):
+            raise NotMeasured("steps are not the implicit ones that were asked for")
+        return found
+
+    @row("steps", f"an implicit step, {side}^3", f"an explicit step, {side}^3")
+    def against_explicit() -> Iterator[Pair]:
+        steps = steps_of(side)
+        with simulation() as implicit, Simulation(box(side)) as explicit:
+            yield Pair(lambda: implicit.step(count * h), lambda: explicit.step(steps * STEP), per=count, per_base=steps)
+
+    @row("steps", f"an implicit step, {side}^3, as equations", "numpy and SciPy, banded Cholesky")
+    def against_scipy() -> Iterator[Pair]:
+        from banded import Banded
+
+        system = Banded(box(side), h)
+        with simulation() as implicit:
+            yield Pair(lambda: implicit.step(count * h), system.solve, per=count, per_base=1)
+
+
+implicit_of_size(4)
+implicit_of_size(8)

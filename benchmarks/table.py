@@ -1,0 +1,69 @@
+"""The table in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from matplotlib.ticker import EngFormatter
+
+from softffd.validation.conditions import condition_words
+
+LOADED = 0.7
+"""Processes that ran on average of the last minute before: the machine is not ours alone."""
+
+NAME, AGAINST, CELL = 41, 37, 21
+
+
+def head(sets: Sequence[str]) -> list[str]:
+    """Above the rows."""
+    columns = "".join(f"{name:{CELL}}" for name in sets)
+    return [f"{'':{NAME + 2}}{'against':{AGAINST}}{'own time':>9}  {columns}goal"]
+
+
+def line(row: Mapping[str, Any], sets: Sequence[str]) -> str:
+    """A row: own time in the first column, ratios in all, whether they keep the goal."""
+    results = row["results"]
+    first = results[sets[0]]
+    own = EngFormatter(unit="s", places=1, sep=" ")(first["own"]["median"]) if "own" in first else ""
+    cells = "".join(f"{cell(row, results[name]) if name in results else '':{CELL}}" for name in sets)
+    return f"  {row['name']:{NAME}}{row['against']:{AGAINST}}{own:>9}  {cells}{goal(row)}".rstrip()
+
+
+def cell(row: Mapping[str, Any], result: Mapping[str, Any]) -> str:
+    """A ratio, its spread, and what it means."""
+    if "missing" in result:
+        return str(result["missing"])
+    ratio = result["ratio"]
+    low, high = ratio["quartiles"]
+    met = kept(row, result)
+    return f"{ratio['median']:.3g} ±{float(f'{(high - low) / 2:.1g}'):g}" + ("" if met is None else " met" if met else " missed")
+
+
+def kept(row: Mapping[str, Any], result: Mapping[str, Any]) -> bool | None:
+    """Whether the goal is met; None without one."""
+    if row["goal"] is not None:
+        return bool(result["ratio"]["median"] <= row["goal"])
+    if row["goal_seconds"] is not None:
+        return bool(result["own"]["median"] <= row["goal_seconds"])
+    return None
+
+
+def goal(row: Mapping[str, Any]) -> str:
+    """What is aimed at."""
+    if row["goal"] is not None:
+        return f"{row['goal']:g}"
+    return "" if row["goal_seconds"] is None else f"{row['goal_seconds']:g} s"
+
+
+def foot(document: Mapping[str, Any]) -> Iterator[str]:
+    """Below the rows: goals, machine, flags."""
+    about = document["about"]
+    goals = [kept(row, result) for row in document["rows"] for result in row["results"].values() if "ratio" in result]
+    yield f"\nratios of times, ± half the range of their quartiles; {goals.count(True)} meet their goals, {goals.count(False)} miss them"
+    yield condition_words(about)
+    yield f"library: {about['compiler'] or 'compiler not known'}; {about['flags'] or 'flags not known'}"
+    if document["quick"]:
+        yield "quick: one repetition each, the first, which is slow"
+    if (about["load"] or 0) > LOADED:
+        yield f"the machine was not idle before: {about['load']:.1f} processes ran on average; ratios may be off"

@@ -1,0 +1,89 @@
+"""`python3 python/run.py bench`: the table, what is kept of it, and what a goal that is missed looks like."""
+
+import importlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+BENCH = Path(__file__).resolve().parents[1] / "benchmarks" / "bench.py"
+NEEDS = ("numba", "mujoco", "scipy")
+
+
+def bench(folder: Path, *words: str) -> subprocess.CompletedProcess:
+    return subprocess.run([sys.executable, BENCH, *words], cwd=folder, capture_output=True, text=True, timeout=600)
+
+
+def kept(folder: Path) -> dict:
+    return json.loads((folder / "softffd-bench" / "bench.json").read_text())
+
+
+@pytest.fixture
+def table(monkeypatch):
+    monkeypatch.syspath_prepend(str(BENCH.parent))
+    yield importlib.import_module("table")
+    sys.modules.pop("table")
+
+
+def test_rows_are_measured_printed_and_kept(tmp_path):
+    done = bench(tmp_path, "--quick", "--only", "16 points", "explicit step, 4^3", "import")
+    assert done.returncode == 0, done.stderr
+    rows = {row["name"]: row for row in kept(tmp_path)["rows"]}
+    assert {"an explicit step, 4^3", "16 points resting on a plane", "import softffd"} <= rows.keys()
+    resting = next(iter(rows["16 points resting on a plane"]["results"].values()))
+    assert resting["ratio"]["median"] == pytest.approx(resting["own"]["median"] / resting["base"]["median"])
+    assert 1e-7 < resting["own"]["median"] < 1e-3  # s an internal step
+    for name, row in rows.items():
+        line = next(line for line in done.stdout.splitlines() if line.startswith(f"  {name} "))
+        result = next(iter(row["results"].values()))
+        assert (" met" in line) + (" missed" in line) == (row["goal"] is not None and "missing" not in result)
+        assert result.get("missing", "is not installed").endswith("is not installed")
+    assert kept(tmp_path)["about"]["machine"]["processor"] in done.stdout
+
+
+@pytest.mark.full
+def test_every_row_runs_and_every_baseline_does_the_same(tmp_path):
+    assert bench(tmp_path, "--quick", "--picture", "cost.png").returncode == 0
+    assert (tmp_path / "cost.png").stat().st_size > 10_000
+    for row in kept(tmp_path)["rows"]:
+        for result in row["results"].values():
+            excused = [f"{name} is not installed" for name in NEEDS] + ["left out by --quick"]
+            assert "ratio" in result or result["missing"] in excused, row["name"]
+
+
+def test_a_goal_that_is_missed_is_said(table):
+    row = {"group": "steps", "name": "a step", "against": "a loop", "goal": 0.35, "goal_seconds": None}
+
+    def line(ratio: float, **goals) -> str:
+        spread = {"median": ratio, "quartiles": [ratio, ratio]}
+        return table.line(row | goals | {"results": {"avx2": {"own": spread, "base": spread, "ratio": spread}}}, ["avx2"])
+
+    assert " met " in line(0.35) and " missed " in line(0.36)
+    assert " met " in line(0.9, goal=None, goal_seconds=1.0) and " missed " in line(1.1, goal=None, goal_seconds=1.0)
+    assert " met" not in line(0.3, goal=None) and " missed" not in line(0.3, goal=None)
+
+
+def test_wrong_requests_are_told_at_once(tmp_path):
+    done = bench(tmp_path, "--only", "import", "--picture", "cost.png")
+    assert done.returncode == 1 and "parts of a scene" in done.stderr
+    done = bench(tmp_path, "--only", "no such row")
+    assert done.returncode == 1 and "no such row" in done.stderr and "import softffd" in done.stderr
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_an_interrupted_measurement_leaves_no_file(tmp_path):
+    process = subprocess.Popen(
+        [sys.executable, BENCH, "--only", "16 points", "damping"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    while "parts of a scene" not in process.stdout.readline():
+        assert process.poll() is None
+    time.sleep(0.2)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130 and "interrupted" in said and "Traceback" not in said
+    assert list(tmp_path.iterdir()) == []
