@@ -1,6 +1,6 @@
 """Times of the program as ratios to what one would use otherwise, each measured in turn with it: one table.
 
-    python3 python/run.py bench [--quick] [--only TEXT ...] [-o FILE.json] [--picture FILE.png]
+    python3 python/run.py bench [--quick] [--only TEXT ...] [-o FILE.json] [--picture FILE.png] [--page FILE.md]
 
 A column for every instruction set of the processor, each in a process of its own, on one core; with --quick the widest alone. A ratio is
 the median of those of several repetitions, own time by the baseline's right after it, in processor time; behind it half the range of its
@@ -46,15 +46,17 @@ def main() -> int:
         require_writable(file.parent)
     about = conditions(["python3 python/run.py bench", *sys.argv[1:]], "numba", "scipy", "mujoco") | column.build()
     about["load"] = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
-    sets = column.instruction_sets()
-    measured = measure(chosen, sets[:1] if options.quick else sets, quick=options.quick)
-    document = {"about": about, "quick": options.quick, "rows": measured}
+    sets = column.instruction_sets()[: 1 if options.quick else None]
+    measured = measure(chosen, sets, quick=options.quick)
+    document = {"about": about, "quick": options.quick, "sets": sets, "rows": measured}
     options.output.parent.mkdir(parents=True, exist_ok=True)
     write_text(options.output, json.dumps(document, indent=1) + "\n")
-    print("\n".join(table.foot(document)))
+    print("\n" + "\n".join(table.foot(document)))
     print(f"kept in {options.output}")
     if options.picture:
         draw(document, options.picture)
+    if options.page:
+        write_text(options.page, table.in_page(options.page.read_text(), document))
     return 0
 
 
@@ -64,6 +66,7 @@ def parsed() -> argparse.Namespace:
     parser.add_argument("--only", nargs="+", metavar="TEXT", help="rows with this in their names")
     parser.add_argument("-o", dest="output", type=Path, default=FILE, metavar="FILE.json", help=f"{FILE} by default")
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw what the parts of a scene cost")
+    parser.add_argument("--page", type=Path, metavar="FILE.md", help="put the table in the place of the one there")
     parser.add_argument("--column", help=argparse.SUPPRESS)  # such a process measures for this program
     return parser.parse_args()
 
@@ -75,7 +78,7 @@ def measure(chosen: list[Row], sets: list[str], *, quick: bool) -> list[dict[str
         line.say("\n".join(table.head(sets)))
         for number, row in enumerate(chosen):
             if number == 0 or row.group != chosen[number - 1].group:
-                line.say(f"\n{row.group}")
+                line.say(table.heading(row.group))
             results = {}
             for name in sets if row.every_set else sets[:1]:
                 line.note(f"{number + 1} of {len(chosen)}: {row.name}, {name}", at_once=True)

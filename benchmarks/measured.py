@@ -92,7 +92,7 @@ def measure(row: Row, *, quick: bool) -> dict[str, Any]:
     except NotMeasured as reason:
         return {"missing": str(reason)}
     except ImportError as error:
-        return {"missing": f"{error.name} is not installed"}
+        return {"missing": f"{(error.name or str(error)).partition('.')[0]} is not installed"}
     own, base = np.array(own) / pair.per, np.array(base) / (pair.per_base or pair.per)
     return {"own": _spread(own), "base": _spread(base), "ratio": _spread(own / base)}
 

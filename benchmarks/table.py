@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -19,6 +20,22 @@ def head(sets: Sequence[str]) -> list[str]:
     """Above the rows."""
     columns = "".join(f"{name:{CELL}}" for name in sets)
     return [f"{'':{NAME + 2}}{'against':{AGAINST}}{'own time':>9}  {columns}goal"]
+
+
+def heading(group: str) -> str:
+    """Above the rows of a group."""
+    return f"\n{group}"
+
+
+def in_page(page: str, document: Mapping[str, Any]) -> str:
+    """The page with this table for the one in it; without that one, behind its end."""
+    rows, sets = document["rows"], document["sets"]
+    lines = head(sets)
+    for group in dict.fromkeys(row["group"] for row in rows):
+        lines += [heading(group), *(line(row, sets) for row in rows if row["group"] == group)]
+    block = "\n".join(["```text", *lines, "", *foot(document), "```\n"])
+    found = re.search(r"^```text\n {20,}against.*?^```\n", page, re.MULTILINE | re.DOTALL)
+    return page.replace(found[0], block) if found else page + block
 
 
 def line(row: Mapping[str, Any], sets: Sequence[str]) -> str:
@@ -60,7 +77,7 @@ def foot(document: Mapping[str, Any]) -> Iterator[str]:
     """Below the rows: goals, machine, flags."""
     about = document["about"]
     goals = [kept(row, result) for row in document["rows"] for result in row["results"].values() if "ratio" in result]
-    yield f"\nratios of times, ± half the range of their quartiles; {goals.count(True)} meet their goals, {goals.count(False)} miss them"
+    yield f"ratios of times, ± half the range of their quartiles; {goals.count(True)} meet their goals, {goals.count(False)} miss them"
     yield condition_words(about)
     yield f"library: {about['compiler'] or 'compiler not known'}; {about['flags'] or 'flags not known'}"
     if document["quick"]:

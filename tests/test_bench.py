@@ -68,6 +68,16 @@ def test_a_goal_that_is_missed_is_said(table):
     assert " met" not in line(0.3, goal=None) and " missed" not in line(0.3, goal=None)
 
 
+def test_a_page_gets_the_new_table_for_the_old_one(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("before\n\nafter\n")
+    for rows in (["import"], ["a load"]):
+        assert bench(tmp_path, "--quick", "--only", *rows, "--page", "page.md").returncode == 0
+    text = page.read_text()
+    assert text.startswith("before\n\nafter\n```text\n") and text.count("```") == 2
+    assert "a load" in text and "import softffd" not in text
+
+
 def test_wrong_requests_are_told_at_once(tmp_path):
     done = bench(tmp_path, "--only", "import", "--picture", "cost.png")
     assert done.returncode == 1 and "parts of a scene" in done.stderr

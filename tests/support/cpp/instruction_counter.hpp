@@ -27,6 +27,7 @@ class InstructionCounter {
   template <class Call>
   std::int64_t count(Call&& call) {
     count_ = 0;
+    last_ = 0;
     // past the 128 bytes below the stack's end, which may be in use
     __asm__ volatile("sub $128, %%rsp; pushf; orq $0x100, (%%rsp); popf; add $128, %%rsp" ::: "memory", "cc");
     call();
