@@ -50,7 +50,7 @@ class Panels:
         moving = [shape.points.reshape(-1, 3) for shape in shapes if shape.frame is not None]
         points = np.concatenate(moving or [shapes[0].points.reshape(-1, 3)])
         self._centre, self._half = _middle(points), np.ptp(points, axis=0) / 2
-        self._distance = max(self._needed(shape) for shape in shapes)
+        self._distance = float(max(self._needed(shape) for shape in shapes))
 
     def image(self, shape):
         """The image (height, width, 3), 0 .. 1, of one of the shapes."""
@@ -85,7 +85,7 @@ class Panels:
             patch = Patch(*pose, self._centre, reach, spacing, plane.tint)
             if not plane.is_floor:
                 plate = np.abs(patch.frame[:2]) @ self._half + 0.2 * np.linalg.norm(self._half)
-                patch = replace(patch, plate=plate, reach=plate.max(), floors=floors)
+                patch = replace(patch, plate=plate, reach=float(plate.max()), floors=floors)
             draw_plane(canvas, patch, surface=surface)
 
     def _draw_lattice(self, canvas, points):

@@ -5,7 +5,7 @@ linear on the screen; the largest is the nearest, and 0 is infinitely far.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -39,17 +39,18 @@ class Canvas:
 
     def __init__(self, camera, width, height, *, top=(0.985, 0.99, 1.0), bottom=(0.88, 0.90, 0.93)):
         self.camera, self.width, self.height = camera, 2 * width, 2 * height
-        share = np.linspace(0.0, 1.0, self.height, dtype=np.float32)[:, None, None]
-        rows = (1 - share) * np.float32(top) + share * np.float32(bottom)
-        self._colour = np.broadcast_to(rows, (self.height, self.width, 3)).reshape(-1, 3).copy()
+        share = np.linspace(0.0, 1.0, self.height, dtype=np.float32)[:, None]
+        rows = [(1 - share) * np.float32(high) + share * np.float32(low) for high, low in zip(top, bottom, strict=True)]
+        self._colour = np.stack([np.broadcast_to(each, (self.height, self.width)).ravel() for each in rows])
         self.depth = np.zeros(self.width * self.height, dtype=np.float32)
         self.focal = self.height / (2 * FIELD)
         self._key = _unit(camera.axes.T @ [-0.45, 0.35, 0.55] + 0.6 * np.asarray(camera.up))
 
     def image(self):
         """The picture (height, width, 3), 0 .. 1."""
-        fine = self._colour.reshape(self.height // 2, 2, self.width // 2, 2, 3)
-        return ((fine[:, 0, :, 0] + fine[:, 0, :, 1] + fine[:, 1, :, 0] + fine[:, 1, :, 1]) / 4).clip(0, 1)
+        fine = self._colour.reshape(3, self.height // 2, 2, self.width // 2, 2)
+        mean = (fine[:, :, 0, :, 0] + fine[:, :, 0, :, 1] + fine[:, :, 1, :, 0] + fine[:, :, 1, :, 1]) / 4
+        return np.moveaxis(mean.clip(0, 1), 0, -1)
 
     def project(self, points):
         """Screen positions (N, 3) of points (N, 3) [m]: x, y in fine pixels from the upper left, and depth."""
@@ -67,20 +68,25 @@ class Canvas:
         a, b, c = (points[faces[:, k]] for k in range(3))
         facets = np.cross(b - a, c - a)
         facets *= np.where(np.einsum("fa,fa->f", facets, self.camera.eye - a) < 0, -1.0, 1.0)[:, None]
-        for pixel, face, share, depth in fragments(self.project(points), faces, self.width, self.height):
+        facets, normals = np.float32(_unit(facets)), np.float32(normals)
+        for pixel, face, shares, depth in fragments(self.project(points), faces, self.width, self.height):
             np.maximum.at(self.depth, pixel, depth)
-            won = depth == self.depth[pixel]
-            pixel, face, share = pixel[won], face[won], share[won]
-            normal = _unit(np.einsum("pk,pka->pa", share, normals[face]))
-            normal *= np.where(np.einsum("pa,pa->p", normal, facets[face]) < 0, -1.0, 1.0)[:, None]
-            self._colour[pixel] = self._lit(normal, paint(face, share) ** 2.2)
+            won = np.flatnonzero(depth == self.depth[pixel])
+            pixel, face, share = pixel[won], face[won], np.float32(shares(won))
+            normal = np.einsum("pk,pka->pa", share, normals[face])
+            length = np.sqrt(np.einsum("pa,pa->p", normal, normal))
+            length[length == 0] = 1
+            length[np.einsum("pa,pa->p", normal, facets[face]) < 0] *= -1
+            self._colour[:, pixel] = self._lit(normal, length, np.ascontiguousarray(paint(face, share).T, dtype=np.float32) ** 2.2)
 
-    def _lit(self, normal, colour):
-        diffuse = ((normal @ self._key + 0.15) / 1.15).clip(0, None)[:, None]
-        sky = 0.5 + 0.5 * (normal @ np.asarray(self.camera.up))[:, None]
-        back = self.camera.axes[2]
-        gloss = (normal @ _unit(self._key + back)).clip(0, None)[:, None] ** 70
-        rim = (1 - (normal @ back).clip(0, 1))[:, None] ** 4
+    def _lit(self, normal, length, colour):
+        """Light from colours (3, P) with normals (P, 3) of these lengths (P,), below 0 where they point the other way."""
+        key, up, back = np.float32([self._key, self.camera.up, self.camera.axes[2]])
+        along = partial(_cosines, normal, length)
+        diffuse = ((along(key) + 0.15) / 1.15).clip(0, None)
+        sky = 0.5 + 0.5 * along(up)
+        gloss = along(_unit(key + back)).clip(0.5, None) ** 70  # where it is less it is nothing, but slow
+        rim = np.square(np.square(1 - along(back).clip(0, 1)))
         light = colour * (0.12 + 0.26 * sky + 0.80 * diffuse) + 0.28 * gloss + 0.14 * rim * sky
         return light.clip(0, 1) ** (1 / 2.2)
 
@@ -109,7 +115,7 @@ class Canvas:
             light = 0.55 + 0.5 * (-0.4 * right + 0.7 * above + 0.6 * front).clip(0)
             seen = depth >= 0.99 * self.depth[pixel]
             self.depth[pixel[seen]] = depth
-            self.blend(pixel, np.asarray(colour) * light[:, None], np.where(seen, 1.0, hidden))
+            self.blend(pixel, np.multiply.outer(colour, light), np.where(seen, 1.0, hidden))
 
     def sight(self):
         """Slopes of the rays through the fine pixels against the view: rightwards (width,), upwards (height,)."""
@@ -117,22 +123,38 @@ class Canvas:
         y = self.height / 2 - np.arange(self.height, dtype=np.float32) - 0.5
         return x / self.focal, y / self.focal
 
+    def in_pixels(self, values):
+        """Values (height, width) of the fine pixels by pixel, (P, 4)."""
+        return values.reshape(self.height // 2, 2, self.width // 2, 2).swapaxes(1, 2).reshape(-1, 4)
+
+    def lay(self, pixel, shown, colour, opacity):
+        """Lay colours (3, P) over the fine pixels, as far as they are `shown` (P, 4), of pixels `pixel` (P,) with opacity (P,)."""
+        row, column = np.divmod(pixel, self.width // 2)
+        first = 2 * (row * self.width + column)
+        for n, fine in enumerate((first, first + 1, first + self.width, first + self.width + 1)):
+            here = np.flatnonzero(shown[:, n])
+            self.blend(fine[here], colour[:, here], opacity[here])
+
     def blend(self, pixel, colour, opacity):
-        """Lay `colour` (3,) or (P, 3) over the fine pixels `pixel` (P,) with `opacity` (P,)."""
-        opacity = np.asarray(opacity, dtype=np.float32)[:, None]
-        self._colour[pixel] += opacity * (np.asarray(colour, dtype=np.float32) - self._colour[pixel])
+        """Lay `colour` (3,) or (3, P) over the fine pixels `pixel` (P,) with `opacity` (P,)."""
+        for channel, over in zip(self._colour, colour, strict=True):
+            under = channel[pixel]
+            channel[pixel] = under + np.float32(opacity) * (np.float32(over) - under)
 
 
 def fragments(screen, faces, width, height):
-    """What triangles cover: yields pixel (P,), face (P,), barycentric shares (P, 3) and depth (P,) in blocks.
+    """What triangles cover: yields pixel (P,), face (P,), a function that gives the barycentric shares (N, 3) of some of these, by their
+    numbers (N,), and depth (P,), in blocks.
 
     screen: (V, 3) as from `Canvas.project`. A pixel counts where its centre is inside or on the edge.
     """
     for start in range(0, len(faces), FACES):
         block = faces[start : start + FACES]
         edge, row, face = _rows(screen[block], height)
-        constant = edge[face, :, 1] * (row[:, None] + 0.5) + edge[face, :, 2]
-        first, last = _span(edge[face, :, 0], constant, width)
+        slope, constant = edge[face, :, 0], edge[face, :, 1] * (row[:, None] + 0.5) + edge[face, :, 2]
+        first, last = _span(slope, constant, width)
+        heights = screen[block, 2][face]  # of the corners, as depths
+        depths = [np.einsum("rk,rk->r", each, heights) for each in (slope, constant)]
         count = np.maximum(last - first + 1, 0)
         ends = np.cumsum(count)
         cuts = np.searchsorted(ends, np.arange(FRAGMENTS, ends[-1] + FRAGMENTS, FRAGMENTS)) + 1 if len(ends) else []
@@ -140,9 +162,15 @@ def fragments(screen, faces, width, height):
             n = count[low:high]
             x = np.repeat(first[low:high] - np.cumsum(n) + n, n) + np.arange(n.sum())
             line = np.repeat(np.arange(low, low + len(n)), n)
-            share = edge[face[line], :, 0] * (x[:, None] + 0.5) + constant[line]
-            depth = np.einsum("pk,pk->p", share, screen[block, 2][face[line]]).astype(np.float32)
-            yield row[line] * width + x, start + face[line], share, depth
+            per_column, at_zero = (np.repeat(each[low:high], n) for each in depths)
+            shares = partial(_shares, slope, constant, line, x)
+            yield np.repeat(row[low:high] * width, n) + x, start + face[line], shares, np.float32(per_column * (x + 0.5) + at_zero)
+
+
+def _shares(slope, constant, line, column, some):
+    """At the numbers `some` of what is in these columns of these rows."""
+    here = line[some]
+    return slope[here] * (column[some, None] + 0.5) + constant[here]
 
 
 def _rows(corners, height):
@@ -171,6 +199,11 @@ def _span(slope, constant, width):
     return np.ceil(low - 0.5).clip(0, width).astype(np.int64), np.floor(high - 0.5).clip(-1, width - 1).astype(np.int64)
 
 
+def _cosines(vectors, length, direction):
+    """Of the angles of vectors (P, 3) with a unit vector; without the linear algebra library, whose threads go on spinning after each."""
+    return np.einsum("pa,a->p", vectors, direction) / length
+
+
 def _unit(vectors):
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    length = np.sqrt(np.einsum("...a,...a->...", vectors, vectors))[..., None]
     return vectors / np.where(length > 0, length, 1.0)

@@ -43,14 +43,16 @@ class Patch:
         """Rows tangent, normal x tangent, normal."""
         return np.stack([self.tangent, np.cross(self.normal, self.tangent), self.normal])
 
-    def holds(self, place):
-        """Which of the places (2, P) [m] from the foot, along the frame's first axes, belong to the patch."""
+    def share(self, place, size):
+        """How much of the pixels at the places (2, P) [m] from the foot, along the frame's first axes, with sizes (2, P) [m], is its."""
         if self.plate is None:
-            return np.hypot(*place) < self.reach
-        held = (np.abs(place) < np.float32(self.plate)[:, None]).all(axis=0)
+            return np.float32(np.hypot(*place) < self.reach)
+        held = ((np.float32(self.plate)[:, None] - np.abs(place)) / size + 0.5).clip(0, 1).prod(axis=0)
         for point, normal in self.floors:
-            along, across = np.float32(self.frame[:2] @ normal)
-            held &= place[0] * along + place[1] * across > np.float32(normal @ (point - self.foot))
+            slope = np.float32(self.frame[:2] @ normal)
+            above = slope[0] * place[0] + slope[1] * place[1] - np.float32(normal @ (point - self.foot))
+            pixel = np.abs(slope[0]) * size[0] + np.abs(slope[1]) * size[1]
+            held *= (above / np.maximum(pixel, 1e-9 * self.reach) + 0.5).clip(0, 1)
         return held
 
     def lines(self, place, size):
@@ -61,7 +63,7 @@ class Patch:
         if self.plate is None:
             return line
         inside = np.minimum(*((np.float32(self.plate)[:, None] - np.abs(place)) / size))
-        return line + 0.6 * (1 - _smooth(inside / 2 - 1))
+        return line + 0.6 * (1 - _smooth(inside - 1))
 
     def fade(self, place):
         """Opacity at the places (2, P), as a share."""
@@ -71,42 +73,50 @@ class Patch:
 def draw_plane(canvas, patch, *, surface=None):
     """Lay `patch` over `canvas`; surface: vertices (V, 3) [m] and faces of the object that darkens it.
 
-    The plane's back is nearly clear, so that it hides nothing.
+    Colours and lines are those of whole pixels, by how much of them lines and patch cover; what is before the plane hides fine ones. The
+    plane's back is nearly clear, so that it hides nothing.
     """
     front = patch.normal @ (canvas.camera.eye - patch.foot) > 0
     opacity = 0.62 if patch.plate is None else 0.45
-    pixel, place, size = _seen(canvas, patch)
+    pixel, seen, place, size = _seen(canvas, patch)
+    share = patch.share(place, size)
+    within = np.flatnonzero(share)
+    pixel, seen, place, size, share = pixel[within], seen[within], place[:, within], size[:, within], share[within]
     line = patch.lines(place, size)
     cover = (opacity if front else 0.10) + (1 - opacity) * line * (1.0 if front else 0.5)
-    colour = np.float32(patch.tint) * (1 - 0.55 * line)[:, None]
+    colour = np.multiply.outer(np.float32(patch.tint), 1 - 0.55 * line)
     if surface is not None and front:
         dark = 0.8 * _sampled(_occlusion(*surface, patch.foot, patch.frame, patch.reach), place / patch.reach)
-        colour, cover = colour * (1 - dark)[:, None], cover + (1 - cover) * dark
-    canvas.blend(pixel, colour, cover * patch.fade(place))
+        colour, cover = colour * (1 - dark), cover + (1 - cover) * dark
+    canvas.lay(pixel, seen, colour, cover * share * patch.fade(place))
 
 
 def _seen(canvas, patch):
-    """Fine pixels (P,) in which the patch is nearest, and on its two axes their places (2, P) and sizes (2, P) [m]."""
+    """Pixels (P,) in which the patch is nearest somewhere, in which of their four fine ones it is (P, 4), and on its two axes the places of
+    their middles (2, P) and their sizes (2, P) [m]."""
     right, above, back = np.float32(canvas.camera.axes @ patch.frame.T)
-    x, y = canvas.sight()
     away = np.float32(patch.frame @ (canvas.camera.eye - patch.foot))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        distance = (-away[2] / (x * right[2] + y[:, None] * above[2] - back[2])).ravel()
-        pixel = np.flatnonzero((distance > 0) & (distance * canvas.depth <= 1.0005))
-    x, y, distance = x[pixel % canvas.width], y[pixel // canvas.width], distance[pixel]
+    x, y = canvas.sight()
+    toward = (back[2] - x * right[2] - y[:, None] * above[2]) * np.sign(away[2])  # by 1 / |away_2| it is 1 / distance
+    seen = canvas.in_pixels((toward > 0) & (np.abs(away[2]) * canvas.depth.reshape(toward.shape) <= 1.0005 * toward))
+    pixel = np.flatnonzero(seen.view(np.uint32))  # any of four, at once
+    row, column = np.divmod(pixel, canvas.width // 2)
+    x, y = x.reshape(-1, 2).mean(axis=1)[column], y.reshape(-1, 2).mean(axis=1)[row]
+    toward = (back[2] - x * right[2] - y * above[2]) * np.sign(away[2])
+    before = toward > 0
+    pixel, x, y = pixel[before], x[before], y[before]
+    distance = np.abs(away[2]) / toward[before]
     place = np.stack([away[a] + distance * (x * right[a] + y * above[a] - back[a]) for a in (0, 1)])
-    held = patch.holds(place)
-    pixel, place, distance = pixel[held], place[:, held], distance[held]
     size = [  # |d place / d column| + |d place / d row|, where place = away - away_2 slope_a / slope_2
         sum(np.abs(step[a] + (place[a] - away[a]) * step[2] / away[2]) for step in (right, above)) * distance for a in (0, 1)
     ]
-    return pixel, place, np.stack(size) / canvas.focal
+    return pixel, seen[pixel], place, 2 * np.stack(size) / canvas.focal
 
 
-def _grid(at, footprint, spacing):
+def _grid(at, size, spacing):
     """How much of a pixel the lines at multiples of `spacing` cover; none where they crowd."""
     distance = np.abs(at - spacing * np.round(at / spacing))
-    line = (1.0 - _smooth(distance / footprint - 0.7)) * (1 - _smooth((footprint / spacing - 0.15) / 0.3))
+    line = (1.0 - _smooth(distance / size / 1.2)) * (1 - _smooth((size / spacing - 0.3) / 0.6))
     return np.maximum(*line)
 
 
@@ -116,13 +126,19 @@ def _occlusion(vertices, faces, foot, frame, reach):
     A piece dA of the object's underside at height h and lateral distance r hides h^2 / (pi (h^2 + r^2)^2) dA of it.
     """
     height = _heights(vertices, faces, foot, frame, reach)
-    hidden = np.zeros_like(height)
-    least = 2 * SPREAD / TAPS
-    for tap in range(TAPS):
-        r, angle = SPREAD * (tap + 0.5) / TAPS, 2.399963 * tap
-        shift = np.round(0.5 * r * TEXELS * np.array([np.cos(angle), np.sin(angle)])).astype(int)
-        h = np.maximum(np.roll(height, tuple(shift), axis=(0, 1)), least)
-        hidden += np.where(h < 1, 2 * r * SPREAD / TAPS * h**2 / (h**2 + r**2) ** 2, 0.0)
+    covered = np.nonzero(height < 1)
+    hidden = np.zeros((2 * TEXELS, 2 * TEXELS), dtype=np.float32)  # with room for what falls beside the patch
+    if len(covered[0]):
+        low = np.min(covered, axis=1)
+        block = height[tuple(slice(a, b + 1) for a, b in zip(low, np.max(covered, axis=1), strict=True))]
+        least = 2 * SPREAD / TAPS
+        square = np.where(block < 1, np.maximum(block, least) ** 2, 0)
+        for tap in range(TAPS):
+            r, angle = SPREAD * (tap + 0.5) / TAPS, 2.399963 * tap
+            shift = np.round(0.5 * r * TEXELS * np.array([np.cos(angle), np.sin(angle)])).astype(int)
+            row, column = low + shift + TEXELS // 2
+            hidden[row : row + block.shape[0], column : column + block.shape[1]] += 2 * r * SPREAD / TAPS * square / (square + r * r) ** 2
+    hidden = hidden[TEXELS // 2 : -TEXELS // 2, TEXELS // 2 : -TEXELS // 2]
     for axis in (0, 1, 0, 1):
         hidden = (np.roll(hidden, 1, axis) + hidden + np.roll(hidden, -1, axis)) / 3
     return np.float32(hidden.clip(0, 1))

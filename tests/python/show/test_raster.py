@@ -30,8 +30,8 @@ def test_two_triangles_cover_each_pixel_of_a_rectangle_once():
 
 def test_shares_reproduce_the_place_of_the_pixel():
     corners = np.array([[1.0, 2.0, 0.3], [60.0, 7.0, 0.5], [20.0, 50.0, 0.9]])
-    for pixel, _, share, depth in fragments(corners, np.array([[2, 1, 0]]), 64, 64):
-        place = share @ corners[[2, 1, 0]]
+    for pixel, _, shares, depth in fragments(corners, np.array([[2, 1, 0]]), 64, 64):
+        place = shares(np.arange(len(pixel))) @ corners[[2, 1, 0]]
         assert np.allclose(place[:, 0], pixel % 64 + 0.5) and np.allclose(place[:, 1], pixel // 64 + 0.5)
         assert np.allclose(depth, place[:, 2], atol=1e-6)
 
@@ -114,3 +114,15 @@ def test_a_plate_ends_at_its_edge_and_at_the_floor():
     assert np.isclose(np.ptp(columns), 4.0 * pixels_per_metre, atol=2)
     assert np.isclose(rows.min(), 100 - 1.0 * pixels_per_metre, atol=2)
     assert np.isclose(rows.max(), 100 + 0.5 * pixels_per_metre, atol=2)
+
+
+def test_a_plate_covers_its_exact_part_of_the_pixels_at_its_edge():
+    def covered(half):
+        drawn = canvas(size=200)
+        draw_plane(drawn, Patch(np.zeros(3), -NORTH, EAST, np.zeros(3), 2.0, 90.0, (1, 0, 0), np.array([half, 1.0])))
+        return (1 - drawn.image()[100, :, 1]).sum()
+
+    pixel = 2 * 0.29 * 10 / 200
+    grown = [covered((30 + (n + 1) / 8) * pixel) - covered((30 + n / 8) * pixel) for n in range(8)]
+    exact = 2 / 8 * 0.45  # two edges, an eighth of a pixel each
+    assert 0.5 * exact < min(grown) and max(grown) < 2 * exact
