@@ -49,7 +49,7 @@ def test_a_name_that_is_not_there_is_answered_with_the_nearest_one():
     assert not hasattr(softffd, "nobody")
 
 
-HEAVY = {"numpy", "fmpy", "pydantic", "PIL", "matplotlib", "trimesh", "scipy", "pythonfmu"}
+HEAVY = {"numpy", "fmpy", "pydantic", "PIL", "matplotlib", "trimesh", "scipy", "pythonfmu", "http", "webbrowser"}
 
 
 @pytest.mark.parametrize(
@@ -58,6 +58,7 @@ HEAVY = {"numpy", "fmpy", "pydantic", "PIL", "matplotlib", "trimesh", "scipy", "
         ("import softffd; dir(softffd); softffd.__version__; softffd.FmuError", set()),
         ("import softffd; softffd.load_scene('press')", {"numpy", "pydantic"}),
         ("import softffd; softffd.deform, softffd.load_mesh", {"numpy"}),
+        ("import softffd; softffd.simulate, softffd.Simulation, softffd.Result", {"numpy", "fmpy"}),
         ("import softffd; softffd.simulate, softffd.sweep, softffd.Simulation, softffd.package_fmu", {"numpy", "fmpy", "pydantic"}),
     ],
 )

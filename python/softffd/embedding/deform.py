@@ -11,16 +11,21 @@ the control points: where no control point is behind a plane, nothing of the obj
 lost and the polynomials grow fast, so a point outside is an error here, not an extrapolation.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 from ctypes import c_int, c_longlong, c_void_p
 from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from softffd.errors import MeshError
 from softffd.installed import library_function
-from softffd.mesh.mesh import Mesh
 from softffd.spelling import did_you_mean, nearest_of
+
+if TYPE_CHECKING:
+    from softffd.mesh.mesh import Mesh
 
 BASES = ("bezier", "bspline")
 
@@ -41,7 +46,7 @@ def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=
     Returns (V, 3), or (T, V, 3); a vertex has the same bits whichever others, and at how many instants, are deformed with it.
     Raises MeshError where a vertex lies outside the box, ValueError for arguments of no such form.
     """
-    vertices = _points(mesh.vertices if isinstance(mesh, Mesh) else mesh)
+    vertices = _points(getattr(mesh, "vertices", mesh))
     positions = np.asarray(positions, dtype=float)
     if positions.ndim not in (4, 5):
         raise ValueError(f"positions: wanted the shape (nx, ny, nz, 3) or (T, nx, ny, nz, 3), got {positions.shape}")

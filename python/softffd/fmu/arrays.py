@@ -13,13 +13,15 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from softffd.fmu.variables import families_of_one_name, has_component, parts, sizes, value_in
 from softffd.lattice import Point, all_points
-from softffd.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
 
 TIME = 0
 """Value reference of the independent variable; no family has the id 0."""

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from operator import attrgetter
-from typing import Any
-from xml.sax.saxutils import quoteattr
+from typing import TYPE_CHECKING, Any
 
-from softffd.fmu.description_parts import GUID_PLACE, attributes_text, causality, dependencies, head, its_values, xml_text
+from softffd.fmu.description_parts import GUID_PLACE, attributes_text, causality, dependencies, head, its_values, quoted, xml_text
 from softffd.fmu.interface import IDENTIFIER
 from softffd.fmu.variables import Variable
-from softffd.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
 
 SIMULATION = {
     "modelIdentifier": IDENTIFIER,
@@ -43,7 +44,7 @@ def _listed(variables: list[Variable]) -> Iterator[str]:
             values = attributes_text(its_values(variable, start))
             common[like] = attributes_text(causality(variable)), f"<{variable.family.get('type', 'Real')}{values}/></ScalarVariable>"
         kind, values = common[like]
-        words = quoteattr(variable.description)
+        words = quoted(variable.description)
         yield f'<ScalarVariable name="{variable.name}" valueReference="{variable.reference}"{kind} description={words}>{values}'
 
 

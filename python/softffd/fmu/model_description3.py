@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from operator import attrgetter
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
 
 from softffd.fmu.arrays import TIME, ArrayVariable
 from softffd.fmu.description_parts import GUID_PLACE, dependencies, head, its_values, what_it_is, xml_text
 from softffd.fmu.interface import IDENTIFIER
-from softffd.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
 
 KINDS = {"Real": "Float64", "Integer": "Int64"}
 """The standard's word for a type of the table."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from softffd.embedding.mass import Masses, point_masses
 from softffd.errors import SoftffdError
@@ -19,8 +19,10 @@ from softffd.fmu.model_description3 import model_description3
 from softffd.fmu.records import NAME, scene_records, scene_text
 from softffd.fmu.variables import Variable, variables
 from softffd.installed import data_folder, libraries
-from softffd.scene.scene import Scene
 from softffd.spelling import did_you_mean
+
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
 
 PLATFORMS3 = {"linux64": "x86_64-linux", "win64": "x86_64-windows", "darwin64": "x86_64-darwin"}
 """What FMI 3.0 calls the platforms, where it has another word than FMI 2.0."""
@@ -89,6 +91,8 @@ def write_folder(scene: Scene, folder: Path) -> Interface:
 
 
 def _require_scene(scene: Any, who: str) -> None:
+    from softffd.scene.scene import Scene
+
     if not isinstance(scene, Scene):
         raise SoftffdError(f"{who}: wanted a Scene, got {scene!r:.70}; load_scene gives the scene of a file")
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from softffd.fmu.variables import method_value, spring_damping_present
 from softffd.lattice import LatticeBox, Point, point_at, to_flat
-from softffd.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
 
 NAME, HEAD = "scene.txt", "softffd-scene 1"
 T = TypeVar("T")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,9 +12,11 @@ from softffd.fmu.values import list_of_values
 from softffd.installed import available_methods, table
 from softffd.lattice import Point
 from softffd.names import variable_names
-from softffd.scene.scene import Scene
-from softffd.scene.sections import Pin, Plane
-from softffd.scene.selection import Selection
+
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
+    from softffd.scene.sections import Pin, Plane
+    from softffd.scene.selection import Selection
 
 STANDARD_GRAVITY = 9.80665
 """m/s2"""

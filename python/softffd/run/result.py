@@ -15,7 +15,6 @@ from softffd.embedding.deform import deform
 from softffd.errors import MeshError, SoftffdError, UnknownName
 from softffd.files import replacing, require_writable
 from softffd.lattice import LatticeBox, all_points
-from softffd.mesh.mesh import Mesh
 from softffd.names import ByName, part_names, variable_names, vector_names
 from softffd.rotation import turned
 from softffd.run import shown
@@ -23,7 +22,6 @@ from softffd.run.deformation import deformation
 from softffd.run.parts import require_name
 from softffd.run.result_file import read_result, write_result
 from softffd.run.tables import data_frame, dataset
-from softffd.scene.scene import Scene
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
@@ -32,6 +30,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from softffd.fmu.component import Message
+    from softffd.mesh.mesh import Mesh
+    from softffd.scene.scene import Scene
 
 T = TypeVar("T")
 

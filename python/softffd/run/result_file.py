@@ -25,11 +25,11 @@ from softffd import __version__
 from softffd.errors import SceneError, SoftffdError
 from softffd.lattice import LatticeBox
 from softffd.scene.document import shown
-from softffd.scene.scene import Scene, scene_from
 
 if TYPE_CHECKING:
     from softffd.mesh.mesh import Mesh
     from softffd.run.result import Result
+    from softffd.scene.scene import Scene
 
 FORMAT, VERSION = "softffd result", 1
 OWN = ("header", "time", "positions", "inputs", "outputs")
@@ -139,6 +139,8 @@ def _scene(kept: dict[str, Any], path: Path) -> tuple[Scene | None, str]:
         beside = path.parent / file.name
         mesh["file"] = str(beside if beside.is_file() and not file.is_file() else file)
     try:
+        from softffd.scene.scene import scene_from
+
         scene = scene_from(kept["keys"], path=kept["path"])
     except SceneError as error:
         return None, error.problems[0]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import html
 import tempfile
-import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -55,6 +54,8 @@ def page(result: Result, path: str | Path | None = None, *, browser: bool) -> Pa
         path = Path(tempfile.mkdtemp(prefix="softffd-")) / "view.html"
     written = write_view(result, path, mesh=result.loaded_mesh)
     if browser:
+        import webbrowser
+
         webbrowser.open(written.resolve().as_uri())
     return Path(written)
 

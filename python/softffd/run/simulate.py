@@ -7,7 +7,7 @@ import time as clock
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -23,8 +23,10 @@ from softffd.run.recorded import recorded_outputs
 from softffd.run.result import Result
 from softffd.run.simulation import Simulation, open_component
 from softffd.run.times import communication_points, positive, require_memory, step_lengths
-from softffd.scene.scene import Scene
 from softffd.spelling import did_you_mean, nearest_of
+
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
 
 Progress = Callable[[float, float], None]
 Begun = Callable[[Simulation, Inputs], object]
