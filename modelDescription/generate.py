@@ -18,12 +18,8 @@ enum class Variability : std::uint8_t { continuous, discrete, tunable, fixed };
 """
 
 METHOD = """
-/// A method by the number that stands for it, from 1 on.
-struct MethodInfo {
-  std::string_view name;
-  int widest_layer;  ///< control points in a layer of the lattice at most; 0: any number
-};
-inline constexpr MethodInfo methods[] = {
+/// The methods by the numbers that stand for them, from 1 on.
+inline constexpr std::string_view methods[] = {
 """
 
 INFO = """
@@ -75,7 +71,7 @@ def header(table: dict) -> str:
     text += enum("MethodValue", [(("automatic" if m["key"] == "auto" else m["key"]), m["value"]) for m in table["method"]])
     if [m["value"] for m in table["method"]] != list(range(1, len(table["method"]) + 1)):
         raise SystemExit("variables.toml: methods must be numbered from 1, in their order")
-    text += METHOD + "".join(f'    {{"{m["key"]}", {m.get("widest_layer", 0)}}},\n' for m in table["method"]) + "};\n"
+    text += METHOD + "".join(f'    "{m["key"]}",\n' for m in table["method"]) + "};\n"
     text += f"inline constexpr int method_count = {len(table['method'])};\n"
     for category in table["log_category"]:
         text += f'inline constexpr const char* log_{category["key"]} = "{category["name"]}";\n'

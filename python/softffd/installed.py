@@ -1,6 +1,5 @@
 """What the build puts beside the Python files: the library, the table of variables, the documentation that goes into every FMU."""
 
-import math
 import re
 import sys
 import tomllib
@@ -31,15 +30,6 @@ def data_folder() -> Path:
 def table() -> dict[str, Any]:
     """The parsed variables.toml: families, methods, log categories, units."""
     return tomllib.loads((data_folder() / "variables.toml").read_text())
-
-
-def available_methods(counts: tuple[int, int, int]) -> list[dict[str, Any]]:
-    """The table's methods that a lattice of these counts has.
-
-    Those with matrices want few control points in a layer across the axis with most: the matrices grow with the layer's square.
-    """
-    layer = math.prod(sorted(counts)[:2])
-    return [method for method in table()["method"] if layer <= method.get("widest_layer", math.inf)]
 
 
 def host_library() -> Path:

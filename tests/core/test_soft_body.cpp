@@ -67,6 +67,7 @@ TEST(a_larger_lattice_may_do_less_in_a_call) {
       definition.offset = {0, 0, planes * 1e-3};
       SoftBody body(definition);
       body.settings.stiffness = {1e5, 1e5, 1e5};
+      if (planes > 0) body.settings.method = Method::leapfrog;  // an implicit step would end it
       body.initialize(0);
       const double h = 0.5 * body.readings().stable_step();
       if (given) body.settings.step = h;
@@ -226,13 +227,12 @@ TEST(a_scene_that_explicit_steps_suit_never_factors_a_matrix) {
     return body.factorizations();
   };
   const Vec3 still = Vec3::Zero(), pulled(1.1, 1, 1), plain = Vec3::Ones();
-  CHECK(factors(1e3, 0, pulled, still, 0, 0.1) == 0);        // vibrates
-  CHECK(factors(1e3, 0.05, pulled, still, 0, 0.1) == 0);     // the same, damped
-  CHECK(factors(1e5, 0, plain, {0, 0, 20}, 0, 0.1) == 0);    // turns
-  CHECK(factors(2e3, 0.1, plain, {0, 1, 0}, 1, 0.01) == 0);  // falls onto the ground
-  CHECK(factors(1e7, 0.5, plain, still, 0, 0.1) > 0);        // stiff and quiet: here a matrix is worth it
-  CHECK(factors(1e7, 0.5, plain, still, 0, 0.01, 8) > 0);
-  CHECK(factors(1e7, 0.5, plain, still, 0, 0.01, 9) == 0);  // where the lattice is not too wide for one
+  CHECK(factors(1e3, 0, pulled, still, 0, 0.1) == 0);                                 // vibrates
+  CHECK(factors(1e3, 0.05, pulled, still, 0, 0.1) == 0);                              // the same, damped
+  CHECK(factors(1e5, 0, plain, {0, 0, 20}, 0, 0.1) == 0);                             // turns
+  CHECK(factors(2e3, 0.1, plain, {0, 1, 0}, 1, 0.01) == 0);                           // falls onto the ground
+  CHECK(factors(1e7, 0.5, plain, still, 0, 0.1) > 0);                                 // stiff and quiet: here a matrix is worth it
+  for (int side : {8, 9}) CHECK(factors(1e7, 0.5, plain, still, 0, 0.01, side) > 0);  // with a factor, and with conjugate gradients
 }
 
 TEST(a_damped_box_that_was_dropped_comes_to_rest) {

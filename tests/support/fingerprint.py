@@ -31,7 +31,7 @@ from unittest.mock import patch
 import numpy as np
 
 from softffd import FmuError, Result, Scene, installed, load_scene, simulate
-from softffd.installed import available_methods
+from softffd.installed import table
 from softffd.run.guard import guarded
 from softffd.scene.scene import shipped_scenes
 from softffd.validation.stability.cases import CASES
@@ -51,7 +51,7 @@ Entry = dict[str, Any]
 
 def names() -> list[str]:
     """Of all entries that the file can have: "scene NAME, METHOD" and "case NAME"."""
-    scenes = [f"scene {name}, {method}" for name in shipped_scenes() for method in _methods(load_scene(name))]
+    scenes = [f"scene {name}, {method}" for name in shipped_scenes() for method in _methods()]
     return scenes + [f"case {name}" for name in CASES]
 
 
@@ -113,8 +113,8 @@ def use_library(file: Path | None) -> None:
         installed.host_library = lambda: file
 
 
-def _methods(scene: Scene) -> list[str]:
-    return [method["key"] for method in available_methods(scene.lattice.points)]
+def _methods() -> list[str]:
+    return [method["key"] for method in table()["method"]]
 
 
 def _scene(scene: Scene, method: str, until: float, clock: Clock | None = None) -> str:

@@ -179,33 +179,17 @@ void ContactSet::find_loads(const Points& force, const Points& dx) {
   }
 }
 
-namespace {
-
-Eigen::Matrix3d block(LayerMatrix& matrix, int p, int q) {
-  Eigen::Matrix3d block;
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) block(a, b) = matrix.at(p, a, q, b);
-  return block;
-}
-
-void set_block(LayerMatrix& matrix, int p, int q, const Eigen::Matrix3d& block) {
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < (p == q ? a + 1 : 3); ++b) matrix.at(p, a, q, b) = block(a, b);
-}
-
-}  // namespace
-
-void ContactSet::constrain(LayerMatrix& matrix) const {
+void ContactSet::constrain(LatticeMatrix& matrix) const {
   for (int p : touching_) {
     const Eigen::Matrix3d& projector = at_[p].projector;
     for (int q : neighbours_[p])
       if (at_[q].count == 0)
-        set_block(matrix, p, q, projector * block(matrix, p, q));
+        matrix.set_block(p, q, projector * matrix.block(p, q));
       else if (q > p)
-        set_block(matrix, p, q, projector * block(matrix, p, q) * at_[q].projector);
-    const Eigen::Matrix3d own = block(matrix, p, p) + friction_stiffness(p);
+        matrix.set_block(p, q, projector * matrix.block(p, q) * at_[q].projector);
+    const Eigen::Matrix3d own = matrix.block(p, p) + friction_stiffness(p);
     const double typical = own.trace() / 3;
-    set_block(matrix, p, p, projector * own * projector + typical * (Eigen::Matrix3d::Identity() - projector));
+    matrix.set_block(p, p, projector * own * projector + typical * (Eigen::Matrix3d::Identity() - projector));
   }
 }
 

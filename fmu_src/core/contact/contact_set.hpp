@@ -26,7 +26,7 @@
 
 #include "contact/feasible.hpp"
 #include "forces/body.hpp"
-#include "matrix/layer_matrix.hpp"
+#include "matrix/lattice_matrix.hpp"
 #include "model/drive.hpp"
 #include "model/state.hpp"
 
@@ -85,7 +85,7 @@ class ContactSet {
   bool stop_reversals(const Points& dx);
   /// matrix = P (matrix + friction) P + c (I - P): the equations of what motion the touches leave, c being of the matrix's own size. Rows
   /// and columns of pinned points, which are the identity's, stay so.
-  void constrain(LayerMatrix& matrix) const;
+  void constrain(LatticeMatrix& matrix) const;
   /// Adopts a scale for friction's stiffness if the loads have outgrown the present one. Returns whether they had.
   bool scale_friction(double length, double largest_stiffness);
 

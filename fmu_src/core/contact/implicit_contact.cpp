@@ -39,7 +39,7 @@ StepStatus ImplicitContact::advance(const Equations& equations, double t, double
       largest_stiffness_ = std::max(largest_stiffness_, kernels::largest(row.stiffness.size(), row.stiffness.data()));
   }
   last_factorization_ = linear_.factorizations() + most_factorizations;
-  last_solution_ = linear_.solutions() + most_solutions;
+  last_solution_ = linear_.solutions() + double(most_solutions);
   given_ = 0;
   return advance_in_parts(equations, t, h, watch, state, exchange, 0);
 }

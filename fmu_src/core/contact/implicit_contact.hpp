@@ -44,7 +44,7 @@ class ImplicitContact {
   Count halvings() const { return halvings_; }  ///< had to be done in two halves
   Count iterations() const { return iterations_; }
   Count factorizations() const { return linear_.factorizations(); }
-  Count solutions() const { return linear_.solutions(); }
+  double solutions() const { return linear_.solutions(); }  ///< as LatticeMatrix counts them
 
  private:
   struct Step {
@@ -81,7 +81,8 @@ class ImplicitContact {
   Vec3 rounding_ = Vec3::Zero();
   double loss_ = 0, work_ = 0;  ///< of the step [J]
   double given_ = 0;            ///< of the call [J]
-  Count steps_ = 0, halvings_ = 0, iterations_ = 0, last_factorization_ = 0, last_solution_ = 0;
+  Count steps_ = 0, halvings_ = 0, iterations_ = 0, last_factorization_ = 0;
+  double last_solution_ = 0;
 };
 
 }  // namespace softffd

@@ -13,6 +13,8 @@ constexpr int most_rounds = 14;
 constexpr double load_slack = 1e-9;
 /// Share of what the loads of sliding points lack that may be left for the next iteration.
 constexpr double loads_left = 1e-4;
+/// Of responses from which those loads are combined: hundred times better.
+constexpr double of_products = 1e-6;
 /// By how much less of compressed springs' softening is taken each time that the matrix has no Cholesky factor.
 constexpr double less_softening = 0.25;
 /// From this round on touches end one by one and friction is cautious: slower, but without circles.
@@ -103,8 +105,7 @@ void LinearContact::solve_free_part(const Problem& problem, const ContactSet& co
   project(contacts, change);
   for (int p = 0; p < problem.body.points(); ++p)
     if (problem.body.pinned[p]) set_row(change, p, Vec3::Zero());
-  matrix_.solve(change);
-  ++solutions_;
+  solutions_ += matrix_.solve(change);
   project(contacts, change);
   change += prescribed_;
 }
@@ -118,11 +119,11 @@ void LinearContact::couple_loads(const Problem& problem, ContactSet& contacts) {
   const double lack = kernels::largest(n, lack_.data()), slight = load_slack * std::max(problem.force_scale, contacts.largest_load());
   if (!(lack > slight)) return;
   const Scalars& more = gmres_.solve(n, lack_, std::max(loads_left, slight / lack), [&](const Scalars& loads, Scalars& left) {
-    respond(problem, contacts, loads);
+    respond(problem, contacts, loads, of_products);
     contacts.loads_of(made_, friction_, response_, left);
     for (int i = 0; i < n; ++i) left[i] = loads[i] - left[i];
   });
-  respond(problem, contacts, more);
+  respond(problem, contacts, more, ConjugateGradients::exact);
   if (!std::isfinite(kernels::largest(response_.size(), response_.data()))) return;
   change += response_;
   reaction += made_;
@@ -131,12 +132,11 @@ void LinearContact::couple_loads(const Problem& problem, ContactSet& contacts) {
 }
 
 /// The motion that the friction of these loads causes, and the forces that it takes.
-void LinearContact::respond(const Problem& problem, const ContactSet& contacts, const Scalars& loads) {
+void LinearContact::respond(const Problem& problem, const ContactSet& contacts, const Scalars& loads, double accuracy) {
   contacts.friction_of(loads, friction_);
   response_ = friction_;
   project(contacts, response_);
-  matrix_.solve(response_);
-  ++solutions_;
+  solutions_ += matrix_.solve(response_, accuracy);
   project(contacts, response_);
   forces_of(problem, response_, made_);
 }

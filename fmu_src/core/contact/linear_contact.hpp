@@ -45,25 +45,27 @@ class LinearContact {
   bool fresh = false;    ///< the matrix is that of this state
 
   Count factorizations() const { return factorizations_; }
-  Count solutions() const { return solutions_; }
+  /// As LatticeMatrix counts them.
+  double solutions() const { return solutions_; }
 
  private:
   void linearise(const Problem& problem, double softening);
   bool solve_with_touches(const Problem& problem, ContactSet& contacts, bool cautious);
   void solve_free_part(const Problem& problem, const ContactSet& contacts);
   void couple_loads(const Problem& problem, ContactSet& contacts);
-  void respond(const Problem& problem, const ContactSet& contacts, const Scalars& loads);
+  void respond(const Problem& problem, const ContactSet& contacts, const Scalars& loads, double accuracy);
   void forces_of(const Problem& problem, const Points& u, Points& f) const;
 
   SpringHessian hessian_;
-  LayerMatrix matrix_;
+  LatticeMatrix matrix_;
   Gmres gmres_;
   Points x_;  ///< that the matrix was made at
   Points prescribed_, friction_, response_, made_, moved_;
   Scalars lack_;
   bool stale_ = true;
   double softening_ = 1;  ///< of compressed springs, as SpringHessian has it
-  Count factorizations_ = 0, solutions_ = 0;
+  Count factorizations_ = 0;
+  double solutions_ = 0;
 };
 
 }  // namespace softffd

@@ -5,7 +5,6 @@
 #include "contact/tolerances.hpp"
 #include "flight/floating_frame.hpp"
 #include "kit/thresholds.hpp"
-#include "matrix/layer_matrix.hpp"
 #include "methods/backward_euler.hpp"
 #include "methods/bm4.hpp"
 #include "methods/central_difference.hpp"
@@ -39,7 +38,6 @@ Integrators::Integrators(const Lattice& lattice, int planes, int pins)
   add(Method::bm4, std::make_unique<Bm4>(points, pins));
   add(Method::rkn12, std::make_unique<Rkn12>(points, pins));
   add(Method::dop853, std::make_unique<Dop853>(points, pins));
-  if (!LayerMatrix::fits(lattice)) return;
   Ros34pw2* ros34pw2 = add(Method::ros34pw2, std::make_unique<Ros34pw2>(lattice, pins));
   add(Method::floating_frame, std::make_unique<FloatingFrame>(lattice, *ros34pw2));
   backward_euler_ = add(Method::backward_euler, std::make_unique<BackwardEuler>(lattice, planes));
@@ -49,7 +47,7 @@ Integrators::Integrators(const Lattice& lattice, int planes, int pins)
 Integrators::Integrators(Integrators&&) noexcept = default;
 Integrators::~Integrators() = default;
 
-Count Integrators::factorizations() const { return matrices() ? ros34pw2_->factorizations() + backward_euler_->factorizations() : 0; }
+Count Integrators::factorizations() const { return ros34pw2_->factorizations() + backward_euler_->factorizations(); }
 
 Outcome Integrators::take(const Job& job, Method method, const Span& span) {
   Outcome outcome{.status = StepStatus::too_much_work};

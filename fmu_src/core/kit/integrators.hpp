@@ -24,8 +24,6 @@ class Integrators {
   Integrator& operator[](Method method) { return *all_[std::size_t(method)]; }
   /// Of those with error control.
   OneStep& one_step(Method method) { return static_cast<OneStep&>((*this)[method]); }
-  /// Whether the lattice is narrow enough for matrices (layer_matrix.hpp): otherwise there are no implicit steps.
-  bool matrices() const { return ros34pw2_ != nullptr; }
   const ImplicitWork& implicit_work() const { return implicit_work_; }
   /// Number of matrices factored since the start: none unless implicit steps are tried.
   Count factorizations() const;

@@ -1,7 +1,6 @@
 #include "matrix/layer_matrix.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <new>
 
 #include "matrix/panels.hpp"
@@ -11,7 +10,7 @@ namespace softffd {
 namespace {
 
 constexpr std::align_val_t cache_line{64};
-constexpr int block = kernels::block;
+constexpr int width = kernels::block;
 
 int axis_with_most_points(const Lattice& lattice) {
   const auto& n = lattice.counts;
@@ -26,9 +25,8 @@ void LayerMatrix::Free::operator()(double* values) const { ::operator delete[](v
 
 LayerMatrix::LayerMatrix(const Lattice& lattice)
     : axis_(axis_with_most_points(lattice)), layers_(lattice.counts[axis_]), points_per_layer_(points_per_layer(lattice)) {
-  assert(fits(lattice));
-  size_ = (3 * points_per_layer_ + block - 1) / block * block;
-  stride_ = 2 * size_ + block;  // the spare block keeps columns of large lattices off each other's cache sets
+  size_ = (3 * points_per_layer_ + width - 1) / width * width;
+  stride_ = 2 * size_ + width;  // the spare width keeps columns of large lattices off each other's cache sets
   axis_stride_ = points_per_layer_ * stride_;
   const std::size_t unknowns = std::size_t(layers_) * size_;
   values_.reset(static_cast<double*>(::operator new[](unknowns * stride_ * sizeof(double), cache_line)));
@@ -53,13 +51,20 @@ void LayerMatrix::clear() {
     for (int i = 3 * points_per_layer_; i < size_; ++i) layer(l)[i * stride_ + i] = 1;
 }
 
+Mat3 LayerMatrix::block(int p, int q) const {
+  Mat3 block;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) block(a, b) = values_[place(p, a, q, b)];
+  return block;
+}
+
 void LayerMatrix::factor() {
   for (int l = 0; l < layers_; ++l) {
     double* here = layer(l);
-    for (int j = 0; j < size_; j += block) {
+    for (int j = 0; j < size_; j += width) {
       double* panel = here + j * stride_ + j;
-      const int blocks = (rows(l) - j) / block;
-      if (l > 0) kernels::subtract_products((size_ - j) / block, size_, stride_, layer(l - 1) + size_ + j, panel);
+      const int blocks = (rows(l) - j) / width;
+      if (l > 0) kernels::subtract_products((size_ - j) / width, size_, stride_, layer(l - 1) + size_ + j, panel);
       kernels::subtract_products(blocks, j, stride_, here + j, panel);
       kernels::factor_panel(blocks, stride_, panel, inverse_diagonal_.data() + l * size_ + j);
     }

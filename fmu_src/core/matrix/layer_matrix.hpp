@@ -13,33 +13,35 @@
 ///          3   [         B   D     ]        the last layer's B is not used
 ///
 /// For layers of s unknowns factoring takes 7/3 s^3 multiplications a layer, solving 3 s^2, and 16 s^2 bytes: 2.4 MB for 8 x 8 x 8 points,
-/// 20 MB for 8 x 8 x 32, but 150 MB for 16 x 16 x 16 and 5 GB for 32 x 32 x 32. There are none for layers of more than 64 points. The loops
-/// are panels.hpp's: same bits on every instruction set.
+/// 20 MB for 8 x 8 x 32, but 150 MB for 16 x 16 x 16 and 5 GB for 32 x 32 x 32, where lattice_matrix.hpp has another way. The loops are
+/// panels.hpp's: same bits on every instruction set.
 #pragma once
 #include <memory>
 #include <vector>
 
+#include "matrix/blocks.hpp"
 #include "model/lattice.hpp"
 
 namespace softffd {
 
 class LayerMatrix {
  public:
-  /// Most control points in a layer.
-  static constexpr int widest = 64;
-  /// Is there a matrix for this lattice?
-  static bool fits(const Lattice& lattice) { return points_per_layer(lattice) <= widest; }
   static int points_per_layer(const Lattice& lattice);
 
-  /// For a lattice that fits. Memory is taken here and first touched by `clear`.
+  /// Memory is taken here and first touched by `clear`.
   explicit LayerMatrix(const Lattice& lattice);
 
   void clear();
   /// Entry of coordinates a of point p and b of point q; both in one layer or in layers next to each other. The lower triangle alone is
   /// stored: (p, a, q, b) and (q, b, p, a) are one.
-  double& at(int p, int a, int q, int b) {
-    const int i = unknown(p, a), j = unknown(q, b);
-    return i < j ? values_[column_[p] + a * axis_stride_ + j] : values_[column_[q] + b * axis_stride_ + i];
+  double& at(int p, int a, int q, int b) { return values_[place(p, a, q, b)]; }
+  Mat3 block(int p, int q) const;
+  /// Of two points; or of one, then symmetric.
+  void set_block(int p, int q, const Mat3& block) {
+    visit(p, q, [&](int a, int b, double& entry) { entry = block(a, b); });
+  }
+  void add_block(int p, int q, const Mat3& block) {
+    visit(p, q, [&](int a, int b, double& entry) { entry += block(a, b); });
   }
   /// Index of coordinate a of point p among the unknowns.
   int unknown(int p, int a) const { return first_[p] + a * points_per_layer_; }
@@ -57,6 +59,24 @@ class LayerMatrix {
   struct Free {
     void operator()(double* values) const;
   };
+  std::size_t place(int p, int a, int q, int b) const {
+    const int i = unknown(p, a), j = unknown(q, b);
+    return i < j ? column_[p] + a * axis_stride_ + j : column_[q] + b * axis_stride_ + i;
+  }
+  /// Every entry of a block once. Where the points are in two layers all are in the columns of one of them.
+  template <class Visit>
+  void visit(int p, int q, Visit visit) {
+    const int n = points_per_layer_, i = first_[p], j = first_[q];
+    double *of_p = values_.get() + column_[p] + j, *of_q = values_.get() + column_[q] + i;
+    const auto below = [&](int a, int b) { visit(a, b, of_p[a * axis_stride_ + b * n]); };
+    const auto above = [&](int a, int b) { visit(a, b, of_q[b * axis_stride_ + a * n]); };
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < (p == q ? a + 1 : 3); ++b)
+        if (j - i >= n || (i - j < n && (a < b || (a == b && i < j))))
+          below(a, b);
+        else
+          above(a, b);
+  }
   double* layer(int layer) { return values_.get() + std::size_t(layer) * size_ * stride_; }
   int rows(int layer) const { return layer + 1 < layers_ ? 2 * size_ : size_; }
 

@@ -66,7 +66,7 @@ void SpringHessian::subtract_product(const Springs& springs, const Points& u, Po
   }
 }
 
-void SpringHessian::fill(const Body& body, const Scalars& diagonal, LayerMatrix& matrix) const {
+void SpringHessian::fill(const Body& body, const Scalars& diagonal, LatticeMatrix& matrix) const {
   matrix.clear();
   for (std::size_t r = 0; r < body.springs.rows().size(); ++r) {
     const Springs::Row& row = body.springs.rows()[r];

@@ -7,7 +7,7 @@
 /// compression: the same matrix as stiffness_matrix.hpp's, which is multiplied in another order, faster where it is used once.
 #pragma once
 #include "forces/body.hpp"
-#include "matrix/layer_matrix.hpp"
+#include "matrix/lattice_matrix.hpp"
 
 namespace softffd {
 
@@ -20,7 +20,7 @@ class SpringHessian {
   /// f -= K u [N]; u [m].
   void subtract_product(const Springs& springs, const Points& u, Points& f) const;
   /// matrix = K + diagonal, diagonal (points) [N/m]; rows and columns of pinned points are those of the identity.
-  void fill(const Body& body, const Scalars& diagonal, LayerMatrix& matrix) const;
+  void fill(const Body& body, const Scalars& diagonal, LatticeMatrix& matrix) const;
 
  private:
   std::vector<Scalars> blocks_;  ///< (rows)(6 * lanes): xx yy zz xy xz yz

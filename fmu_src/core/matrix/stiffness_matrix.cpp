@@ -5,7 +5,7 @@
 
 namespace softffd {
 
-void assemble(const Body& body, const Points& x, const Scalars& diagonal, Scalars& sums, LayerMatrix& matrix) {
+void assemble(const Body& body, const Points& x, const Scalars& diagonal, Scalars& sums, LatticeMatrix& matrix) {
   double* bounds = body.springs.scratch();
   matrix.clear();
   sums.setZero();

@@ -6,13 +6,13 @@
 /// where there is one, the positive semidefinite part (volume.hpp).
 #pragma once
 #include "forces/body.hpp"
-#include "matrix/layer_matrix.hpp"
+#include "matrix/lattice_matrix.hpp"
 
 namespace softffd {
 
 /// matrix = K at x, plus `diagonal` on the diagonal (points), both [N/m]. Rows and columns of pinned points are those of the identity.
 /// sums: (6 * points), scratch.
-void assemble(const Body& body, const Points& x, const Scalars& diagonal, Scalars& sums, LayerMatrix& matrix);
+void assemble(const Body& body, const Points& x, const Scalars& diagonal, Scalars& sums, LatticeMatrix& matrix);
 
 /// f = -K u with K at x [N], all points; u [m], (points, 3).
 void stiffness_force(const Body& body, const Points& x, const Points& u, Points& f);

@@ -11,14 +11,16 @@ void subtract_stiffness_product(const Volume& volume, const Points& x, const Poi
   });
 }
 
-void add_stiffness(const Volume& volume, const Points& x, const std::vector<bool>& pinned, LayerMatrix& matrix) {
+void add_stiffness(const Volume& volume, const Points& x, const std::vector<bool>& pinned, LatticeMatrix& matrix) {
   volume.visit_crushed(x, [&](const Cells::Corner& corner, double second) {
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j <= i; ++j) {
         const int p = corner.points[i], q = corner.points[j];
         if (pinned[p] || pinned[q]) continue;
+        Mat3 block;
         for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < (i == j ? a + 1 : 3); ++b) matrix.at(p, a, q, b) += second * corner.gradient[i][a] * corner.gradient[j][b];
+          for (int b = 0; b < 3; ++b) block(a, b) = second * corner.gradient[i][a] * corner.gradient[j][b];
+        matrix.add_block(p, q, block);
       }
   });
 }

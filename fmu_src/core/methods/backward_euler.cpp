@@ -12,12 +12,13 @@ Outcome BackwardEuler::advance(const Model& model, const Drive& drive, const Spa
   contact_.most_factorizations = most(std::min(span.most_work, span.budget), implicit_.factor);
   contact_.most_solutions = most(span.budget, implicit_.solution);
   for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i) {
-    const Count made = contact_.factorizations(), solved = contact_.solutions();
+    const Count made = contact_.factorizations();
+    const double solved = contact_.solutions();
     outcome.status = contact_.advance({model.body, drive}, span.time(i), span.h, drive.watch, run.path.motion, run.path.exchange);
     outcome.given += contact_.given();
     const double work = double(contact_.factorizations() - made) * implicit_.factor;
     outcome.work += std::max(traits(Method::backward_euler).work, work);
-    outcome.spent += work + double(contact_.solutions() - solved) * implicit_.solution;
+    outcome.spent += work + (contact_.solutions() - solved) * implicit_.solution;
   }
   return outcome;
 }

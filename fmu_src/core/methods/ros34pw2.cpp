@@ -11,7 +11,7 @@ namespace {
 
 // Rang, Angermann 2005, New Rosenbrock W-methods of order 3 for partial differential algebraic equations of index 1, BIT 45, transformed as
 // in Hairer, Wanner 1996, Solving Ordinary Differential Equations II, section IV.7.
-constexpr int stages = 4;
+constexpr int stages = Ros34pw2::stages;
 using Row = std::array<double, stages>;
 constexpr double gamma = 0.435866521508459;
 constexpr std::array<Row, stages> a{{{0, 0, 0, 0},
@@ -118,6 +118,7 @@ double Ros34pw2::attempt(const Equations& equations, double t, double h, const S
   const auto& [body, around] = equations;
   use_factor(body, h, state.x);
   const double g = gamma * h;
+  solutions_ = 0;
   const bool moving = pins_move(equations, t), recording = ledger.recording();
   for (int i = 0; i < stages; ++i) {
     const double at = t + time[i] * h, ahead = h * time_gamma[i];
@@ -138,7 +139,7 @@ double Ros34pw2::attempt(const Equations& equations, double t, double h, const S
     if (moving) x_i += ahead * pin_rate_;
     x_i = free_ * x_i + mass_ * (q_ + (stage_v_ + p_) * (1 / g));
     if (body.damped) x_i += damping_ * p_;
-    matrix_.solve(x_i);
+    solutions_ += matrix_.solve(x_i);
     v_[i] = free_ * (x_i * (1 / g) - stage_v_ - p_);
     if (recording) record_stage(equations, h * b[i], at, ahead, x_i);
   }

@@ -28,6 +28,7 @@ namespace softffd {
 
 class Ros34pw2 final : public OneStep {
  public:
+  static constexpr int stages = 4;
   /// Steps tried with one factor before it is made anew.
   static constexpr Count most_uses = 20;
 
@@ -47,7 +48,8 @@ class Ros34pw2 final : public OneStep {
     std::swap(factored, carried);
     const bool made = carried.uses == 1;  // not whether it was made now: after a restore it is made again
     run.course.factors += made;
-    return {.error = error, .work = implicit_.step + (made ? implicit_.factor : 0) + (in_frame ? implicit_.frame : 0)};
+    const double longer = (solutions_ - stages) * implicit_.solution;  // than solutions usually take
+    return {.error = error, .work = implicit_.step + (made ? implicit_.factor : 0) + (in_frame ? implicit_.frame : 0) + longer};
   }
   /// The next attempt takes the stiffness at its own state.
   void refresh() { factored.h = 0; }
@@ -68,14 +70,15 @@ class Ros34pw2 final : public OneStep {
   void record_ends(const Equations& equations, double t, double h, const State& state);
   bool pins_move(const Equations& equations, double t);
 
-  LayerMatrix matrix_;
+  LatticeMatrix matrix_;
   Factored held_;       ///< what matrix_ is the factor of
   Count version_ = -1;  ///< of the body that it was made with
   ImplicitWork implicit_;
   Count factorizations_ = 0;
+  double solutions_ = 0;          ///< of the last attempt, as LatticeMatrix counts them
   Points mass_, damping_, free_;  ///< per coordinate [kg], [N s/m], 1; 0 where pinned
   Scalars diagonal_, sums_;
-  std::array<Points, 4> x_, v_;  ///< U, pinned points 0
+  std::array<Points, stages> x_, v_;  ///< U, pinned points 0
   Points stage_x_, stage_v_, spring_, outside_, p_, q_, zero_;
   Points pin_velocity_, pin_rate_;  ///< [m/s], 0 where free; rate at which the spring forces change by it [N/s]
   Points correction_;               ///< J U on the pinned points [N]

@@ -19,7 +19,6 @@ struct Traits {
   double tolerance_step;    ///< of which one step
   bool resolves_contact;    ///< it knows obstacles
   bool solves;              ///< it solves with a matrix under error control, and damps what its steps do not resolve
-  bool needs_matrices;      ///< lattices that are too wide for matrices do not have it
   Turning turning = Turning::free;
   bool staggered = false;  ///< velocities are those half a step before and after: what counts as energy depends on the step
 
@@ -30,7 +29,6 @@ const Traits& traits(Method method);
 
 inline bool resolves_contact(Method method) { return traits(method).resolves_contact; }
 inline bool is_implicit(Method method) { return traits(method).solves; }
-inline bool needs_matrices(Method method) { return traits(method).needs_matrices; }
 
 /// Work of an implicit step without contact: of a step, of a factor and of taking a step into the body's frame; and of a solution of the
 /// linear equations with contact; by the operations they take and their measured time on 4 x 4 x 4.

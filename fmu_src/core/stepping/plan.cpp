@@ -49,7 +49,7 @@ bool stiff(const Facts& facts) {
 }
 
 bool may_be_stiff(const Facts& facts, const Asked& asked) {
-  return facts.matrices && (chosen(asked.method) || is_implicit(asked.method)) && !facts.given_step;
+  return (chosen(asked.method) || is_implicit(asked.method)) && !facts.given_step;
 }
 
 Plan impacts(bool rings) {

@@ -19,7 +19,6 @@ struct Facts {
   double length = 1;                   ///< of the run, in stretches
   bool counted = false;                ///< and the stretch is a whole number of it
   bool damped = false;                 ///< any damping
-  bool matrices = true;                ///< the lattice is narrow enough for them
   bool obstacles = false;              ///< the scene has planes
   bool pins = false;                   ///< the scene has pins
   std::optional<bool> clear{};         ///< no point is on an obstacle now

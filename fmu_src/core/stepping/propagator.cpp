@@ -1,7 +1,6 @@
 #include "stepping/propagator.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <limits>
 
 #include "contact/tolerances.hpp"
@@ -30,7 +29,6 @@ Propagator::Propagator(const Lattice& lattice, const Run& run)
 
 StepStatus Propagator::advance(const Job& job, double H) {
   Course& course = job.run.course;
-  assert(integrators_.matrices() || !needs_matrices(job.request.method));
   course.usual = std::max(H, use::usual_decay * course.usual);
   if (!plans_every_given_step(facts(job, H))) return advance_planned(job, H);
   const Clock& clock = job.run.path.clock;
@@ -50,7 +48,6 @@ Facts Propagator::facts(const Job& job, double H) const {
   facts.counted = counted_units(job.request, H) > 0;
   facts.length = job.request.horizon / H;
   facts.damped = job.model.body.damped;
-  facts.matrices = integrators_.matrices();
   facts.obstacles = !job.drive.planes.empty();
   facts.pins = !job.drive.pins.empty();
   return facts;

@@ -37,8 +37,7 @@ void Race::run(Integrators& integrators, Calibrator& calibrator, const Job& job,
   Contest contest;
   contest.before = job.run.course.race.winner;
   contest.least = std::max(1.0, H / step_limit(job, Method::leapfrog, false)) * traits(Method::leapfrog).work;
-  if (integrators.matrices() && job.model.stability.elastic() && implicit_may_pay(H * bound(job)))
-    try_implicit(integrators, job, H, contest);
+  if (job.model.stability.elastic() && implicit_may_pay(H * bound(job))) try_implicit(integrators, job, H, contest);
   if (!(contest.implicit_work < infinity)) {
     calibrate(Method::leapfrog, use::race_rounds);
     contest.leapfrog = fixed_work(job, Method::leapfrog, H);

@@ -3,8 +3,6 @@
 #include <iterator>
 
 #include "instance/instance.hpp"
-#include "matrix/layer_matrix.hpp"
-#include "methods/traits.hpp"
 
 namespace softffd::fmi {
 
@@ -84,11 +82,6 @@ bool sound(const Variables::LastStep& last) { return std::isfinite(last.length) 
 
 bool counter(Count value) { return value >= 0 && value <= Count{1} << 53; }
 
-/// Whether all methods that the course names can run on this lattice.
-bool possible(const Course& course, const Lattice& lattice) {
-  return LayerMatrix::fits(lattice) || !(needs_matrices(course.method) || needs_matrices(course.race.winner));
-}
-
 bool sound(const Run& run) {
   const Clock& clock = run.path.clock;
   return counter(clock.count) && clock.parts > 0 && counter(clock.parts) && counter(run.path.steps) && counter(run.course.rejected) &&
@@ -97,11 +90,10 @@ bool sound(const Run& run) {
          counter(run.path.exchange.contacts_resolved) && std::all_of(run.contacts.begin(), run.contacts.end(), counter);
 }
 
-bool sound(const Whole& whole, const Variables& variables, const Lattice& lattice) {
+bool sound(const Whole& whole, const Variables& variables) {
   const auto& memory = whole.memory;
   return sound(whole.place) && sound(whole.last_step) && sound(whole.in_effect) && sound(whole.run) &&
-         (!memory || (sound(memory->shadow) && counter(memory->tally.steps))) && variables.sound(whole.values) &&
-         possible(whole.run.course, lattice) && (!memory || possible(memory->shadow.course, lattice));
+         (!memory || (sound(memory->shadow) && counter(memory->tally.steps))) && variables.sound(whole.values);
 }
 
 }  // namespace
@@ -133,7 +125,7 @@ void Instance::load_state(const Bytes& bytes) {
   Whole all = whole();
   pass(reader, all);
   if (!reader.at_end()) throw StateError("the state is too long");
-  if (!sound(all, variables_, body_.lattice())) throw StateError("the state holds values that no run gives");
+  if (!sound(all, variables_)) throw StateError("the state holds values that no run gives");
   const Place& place = all.place;
   phase = Phase(place.phase);
   times_ = place.times;

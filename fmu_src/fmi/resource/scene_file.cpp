@@ -10,7 +10,6 @@
 #include <map>
 #include <memory>
 
-#include "matrix/layer_matrix.hpp"
 #include "resource/checksum.hpp"
 #include "variable_table.hpp"
 
@@ -236,21 +235,9 @@ std::string_view checked_body(std::string_view text) {
 void check_complete(const SceneFile& s) {
   if (s.guid.empty()) throw SceneFileError("resources/scene.txt: the guid is missing");
   if (s.definition.mass.empty()) throw SceneFileError("resources/scene.txt: the masses are missing");
-  if (!has_method(s.definition.lattice, s.method))
-    throw SceneFileError("resources/scene.txt: the lattice is too wide for the method " + std::string(methods[s.method - 1].name));
 }
 
 }  // namespace
-
-bool has_method(const Lattice& lattice, int value) {
-  constexpr auto agree = [] {
-    for (const MethodInfo& method : methods)
-      if (method.widest_layer != 0 && method.widest_layer != LayerMatrix::widest) return false;
-    return true;
-  };
-  static_assert(agree(), "variables.toml and layer_matrix.hpp must agree");
-  return methods[value - 1].widest_layer == 0 || LayerMatrix::fits(lattice);
-}
 
 SceneFile parse_scene(std::string_view text) {
   std::string_view body = checked_body(text);

@@ -60,9 +60,6 @@ struct SceneFile {
   double stop_time = 1;  ///< of the default experiment, which starts at 0 [s]
 };
 
-/// Is the method of this number, one of the table's, there for this lattice?
-bool has_method(const Lattice& lattice, int value);
-
 /// Parses the text of a resources file. Throws SceneFileError.
 SceneFile parse_scene(std::string_view text);
 

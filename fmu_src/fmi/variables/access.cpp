@@ -3,7 +3,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "matrix/layer_matrix.hpp"
 #include "variables/variables.hpp"
 
 namespace softffd::fmi {
@@ -36,20 +35,11 @@ Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) 
 }
 
 void Variables::check_method(double method) const {
-  const Lattice& lattice = scene_.definition.lattice;
-  const std::string name(families[row_of(Family::solver_method)].name);
-  if (!(method >= 1 && method <= method_count)) {
-    std::string wanted;
-    for (int value = 1; value <= method_count; ++value)
-      if (has_method(lattice, value))
-        wanted.append(wanted.empty() ? "" : ", ").append(std::to_string(value) + " ").append(methods[value - 1].name);
-    throw CallError(name + ": wanted one of " + wanted + ", got " + shortest(method));
-  }
-  if (!has_method(lattice, int(method)))
-    throw CallError(name + ": " + std::string(methods[int(method) - 1].name) + " is for lattices with at most " +
-                    std::to_string(LayerMatrix::widest) + " control points in a layer across the axis with most, this one has " +
-                    std::to_string(LayerMatrix::points_per_layer(lattice)) + "; wanted auto (1) or an explicit method, e.g. dop853 (" +
-                    std::to_string(int(MethodValue::dop853)) + ")");
+  if (method >= 1 && method <= method_count) return;
+  std::string wanted;
+  for (int value = 1; value <= method_count; ++value)
+    wanted.append(wanted.empty() ? "" : ", ").append(std::to_string(value) + " ").append(methods[value - 1]);
+  throw CallError(std::string(families[row_of(Family::solver_method)].name) + ": wanted one of " + wanted + ", got " + shortest(method));
 }
 
 void Variables::check_settable(Phase phase, fmi2ValueReference reference, const FamilyInfo& info, double value) const {

@@ -197,7 +197,7 @@ bool Variables::sound(const Values& values) const {
     for (double v : values.numbers[row])
       if (!(std::isfinite(v) && v >= families[row].min && v > families[row].above)) return false;
   const double method = values.numbers[row_of(Family::solver_method)][0];
-  return method >= 1 && method <= method_count && has_method(scene_.definition.lattice, int(method));
+  return method >= 1 && method <= method_count;
 }
 
 }  // namespace softffd::fmi

@@ -97,7 +97,7 @@ def variables_page() -> str:
     for causality, head in CAUSALITIES.items():
         rows = [_variable(row) for row in table()["family"] if row["causality"] == causality]
         parts.append(f"{head}\n\n" + _table(["Name", "Unit", "There is one for", "Kind", "Meaning"], rows))
-    methods = [[f"{method['value']}", f"`{method['key']}`", _limits(method)] for method in table()["method"]]
+    methods = [[f"{method['value']}", f"`{method['key']}`", method["description"]] for method in table()["method"]]
     parts.append("## Values of `solver.method`\n\n" + _table(["Value", "Name", "Meaning"], methods))
     categories = [[f"`{category['name']}`", category["description"]] for category in table()["log_category"]]
     parts.append("## Log categories\n\n" + _table(["Name", "Holds"], categories))
@@ -138,11 +138,6 @@ def _variable(row: dict[str, Any]) -> list[str]:
     name = " ".join([f"`{stem}.{components[0]}`", *(f"`.{component}`" for component in components[1:])]) if components else f"`{stem}`"
     kind = ", ".join(word for word in (row["variability"], row.get("type", "")) if word)
     return [name, row.get("unit", ""), PRESENT[row["part"]], kind, of_whole(row["description"]).format(**words)]
-
-
-def _limits(method: dict[str, Any]) -> str:
-    widest = method.get("widest_layer")
-    return method["description"] + (f" (lattices of at most {widest} control points in a layer across the longest axis)" if widest else "")
 
 
 def _table(head: list[str], rows: list[list[str]]) -> str:

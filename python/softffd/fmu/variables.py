@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from softffd.fmu.values import list_of_values
-from softffd.installed import available_methods, table
+from softffd.installed import table
 from softffd.lattice import Point
 from softffd.names import variable_names
 
@@ -92,7 +92,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     planes, pins = scene.plane, scene.pin
     surfaces, frames = [_plane(plane) for plane in planes], [_pin(scene, pin) for pin in pins if pin.motion == "input"]
     stiffness, gravity = scene.material.stiffness, scene.environment.gravity
-    methods = available_methods(scene.lattice.points)
+    methods = table()["method"]
     return {
         "forces": points(scene.inputs.forces),
         "loads": [{"name": load.name} for load in scene.load],

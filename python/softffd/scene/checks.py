@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from softffd.installed import available_methods, table
 from softffd.lattice import point_at
 from softffd.scene.draft import Draft
 from softffd.scene.faults import Fault, KeyPath, path_text, toml_text
@@ -16,21 +15,9 @@ from softffd.scene.selection import flat_indices
 
 def cross_check(draft: Draft) -> list[Fault]:
     """The problems between the sound values of a draft whose box and mesh are settled."""
-    checks = (_method, _names, _idle_inputs, _selections, _mass, _margin, _box, _control_points, _probes)
+    checks = (_names, _idle_inputs, _selections, _mass, _margin, _box, _control_points, _probes)
     with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
         return [fault for check in checks for fault in check(draft)]
-
-
-def _method(draft: Draft) -> Iterator[Fault]:
-    counts, method = draft.scene.lattice.points, draft.scene.solver.method
-    if not (draft.sound("lattice", "points") and draft.sound("solver", "method")):
-        return
-    if method not in [row["key"] for row in available_methods(counts)]:
-        widest = next(row["widest_layer"] for row in table()["method"] if row["key"] == method)
-        layer = " x ".join(map(str, sorted(counts)[:2]))
-        wanted = f"wanted a lattice of at most {widest} control points in a layer across its axis with most"
-        got = f"or the method's matrices are too large, got {toml_text(method)} with {layer} in a layer"
-        yield Fault(("solver", "method"), f'{wanted}, {got}; take "auto", or "dop853" for high accuracy, instead')
 
 
 def _names(draft: Draft) -> Iterator[Fault]:

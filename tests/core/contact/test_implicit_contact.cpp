@@ -34,6 +34,23 @@ TEST(the_incline_holds_below_the_angle_of_friction_and_lets_slide_above) {
     }
 }
 
+TEST(a_wide_lattice_slides_and_sticks_as_a_narrow_one) {
+  for (double k : {1e5, 1e9})
+    for (double degrees : {20.0, 25.0}) {
+      const double angle = degrees * 3.14159265358979 / 180, mu = 0.4, h = 0.01, steps = 20;
+      FallingBox scene(k, 1, {{9, 9, 9}});
+      scene.around.planes[0].friction = mu;
+      const Vec3 gravity = g * Vec3(std::sin(angle), 0, -std::cos(angle));
+      for (int axis = 0; axis < 3; ++axis) scene.around.force.col(axis) = gravity[axis] * scene.body.mass;
+      CheckedRun runner(scene);
+      for (int i = 0; i < steps; ++i)
+        if (!runner.step(scene, h)) return;
+      const double exact = degrees > 22 ? g * (std::sin(angle) - mu * std::cos(angle)) : 0;
+      CHECK_NEAR(FallingBox::mean(scene.state.v).x() / (steps * h), exact, 1e-3);
+      CHECK(runner.method.halvings() == 0);
+    }
+}
+
 TEST(a_squeezed_box_pushes_back_in_proportion_to_its_stiffness) {
   std::vector<double> force;
   for (double k : {1e5, 1e9}) {

@@ -61,7 +61,7 @@ TEST(stiffness_is_positive_semidefinite_and_one_matrix_in_all_its_uses) {
     CHECK(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues().minCoeff() >= -1e-11 * k.cwiseAbs().maxCoeff());
     std::vector<bool> pinned(24, false);
     if (trial % 2) pinned[3] = pinned[8] = true;
-    LayerMatrix matrix(lattice);
+    LatticeMatrix matrix(lattice);
     matrix.clear();
     add_stiffness(volume, x, pinned, matrix);
     for (int p = 0; p < 24; ++p)
@@ -72,7 +72,7 @@ TEST(stiffness_is_positive_semidefinite_and_one_matrix_in_all_its_uses) {
             bool near = true;
             for (int axis = 0; axis < 3; ++axis) near = near && std::abs(place(p)[axis] - place(q)[axis]) <= 1;
             const double wanted = pinned[p] || pinned[q] ? 0 : k(a * 24 + p, b * 24 + q);
-            if (near) CHECK_NEAR(matrix.at(p, a, q, b), wanted, 1e-12 * k.cwiseAbs().maxCoeff());
+            if (near) CHECK_NEAR(matrix.block(p, q)(a, b), wanted, 1e-12 * k.cwiseAbs().maxCoeff());
           }
   }
 }

@@ -7,6 +7,7 @@ TEST(third_order_with_the_stiffness_of_each_step) {
   check_third_order("damped", soft(true));
   check_third_order("ramped", soft(false, true));
   check_third_order("damped and ramped", soft(true, true));
+  check_third_order("wide", soft(true, true, wide));
 }
 
 TEST(third_order_while_pins_move) {
@@ -62,6 +63,10 @@ TEST(pins_receive_to_rounding_what_the_body_loses) {
     Ros34pw2 method(s.lattice, 2);
     CHECK_NEAR(momentum_lost(s, run(method, s, 10)), 0.0, 1e-13);  // momenta of 1 N s
   }
+  Scene s = soft(true, true, wide);
+  pin_ends(s, moving({0.3, 0.4, -0.2}, {0, 0, 0}));
+  Ros34pw2 method(s.lattice, 2);
+  CHECK_NEAR(momentum_lost(s, run(method, s, 10)), 0.0, 30 * ConjugateGradients::exact);  // momenta of 30 N s
 }
 
 TEST(a_free_body_keeps_its_momentum_to_rounding) {

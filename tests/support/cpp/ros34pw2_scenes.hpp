@@ -8,6 +8,9 @@
 
 namespace softffd {
 
+/// Too wide for a factor: conjugate gradients solve.
+inline const Lattice wide{{9, 9, 9}};
+
 struct Scene {
   Lattice lattice;
   Body body;
@@ -37,8 +40,7 @@ inline void start_at(Scene& scene, const Points& x, const Points& v) {
 
 /// Soft, stretched and moving, so that every term counts: forces that ramp, masses and (where asked) damping that differ from point to
 /// point.
-inline Scene soft(bool damped = false, bool ramped = false) {
-  const Lattice lattice{{3, 4, 2}};
+inline Scene soft(bool damped = false, bool ramped = false, const Lattice& lattice = {{3, 4, 2}}) {
   const int n = lattice.points();
   Scene s{lattice, {Springs(lattice, Topology::distinct), Scalars(n), Scalars::Zero(n), std::vector<bool>(n, false)}, {}, {}, 0.5};
   s.body.springs.set_stiffness({30, 20, 10}, {});
