@@ -32,7 +32,7 @@ def test_slow_motion_of_a_stiff_cube_is_within_the_tolerance_in_a_few_steps(pinn
     assert exact.outputs["solver.steps"][-1] > 3000
     for method in ("ros34pw2", "auto"):
         result = pulled(method, **keys)
-        assert result.outputs["solver.steps"][-1] < 300
+        assert result.outputs["solver.steps"][-1] < 1000
         assert np.abs(result.positions - exact.positions).max() < TOLERANCE
 
 
@@ -56,5 +56,5 @@ def test_a_stiff_cube_slides_down_as_friction_lets_it(method, stiffness):
     way = (pull * seconds - speed) / drag
     found = (result.positions[-1] - result.positions[0]).reshape(-1, 3)[:, 0].mean()
     assert abs(found - way) < (10 * TOLERANCE if method == "auto" else 0.55 * step * speed)  # of first order: half a step ahead
-    assert result.outputs["solver.steps"][-1] < 300
+    assert result.outputs["solver.steps"][-1] < 1000
     assert result.positions[..., 2].min() > -1e-15
