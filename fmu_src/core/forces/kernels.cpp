@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "machine/instructions.hpp"
+#include "machine/lanes.hpp"
 
 namespace softffd::kernels {
 
@@ -41,13 +41,6 @@ INNER void bound(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In l, Out 
     xy[p] = c * dx * dy;
     xz[p] = c * dx * dz;
     yz[p] = c * dy * dz;
-  }
-}
-
-INNER void add_square(int lanes, In a0, In a1, In b0, In b1, In k, Out square) {
-  for (int p = 0; p < lanes; ++p) {
-    const double change = (a1[p] - a0[p]) - (b1[p] - b0[p]);
-    square[p] += k[p] > 0.0 ? change * change : 0.0;
   }
 }
 
@@ -101,24 +94,55 @@ INNER void combine(std::size_t n, const double* x, int count, const double* w, c
   }
 }
 
-INNER double largest(std::size_t n, const double* x) {
-  double largest = 0.0, sum = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double size = std::abs(x[i]);
-    largest = size > largest ? size : largest;
-    sum += 0.0 * size;  // NaN and infinity do not compare
+/// The largest of numbers that are read some at a time; NaN if any is NaN or infinite. These do not compare, but times 0 they are NaN.
+template <int n>
+struct Largest {
+  Lanes<n> most{}, none{};
+  INLINED void see(const Lanes<n>& number) {
+    const Lanes<n> size = number < 0.0 ? -number : number;
+    most = size > most ? size : most;
+    none += 0.0 * size;
   }
-  return largest + sum;
+};
+
+/// read(i, register): the numbers from i on that a register holds.
+template <int n, class Read>
+INNER double largest_of(std::size_t count, const Read& read) {
+  Largest<n> many;
+  Largest<1> rest;
+  std::size_t i = 0;
+  for (; i + n <= count; i += n) many.see(read(i, Register<n>{}));
+  for (; i < count; ++i) rest.see(read(i, Register<1>{}));
+  double largest = rest.most[0], none = rest.none[0];
+  for (int lane = 0; lane < n; ++lane) {
+    largest = many.most[lane] > largest ? many.most[lane] : largest;
+    none += many.none[lane];
+  }
+  return largest + none;
 }
 
-INNER double largest_weighted(std::size_t n, const double* w, const double* x) {
-  double largest = 0.0, sum = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double size = std::abs(w[i] * x[i]);
-    largest = size > largest ? size : largest;
-    sum += 0.0 * size;
-  }
-  return largest + sum;
+template <int n>
+INNER double largest(std::size_t count, const double* x) {
+  return largest_of<n>(count, [&]<int m>(std::size_t i, Register<m>) INLINED { return load<m>(x + i); });
+}
+
+template <int n>
+INNER double largest_weighted(std::size_t count, const double* w, const double* x) {
+  return largest_of<n>(count, [&]<int m>(std::size_t i, Register<m>) INLINED { return load<m>(w + i) * load<m>(x + i); });
+}
+
+template <int n>
+INNER double largest_change(const SpringRow& springs, int points, const double* x, const double* y) {
+  const std::ptrdiff_t offset = springs.offset;
+  x += springs.begin, y += springs.begin;
+  return largest_of<n>(std::size_t(springs.lanes), [&]<int m>(std::size_t i, Register<m>) INLINED {
+    Lanes<m> square{};
+    for (const double *a = x + i, *b = y + i; a < x + i + 3 * points; a += points, b += points) {
+      const Lanes<m> change = (load<m>(a + offset) - load<m>(a)) - (load<m>(b + offset) - load<m>(b));
+      square += change * change;
+    }
+    return load<m>(springs.stiffness + i) > 0.0 ? square : Lanes<m>{};
+  });
 }
 
 INNER bool gaps(int points, const double* x, const double normal[3], double offset, double* __restrict gap) {
@@ -130,16 +154,6 @@ INNER bool gaps(int points, const double* x, const double normal[3], double offs
     behind |= gap[p] < 0.0;
   }
   return behind != 0;
-}
-
-INNER double largest_change(const SpringRow& springs, int points, const double* x, const double* y, double* scratch) {
-  const int lanes = springs.lanes, offset = springs.offset;
-  for (int p = 0; p < lanes; ++p) scratch[p] = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double *a = x + axis * points + springs.begin, *b = y + axis * points + springs.begin;
-    add_square(lanes, a, a + offset, b, b + offset, springs.stiffness, scratch);
-  }
-  return largest(std::size_t(lanes), scratch);
 }
 
 INNER void stiffness_products(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In u0, In v0, In w0, In u1, In v1, In w1, In k, In l,
@@ -177,10 +191,10 @@ decltype(drift) drift = chosen<loops::drift>();
 decltype(accelerate) accelerate = chosen<loops::accelerate>();
 decltype(accelerate_damped) accelerate_damped = chosen<loops::accelerate_damped>();
 decltype(combine) combine = chosen<loops::combine>();
-decltype(largest) largest = chosen<loops::largest>();
-decltype(largest_weighted) largest_weighted = chosen<loops::largest_weighted>();
+decltype(largest) largest = chosen<loops::largest<2>, loops::largest<4>, loops::largest<8>>();
+decltype(largest_weighted) largest_weighted = chosen<loops::largest_weighted<2>, loops::largest_weighted<4>, loops::largest_weighted<8>>();
 decltype(gaps) gaps = chosen<loops::gaps>();
-decltype(largest_change) largest_change = chosen<loops::largest_change>();
+decltype(largest_change) largest_change = chosen<loops::largest_change<2>, loops::largest_change<4>, loops::largest_change<8>>();
 decltype(subtract_stiffness_product) subtract_stiffness_product = chosen<loops::subtract_stiffness_product>();
 
 }  // namespace softffd::kernels

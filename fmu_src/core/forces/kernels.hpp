@@ -45,7 +45,7 @@ extern double (*const largest_weighted)(std::size_t n, const double* w, const do
 extern bool (*const gaps)(int points, const double* x, const double normal[3], double offset, double* gap);
 
 /// Largest squared change of the spring vectors of one direction between two states, [m2]; NaN if any is NaN or infinite.
-extern double (*const largest_change)(const SpringRow& springs, int points, const double* x, const double* y, double* scratch);
+extern double (*const largest_change)(const SpringRow& springs, int points, const double* x, const double* y);
 
 /// f += forces that springs would exert if their ends moved by u and their stiffness matrix were the bound of `add_stiffness_bounds`:
 /// f -= K u. x, u, f: (3 * points); scratch: (3 * lanes).

@@ -34,8 +34,7 @@ bool deformed_since_bound(const Job& job) {
     kernels::SpringRow edges = row.view();
     if (body.volume) edges.stiffness = row.multiplicity.data();  // edges without stiffness count too
     const double limit = relative * row.rest_length[0];
-    const double change =
-        kernels::largest_change(edges, body.points(), job.run.path.motion.x.data(), job.run.course.bound_x.data(), body.springs.scratch());
+    const double change = kernels::largest_change(edges, body.points(), job.run.path.motion.x.data(), job.run.course.bound_x.data());
     if (!(change <= limit * limit)) return true;
   }
   return false;
