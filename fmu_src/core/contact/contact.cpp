@@ -1,6 +1,8 @@
 #include "contact/contact.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <numeric>
 
 #include "contact/tolerances.hpp"
 
@@ -8,25 +10,20 @@ namespace softffd {
 
 namespace {
 
-/// Moves x onto the plane.
-void snap(const HalfSpace& plane, Vec3& x) { x -= plane.gap(x) * plane.normal; }
-
-/// Coulomb friction of a normal impulse R on a point that slides: opposite to the mean slip, holding if it can.
-Vec3 after_friction(double limit, const Vec3& slip_before, const Vec3& slip_after) {
-  const double size = slip_after.norm();
-  if (size <= limit) return Vec3::Zero();
-  const Vec3 mean = slip_before + slip_after;
-  const double length = mean.norm();
-  return length > 0 ? Vec3(slip_after - limit / length * mean) : Vec3((1 - limit / size) * slip_after);
-}
-
 /// Where everything is at rest, velocities are allowed the rounding of this one [m/s].
 constexpr double unit_speed = 1;
 
 }  // namespace
 
 Contact::Contact(int points, int planes)
-    : start_(planes), middle_(planes), end_(planes), feasible_(planes), gap_(points), marked_(points, 0) {
+    : start_(planes),
+      end_(planes),
+      approach_(planes),
+      octets_(planes > 0 ? points / Octet::lanes + planes : 0),
+      open_(planes),
+      feasible_(planes),
+      gap_(points),
+      marked_(points, 0) {
   touched_.reserve(points);
   constraints_.reserve(planes);
   active_.reserve(planes);
@@ -62,38 +59,104 @@ StepStatus Contact::clear_jumps(const Body& body, const Drive& around, double ti
 }
 
 StepStatus Contact::drift(const StepView& step, const Points& before, Points& v, Points& x1, Exchange& exchange) {
-  touched_.clear();
-  const int n = step.body.points();
-  for (std::size_t q = 0; q < step.around.planes.size(); ++q) {
-    const Plane& plane = step.around.planes[q];
-    end_[q] = plane.at(step.t1);
-    if (!kernels::gaps(n, x1.data(), end_[q].normal.data(), end_[q].offset, gap_.data())) continue;
-    for (int p = 0; p < n; ++p)
-      if (gap_[p] < 0 && !marked_[p])
-        marked_[p] = 1, touched_.push_back({p, row(step.x0, p), row(before, p), row(step.spring, p) + row(step.force, p)});
-  }
+  find(step, x1);
   if (touched_.empty()) return StepStatus::ok;
   for (std::size_t q = 0; q < step.around.planes.size(); ++q) {
-    start_[q] = step.around.planes[q].at(step.t0);
-    middle_[q] = step.around.planes[q].at(0.5 * (step.t0 + step.t1));
+    const Plane& plane = step.around.planes[q];
+    approach_[q] = {plane.at(step.t0), plane.at(0.5 * (step.t0 + step.t1)), end_[q], plane.friction, step.h};
   }
-  StepStatus status = StepStatus::ok;
-  for (Touch& touch : touched_) {
-    const int p = touch.point;
-    marked_[p] = 0;
-    if (status != StepStatus::ok) continue;
-    Change change{row(x1, p), row(v, p)};
-    status = drift_point(step, touch, change, exchange);
-    set_row(x1, p, change.x1);
-    set_row(v, p, change.v);
+  if (!gather(step, before, v, x1)) return StepStatus::pin_behind_plane;
+  for (int o = 0; o < used_; ++o) {
+    Octet& octet = octets_[o];
+    impacts_ += std::popcount(meet(approach_[octet.plane], touching * step.body.length, octet));
+    const unsigned alone = lanes_where(octet, [&](int q, double gap) { return q == octet.plane || gap >= 0; });
+    book(octet, alone, exchange.planes[octet.plane]);
+    for (int lane = 0; lane < octet.count; ++lane) {
+      if (alone >> lane & 1) continue;
+      Vec3 here = row(x1, octet.point[lane]), velocity = row(v, octet.point[lane]);
+      const StepStatus status = several_contacts(step, octet, lane, here, velocity, exchange);
+      if (status != StepStatus::ok) return status;
+      set_lane(octet.x1, lane, here);
+      set_lane(octet.v, lane, velocity);
+    }
+    octet.put(octet.x1, x1);
+    octet.put(octet.v, v);
   }
-  return status;
+  return StepStatus::ok;
 }
 
-void Contact::book(Touch& touch, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const {
+void Contact::find(const StepView& step, const Points& x1) {
+  touched_.clear();
+  used_ = 0;
+  const int n = step.body.points();
+  for (std::size_t q = 0; q < step.around.planes.size(); ++q) {
+    end_[q] = step.around.planes[q].at(step.t1);
+    if (!kernels::gaps(n, x1.data(), end_[q].normal.data(), end_[q].offset, gap_.data())) continue;
+    for (int p = 0; p < n; ++p)
+      if (gap_[p] < 0 && !marked_[p]) marked_[p] = 1, touched_.push_back(p);
+  }
+  for (const int p : touched_) marked_[p] = 0;
+}
+
+bool Contact::gather(const StepView& step, const Points& before, const Points& v, const Points& x1) {
+  std::fill(open_.begin(), open_.end(), -1);
+  for (const int p : touched_) {
+    const int plane = end_.size() == 1 ? 0 : deepest(row(x1, p));
+    if (step.body.pinned[p]) {
+      if (end_[plane].gap(row(x1, p)) < -pin_slack * step.body.length) return false;
+      continue;
+    }
+    if (open_[plane] < 0 || octets_[open_[plane]].count == Octet::lanes) {
+      open_[plane] = used_++;
+      octets_[open_[plane]].clear(plane);
+    }
+    octets_[open_[plane]].add(p);
+  }
+  for (int o = 0; o < used_; ++o) {
+    Octet& octet = octets_[o];
+    octet.fetch(step.x0, octet.x0);
+    octet.fetch(before, octet.before);
+    octet.fetch(step.spring, octet.force);
+    octet.add_from(step.force, octet.force);
+    octet.fetch(x1, octet.x1);
+    octet.fetch(v, octet.v);
+    octet.fetch(step.body.mass.data(), octet.mass);
+    octet.fetch(step.body.damping.data(), octet.damping);
+    octet.fetch(step.kicks.opening_mass().data(), octet.inertia);
+  }
+  return true;
+}
+
+void Contact::hold(const Points& v) {
+  for (int o = 0; o < used_; ++o) octets_[o].fetch(v, octets_[o].unkicked);
+}
+
+template <class Wanted>
+unsigned Contact::lanes_where(const Octet& octet, Wanted wanted) const {
+  unsigned lanes = octet.all();
+  for (std::size_t q = 0; q < end_.size(); ++q) {
+    Octet::Number gaps;
+    gaps_of(end_[q], octet, gaps);
+    for (int lane = 0; lane < octet.count; ++lane)
+      if (!wanted(int(q), gaps[lane])) lanes &= ~(1u << lane);
+  }
+  return lanes;
+}
+
+void Contact::book(const Octet& octet, unsigned lanes, Impulse& plane) {
+  Impulse sum = plane;
+  for (int lane = 0; lane < octet.count; ++lane) {
+    if (!(lanes >> lane & 1)) continue;
+    sum.force -= lane_of(octet.impulse, lane);
+    sum.torque += lane_of(octet.torque, lane);
+  }
+  plane = sum;
+}
+
+void Contact::book(Octet& octet, int lane, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const {
   exchange.planes[plane].add(-impulse, x1 - end_[plane].point);
-  touch.impulse += impulse;
-  touch.surface_work += impulse.dot(end_[plane].material_velocity(x1));
+  set_lane(octet.received, lane, lane_of(octet.received, lane) + impulse);
+  octet.work[lane] += impulse.dot(end_[plane].material_velocity(x1));
 }
 
 int Contact::deepest(const Vec3& x1) const {
@@ -103,123 +166,87 @@ int Contact::deepest(const Vec3& x1) const {
   return deepest;
 }
 
-StepStatus Contact::drift_point(const StepView& step, Touch& touch, Change& change, Exchange& exchange) {
-  const int p = touch.point;
-  const int plane = deepest(change.x1);
-  if (step.body.pinned[p])
-    return end_[plane].gap(change.x1) < -pin_slack * step.body.length ? StepStatus::pin_behind_plane : StepStatus::ok;
-  const Change free = change;
-  Vec3 impulse;
-  change = first_contact(step, p, plane, touch.velocity, free, impulse);
-  const bool alone =
-      std::all_of(end_.begin(), end_.end(), [&](const HalfSpace& other) { return &other == &end_[plane] || other.gap(change.x1) >= 0; });
-  if (!alone) return several_contacts(step, touch, free, change, exchange);
-  book(touch, plane, impulse, change.x1, exchange);
-  return StepStatus::ok;
-}
-
-Contact::Change Contact::first_contact(const StepView& step, int p, int plane, const Vec3& before, const Change& free, Vec3& impulse) {
-  const HalfSpace& end = end_[plane];
-  const Vec3& n = end.normal;
-  const Vec3 x0 = row(step.x0, p);
-  const double h = step.h, gap0 = start_[plane].gap(x0), gap1 = end.gap(free.x1), mu = step.around.planes[plane].friction;
-  const double mass = step.kicks.opening_mass(p);
-  const double wall = n.dot(free.v) - (gap1 - gap0) / h;  // normal velocity of the plane where the point is
-  const Vec3 wall_t = tangential(n, middle_[plane].material_velocity(x0 + 0.5 * h * free.v));
-  if (gap0 > touching * step.body.length) {
-    ++impacts_;
-    const double theta = gap0 / (gap0 - gap1);
-    const Vec3 acceleration = (row(step.spring, p) + row(step.force, p) - step.body.damping[p] * free.v) / step.body.mass[p];
-    const Vec3 ahead = (theta - 0.5) * h * acceleration;
-    const Vec3 u = free.v + ahead;
-    const double reaction = std::max(0.0, wall - n.dot(u));
-    const Vec3 slip = tangential(n, u) - wall_t;
-    const double size = slip.norm();
-    const Vec3 left = size > 0 ? Vec3(std::max(0.0, 1 - mu * reaction / size) * slip) : slip;
-    const Vec3 v = (reaction > 0 ? wall : n.dot(u)) * n + wall_t + left;
-    Vec3 x1 = x0 + theta * h * free.v + (1 - theta) * h * (wall_t + left);
-    snap(end, x1);
-    impulse = mass * (v - u);
-    return {x1, v - ahead};
-  }
-  const double reaction = std::max(0.0, wall - n.dot(free.v));
-  const Vec3 slip = tangential(n, free.v) - wall_t;
-  const Vec3 left = after_friction(mu * reaction, tangential(n, before) - wall_t, slip);
-  const Vec3 v = free.v + reaction * n + (left - slip);
-  Vec3 x1 = x0 + h * v;
-  snap(end, x1);
-  impulse = mass * (v - free.v);
-  return {x1, v};
-}
-
-StepStatus Contact::several_contacts(const StepView& step, Touch& touch, const Change& free, Change& change, Exchange& exchange) {
-  const Vec3 x0 = row(step.x0, touch.point);
+StepStatus Contact::several_contacts(const StepView& step, Octet& octet, int lane, Vec3& x1, Vec3& v, Exchange& exchange) {
+  const Vec3 x0 = lane_of(octet.x0, lane), free_x1 = x1, free_v = v;
   const double h = step.h, length = step.body.length;
   constraints_.clear();
   for (std::size_t q = 0; q < end_.size(); ++q) {
     const Plane& plane = step.around.planes[q];
-    const double gap0 = start_[q].gap(x0), room = gap0 > touching * length ? 0.0 : gap0;
+    const double gap0 = approach_[q].start.gap(x0), room = gap0 > touching * length ? 0.0 : gap0;
     constraints_.push_back({.normal = end_[q].normal,
-                            .bound = end_[q].normal.dot(free.v) - (end_[q].gap(free.x1) - room) / h,
+                            .bound = end_[q].normal.dot(free_v) - (end_[q].gap(free_x1) - room) / h,
                             .friction = plane.friction,
-                            .surface = middle_[q].material_velocity(x0 + 0.5 * h * free.v)});
+                            .surface = approach_[q].middle.material_velocity(x0 + 0.5 * h * free_v)});
   }
-  change.v = free.v;
-  if (!feasible_.resolve(constraints_, velocity_slack * (length + x0.norm()) / h, change.v)) return StepStatus::impossible_planes;
-  change.x1 = x0 + h * change.v;
-  push_out(end_, change.x1);
+  if (!feasible_.resolve(constraints_, velocity_slack * (length + x0.norm()) / h, v)) return StepStatus::impossible_planes;
+  x1 = x0 + h * v;
+  push_out(end_, x1);
+  set_lane(octet.received, lane, Vec3::Zero());
+  octet.work[lane] = 0;
   for (std::size_t q = 0; q < end_.size(); ++q) {
     const Constraint& c = constraints_[q];
     if (c.normal_impulse == 0 && c.friction_impulse.isZero(0)) continue;
-    book(touch, int(q), step.kicks.opening_mass(touch.point) * (c.normal_impulse * c.normal + c.friction_impulse), change.x1, exchange);
+    book(octet, lane, int(q), octet.inertia[lane] * (c.normal_impulse * c.normal + c.friction_impulse), x1, exchange);
   }
   return StepStatus::ok;
 }
 
-StepStatus Contact::close(const StepView& step, const Points& before, const Points& x1, Points& v, Exchange& exchange) {
-  for (Touch& touch : touched_) {
-    const int p = touch.point;
-    if (step.body.pinned[p]) continue;
-    Vec3 velocity = row(v, p);
-    const StepStatus status = close_point(step, touch, row(before, p), row(x1, p), velocity, exchange);
-    if (status != StepStatus::ok) return status;
-    set_row(v, p, velocity);
-    ++exchange.contacts_resolved;
-    exchange.work += touch.surface_work;
-    const Vec3 mean_force = 0.5 * (touch.force + row(step.spring, p) + row(step.force, p)), mean = 0.5 * (touch.velocity + velocity);
-    const Vec3 travel = row(x1, p) - touch.x;
-    exchange.dissipated += touch.surface_work - touch.impulse.dot(mean) - mean_force.dot(step.h * mean - travel);
+StepStatus Contact::close(const StepView& step, Points& v, Exchange& exchange) {
+  const double contact = touching * step.body.length;
+  for (int o = 0; o < used_; ++o) {
+    Octet& octet = octets_[o];
+    octet.fetch(v, octet.v);
+    octet.add_from(step.spring, octet.force);
+    octet.add_from(step.force, octet.force);
+    for (Octet::Number& forces : octet.force)
+      for (double& force : forces) force *= 0.5;
+    octet.fetch(step.kicks.closing_mass().data(), octet.inertia);
+    const Approach& plane = approach_[octet.plane];
+    Octet::Number lost;
+    const unsigned alone = lanes_where(octet, [&](int q, double gap) { return q == octet.plane ? gap <= contact : gap > contact; });
+    if (alone != octet.all()) unsettled_ = octet;
+    settle(plane, octet);
+    book(octet, alone, exchange.planes[octet.plane]);
+    for (int lane = 0; lane < octet.count; ++lane) {
+      if (alone >> lane & 1) continue;
+      const StepStatus status = close_lane(step, octet, lane, exchange);
+      if (status != StepStatus::ok) return status;
+    }
+    weigh(step.h, octet, lost);
+    octet.put(octet.v, v);
+    exchange.work = std::accumulate(octet.work, octet.work + octet.count, exchange.work);
+    exchange.dissipated = std::accumulate(lost, lost + octet.count, exchange.dissipated);
+    exchange.contacts_resolved += octet.count;
   }
   return StepStatus::ok;
 }
 
-StepStatus Contact::close_point(const StepView& step, Touch& touch, const Vec3& before, const Vec3& x1, Vec3& v, Exchange& exchange) {
+StepStatus Contact::close_lane(const StepView& step, Octet& octet, int lane, Exchange& exchange) {
+  const Vec3 x1 = lane_of(octet.x1, lane);
   active_.clear();
   for (std::size_t q = 0; q < end_.size(); ++q)
     if (end_[q].gap(x1) <= touching * step.body.length) active_.push_back(int(q));
-  const double mass = step.kicks.closing_mass(touch.point);
   if (active_.size() == 1) {
-    const int plane = active_[0];
-    const Vec3& n = end_[plane].normal;
-    const Vec3 surface = end_[plane].material_velocity(x1);
-    const double reaction = std::max(0.0, n.dot(surface) - n.dot(v));
-    const Vec3 slip = tangential(n, v - surface);
-    const Vec3 left = after_friction(step.around.planes[plane].friction * reaction, tangential(n, before - surface), slip);
-    const Vec3 change = reaction * n + (left - slip);
-    v += change;
-    book(touch, plane, mass * change, x1, exchange);
-  } else if (!active_.empty()) {
-    constraints_.clear();
-    for (const int q : active_) {
-      const Vec3 surface = end_[q].material_velocity(x1);
-      const Vec3& n = end_[q].normal;
-      constraints_.push_back({.normal = n, .bound = n.dot(surface), .friction = step.around.planes[q].friction, .surface = surface});
-    }
-    if (!feasible_.resolve(constraints_, velocity_slack * (unit_speed + v.norm()), v)) return StepStatus::impossible_planes;
-    for (std::size_t i = 0; i < active_.size(); ++i) {
-      const Constraint& c = constraints_[i];
-      book(touch, active_[i], mass * (c.normal_impulse * c.normal + c.friction_impulse), x1, exchange);
-    }
+    Octet other = unsettled_;
+    settle(approach_[active_[0]], other);
+    octet.take(lane, other);
+    book(octet, 1u << lane, exchange.planes[active_[0]]);
+    return StepStatus::ok;
+  }
+  octet.take(lane, unsettled_);
+  if (active_.empty()) return StepStatus::ok;
+  constraints_.clear();
+  for (const int q : active_) {
+    const Vec3 surface = end_[q].material_velocity(x1);
+    const Vec3& n = end_[q].normal;
+    constraints_.push_back({.normal = n, .bound = n.dot(surface), .friction = approach_[q].friction, .surface = surface});
+  }
+  Vec3 v = lane_of(octet.v, lane);
+  if (!feasible_.resolve(constraints_, velocity_slack * (unit_speed + v.norm()), v)) return StepStatus::impossible_planes;
+  set_lane(octet.v, lane, v);
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const Constraint& c = constraints_[i];
+    book(octet, lane, active_[i], octet.inertia[lane] * (c.normal_impulse * c.normal + c.friction_impulse), x1, exchange);
   }
   return StepStatus::ok;
 }

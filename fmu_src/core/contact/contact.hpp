@@ -26,6 +26,7 @@
 /// one, whose damping is implicit.
 #pragma once
 #include "contact/feasible.hpp"
+#include "contact/octet.hpp"
 #include "forces/kick.hpp"
 #include "model/drive.hpp"
 #include "model/exchange.hpp"
@@ -53,35 +54,33 @@ class Contact {
   /// After the free drift x1 = x0 + h v: corrects x1 and v of the points that would be behind a plane. `before`: v before the kick.
   StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, Exchange& exchange);
 
-  /// After the closing half kick: corrects the velocities of the points that the last drift corrected. `before`: v before the kick.
-  StepStatus close(const StepView& step, const Points& before, const Points& x1, Points& v, Exchange& exchange);
+  /// Before the closing half kick: remembers the velocities of the points that the last drift corrected.
+  void hold(const Points& v);
+  /// After it: corrects them.
+  StepStatus close(const StepView& step, Points& v, Exchange& exchange);
 
   bool touched() const { return !touched_.empty(); }
   /// Impacts so far: points that came onto a plane, not those that stayed on one.
   Count impacts() const { return impacts_; }
 
  private:
-  struct Change {
-    Vec3 x1, v;
-  };
-  /// A point corrected by the last drift. Over the whole step its kinetic energy changes by (J + h F) . w, where J is the impulse of its
-  /// contacts, F the mean of the forces and w of the velocities at both ends; the forces' own work is F . (x1 - x0). What contact took
-  /// from the energy is the difference.
-  struct Touch {
-    int point;
-    Vec3 x, velocity, force;      ///< at t0 [m], [m/s], [N]
-    Vec3 impulse = Vec3::Zero();  ///< of all obstacles on the point [N s]
-    double surface_work = 0;      ///< of which the obstacles' own motion did [J]
-  };
-  StepStatus drift_point(const StepView& step, Touch& touch, Change& change, Exchange& exchange);
-  Change first_contact(const StepView& step, int p, int plane, const Vec3& before, const Change& free, Vec3& impulse);
-  StepStatus several_contacts(const StepView& step, Touch& touch, const Change& free, Change& change, Exchange& exchange);
-  StepStatus close_point(const StepView& step, Touch& touch, const Vec3& before, const Vec3& x1, Vec3& v, Exchange& exchange);
-  void book(Touch& touch, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const;
+  void find(const StepView& step, const Points& x1);
+  bool gather(const StepView& step, const Points& before, const Points& v, const Points& x1);
+  StepStatus several_contacts(const StepView& step, Octet& octet, int lane, Vec3& x1, Vec3& v, Exchange& exchange);
+  StepStatus close_lane(const StepView& step, Octet& octet, int lane, Exchange& exchange);
+  template <class Wanted>
+  unsigned lanes_where(const Octet& octet, Wanted wanted) const;
+  static void book(const Octet& octet, unsigned lanes, Impulse& plane);
+  void book(Octet& octet, int lane, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const;
   int deepest(const Vec3& x1) const;
 
-  std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at t0, t0 + h/2 and t1
-  std::vector<Touch> touched_;
+  std::vector<HalfSpace> start_, end_;  ///< the planes at a moment that is looked at, and at the end of the step
+  std::vector<Approach> approach_;      ///< the planes during a step in which points touch
+  std::vector<int> touched_;            ///< the points that the last drift took behind a plane
+  std::vector<Octet> octets_;           ///< those of them that no pin holds, by plane; the first so many:
+  int used_ = 0;
+  Octet unsettled_;        ///< before its closing correction
+  std::vector<int> open_;  ///< (planes) octet that still has room
   std::vector<Constraint> constraints_;
   std::vector<int> active_;  ///< plane of each constraint
   FeasibleSet feasible_;

@@ -66,6 +66,14 @@ INNER void kick_undamped(std::size_t n, const double* b, const double* f, const 
   for (std::size_t i = 0; i < n; ++i) v[i] = v[i] + b[i] * (f[i] + g[i]);
 }
 
+INNER void kick_and_drift(std::size_t n, const double* a, const double* b, const double* f, const double* g, double h, const double* v,
+                          const double* x, double* __restrict w, double* __restrict y) {
+  for (std::size_t i = 0; i < n; ++i) {
+    w[i] = a[i] * v[i] + b[i] * (f[i] + g[i]);
+    y[i] = x[i] + h * w[i];
+  }
+}
+
 INNER void drift(std::size_t n, double h, const double* x, const double* v, double* __restrict y) {
   for (std::size_t i = 0; i < n; ++i) y[i] = x[i] + h * v[i];
 }
@@ -187,6 +195,7 @@ INNER void subtract_stiffness_product(const SpringRow& springs, int points, cons
 decltype(add_stiffness_bounds) add_stiffness_bounds = chosen<loops::add_stiffness_bounds>();
 decltype(kick) kick = chosen<loops::kick>();
 decltype(kick_undamped) kick_undamped = chosen<loops::kick_undamped>();
+decltype(kick_and_drift) kick_and_drift = chosen<loops::kick_and_drift>();
 decltype(drift) drift = chosen<loops::drift>();
 decltype(accelerate) accelerate = chosen<loops::accelerate>();
 decltype(accelerate_damped) accelerate_damped = chosen<loops::accelerate_damped>();

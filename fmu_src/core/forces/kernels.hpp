@@ -26,6 +26,9 @@ extern void (*const add_stiffness_bounds)(const SpringRow& springs, int points, 
 extern void (*const kick)(std::size_t n, const double* a, const double* b, const double* f, const double* g, double* v);
 /// v = v + b (f + g), n values each.
 extern void (*const kick_undamped)(std::size_t n, const double* b, const double* f, const double* g, double* v);
+/// w = a v + b (f + g) and y = x + h w, n values each.
+extern void (*const kick_and_drift)(std::size_t n, const double* a, const double* b, const double* f, const double* g, double h,
+                                    const double* v, const double* x, double* w, double* y);
 /// y = x + h v, n values each.
 extern void (*const drift)(std::size_t n, double h, const double* x, const double* v, double* y);
 

@@ -27,6 +27,8 @@ void HalfKicks::prepare(const Body& body, double h) {
       close_.a[i] = strong ? e : 1 / (1 + g);
       close_.b[i] = strong ? strong_b : half / m / (1 + g);
     }
+    opening_mass_[p] = half / open_.b[p];
+    closing_mass_[p] = half / close_.b[p];
   }
 }
 

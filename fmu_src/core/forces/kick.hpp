@@ -24,22 +24,27 @@ struct KickCoefficients {
 
 class HalfKicks {
  public:
-  explicit HalfKicks(int points) : open_(points), close_(points) {}
+  explicit HalfKicks(int points) : open_(points), close_(points), opening_mass_(points), closing_mass_(points) {}
   /// Coefficients for internal step h; kept while neither h nor the body changes.
   void prepare(const Body& body, double h);
 
-  void open(const Points& spring, const Points& external, Points& v) const { open_.apply(damped_, spring, external, v); }
+  /// With the drift after it, from v0 and x0: v and x.
+  void open(const Points& spring, const Points& external, const Points& v0, const Points& x0, Points& v, Points& x) const {
+    kernels::kick_and_drift(v.size(), open_.a.data(), open_.b.data(), spring.data(), external.data(), h_, v0.data(), x0.data(), v.data(),
+                            x.data());
+  }
   void close(const Points& spring, const Points& external, Points& v) const { close_.apply(damped_, spring, external, v); }
 
   /// A closing half kick, the next opening one and the drift after it.
   Stage stage() const { return {{close_.kick(), open_.kick()}, 2, h_}; }
 
-  /// The impulse that a velocity change right after the half kick stands for [N s per m/s]: (h/2) / b.
-  double opening_mass(int p) const { return 0.5 * h_ / open_.b[p]; }
-  double closing_mass(int p) const { return 0.5 * h_ / close_.b[p]; }
+  /// The impulse that a velocity change right after the half kick stands for, (points) [N s per m/s]: (h/2) / b.
+  const Scalars& opening_mass() const { return opening_mass_; }
+  const Scalars& closing_mass() const { return closing_mass_; }
 
  private:
   KickCoefficients open_, close_;
+  Scalars opening_mass_, closing_mass_;
   double h_ = -1;
   Count version_ = -1;  ///< of the body
   bool damped_ = false;

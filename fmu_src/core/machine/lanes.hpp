@@ -24,19 +24,9 @@ INNER Lanes<n> load(const double* from) {
   return v;
 }
 
-/// Three coordinates side by side.
-template <int n>
-struct Triple {
-  Lanes<n> x{}, y{}, z{};
-};
-
 template <int n>
 INNER void store(double* x, const Lanes<n>& v) {
   std::memcpy(x, &v, sizeof v);
-}
-template <int n>
-INNER void store(double* x, std::ptrdiff_t column, const Triple<n>& v) {
-  store<n>(x, v.x), store<n>(x + column, v.y), store<n>(x + 2 * column, v.z);
 }
 
 template <int n>
@@ -48,6 +38,22 @@ INNER Lanes<n> square_root(const Lanes<n>& v) {
   for (int i = 0; i < n; ++i) root[i] = std::sqrt(v[i]);
   return root;
 #endif
+}
+
+/// Three coordinates side by side.
+template <int n>
+struct Triple {
+  Lanes<n> x{}, y{}, z{};
+};
+
+template <int n>
+INNER Triple<n> load(const double* x, std::ptrdiff_t column) {
+  return {load<n>(x), load<n>(x + column), load<n>(x + 2 * column)};
+}
+
+template <int n>
+INNER void store(double* x, std::ptrdiff_t column, const Triple<n>& v) {
+  store<n>(x, v.x), store<n>(x + column, v.y), store<n>(x + 2 * column, v.z);
 }
 
 }  // namespace softffd::kernels

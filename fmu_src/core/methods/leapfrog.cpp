@@ -72,8 +72,8 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
 void Leapfrog::glide(const Body& body, const Drive& around, const Span& span, State& state) {
   const Points& force = around.ramped ? force_ : around.force;
   const Stage stage = kicks_.stage();
-  kicks_.open(state.spring, force, state.v);
-  kernels::drift(state.x.size(), span.h, state.x.data(), state.v.data(), next_.data());
+  before_.swap(state.v);
+  kicks_.open(state.spring, force, before_, state.x, state.v, next_);
   state.x.swap(next_);
   for (Count i = 1; i < span.steps; ++i) {
     if (around.ramped) around.force_at(span.time(i), force_);
@@ -90,11 +90,10 @@ StepStatus Leapfrog::step(const Body& body, const Drive& around, const Span& spa
   const Points& force = around.ramped ? force_ : around.force;
   const double t0 = span.time(i), t1 = span.time(i + 1);
   const StepView view{body, kicks_, around, state.spring, force, state.x, t0, t1, span.h};
-  if (planes || pins) before_ = state.v;
   const bool losses = watch && body.damped && !around.damping_unwatched;
   if (losses) start_ = state.v;
-  kicks_.open(state.spring, force, state.v);
-  kernels::drift(state.x.size(), span.h, state.x.data(), state.v.data(), next_.data());
+  before_.swap(state.v);
+  kicks_.open(state.spring, force, before_, state.x, state.v, next_);
   if (pins) drift_pins(view, before_, state.v, next_, exchange);
   if (planes) {
     const StepStatus status = contact_.drift(view, before_, state.v, next_, exchange);
@@ -105,11 +104,12 @@ StepStatus Leapfrog::step(const Body& body, const Drive& around, const Span& spa
   body.internal_force(state.x, state.spring);
   if (around.ramped) around.force_at(t1, force_);
   const bool touched = planes && contact_.touched();
-  if (touched || pins) before_ = state.v;
+  if (touched) contact_.hold(state.v);
+  if (pins) before_ = state.v;
   kicks_.close(state.spring, force, state.v);
   if (pins) close_pins(view, before_, state.v, exchange);
   if (touched) {
-    const StepStatus status = contact_.close(view, before_, state.x, state.v, exchange);
+    const StepStatus status = contact_.close(view, state.v, exchange);
     if (status != StepStatus::ok) return status;
   }
   if (losses) exchange.dissipated += damping_loss(body, span.h, start_, state.v);

@@ -20,9 +20,11 @@ double full_kick(const Body& body, double h, double v, double f) {
   HalfKicks kicks(8);
   kicks.prepare(body, h);
   Points velocity = Points::Constant(8, 3, v), force = Points::Constant(8, 3, f), none = Points::Zero(8, 3);
+  Points opened = none, moved = none;
   kicks.close(force, none, velocity);
-  kicks.open(force, none, velocity);
-  return velocity(0, 0);
+  kicks.open(force, none, velocity, none, opened, moved);
+  CHECK((moved == h * opened).all());
+  return opened(0, 0);
 }
 
 }  // namespace

@@ -1,0 +1,42 @@
+/// Vectors in space, a few side by side: the operations of geometry on Triple, with the order of sums that Eigen has for one vector.
+#pragma once
+#include "machine/lanes.hpp"
+
+namespace softffd::kernels {
+
+template <int n>
+INNER Triple<n> operator+(const Triple<n>& a, const Triple<n>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <int n>
+INNER Triple<n> operator-(const Triple<n>& a, const Triple<n>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+/// factor: a number, or one for each lane.
+template <class Factor, int n>
+INNER Triple<n> operator*(const Factor& factor, const Triple<n>& a) {
+  return {factor * a.x, factor * a.y, factor * a.z};
+}
+template <int n>
+INNER Triple<n> operator/(const Triple<n>& a, const Lanes<n>& divisor) {
+  return {a.x / divisor, a.y / divisor, a.z / divisor};
+}
+template <int n>
+INNER Lanes<n> dot(const Triple<n>& a, const Triple<n>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <int n>
+INNER Triple<n> cross(const Triple<n>& a, const Triple<n>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <int n>
+INNER Lanes<n> length(const Triple<n>& a) {
+  return square_root<n>(dot(a, a));
+}
+/// Lane by lane one of two.
+template <class Condition, int n>
+INNER Triple<n> choose(const Condition& condition, const Triple<n>& yes, const Triple<n>& no) {
+  return {condition ? yes.x : no.x, condition ? yes.y : no.y, condition ? yes.z : no.z};
+}
+
+}  // namespace softffd::kernels

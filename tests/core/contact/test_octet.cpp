@@ -1,0 +1,111 @@
+#include "contact/octet.hpp"
+
+#include "check.hpp"
+
+using namespace softffd;
+
+namespace {
+
+const HalfSpace turning{{0.1, 0.2, 0.3}, {0.36, 0.48, 0.8}, 0.372, {0.3, -0.2, 0.5}, {0.4, 1, -0.7}};
+
+/// Eight points of different masses on their way into a plane; every second one is on it already.
+Octet approaching(const Approach& plane) {
+  Octet octet;
+  octet.clear(0);
+  for (int lane = 0; lane < Octet::lanes; ++lane) {
+    octet.add(3 * lane);
+    const Vec3 aside(std::sin(lane), std::cos(2 * lane), std::sin(3 * lane)), flat = tangential(plane.start.normal, aside);
+    const Vec3 x0 = plane.start.point + flat + (lane % 2 ? 0.0 : 0.01 * (lane + 1)) * plane.start.normal;
+    const Vec3 v = 2 * flat - (1 + lane) * plane.start.normal;
+    set_lane(octet.x0, lane, x0 - (lane % 2 ? plane.start.gap(x0) : 0.0) * plane.start.normal);
+    set_lane(octet.before, lane, v);
+    set_lane(octet.force, lane, 3 * aside);
+    set_lane(octet.v, lane, v);
+    set_lane(octet.x1, lane, x0 + plane.h * v);
+    octet.mass[lane] = 0.1 * (lane + 1);
+    octet.damping[lane] = 0.2;
+    octet.inertia[lane] = 1.1 * octet.mass[lane];
+  }
+  return octet;
+}
+
+Octet met(const Approach& plane, Octet octet, unsigned& landed) {
+  landed = meet(plane, 1e-12, octet);
+  return octet;
+}
+
+}  // namespace
+
+TEST(points_land_on_the_plane_and_go_with_it_or_slide_by_coulomb) {
+  for (const double friction : {0.0, 0.3, 5.0}) {
+    const Approach plane{turning, turning, turning, friction, 0.1};
+    unsigned landed = 0;
+    const Octet free = approaching(plane), octet = met(plane, free, landed);
+    CHECK(landed == 0b01010101);
+    bool stuck = false, slid = false;
+    for (int lane = 0; lane < Octet::lanes; ++lane) {
+      const Vec3 impulse = lane_of(octet.impulse, lane), along = tangential(turning.normal, impulse);
+      const double pushed = turning.normal.dot(impulse);
+      CHECK_NEAR(turning.gap(lane_of(octet.x1, lane)), 0.0, 1e-15);
+      CHECK(pushed > 0 && along.norm() <= friction * pushed + 1e-15);
+      (along.norm() < (friction - 1e-12) * pushed ? stuck : slid) = true;
+      CHECK_NEAR((lane_of(octet.torque, lane) + (lane_of(octet.x1, lane) - turning.point).cross(impulse)).norm(), 0.0, 1e-15);
+      CHECK_NEAR(octet.work[lane], impulse.dot(turning.material_velocity(lane_of(octet.x1, lane))), 1e-15);
+    }
+    CHECK(stuck == (friction > 0) && slid == (friction < 1));
+  }
+}
+
+TEST(momentum_of_those_that_stay_is_what_the_plane_receives) {
+  const Approach plane{turning, turning, turning, 0.3, 0.1};
+  unsigned landed = 0;
+  const Octet free = approaching(plane);
+  Octet octet = met(plane, free, landed);
+  for (int lane = 1; lane < Octet::lanes; lane += 2) {
+    const Vec3 change = lane_of(octet.v, lane) - lane_of(free.v, lane);
+    CHECK_NEAR((octet.inertia[lane] * change - lane_of(octet.impulse, lane)).norm(), 0.0, 1e-15);
+  }
+  const Octet before = octet;
+  set_lane(octet.v, 2, lane_of(octet.v, 2) - 3 * turning.normal);
+  set_lane(octet.v, 5, lane_of(octet.v, 5) + 3 * turning.normal);
+  settle(plane, octet);
+  for (int lane = 0; lane < Octet::lanes; ++lane) {
+    const Vec3 slip = lane_of(octet.v, lane) - turning.material_velocity(lane_of(octet.x1, lane));
+    CHECK(turning.normal.dot(slip) >= -1e-15);
+    CHECK_NEAR((lane_of(octet.received, lane) - lane_of(before.received, lane) - lane_of(octet.impulse, lane)).norm(), 0.0, 1e-15);
+  }
+  CHECK(lane_of(octet.impulse, 5).isZero(0));
+}
+
+TEST(a_point_has_the_same_bits_in_every_lane) {
+  const Approach plane{turning, turning, turning, 0.3, 0.1};
+  unsigned landed = 0, other = 0;
+  const Octet whole = approaching(plane), octet = met(plane, whole, landed);
+  for (int lane = 0; lane < Octet::lanes; ++lane) {
+    Octet alone;
+    alone.clear(0);
+    alone.add(whole.point[lane]);
+    for (auto part : {&Octet::x0, &Octet::before, &Octet::force, &Octet::v, &Octet::x1})
+      set_lane(alone.*part, 0, lane_of(whole.*part, lane));
+    for (auto part : {&Octet::mass, &Octet::damping, &Octet::inertia}) (alone.*part)[0] = (whole.*part)[lane];
+    const Octet single = met(plane, alone, other);
+    CHECK(other == (landed >> lane & 1));
+    for (auto part : {&Octet::x1, &Octet::v, &Octet::impulse, &Octet::torque, &Octet::received})
+      CHECK(lane_of(single.*part, 0) == lane_of(octet.*part, lane));
+    CHECK(single.work[0] == octet.work[lane]);
+  }
+}
+
+TEST(numbers_go_to_lanes_and_back_from_points_anywhere) {
+  Points all(24, 3), back = Points::Zero(24, 3);
+  for (int i = 0; i < all.size(); ++i) all(i) = i;
+  for (const int stride : {1, 3}) {
+    Octet octet;
+    octet.clear(0);
+    for (int lane = 0; lane < Octet::lanes; ++lane) octet.add(2 + stride * lane);
+    octet.fetch(all, octet.v);
+    octet.add_from(all, octet.v);
+    octet.put(octet.v, back);
+    for (int lane = 0; lane < Octet::lanes; ++lane) CHECK(row(back, 2 + stride * lane) == 2 * row(all, 2 + stride * lane));
+  }
+}
