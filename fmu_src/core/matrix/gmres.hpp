@@ -13,7 +13,7 @@ class Gmres {
   static constexpr int most = 8;  ///< products with the matrix
 
   explicit Gmres(int unknowns) : y_(unknowns) {
-    for (Scalars& v : basis_) v.setZero(unknowns);
+    for (Scalars& v : basis_) v.resize(unknowns);
   }
 
   /// y with |A y - b| <= reduction |b|, or the best after `most` products; apply(v, Av) computes A v. The first n entries of vectors count.

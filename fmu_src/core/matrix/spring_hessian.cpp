@@ -14,7 +14,10 @@ constexpr double lowest = -1e6;
 
 }  // namespace
 
-SpringHessian::SpringHessian(int points) : blocks_(directions.size(), Scalars::Zero(6 * points)), sums_(6 * points) {}
+/// Large lattices that never solve are spared the memory: it is first touched by `compute`.
+SpringHessian::SpringHessian(int points) : blocks_(directions.size()), sums_(6 * points) {
+  for (Scalars& blocks : blocks_) blocks.resize(6 * points);
+}
 
 void SpringHessian::compute(const Springs& springs, const Points& x, double softening) {
   const int n = int(x.rows());

@@ -1,5 +1,10 @@
 """Implicit steps of lattices that are too wide for a factor keep what those of narrow ones promise."""
 
+import hashlib
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -58,3 +63,30 @@ def test_a_stiff_cube_slides_down_as_friction_lets_it(method, stiffness):
     assert abs(found - way) < (10 * TOLERANCE if method == "auto" else 0.55 * step * speed)  # of first order: half a step ahead
     assert result.outputs["solver.steps"][-1] < 1000
     assert result.positions[..., 2].min() > -1e-15
+
+
+PULLED_AND_SLID = """
+from softffd import simulate
+from softffd.scene.scene import scene_from
+
+for method, material in (("ros34pw2", 1e6), ("backward_euler", 1e7)):
+    simulated = simulate(scene_from({
+        "lattice": {"points": [10, 9, 13]},
+        "material": {"stiffness": material, "damping": 0.01},
+        "environment": {"gravity": [3.0, 0.0, -9.81]},
+        "solver": {"method": method},
+        "experiment": {"stop_time": 0.05, "communication_step": 0.01},
+        **({"plane": [{"name": "ground", "friction": 0.3}]} if method == "backward_euler" else {"pin": [{"name": "wall", "points": "x-"}]}),
+    }))
+    print(simulated.positions[-1].tobytes().hex())
+"""
+
+
+def test_the_same_bits_with_every_instruction_set():
+    def digest(instructions):
+        environment = os.environ | {"SOFTFFD_INSTRUCTIONS": instructions}
+        done = subprocess.run([sys.executable, "-c", PULLED_AND_SLID], env=environment, capture_output=True, text=True, check=True)
+        assert len(set(done.stdout.split())) == 2
+        return hashlib.sha256(done.stdout.encode()).hexdigest()
+
+    assert digest("baseline") == digest("avx2") == digest("")
