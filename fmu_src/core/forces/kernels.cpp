@@ -87,19 +87,23 @@ INNER void accelerate_damped(std::size_t n, const double* m, const double* r, co
   for (std::size_t i = 0; i < n; ++i) a[i] = m[i] * (f[i] + g[i]) - r[i] * v[i];
 }
 
-// A stretch of the result stays in registers or the nearest cache while all arrays are added to it.
-constexpr std::size_t stretch = 64;
-
-INNER void add_weighted(std::size_t n, double w, In a, Out y) {
-  for (std::size_t i = 0; i < n; ++i) y[i] += w * a[i];
+/// Of `registers` registers' worth of numbers from i on: they stay in these while all arrays are added.
+template <int n, int registers>
+INNER void combine_some(std::size_t i, const double* x, int count, const double* w, const double* const* a, double* y) {
+  Lanes<n> sum[registers];
+  for (int k = 0; k < registers; ++k) sum[k] = load<n>(x + i + k * n);
+  for (int j = 0; j < count; ++j)
+    for (int k = 0; k < registers; ++k) sum[k] += w[j] * load<n>(a[j] + i + k * n);
+  for (int k = 0; k < registers; ++k) store<n>(y + i + k * n, sum[k]);
 }
 
-INNER void combine(std::size_t n, const double* x, int count, const double* w, const double* const* a, double* __restrict y) {
-  for (std::size_t begin = 0; begin < n; begin += stretch) {
-    const std::size_t size = n - begin < stretch ? n - begin : stretch;
-    for (std::size_t i = 0; i < size; ++i) y[begin + i] = x[begin + i];
-    for (int j = 0; j < count; ++j) add_weighted(size, w[j], a[j] + begin, y + begin);
-  }
+template <int n>
+INNER void combine(std::size_t numbers, const double* x, int count, const double* w, const double* const* a, double* y) {
+  constexpr int registers = 4;
+  std::size_t i = 0;
+  for (; i + registers * n <= numbers; i += registers * n) combine_some<n, registers>(i, x, count, w, a, y);
+  for (; i + n <= numbers; i += n) combine_some<n, 1>(i, x, count, w, a, y);
+  for (; i < numbers; ++i) combine_some<1, 1>(i, x, count, w, a, y);
 }
 
 /// The largest of numbers that are read some at a time; NaN if any is NaN or infinite. These do not compare, but times 0 they are NaN.
@@ -199,7 +203,7 @@ decltype(kick_and_drift) kick_and_drift = chosen<loops::kick_and_drift>();
 decltype(drift) drift = chosen<loops::drift>();
 decltype(accelerate) accelerate = chosen<loops::accelerate>();
 decltype(accelerate_damped) accelerate_damped = chosen<loops::accelerate_damped>();
-decltype(combine) combine = chosen<loops::combine>();
+decltype(combine) combine = chosen<loops::combine<2>, loops::combine<4>, loops::combine<8>>();
 decltype(largest) largest = chosen<loops::largest<2>, loops::largest<4>, loops::largest<8>>();
 decltype(largest_weighted) largest_weighted = chosen<loops::largest_weighted<2>, loops::largest_weighted<4>, loops::largest_weighted<8>>();
 decltype(gaps) gaps = chosen<loops::gaps>();
