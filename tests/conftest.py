@@ -10,6 +10,7 @@ A test that is named on the command line (file::test) always runs.
 
 import gzip
 import json
+import signal
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -109,3 +110,11 @@ def real_meshes(tmp_path_factory) -> Path:
     for packed in DATA.glob("*.obj.gz"):
         (folder / packed.stem).write_bytes(gzip.decompress(packed.read_bytes()))
     return folder
+
+
+@pytest.fixture
+def ctrl_c_is_heard():
+    """Also where the suite runs in the background of a shell, which then ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -86,6 +86,7 @@ def test_wrong_requests_are_told_at_once(tmp_path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+@pytest.mark.usefixtures("ctrl_c_is_heard")
 def test_an_interrupted_measurement_leaves_no_file(tmp_path):
     process = subprocess.Popen(
         [sys.executable, BENCH, "--only", "16 points", "damping"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True

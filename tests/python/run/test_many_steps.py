@@ -68,14 +68,6 @@ def test_a_step_that_fails_on_the_way_is_told_as_by_itself(calls):
     assert str(single.value) == str(refusal.value)
 
 
-@pytest.fixture
-def ctrl_c_is_heard():
-    """Also where the suite runs in the background of a shell, which then ignores it."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
 @pytest.mark.filterwarnings("error")
 @pytest.mark.usefixtures("ctrl_c_is_heard")
 def test_ctrl_c_while_the_component_speaks_ends_the_run():
