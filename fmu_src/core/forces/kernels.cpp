@@ -62,10 +62,6 @@ INNER void kick(std::size_t n, const double* a, const double* b, const double* f
   for (std::size_t i = 0; i < n; ++i) v[i] = a[i] * v[i] + b[i] * (f[i] + g[i]);
 }
 
-INNER void kick_undamped(std::size_t n, const double* b, const double* f, const double* g, double* __restrict v) {
-  for (std::size_t i = 0; i < n; ++i) v[i] = v[i] + b[i] * (f[i] + g[i]);
-}
-
 INNER void kick_and_drift(std::size_t n, const double* a, const double* b, const double* f, const double* g, double h, const double* v,
                           const double* x, double* __restrict w, double* __restrict y) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -198,7 +194,6 @@ INNER void subtract_stiffness_product(const SpringRow& springs, int points, cons
 
 decltype(add_stiffness_bounds) add_stiffness_bounds = chosen<loops::add_stiffness_bounds>();
 decltype(kick) kick = chosen<loops::kick>();
-decltype(kick_undamped) kick_undamped = chosen<loops::kick_undamped>();
 decltype(kick_and_drift) kick_and_drift = chosen<loops::kick_and_drift>();
 decltype(drift) drift = chosen<loops::drift>();
 decltype(accelerate) accelerate = chosen<loops::accelerate>();

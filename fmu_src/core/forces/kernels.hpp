@@ -24,8 +24,6 @@ extern void (*const add_stiffness_bounds)(const SpringRow& springs, int points, 
 
 /// v = a v + b (f + g), n values each.
 extern void (*const kick)(std::size_t n, const double* a, const double* b, const double* f, const double* g, double* v);
-/// v = v + b (f + g), n values each.
-extern void (*const kick_undamped)(std::size_t n, const double* b, const double* f, const double* g, double* v);
 /// w = a v + b (f + g) and y = x + h w, n values each.
 extern void (*const kick_and_drift)(std::size_t n, const double* a, const double* b, const double* f, const double* g, double h,
                                     const double* v, const double* x, double* w, double* y);
@@ -37,7 +35,7 @@ extern void (*const accelerate)(std::size_t n, const double* m, const double* f,
 /// a = m (f + g) - r v with damping rates r, n values each.
 extern void (*const accelerate_damped)(std::size_t n, const double* m, const double* r, const double* f, const double* g, const double* v,
                                        double* a);
-/// y = x + sum of w_j a_j over `count` arrays of n values each.
+/// y = x + sum of w_j a_j over `count` arrays of n values each; y may be one of them.
 extern void (*const combine)(std::size_t n, const double* x, int count, const double* w, const double* const* a, double* y);
 /// Largest |x_i|; NaN if any is NaN or infinite.
 extern double (*const largest)(std::size_t n, const double* x);

@@ -2,19 +2,14 @@
 
 namespace softffd {
 
-void KickCoefficients::apply(bool damped, const Points& spring, const Points& outside, Points& v) const {
-  const std::size_t n = v.size();
-  if (damped)
-    kernels::kick(n, a.data(), b.data(), spring.data(), outside.data(), v.data());
-  else
-    kernels::kick_undamped(n, b.data(), spring.data(), outside.data(), v.data());
+void KickCoefficients::apply(const Points& spring, const Points& outside, Points& v) const {
+  kernels::kick(v.size(), a.data(), b.data(), spring.data(), outside.data(), v.data());
 }
 
 void HalfKicks::prepare(const Body& body, double h) {
   if (h == h_ && body.version == version_) return;
   h_ = h;
   version_ = body.version;
-  damped_ = body.damped;
   const int n = body.points();
   for (int p = 0; p < n; ++p) {
     const double m = body.mass[p], d = body.damping[p], half = 0.5 * h, g = d * half / m;

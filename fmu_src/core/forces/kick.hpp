@@ -13,11 +13,11 @@
 
 namespace softffd {
 
-/// v <- a v + b f for all coordinates, (3 * points) each; without damping a is not read and counts as 1.
+/// v <- a v + b f for all coordinates, (3 * points) each; without damping a is 1.
 struct KickCoefficients {
   explicit KickCoefficients(int points) : a(Scalars::Zero(3 * points)), b(a) {}
   /// f = spring + outside forces [N].
-  void apply(bool damped, const Points& spring, const Points& outside, Points& v) const;
+  void apply(const Points& spring, const Points& outside, Points& v) const;
   Stage::Kick kick() const { return {a.data(), b.data()}; }
   Scalars a, b;
 };
@@ -33,7 +33,7 @@ class HalfKicks {
     kernels::kick_and_drift(v.size(), open_.a.data(), open_.b.data(), spring.data(), external.data(), h_, v0.data(), x0.data(), v.data(),
                             x.data());
   }
-  void close(const Points& spring, const Points& external, Points& v) const { close_.apply(damped_, spring, external, v); }
+  void close(const Points& spring, const Points& external, Points& v) const { close_.apply(spring, external, v); }
 
   /// A closing half kick, the next opening one and the drift after it.
   Stage stage() const { return {{close_.kick(), open_.kick()}, 2, h_}; }
@@ -47,7 +47,6 @@ class HalfKicks {
   Scalars opening_mass_, closing_mass_;
   double h_ = -1;
   Count version_ = -1;  ///< of the body
-  bool damped_ = false;
 };
 
 }  // namespace softffd

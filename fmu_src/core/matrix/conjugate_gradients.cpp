@@ -2,9 +2,20 @@
 
 #include <limits>
 
+#include "forces/kernels.hpp"
 #include "matrix/stencil_loops.hpp"
 
 namespace softffd {
+
+namespace {
+
+/// sum = x + c y; sum may be either.
+void add(const Points& x, double c, const Points& y, Points& sum) {
+  const double* array = y.data();
+  kernels::combine(x.size(), x.data(), 1, &c, &array, sum.data());
+}
+
+}  // namespace
 
 ConjugateGradients::ConjugateGradients(const Lattice& lattice) : matrix(lattice), coarse_(lattice), inverse_(6 * lattice.points()) {
   for (Points* points : {&residual_, &direction_, &product_, &preconditioned_}) points->setZero(lattice.points(), 3);
@@ -49,13 +60,13 @@ int ConjugateGradients::solve(Points& b, double accuracy) {
     const double curvature = kernels::dot(n, direction_.data(), product_.data());
     if (!(curvature > 0 && left > 0)) break;
     const double step = left / curvature;
-    kernels::add_multiple(n, step, direction_.data(), b.data());
-    kernels::add_multiple(n, -step, product_.data(), residual_.data());
+    add(b, step, direction_, b);
+    add(residual_, -step, product_, residual_);
     energy += step * left;
     precondition();
     const double next = kernels::dot(n, residual_.data(), preconditioned_.data());
     if (next <= accuracy * accuracy * energy) return i;
-    kernels::add_to_multiple(n, next / left, preconditioned_.data(), direction_.data());
+    add(preconditioned_, next / left, direction_, direction_);
     left = next;
   }
   b.setConstant(std::numeric_limits<double>::quiet_NaN());

@@ -49,23 +49,11 @@ INNER double dot(std::size_t n, const double* x, const double* y) {
   return ((parts[0] + parts[4]) + (parts[1] + parts[5])) + ((parts[2] + parts[6]) + (parts[3] + parts[7]));
 }
 
-INNER void add_multiple_of(std::size_t n, double c, In x, Out y) {
-  for (std::size_t i = 0; i < n; ++i) y[i] += c * x[i];
-}
-INNER void add_multiple(std::size_t n, double c, const double* x, double* y) { add_multiple_of(n, c, x, y); }
-
-INNER void add_to_multiple_of(std::size_t n, double c, In x, Out y) {
-  for (std::size_t i = 0; i < n; ++i) y[i] = x[i] + c * y[i];
-}
-INNER void add_to_multiple(std::size_t n, double c, const double* x, double* y) { add_to_multiple_of(n, c, x, y); }
-
 }  // namespace loops
 
 decltype(add_products) add_products = chosen<loops::add_products>();
 decltype(add_transposed_products) add_transposed_products = chosen<loops::add_transposed_products>();
 decltype(symmetric_products) symmetric_products = chosen<loops::symmetric_products>();
 decltype(dot) dot = chosen<loops::dot>();
-decltype(add_multiple) add_multiple = chosen<loops::add_multiple>();
-decltype(add_to_multiple) add_to_multiple = chosen<loops::add_to_multiple>();
 
 }  // namespace softffd::kernels

@@ -15,9 +15,5 @@ extern void (*const add_transposed_products)(int n, std::size_t lanes, std::size
 extern void (*const symmetric_products)(int n, std::size_t lanes, std::size_t points, const double* s, const double* x, double* y);
 /// Sum of x_i y_i, in eight partial sums.
 extern double (*const dot)(std::size_t n, const double* x, const double* y);
-/// y += c x.
-extern void (*const add_multiple)(std::size_t n, double c, const double* x, double* y);
-/// y = x + c y.
-extern void (*const add_to_multiple)(std::size_t n, double c, const double* x, double* y);
 
 }  // namespace softffd::kernels

@@ -24,7 +24,6 @@ class Bm4 final : public Integrator {
   std::vector<KickCoefficients> kicks_, half_kicks_;  ///< half kicks give the velocity in the middle of a kick, for the dissipated energy
   double h_ = -1;
   Count version_ = -1;  ///< of the body
-  bool damped_ = false;
   Points outside_, next_, middle_, start_x_, start_v_;
   Ledger ledger_;
 };
