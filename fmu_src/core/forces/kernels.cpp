@@ -190,6 +190,31 @@ INNER void subtract_stiffness_product(const SpringRow& springs, int points, cons
   subtract(lanes, sx, sy, sz, second, second + points, second + 2 * points);
 }
 
+INNER void dashpot_products(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In u0, In v0, In w0, In u1, In v1, In w1, In c, Out sx,
+                            Out sy, Out sz) {
+  for (int p = 0; p < lanes; ++p) {
+    const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
+    const double ux = u1[p] - u0[p], uy = v1[p] - v0[p], uz = w1[p] - w0[p];
+    const double r2 = dx * dx + dy * dy + dz * dz + smallest_square;
+    const double along = c[p] * ((dx * ux + dy * uy + dz * uz) / r2);
+    sx[p] = along * dx;
+    sy[p] = along * dy;
+    sz[p] = along * dz;
+  }
+}
+
+INNER void add_dashpot_force(const SpringRow& springs, int points, const double* x, const double* v, const double* c, double* f,
+                             double* scratch) {
+  const int lanes = springs.lanes, offset = springs.offset;
+  const double *a = x + springs.begin, *b = a + offset, *va = v + springs.begin, *vb = va + offset;
+  double *sx = scratch, *sy = scratch + lanes, *sz = scratch + 2 * lanes;
+  dashpot_products(lanes, a, a + points, a + 2 * points, b, b + points, b + 2 * points, va, va + points, va + 2 * points, vb, vb + points,
+                   vb + 2 * points, c, sx, sy, sz);
+  double *first = f + springs.begin, *second = first + offset;
+  add(lanes, sx, sy, sz, first, first + points, first + 2 * points);
+  subtract(lanes, sx, sy, sz, second, second + points, second + 2 * points);
+}
+
 }  // namespace loops
 
 decltype(add_stiffness_bounds) add_stiffness_bounds = chosen<loops::add_stiffness_bounds>();
@@ -204,5 +229,6 @@ decltype(largest_weighted) largest_weighted = chosen<loops::largest_weighted<2>,
 decltype(gaps) gaps = chosen<loops::gaps>();
 decltype(largest_change) largest_change = chosen<loops::largest_change<2>, loops::largest_change<4>, loops::largest_change<8>>();
 decltype(subtract_stiffness_product) subtract_stiffness_product = chosen<loops::subtract_stiffness_product>();
+decltype(add_dashpot_force) add_dashpot_force = chosen<loops::add_dashpot_force>();
 
 }  // namespace softffd::kernels

@@ -28,7 +28,7 @@ Springs::Row make_row(const Lattice& lattice, Topology topology, const Direction
   while (all[begin] == 0) ++begin;
   while (all[end - 1] == 0) --end;
   const int lanes = end - begin;
-  Springs::Row row{direction, begin, offset, all.segment(begin, lanes), Scalars::Zero(lanes), Scalars(lanes)};
+  Springs::Row row{direction, begin, offset, all.segment(begin, lanes), Scalars::Zero(lanes), Scalars(lanes), Scalars::Zero(lanes)};
   for (int p = 0; p < lanes; ++p) {
     const Vec3 d = softffd::row(rest, begin + p + offset) - softffd::row(rest, begin + p);
     row.rest_length[p] = std::sqrt(d.x() * d.x() + d.y() * d.y() + d.z() * d.z());  // the kernel's own expression: no force at rest
@@ -54,6 +54,20 @@ void Springs::set_stiffness(const Stiffness& stiffness, const std::vector<Stiffn
     }
     pass_.set(d, row.view());
   }
+}
+
+void Springs::set_dashpots(double time) {
+  longest_time_ = 0;
+  for (Row& row : rows_)
+    for (int p = 0; p < row.lanes(); ++p) {
+      row.dashpot[p] = time * row.stiffness[p];
+      if (row.dashpot[p] > 0) longest_time_ = std::max(longest_time_, time);
+    }
+}
+
+void Springs::add_dashpot_force(const Points& x, const Points& v, Points& f) const {
+  for (const Row& row : rows_)
+    kernels::add_dashpot_force(row.view(), int(x.rows()), x.data(), v.data(), row.dashpot.data(), f.data(), scratch_.data());
 }
 
 double Springs::energy(const Points& x) const {

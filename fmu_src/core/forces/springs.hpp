@@ -36,6 +36,12 @@ class Springs {
   Springs(const Lattice& lattice, Topology topology);
 
   void set_stiffness(const Stiffness& stiffness, const std::vector<StiffnessOverride>& overrides);
+  /// A dashpot along each spring, of its stiffness times this time [s], >= 0: the material's internal damping. After the stiffness.
+  void set_dashpots(double time);
+  /// Whether there are any.
+  bool dashpots() const { return longest_time_ > 0; }
+  /// Largest ratio of a dashpot to its spring [s].
+  double longest_time() const { return longest_time_; }
 
   /// f = spring forces on the points at x [N], (points, 3).
   void force(const Points& x, Points& f) const { pass_.force(x.data(), f.data()); }
@@ -43,6 +49,9 @@ class Springs {
   void advance(const Stage& stage, const Points& outside, const Points& x, Points& v, Points& next) const {
     pass_.advance(stage, outside.data(), x.data(), v.data(), next.data());
   }
+  /// f -= C(x) v: what the dashpots exert on points at x that move with v, c ((v_b - v_a).u) u on the first point of a spring along the
+  /// unit vector u, the opposite on the second. All (points, 3). A motion as a rigid body is not braked.
+  void add_dashpot_force(const Points& x, const Points& v, Points& f) const;
   /// Elastic energy at x [J].
   double energy(const Points& x) const;
   /// Number of springs; a doubled segment counts twice.
@@ -54,6 +63,7 @@ class Springs {
     Scalars multiplicity;  ///< 0 (none), 1 or 2 (lanes)
     Scalars stiffness;     ///< [N/m] (lanes)
     Scalars rest_length;   ///< [m] (lanes)
+    Scalars dashpot;       ///< c [N s/m] (lanes)
     int lanes() const { return int(stiffness.size()); }
     kernels::SpringRow view() const { return {begin, lanes(), offset, stiffness.data(), rest_length.data()}; }
   };
@@ -63,6 +73,7 @@ class Springs {
  private:
   std::vector<Row> rows_;
   SpringPass pass_;
+  double longest_time_ = 0;
   mutable Scalars scratch_;
 };
 
