@@ -60,6 +60,8 @@ class Contact {
   StepStatus close(const StepView& step, Points& v, Exchange& exchange);
 
   bool touched() const { return !touched_.empty(); }
+  /// The points that the last drift took behind a plane.
+  const std::vector<int>& points() const { return touched_; }
   /// Impacts so far: points that came onto a plane, not those that stayed on one.
   Count impacts() const { return impacts_; }
 

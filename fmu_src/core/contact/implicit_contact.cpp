@@ -142,6 +142,10 @@ void ImplicitContact::find_residual(const Step& step, bool first) {
   for (int axis = 0; axis < 3; ++axis)
     residual_.col(axis) = force_.col(axis) + spring_.col(axis) - (body.mass * per_h) * (u_.col(axis) * per_h - step.from.v.col(axis)) -
                           (body.damping * per_h) * u_.col(axis);
+  if (body.springs.dashpots()) {
+    scratch_ = per_h * u_;
+    body.springs.add_dashpot_force(x_, scratch_, residual_);
+  }
   if (contacts_.scale_friction(body.length, largest_stiffness_)) linear_.refresh();
   if (first) {
     scratch_ = step.h * step.from.v;

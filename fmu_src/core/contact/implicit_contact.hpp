@@ -1,6 +1,6 @@
 /// Contact of stiff bodies: backward Euler with exact contact, for steps that are long compared with the body's oscillations.
 ///
-///      M (v1 - v0) / h = internal forces(x1) + outside forces - D v1 + contact(x1),      v1 = (x1 - x0) / h,
+///      M (v1 - v0) / h = internal forces(x1) + outside forces - D v1 - C(x1) v1 + contact(x1),      v1 = (x1 - x0) / h,
 ///
 /// no control point being behind a plane at x1, loads pushing only, friction by Coulomb's law. The outside forces are those of mid-step,
 /// so that ramps give their whole impulse. A stiff body oscillates faster than a step can follow: backward Euler damps what it cannot

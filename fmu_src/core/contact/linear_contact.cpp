@@ -64,7 +64,7 @@ bool LinearContact::solve(const Problem& problem, ContactSet& contacts, bool cau
 void LinearContact::linearise(const Problem& problem, double softening) {
   softening_ = softening;
   x_ = problem.x;
-  hessian_.compute(problem.body.springs, x_, softening);
+  hessian_.compute(problem.body.springs, x_, softening, 1 / problem.h);
   stale_ = true;
 }
 

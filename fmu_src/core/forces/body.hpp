@@ -14,7 +14,8 @@ struct Body {
   Scalars damping;                 ///< (points) [N s/m], >= 0
   std::vector<bool> pinned;        ///< (points) moved by a pin, not by forces
   std::vector<int> slight{};       ///< points so light that what they swing by on their own does not matter
-  bool damped = false;             ///< any damping > 0
+  bool damped = false;             ///< any damping > 0, of points or along springs
+  double fastest_damping = 0;      ///< rate at which damping changes velocities, at most [1/s]
   Scalars inverse_mass{};          ///< (3 * points), axis by axis; 0 where pinned [1/kg]
   Scalars damping_rate{};          ///< (3 * points), damping / mass; 0 where pinned [1/s]
   double length = 1;               ///< largest side of the box [m]: the scale of every tolerance on positions
@@ -30,5 +31,8 @@ struct Body {
   /// Energy of the springs and of the volume stiffness at x [J].
   double elastic_energy(const Points& x) const { return springs.energy(x) + (volume ? volume->energy(x) : 0.0); }
 };
+
+/// What the dashpots take of points at x that move with v [W]; scratch becomes (points, 3).
+double dashpot_power(const Springs& springs, const Points& x, const Points& v, Points& scratch);
 
 }  // namespace softffd

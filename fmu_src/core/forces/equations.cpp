@@ -19,18 +19,26 @@ const Points& Equations::outside(double t, Points& scratch) const {
   return scratch;
 }
 
-void Equations::acceleration(double t, const Points& x, const Points& v, Points& scratch, Points& spring, Points& a) const {
-  body.internal_force(x, spring);
-  acceleration(t, v, spring, scratch, a);
+const Points& Equations::inner(const Points& x, const Points& v, const Points& spring, Points& scratch) const {
+  if (!body.springs.dashpots()) return spring;
+  scratch = spring;
+  body.springs.add_dashpot_force(x, v, scratch);
+  return scratch;
 }
 
-void Equations::acceleration(double t, const Points& v, const Points& spring, Points& scratch, Points& a) const {
+void Equations::acceleration(double t, const Points& x, const Points& v, Points& scratch, Points& inner, Points& a) const {
+  body.internal_force(x, inner);
+  if (body.springs.dashpots()) body.springs.add_dashpot_force(x, v, inner);
+  acceleration(t, v, inner, scratch, a);
+}
+
+void Equations::acceleration(double t, const Points& v, const Points& inner, Points& scratch, Points& a) const {
   const Points& force = outside(t, scratch);
   const std::size_t n = a.size();
   if (body.damped)
-    kernels::accelerate_damped(n, body.inverse_mass.data(), body.damping_rate.data(), spring.data(), force.data(), v.data(), a.data());
+    kernels::accelerate_damped(n, body.inverse_mass.data(), body.damping_rate.data(), inner.data(), force.data(), v.data(), a.data());
   else
-    kernels::accelerate(n, body.inverse_mass.data(), spring.data(), force.data(), a.data());
+    kernels::accelerate(n, body.inverse_mass.data(), inner.data(), force.data(), a.data());
 }
 
 void Ledger::open(const Equations& equations, bool watch, bool lossy) {
@@ -41,7 +49,7 @@ void Ledger::open(const Equations& equations, bool watch, bool lossy) {
   dissipated_ = work_ = 0;
 }
 
-void Ledger::stage(const Equations& equations, double weight, double t, const Points& x, const Points& spring) {
+void Ledger::stage(const Equations& equations, double weight, double t, const Points& x, const Points& inner) {
   const Body& body = equations.body;
   const Drive& around = equations.around;
   around.visit_pinned(t, [&](const PinnedPoint& held) {
@@ -49,7 +57,7 @@ void Ledger::stage(const Equations& equations, double weight, double t, const Po
     const Vec3 velocity = held.velocity();
     Vec3 outside = row(around.force, p);
     for (int axis = 0; around.ramped && axis < 3; ++axis) outside[axis] += around.ramp(p + axis * x.rows(), t);
-    const Vec3 force = row(spring, p) + outside - body.damping[p] * velocity;
+    const Vec3 force = row(inner, p) + outside - body.damping[p] * velocity;
     pins_[held.pin].add(weight * force, held.arm);
     pins_[held.pin].torque -= weight * body.mass[p] * held.frame.velocity.cross(velocity);
     work_ -= weight * force.dot(velocity);
@@ -57,9 +65,11 @@ void Ledger::stage(const Equations& equations, double weight, double t, const Po
   if (watch_ && around.ramped) work_ -= weight * around.ramp_rate_dot(t, x);
 }
 
-void Ledger::damp(const Equations& equations, double weight, const Points& v) {
+void Ledger::damp(const Equations& equations, double weight, const Points& x, const Points& v) {
   if (!watch_ || !equations.body.damped || equations.around.damping_unwatched) return;
-  for (int axis = 0; axis < 3; ++axis) dissipated_ += weight * (equations.body.damping * v.col(axis).square()).sum();
+  const Body& body = equations.body;
+  for (int axis = 0; axis < 3; ++axis) dissipated_ += weight * (body.damping * v.col(axis).square()).sum();
+  if (body.springs.dashpots()) dissipated_ += weight * dashpot_power(body.springs, x, v, scratch_);
 }
 
 void Ledger::end(const Equations& equations, double sign, double t, const Points& x, const Points& v) {

@@ -11,6 +11,10 @@ void HalfKicks::prepare(const Body& body, double h) {
   h_ = h;
   version_ = body.version;
   const int n = body.points();
+  if (body.springs.dashpots()) {
+    opening_mass_ = closing_mass_ = body.mass;
+    return;
+  }
   for (int p = 0; p < n; ++p) {
     const double m = body.mass[p], d = body.damping[p], half = 0.5 * h, g = d * half / m;
     const bool strong = g > 1;

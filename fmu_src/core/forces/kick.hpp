@@ -38,7 +38,8 @@ class HalfKicks {
   /// A closing half kick, the next opening one and the drift after it.
   Stage stage() const { return {{close_.kick(), open_.kick()}, 2, h_}; }
 
-  /// The impulse that a velocity change right after the half kick stands for, (points) [N s per m/s]: (h/2) / b.
+  /// The impulse that a velocity change right after the half kick stands for, (points) [N s per m/s]: (h/2) / b; the mass where the kicks
+  /// are those of damped_kick.hpp.
   const Scalars& opening_mass() const { return opening_mass_; }
   const Scalars& closing_mass() const { return closing_mass_; }
 

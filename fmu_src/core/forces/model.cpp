@@ -19,7 +19,7 @@ Model::Model(Body of)
 void Model::renew() {
   const int n = body.points();
   ++body.version;
-  body.damped = (body.damping > 0).any();
+  body.damped = (body.damping > 0).any() || body.springs.dashpots();
   body.inverse_mass.resize(3 * n);
   body.damping_rate.resize(3 * n);
   for (int i = 0; i < 3 * n; ++i) {
@@ -31,7 +31,8 @@ void Model::renew() {
   for (const Springs::Row& row : body.springs.rows()) noise += 0.5 * row.stiffness.sum() * power(slight * body.length, 2);
   stability.prepare(body);
   stability.time_scales(body, time_scale);
-  fastest_damping = body.damping_rate.maxCoeff();
+  body.fastest_damping = body.damping_rate.maxCoeff();
+  if (body.springs.dashpots()) body.fastest_damping += body.springs.longest_time() * power(stability.any_frequency(), 2);
   for (int i = 0; i < 3 * n; ++i) memory[i] = body.damping_rate[i] > 0 ? 2 / body.damping_rate[i] : std::numeric_limits<double>::infinity();
   for (const int p : body.slight)
     for (int axis = 0; axis < 3; ++axis) memory[p + axis * n] = 0;

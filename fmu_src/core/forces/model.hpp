@@ -9,11 +9,10 @@ struct Model {
 
   Body body;
   Stability stability;
-  Scalars time_scale;          ///< (3 * points) position error that a velocity error amounts to [s]
-  Scalars memory;              ///< (3 * points) in which damping forgets an error [s]; infinite without damping, 0 of slight points
-  double longest_memory = 0;   ///< of all points [s]
-  double fastest_damping = 0;  ///< largest damping / mass [1/s]
-  double noise = 0;            ///< energy of displacements that are rounding [J]
+  Scalars time_scale;         ///< (3 * points) position error that a velocity error amounts to [s]
+  Scalars memory;             ///< (3 * points) in which damping forgets an error [s]; infinite without damping, 0 of slight points
+  double longest_memory = 0;  ///< of all points [s]
+  double noise = 0;           ///< energy of displacements that are rounding [J]
 
   /// Call when masses, stiffness, damping or the pinned points have changed: derives all the rest and makes a new version, by which
   /// methods know that what they keep is old.

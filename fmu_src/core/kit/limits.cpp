@@ -46,7 +46,7 @@ double step_limit(const Job& job, Method method, bool given) {
   const State& motion = job.run.path.motion;
   if (job.model.stability.elastic()) limit = (given ? t.given : t.automatic) * 2 / bound(job);
   if (!given && t.long_run < 1 && job.request.horizon * bound(job) > thresholds::long_run) limit *= t.long_run;
-  if (t.damping < infinity) limit = std::min(limit, t.damping / job.model.fastest_damping);
+  if (t.damping < infinity) limit = std::min(limit, t.damping / job.model.body.fastest_damping);
   if (!given && t.turning == Turning::straight) limit = tighter(limit, turning_limit(job, motion.x, motion.v));
   if (!given && t.turning == Turning::in_frame)
     limit = tighter(thresholds::stiffest / bound(job), thresholds::frame_angle / spin(job.model, motion.x, motion.v));

@@ -19,20 +19,21 @@ SpringHessian::SpringHessian(int points) : blocks_(directions.size()), sums_(6 *
   for (Scalars& blocks : blocks_) blocks.resize(6 * points);
 }
 
-void SpringHessian::compute(const Springs& springs, const Points& x, double softening) {
+void SpringHessian::compute(const Springs& springs, const Points& x, double softening, double per_time) {
   const int n = int(x.rows());
   sums_.setZero();
   for (std::size_t r = 0; r < springs.rows().size(); ++r) {
     const Springs::Row& row = springs.rows()[r];
     const int lanes = row.lanes();
-    const double *a = x.data() + row.begin, *b = a + row.offset, *k = row.stiffness.data(), *l = row.rest_length.data();
+    const double *a = x.data() + row.begin, *b = a + row.offset, *k = row.stiffness.data(), *l = row.rest_length.data(),
+                 *dashpot = row.dashpot.data();
     double* block = blocks_[r].data();
     for (int p = 0; p < lanes; ++p) {
       const double dx = b[p] - a[p], dy = b[n + p] - a[n + p], dz = b[2 * n + p] - a[2 * n + p];
       const double r2 = dx * dx + dy * dy + dz * dz + kernels::smallest_square;
       const double stretched = 1.0 - l[p] / std::sqrt(r2), finite = stretched > lowest ? stretched : lowest;
       const double e = finite > 0 ? finite : softening * finite;
-      const double c = k[p] * (1.0 - e) / r2, ke = k[p] * e;
+      const double c = (k[p] * (1.0 - e) + per_time * dashpot[p]) / r2, ke = k[p] * e;
       block[p] = c * dx * dx + ke;
       block[lanes + p] = c * dy * dy + ke;
       block[2 * lanes + p] = c * dz * dz + ke;

@@ -15,8 +15,8 @@ class SpringHessian {
  public:
   explicit SpringHessian(int points);
 
-  /// Matrices of all springs at x [m]. softening: the share of it, from 0 to 1.
-  void compute(const Springs& springs, const Points& x, double softening);
+  /// Matrices of all springs at x [m], and of their dashpots per_time [1/s]: c u u^T. softening: the share of it, from 0 to 1.
+  void compute(const Springs& springs, const Points& x, double softening, double per_time = 0);
   /// f -= K u [N]; u [m].
   void subtract_product(const Springs& springs, const Points& u, Points& f) const;
   /// matrix = K + diagonal, diagonal (points) [N/m]; rows and columns of pinned points are those of the identity.

@@ -10,9 +10,9 @@
 
 namespace softffd {
 
-/// matrix = K at x, plus `diagonal` on the diagonal (points), both [N/m]. Rows and columns of pinned points are those of the identity.
-/// sums: (6 * points), scratch.
-void assemble(const Body& body, const Points& x, const Scalars& diagonal, Scalars& sums, LatticeMatrix& matrix);
+/// matrix = K + C per_time at x, plus `diagonal` on the diagonal (points), all [N/m]; C: the dashpots', per_time [1/s]. Rows and columns of
+/// pinned points are those of the identity. sums: (6 * points), scratch.
+void assemble(const Body& body, const Points& x, const Scalars& diagonal, Scalars& sums, LatticeMatrix& matrix, double per_time = 0);
 
 /// f = -K u with K at x [N], all points; u [m], (points, 3).
 void stiffness_force(const Body& body, const Points& x, const Points& u, Points& f);

@@ -70,12 +70,12 @@ void Bm4::kick(const Equations& equations, int k, double t, State& state) {
   equations.place_pins(t, state.x, state.v);  // damping takes from the pinned points' present motion too
   const double tau = kick_shares[k] * h_;
   ledger_.stage(equations, tau, t, state.x, state.spring);
-  ledger_.damp(equations, tau / 6, state.v);
+  ledger_.damp(equations, tau / 6, state.x, state.v);
   middle_ = state.v;
   apply(half_kicks_[k], middle_);
-  ledger_.damp(equations, 4 * tau / 6, middle_);
+  ledger_.damp(equations, 4 * tau / 6, state.x, middle_);
   apply(kicks_[k], state.v);
-  ledger_.damp(equations, tau / 6, state.v);
+  ledger_.damp(equations, tau / 6, state.x, state.v);
 }
 
 Outcome Bm4::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {

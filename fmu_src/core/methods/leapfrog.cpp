@@ -52,6 +52,10 @@ Leapfrog::Leapfrog(int points, int planes)
     : kicks_(points), contact_(points, planes), before_(points, 3), start_(points, 3), next_(points, 3), force_(points, 3) {}
 
 Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
+  if (model.body.springs.dashpots()) {
+    if (!damped_) damped_ = std::make_unique<DampedLeapfrog>(model.body.points(), int(drive.planes.size()));
+    return damped_->advance(model, drive, span, run);
+  }
   const Count before = contact_.impacts();
   kicks_.prepare(model.body, span.h);
   if (drive.ramped) drive.force_at(span.time(0), force_);

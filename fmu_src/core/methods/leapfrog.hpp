@@ -1,8 +1,10 @@
 /// Leapfrog (velocity Verlet): the central difference of Xia & Wang 2009, eq. (13), written in velocities, which keeps the digits that the
 /// recurrence in positions loses to round-off; second order, symplectic without damping, one force evaluation per step.
 #pragma once
+#include <memory>
+
 #include "contact/contact.hpp"
-#include "methods/integrator.hpp"
+#include "methods/damped_leapfrog.hpp"
 
 namespace softffd {
 
@@ -17,8 +19,9 @@ class Leapfrog final : public Integrator {
 
   HalfKicks kicks_;
   Contact contact_;
-  Points before_, start_, next_;  ///< velocities before a half kick and before the step, positions after the drift
-  Points force_;                  ///< outside forces now, where they ramp
+  Points before_, start_, next_;            ///< velocities before a half kick and before the step, positions after the drift
+  Points force_;                            ///< outside forces now, where they ramp
+  std::unique_ptr<DampedLeapfrog> damped_;  ///< for bodies with internal damping; most have none
 };
 
 }  // namespace softffd

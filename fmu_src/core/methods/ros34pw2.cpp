@@ -61,7 +61,7 @@ Ros34pw2::Ros34pw2(const Lattice& lattice, int pins)
       sums_(6 * lattice.points()) {
   const int n = lattice.points();
   for (Points* points : {&factored.x, &held_.x, &mass_, &damping_, &free_, &stage_x_, &stage_v_, &spring_, &outside_, &p_, &q_, &zero_,
-                         &pin_velocity_, &pin_rate_, &correction_})
+                         &pin_velocity_, &pin_acceleration_, &pin_rate_, &correction_})
     points->setZero(n, 3);
   for (auto* list : {&x_, &v_})
     for (Points& u : *list) u.setZero(n, 3);
@@ -76,7 +76,7 @@ void Ros34pw2::factorize(const Body& body) {
       damping_(p, axis) = free_(p, axis) * body.damping[p];
     }
   diagonal_ = body.mass / (g * g) + body.damping / g;
-  assemble(body, factored.x, diagonal_, sums_, matrix_);
+  assemble(body, factored.x, diagonal_, sums_, matrix_, 1 / g);
   matrix_.factor();
   held_ = factored;
   version_ = body.version;
@@ -93,12 +93,21 @@ void Ros34pw2::use_factor(const Body& body, double h, const Points& x) {
   ++factored.uses;
 }
 
-bool Ros34pw2::pins_move(const Equations& equations, double t) {
+bool Ros34pw2::pins_move(const Equations& equations, double t, double h) {
   if (equations.around.pins.empty()) return false;
   pin_velocity_.setZero();
   equations.place_pins(t, stage_x_, pin_velocity_);
-  if (kernels::largest(pin_velocity_.size(), pin_velocity_.data()) == 0) return false;
-  stiffness_force(equations.body, factored.x, pin_velocity_, pin_rate_);
+  const Body& body = equations.body;
+  const bool dashpots = body.springs.dashpots();
+  if (dashpots) {
+    pin_acceleration_.setZero();
+    equations.place_pins(t + h, stage_x_, pin_acceleration_);
+    pin_acceleration_ = (pin_acceleration_ - pin_velocity_) / h;
+  }
+  const auto zero = [](const Points& points) { return kernels::largest(points.size(), points.data()) == 0; };
+  if (zero(pin_velocity_) && zero(pin_acceleration_)) return false;
+  stiffness_force(body, factored.x, pin_velocity_, pin_rate_);
+  if (dashpots) body.springs.add_dashpot_force(factored.x, pin_acceleration_, pin_rate_);
   return true;
 }
 
@@ -119,7 +128,7 @@ double Ros34pw2::attempt(const Equations& equations, double t, double h, const S
   use_factor(body, h, state.x);
   const double g = gamma * h;
   solutions_ = 0;
-  const bool moving = pins_move(equations, t), recording = ledger.recording();
+  const bool moving = pins_move(equations, t, h), recording = ledger.recording();
   for (int i = 0; i < stages; ++i) {
     const double at = t + time[i] * h, ahead = h * time_gamma[i];
     combine(state.x, 1, a[i], x_, i, stage_x_);
@@ -139,9 +148,10 @@ double Ros34pw2::attempt(const Equations& equations, double t, double h, const S
     if (moving) x_i += ahead * pin_rate_;
     x_i = free_ * x_i + mass_ * (q_ + (stage_v_ + p_) * (1 / g));
     if (body.damped) x_i += damping_ * p_;
+    if (body.springs.dashpots()) add_dashpots(body, x_i);
     solutions_ += matrix_.solve(x_i);
     v_[i] = free_ * (x_i * (1 / g) - stage_v_ - p_);
-    if (recording) record_stage(equations, h * b[i], at, ahead, x_i);
+    if (recording) record_stage(equations, h * b[i], at, ahead, i);
   }
   combine(state.x, 1, m, x_, stages, x);
   combine(state.v, 1, m, v_, stages, v);
@@ -153,12 +163,26 @@ double Ros34pw2::attempt(const Equations& equations, double t, double h, const S
   return worse(position, velocity_size(error_));
 }
 
+/// What they add to the right at the stage at hand.
+void Ros34pw2::add_dashpots(const Body& body, Points& right) {
+  correction_.setZero();
+  body.springs.add_dashpot_force(stage_x_, stage_v_, correction_);
+  outside_ = -free_ * (stage_v_ + p_);
+  body.springs.add_dashpot_force(factored.x, outside_, correction_);
+  right += free_ * correction_;
+}
+
 /// With the spring forces as the slopes f + J U have them: in long steps those at the stages are not close to the solution's, and so the
 /// pins receive what the free points lose, to rounding.
-void Ros34pw2::record_stage(const Equations& equations, double weight, double at, double ahead, const Points& u) {
+void Ros34pw2::record_stage(const Equations& equations, double weight, double at, double ahead, int i) {
   if (!equations.around.pins.empty()) {
-    outside_ = u + ahead * pin_velocity_;
+    outside_ = x_[i] + ahead * pin_velocity_;
     stiffness_force(equations.body, factored.x, outside_, correction_);
+    if (equations.body.springs.dashpots()) {
+      equations.body.springs.add_dashpot_force(stage_x_, stage_v_, correction_);
+      outside_ = v_[i] + ahead * pin_acceleration_;
+      equations.body.springs.add_dashpot_force(factored.x, outside_, correction_);
+    }
     spring_ += correction_;
   }
   ledger.stage(equations, weight, at, stage_x_, spring_);
@@ -168,9 +192,10 @@ void Ros34pw2::record_stage(const Equations& equations, double weight, double at
 void Ros34pw2::record_ends(const Equations& equations, double t, double h, const State& state) {
   ledger.ends(equations, t, state.x, state.v, t + h, x, v);
   stage_v_ = (1.5 / h) * (x - state.x) - 0.25 * (state.v + v);
-  ledger.damp(equations, h / 6, state.v);
-  ledger.damp(equations, h * 2 / 3, stage_v_);
-  ledger.damp(equations, h / 6, v);
+  stage_x_ = 0.5 * (state.x + x) + (h / 8) * (state.v - v);
+  ledger.damp(equations, h / 6, state.x, state.v);
+  ledger.damp(equations, h * 2 / 3, stage_x_, stage_v_);
+  ledger.damp(equations, h / 6, x, v);
 }
 
 }  // namespace softffd

@@ -40,15 +40,16 @@ RungeKutta::RungeKutta(Method name, const Tableau& tableau, int points, int pins
       v_(tableau.nystroem ? 0 : tableau.stages, Points::Zero(points, 3)),
       a_(tableau.stages, Points::Zero(points, 3)),
       stage_x_(points, 3),
-      spring_(points, 3),
+      inner_(points, 3),
       outside_(points, 3),
       zero_(Points::Zero(points, 3)) {}
 
 double RungeKutta::attempt(const Equations& equations, double t, double h, const State& state) {
   const Step step{equations, t, h, state};
   if (!tableau_.nystroem) v_[0] = state.v;
-  equations.acceleration(t, state.v, state.spring, outside_, a_[0]);
-  record(step, 0, t, state.x, state.spring);
+  const Points& inner = equations.inner(state.x, state.v, state.spring, inner_);
+  equations.acceleration(t, state.v, inner, outside_, a_[0]);
+  record(step, 0, t, state.x, inner);
   for (int i = 1; i < tableau_.stages; ++i) evaluate(step, i);
   add_to_positions(step, state.x, h, tableau_.b.positions, tableau_.stages, x);
   add_to_velocities(step, state.v, tableau_.b.velocities, tableau_.stages, v);
@@ -64,20 +65,20 @@ void RungeKutta::evaluate(const Step& step, int stage) {
   add_to_positions(step, from.x, tableau_.c[stage] * h, tableau_.row(stage), stage, stage_x_);
   if (tableau_.nystroem) {
     equations.place_pins(at, stage_x_);
-    equations.acceleration(at, stage_x_, from.v, outside_, spring_, a_[stage]);
+    equations.acceleration(at, stage_x_, from.v, outside_, inner_, a_[stage]);
   } else {
     add_to_velocities(step, from.v, tableau_.row(stage), stage, v_[stage]);
     equations.place_pins(at, stage_x_, v_[stage]);
-    equations.acceleration(at, stage_x_, v_[stage], outside_, spring_, a_[stage]);
+    equations.acceleration(at, stage_x_, v_[stage], outside_, inner_, a_[stage]);
   }
-  record(step, stage, at, stage_x_, spring_);
+  record(step, stage, at, stage_x_, inner_);
 }
 
-void RungeKutta::record(const Step& step, int stage, double at, const Points& position, const Points& spring) {
+void RungeKutta::record(const Step& step, int stage, double at, const Points& position, const Points& inner) {
   const double share = tableau_.b.velocities[stage];
   if (!ledger.recording() || share == 0) return;
-  ledger.stage(step.equations, step.h * share, at, position, spring);
-  if (!tableau_.nystroem) ledger.damp(step.equations, step.h * share, v_[stage]);
+  ledger.stage(step.equations, step.h * share, at, position, inner);
+  if (!tableau_.nystroem) ledger.damp(step.equations, step.h * share, position, v_[stage]);
 }
 
 /// out = base + the motion that the first `count` stages make by the weights w; ahead: [s] with the velocity at the start.

@@ -31,14 +31,14 @@ class RungeKutta : public OneStep {
     const State& from;
   };
   void evaluate(const Step& step, int stage);
-  void record(const Step& step, int stage, double at, const Points& position, const Points& spring);
+  void record(const Step& step, int stage, double at, const Points& position, const Points& inner);
   void add_to_positions(const Step& step, const Points& base, double ahead, const double* w, int count, Points& out) const;
   void add_to_velocities(const Step& step, const Points& base, const double* w, int count, Points& out) const;
   double size(const Step& step, const Tableau::Weights& error);
 
   const Tableau& tableau_;
   std::vector<Points> v_, a_;  ///< velocities, if there are any, and accelerations at the stages
-  Points stage_x_, spring_, outside_, zero_;
+  Points stage_x_, inner_, outside_, zero_;
 };
 
 }  // namespace softffd

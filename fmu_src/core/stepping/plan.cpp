@@ -12,7 +12,8 @@ namespace {
 namespace use = thresholds;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// What is asked for, but for rkn12, whose stages have no velocity.
+/// What is asked for, but for rkn12, whose stages have no velocity, and for what has no place for the dashpots' coupling of velocities:
+/// bm4's coefficients are for kicks that do not depend on them, and the central difference is as published.
 struct Asked {
   Method method;
   Reason reason;
@@ -20,6 +21,8 @@ struct Asked {
 
 Asked asked(const Facts& facts) {
   if (facts.asked == Method::rkn12 && facts.damped) return {Method::dop853, Reason::damping};
+  if (facts.asked == Method::bm4 && facts.dashpots) return {Method::dop853, Reason::damping};
+  if (facts.asked == Method::central_difference && facts.dashpots) return {Method::leapfrog, Reason::damping};
   return {facts.asked, Reason::asked};
 }
 
@@ -41,8 +44,10 @@ Plan plan_free(const Facts& facts, const Asked& asked, Retreat retreat) {
   return {.method = method, .steps = steps, .reason = reason, .retreat = retreat};
 }
 
-/// Whether explicit steps are so many that a stiff body's impacts, flights and rests are taken on their own.
+/// Whether explicit steps are so many that a stiff body's impacts, flights and rests are taken on their own. Internal damping is not in the
+/// modes that carry flights.
 bool stiff(const Facts& facts) {
+  if (facts.dashpots) return false;
   const double steps = *facts.stiffness;
   const bool many = steps > use::stiff_contact || (steps > use::stiff_contact_of_long_runs && steps * facts.length > use::long_contact);
   return many && steps < use::stiffest;

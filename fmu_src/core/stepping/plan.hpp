@@ -19,6 +19,7 @@ struct Facts {
   double length = 1;                   ///< of the run, in stretches
   bool counted = false;                ///< and the stretch is a whole number of it
   bool damped = false;                 ///< any damping
+  bool dashpots = false;               ///< of them, internal damping
   bool obstacles = false;              ///< the scene has planes
   bool pins = false;                   ///< the scene has pins
   std::optional<bool> clear{};         ///< no point is on an obstacle now

@@ -48,6 +48,7 @@ Facts Propagator::facts(const Job& job, double H) const {
   facts.counted = counted_units(job.request, H) > 0;
   facts.length = job.request.horizon / H;
   facts.damped = job.model.body.damped;
+  facts.dashpots = job.model.body.springs.dashpots();
   facts.obstacles = !job.drive.planes.empty();
   facts.pins = !job.drive.pins.empty();
   return facts;

@@ -44,8 +44,10 @@ void Race::run(Integrators& integrators, Calibrator& calibrator, const Job& job,
     if (!leapfrog_is_enough(contest)) {
       contest.adaptive = job.model.body.damped ? Method::dop853 : Method::rkn12;
       contest.adaptive_work = controlled_work(integrators, job, contest.adaptive, H);
-      calibrate(Method::bm4, use::race_rounds_bm4);
-      contest.bm4 = fixed_work(job, Method::bm4, H);
+      if (!job.model.body.springs.dashpots()) {
+        calibrate(Method::bm4, use::race_rounds_bm4);
+        contest.bm4 = fixed_work(job, Method::bm4, H);
+      }
       if (settle(contest).method == Method::leapfrog) calibrate(Method::leapfrog, use::race_rounds_left);
     }
   }

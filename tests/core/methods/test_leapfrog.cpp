@@ -5,6 +5,7 @@ using namespace softffd;
 TEST(second_order_on_the_oscillators_exact_motion) { check_oscillator_orders(run_with<Leapfrog>, {2, 200, 400}); }
 TEST(second_order_on_a_smooth_motion) { check_smooth_orders(run_with<Leapfrog>, {2, 400, 800}); }
 TEST(second_order_while_pins_move) { check_order_with_moving_pins(run_with<Leapfrog>, {2, 400, 800}); }
+TEST(second_order_with_internal_damping) { check_orders_with_dashpots(run_with<Leapfrog>, {2, 400, 800}); }
 TEST(second_order_while_a_frame_pulls) { check_held_order({}, run_with<Leapfrog>, {2, 200, 400}); }
 
 TEST(a_vibration_has_the_frequency_of_the_central_difference) {

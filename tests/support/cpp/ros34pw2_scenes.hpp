@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "check.hpp"
+#include "forces/stability.hpp"
 #include "methods/dop853.hpp"
 #include "methods/ros34pw2.hpp"
 
@@ -22,12 +23,15 @@ struct Scene {
 inline void set_rates(Body& body) {
   const int n = body.points();
   body.inverse_mass = body.damping_rate = Scalars::Zero(3 * n);
-  body.damped = (body.damping > 0).any();
+  body.damped = (body.damping > 0).any() || body.springs.dashpots();
   for (int i = 0; i < 3 * n; ++i)
     if (!body.pinned[i % n]) {
       body.inverse_mass[i] = 1 / body.mass[i % n];
       body.damping_rate[i] = body.damping[i % n] / body.mass[i % n];
     }
+  Stability stability(n);
+  stability.prepare(body);
+  body.fastest_damping = body.damping_rate.maxCoeff() + body.springs.longest_time() * std::pow(stability.any_frequency(), 2);
 }
 
 inline void start_at(Scene& scene, const Points& x, const Points& v) {
@@ -60,6 +64,13 @@ inline Scene soft(bool damped = false, bool ramped = false, const Lattice& latti
   }
   set_rates(s.body);
   start_at(s, x, v);
+  return s;
+}
+
+/// The scene with dashpots along its springs [s].
+inline Scene with_dashpots(Scene s, double time) {
+  s.body.springs.set_dashpots(time);
+  set_rates(s.body);
   return s;
 }
 

@@ -1,0 +1,56 @@
+#include "contact/reactions.hpp"
+
+#include <algorithm>
+
+#include "contact/tolerances.hpp"
+
+namespace softffd {
+
+Reactions::Reactions(int points, int planes) : trial_(points, planes) {
+  nowhere_.planes.resize(planes);
+  for (Points* each : {&forces_, &free_, &held_, &x_}) each->setZero(points, 3);
+}
+
+void Reactions::clear() { forces_.setZero(); }
+
+void Reactions::kick(const StepView& step, const Points& v0) {
+  const Body& body = step.body;
+  for (int axis = 0; axis < 3; ++axis)
+    free_.col(axis) =
+        v0.col(axis) + (0.5 * step.h) * (step.spring.col(axis) + step.force.col(axis) - body.damping * v0.col(axis)) / body.mass;
+  held_ = free_;
+}
+
+/// Of all points that the rule has corrected.
+void Reactions::find(const StepView& step) {
+  forces_.setZero();
+  for (const int p : trial_.points())
+    if (!step.body.pinned[p]) set_row(forces_, p, step.body.mass[p] * (row(held_, p) - row(free_, p)) / (0.5 * step.h));
+}
+
+void Reactions::open(const StepView& step, const Points& v0) {
+  kick(step, v0);
+  x_ = step.x0 + step.h * held_;
+  if (trial_.drift(step, v0, held_, x_, nowhere_) != StepStatus::ok) return clear();
+  find(step);
+  for (const int p : trial_.points()) {  // those that land now are not held yet
+    const bool rests = std::any_of(step.around.planes.begin(), step.around.planes.end(), [&](const Plane& plane) {
+      return plane.at(step.t0).gap(row(step.x0, p)) <= touching * step.body.length;
+    });
+    if (!rests) set_row(forces_, p, Vec3::Zero());
+  }
+}
+
+void Reactions::close(const StepView& step, const Contact& contact, const Points& v0) {
+  trial_ = contact;
+  kick(step, v0);
+  trial_.hold(v0);
+  if (trial_.close(step, held_, nowhere_) != StepStatus::ok) return clear();
+  find(step);
+}
+
+void Reactions::give_back(const StepView& step, Points& v) const {
+  for (int axis = 0; axis < 3; ++axis) v.col(axis) -= (0.5 * step.h) * forces_.col(axis) / step.body.mass;
+}
+
+}  // namespace softffd

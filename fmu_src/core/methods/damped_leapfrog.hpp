@@ -1,0 +1,31 @@
+/// Leapfrog of a body with internal damping: half kicks with the dashpots in them (forces/damped_kick.hpp) around a drift; second order for
+/// any damping, stable for the same steps as without. Its fixed points are those of the equations: rest, and rest on obstacles.
+#pragma once
+#include "contact/reactions.hpp"
+#include "forces/damped_kick.hpp"
+#include "methods/integrator.hpp"
+
+namespace softffd {
+
+class DampedLeapfrog {
+ public:
+  DampedLeapfrog(int points, int planes);
+  Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run);
+
+ private:
+  StepStatus step(const Body& body, const Drive& drive, const Span& span, Count i, State& state, Exchange& exchange);
+  StepStatus open(const StepView& view, State& state, Exchange& exchange);
+  StepStatus close(const StepView& view, State& state, Exchange& exchange);
+  /// From before_ to v, with the reactions of obstacles where there are any.
+  void kick(const StepView& view, const Points& x, const State& state, bool held, Points& v, Exchange& exchange);
+
+  HalfKicks masses_;  ///< what the contact rule asks of kicks
+  DampedKick kick_;
+  Contact contact_;
+  Reactions reactions_;
+  bool resolved_ = false;          ///< kicks are so short that the forces at their beginning tell the reactions
+  Points before_, middle_, next_;  ///< velocities before a half kick and after the drift, positions after it
+  Points force_, inner_, acting_;  ///< outside forces now; forces of springs and dashpots; outside forces with the reactions
+};
+
+}  // namespace softffd
