@@ -13,8 +13,10 @@ namespace softffd {
 /// Overrides of a [[region]]; absent ones leave what is there.
 struct Region {
   std::vector<int> points;
-  std::optional<double> stiffness{};  ///< >= 0 [N/m]
-  std::optional<double> damping{};    ///< >= 0 [N s/m]
+  std::optional<double> stiffness{};         ///< of springs with both ends among the points, >= 0 [N/m]
+  std::optional<double> damping{};           ///< of the points, >= 0 [N s/m]
+  std::optional<double> modulus{};           ///< of the cells with all corners among the points, > 0 [Pa]
+  std::optional<double> internal_damping{};  ///< of the springs, or, of a modulus, of the cells, >= 0 [s]
 };
 
 struct PinDefinition {
@@ -26,6 +28,7 @@ struct PinDefinition {
 struct Definition {
   Lattice lattice;
   Topology topology = Topology::distinct;
+  bool of_modulus = false;      ///< springs by the material's modulus, of the topology `distinct`, in place of its stiffness
   std::vector<double> mass;     ///< per control point, > 0 [kg]
   std::vector<Region> regions;  ///< later ones win
   std::vector<PinDefinition> pins;
@@ -42,7 +45,9 @@ Points start_positions(const Definition& definition);
 struct Material {
   double mass = 1;  ///< total [kg]
   Stiffness stiffness;
-  double damping = 0;  ///< per control point [N s/m]
+  double modulus = 0;           ///< Young's [Pa]
+  double damping = 0;           ///< per control point [N s/m]
+  double internal_damping = 0;  ///< of springs: their dashpots by their stiffness [s]
   bool operator==(const Material&) const = default;
 };
 
@@ -99,6 +104,7 @@ class SoftBody {
 
  private:
   void refresh_model();
+  void refresh_springs();
   StepStatus refresh_drive();
   StepStatus clear_jumps(bool& moved);
   void count_contacts();
@@ -110,7 +116,6 @@ class SoftBody {
   Definition definition_;
   Model model_;
   Drive drive_;
-  std::vector<StiffnessOverride> overrides_;
   std::vector<Vec3> pin_origins_;
   Cells cells_;
   Run now_, before_;  ///< before: at the start of the last communication step

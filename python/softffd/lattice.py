@@ -83,6 +83,24 @@ def all_points(counts: Counts) -> Iterator[Point]:
     return ((i, j, k) for k, j, i in product(range(nz), range(ny), range(nx)))
 
 
+def cells_within(points: np.ndarray, counts: Counts) -> np.ndarray:
+    """Which cells have all eight corners among these points (m,), flat indices: (nx - 1, ny - 1, nz - 1) bool, by their lower corner."""
+    found = np.isin(index_grid(counts), points)
+    for axis in range(3):
+        low, high = (np.take(found, range(first, found.shape[axis] - 1 + first), axis=axis) for first in (0, 1))
+        found = low & high
+    return found
+
+
+def shared_by_corners(cells: np.ndarray) -> np.ndarray:
+    """What the control points (nx, ny, nz) have of values of the cells, each of which gives an eighth to each of its corners."""
+    points = np.zeros([count + 1 for count in cells.shape])
+    for i, j, k in product((0, 1), repeat=3):
+        nx, ny, nz = cells.shape
+        points[i : i + nx, j : j + ny, k : k + nz] += cells / 8
+    return points
+
+
 def to_grid(flat: np.ndarray, counts: Counts) -> np.ndarray:
     """(..., n, c) as (..., nx, ny, nz, c): a view."""
     nx, ny, nz = counts

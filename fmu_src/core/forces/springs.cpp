@@ -36,32 +36,76 @@ Springs::Row make_row(const Lattice& lattice, Topology topology, const Direction
   return row;
 }
 
+/// What a cell of modulus 1 gives to one spring of this direction [m].
+double share_of_cell(const Lattice& lattice, const Direction& direction) {
+  const Vec3 side = lattice.cell();
+  const double volume = side.prod();
+  const std::array<int, 3> steps{direction.di, direction.dj, direction.dk};
+  double along = 0, across = 0;  // sums of 1 / side^2
+  for (int axis = 0; axis < 3; ++axis) (steps[axis] != 0 ? along : across) += 1 / (side[axis] * side[axis]);
+  if (direction.kind() == SpringKind::edge) return std::max(0.0, volume * (1.2 * along - 0.4 * across) / 4);
+  return direction.kind() == SpringKind::face ? 0.2 * volume * along / 2 : 0;
+}
+
+/// For each spring of a row the sum of what its cells give, by their modulus [N/m].
+Scalars sum_of_cells(const Lattice& lattice, const Springs::Row& row, const Scalars& modulus) {
+  const auto [di, dj, dk] = row.direction;
+  std::vector<int> begins;  // of the springs of a cell, from its lower corner
+  for (int corner = 0; corner < 8; ++corner) {
+    const int a = corner & 1, b = corner >> 1 & 1, c = corner >> 2;
+    if ((di == 0 || a == (di < 0)) && (dj == 0 || b == (dj < 0)) && (dk == 0 || c == (dk < 0))) begins.push_back(lattice.index(a, b, c));
+  }
+  const double share = share_of_cell(lattice, row.direction);
+  const auto& n = lattice.counts;
+  Scalars sum = Scalars::Zero(row.lanes());
+  int cell = 0;
+  for (int k = 0; k + 1 < n[2]; ++k)
+    for (int j = 0; j + 1 < n[1]; ++j)
+      for (int i = 0; i + 1 < n[0]; ++i, ++cell)
+        for (const int begin : begins) sum[lattice.index(i, j, k) + begin - row.begin] += share * modulus[cell];
+  return sum;
+}
+
 }  // namespace
 
-Springs::Springs(const Lattice& lattice, Topology topology) : pass_(lattice), scratch_(6 * lattice.points()) {
+double Springs::Row::overridden(int lane, double value, const std::vector<SpringOverride>& overrides) const {
+  for (const SpringOverride& override : overrides)
+    if (override.selected[begin + lane] && override.selected[begin + lane + offset]) value = override.value;
+  return value;
+}
+
+Springs::Springs(const Lattice& lattice, Topology topology) : lattice_(lattice), pass_(lattice), scratch_(6 * lattice.points()) {
   const Points rest = rest_positions(lattice);
   for (const Direction& direction : directions) rows_.push_back(make_row(lattice, topology, direction, rest));
 }
 
-void Springs::set_stiffness(const Stiffness& stiffness, const std::vector<StiffnessOverride>& overrides) {
+void Springs::set_stiffness(const Stiffness& stiffness, const std::vector<SpringOverride>& overrides) {
   for (std::size_t d = 0; d < rows_.size(); ++d) {
     Row& row = rows_[d];
     for (int p = 0; p < row.lanes(); ++p) {
-      double k = stiffness.of(row.direction.kind());
-      for (const auto& override : overrides)
-        if (override.selected[row.begin + p] && override.selected[row.begin + p + row.offset]) k = override.stiffness;
-      row.stiffness[p] = row.multiplicity[p] * k;
+      row.stiffness[p] = row.multiplicity[p] * row.overridden(p, stiffness.of(row.direction.kind()), overrides);
     }
     pass_.set(d, row.view());
   }
 }
 
-void Springs::set_dashpots(double time) {
+void Springs::set_modulus(const Scalars& modulus, const Scalars& time) {
+  const Scalars viscosity = modulus * time;
+  for (std::size_t d = 0; d < rows_.size(); ++d) {
+    rows_[d].stiffness = sum_of_cells(lattice_, rows_[d], modulus);
+    rows_[d].dashpot = sum_of_cells(lattice_, rows_[d], viscosity);
+    pass_.set(d, rows_[d].view());
+  }
+  longest_time_ = time.maxCoeff();
+}
+
+void Springs::set_dashpots(double time, const std::vector<SpringOverride>& overrides) {
   longest_time_ = 0;
   for (Row& row : rows_)
     for (int p = 0; p < row.lanes(); ++p) {
-      row.dashpot[p] = time * row.stiffness[p];
-      if (row.dashpot[p] > 0) longest_time_ = std::max(longest_time_, time);
+      const double own = row.overridden(p, time, overrides);
+      row.dashpot[p] = own * row.stiffness[p];
+      if (row.dashpot[p] > 0) longest_time_ = std::max(longest_time_, own);
     }
 }
 

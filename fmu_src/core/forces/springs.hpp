@@ -25,20 +25,29 @@ struct Stiffness {
   bool operator==(const Stiffness&) const = default;
 };
 
-/// Springs with both ends among the points keep this stiffness; later overrides win.
-struct StiffnessOverride {
+/// Springs with both ends among the points have a value of their own; later overrides win.
+struct SpringOverride {
   std::vector<bool> selected;  ///< (points)
-  double stiffness;            ///< >= 0 [N/m]
+  double value;                ///< >= 0, stiffness [N/m] or time of the dashpots [s]
 };
 
 class Springs {
  public:
   Springs(const Lattice& lattice, Topology topology);
 
-  void set_stiffness(const Stiffness& stiffness, const std::vector<StiffnessOverride>& overrides);
+  void set_stiffness(const Stiffness& stiffness, const std::vector<SpringOverride>& overrides);
   /// A dashpot along each spring, of its stiffness times this time [s], >= 0: the material's internal damping. After the stiffness.
-  void set_dashpots(double time);
-  /// Whether there are any.
+  void set_dashpots(double time, const std::vector<SpringOverride>& overrides = {});
+  /// Springs that make an isotropic solid of Poisson's ratio 1/4 of cells of this modulus [Pa], (cells), which are springs of the sides and
+  /// the face diagonals. With sides a, b, c of a cell and its volume V, a cell gives
+  ///
+  ///      1/4 of   (V / a^2) E (1.2 - 0.4 a^2 / b^2 - 0.4 a^2 / c^2)     to each of its four edges along a
+  ///      1/2 of   0.2 E V (a^2 + b^2) / (a^2 b^2)                       to each diagonal of its two faces of sides a and b
+  ///
+  /// so that homogeneous strains have the solid's energy; springs that several cells share have the sum. None is < 0 while
+  /// a^2 / b^2 + a^2 / c^2 <= 3 for each side a. Their dashpots are the same sum, each part times its cell's time [s], >= 0 (cells).
+  void set_modulus(const Scalars& modulus, const Scalars& time);
+  /// Whether there are any dashpots.
   bool dashpots() const { return longest_time_ > 0; }
   /// Largest ratio of a dashpot to its spring [s].
   double longest_time() const { return longest_time_; }
@@ -65,12 +74,15 @@ class Springs {
     Scalars rest_length;   ///< [m] (lanes)
     Scalars dashpot;       ///< c [N s/m] (lanes)
     int lanes() const { return int(stiffness.size()); }
+    /// A value of the spring in a lane, that of the last override for it if there is one.
+    double overridden(int lane, double value, const std::vector<SpringOverride>& overrides) const;
     kernels::SpringRow view() const { return {begin, lanes(), offset, stiffness.data(), rest_length.data()}; }
   };
   const std::vector<Row>& rows() const { return rows_; }
   double* scratch() const { return scratch_.data(); }  ///< (6 * points), overwritten by every kernel call
 
  private:
+  Lattice lattice_;
   std::vector<Row> rows_;
   SpringPass pass_;
   double longest_time_ = 0;

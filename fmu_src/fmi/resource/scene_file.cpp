@@ -101,15 +101,10 @@ void read_mass(Record& r, SceneFile& s) {
   while (r.more()) s.definition.mass.push_back(r.positive());
   if (int(s.definition.mass.size()) != count(s)) r.fail("wanted one mass per control point");
 }
-void read_region_stiffness(Record& r, SceneFile& s) {
+template <auto field>
+void read_region(Record& r, SceneFile& s) {
   Region region;
-  region.stiffness = r.at_least(0);
-  region.points = r.points(count(s));
-  s.definition.regions.push_back(region);
-}
-void read_region_damping(Record& r, SceneFile& s) {
-  Region region;
-  region.damping = r.at_least(0);
+  region.*field = r.at_least(0);
   region.points = r.points(count(s));
   s.definition.regions.push_back(region);
 }
@@ -172,6 +167,10 @@ void read_initial(Record& r, SceneFile& s) {
 void read_stiffness(Record& r, SceneFile& s) {
   for (double* k : {&s.stiffness.edge, &s.stiffness.face, &s.stiffness.body}) *k = r.at_least(0);
 }
+void read_modulus(Record& r, SceneFile& s) {
+  s.modulus = r.positive();
+  s.definition.of_modulus = true;
+}
 
 /// Every record's key and how it is read.
 constexpr Reader readers[] = {
@@ -186,11 +185,15 @@ constexpr Reader readers[] = {
     {"basis", [](Record& r, SceneFile& s) { s.basis = r.choice<Basis>({{"bezier", Basis::bezier}, {"bspline", Basis::bspline}}); }},
     {"mass", read_mass},
     {"stiffness", read_stiffness},
+    {"youngs_modulus", read_modulus},
     {"damping", [](Record& r, SceneFile& s) { s.damping = r.at_least(0); }},
+    {"internal_damping", [](Record& r, SceneFile& s) { s.internal_damping = r.at_least(0); }},
     {"volume_stiffness", [](Record& r, SceneFile& s) { s.definition.volume_stiffness = r.positive(); }},
     {"gravity", [](Record& r, SceneFile& s) { s.gravity = r.vector(); }},
-    {"region_stiffness", read_region_stiffness},
-    {"region_damping", read_region_damping},
+    {"region_stiffness", read_region<&Region::stiffness>},
+    {"region_youngs_modulus", read_region<&Region::modulus>},
+    {"region_damping", read_region<&Region::damping>},
+    {"region_internal_damping", read_region<&Region::internal_damping>},
     {"plane", read_plane},
     {"plane_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.planes, Part::input_planes); }},
     {"pin", read_pin},
@@ -235,6 +238,8 @@ std::string_view checked_body(std::string_view text) {
 void check_complete(const SceneFile& s) {
   if (s.guid.empty()) throw SceneFileError("resources/scene.txt: the guid is missing");
   if (s.definition.mass.empty()) throw SceneFileError("resources/scene.txt: the masses are missing");
+  if (s.modulus && s.definition.topology != Topology::distinct)
+    throw SceneFileError("resources/scene.txt: springs of a modulus are of the topology distinct");
 }
 
 }  // namespace

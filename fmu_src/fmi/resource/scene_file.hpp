@@ -43,8 +43,10 @@ struct SceneFile {
 
   std::string guid;
   Definition definition;
-  Stiffness stiffness;
+  Stiffness stiffness;            ///< of a scene without modulus
+  std::optional<double> modulus;  ///< Young's [Pa]
   std::optional<double> damping;
+  std::optional<double> internal_damping;  ///< [s]
   std::optional<Vec3> gravity;
   std::vector<Plane> planes;
   std::vector<Pin> pins;

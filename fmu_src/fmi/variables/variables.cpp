@@ -31,7 +31,9 @@ Method method_of(double value) {
 void set_starts(const SceneFile& scene, Settings& settings) {
   settings.mass = std::accumulate(scene.definition.mass.begin(), scene.definition.mass.end(), 0.0);
   settings.stiffness = scene.stiffness;
+  settings.modulus = scene.modulus.value_or(0);
   settings.damping = scene.damping.value_or(0);
+  settings.internal_damping = scene.internal_damping.value_or(0);
   settings.gravity = scene.gravity.value_or(Vec3::Zero());
   settings.tolerance = scene.tolerance;
   settings.step = scene.step;

@@ -21,10 +21,10 @@ from softffd.embedding.deform import lattice_coordinates
 from softffd.embedding.mass_bspline import sample_shares, triangle_shares
 from softffd.embedding.quadrature import sufficient_degrees, triangle_rule
 from softffd.errors import SoftffdError
-from softffd.lattice import rest_grid, to_flat
+from softffd.lattice import rest_grid, shared_by_corners, to_flat
 from softffd.mesh.mesh import Mesh, merge_by_position
 
-DISTRIBUTIONS = ("uniform", "vertices", "surface", "volume")
+DISTRIBUTIONS = ("uniform", "box", "vertices", "surface", "volume")
 
 _BLOCK = 1 << 21
 """Numbers held at a time while integrating: 16 MB."""
@@ -55,9 +55,9 @@ def point_masses(
 ) -> Masses:
     """Return the masses of the control points of a lattice: `counts` in the box `origin`, `size` (3,) m.
 
-    distribution: "uniform" (the same for all), "vertices" (an equal share at each distinct vertex position),
-    "surface" (even over the area) or "volume" (even through the solid); all but the first need `mesh`,
-    "volume" a closed one.
+    distribution: "uniform" (the same for all), "box" (even through the box: each cell gives an eighth to each of its corners),
+    "vertices" (an equal share at each distinct vertex position), "surface" (even over the area) or "volume" (even through the solid);
+    all but the first two need `mesh`, "volume" a closed one.
     total: kg, > 0; or density: kg/m^3, > 0, times the volume of a closed mesh, or of the box without a mesh. Exactly one of the two.
     uniform_share: 0 to 1; this part of the total is spread evenly instead, which moves the centre of mass by
     `shift`. basis: of the volume, "bezier" or "bspline".
@@ -96,7 +96,7 @@ def enclosed_volume(mesh: Mesh) -> float:
 def _require_values(distribution, mesh, total, density, uniform_share) -> None:
     if distribution not in DISTRIBUTIONS:
         raise SoftffdError(f"mass.distribution: wanted one of {', '.join(DISTRIBUTIONS)}, got {distribution!r}")
-    if mesh is None and distribution != "uniform":
+    if mesh is None and distribution not in ("uniform", "box"):
         raise SoftffdError(
             f"mass.distribution = '{distribution}': needs a mesh and the scene has none; add [mesh], or use the distribution 'uniform'"
         )
@@ -113,6 +113,8 @@ def _shares(distribution: str, counts, origin, size, mesh: Mesh | None, basis: s
     """Shares (nx, ny, nz) of the control points, not yet summing to one."""
     if distribution == "uniform":
         return np.ones(counts)
+    if distribution == "box":
+        return shared_by_corners(np.ones([count - 1 for count in counts]))
     assert mesh is not None
     if distribution == "vertices":
         _, positions = merge_by_position(mesh.vertices[np.unique(mesh.faces)])

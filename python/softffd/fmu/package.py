@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from softffd.embedding.mass import Masses, point_masses
 from softffd.errors import SoftffdError
@@ -19,6 +22,7 @@ from softffd.fmu.model_description3 import model_description3
 from softffd.fmu.records import NAME, scene_records, scene_text
 from softffd.fmu.variables import Variable, variables
 from softffd.installed import data_folder, libraries
+from softffd.lattice import cells_within, shared_by_corners, to_flat
 from softffd.spelling import did_you_mean
 
 if TYPE_CHECKING:
@@ -46,10 +50,22 @@ def scene_masses(scene: Scene) -> Masses:
         basis=scene.lattice.basis,
     )
     mass = masses.mass.copy()
+    if any(region.density is not None for region in scene.region):
+        mass = _of_cells(scene, masses.mass.sum())
     for region in scene.region:
         if region.mass is not None:
             mass[scene.select(region.points)] = region.mass
     return Masses(mass=mass, shift=masses.shift)
+
+
+def _of_cells(scene: Scene, total: float) -> np.ndarray:
+    """The points' masses (n,) [kg] where regions give cells a density of their own; the other cells share `total` as if all did."""
+    counts = scene.lattice.points
+    cells = np.full([count - 1 for count in counts], total / math.prod(count - 1 for count in counts))
+    for region in scene.region:
+        if region.density is not None:
+            cells[cells_within(scene.select(region.points), counts)] = region.density * math.prod(scene.box.size) / cells.size
+    return to_flat(shared_by_corners(cells)[..., None])[:, 0]
 
 
 def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None = None, fmi: int = 2) -> Path:

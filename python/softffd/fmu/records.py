@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from softffd.fmu.variables import method_value, spring_damping_present
+from softffd.fmu.variables import internal_damping_present, method_value, spring_damping_present
 from softffd.lattice import LatticeBox, Point, point_at, to_flat
 
 if TYPE_CHECKING:
@@ -29,20 +29,24 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
         ["topology", lattice.springs],
         *basis,
         ["mass", *mass],
-        ["stiffness", material.stiffness.edge, material.stiffness.face, material.stiffness.body],
     ]
+    if material.stiffness is not None:
+        lines.append(["stiffness", material.stiffness.edge, material.stiffness.face, material.stiffness.body])
+    else:
+        lines.append(["youngs_modulus", material.youngs_modulus])
     if spring_damping_present(scene):
         lines.append(["damping", material.damping])
+    if internal_damping_present(scene):
+        lines.append(["internal_damping", material.internal_damping])
     if material.volume_stiffness > 0:
         lines.append(["volume_stiffness", material.volume_stiffness])
     if scene.environment.gravity is not None:
         lines.append(["gravity", *scene.environment.gravity])
     for region in scene.region:
         points = scene.select(region.points)
-        if region.stiffness is not None:
-            lines.append(["region_stiffness", region.stiffness, *points])
-        if region.damping is not None:
-            lines.append(["region_damping", region.damping, *points])
+        for key in ("stiffness", "youngs_modulus", "damping", "internal_damping"):
+            if (value := getattr(region, key)) is not None:
+                lines.append([f"region_{key}", value, *points])
     for plane in scene.plane:
         motion = [*plane.point, *plane.normal, *plane.velocity, *plane.angular_velocity]
         lines.append(["plane", plane.name, plane.motion, *motion, plane.friction])

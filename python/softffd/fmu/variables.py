@@ -49,6 +49,11 @@ def spring_damping_present(scene: Scene) -> bool:
     return scene.material.damping > 0 or any(region.damping for region in scene.region)
 
 
+def internal_damping_present(scene: Scene) -> bool:
+    """Has any spring a dashpot?"""
+    return scene.material.internal_damping > 0 or any(region.internal_damping for region in scene.region)
+
+
 def _instance(words: dict[str, Any]) -> str | Point | None:
     """What stands in a name for a part or a control point."""
     return (words["i"], words["j"], words["k"]) if "i" in words else words.get("name")
@@ -91,7 +96,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
 
     planes, pins = scene.plane, scene.pin
     surfaces, frames = [_plane(plane) for plane in planes], [_pin(scene, pin) for pin in pins if pin.motion == "input"]
-    stiffness, gravity = scene.material.stiffness, scene.environment.gravity
+    material, stiffness, gravity = scene.material, scene.material.stiffness, scene.environment.gravity
     methods = table()["method"]
     return {
         "forces": points(scene.inputs.forces),
@@ -101,9 +106,6 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "always": [
             {
                 "mass": float(np.cumsum(mass)[-1]),  # one after the other, as the library adds them
-                "stiffness_edge": stiffness.edge,
-                "stiffness_face": stiffness.face,
-                "stiffness_body": stiffness.body,
                 "method": method_value(scene.solver.method),
                 "methods": list_of_values({method["key"]: method["value"] for method in methods}),
                 "last_method": max(method["value"] for method in methods),
@@ -111,7 +113,12 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
                 "step": scene.solver.step,
             }
         ],
-        "damping": when(spring_damping_present(scene), damping=scene.material.damping),
+        "stiffness": []
+        if stiffness is None
+        else [{"stiffness_edge": stiffness.edge, "stiffness_face": stiffness.face, "stiffness_body": stiffness.body}],
+        "modulus": when(material.youngs_modulus is not None, youngs_modulus=material.youngs_modulus),
+        "damping": when(spring_damping_present(scene), damping=material.damping),
+        "internal_damping": when(internal_damping_present(scene), internal_damping=material.internal_damping),
         "gravity": when(gravity is not None, gravity=gravity),
         "positions": points(scene.outputs.positions),
         "velocities": points(scene.outputs.velocities),

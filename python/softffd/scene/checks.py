@@ -7,15 +7,18 @@ from typing import Any
 import numpy as np
 
 from softffd.lattice import point_at
+from softffd.scene.cells import MOST, cells_of
+from softffd.scene.checks_material import material_check
 from softffd.scene.draft import Draft
 from softffd.scene.faults import Fault, KeyPath, path_text, toml_text
 from softffd.scene.sections import Lattice
 from softffd.scene.selection import flat_indices
+from softffd.scene.sound import box_is_given, box_is_sound, counts_are_sound
 
 
 def cross_check(draft: Draft) -> list[Fault]:
     """The problems between the sound values of a draft whose box and mesh are settled."""
-    checks = (_names, _idle_inputs, _selections, _mass, _margin, _box, _control_points, _probes)
+    checks = (_names, _idle_inputs, _counts, _selections, _mass, _margin, _box, _control_points, _probes, material_check)
     with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
         return [fault for check in checks for fault in check(draft)]
 
@@ -37,6 +40,20 @@ def _idle_inputs(draft: Draft) -> Iterator[Fault]:
             default = type(item).model_fields["inputs"].default
             if item.motion == "fixed" and item.inputs != default and draft.sound(*path) and draft.sound(section, position, "motion"):
                 yield Fault(path, f'wanted them beside motion = "input" only, got {toml_text(list(item.inputs))} with motion = "fixed"')
+
+
+def _counts(draft: Draft) -> Iterator[Fault]:
+    lattice = draft.scene.lattice
+    if not all(draft.sound("lattice", key) for key in ("points", "cells", "spacing")):
+        return
+    ways = {key: value for key in ("points", "cells", "spacing") if (value := getattr(lattice, key)) is not None}
+    if "points" not in lattice.model_fields_set:
+        del ways["points"]
+    if len(ways) > 1:
+        yield Fault(("lattice",), f"wanted {' or '.join(ways)}, got {' and '.join(f'{key} = {toml_text(ways[key])}' for key in ways)}")
+    elif "spacing" in ways and box_is_sound(draft) and max(cells_of(lattice, lattice.size)) > MOST:
+        least = max(lattice.size) / MOST
+        yield Fault(("lattice", "spacing"), f"wanted >= {least:.3g} m, for a side has at most {MOST} cells, got {lattice.spacing:g}")
 
 
 def _selections(draft: Draft) -> Iterator[Fault]:
@@ -61,7 +78,7 @@ def _all_selections(draft: Draft) -> Iterator[tuple[KeyPath, Any]]:
     found: list[tuple[KeyPath, Any]] = [(path, getattr(getattr(scene, path[0]), path[1])) for path in single]
     for section in ("region", "pin", "load"):
         found += [((section, n, "points"), item.points) for n, item in enumerate(getattr(scene, section))]
-    if draft.sound("lattice", "points"):
+    if counts_are_sound(draft):
         yield from ((path, selection) for path, selection in found if draft.sound(*path))
 
 
@@ -81,9 +98,12 @@ def _mass(draft: Draft) -> Iterator[Fault]:
     if both and None not in (mass.total, mass.density):
         got = f"total = {mass.total:g} and density = {mass.density:g}"
         yield Fault(("mass",), f"wanted total or density, got {got}")
-    if draft.sound("mass", "distribution") and mass.distribution != "uniform":
+    if draft.sound("mass", "distribution") and mass.distribution not in ("uniform", "box"):
         inside = mass.distribution == "volume"
         yield from _needs_mesh(draft, "distribution", closed=inside, instead='take "surface"')
+    if mass.distribution == "box" and mass.uniform_share > 0 and draft.sound("mass", "uniform_share"):
+        got = f"got {mass.uniform_share:g}"
+        yield Fault(("mass", "uniform_share"), f'wanted 0 where the distribution is "box", which leaves no point without mass, {got}')
     if draft.sound("mass", "density") and mass.density is not None and draft.scene.mesh is not None:
         yield from _needs_mesh(draft, "density", closed=True, instead='give "total"')
 
@@ -99,7 +119,7 @@ def _needs_mesh(draft: Draft, key: str, *, closed: bool, instead: str) -> Iterat
 
 def _margin(draft: Draft) -> Iterator[Fault]:
     lattice = draft.scene.lattice
-    idle = "origin and size are both given" if _box_is_given(lattice) else None
+    idle = "origin and size are both given" if box_is_given(lattice) else None
     idle = "there is no [mesh] whose box it would grow" if draft.scene.mesh is None else idle
     if lattice.margin > 0 and idle and draft.sound("mesh"):
         yield Fault(("lattice", "margin"), f"wanted 0, for {idle}, got {lattice.margin:g}")
@@ -107,7 +127,7 @@ def _margin(draft: Draft) -> Iterator[Fault]:
 
 def _box(draft: Draft) -> Iterator[Fault]:
     lattice, mesh = draft.scene.lattice, draft.mesh
-    if mesh is not None and _box_is_sound(draft) and (outside := _not_in_box(mesh.bounds, lattice)):
+    if mesh is not None and box_is_sound(draft) and (outside := _not_in_box(mesh.bounds, lattice)):
         got = f"got {_box_span(lattice)}, which does not along {' and '.join(outside)}"
         given = " and ".join(key for key in ("origin", "size") if key in lattice.model_fields_set)
         text = f"wanted a box that holds the mesh ({_span(*mesh.bounds)}), {got}; leave out {given}: the box then follows the mesh"
@@ -116,7 +136,7 @@ def _box(draft: Draft) -> Iterator[Fault]:
 
 def _control_points(draft: Draft) -> Iterator[Fault]:
     lattice = draft.scene.lattice
-    if not _box_is_sound(draft) or not draft.sound("lattice", "points"):
+    if not box_is_sound(draft) or not counts_are_sound(draft):
         return
     for axis, count, origin, size in zip("xyz", lattice.points, lattice.origin, lattice.size, strict=True):
         at = origin + size * np.linspace(0.0, 1.0, count)
@@ -127,22 +147,12 @@ def _control_points(draft: Draft) -> Iterator[Fault]:
 
 def _probes(draft: Draft) -> Iterator[Fault]:
     lattice = draft.scene.lattice
-    if not _box_is_sound(draft):
+    if not box_is_sound(draft):
         return
     for position, probe in enumerate(draft.scene.probe):
         path = ("probe", position, "at")
         if draft.sound(*path) and _not_in_box(np.array([probe.at, probe.at]), lattice):
             yield Fault(path, f"wanted a place in the box {_box_span(lattice)}, got {toml_text(probe.at)}")
-
-
-def _box_is_sound(draft: Draft) -> bool:
-    """Whether the box is the one that is meant: its own keys hold, and the mesh that it follows was read."""
-    own = all(draft.sound("lattice", key) for key in ("origin", "size", "margin"))
-    return own and (draft.sound("mesh") or _box_is_given(draft.scene.lattice))
-
-
-def _box_is_given(lattice: Lattice) -> bool:
-    return {"origin", "size"} <= lattice.model_fields_set
 
 
 def _not_in_box(bounds: np.ndarray, lattice: Lattice) -> list[str]:

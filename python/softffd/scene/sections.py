@@ -78,11 +78,21 @@ Name = Annotated[
 ]
 Direction = Annotated[Vector, AfterValidator(_direction)]
 Count = Annotated[int, Strict(), Field(ge=2, le=32)]
+Cells = Annotated[int, Strict(), Field(ge=1, le=31)]
 Counts = Annotated[
     tuple[Count, Count, Count],
     list_of(3, "3 whole numbers [nx, ny, nz]"),
     list_schema(3, type="integer", minimum=2, maximum=32),
 ]
+
+
+if TYPE_CHECKING:
+    PointsInput = tuple[int, int, int]  # what either form becomes
+else:
+    PointsInput = Annotated[
+        Annotated[Counts, Tag("<list>")] | Annotated[Literal["cubic"], Tag("<word>")],
+        Discriminator(lambda value: "<word>" if isinstance(value, str) else "<list>"),
+    ]
 NAME = "a name for the FMU's variables: letters, digits, underscores"
 Motion = Literal["fixed", "input"]
 
@@ -127,7 +137,15 @@ def _components(pose: dict[str, str], chosen: tuple[str, ...]) -> list[str]:
 class Lattice(Section):
     """The volume around the object and its springs (Xia & Wang 2009, section 1)."""
 
-    points: Counts = quantity((4, 4, 4), "1", "control points per axis [nx, ny, nz], 2..32 each")
+    points: PointsInput = quantity(
+        (4, 4, 4), "1", 'control points per axis [nx, ny, nz], 2..32 each; "cubic", or left out: as `cells` or `spacing` has them'
+    )
+    cells: Cells | None = quantity(
+        None,
+        "1",
+        "cells along the longest side of the box, 1..31, in place of `points`: along the others as many as make them nearly cubic",
+    )
+    spacing: Number | None = quantity(None, "m", "side of the cells, in place of `points`: as nearly as the box allows", gt=0)
     origin: Vector | None = quantity(None, "m", "lower corner of the box; default: that of the mesh's box grown by `margin`, or [0, 0, 0]")
     size: PositiveVector | None = quantity(
         None, "m", "edges of the box, > 0; default: those of the mesh's box grown by `margin`, or [1, 1, 1]"
@@ -163,14 +181,15 @@ class Mass(Section):
         "density, in place of `total`: times the volume of the mesh, which must be closed, or of the box where there is no mesh",
         gt=0,
     )
-    distribution: Literal["uniform", "vertices", "surface", "volume"] = key(
+    distribution: Literal["uniform", "box", "vertices", "surface", "volume"] = key(
         "uniform",
-        '"uniform": equal points; "vertices", "surface", "volume": as it is spread over the mesh',
+        '"uniform": equal points; "box": even through the box, each cell gives an eighth to each of its corners; "vertices", "surface", '
+        '"volume": as it is spread over the mesh; default beside `material.youngs_modulus`: "volume" with a closed mesh, else "box"',
     )
     uniform_share: Number = quantity(
         0.1,
         "1",
-        "part of the total spread evenly over the points, so that none is nearly massless",
+        'part of the total spread evenly over the points, so that none is nearly massless; 0 for "box"',
         ge=0,
         le=1,
     )
@@ -209,10 +228,34 @@ else:
 
 
 class Material(Section):
-    """Springs and damping (Xia & Wang 2009, eq. (3) and (6))."""
+    """Springs and damping (Xia & Wang 2009, eq. (3) and (6)): a stiffness for each spring, or the modulus of a solid."""
 
-    stiffness: StiffnessInput = quantity(1e3, "N/m", "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }")
-    damping: Number = quantity(0.01, "N.s/m", "viscous damping of each control point: d_i of eq. (3)", ge=0)
+    stiffness: StiffnessInput | None = quantity(
+        None,
+        "N/m",
+        "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }; absent together with `youngs_modulus`: 1e3",
+    )
+    youngs_modulus: Number | None = quantity(
+        None,
+        "Pa",
+        "Young's modulus, in place of `stiffness`: springs of an isotropic solid of Poisson's ratio 1/4, the only one that springs can "
+        "have, whatever the lattice; edges and face diagonals alone have springs",
+        gt=0,
+    )
+    damping: Number = quantity(
+        0.01,
+        "N.s/m",
+        "viscous damping of each control point, d_i of eq. (3): drag of the surroundings, which brakes free flight; default beside "
+        "`youngs_modulus`: 0",
+        ge=0,
+    )
+    internal_damping: Number = quantity(
+        0.0,
+        "s",
+        "a dashpot along each spring, its stiffness times this time: damps deformation and leaves rigid motion alone; a mode of frequency "
+        "omega has the damping ratio omega / 2 times it; 0: absent",
+        ge=0,
+    )
     volume_stiffness: Number = quantity(
         0.0,
         "Pa",
@@ -227,8 +270,17 @@ class Region(Section):
 
     points: Selection = key(..., "the control points of the region: a selection", examples=["z-"])
     stiffness: Number | None = quantity(None, "N/m", "stiffness of springs with both ends in the region", ge=0)
+    youngs_modulus: Number | None = quantity(
+        None, "Pa", "Young's modulus of the cells with all eight corners in the region, where the material has one", gt=0
+    )
     mass: Number | None = quantity(None, "kg", "mass of each control point of the region", gt=0)
+    density: Number | None = quantity(
+        None, "kg/m3", 'density of the cells with all eight corners in the region, where the distribution is "box"; `mass` wins', gt=0
+    )
     damping: Number | None = quantity(None, "N.s/m", "damping of each control point of the region", ge=0)
+    internal_damping: Number | None = quantity(
+        None, "s", "internal damping of what has its stiffness from the region: springs with both ends in it, or, of a modulus, cells", ge=0
+    )
 
 
 class Environment(Section):

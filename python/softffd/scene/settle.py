@@ -7,16 +7,20 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from softffd.errors import MeshError, SceneError
+from softffd.scene.cells import MOST, cells_of
 from softffd.scene.checks import cross_check
 from softffd.scene.draft import Draft, read_draft
 from softffd.scene.faults import Fault, in_file_order, toml_text
 from softffd.scene.keys import SceneKeys
-from softffd.scene.sections import Lattice, MeshFile, Section
+from softffd.scene.sections import Lattice, Mass, Material, MeshFile, Section, Stiffness
 
 if TYPE_CHECKING:
     from softffd.mesh.mesh import Mesh
 
 AnySection = TypeVar("AnySection", bound=Section)
+
+STIFFNESS = 1e3
+"""Of springs where a scene says neither stiffness nor modulus [N/m]."""
 
 
 def settled(document: Any, *, folder: Path, where: str) -> Draft:
@@ -34,16 +38,49 @@ def settled(document: Any, *, folder: Path, where: str) -> Draft:
 
 
 def _settle(draft: Draft, folder: Path) -> None:
-    """Loads the mesh and fills in what the file leaves open: the box, and the default of the total mass."""
+    """Loads the mesh and fills in what the file leaves open: box, control points, and defaults that depend on other keys."""
     scene, changes = draft.scene, {}
     if scene.mesh is not None and draft.sound("mesh"):
         changes["mesh"] = _filled(scene.mesh, file=folder / scene.mesh.file)
         draft.mesh = _load_mesh(draft, changes["mesh"])
     origin, size = _box(scene.lattice, draft.mesh)
-    changes["lattice"] = _filled(scene.lattice, origin=origin, size=size)
-    if scene.mass.density is None:
-        changes["mass"] = _filled(scene.mass, total=1.0 if scene.mass.total is None else scene.mass.total)
+    changes["lattice"] = _filled(_counted(scene.lattice, size, draft), origin=origin, size=size)
+    changes["material"] = _material(scene.material)
+    changes["mass"] = _mass(scene.mass, draft, of_modulus=scene.material.youngs_modulus is not None)
     draft.scene = scene.model_copy(update=changes)
+
+
+def _counted(lattice: Lattice, size: tuple[float, ...], draft: Draft) -> Lattice:
+    """The lattice with the control points that `cells` or `spacing` ask for, where `points` does not say how many there are."""
+    following = lattice.cells is not None or lattice.spacing is not None
+    cubic = lattice.points == "cubic"
+    if cubic and not following and draft.sound("lattice", "cells") and draft.sound("lattice", "spacing"):
+        draft.note(Fault(("lattice", "points"), 'wanted cells or spacing beside "cubic", got neither'))
+    if not cubic and ("points" in lattice.model_fields_set or not following):
+        return lattice
+    counts = tuple(min(count, MOST) + 1 for count in cells_of(lattice, size)) if following else (4, 4, 4)
+    given = lattice.model_fields_set - {"points"}
+    return Lattice.model_construct(given, **(dict(lattice) | {"points": counts}))
+
+
+def _material(material: Material) -> Material:
+    """A stiffness of all springs where neither that nor a modulus is given; no drag beside a modulus."""
+    if material.youngs_modulus is not None:
+        return material if "damping" in material.model_fields_set else _filled(material, damping=0.0)
+    usual = Stiffness(edge=STIFFNESS, face=STIFFNESS, body=STIFFNESS)
+    return _filled(material, stiffness=material.stiffness or usual)
+
+
+def _mass(mass: Mass, draft: Draft, *, of_modulus: bool) -> Mass:
+    """The total, and how it is spread."""
+    values: dict[str, Any] = {}
+    if mass.density is None and mass.total is None:
+        values["total"] = 1.0
+    if of_modulus and "distribution" not in mass.model_fields_set:
+        values["distribution"] = "volume" if draft.mesh is not None and draft.mesh.closed else "box"
+    if values.get("distribution", mass.distribution) == "box" and "uniform_share" not in mass.model_fields_set:
+        values["uniform_share"] = 0.0  # no point of it is nearly massless
+    return _filled(mass, **values)
 
 
 def _filled(section: AnySection, **values: Any) -> AnySection:

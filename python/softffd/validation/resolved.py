@@ -18,7 +18,7 @@ def resolved(scene: Scene, mass: np.ndarray | None = None) -> dict[str, Any]:
     def points(selection) -> list[int]:
         return scene.select(selection).tolist()
 
-    lattice, stiffness = scene.lattice, scene.material.stiffness
+    lattice, material, stiffness = scene.lattice, scene.material, scene.material.stiffness
     return {
         "counts": lattice.points,
         "origin": lattice.origin,
@@ -26,9 +26,15 @@ def resolved(scene: Scene, mass: np.ndarray | None = None) -> dict[str, Any]:
         "topology": lattice.springs,
         "rest": scene.rest_positions().tolist(),
         "mass": (scene_masses(scene).mass if mass is None else mass).tolist(),
-        "stiffness": [stiffness.edge, stiffness.face, stiffness.body],
-        "damping": scene.material.damping,
-        "regions": [{"points": points(r.points), "stiffness": r.stiffness, "damping": r.damping} for r in scene.region],
+        "stiffness": None if stiffness is None else [stiffness.edge, stiffness.face, stiffness.body],
+        "youngs_modulus": material.youngs_modulus,
+        "damping": material.damping,
+        "internal_damping": material.internal_damping,
+        "regions": [
+            {"points": points(r.points), "stiffness": r.stiffness, "youngs_modulus": r.youngs_modulus, "damping": r.damping}
+            | {"internal_damping": r.internal_damping}
+            for r in scene.region
+        ],
         "forces": {variable_name("load", load.name): points(load.points) for load in scene.load}
         | {variable_name("force", point_at(p, lattice.points)): [p] for p in points(scene.inputs.forces)},
         "initial": scene.initial.model_dump(),

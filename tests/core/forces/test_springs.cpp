@@ -77,3 +77,69 @@ TEST(a_region_needs_both_ends_and_the_last_one_wins) {
   CHECK(edges.stiffness[0] == 9 && edges.stiffness[1] == 5 && edges.stiffness[16] == 1);
   CHECK(springs.rows()[2].stiffness[0] == 1);
 }
+
+TEST(dashpots_of_a_region_need_both_ends_too) {
+  Springs springs = make({{2, 2, 2}}, Topology::distinct, {4, 5, 6});
+  std::vector<bool> lower(8, false);
+  for (int p = 0; p < 4; ++p) lower[p] = true;
+  springs.set_dashpots(0, {{lower, 0.5}});
+  CHECK(springs.dashpots() && springs.longest_time() == 0.5);
+  CHECK(springs.rows()[0].dashpot[0] == 2 && springs.rows()[2].dashpot[0] == 0 && springs.rows()[0].dashpot[4] == 0);
+}
+
+namespace {
+
+/// Stiffness of all springs of a modulus [Pa], and for each direction their sum.
+Springs solid(const Lattice& lattice, double modulus) {
+  Springs springs(lattice, Topology::distinct);
+  springs.set_modulus(Scalars::Constant(lattice.cells(), modulus), Scalars::Zero(lattice.cells()));
+  return springs;
+}
+
+}  // namespace
+
+TEST(springs_of_a_modulus_store_what_a_solid_of_poissons_ratio_a_quarter_does) {
+  const Lattice lattice{{4, 3, 5}, {0.1, 0.2, 0.3}, {0.3, 0.22, 0.36}};
+  const double modulus = 2e5, lame = 0.4 * modulus;
+  const Springs springs = solid(lattice, modulus);
+  const Points rest = rest_positions(lattice);
+  Eigen::Matrix3d strain;
+  strain << 0.3, 0.1, -0.2, 0.1, -0.5, 0.25, -0.2, 0.25, 0.4;
+  double stored = 0;
+  for (const Springs::Row& r : springs.rows())
+    for (int p = 0; p < r.lanes(); ++p) {
+      const Vec3 d = row(rest, r.begin + p + r.offset) - row(rest, r.begin + p);
+      const double stretch = d.dot(strain * d) / r.rest_length[p];
+      stored += 0.5 * r.stiffness[p] * stretch * stretch;
+    }
+  const double wanted = lattice.size.prod() * (0.5 * lame * strain.trace() * strain.trace() + lame * strain.squaredNorm());
+  CHECK_NEAR(stored / wanted, 1.0, 1e-13);
+}
+
+TEST(cubes_of_a_modulus_have_the_published_stiffness) {
+  const Lattice lattice{{4, 4, 4}};
+  const Springs springs = solid(lattice, 1e3);
+  const double inside = 0.4 * 1e3 / 3;
+  const auto& edges = springs.rows()[0];
+  CHECK_NEAR(edges.stiffness[lattice.index(0, 1, 1) - edges.begin], inside, 1e-12);
+  CHECK_NEAR(edges.stiffness[lattice.index(0, 0, 1) - edges.begin], inside / 2, 1e-12);
+  CHECK_NEAR(edges.stiffness[lattice.index(0, 0, 0) - edges.begin], inside / 4, 1e-12);
+  const auto& diagonals = springs.rows()[4];  // (-1, 1, 0)
+  CHECK_NEAR(diagonals.stiffness[lattice.index(1, 0, 1) - diagonals.begin], inside, 1e-12);
+  CHECK_NEAR(diagonals.stiffness[lattice.index(1, 0, 0) - diagonals.begin], inside / 2, 1e-12);
+  CHECK((springs.rows()[12].stiffness == 0).all());
+}
+
+TEST(a_cell_of_its_own_modulus_gives_its_part_to_the_springs_it_shares) {
+  const Lattice lattice{{3, 2, 2}, {0, 0, 0}, {2, 1, 1}};
+  Springs springs(lattice, Topology::distinct);
+  springs.set_modulus(Eigen::Array2d(1e3, 3e3), Eigen::Array2d(0, 1e-3));
+  const Springs first = solid(lattice, 1e3);
+  const auto& along_y = springs.rows()[1];  // at x = 0, in the middle, at the end
+  for (int i = 0; i < 3; ++i) {
+    const int lane = lattice.index(i, 0, 0) - along_y.begin;
+    CHECK_NEAR(along_y.stiffness[lane] / first.rows()[1].stiffness[lane], i + 1.0, 1e-14);
+    CHECK_NEAR(along_y.dashpot[lane] / first.rows()[1].stiffness[lane], 1.5e-3 * i, 1e-14);
+  }
+  CHECK(springs.longest_time() == 1e-3 && !first.dashpots());
+}

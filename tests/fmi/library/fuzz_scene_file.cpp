@@ -20,7 +20,11 @@ namespace {
 /// A communication step of few internal steps [s].
 double short_step(const SceneFile& scene) {
   double stiffest = std::max({scene.stiffness.edge, scene.stiffness.face, scene.stiffness.body, 1.0});
-  for (const softffd::Region& region : scene.definition.regions) stiffest = std::max(stiffest, region.stiffness.value_or(0));
+  const softffd::Vec3& size = scene.definition.lattice.size;
+  const double longest = softffd::most_points * size.prod() / (size.minCoeff() * size.minCoeff());  // of stiffness by modulus
+  stiffest = std::max(stiffest, longest * scene.modulus.value_or(0));
+  for (const softffd::Region& region : scene.definition.regions)
+    stiffest = std::max({stiffest, region.stiffness.value_or(0), longest * region.modulus.value_or(0)});
   const auto& mass = scene.definition.mass;
   const double step = std::min(1e-3, std::sqrt(*std::min_element(mass.begin(), mass.end()) / stiffest));
   return scene.step > 0 ? std::min(step, 3 * scene.step) : step;

@@ -40,6 +40,18 @@ TEST(the_basis_is_that_of_beziers_volume_unless_the_scene_says_otherwise) {
 
 TEST(the_finest_lattice_is_read) { CHECK(parse_scene(small_scene::Box{.side = 32}.text("")).definition.lattice.points() == 32 * 32 * 32); }
 
+TEST(a_material_of_a_modulus_is_read) {
+  const std::string base = "guid {g}\ncounts 2 2 2\nmass 1 1 1 1 1 1 1 1\nyoungs_modulus 2e5\n";
+  const SceneFile scene = parse_scene(
+      with_first_line(base + "internal_damping 0.001\nregion_youngs_modulus 4e5 0 1\nregion_internal_damping 0 2\nregion_stiffness 5 3\n"));
+  CHECK(scene.definition.of_modulus && scene.modulus == 2e5 && scene.internal_damping == 0.001);
+  const auto& regions = scene.definition.regions;
+  CHECK(regions.size() == 3 && regions[0].modulus == 4e5 && regions[1].internal_damping == 0.0 && regions[2].stiffness == 5.0);
+  CHECK(regions[0].points == std::vector<int>({0, 1}) && !regions[0].stiffness && !regions[1].modulus);
+  CHECK(!parse_scene(with_first_line(minimal)).modulus && !parse_scene(with_first_line(minimal)).definition.of_modulus);
+  CHECK(refused(with_first_line(base + "topology paper\n")));
+}
+
 TEST(every_changed_byte_is_noticed) {
   const std::string good = with_first_line(minimal);
   for (std::size_t i = 0; i < good.size(); ++i) {
@@ -72,6 +84,10 @@ TEST(faulty_records_are_refused) {
                              "pin_origin 0 0 0\n",
                              "pin p input 0\npin_origin 0 0\n",
                              "volume_stiffness 0\n",
+                             "youngs_modulus 0\n",
+                             "internal_damping -1\n",
+                             "region_youngs_modulus -1 0\n",
+                             "region_internal_damping 0 8\n",
                              "basis spline\n",
                              "guid a b\n",
                              "mass 1 1\n"})

@@ -16,12 +16,19 @@ using softffd::Vec3;
 
 namespace {
 
-/// A scene with every part.
+/// A scene with every part but the one that its stiffness leaves no place for.
 const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiffness = 100, .initial = "1 1 1 0 0 0.5 1 0 0 0 0 0"}.text(
-    "damping 0.05\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 0.4\nplane lid input 0 0 9 0 0 -1 0 0 -1 0 0 0 0.1\n"
+    "damping 0.05\ninternal_damping 0.001\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 0.4\nplane lid input 0 0 9 0 0 "
+    "-1 0 0 -1 0 0 0 0.1\n"
     "pin foot fixed 0\npin hand input 7\npin arm input 3\npin_inputs position.z orientation.w\nload push 1 2\nforces 2 3\nvelocities "
     "5\nprobe nose 0.5 0.5 1\nreactions\nenergy\nsolver\n"
     "error_estimate\n");
+
+const std::vector<FamilyInfo> present = [] {
+  std::vector<FamilyInfo> list(std::begin(families), std::end(families));
+  std::erase_if(list, [](const FamilyInfo& info) { return info.part == Part::modulus; });
+  return list;
+}();
 
 struct Scene {
   SceneFile file = parse_scene(text);
@@ -78,7 +85,7 @@ TEST(every_family_has_variables_with_names_of_their_own) {
   const Scene scene;
   std::set<std::string> names;
   std::size_t all = 0;
-  for (const FamilyInfo& info : families) {
+  for (const FamilyInfo& info : present) {
     const int n = count(scene, info);
     CHECK(n > 0);
     all += n;
@@ -109,7 +116,7 @@ TEST(plain_names_have_underscores_at_control_points) {
 
 TEST(every_settable_variable_takes_a_value_and_gives_it_back) {
   Scene scene;
-  for (const FamilyInfo& info : families)
+  for (const FamilyInfo& info : present)
     for (int i = 0; settable(info) && i < count(scene, info); ++i) {
       const double value = info.family == Family::solver_method ? 3 : 0.5 + i;
       scene.set(reference_of(info.family, i), value, info.type);
@@ -123,7 +130,7 @@ TEST(every_settable_variable_takes_a_value_and_gives_it_back) {
 
 TEST(every_output_can_be_read_and_not_set) {
   Scene scene;
-  for (const FamilyInfo& info : families) {
+  for (const FamilyInfo& info : present) {
     if (settable(info)) continue;
     const fmi2ValueReference reference = reference_of(info.family);
     CHECK(std::isfinite(scene.get(reference, info.type)));
@@ -160,7 +167,7 @@ TEST(lists_of_the_same_length_one_after_the_other_are_told_apart) {
 
 TEST(references_of_no_variable_are_refused) {
   Scene scene;
-  for (const FamilyInfo& info : families) {
+  for (const FamilyInfo& info : present) {
     const fmi2ValueReference beyond = reference_of(info.family, count(scene, info));
     const std::string wanted = "value reference " + std::to_string(beyond) + ": this scene has no such variable";
     CHECK(refusal([&] { scene.get(beyond, info.type); }) == wanted && refusal([&] { scene.set(beyond, 1, info.type); }) == wanted);
@@ -171,7 +178,7 @@ TEST(references_of_no_variable_are_refused) {
 
 TEST(a_call_for_another_type_is_refused) {
   Scene scene;
-  for (const FamilyInfo& info : families) {
+  for (const FamilyInfo& info : present) {
     const Type other = info.type == Type::Real ? Type::Integer : Type::Real;
     CHECK(refusal([&] { scene.get(reference_of(info.family), other); }).find(": is of type ") != std::string::npos);
     CHECK(refusal([&] { scene.set(reference_of(info.family), 1, other); }).find(": is of type ") != std::string::npos);
@@ -180,7 +187,7 @@ TEST(a_call_for_another_type_is_refused) {
 
 TEST(values_out_of_range_are_refused_and_nothing_is_set) {
   Scene scene;
-  for (const FamilyInfo& info : families) {
+  for (const FamilyInfo& info : present) {
     if (!settable(info)) continue;
     const fmi2ValueReference references[] = {info.type == Type::Real ? reference_of(Family::gravity) : reference_of(Family::solver_method),
                                              reference_of(info.family)};
@@ -231,7 +238,7 @@ TEST(components_of_a_pose_are_inputs_where_the_scene_names_them_and_parameters_e
 
 TEST(what_may_be_set_when_follows_causality_and_variability) {
   Scene scene;
-  for (const FamilyInfo& info : families) {
+  for (const FamilyInfo& info : present) {
     if (!settable(info)) continue;
     const bool any_time = info.causality == Causality::input || info.variability == Variability::tunable;
     const auto said = [&](Phase phase) { return refusal([&] { scene.set(reference_of(info.family), 1, info.type, phase); }); };
@@ -243,7 +250,7 @@ TEST(what_may_be_set_when_follows_causality_and_variability) {
 TEST(values_reach_their_places_in_the_settings) {
   Scene scene;
   double next = 1;
-  for (const FamilyInfo& info : families)
+  for (const FamilyInfo& info : present)
     for (int i = 0; info.type == Type::Real && settable(info) && i < count(scene, info); ++i)
       scene.set(reference_of(info.family, i), next++);
   const auto value3 = [&](Family family, int member = 0) {
@@ -265,6 +272,7 @@ TEST(values_reach_their_places_in_the_settings) {
   CHECK(s.pins[0].position == Vec3::Zero());  // the fixed one stays where it is
   CHECK(s.gravity == value3(Family::gravity) && s.mass == scene.get(reference_of(Family::mass)));
   CHECK(s.stiffness.edge == scene.get(reference_of(Family::stiffness_edge)) && s.damping == scene.get(reference_of(Family::damping)));
+  CHECK(s.internal_damping == scene.get(reference_of(Family::internal_damping)));
   CHECK(s.tolerance == scene.get(reference_of(Family::solver_tolerance)) && s.step == scene.get(reference_of(Family::solver_step)));
   const Vec3 load = value3(Family::load), own = value3(Family::force, 0), other = value3(Family::force, 1);
   for (int c = 0; c < 3; ++c) {
@@ -273,9 +281,25 @@ TEST(values_reach_their_places_in_the_settings) {
   }
 }
 
+TEST(a_modulus_takes_the_place_of_stiffness_and_reaches_the_settings) {
+  const SceneFile file = parse_scene(
+      small_scene::with_first_line("guid {g}\ncounts 2 2 2\nmass 1 1 1 1 1 1 1 1\nyoungs_modulus 2e5\ninternal_damping 0.001\n"));
+  SoftBody body(file.definition);
+  Variables variables(file, body.settings);
+  CHECK(body.settings.modulus == 2e5 && body.settings.internal_damping == 0.001);
+  CHECK(variables.name(reference_of(Family::youngs_modulus)) == "youngs_modulus");
+  for (const Family kind : {Family::stiffness_edge, Family::stiffness_face, Family::stiffness_body, Family::damping})
+    CHECK(variables.name(reference_of(kind)).find("value reference") == 0);
+  const fmi2ValueReference reference = reference_of(Family::youngs_modulus);
+  const double wanted = 3e5, none = 0;
+  variables.set(stepping, Type::Real, &reference, 1, &wanted);
+  CHECK(variables.apply(body.settings) && body.settings.modulus == 3e5);
+  CHECK(refusal([&] { variables.set(stepping, Type::Real, &reference, 1, &none); }) == "youngs_modulus: wanted > 0 Pa, got 0");
+}
+
 TEST(only_changes_of_the_material_ask_for_it_anew) {
   Scene scene;
-  for (const FamilyInfo& info : families) {
+  for (const FamilyInfo& info : present) {
     if (!settable(info)) continue;
     scene.set(reference_of(info.family), 1, info.type);
     CHECK(scene.variables.apply(scene.body.settings) == info.material);
@@ -304,7 +328,7 @@ TEST(rates_of_inputs_reach_their_places_and_hold_for_one_step) {
 
 TEST(rates_that_no_input_takes_are_refused) {
   Scene scene;
-  for (const FamilyInfo& info : families) {
+  for (const FamilyInfo& info : present) {
     if (info.type != Type::Real) continue;
     const auto said = [&](int order, double value) { return refusal([&] { scene.rate(reference_of(info.family), order, value); }); };
     if (info.causality != Causality::input) {
@@ -320,7 +344,7 @@ TEST(rates_that_no_input_takes_are_refused) {
 
 TEST(real_outputs_alone_have_a_derivative_and_of_first_order_alone) {
   Scene scene;
-  for (const FamilyInfo& info : families) {
+  for (const FamilyInfo& info : present) {
     const auto said = [&](int order) { return refusal([&] { scene.output_rate(reference_of(info.family), order); }); };
     const bool real = info.type == Type::Real, output = info.causality == Causality::output;
     CHECK(said(1).empty() == (real && output));
@@ -344,7 +368,7 @@ TEST(the_derivative_of_any_other_output_is_its_change_over_the_last_step) {
   };
   CHECK(scene.output_rate(reference_of(Family::solver_stable_step)) == 0);
   std::vector<std::pair<fmi2ValueReference, double>> before;
-  for (const FamilyInfo& info : families)
+  for (const FamilyInfo& info : present)
     for (int n = 0; wanted(info) && n < count(scene, info); ++n) {
       before.emplace_back(reference_of(info.family, n), scene.get(reference_of(info.family, n)));
       CHECK(scene.output_rate(before.back().first) == 0);  // no step yet
@@ -369,7 +393,7 @@ TEST(a_part_that_the_scene_has_not_has_no_variables) {
   SoftBody body(bare.definition);
   const Variables variables(bare, body.settings);
   for (const FamilyInfo& info : families) {
-    const bool exists = info.part == Part::always || info.part == Part::positions;
+    const bool exists = info.part == Part::always || info.part == Part::stiffness || info.part == Part::positions;
     CHECK((variables.name(reference_of(info.family)).find("value reference") != 0) == exists);
   }
 }

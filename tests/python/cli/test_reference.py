@@ -20,7 +20,7 @@ def test_the_scene_page_has_every_section_and_the_facts_of_its_keys():
     page = scene_page()
     for name in SceneKeys.model_fields:
         assert f"[{name}]" in page or f"`{name}`" in page
-    assert "| `damping` | `0.01` | N.s/m; >= 0 | Viscous damping of each control point: d_i of eq. (3) |" in page
+    assert "| `stop_time` | `1.0` | s; > 0 | End of the simulation |" in page
     assert "| `file` | *must be given* |" in page and '`"z"` | `"x"`, `"y"`, `"z"` |' in page
 
 

@@ -300,7 +300,7 @@ def test_an_open_mesh_has_no_volume():
 @pytest.mark.parametrize(
     ("keys", "fault"),
     [
-        ({"distribution": "volumes"}, r"mass\.distribution: wanted one of uniform, vertices, surface, volume, got"),
+        ({"distribution": "volumes"}, r"mass\.distribution: wanted one of uniform, box, vertices, surface, volume, got"),
         ({"total": None}, r"mass: wanted either total or density, got neither"),
         ({"density": 1.0}, r"mass: wanted either total or density, got both"),
         ({"total": 0.0}, r"mass\.total: wanted a number > 0, got 0"),

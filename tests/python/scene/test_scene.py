@@ -177,6 +177,8 @@ def test_the_template_with_every_key_in_force_has_only_the_problems_it_must_have
     (tmp_path / "object.obj").write_text(TETRAHEDRON.replace("2", "1").replace("4", "1"))
     full = template_with_every_key_in_force()
     del full["mesh"], full["lattice"]["margin"], full["mass"]["density"]
+    del full["lattice"]["cells"], full["lattice"]["spacing"], full["material"]["youngs_modulus"]
+    del full["region"][0]["youngs_modulus"], full["region"][0]["density"]
     assert isinstance(scene_from(full), Scene)
 
 

@@ -33,7 +33,7 @@ CASES = [
     ({"mass": {"uniform_share": 1.5}}, "mass.uniform_share: wanted <= 1, got 1.5"),
     (
         {"mass": {"distribution": "vertex"}},
-        'mass.distribution: wanted "uniform", "vertices", "surface" or "volume", got "vertex", did you mean "vertices"?',
+        'mass.distribution: wanted "uniform", "box", "vertices", "surface" or "volume", got "vertex", did you mean "vertices"?',
     ),
     ({"lattice": {"size": [1, 0, 1]}}, "lattice.size[1]: wanted > 0 m, got 0"),
     ({"lattice": {"points": [4, 4]}}, "lattice.points: wanted 3 whole numbers [nx, ny, nz], got [4, 4]"),

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from measured_scenes import DRIVEN
+from scenes import box
 from softffd import load_scene
-from softffd.validation.mechanics import Body, outside_force, spring_list, start
+from softffd.validation.mechanics import Body, outside_force, solid_shares, spring_list, start
 from softffd.validation.resolved import resolved
 from softffd.validation.stability.drive import Drive
 
@@ -65,3 +66,56 @@ def test_the_resolved_scene_survives_its_file_bit_by_bit(driven):
     for one, other in zip(start(content), start(again), strict=True):
         assert np.array_equal(one, other)
     assert np.array_equal(Body.of(content).mass, Body.of(again).mass)
+
+
+SOLID = {"points": [4, 3, 5], "size": [0.3, 0.22, 0.36]}
+
+
+@pytest.mark.parametrize("lattice", [SOLID, {"points": [2, 2, 2]}, {"cells": 6, "size": [0.2, 0.3, 0.1]}])
+def test_springs_of_a_modulus_store_what_a_solid_does_in_any_homogeneous_strain(lattice):
+    scene = box(lattice=lattice, material={"youngs_modulus": 2e5})
+    body, x, rng = Body.of(resolved(scene)), scene.rest_positions(), np.random.default_rng(3)
+    a, b = body.pairs.T
+    way = (x[b] - x[a]) / body.length[:, None]
+    for _ in range(5):
+        strain = rng.normal(size=(3, 3))
+        strain = strain + strain.T
+        stored = 0.5 * body.stiffness @ (body.length * ((way @ strain) * way).sum(axis=1)) ** 2
+        lame = 0.4 * 2e5  # both constants, of Poisson's ratio 1/4
+        wanted = (lame / 2 * np.trace(strain) ** 2 + lame * (strain**2).sum()) * np.prod(scene.box.size)
+        assert stored == pytest.approx(wanted, rel=1e-12)
+    assert (body.stiffness >= 0).all() and np.count_nonzero(body.stiffness == 0) == 4 * np.prod(np.array(scene.lattice.points) - 1)
+
+
+def test_shares_of_a_solid_are_the_formulas():
+    a, b, c = sides = 0.11, 0.12, 0.1
+    shares, volume = solid_shares(sides), a * b * c
+    assert shares[1, 0, 0] == pytest.approx(volume / a**2 * (1.2 - 0.4 * a**2 / b**2 - 0.4 * a**2 / c**2), rel=1e-12)
+    assert shares[0, 1, 1] == pytest.approx(0.2 * volume * (b**2 + c**2) / (b**2 * c**2), rel=1e-12)
+
+
+def test_a_region_keeps_the_modulus_and_the_internal_damping_of_its_cells():
+    half = {"points": {"k": [0, 1]}, "youngs_modulus": 4e5, "internal_damping": 2e-3}
+    scene = box(lattice={"points": [3, 3, 3]}, material={"youngs_modulus": 1e5, "internal_damping": 1e-3}, region=[half])
+    whole = Body.of(resolved(box(lattice={"points": [3, 3, 3]}, material={"youngs_modulus": 1e5})))
+    body, heights = Body.of(resolved(scene)), scene.rest_positions()[whole.pairs, 2]
+    factor = np.where((heights <= 0.5).all(axis=1), 4.0, 1.0)  # below, above, and both in the middle
+    factor[(heights == 0.5).all(axis=1)] = 2.5
+    has = whole.stiffness > 0
+    assert body.stiffness[has] == pytest.approx((whole.stiffness * factor)[has], rel=1e-14)
+    time = np.select([factor == 4, factor == 2.5], [2e-3, (4 * 2e-3 + 1e-3) / 5], 1e-3)
+    assert body.dashpot[has] == pytest.approx((body.stiffness * time)[has], rel=1e-14)
+
+
+def test_dashpots_leave_rigid_motion_alone_and_keep_both_momenta():
+    scene = box(lattice={"points": [3, 2, 2]}, material={"internal_damping": 1e-3}, region=[{"points": "x-", "internal_damping": 0.0}])
+    body, rng = Body.of(resolved(scene)), np.random.default_rng(2)
+    x = scene.rest_positions() + rng.normal(0, 0.1, (12, 3))
+    assert np.abs(body.dashpot_force(x, np.array([4.0, 0.0, 1.0]) + np.cross([1.0, 2.0, 3.0], x))).max() < 1e-12
+    v = rng.normal(size=x.shape)
+    force = body.dashpot_force(x, v)
+    assert np.abs(force.sum(axis=0)).max() < 1e-12 and np.abs(np.cross(x, force).sum(axis=0)).max() < 1e-12
+    assert (force * v).sum() < -0.01
+    length = np.linalg.norm(x[body.pairs[:, 1]] - x[body.pairs[:, 0]], axis=1)
+    later = np.linalg.norm((x + 1e-7 * v)[body.pairs[:, 1]] - (x + 1e-7 * v)[body.pairs[:, 0]], axis=1)
+    assert -(force * v).sum() == pytest.approx(body.dashpot @ ((later - length) / 1e-7) ** 2, rel=1e-5)

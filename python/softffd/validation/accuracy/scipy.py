@@ -2,6 +2,8 @@
 
     m_i a_i = sum over springs of k (1 - l / r) (x_j - x_i) - d_i v_i + m_i g + F_i(t)        Xia & Wang 2009, eq. (3) and (6)
 
+to which dashpots add c ((v_j - v_i) . (x_j - x_i) / r^2) (x_j - x_i) for each spring.
+
 The springs' forces go through a sparse incidence matrix, one product to the springs and one back, which is the fastest of the usual ways
 in numpy. F is the cubic between communication points that the FMU's runs have. No obstacles, no pins.
 """
@@ -122,7 +124,7 @@ class Equations:
         self._to_springs = sparse.csr_array((ends, places), shape=(count, len(body.mass)))
         self._to_points = sparse.csr_array(-self._to_springs.T)
         self._constant = self.mass * np.array(scene.environment.gravity or (0.0, 0.0, 0.0))
-        self._damped = bool(self.damping.any())
+        self._damped, self._dashpots = bool(self.damping.any()), body.dashpot if body.dashpot.any() else None
 
     def start(self) -> np.ndarray:
         """The state at time 0, (6 n,)."""
@@ -132,7 +134,10 @@ class Equations:
         """Time derivative of the state, with outside forces (n, 3) [N] besides gravity."""
         x, v = state.reshape(2, -1, 3)
         way = self._to_springs @ x
-        pull = self.stiffness * (1.0 - self.length / np.sqrt((way * way).sum(axis=1)))
+        square = (way * way).sum(axis=1)
+        pull = self.stiffness * (1.0 - self.length / np.sqrt(square))
+        if self._dashpots is not None:
+            pull += self._dashpots * (way * (self._to_springs @ v)).sum(axis=1) / square
         total = self._to_points @ (pull[:, None] * way) + self._constant + force
         if self._damped:
             total -= self.damping * v

@@ -2,7 +2,7 @@
 
 Run the two side by side and compare: where they part, one of them is wrong, or the motion is chaotic. The
 twin is packaged with pythonfmu, is some fifty times slower, needs a host with Python and numpy, and has no
-points that two planes hold at a time and no volume stiffness.
+points that two planes hold at a time, no volume stiffness and no internal damping.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from softffd.errors import SoftffdError
 from softffd.fmu.description_parts import completed
 from softffd.fmu.model_description import model_description
 from softffd.fmu.package import fmu_path, scene_masses
-from softffd.fmu.variables import variables
+from softffd.fmu.variables import internal_damping_present, variables
 from softffd.installed import table
 from softffd.lattice import point_at
 from softffd.names import structured, variable_name
@@ -54,10 +54,14 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
     Its variables are those of the component, references, units and starts included, but for the outputs
     energy.* and solver.*. With solver.step = 0 it takes a step that is stable in any configuration; a
     solver.step that is given is taken as it is, where the component shortens one above its bound.
-    Raises SoftffdError where pythonfmu is not installed and for scenes with a volume stiffness.
+    Raises SoftffdError where pythonfmu is not installed and for scenes with a volume stiffness or internal damping.
     """
     if scene.material.volume_stiffness > 0:
         raise SoftffdError(f"material.volume_stiffness: the twin has none, wanted 0 Pa, got {scene.material.volume_stiffness:g}")
+    if internal_damping_present(scene):
+        raise SoftffdError(
+            f"material.internal_damping: the twin has none, wanted 0 s in it and all regions, got {_internal_damping(scene):g}"
+        )
     builder = _pythonfmu().FmuBuilder
     path = fmu_path(path)
     scene = scene.replace({"outputs.energy": False, "outputs.solver": False})
@@ -73,6 +77,10 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
             (folder / file).write_text(words, encoding="utf-8")
         builder.build_FMU(script, path, project_files=[package, *(folder / file for file in files)])
     return path
+
+
+def _internal_damping(scene: Scene) -> float:
+    return max(scene.material.internal_damping, *(region.internal_damping or 0.0 for region in scene.region), 0.0)
 
 
 def _travelling_package(folder: Path) -> Path:

@@ -16,7 +16,7 @@ from ..mechanics import AXES, Body, outside_force, start
 from .fixtures import TOUCHING, Fixture, HalfSpace, Obstacle, Pin, Surroundings, TwinError
 from .methods import METHODS, TWO_PLANES, CentralDifference, Motion, quotient
 
-MATERIAL = ("mass", "damping", "stiffness.edge", "stiffness.face", "stiffness.body")
+MATERIAL = ("mass", "damping", "stiffness.edge", "stiffness.face", "stiffness.body", "youngs_modulus")
 
 
 class Model:
@@ -80,8 +80,9 @@ class Model:
         self.around = Surroundings(obstacles, pins, force, max(self.scene["size"]))
 
     def _make_body(self, values: Mapping[str, float]) -> Body:
-        stiffness = [values[f"stiffness.{kind}"] for kind in ("edge", "face", "body")]
-        return Body.of(self.scene, total=values["mass"], stiffness=stiffness, damping=values.get("damping", 0.0))
+        modulus = values.get("youngs_modulus")
+        stiffness = None if modulus is not None else [values[f"stiffness.{kind}"] for kind in ("edge", "face", "body")]
+        return Body.of(self.scene, total=values["mass"], stiffness=stiffness, youngs_modulus=modulus, damping=values.get("damping", 0.0))
 
     def _obstacle(self, plane: dict, values: Mapping[str, float]) -> Obstacle:
         name = f"plane.{plane['name']}"

@@ -1,0 +1,53 @@
+"""How many cells a lattice has along each axis: counts that follow the box, and cells that springs of a given modulus can fill."""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from softffd.scene.sections import Lattice
+
+MOST = 31
+"""Cells along an axis."""
+LONGEST, FLATTEST = math.sqrt(1.5), math.sqrt(2)
+"""How many times longer a cell may be in one direction than in the other two, and in two than in the third."""
+
+
+def cells_of(lattice: "Lattice", size: Sequence[float]) -> tuple[int, ...]:
+    """Cells along each axis of a box of these sides [m] as the lattice's `cells` or `spacing` ask for, of which one is given."""
+    return cubic_along(size, lattice.cells) if lattice.cells is not None else cubic(size, lattice.spacing)
+
+
+def cubic(size: Sequence[float], spacing: float) -> tuple[int, ...]:
+    """Cells along each axis, as nearly cubes of side `spacing` [m] as a box of these sides [m] allows; may be more than MOST."""
+    return tuple(_nearest(min(side / spacing, 1e9)) for side in size)
+
+
+def cubic_along(size: Sequence[float], longest: int) -> tuple[int, ...]:
+    """The same with this number of cells along the longest side."""
+    return cubic(size, max(size) / longest)
+
+
+def _nearest(cells: float) -> int:
+    """The whole number that a number of cells is by the smaller factor away from."""
+    fewer = max(1, math.floor(cells))
+    return fewer if cells * cells < fewer * (fewer + 1) else fewer + 1
+
+
+def solid(size: Sequence[float], cells: Sequence[int]) -> bool:
+    """Whether springs of stiffness >= 0 make an isotropic solid of these cells: a^2 / b^2 + a^2 / c^2 <= 3 along every axis a."""
+    sides = [side / count for side, count in zip(size, cells, strict=True)]
+    squares = [max(side / max(sides), 1e-100) ** 2 for side in sides]
+    return all(square * sum(1 / other for other in squares) <= 4 * (1 + 1e-9) for square in squares)
+
+
+def nearest_solid(size: Sequence[float], cells: Sequence[int]) -> tuple[int, ...] | None:
+    """Cells that springs can fill, not many more or fewer than the given ones and nearly cubic; None where MOST along the longest side are
+    not enough."""
+
+    def away(found: Sequence[int]) -> float:
+        sides = [side / count for side, count in zip(size, found, strict=True)]
+        return sum(abs(math.log(new / old)) for new, old in zip(found, cells, strict=True)) + 1.5 * math.log(max(sides) / min(sides))
+
+    candidates = [found for longest in range(1, MOST + 1) if solid(size, found := cubic_along(size, longest))]
+    return min(candidates, key=away, default=None)
