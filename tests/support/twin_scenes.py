@@ -26,6 +26,20 @@ def stiff():
     return box(stiffness=1e7, damping=0.5, gravity=GRAVITY, forces="all", step=1e-5, stop_time=0.03, communication_step=1e-3)
 
 
+def solid():
+    regions = [{"points": {"k": [0, 2]}, "youngs_modulus": 4e4, "density": 500.0}]
+    return box(
+        lattice={"points": [4, 3, 5], "size": [0.3, 0.22, 0.36]},
+        material={"youngs_modulus": 1e4},
+        mass={"density": 1100.0},
+        region=regions,
+        gravity=GRAVITY,
+        pin=[{"name": "base", "points": "x-"}],
+        step=5e-4,
+        stop_time=0.3,
+    )
+
+
 def patched(*, damping=30.0, **keys):
     regions = [
         {"points": "z-", "stiffness": 4e3, "mass": 2e-3, "damping": damping},
@@ -156,6 +170,7 @@ SMOOTH = {
     "stiff, under held forces": (stiff(), pull, 1e-12),
     "regions, a load, strong damping": (patched(), push, 1e-12),
     "a probe in B-splines": (patched(damping=3.0, lattice={"points": [7, 5, 4], "basis": "bspline"}), push, 1e-12),
+    "two materials by their modulus": (solid(), None, 1e-12),
     "pins, one moving": (held(), wave, 1e-12),
     "pins, published": (held("central_difference"), wave, 1e-11),
 }

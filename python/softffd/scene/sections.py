@@ -260,7 +260,7 @@ class Material(Section):
         0.0,
         "Pa",
         "keeps crushed cells from folding: resists where a cell's corner has lost half its volume, a good first value is "
-        "3 times stiffness by edge of a cell; 0: absent",
+        "3 times stiffness by edge of a cell, or youngs_modulus; 0: absent",
         ge=0,
     )
 

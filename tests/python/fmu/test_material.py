@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 
 from scenes import box
-from softffd.fmu.package import scene_masses
+from softffd.errors import SoftffdError
+from softffd.fmu.package import package_fmu, scene_masses
 from softffd.fmu.records import scene_records
 from softffd.fmu.variables import variables
 from softffd.run.simulation import Simulation
 from softffd.validation.mechanics import Body
 from softffd.validation.resolved import resolved
 from softffd.validation.stability.drive import Drive
+from softffd.validation.twin import build_twin
 
 SOLID = {"points": [4, 3, 5], "size": [0.3, 0.22, 0.36]}
 REGIONS = [{"points": {"k": [0, 2]}, "youngs_modulus": 8e5}, {"points": {"i": [0, 1], "j": [0, 1]}, "youngs_modulus": 3e4}]
@@ -87,3 +89,33 @@ def test_a_state_that_is_restored_keeps_the_modulus_of_its_moment():
         simulation.step(1e-3)
         simulation.restore(kept)
         assert simulation.number("youngs_modulus") == 5e5 and simulation.number("energy.elastic") == stored
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_fmu_of_a_modulus_is_valid(tmp_path, fmi):
+    from fmpy.validation import validate_fmu
+
+    scene = solid(material={"internal_damping": 1e-3}, energy=True, outputs={"solver": True})
+    assert validate_fmu(str(package_fmu(scene, tmp_path / "solid.fmu", fmi=fmi))) == []
+
+
+@pytest.mark.parametrize("material", [{"youngs_modulus": 2e5}, {"stiffness": 1e3, "damping": 0.0}], ids=["modulus", "stiffness"])
+def test_internal_damping_that_is_tuned_acts_from_the_next_step_on_and_regions_keep_theirs(material):
+    region = {"points": {"k": [0, 1]}, "internal_damping": 1e-4}
+    document = box(
+        lattice=SOLID, material={**material, "internal_damping": 1e-5}, region=[region], initial=STRETCHED, velocities="all", energy=True
+    )
+    with Drive(document) as drive:
+        drive.simulation.step(1e-3)
+        drive.simulation["internal_damping"] = 3e-4
+        lost, x, v, h = drive.simulation.number("energy.dissipated"), drive.x, drive.v, 1e-6
+        drive.simulation.step(h)
+        body = Body.of(resolved(document), internal_damping=3e-4)
+        power = -((body.dashpot_force(x, v) + body.dashpot_force(drive.x, drive.v)) * (v + drive.v)).sum() / 4
+        assert drive.simulation.number("energy.dissipated") - lost == pytest.approx(power * h, rel=1e-3)
+
+
+def test_the_twin_has_no_internal_damping_and_says_so(tmp_path):
+    scene = box(region=[{"points": "z-", "internal_damping": 2e-3}])
+    with pytest.raises(SoftffdError, match=r"material\.internal_damping: the twin has none, wanted 0 s in it and all regions, got 0\.002"):
+        build_twin(scene, tmp_path / "twin.fmu")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from measured_scenes import table_rows
+from scenes import box
 from softffd import load_scene
 from softffd.cli.command import main
 from softffd.validation.accuracy.rig import Rig, Setting
@@ -55,6 +56,29 @@ def test_scipy_and_the_fmu_solve_the_same_equations_with_the_same_inputs(folder)
             solve_ivp, accuracy_scipy.Equations(rig.scene), forces, rig, Setting("DOP853", tolerance=1e-11)
         )
     assert np.abs(ours - theirs).max() < 1e-9
+
+
+DAMPED = {
+    "modulus": {
+        "material": {"youngs_modulus": 2e4, "internal_damping": 2e-3},
+        "region": [{"points": {"k": [0, 1]}, "internal_damping": 5e-3}],
+    },
+    "stiffness": {"material": {"stiffness": 2e2, "internal_damping": 2e-3}, "region": [{"points": "x-", "internal_damping": 0.0}]},
+}
+
+
+@pytest.mark.parametrize("material", DAMPED)
+def test_scipy_and_the_fmu_agree_on_springs_of_a_modulus_and_on_dashpots(material):
+    accuracy_scipy = scipy_part()
+    lattice = {"points": [4, 3, 5], "size": [0.3, 0.22, 0.36]}
+    started = {"stretch": [1.1, 0.95, 1.02], "angular_velocity": [3.0, 2.0, 1.0]}
+    scene = box(lattice=lattice, initial=started, stop_time=0.2, **DAMPED[material])
+    with Rig(scene) as rig:
+        ours = rig.run(Setting("dop853", tolerance=1e-11)).positions
+        forces = accuracy_scipy.nodal_forces(rig)
+        solve_ivp, equations = accuracy_scipy.solver(), accuracy_scipy.Equations(rig.scene)
+        theirs, _ = accuracy_scipy.integrate(solve_ivp, equations, forces, rig, Setting("DOP853", tolerance=1e-11))
+    assert np.abs(ours - theirs).max() < 1e-11 and np.abs(ours[-1] - ours[0]).max() > 0.1
 
 
 def test_the_command_measures_scipy_beside(folder, few):
