@@ -21,6 +21,7 @@ from softffd.run import shown
 from softffd.run.deformation import deformation
 from softffd.run.parts import require_name
 from softffd.run.result_file import read_result, write_result
+from softffd.run.stress import cauchy_stress, cell_stiffness, gradients, green_strain
 from softffd.run.tables import data_frame, dataset
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -109,6 +110,28 @@ class Result:
         if not self.has_positions:
             return np.full(len(self.time), np.nan)
         return deformation(self.positions, self.positions[0] if self.lattice is None else self.lattice.rest())
+
+    def strain(self, row: int | slice = -1) -> np.ndarray:
+        """Green-Lagrange strain at the centre of each cell (nx - 1, ny - 1, nz - 1, 3, 3) at a row of `time`, the last by default;
+        (T, ...) for a slice. SoftffdError where positions of control points were not recorded."""
+        return green_strain(self._gradients(row, "strain"))
+
+    def stress(self, row: int | slice = -1) -> np.ndarray:
+        """Cauchy stress of the springs in each cell [Pa], of the shape of `strain`; NaN in cells that are turned inside out. Parameters are
+        those of the start. SoftffdError for a run without its scene, too."""
+        gradient = self._gradients(row, "stress")
+        if self.scene is None:
+            raise SoftffdError(f"stress: wanted a run with its scene, which knows all springs{self.sceneless and f'; {self.sceneless}'}")
+        return cauchy_stress(gradient, cell_stiffness(self.scene, self.parameters), self._cell_sides())
+
+    def _gradients(self, row: int | slice, who: str) -> np.ndarray:
+        if self.lattice is None or not self.has_positions:
+            raise SoftffdError(f'{who}: wanted a run of an FMU of softffd with outputs.positions = "all"')
+        return gradients(self.positions[row], self._cell_sides())
+
+    def _cell_sides(self) -> np.ndarray:
+        assert self.lattice is not None
+        return np.array(self.lattice.size) / (np.array(self.lattice.points) - 1)
 
     def deformed(self, mesh: Mesh | np.ndarray | None = None, *, row: int | slice = -1) -> np.ndarray:
         """The deformed vertices (V, 3) [m] of a mesh in the run's lattice at a row of `time`, the last by default; (T, V, 3) for a slice.

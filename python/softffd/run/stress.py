@@ -1,0 +1,113 @@
+"""Strain and stress of the lattice's cells: what an engineer looks at, from control points and springs.
+
+A cell's deformation gradient F at its centre is that of the mean of its four edges along each axis. Its springs, each shared equally by the
+cells around it, or of a modulus with what this cell gives it, store under F the energy
+
+    W = sum of k (|F l| - |l|)^2 / (2 V),    l a spring at rest, V the cell's volume,
+
+and the Cauchy stress is dW/dF F^T / det F: the sum of k (1 - |l| / |d|) d d^T / (V det F), d = F l.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from softffd.lattice import cells_within, index_grid
+
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
+
+WAYS = [way for way in product((-1, 0, 1), repeat=3) if way > (0, 0, 0)]
+"""From a control point to half of its neighbours, in numbers of cells."""
+KINDS = ("edge", "face", "body")
+
+
+def gradients(positions: np.ndarray, sides: np.ndarray) -> np.ndarray:
+    """F at the centres of the cells (..., nx - 1, ny - 1, nz - 1, 3, 3).
+
+    positions: (..., nx, ny, nz, 3) [m]; sides: of a cell at rest (3,) [m].
+    """
+    columns = []
+    for axis in range(3):
+        found = np.diff(positions, axis=axis - 4) / sides[axis]
+        for other in {0, 1, 2} - {axis}:
+            found = (_but(found, other, last=True) + _but(found, other, last=False)) / 2
+        columns.append(found)
+    return np.stack(columns, axis=-1)
+
+
+def _but(grid: np.ndarray, axis: int, *, last: bool) -> np.ndarray:
+    """A grid (..., nx, ny, nz, c) without the last or the first layer along an axis."""
+    return np.moveaxis(np.moveaxis(grid, axis - 4, 0)[slice(None, -1) if last else slice(1, None)], 0, axis - 4)
+
+
+def green_strain(gradient: np.ndarray) -> np.ndarray:
+    """(F^T F - 1) / 2."""
+    return (np.swapaxes(gradient, -1, -2) @ gradient - np.eye(3)) / 2
+
+
+def cauchy_stress(gradient: np.ndarray, stiffness: np.ndarray, sides: np.ndarray) -> np.ndarray:
+    """Stress (..., 3, 3) [Pa] of cells with gradients (..., 3, 3) and springs (..., 13) [N/m] along WAYS; NaN in folded cells."""
+    total = np.zeros_like(gradient)
+    for number, way in enumerate(WAYS):
+        rest = np.array(way) * sides
+        now = gradient @ rest
+        length = np.linalg.norm(now, axis=-1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            pull = stiffness[..., number] * (1 - np.linalg.norm(rest) / length)
+        total += pull[..., None, None] * now[..., :, None] * now[..., None, :]
+    change = np.linalg.det(gradient)
+    return total / np.where(change > 0, change * np.prod(sides), np.nan)[..., None, None]
+
+
+def cell_stiffness(scene: Scene, parameters: Mapping[str, float]) -> np.ndarray:
+    """What springs along WAYS each cell has in all (nx - 1, ny - 1, nz - 1, 13) [N/m]. parameters: of the run, where they differ."""
+    if scene.material.youngs_modulus is not None:
+        return _of_modulus(scene, parameters.get("youngs_modulus", scene.material.youngs_modulus))
+    given = scene.material.stiffness
+    assert given is not None  # filled in
+    usual = {kind: parameters.get(f"stiffness.{kind}", getattr(given, kind)) for kind in KINDS}
+    return np.stack([_of_springs(scene, way, usual[KINDS[np.abs(way).sum() - 1]]) for way in WAYS], axis=-1)
+
+
+def _of_modulus(scene: Scene, modulus: float) -> np.ndarray:
+    counts = np.array(scene.lattice.points)
+    sides = np.array(scene.box.size) / (counts - 1)
+    moduli = np.full(counts - 1, modulus)
+    for region in scene.region:
+        if region.youngs_modulus is not None:
+            moduli[cells_within(scene.select(region.points), scene.lattice.points)] = region.youngs_modulus
+    shares = []
+    for way in np.abs(WAYS):
+        along, across = ((1 / sides[way == step] ** 2).sum() for step in (1, 0))
+        shares.append({1: 1.2 * along - 0.4 * across, 2: 0.2 * along, 3: 0.0}[way.sum()] * np.prod(sides))
+    return moduli[..., None] * np.array(shares)
+
+
+def _of_springs(scene: Scene, way: tuple[int, ...], stiffness: float) -> np.ndarray:
+    """Of one way: every spring's stiffness, shared equally by the cells around it."""
+    counts = scene.lattice.points
+    points = index_grid(counts)
+    here = points[tuple(slice(max(0, -d), n - max(0, d)) for d, n in zip(way, counts, strict=True))]
+    there = points[tuple(slice(max(0, d), n + min(0, d)) for d, n in zip(way, counts, strict=True))]
+    springs = np.full(here.shape, float(stiffness))
+    for region in scene.region:
+        if region.stiffness is not None:
+            inside = scene.select(region.points)
+            springs[np.isin(here, inside) & np.isin(there, inside)] = region.stiffness
+    across = [axis for axis in range(3) if way[axis] == 0]
+    outer = np.zeros(springs.shape, int)
+    for axis in across:
+        ends = np.moveaxis(outer, axis, 0)
+        ends[[0, -1]] += 1
+    if scene.lattice.springs == "paper" and len(across) == 2:
+        springs[outer == 2] *= 2
+    springs /= 2.0 ** (len(across) - outer)
+    for axis in across:
+        layers = np.moveaxis(springs, axis, 0)
+        springs = np.moveaxis(layers[:-1] + layers[1:], 0, axis)
+    return springs
