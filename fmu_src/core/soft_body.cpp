@@ -13,38 +13,6 @@ namespace softffd {
 
 namespace {
 
-std::vector<bool> mask(const std::vector<int>& points, int count) {
-  std::vector<bool> selected(count, false);
-  for (int p : points) selected[p] = true;
-  return selected;
-}
-
-std::vector<SpringOverride> overrides(const Definition& definition, std::optional<double> Region::* of_region) {
-  std::vector<SpringOverride> found;
-  for (const Region& region : definition.regions)
-    if (region.*of_region) found.push_back({mask(region.points, definition.lattice.points()), *(region.*of_region)});
-  return found;
-}
-
-/// A value of each cell: that of all, where no region has another for cells whose eight corners it holds.
-Scalars of_cells(const Definition& definition, double of_all, std::optional<double> Region::* of_region) {
-  const Lattice& lattice = definition.lattice;
-  Scalars values = Scalars::Constant(lattice.cells(), of_all);
-  for (const Region& region : definition.regions) {
-    if (!(region.*of_region)) continue;
-    const std::vector<bool> selected = mask(region.points, lattice.points());
-    int cell = 0;
-    for (int k = 0; k + 1 < lattice.counts[2]; ++k)
-      for (int j = 0; j + 1 < lattice.counts[1]; ++j)
-        for (int i = 0; i + 1 < lattice.counts[0]; ++i, ++cell) {
-          bool whole = true;
-          for (int c = 0; c < 8; ++c) whole = whole && selected[lattice.index(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2))];
-          if (whole) values[cell] = *(region.*of_region);
-        }
-  }
-  return values;
-}
-
 std::vector<bool> pinned_points(const Definition& definition) {
   std::vector<bool> pinned(definition.lattice.points(), false);
   for (const PinDefinition& pin : definition.pins)
@@ -113,6 +81,7 @@ Points start_positions(const Definition& definition) {
 SoftBody::SoftBody(Definition definition)
     : definition_(std::move(definition)),
       model_(make_body(definition_)),
+      regions_(definition_.lattice, definition_.regions),
       cells_(definition_.lattice),
       now_(empty_run(definition_)),
       before_(now_),
@@ -144,7 +113,10 @@ void SoftBody::refresh_model() {
   for (const Region& region : definition_.regions)
     if (region.damping)
       for (int p : region.points) body.damping[p] = *region.damping;
-  refresh_springs();
+  if (definition_.of_modulus)
+    regions_.set_modulus(settings.modulus, settings.internal_damping, body.springs);
+  else
+    regions_.set_stiffness(settings.stiffness, settings.internal_damping, body.springs);
   if (definition_.planes > 0 && settings.method == Method::automatic && settings.step == 0) {  // without planes implicit steps do better
     const double length = body.length, most = thresholds::light_share * settings.tolerance * settings.mass;
     const double speed =
@@ -155,17 +127,6 @@ void SoftBody::refresh_model() {
     body.slight = std::move(found.slight);
   }
   model_.renew();
-}
-
-void SoftBody::refresh_springs() {
-  Springs& springs = model_.body.springs;
-  if (definition_.of_modulus) {
-    const Scalars time = of_cells(definition_, settings.internal_damping, &Region::internal_damping);
-    springs.set_modulus(of_cells(definition_, settings.modulus, &Region::modulus), time);
-  } else {
-    springs.set_stiffness(settings.stiffness, overrides(definition_, &Region::stiffness));
-    springs.set_dashpots(settings.internal_damping, overrides(definition_, &Region::internal_damping));
-  }
 }
 
 /// What the run knows of the material before does not hold for this one.

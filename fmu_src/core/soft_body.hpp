@@ -5,19 +5,11 @@
 
 #include "contact/contact.hpp"
 #include "forces/cells.hpp"
+#include "forces/regions.hpp"
 #include "stepping/propagator.hpp"
 #include "watch/readings.hpp"
 
 namespace softffd {
-
-/// Overrides of a [[region]]; absent ones leave what is there.
-struct Region {
-  std::vector<int> points;
-  std::optional<double> stiffness{};         ///< of springs with both ends among the points, >= 0 [N/m]
-  std::optional<double> damping{};           ///< of the points, >= 0 [N s/m]
-  std::optional<double> modulus{};           ///< of the cells with all corners among the points, > 0 [Pa]
-  std::optional<double> internal_damping{};  ///< of the springs, or, of a modulus, of the cells, >= 0 [s]
-};
 
 struct PinDefinition {
   std::vector<int> points;
@@ -104,7 +96,6 @@ class SoftBody {
 
  private:
   void refresh_model();
-  void refresh_springs();
   StepStatus refresh_drive();
   StepStatus clear_jumps(bool& moved);
   void count_contacts();
@@ -116,6 +107,7 @@ class SoftBody {
   Definition definition_;
   Model model_;
   Drive drive_;
+  Regions regions_;
   std::vector<Vec3> pin_origins_;
   Cells cells_;
   Run now_, before_;  ///< before: at the start of the last communication step

@@ -47,24 +47,19 @@ double share_of_cell(const Lattice& lattice, const Direction& direction) {
   return direction.kind() == SpringKind::face ? 0.2 * volume * along / 2 : 0;
 }
 
-/// For each spring of a row the sum of what its cells give, by their modulus [N/m].
-Scalars sum_of_cells(const Lattice& lattice, const Springs::Row& row, const Scalars& modulus) {
-  const auto [di, dj, dk] = row.direction;
-  std::vector<int> begins;  // of the springs of a cell, from its lower corner
-  for (int corner = 0; corner < 8; ++corner) {
-    const int a = corner & 1, b = corner >> 1 & 1, c = corner >> 2;
-    if ((di == 0 || a == (di < 0)) && (dj == 0 || b == (dj < 0)) && (dk == 0 || c == (dk < 0))) begins.push_back(lattice.index(a, b, c));
+/// The springs of one direction that a cell has: where they begin, as steps from the cell's lower corner.
+struct OfCell {
+  std::array<int, 4> begins;
+  int count = 0;
+  OfCell(const Lattice& lattice, const Direction& way) {
+    for (int corner = 0; corner < 8; ++corner) {
+      const int a = corner & 1, b = corner >> 1 & 1, c = corner >> 2;
+      const bool begins_here =
+          (way.di == 0 || a == (way.di < 0)) && (way.dj == 0 || b == (way.dj < 0)) && (way.dk == 0 || c == (way.dk < 0));
+      if (begins_here) begins[count++] = lattice.index(a, b, c);
+    }
   }
-  const double share = share_of_cell(lattice, row.direction);
-  const auto& n = lattice.counts;
-  Scalars sum = Scalars::Zero(row.lanes());
-  int cell = 0;
-  for (int k = 0; k + 1 < n[2]; ++k)
-    for (int j = 0; j + 1 < n[1]; ++j)
-      for (int i = 0; i + 1 < n[0]; ++i, ++cell)
-        for (const int begin : begins) sum[lattice.index(i, j, k) + begin - row.begin] += share * modulus[cell];
-  return sum;
-}
+};
 
 }  // namespace
 
@@ -90,11 +85,23 @@ void Springs::set_stiffness(const Stiffness& stiffness, const std::vector<Spring
 }
 
 void Springs::set_modulus(const Scalars& modulus, const Scalars& time) {
-  const Scalars viscosity = modulus * time;
+  const auto& n = lattice_.counts;
   for (std::size_t d = 0; d < rows_.size(); ++d) {
-    rows_[d].stiffness = sum_of_cells(lattice_, rows_[d], modulus);
-    rows_[d].dashpot = sum_of_cells(lattice_, rows_[d], viscosity);
-    pass_.set(d, rows_[d].view());
+    Row& row = rows_[d];
+    row.stiffness.setZero();
+    row.dashpot.setZero();
+    const OfCell springs(lattice_, row.direction);
+    const double share = share_of_cell(lattice_, row.direction);
+    int cell = 0;
+    for (int k = 0; k + 1 < n[2]; ++k)
+      for (int j = 0; j + 1 < n[1]; ++j)
+        for (int i = 0; i + 1 < n[0]; ++i, ++cell)
+          for (int s = 0; s < springs.count; ++s) {
+            const int lane = lattice_.index(i, j, k) + springs.begins[s] - row.begin;
+            row.stiffness[lane] += share * modulus[cell];
+            row.dashpot[lane] += share * modulus[cell] * time[cell];
+          }
+    pass_.set(d, row.view());
   }
   longest_time_ = time.maxCoeff();
 }

@@ -15,6 +15,8 @@ struct Case {
   long modes = 0;  ///< requests at most, where modes are made at the first flight beside an obstacle, and for the run beside it
 };
 
+const std::string modulus = "youngs_modulus 3e3\nregion_youngs_modulus 6e3 0 1 3 4 9 10 12 13\n";
+
 const std::vector<Case>& cases() {
   static const std::vector<Case> list{{"bare", ""},
                                       {"damped", damped},
@@ -32,6 +34,7 @@ const std::vector<Case>& cases() {
                                       {"stiff, with an error estimate", damped + driven + "error_estimate\n", true},
                                       {"stiff, in contact", damped + heavy + planes + watched + "error_estimate\n", true, "0 0 0", 60},
                                       {"volume stiffness", damped + heavy + planes + "volume_stiffness 1e4\n"},
+                                      {"a modulus", heavy + planes + modulus},
                                       {"everything", everything}};
   return list;
 }
@@ -107,6 +110,19 @@ TEST(getters_ask_for_no_memory) {
   CHECK(fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &time) == fmi2OK);
   CHECK(memory::requests == before);
   CHECK(counts[1] > 0 && time == 0.01);
+  fmi2FreeInstance(c);
+}
+
+TEST(a_step_after_a_changed_modulus_asks_for_no_memory) {
+  fmi2Component c = started(resources(heavy + planes + modulus));
+  long requests = 0;
+  for (int n = 0; n < 10; ++n) {
+    CHECK(set(c, Family::youngs_modulus, 0, 3000.0 + n) == fmi2OK);
+    const long before = memory::requests;
+    CHECK(fmi2DoStep(c, 0.01 * n, 0.01, fmi2True) == fmi2OK);
+    if (n > 0) requests += memory::requests - before;
+  }
+  CHECK(requests == 0);
   fmi2FreeInstance(c);
 }
 
