@@ -152,10 +152,14 @@ TEST(what_sticks_stays_where_it_is_in_steps_of_any_length) {
     }
 }
 
-TEST(it_converges_to_the_explicit_contact_with_first_order) {
-  const auto scene = [] {
+namespace {
+
+/// dashpots: their time [s].
+void check_convergence_to_explicit_contact(double dashpots) {
+  const auto scene = [&] {
     FallingBox s(1e3, 1);
     s.damp(0.5);
+    s.body.springs.set_dashpots(dashpots);
     s.around.planes[0].friction = 0.3;
     s.state.x.col(2) += 0.01;
     s.throw_at({0.5, 0, 0}, Vec3::Zero());
@@ -180,3 +184,8 @@ TEST(it_converges_to_the_explicit_contact_with_first_order) {
   CHECK_NEAR(std::log2(error[0] / error[1]), 1.0, 0.15);
   CHECK_NEAR(std::log2(error[1] / error[2]), 1.0, 0.15);
 }
+
+}  // namespace
+
+TEST(it_converges_to_the_explicit_contact_with_first_order) { check_convergence_to_explicit_contact(0); }
+TEST(and_so_with_internal_damping) { check_convergence_to_explicit_contact(0.003); }

@@ -34,3 +34,33 @@ TEST(pins_receive_to_rounding_what_the_body_loses) {
 }
 
 TEST(unwatched_steps_have_the_same_bits) { check_unwatched_steps<Leapfrog>(); }
+
+namespace {
+
+/// On a plane from the beginning, pressed so that the lower layer stays there, while it slides and the upper one swings.
+Scene pressed(double friction, double time) {
+  Scene s = with_dashpots(soft(true, true), time);
+  Points x = rest_positions(s.lattice), v = s.start.v;
+  for (int p = 0; p < s.body.points(); ++p)
+    if (x(p, 2) == 0) s.around.force(p, 2) = -8, v(p, 2) = 0, v(p, 0) += 5;
+  s.around.planes.resize(1);
+  s.around.planes[0].friction = friction;
+  start_at(s, x, v);
+  return s;
+}
+
+/// Slope of the error between two numbers of steps, against many.
+double order_pressed(double friction, double time) {
+  const Scene s = pressed(friction, time);
+  const Points exact = run_with<Leapfrog>(s, 6400).state.x;
+  const double a = distance(run_with<Leapfrog>(s, 200).state.x, exact), b = distance(run_with<Leapfrog>(s, 400).state.x, exact);
+  std::printf("  friction %g, dashpots %g s: %.2f (error %.1e m)\n", friction, time, std::log2(a / b), b);
+  return std::log2(a / b);
+}
+
+}  // namespace
+
+TEST(second_order_in_lasting_contact) {
+  for (const double friction : {0.0, 0.2})
+    for (const double time : {0.0, 0.003, 0.01}) CHECK_NEAR(order_pressed(friction, time), 2.0, 0.15);
+}

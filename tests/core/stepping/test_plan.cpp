@@ -67,6 +67,13 @@ TEST(rkn12_gives_way_to_dop853_where_the_body_is_damped) {
   CHECK(is(plan({.asked = Method::bm4, .damped = true}), Method::bm4, Steps::fitted, Reason::asked));
 }
 
+TEST(methods_that_cannot_follow_internal_damping_give_way) {
+  for (const Method method : {Method::rkn12, Method::bm4})
+    CHECK(is(plan({.asked = method, .damped = true, .dashpots = true}), Method::dop853, Steps::controlled, Reason::damping));
+  CHECK(
+      is(plan({.asked = Method::central_difference, .damped = true, .dashpots = true}), Method::leapfrog, Steps::fitted, Reason::damping));
+}
+
 TEST(obstacles_out_of_reach_change_nothing_but_that_the_way_back_is_kept) {
   CHECK(is(plan(near(Method::leapfrog)), Method::leapfrog, Steps::fitted, Reason::asked));
   CHECK(is(plan(near(Method::bm4)), Method::bm4, Steps::fitted, Reason::asked, Retreat::from_obstacle));
