@@ -15,7 +15,7 @@ namespace softffd {
 enum class Reason {
   asked,            ///< it was asked for
   contact,          ///< an obstacle is within reach
-  damping,          ///< rkn12 was asked for, and the body is damped
+  damping,          ///< the method asked for cannot follow the damping
   given_step,       ///< automatic with a given internal step
   stability,        ///< the largest stable step is accurate enough: nothing explicit costs less
   least_work,       ///< least work for the tolerance among those tried

@@ -44,10 +44,8 @@ Plan plan_free(const Facts& facts, const Asked& asked, Retreat retreat) {
   return {.method = method, .steps = steps, .reason = reason, .retreat = retreat};
 }
 
-/// Whether explicit steps are so many that a stiff body's impacts, flights and rests are taken on their own. Internal damping is not in the
-/// modes that carry flights.
+/// Whether explicit steps are so many that a stiff body's impacts, flights and rests are taken on their own.
 bool stiff(const Facts& facts) {
-  if (facts.dashpots) return false;
   const double steps = *facts.stiffness;
   const bool many = steps > use::stiff_contact || (steps > use::stiff_contact_of_long_runs && steps * facts.length > use::long_contact);
   return many && steps < use::stiffest;

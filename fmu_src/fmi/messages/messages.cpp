@@ -37,7 +37,7 @@ std::string reason_text(Reason reason) {
   switch (reason) {
     case Reason::asked: return "as asked";
     case Reason::contact: return "an obstacle is within reach";
-    case Reason::damping: return "rkn12 was asked for, but the body is damped";
+    case Reason::damping: return "the method asked for is not for bodies damped like this one";
     case Reason::given_step: return "auto with a given solver.step";
     case Reason::stability: return "auto: the largest stable step is accurate enough, and nothing explicit costs less";
     case Reason::least_work: return "auto: least work for the tolerance";
