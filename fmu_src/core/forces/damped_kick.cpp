@@ -39,17 +39,22 @@ double stable_for(int stages) {
 }  // namespace
 
 DampedKick::DampedKick(int points) {
-  for (Points* each : {&force_, &moving_, &start_slope_, &slope_, &before_, &stage_}) each->setZero(points, 3);
+  for (Points* each : {&moving_, &start_slope_, &slope_, &before_, &stage_}) each->setZero(points, 3);
+}
+
+int DampedKick::stages(const Body& body, double t) {
+  const double reach = t * body.fastest_damping;
+  int stages = std::clamp(int(std::min(std::sqrt(1.5 * reach), double(most_stages))), 2, most_stages);
+  while (stages < most_stages && stable_for(stages) < reach) ++stages;
+  return stages;
 }
 
 void DampedKick::prepare(const Body& body, double t) {
-  const double fastest = body.fastest_damping;
   t_ = t;
   pinned_.clear();
   for (int p = 0; p < body.points(); ++p)
     if (body.pinned[p]) pinned_.push_back(p);
-  int stages = std::clamp(int(std::min(std::sqrt(1.5 * t * fastest), double(most_stages))), 2, most_stages);
-  while (stages < most_stages && stable_for(stages) < t * fastest) ++stages;
+  const int stages = DampedKick::stages(body, t);
   const double w0 = point_for(stages);
   const std::vector<Chebyshev> T = chebyshev(stages, w0);
   const double w1 = T[stages].slope / T[stages].bend;
@@ -66,22 +71,22 @@ void DampedKick::hold_pins(const Points& v0, Points& v) const {
   for (const int p : pinned_) set_row(v, p, row(v0, p));
 }
 
-/// (force - D v - C v) / m; pinned points move as in v0.
-void DampedKick::slope(const Body& body, const Points& x, const Points& v0, const Points& v, Points& slope) {
-  moving_ = v;
-  hold_pins(v0, moving_);
-  slope = force_;
-  body.springs.add_dashpot_force(x, moving_, slope);
-  for (int axis = 0; axis < 3; ++axis) slope.col(axis) = (slope.col(axis) - body.damping * moving_.col(axis)) / body.mass;
+void DampedKick::finish(const Body& body, const Points& v, Points& slope) {
+  for (int axis = 0; axis < 3; ++axis) slope.col(axis) = (slope.col(axis) - body.damping * v.col(axis)) / body.mass;
 }
 
-void DampedKick::apply(const Body& body, const Points& x, const Points& spring, const Points& outside, const Points& v0, Points& v) {
-  force_ = spring + outside;
-  slope(body, x, v0, v0, start_slope_);
+void DampedKick::apply(const Body& body, const Points& x, const Points& spring, const Points& inner, const Points& outside,
+                       const Points& v0, Points& v) {
+  start_slope_ = inner + outside;
+  finish(body, v0, start_slope_);
   before_ = v0;
   v = v0 + (first_ * t_) * start_slope_;
   for (const Row& row : rows_) {
-    slope(body, x, v0, v, slope_);
+    moving_ = v;
+    hold_pins(v0, moving_);
+    slope_ = spring + outside;
+    body.springs.add_dashpot_force(x, moving_, slope_);
+    finish(body, moving_, slope_);
     stage_ = (1 - row.mu - row.nu) * v0 + row.mu * v + row.nu * before_ + (row.step * t_) * slope_ + (row.first * t_) * start_slope_;
     before_.swap(v);
     v.swap(stage_);

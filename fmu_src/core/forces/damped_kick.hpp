@@ -22,11 +22,15 @@ class DampedKick {
   explicit DampedKick(int points);
   /// For kicks of length t.
   void prepare(const Body& body, double t);
-  /// v <- velocities after the kick from v0 at positions x; spring and outside forces [N]. All (points, 3).
-  void apply(const Body& body, const Points& x, const Points& spring, const Points& outside, const Points& v0, Points& v);
+  /// v <- velocities after the kick from v0 at positions x; forces [N]: of the springs, with those of the dashpots at v0, from outside. All
+  /// (points, 3).
+  void apply(const Body& body, const Points& x, const Points& spring, const Points& inner, const Points& outside, const Points& v0,
+             Points& v);
   /// Energy that damping takes in a kick from v0 to v [J].
   double loss(const Body& body, const Points& x, const Points& v0, const Points& v);
   int stages() const { return int(rows_.size()) + 1; }
+  /// For a kick of length t of this body; of a kick the work is about so many evaluations of the spring forces.
+  static int stages(const Body& body, double t);
 
  private:
   /// Y_j = (1 - mu - nu) Y_0 + mu Y_{j-1} + nu Y_{j-2} + step t F(Y_{j-1}) + first t F(Y_0), from the second stage on.
@@ -34,12 +38,13 @@ class DampedKick {
     double mu, nu, step, first;
   };
   void hold_pins(const Points& v0, Points& v) const;
-  void slope(const Body& body, const Points& x, const Points& v0, const Points& v, Points& slope);
+  /// slope = (slope - D v) / m.
+  static void finish(const Body& body, const Points& v, Points& slope);
 
   double t_ = 0, first_ = 0;  ///< first: of F(Y_0) in Y_1
   std::vector<Row> rows_;
   std::vector<int> pinned_;
-  Points force_, moving_, start_slope_, slope_, before_, stage_;
+  Points moving_, start_slope_, slope_, before_, stage_;
 };
 
 }  // namespace softffd

@@ -21,7 +21,8 @@ StepStatus run_implicit(Integrators& integrators, const Job& job, double end) {
   const Count steps = std::max(Count{1}, Count(std::llround(wanted)));
   path.clock = {begin, H / double(steps), 0};
   // Where it finds no way, a step may take as long as explicit steps would, which are tried with several sizes and cost more in contact.
-  const double explicit_work = use::doubled_work * traits(Method::leapfrog).work * path.clock.h / step_limit(job, Method::leapfrog, false);
+  const double longest = step_limit(job, Method::leapfrog, false);
+  const double explicit_work = use::doubled_work * step_work(job.model.body, Method::leapfrog, longest) * path.clock.h / longest;
   const double most_work = std::max(explicit_work, use::buckling_work);
   for (Count i = 0; i < steps; ++i) {
     const double next = i + 1 == steps ? end : path.clock.origin + double(i + 1) * path.clock.h;

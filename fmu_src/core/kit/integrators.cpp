@@ -75,7 +75,7 @@ Outcome Integrators::take_span(const Job& job, Method method, const Span& span) 
     total.error = worse(total.error, step.error);
     if (passes(job, method, span.time(i), span.h, x0_, v0_, motion.x, motion.v)) total.status = StepStatus::contact_ahead;
   }
-  if (!traits(method).error_control()) total.work = double(span.steps) * traits(method).work;
+  if (!traits(method).error_control()) total.work = double(span.steps) * step_work(job.model.body, method, span.h);
   return total;
 }
 

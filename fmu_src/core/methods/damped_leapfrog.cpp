@@ -48,7 +48,7 @@ Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Sp
   masses_.prepare(model.body, span.h);
   kick_.prepare(model.body, 0.5 * span.h);
   resolved_ = 0.5 * span.h * model.body.fastest_damping <= explicit_kick;
-  Outcome outcome{.work = double(span.steps) * (traits(Method::leapfrog).work + 2 * kick_.stages())};
+  Outcome outcome{.work = double(span.steps) * step_work(model.body, Method::leapfrog, span.h)};
   for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i)
     outcome.status = step(model.body, drive, span, i, run.path.motion, run.path.exchange);
   outcome.impacts = contact_.impacts() - before;
@@ -95,7 +95,7 @@ StepStatus DampedLeapfrog::close(const StepView& view, State& state, Exchange& e
 
 void DampedLeapfrog::kick(const StepView& view, const Points& x, const State& state, bool held, Points& v, Exchange& exchange) {
   if (held) acting_ = view.force + reactions_.forces();
-  kick_.apply(view.body, x, state.spring, held ? acting_ : view.force, before_, v);
+  kick_.apply(view.body, x, state.spring, inner_, held ? acting_ : view.force, before_, v);
   if (view.around.watch && !view.around.damping_unwatched) exchange.dissipated += kick_.loss(view.body, x, before_, v);
   if (held) reactions_.give_back(view, v);
 }

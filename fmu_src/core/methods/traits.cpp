@@ -3,6 +3,7 @@
 #include <array>
 #include <limits>
 
+#include "forces/damped_kick.hpp"
 #include "matrix/lattice_matrix.hpp"
 
 namespace softffd {
@@ -39,6 +40,11 @@ static_assert(in_order());
 }  // namespace
 
 const Traits& traits(Method method) { return rows[std::size_t(method)]; }
+
+double step_work(const Body& body, Method method, double h) {
+  const double work = traits(method).work;
+  return method == Method::leapfrog && body.springs.dashpots() ? work + 2 * DampedKick::stages(body, 0.5 * h) : work;
+}
 
 ImplicitWork::ImplicitWork(const Lattice& lattice) {
   const int points = LayerMatrix::points_per_layer(lattice);

@@ -1,6 +1,6 @@
 /// The methods' own numbers, one row each.
 #pragma once
-#include "model/lattice.hpp"
+#include "forces/body.hpp"
 #include "model/method.hpp"
 
 namespace softffd {
@@ -26,6 +26,9 @@ struct Traits {
 };
 
 const Traits& traits(Method method);
+
+/// Work of an explicit step of length h of this body, in evaluations of the spring forces.
+double step_work(const Body& body, Method method, double h);
 
 inline bool resolves_contact(Method method) { return traits(method).resolves_contact; }
 inline bool is_implicit(Method method) { return traits(method).solves; }

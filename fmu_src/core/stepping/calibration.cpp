@@ -48,7 +48,7 @@ double Calibrator::calibrate(Integrators& integrators, const Job& job, Method me
     const Count steps = std::min(divisions(window, h), most);
     h = std::min(h, window / double(steps));
     const std::optional<double> error = trial_error(integrators, job, method, h, steps);
-    work += 3 * double(steps) * t.work;
+    work += 3 * double(steps) * step_work(job.model.body, method, h);
     const double factor = error ? next_factor(allowed, c * *error, t.order) : 1;
     calibration.h = h * factor;
     if (factor > use::calibrated) break;

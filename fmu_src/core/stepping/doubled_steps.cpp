@@ -63,7 +63,7 @@ StepStatus DoubledSteps::run(Integrators& integrators, const Job& job, double en
   while (motion.time < end) {
     const double limit = step_limit(job, Method::leapfrog, false), left = end - motion.time, known = job.run.course.contact.h;
     const double h = known > 0 ? tighter(known, limit) : limit;
-    const double work = left / limit * traits(Method::leapfrog).work;
+    const double work = left / limit * step_work(job.model.body, Method::leapfrog, limit);
     if (!integrators.budget().covers(work)) return refusal(work);
     const StepStatus status = run_stretch(integrators, job, {limit, h, end, motion.time == begin}, taken);
     if (status != StepStatus::ok) return status;

@@ -20,7 +20,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double fixed_work(const Job& job, Method method, double H) {
   const double h = tighter(step_limit(job, method, false), job.run.course.calibration(method).h);
-  return double(divisions(H, h)) * traits(method).work;
+  return double(divisions(H, h)) * step_work(job.model.body, method, h);
 }
 
 }  // namespace
@@ -33,18 +33,23 @@ bool Race::due(const Job& job, double H) {
 
 void Race::run(Integrators& integrators, Calibrator& calibrator, const Job& job, double H) {
   const auto calibrate = [&](Method method, int rounds) { spent_ += calibrator.calibrate(integrators, job, method, H, rounds); };
+  const Body& body = job.model.body;
   spent_ = 0;
   Contest contest;
   contest.before = job.run.course.race.winner;
-  contest.least = std::max(1.0, H / step_limit(job, Method::leapfrog, false)) * traits(Method::leapfrog).work;
-  if (job.model.stability.elastic() && implicit_may_pay(H * bound(job))) try_implicit(integrators, job, H, contest);
+  const double longest = step_limit(job, Method::leapfrog, false), each = step_work(body, Method::leapfrog, longest);
+  contest.least = std::max(1.0, H / longest) * each;
+  const double slower = each / traits(Method::leapfrog).work;  // by internal damping, which implicit steps hardly feel
+  if (job.model.stability.elastic() && implicit_may_pay(slower * H * bound(job))) try_implicit(integrators, job, H, contest);
   if (!(contest.implicit_work < infinity)) {
     calibrate(Method::leapfrog, use::race_rounds);
     contest.leapfrog = fixed_work(job, Method::leapfrog, H);
     if (!leapfrog_is_enough(contest)) {
-      contest.adaptive = job.model.body.damped ? Method::dop853 : Method::rkn12;
-      contest.adaptive_work = controlled_work(integrators, job, contest.adaptive, H);
-      if (!job.model.body.springs.dashpots()) {
+      contest.adaptive = body.damped ? Method::dop853 : Method::rkn12;
+      const double least = H / step_limit(job, contest.adaptive, false) * traits(contest.adaptive).work;  // by internal damping much
+      if (!body.springs.dashpots() || least < contest.leapfrog)
+        contest.adaptive_work = controlled_work(integrators, job, contest.adaptive, H);
+      if (!body.springs.dashpots()) {
         calibrate(Method::bm4, use::race_rounds_bm4);
         contest.bm4 = fixed_work(job, Method::bm4, H);
       }
@@ -81,7 +86,7 @@ bool Race::fast_modes_are_quiet(Integrators& integrators, const Job& job, Method
   State& motion = job.run.path.motion;
   const double way = std::min(H, use::calibration_window / bound(job)), begin = motion.time;
   const Count steps = divisions(way, step_limit(job, Method::leapfrog, false));
-  spent_ += double(steps) * traits(Method::leapfrog).work + implicit.step + implicit.factor;
+  spent_ += double(steps) * step_work(job.model.body, Method::leapfrog, way / double(steps)) + implicit.step + implicit.factor;
   Trial trial(job.run, start_);
   if (integrators.take(job, Method::leapfrog, {begin, 0, way / double(steps), steps}).status != StepStatus::ok) return false;
   std::swap(fine_, motion);
