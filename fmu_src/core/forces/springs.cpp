@@ -1,6 +1,7 @@
 #include "forces/springs.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace softffd {
 
@@ -103,17 +104,23 @@ void Springs::set_modulus(const Scalars& modulus, const Scalars& time) {
           }
     pass_.set(d, row.view());
   }
-  longest_time_ = time.maxCoeff();
+  find_times();
+}
+
+void Springs::find_times() {
+  longest_time_ = 0, shortest_time_ = std::numeric_limits<double>::infinity();
+  for (const Row& row : rows_)
+    for (int p = 0; p < row.lanes(); ++p) {
+      if (row.stiffness[p] == 0) continue;
+      longest_time_ = std::max(longest_time_, row.dashpot[p] / row.stiffness[p]);
+      shortest_time_ = std::min(shortest_time_, row.dashpot[p] / row.stiffness[p]);
+    }
 }
 
 void Springs::set_dashpots(double time, const std::vector<SpringOverride>& overrides) {
-  longest_time_ = 0;
   for (Row& row : rows_)
-    for (int p = 0; p < row.lanes(); ++p) {
-      const double own = row.overridden(p, time, overrides);
-      row.dashpot[p] = own * row.stiffness[p];
-      if (row.dashpot[p] > 0) longest_time_ = std::max(longest_time_, own);
-    }
+    for (int p = 0; p < row.lanes(); ++p) row.dashpot[p] = row.overridden(p, time, overrides) * row.stiffness[p];
+  find_times();
 }
 
 void Springs::add_dashpot_force(const Points& x, const Points& v, Points& f) const {

@@ -51,6 +51,8 @@ class Springs {
   bool dashpots() const { return longest_time_ > 0; }
   /// Largest ratio of a dashpot to its spring [s].
   double longest_time() const { return longest_time_; }
+  /// The smallest, of all springs [s].
+  double shortest_time() const { return shortest_time_; }
 
   /// f = spring forces on the points at x [N], (points, 3).
   void force(const Points& x, Points& f) const { pass_.force(x.data(), f.data()); }
@@ -82,10 +84,11 @@ class Springs {
   double* scratch() const { return scratch_.data(); }  ///< (6 * points), overwritten by every kernel call
 
  private:
+  void find_times();
   Lattice lattice_;
   std::vector<Row> rows_;
   SpringPass pass_;
-  double longest_time_ = 0;
+  double longest_time_ = 0, shortest_time_ = 0;
   mutable Scalars scratch_;
 };
 

@@ -165,6 +165,10 @@ inline constexpr double longest_trial = 20'000, implicit_gain = 0.8;
 /// Fraction of the tolerance by which one implicit step may differ from explicit ones that resolve everything [1]. Error estimates of
 /// implicit steps do not see what they damp: measured, a light corner under tension ended 77 times the tolerance off without this.
 inline constexpr double quiet = 0.3;
+/// Twice the damping ratio of the fastest mode, by the bound, from which on it creeps instead of vibrating [1]; by how many steps in the
+/// place of one implicit one that is seen [1].
+inline constexpr double creeping = 2;
+inline constexpr Count creep_parts = 16;
 /// Vibration in units of the tolerance above which implicit steps must not pass over it [1]: what is compared is a bound. By experience.
 inline constexpr double loud = 3;
 /// Vibrations with time scales above this many implicit steps are resolved by their error control [1]. By experience.

@@ -28,9 +28,17 @@ Vec3 mean_acceleration(const Equations& equations, const State& state) {
   return force / body.mass.sum();
 }
 
+/// Time in which a velocity is turned round, or internal damping has taken it: then it moves points no further [s].
+double reach(const Body& body, double time_scale) {
+  const double damping = body.springs.shortest_time() / time_scale;  // twice the damping ratio
+  return times * time_scale / std::max(1.0, body.springs.dashpots() ? damping : 0.0);
+}
+
 double size(const Equations& equations, const State& state, const Scalars& time_scale, bool with_extension, double slowest,
             const Vec3& whole) {
   const Body& body = equations.body;
+  Points scratch;
+  const Points& inner = equations.inner(state.x, state.v, state.spring, scratch);
   double amplitude = 0, sum = 0;  // of what is compared
   const auto consider = [&](double size) {
     amplitude = std::max(amplitude, size);
@@ -42,7 +50,7 @@ double size(const Equations& equations, const State& state, const Scalars& time_
       const int p = springs.begin + lane, q = p + springs.offset;
       if (std::min(time_scale[p], time_scale[q]) >= slowest) continue;
       const Vec3 d = row(state.x, q) - row(state.x, p), w = row(state.v, q) - row(state.v, p);
-      const double r = d.norm(), time = times * std::min(time_scale[p], time_scale[q]);
+      const double r = d.norm(), time = reach(body, std::min(time_scale[p], time_scale[q]));
       if (with_extension) consider(std::abs(r - springs.rest_length[lane]));
       if (r == 0) continue;
       consider(std::abs(d.dot(w)) / r * time);
@@ -50,8 +58,8 @@ double size(const Equations& equations, const State& state, const Scalars& time_
     }
   for (int i = 0; i < time_scale.size(); ++i) {
     if (time_scale[i] >= slowest) continue;
-    const double time = times * time_scale[i];
-    const double a = body.inverse_mass[i] * (state.spring.data()[i] + outside_less_damping(equations, state, i));
+    const double time = reach(body, time_scale[i]);
+    const double a = body.inverse_mass[i] * (inner.data()[i] + outside_less_damping(equations, state, i));
     if (body.inverse_mass[i] > 0) consider(std::abs(a - whole[i / body.points()]) * time * time);
   }
   return std::isfinite(sum) ? 2 * amplitude : std::numeric_limits<double>::infinity();
