@@ -22,7 +22,10 @@ std::vector<bool> pinned_points(const Definition& definition) {
 
 Body make_body(const Definition& definition) {
   const int n = definition.lattice.points();
-  Body body{.springs = Springs(definition.lattice, definition.topology), .mass = {}, .damping = {}, .pinned = pinned_points(definition)};
+  Body body{.springs = Springs(definition.lattice, definition.topology, definition.team),
+            .mass = {},
+            .damping = {},
+            .pinned = pinned_points(definition)};
   body.mass = Eigen::Map<const Scalars>(definition.mass.data(), n);
   body.damping = Scalars::Zero(n);
   body.length = definition.lattice.largest_side();

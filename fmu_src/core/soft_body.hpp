@@ -29,6 +29,7 @@ struct Definition {
   Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();             ///< x0 = origin + stretch (X - origin) + offset
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< [m/s], [rad/s] about the centre of the box at x0
   bool watch_energy = false;                                      ///< accumulate dissipated energy and work
+  std::shared_ptr<Team> team = {};                                ///< shares the work on the forces; null: one thread does it
 };
 
 /// Before pins and planes move points (points, 3) [m].

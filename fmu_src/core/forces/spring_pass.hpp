@@ -16,14 +16,20 @@
 /// the near caches at any size; a copy of its first block stands behind its end, so that no reading is cut in two. The order of sums is the
 /// same for every point of every lattice: by direction, first end before second end.
 ///
+/// Several threads take a part of the blocks each, with rings of their own: what springs of the blocks before a part give into it is worked
+/// out once more. So no thread waits for another within a pass, and each point's sum is the one it always is, to the last bit.
+///
 /// While the forces on a block are in registers its points may be kicked and drift: where nothing stands between the forces of a step and
 /// the next drift, a step reads and writes each position and velocity once.
 #pragma once
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "forces/kernels.hpp"
+#include "forces/spring_kinds.hpp"
+#include "machine/team.hpp"
 #include "model/lattice.hpp"
 
 namespace softffd {
@@ -39,14 +45,18 @@ struct Stage {
 };
 
 struct SpringPass {
-  static constexpr int lanes = 8;
+  static constexpr int lanes = SpringKinds::lanes;
   using Offsets = std::array<std::ptrdiff_t, directions.size()>;
+  using Rows = std::array<kernels::SpringRow, directions.size()>;
 
-  /// Without springs yet.
-  explicit SpringPass(const Lattice& lattice);
+  /// How many of so many threads a lattice has enough points for.
+  static int threads_of_use(const Lattice& lattice, int threads);
 
-  /// The springs of one of the lattice's directions.
-  void set(std::size_t direction, const kernels::SpringRow& row);
+  /// Without springs yet. Each member of the team takes a part; null: one thread, as it is.
+  SpringPass(const Lattice& lattice, std::shared_ptr<Team> team);
+
+  /// The springs, direction by direction.
+  void set(const Rows& rows);
 
   /// f = forces at x [N], eq. (6): k (1 - l/r) d on the first point, the opposite on the second; r = 0 gives no force. Both (3 * points),
   /// coordinate by coordinate.
@@ -58,21 +68,29 @@ struct SpringPass {
   struct alignas(64) Block {
     double of[lanes] = {};
   };
-  struct alignas(64) Material {
-    double stiffness[lanes] = {}, rest_length[lanes] = {};
+  /// What one thread does: sums up the blocks from `begin` to before `end`, after the springs of those from `lead` on.
+  struct Part {
+    int lead, begin, end;
+    std::vector<Block> rings;   ///< by direction and coordinate
+    std::vector<Block> behind;  ///< the tail of x by coordinate, with room around it
   };
 
-  int points;                        ///< >= 8
-  bool wraps;                        ///< a ring is shorter than the lattice
-  int tail;                          ///< first point of the first block with neighbours' lanes behind the last point
-  std::ptrdiff_t before;             ///< [numbers] from a ring's beginning to its first block: the way to the farthest neighbour, at least
-  std::ptrdiff_t ring, column;       ///< [numbers]: a ring's length; from one coordinate of the tail's copy to the next
-  Offsets offsets;                   ///< from a point to its neighbour in each direction, >= 1
-  std::vector<Material> material;    ///< block by block, direction by direction
-  std::vector<unsigned> first;       ///< (blocks) bits of the directions of which any spring begins at the block's points
-  std::vector<unsigned> second;      ///< (blocks) of which any spring ends there
-  mutable std::vector<Block> rings;  ///< by direction and coordinate
-  mutable std::vector<Block> end;    ///< the tail of x by coordinate, with room around it
+  int points;                       ///< >= 8
+  bool wraps;                       ///< a ring is shorter than the lattice
+  int tail;                         ///< first point of the first block with neighbours' lanes behind the last point
+  std::ptrdiff_t before;            ///< [numbers] from a ring's beginning to its first block: the way to the farthest neighbour, at least
+  std::ptrdiff_t ring, column;      ///< [numbers]: a ring's length; from one coordinate of the tail's copy to the next
+  Offsets offsets;                  ///< from a point to its neighbour in each direction, >= 1
+  SpringKinds kinds;                ///< of the blocks
+  std::vector<unsigned> first;      ///< (blocks) bits of the directions of which any spring begins at the block's points
+  std::vector<unsigned> second;     ///< (blocks) of which any spring ends there
+  mutable std::vector<Part> parts;  ///< one for each thread
+  std::shared_ptr<Team> team;
+
+ private:
+  void divide(int blocks);
+  template <class Act>
+  void each_part(const Act& act) const;
 };
 
 }  // namespace softffd

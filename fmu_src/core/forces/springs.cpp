@@ -70,7 +70,8 @@ double Springs::Row::overridden(int lane, double value, const std::vector<Spring
   return value;
 }
 
-Springs::Springs(const Lattice& lattice, Topology topology) : lattice_(lattice), pass_(lattice), scratch_(6 * lattice.points()) {
+Springs::Springs(const Lattice& lattice, Topology topology, std::shared_ptr<Team> team)
+    : lattice_(lattice), pass_(lattice, std::move(team)), scratch_(6 * lattice.points()) {
   const Points rest = rest_positions(lattice);
   for (const Direction& direction : directions) rows_.push_back(make_row(lattice, topology, direction, rest));
 }
@@ -78,11 +79,10 @@ Springs::Springs(const Lattice& lattice, Topology topology) : lattice_(lattice),
 void Springs::set_stiffness(const Stiffness& stiffness, const std::vector<SpringOverride>& overrides) {
   for (std::size_t d = 0; d < rows_.size(); ++d) {
     Row& row = rows_[d];
-    for (int p = 0; p < row.lanes(); ++p) {
+    for (int p = 0; p < row.lanes(); ++p)
       row.stiffness[p] = row.multiplicity[p] * row.overridden(p, stiffness.of(row.direction.kind()), overrides);
-    }
-    pass_.set(d, row.view());
   }
+  refresh_pass();
 }
 
 void Springs::set_modulus(const Scalars& modulus, const Scalars& time) {
@@ -102,8 +102,8 @@ void Springs::set_modulus(const Scalars& modulus, const Scalars& time) {
             row.stiffness[lane] += share * modulus[cell];
             row.dashpot[lane] += share * modulus[cell] * time[cell];
           }
-    pass_.set(d, row.view());
   }
+  refresh_pass();
   find_times();
 }
 
@@ -115,6 +115,12 @@ void Springs::find_times() {
       longest_time_ = std::max(longest_time_, row.dashpot[p] / row.stiffness[p]);
       shortest_time_ = std::min(shortest_time_, row.dashpot[p] / row.stiffness[p]);
     }
+}
+
+void Springs::refresh_pass() {
+  SpringPass::Rows rows;
+  for (std::size_t d = 0; d < rows.size(); ++d) rows[d] = rows_[d].view();
+  pass_.set(rows);
 }
 
 void Springs::set_dashpots(double time, const std::vector<SpringOverride>& overrides) {

@@ -33,7 +33,8 @@ struct SpringOverride {
 
 class Springs {
  public:
-  Springs(const Lattice& lattice, Topology topology);
+  /// The forces are worked out by this team; null: by the thread that asks for them.
+  Springs(const Lattice& lattice, Topology topology, std::shared_ptr<Team> team = nullptr);
 
   void set_stiffness(const Stiffness& stiffness, const std::vector<SpringOverride>& overrides);
   /// A dashpot along each spring, of its stiffness times this time [s], >= 0: the material's internal damping. After the stiffness.
@@ -85,6 +86,8 @@ class Springs {
 
  private:
   void find_times();
+  void refresh_pass();
+
   Lattice lattice_;
   std::vector<Row> rows_;
   SpringPass pass_;

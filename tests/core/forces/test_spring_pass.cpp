@@ -103,3 +103,59 @@ TEST(a_stage_is_forces_kicks_and_a_drift_to_the_last_bit) {
     }
   }
 }
+
+TEST(a_team_gives_the_bits_of_one_thread) {
+  for (const std::array<int, 3> counts : several) {
+    const Lattice lattice{counts};
+    std::vector<bool> some(lattice.points(), false);
+    for (int p = 0; p < lattice.points(); p += 3) some[p] = true;
+    const Points x = crumpled(lattice), outside = 3 * x.reverse();
+    const Scalars a = 0.8 + 0.1 * x.col(0).sin(), b = 0.01 * a;
+    const Stage stage{{Stage::Kick{a.data(), b.data()}, Stage::Kick{a.data(), b.data()}}, 2, 0.3};
+    Points f(x.rows(), 3), v(x.rows(), 3), next(x.rows(), 3);
+    for (const int members : {1, 2, 3, 5}) {
+      Springs springs(lattice, Topology::paper, members > 1 ? std::make_shared<Team>(members) : nullptr);
+      springs.set_stiffness({1000, 700, 300}, {{some, 41}});
+      for (int again = 0; again < 3; ++again) {
+        Points g = Points::Constant(x.rows(), 3, -1), w = x.square(), after = g;
+        springs.force(x, g);
+        springs.advance(stage, outside, x, w, after);
+        if (members == 1) f = g, v = w, next = after;
+        CHECK((g == f).all() && (w == v).all() && (after == next).all());
+      }
+    }
+  }
+}
+
+TEST(parts_are_the_whole_lattice_and_none_is_empty) {
+  for (const std::array<int, 3> counts : several)
+    for (const int members : {2, 3, 5, 64}) {
+      const Lattice lattice{counts};
+      const SpringPass pass(lattice, std::make_shared<Team>(members));
+      int end = 0;
+      for (const SpringPass::Part& part : pass.parts) {
+        CHECK(part.begin == end && part.end > part.begin && part.lead <= part.begin);
+        end = part.end;
+      }
+      CHECK(end == int(pass.first.size()));
+      CHECK(int(pass.parts.size()) == std::min(members, end));
+    }
+}
+
+TEST(threads_that_lattices_have_work_for) {
+  CHECK(SpringPass::threads_of_use(Lattice{{4, 4, 4}}, 2) == 1);
+  CHECK(SpringPass::threads_of_use(Lattice{{16, 16, 16}}, 1) == 1);
+  CHECK(SpringPass::threads_of_use(Lattice{{16, 16, 16}}, 2) == 2);
+  CHECK(SpringPass::threads_of_use(Lattice{{16, 16, 16}}, 64) == 8);
+  CHECK(SpringPass::threads_of_use(Lattice{{32, 32, 32}}, 64) == 64);
+}
+
+TEST(like_blocks_share_their_springs) {
+  SpringPass pass(Lattice{{32, 32, 32}}, nullptr);
+  Springs springs(Lattice{{32, 32, 32}}, Topology::distinct);
+  springs.set_stiffness({1000, 700, 300}, {});
+  SpringPass::Rows rows;
+  for (std::size_t d = 0; d < rows.size(); ++d) rows[d] = springs.rows()[d].view();
+  pass.set(rows);
+  CHECK(pass.kinds.different() < 400);  // of 4096
+}
