@@ -4,9 +4,20 @@
 
 namespace softffd::fmi {
 
+namespace {
+
+/// Run and error estimate, which take turns, share its threads.
+SceneFile with_team(SceneFile scene) {
+  const int threads = SpringPass::threads_of_use(scene.definition.lattice, scene.threads);
+  if (threads > 1) scene.definition.team = std::make_shared<Team>(threads);
+  return scene;
+}
+
+}  // namespace
+
 Instance::Instance(SceneFile scene, Logger log)
     : logger(std::move(log)),
-      scene_(std::move(scene)),
+      scene_(with_team(std::move(scene))),
       body_(scene_.definition),
       variables_(scene_, body_.settings),
       messages_(scene_, logger) {

@@ -150,6 +150,7 @@ void Messages::not_set_up() {
 }
 
 void Messages::begun(const SoftBody& body, double time) {
+  say_threads();
   warn_of_folding(body, time);
   if (body.readings().undecided())  // passes with a given step only
     logger_.log(fmi2Warning, log_warning, at_time(time) + without_direction(scene_, body));
@@ -167,6 +168,16 @@ void Messages::stepped(SoftBody& body, double time, double length) {
   once(turning, [&] { return turning_warning(body, time); });
   if (logger_.on(log_warning)) once(jump, [&] { return jump_warning(body, scene_, time - length); });
   say_error(body, time);
+}
+
+/// Where a lattice has less work than the scene has threads for it.
+void Messages::say_threads() {
+  const Definition& of = scene_.definition;
+  const int members = of.team ? of.team->members() : 1;
+  if (scene_.threads == members || !logger_.on(log_solver)) return;
+  logger_.log(fmi2OK, log_solver,
+              "solver.threads = " + std::to_string(scene_.threads) + ": a lattice of " + std::to_string(of.lattice.points()) +
+                  " control points has work for " + std::to_string(members));
 }
 
 /// Counting costs more than the other looks: where nobody listens it is left until somebody does.

@@ -37,6 +37,7 @@ class Messages {
     said_.topics |= topic;
     logger_.log(fmi2Warning, log_warning, warning);
   }
+  void say_threads();
   void say_choice(SoftBody& body);
   void say_share(const SoftBody& body, double time);
   void say_error(const SoftBody& body, double time);

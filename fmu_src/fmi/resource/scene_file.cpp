@@ -219,6 +219,7 @@ constexpr Reader readers[] = {
     {"tolerance", [](Record& r, SceneFile& s) { s.tolerance = r.positive(); }},
     {"most_work", [](Record& r, SceneFile& s) { s.most_work = r.positive(); }},
     {"step", [](Record& r, SceneFile& s) { s.step = r.at_least(0); }},
+    {"threads", [](Record& r, SceneFile& s) { s.threads = r.integer(1, 64); }},
 };
 
 /// Checks the first line and returns what follows it.

@@ -58,6 +58,7 @@ struct SceneFile {
   Basis basis = Basis::bezier;
   int method = 1;
   double tolerance = 1e-4, step = 0;
+  int threads = 1;
   double most_work = Settings{}.most_work;
   double stop_time = 1;  ///< of the default experiment, which starts at 0 [s]
 };

@@ -84,6 +84,8 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
         ["step", solver.step],
         ["most_work", solver.most_work],
     ]
+    if solver.threads > 1:
+        lines.append(["threads", solver.threads])
     return "".join(_line(line) for line in lines)
 
 

@@ -79,6 +79,7 @@ Name = Annotated[
 Direction = Annotated[Vector, AfterValidator(_direction)]
 Count = Annotated[int, Strict(), Field(ge=2, le=32)]
 Cells = Annotated[int, Strict(), Field(ge=1, le=31)]
+Threads = Annotated[int, Strict(), Field(ge=1, le=64)]
 Counts = Annotated[
     tuple[Count, Count, Count],
     list_of(3, "3 whole numbers [nx, ny, nz]"),
@@ -382,6 +383,9 @@ class Solver(Section):
         5e6,
         "work that one call may do, in evaluations of the forces of 64 control points: a million is about a second of one core",
         gt=0,
+    )
+    threads: Threads = key(
+        1, "1 to 64 threads that share the work on the springs' forces, each for 512 control points at least; results have the same bits"
     )
     error_estimate: Switch = key(False, "a second run beside this one estimates its error; costs 80 to 160 % more")
 

@@ -1,0 +1,107 @@
+"""Several threads: the bits of one, no more threads than the scene asks for, none left behind."""
+
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenes import box
+from softffd import Simulation
+from softffd.fmu.records import scene_records
+
+TASKS = Path("/proc/self/task")
+SIDES = [12, 12, 12]
+GROUND = {"gravity": [0.0, 0.0, -9.81], "offset": [0.0, 0.0, 0.001], "plane": [{"name": "ground", "friction": 0.4}]}
+
+
+def large(threads, points=SIDES, **keys):
+    """A lattice with work for three threads."""
+    solver = {"threads": threads, "step": 2e-4, **keys.pop("solver", {})}
+    return box(points=points, stiffness=1e4, damping=1e-4, stretch=[1.02, 1.0, 1.0], communication_step=0.001, **keys, solver=solver)
+
+
+def states(scene):
+    """The bytes after each of some communication steps, with a way back in between."""
+    found = []
+    with Simulation(scene) as simulation:
+        for step in range(6):
+            if step == 3:
+                before = simulation.save()
+                simulation.step(0.003)
+                simulation.restore(before)
+            simulation.step()
+            found.append((simulation.positions.copy(), simulation.velocities.copy()))
+    return found
+
+
+@pytest.mark.parametrize("parts", [{}, {"energy": True}, GROUND, {"error_estimate": True}], ids=["bare", "energy", "ground", "estimate"])
+@pytest.mark.parametrize("method", ["leapfrog", "bm4", "dop853"])
+def test_threads_give_the_bits_of_one(method, parts):
+    keys = {"velocities": "all", **parts}
+    alone, shared = (states(large(threads, solver={"method": method}, **keys)) for threads in (1, 3))
+    for one, other in zip(alone, shared, strict=True):
+        assert all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
+    assert not np.array_equal(alone[0][0], alone[-1][0])
+
+
+def tasks():
+    return len(list(TASKS.iterdir()))
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="counts the process's threads by Linux's table of them")
+@pytest.mark.parametrize(
+    "threads, points, keys, more",
+    [
+        (1, SIDES, {}, 0),
+        (3, SIDES, {}, 2),
+        (3, SIDES, {"error_estimate": True}, 2),
+        (64, SIDES, {}, 2),
+        (2, [4, 4, 4], {}, 0),
+    ],
+)
+def test_there_are_the_threads_that_the_lattice_has_work_for_while_an_instance_lives(threads, points, keys, more):
+    before = tasks()
+    for _ in range(10):
+        with Simulation(large(threads, points, **keys)) as one, Simulation(large(threads, points, **keys)):
+            one.step()
+            assert tasks() == before + 2 * more
+    assert tasks() == before
+
+
+def test_a_lattice_with_too_little_work_says_so():
+    def said(threads, points):
+        with Simulation(large(threads, points)) as simulation:
+            simulation.step()
+            return [message.text for message in simulation.log if "solver.threads" in message.text]
+
+    assert said(2, [4, 4, 4]) == ["solver.threads = 2: a lattice of 64 control points has work for 1"]
+    assert said(10, SIDES) == ["solver.threads = 10: a lattice of 1728 control points has work for 3"]
+    assert said(3, SIDES) == said(1, SIDES) == []
+
+
+def test_one_thread_leaves_no_trace_in_an_fmu():
+    mass = np.ones(64)
+    plain, asked = scene_records(box(), mass), scene_records(box(solver={"threads": 1}), mass)
+    assert plain == asked and "threads" not in plain
+    assert scene_records(box(solver={"threads": 2}), mass) == plain + "threads 2\n"
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="for systems that fork")
+def test_the_child_of_a_fork_goes_on_alone():
+    with Simulation(large(3)) as simulation:
+        simulation.step()
+        reading, writing = os.pipe()
+        child = os.fork()
+        if child == 0:
+            simulation.step()
+            os.write(writing, simulation.positions.tobytes())
+            simulation.close()
+            os._exit(0)
+        os.close(writing)
+        with os.fdopen(reading, "rb") as answer:
+            told = answer.read()
+        assert os.waitpid(child, 0)[1] == 0
+        simulation.step()
+        assert told == simulation.positions.tobytes()
