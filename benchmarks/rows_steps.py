@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from boxes import STEP, box
 from measured import NotMeasured, Pair, require_alike, row
@@ -49,6 +52,37 @@ def of_size(side: int, goal: float | None = None) -> None:
 of_size(8)
 of_size(16)
 of_size(32, goal=1.0)
+
+
+@row("steps", "32^3 with two threads", "with one thread, wall time", goal=1 / 1.7)
+def two_threads() -> Iterator[Pair]:
+    """On two processors: there is nothing to measure on one."""
+    count = steps_of(32)
+    with all_processors(2), Simulation(box(32, solver={"threads": 2})) as two, Simulation(box(32)) as one:
+        for each in (one, two):
+            each.step(STEP)
+        yield Pair(lambda: wall_time(lambda: two.step(count * STEP)), lambda: wall_time(lambda: one.step(count * STEP)), per=count)
+
+
+def wall_time(call: Callable[[], object]) -> float:
+    began = time.perf_counter()
+    call()
+    return time.perf_counter() - began
+
+
+@contextmanager
+def all_processors(least: int) -> Iterator[None]:
+    """For this process, which else has one."""
+    if not hasattr(os, "sched_setaffinity") or (os.cpu_count() or 1) < least:
+        raise NotMeasured(f"wants {least} processors")
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, range(os.cpu_count() or 1))
+    try:
+        if len(os.sched_getaffinity(0)) < least:
+            raise NotMeasured(f"wants {least} processors")
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
 
 
 def implicit_of_size(side: int) -> None:
