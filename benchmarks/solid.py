@@ -1,0 +1,111 @@
+"""What a solid of springs is worth by its points a side: a clamped cube's deflections against elasticity, and a pressed pad's force.
+
+    python benchmarks/solid.py                                # the tables
+    python benchmarks/solid.py docs/methods.md README.md      # and in place of those in these pages
+
+The cube is pinned at x = 0 and loaded so little that it is linear; implicit steps take it to rest. The reference, `tests/data/solid.json`,
+is a finite-element solution with nothing of this program in it. The pad is a cube of 20 mm of 1 MPa between plates of friction 0.8,
+pressed to nine tenths of its height in half a second and held.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from softffd import Simulation, simulate
+from softffd.scene.scene import scene_from
+
+REFERENCE = json.loads((Path(__file__).resolve().parents[1] / "tests" / "data" / "solid.json").read_text())
+LOADS = {"end pull": 0, "own weight along": 0, "end shear": 2, "own weight across": 2}
+"""The axis along which each acts"""
+POINTS = (4, 7, 13)
+PAD_POINTS = (4, 5, 7, 10, 13)
+MODULUS, DENSITY, SMALL = 1e6, 1e3, 1e-6
+"""Pa, kg/m3; the load by the modulus: strains are as small"""
+SIDE = 0.02
+"""m, of the pad"""
+
+
+def main() -> None:
+    """Prints the tables, and writes them into the pages that are named."""
+    tables = [deflections(), pads()]
+    print("\n\n".join(tables))
+    for page in map(Path, sys.argv[1:]):
+        text = page.read_text()
+        for table in tables:
+            head = re.escape(table.splitlines()[0])
+            text = re.sub(rf"^{head}\n(\|.*\n)*", lambda _, new=table: new + "\n", text, flags=re.MULTILINE)
+        page.write_text(text)
+
+
+def deflections() -> str:
+    """Errors of the mean tip displacement, a line a load."""
+    lines = ["| load | " + " | ".join(f"{n} points a side" for n in POINTS) + " |", "|---" * (1 + len(POINTS)) + "|"]
+    for load in LOADS:
+        errors = [100 * error(n, load) for n in POINTS]
+        lines.append(f"| {load} | " + " | ".join(f"{e:.1f} %" if abs(e) >= 1 else f"{e:.2f} %" for e in errors) + " |")
+    return "\n".join(lines)
+
+
+def error(n: int, load: str) -> float:
+    """Of the tip's displacement at rest, as a share of the reference's."""
+    axis, weight = LOADS[load], "weight" in load
+    scene = scene_from(
+        {
+            "lattice": {"points": [n, n, n]},
+            "material": {"youngs_modulus": MODULUS, "internal_damping": 0.03},
+            "mass": {"density": DENSITY},
+            "environment": {"gravity": [SMALL * MODULUS / DENSITY * (weight and a == axis) for a in range(3)]},
+            "pin": [{"name": "wall", "points": "x-"}],
+            "inputs": {"forces": "x+"},
+            "solver": {"method": "backward_euler"},
+        }
+    )
+    share = np.ones(n)
+    share[[0, -1]] = 0.5  # points on the face's edges hold half as much of it as those inside, corners a quarter
+    share = np.outer(share, share) / (n - 1) ** 2
+    with Simulation(scene) as sim:
+        tip = [f"{n - 1},{j},{k}].{'xyz'[axis]}" for j in range(n) for k in range(n)]
+        if not weight:
+            sim.block("force[" + point for point in tip).set((SMALL * MODULUS * share).ravel().tolist())
+        place = sim.block("position[" + point for point in tip)
+        before = place.get().copy()
+        for _ in range(4):
+            sim.step(1.0)  # some five periods each, of which implicit steps leave nothing
+        return float(share.ravel() @ (place.get() - before) / SMALL / REFERENCE[load]) - 1
+
+
+def pads() -> str:
+    """The force of the pad, a column a lattice."""
+    forces = " | ".join(f"{pad_force(n):.2f} N" for n in PAD_POINTS)
+    return f"| points a side | {' | '.join(map(str, PAD_POINTS))} |\n" + "|---" * (1 + len(PAD_POINTS)) + f"|\n| force | {forces} |"
+
+
+def pad_force(n: int) -> float:
+    """On the upper plate [N], held."""
+    above = {"name": "above", "point": [0.0, 0.0, SIDE], "normal": [0.0, 0.0, -1.0], "motion": "input", "inputs": ["point.z", "velocity.z"]}
+    scene = scene_from(
+        {
+            "lattice": {"points": [n, n, n], "size": [SIDE, SIDE, SIDE]},
+            "material": {"youngs_modulus": MODULUS},
+            "mass": {"density": DENSITY},
+            "plane": [{"name": "below", "friction": 0.8}, above | {"friction": 0.8}],
+            "solver": {"method": "backward_euler"},
+            "experiment": {"stop_time": 0.8, "communication_step": 0.1},
+        }
+    )
+    speed = -SIDE / 5  # m/s, for half a second
+    pressed = simulate(
+        scene,
+        inputs=lambda t: {"plane.above.point.z": SIDE + speed * min(t, 0.5), "plane.above.velocity.z": speed * (t < 0.5)},
+    )
+    return float(pressed.outputs["plane.above.reaction.z"][-1])
+
+
+if __name__ == "__main__":
+    main()
