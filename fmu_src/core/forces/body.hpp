@@ -32,7 +32,23 @@ struct Body {
   double elastic_energy(const Points& x) const { return springs.energy(x) + (volume ? volume->energy(x) : 0.0); }
 };
 
-/// What the dashpots take of points at x that move with v [W]; scratch becomes (points, 3).
-double dashpot_power(const Springs& springs, const Points& x, const Points& v, Points& scratch);
+/// What the dashpots take of points at x that move with v [W].
+template <class V>
+double dashpot_power(const Springs& springs, const Points& x, const V& v) {
+  double power = 0;
+  for (const Springs::Row& row : springs.rows())
+    for (int lane = 0; lane < row.lanes(); ++lane) {
+      if (row.dashpot[lane] == 0) continue;
+      const int p = row.begin + lane, q = p + row.offset;
+      double along = 0, squared = kernels::smallest_square;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double d = x(q, axis) - x(p, axis);
+        along += d * (v(q, axis) - v(p, axis));
+        squared += d * d;
+      }
+      power += row.dashpot[lane] * along * along / squared;
+    }
+  return power;
+}
 
 }  // namespace softffd

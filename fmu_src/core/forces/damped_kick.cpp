@@ -12,19 +12,28 @@ constexpr double shrinking = 2.0 / 13;
 /// Stages beyond which rounding would show; kicks that need more are for implicit methods.
 constexpr int most_stages = 1000;
 
-/// Chebyshev's polynomial of degree n with its first two derivatives.
-struct Chebyshev {
-  double value, slope, bend;
+/// Chebyshev's polynomials at w, one after the other from degree 1 on, with their first two derivatives.
+class Chebyshev {
+ public:
+  explicit Chebyshev(double w) : w_(w), value(w) {}
+  void next() {
+    const double v = 2 * w_ * value - value_before_, s = 2 * value + 2 * w_ * slope - slope_before_;
+    const double b = 4 * slope + 2 * w_ * bend - bend_before_;
+    value_before_ = value, slope_before_ = slope, bend_before_ = bend;
+    value = v, slope = s, bend = b;
+  }
+
+ private:
+  double w_, value_before_ = 1, slope_before_ = 0, bend_before_ = 0;
+
+ public:
+  double value, slope = 1, bend = 0;
 };
 
-/// Degrees 0 to n at w.
-std::vector<Chebyshev> chebyshev(int n, double w) {
-  std::vector<Chebyshev> all{{1, 0, 0}, {w, 1, 0}};
-  for (int j = 2; j <= n; ++j) {
-    const Chebyshev &a = all[j - 1], &b = all[j - 2];
-    all.push_back({2 * w * a.value - b.value, 2 * a.value + 2 * w * a.slope - b.slope, 4 * a.slope + 2 * w * a.bend - b.bend});
-  }
-  return all;
+Chebyshev chebyshev(int degree, double w) {
+  Chebyshev polynomial(w);
+  for (int j = 1; j < degree; ++j) polynomial.next();
+  return polynomial;
 }
 
 double point_for(int stages) { return 1 + shrinking / (double(stages) * stages); }
@@ -32,7 +41,7 @@ double point_for(int stages) { return 1 + shrinking / (double(stages) * stages);
 /// Up to which time times rate a number of stages is stable.
 double stable_for(int stages) {
   const double w = point_for(stages);
-  const Chebyshev last = chebyshev(stages, w).back();
+  const Chebyshev last = chebyshev(stages, w);
   return (w + 1) * last.bend / last.slope;
 }
 
@@ -40,6 +49,8 @@ double stable_for(int stages) {
 
 DampedKick::DampedKick(int points) {
   for (Points* each : {&moving_, &start_slope_, &slope_, &before_, &stage_}) each->setZero(points, 3);
+  pinned_.reserve(points);
+  rows_.reserve(most_stages);
 }
 
 int DampedKick::stages(const Body& body, double t) {
@@ -56,14 +67,18 @@ void DampedKick::prepare(const Body& body, double t) {
     if (body.pinned[p]) pinned_.push_back(p);
   const int stages = DampedKick::stages(body, t);
   const double w0 = point_for(stages);
-  const std::vector<Chebyshev> T = chebyshev(stages, w0);
-  const double w1 = T[stages].slope / T[stages].bend;
-  const auto b = [&](int j) { return T[std::max(j, 2)].bend / (T[std::max(j, 2)].slope * T[std::max(j, 2)].slope); };
-  first_ = b(1) * w1;
+  const Chebyshev last = chebyshev(stages, w0), second = chebyshev(2, w0);
+  const double w1 = last.slope / last.bend;
+  const auto share = [](const Chebyshev& T) { return T.bend / (T.slope * T.slope); };
+  double b2 = share(second), b1 = b2, below = 1 - b1 * w0;  // b of degree j - 2 and j - 1, 1 - b T of degree j - 1
+  first_ = b1 * w1;
   rows_.clear();
-  for (int j = 2; j <= stages; ++j) {
-    const double step = 2 * b(j) * w1 / b(j - 1);
-    rows_.push_back({2 * b(j) * w0 / b(j - 1), -b(j) / b(j - 2), step, -(1 - b(j - 1) * T[j - 1].value) * step});
+  for (Chebyshev T(w0); int(rows_.size()) < stages - 1;) {
+    T.next();
+    const double b = share(T), step = 2 * b * w1 / b1;
+    rows_.push_back({2 * b * w0 / b1, -b / b2, step, -below * step});
+    below = 1 - b * T.value;
+    b2 = b1, b1 = b;
   }
 }
 
@@ -96,7 +111,7 @@ void DampedKick::apply(const Body& body, const Points& x, const Points& spring, 
 double DampedKick::loss(const Body& body, const Points& x, const Points& v0, const Points& v) {
   moving_ = 0.5 * (v0 + v);
   hold_pins(v0, moving_);
-  double power = dashpot_power(body.springs, x, moving_, slope_);
+  double power = dashpot_power(body.springs, x, moving_);
   for (int axis = 0; axis < 3; ++axis) power += (body.damping * moving_.col(axis).square()).sum();
   return t_ * power;
 }

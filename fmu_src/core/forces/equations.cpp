@@ -69,7 +69,7 @@ void Ledger::damp(const Equations& equations, double weight, const Points& x, co
   if (!watch_ || !equations.body.damped || equations.around.damping_unwatched) return;
   const Body& body = equations.body;
   for (int axis = 0; axis < 3; ++axis) dissipated_ += weight * (body.damping * v.col(axis).square()).sum();
-  if (body.springs.dashpots()) dissipated_ += weight * dashpot_power(body.springs, x, v, scratch_);
+  if (body.springs.dashpots()) dissipated_ += weight * dashpot_power(body.springs, x, v);
 }
 
 void Ledger::end(const Equations& equations, double sign, double t, const Points& x, const Points& v) {

@@ -55,7 +55,6 @@ class Ledger {
   void end(const Equations& equations, double sign, double t, const Points& x, const Points& v);
   std::vector<Impulse> pins_;
   double dissipated_ = 0, work_ = 0;
-  Points scratch_;
   bool watch_ = false, recording_ = false;
 };
 

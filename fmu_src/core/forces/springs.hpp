@@ -63,7 +63,8 @@ class Springs {
   }
   /// f -= C(x) v: what the dashpots exert on points at x that move with v, c ((v_b - v_a).u) u on the first point of a spring along the
   /// unit vector u, the opposite on the second. All (points, 3). A motion as a rigid body is not braked.
-  void add_dashpot_force(const Points& x, const Points& v, Points& f) const;
+  void add_dashpot_force(const Points& x, const Points& v, Points& f) const { add_dashpot_force(x, v, f.data()); }
+  void add_dashpot_force(const Points& x, const Points& v, double* f) const;
   /// Elastic energy at x [J].
   double energy(const Points& x) const;
   /// Number of springs; a doubled segment counts twice.
@@ -82,7 +83,8 @@ class Springs {
     kernels::SpringRow view() const { return {begin, lanes(), offset, stiffness.data(), rest_length.data()}; }
   };
   const std::vector<Row>& rows() const { return rows_; }
-  double* scratch() const { return scratch_.data(); }  ///< (6 * points), overwritten by every kernel call
+  /// (6 * points), overwritten by every kernel call; the second half by those of bounds alone.
+  double* scratch() const { return scratch_.data(); }
 
  private:
   void find_times();

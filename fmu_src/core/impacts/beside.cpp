@@ -14,9 +14,7 @@ double energy_lost(const Job& job, const State& from, double given) {
       sum += force * (to.x(p, axis) - from.x(p, axis)) - body.damping[p] * h * mean * mean - body.mass[p] * mean * change;
     }
   if (!body.springs.dashpots()) return sum;
-  Points scratch;
-  const Points mean = 0.5 * (from.v + to.v);
-  return sum - h * dashpot_power(body.springs, to.x, mean, scratch);
+  return sum - h * dashpot_power(body.springs, to.x, 0.5 * (from.v + to.v));
 }
 
 void book_energies(const Job& job, const State& from, const Points& booked, const Exchange& before) {

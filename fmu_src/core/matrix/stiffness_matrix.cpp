@@ -1,7 +1,5 @@
 #include "matrix/stiffness_matrix.hpp"
 
-#include <limits>
-
 #include "matrix/spring_assembly.hpp"
 #include "matrix/volume_hessian.hpp"
 
@@ -9,25 +7,28 @@ namespace softffd {
 
 namespace {
 
-/// A row's matrices with those of its dashpots, which are u u^T: what a spring has that is infinitely far below its rest length.
-class WithDashpots {
- public:
-  WithDashpots(const Body& body, const Springs::Row& row, const Points& x, double per_time, const double* bounds, Scalars& sums)
-      : lanes_(row.lanes()), entries_(6 * lanes_) {
-    const Scalars push = per_time * row.dashpot, far = Scalars::Constant(lanes_, std::numeric_limits<double>::infinity());
-    for (int c = 0; c < 6; ++c) part(c) = row.stiffness * Eigen::Map<const Scalars>(bounds + c * lanes_, lanes_);
-    kernels::SpringRow along = row.view();
-    along.rest_length = far.data();
-    Scalars directions(6 * lanes_);
-    kernels::add_stiffness_bounds(along, body.points(), x.data(), push.data(), push.data(), sums.data(), directions.data());
-    for (int c = 0; c < 6; ++c) part(c) += push * directions.segment(c * lanes_, lanes_);
-  }
-  double operator()(int lane, int component) const { return entries_[component * lanes_ + lane]; }
+/// What a row's dashpots add, c per_time u u^T.
+struct AlongDashpots {
+  const Springs::Row& row;
+  const Points& x;
+  double per_time;
 
- private:
-  Eigen::VectorBlock<Scalars> part(int c) { return entries_.segment(c * lanes_, lanes_); }
-  int lanes_;
-  Scalars entries_;
+  double operator()(int lane, int a, int b) const {
+    const int p = row.begin + lane, q = p + row.offset;
+    double squared = kernels::smallest_square;
+    for (int axis = 0; axis < 3; ++axis) squared += (x(q, axis) - x(p, axis)) * (x(q, axis) - x(p, axis));
+    return per_time * row.dashpot[lane] * (x(q, a) - x(p, a)) * (x(q, b) - x(p, b)) / squared;
+  }
+  void add_to(Scalars& sums) const {
+    const int n = int(x.rows());
+    for (int lane = 0; lane < row.lanes(); ++lane)
+      for (int a = 0; a < 3; ++a)
+        for (int b = a; b < 3; ++b) {
+          const double entry = (*this)(lane, a, b);
+          double* sum = sums.data() + component[a][b] * n + row.begin + lane;
+          *sum += entry, sum[row.offset] += entry;
+        }
+  }
 };
 
 }  // namespace
@@ -40,10 +41,14 @@ void assemble(const Body& body, const Points& x, const Scalars& diagonal, Scalar
   for (const Springs::Row& row : body.springs.rows()) {
     const double* k = row.stiffness.data();
     kernels::add_stiffness_bounds(row.view(), body.points(), x.data(), k, k, sums.data(), bounds);
-    if (dashpots)
-      set_couplings(body, row, matrix, WithDashpots(body, row, x, per_time, bounds, sums));
-    else
-      set_couplings(body, row, matrix, [&](int lane, int component) { return k[lane] * bounds[component * row.lanes() + lane]; });
+    const auto spring = [&](int lane, int component) { return k[lane] * bounds[component * row.lanes() + lane]; };
+    if (!dashpots) {
+      set_couplings(body, row, matrix, spring);
+      continue;
+    }
+    const AlongDashpots dashpot{row, x, per_time};
+    dashpot.add_to(sums);
+    set_couplings(body, row, matrix, [&](int lane, int c) { return spring(lane, c) + dashpot(lane, axes[c][0], axes[c][1]); });
   }
   set_diagonal_blocks(body, sums, diagonal, matrix);
   if (body.volume) add_stiffness(*body.volume, x, body.pinned, matrix);

@@ -37,8 +37,13 @@ double reach(const Body& body, double time_scale) {
 double size(const Equations& equations, const State& state, const Scalars& time_scale, bool with_extension, double slowest,
             const Vec3& whole) {
   const Body& body = equations.body;
-  Points scratch;
-  const Points& inner = equations.inner(state.x, state.v, state.spring, scratch);
+  const double* inner = state.spring.data();
+  if (body.springs.dashpots()) {
+    double* forces = body.springs.scratch() + state.x.size();
+    std::copy_n(inner, state.x.size(), forces);
+    body.springs.add_dashpot_force(state.x, state.v, forces);
+    inner = forces;
+  }
   double amplitude = 0, sum = 0;  // of what is compared
   const auto consider = [&](double size) {
     amplitude = std::max(amplitude, size);
@@ -59,7 +64,7 @@ double size(const Equations& equations, const State& state, const Scalars& time_
   for (int i = 0; i < time_scale.size(); ++i) {
     if (time_scale[i] >= slowest) continue;
     const double time = reach(body, time_scale[i]);
-    const double a = body.inverse_mass[i] * (inner.data()[i] + outside_less_damping(equations, state, i));
+    const double a = body.inverse_mass[i] * (inner[i] + outside_less_damping(equations, state, i));
     if (body.inverse_mass[i] > 0) consider(std::abs(a - whole[i / body.points()]) * time * time);
   }
   return std::isfinite(sum) ? 2 * amplitude : std::numeric_limits<double>::infinity();

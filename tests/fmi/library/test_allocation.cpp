@@ -12,7 +12,8 @@ struct Case {
   std::string parts;
   bool stiff = false;  ///< and not vibrating; for the methods that take implicit steps
   std::string spin = "0 0 0";
-  long modes = 0;  ///< requests at most, where modes are made at the first flight beside an obstacle, and for the run beside it
+  long modes = 0;  ///< requests at most in the first step, where modes are made at the first flight beside an obstacle, or what internal
+                   ///< damping takes, and for the run beside it
 };
 
 const std::string modulus = "youngs_modulus 3e3\nregion_youngs_modulus 6e3 0 1 3 4 9 10 12 13\n";
@@ -35,6 +36,8 @@ const std::vector<Case>& cases() {
                                       {"stiff, in contact", damped + heavy + planes + watched + "error_estimate\n", true, "0 0 0", 60},
                                       {"volume stiffness", damped + heavy + planes + "volume_stiffness 1e4\n"},
                                       {"a modulus", heavy + planes + modulus},
+                                      {"internal damping", heavy + planes + pins + "internal_damping 1e-4\n", false, "0 0 0", 60},
+                                      {"stiff, internal damping", damped + driven + "internal_damping 1e-4\n", true, "0 0 0", 60},
                                       {"everything", everything}};
   return list;
 }
