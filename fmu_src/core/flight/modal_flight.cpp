@@ -54,7 +54,6 @@ ModalFlight::ModalFlight(const Lattice& lattice)
     : rest_(rest_positions(lattice)), cell_(shortest_cell_side(lattice)), x_(rest_), v_(rest_), outside_(rest_) {}
 
 bool ModalFlight::possible(const Body& body) {
-  if (body.springs.dashpots()) return false;  // they couple modes where they differ, and fast ones do not swing
   if (version_ != body.version) {
     modes_.make(body, rest_);
     version_ = body.version;

@@ -13,8 +13,7 @@ double energy_lost(const Job& job, const State& from, double given) {
       const double force = job.drive.force(p, axis) + (job.drive.ramped ? job.drive.ramp(p + axis * body.points(), middle) : 0);
       sum += force * (to.x(p, axis) - from.x(p, axis)) - body.damping[p] * h * mean * mean - body.mass[p] * mean * change;
     }
-  if (!body.springs.dashpots()) return sum;
-  return sum - h * dashpot_power(body.springs, to.x, 0.5 * (from.v + to.v));
+  return sum;
 }
 
 void book_energies(const Job& job, const State& from, const Points& booked, const Exchange& before) {

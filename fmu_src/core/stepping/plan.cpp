@@ -59,10 +59,14 @@ Plan impacts(bool rings) {
   return {.method = Method::backward_euler, .steps = Steps::impacts, .reason = Reason::stiff_contact, .rings = rings};
 }
 
-/// An obstacle is within reach: what is not stiff takes leapfrog.
+/// An obstacle is within reach: what is not stiff takes leapfrog. So does what has internal damping, which the modes of a flight do not
+/// know, so that nothing would see the echo of an impact; unless its impacts are to be passed over.
 Plan plan_contact(const Facts& facts, const Asked& asked) {
   if (!facts.stiffness) return wanting(Want::stiffness);
-  if (may_be_stiff(facts, asked) && stiff(facts)) return impacts(false);
+  if (may_be_stiff(facts, asked) && stiff(facts)) {
+    if (!facts.dashpots) return impacts(false);
+    if (asked.method == Method::backward_euler) return {.method = asked.method, .steps = Steps::implicit, .reason = asked.reason};
+  }
   const Steps steps = !facts.given_step ? Steps::doubled : facts.counted ? Steps::counted : Steps::fitted;
   return {.method = Method::leapfrog, .steps = steps, .reason = asked.method == Method::leapfrog ? asked.reason : Reason::contact};
 }
@@ -81,7 +85,7 @@ Plan plan(const Facts& facts) {
     if (!facts.within_reach) return wanting(Want::within_reach);
     if (*facts.within_reach) return plan_contact(facts, wanted);
   }
-  if (chosen(wanted.method) && may_be_stiff(facts, wanted) && !facts.pins) {  // its vibrations matter to the next impact
+  if (chosen(wanted.method) && may_be_stiff(facts, wanted) && !facts.pins && !facts.dashpots) {  // its vibrations matter to the next impact
     if (!facts.stiffness) return wanting(Want::stiffness);
     if (stiff(facts) && !facts.rings) return wanting(Want::rings);
     if (stiff(facts) && *facts.rings) return impacts(true);

@@ -74,6 +74,16 @@ TEST(methods_that_cannot_follow_internal_damping_give_way) {
       is(plan({.asked = Method::central_difference, .damped = true, .dashpots = true}), Method::leapfrog, Steps::fitted, Reason::damping));
 }
 
+TEST(stiff_bodies_with_internal_damping_take_explicit_steps_beside_obstacles_unless_impacts_are_to_be_passed_over) {
+  for (const Method method : {Method::automatic, Method::ros34pw2, Method::backward_euler}) {
+    Facts facts = stiff(method);
+    facts.damped = facts.dashpots = true;
+    const bool over = method == Method::backward_euler;
+    CHECK(plan(facts).steps == (over ? Steps::implicit : Steps::doubled));
+    CHECK(plan(facts).method == (over ? method : Method::leapfrog));
+  }
+}
+
 TEST(obstacles_out_of_reach_change_nothing_but_that_the_way_back_is_kept) {
   CHECK(is(plan(near(Method::leapfrog)), Method::leapfrog, Steps::fitted, Reason::asked));
   CHECK(is(plan(near(Method::bm4)), Method::bm4, Steps::fitted, Reason::asked, Retreat::from_obstacle));
