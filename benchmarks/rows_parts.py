@@ -44,6 +44,7 @@ def lap(simulation: Simulation) -> float:
 
 
 part("damping", material={"damping": 0.01})
+part("internal damping", material={"internal_damping": 1e-4})
 part("gravity", **GRAVITY)
 part("a load", load=[{"name": "push", "points": "x+"}])
 part("64 force inputs", inputs={"forces": "all"})
