@@ -128,3 +128,27 @@ TEST(an_instance_may_wander_from_thread_to_thread) {
   CHECK(positions == alone.positions);
   fmi2FreeInstance(c);
 }
+
+TEST(instances_with_threads_of_their_own_give_the_bits_of_one) {
+  const small_scene::Box box{.side = 11};
+  const unsigned count = 3 * 11 * 11 * 11;
+  const auto end = [&](const std::string& uri) {
+    const fmi2CallbackFunctions callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
+    fmi2Component c = fmi2Instantiate("shared", fmi2CoSimulation, "{g}", uri.c_str(), &callbacks, fmi2False, fmi2False);
+    CHECK(begin(c) == 0);
+    for (int n = 0; n < 3; ++n) CHECK(fmi2DoStep(c, n * 0.01, 0.01, fmi2True) == fmi2OK);
+    std::vector<double> positions(count);
+    std::vector<fmi2ValueReference> references(count);
+    for (unsigned i = 0; i < count; ++i) references[i] = unsigned(Family::position) << 24 | i;
+    CHECK(fmi2GetReal(c, references.data(), count, positions.data()) == fmi2OK);
+    fmi2FreeInstance(c);
+    return positions;
+  };
+  const std::string shared = box.resources("energy\nerror_estimate\nthreads 2\n");
+  const std::vector<double> alone = end(box.resources("energy\nerror_estimate\n"));
+  std::vector<double> found[3];
+  std::vector<std::thread> hosts;
+  for (auto& positions : found) hosts.emplace_back([&] { positions = end(shared); });
+  for (std::thread& host : hosts) host.join();
+  for (const auto& positions : found) CHECK(positions == alone);
+}
