@@ -1,0 +1,61 @@
+"""The scenes of real materials do what their comments say."""
+
+import numpy as np
+import pytest
+
+from softffd import Result, Simulation, load_scene, simulate
+
+STRETCH, MASS = 1e-3, 5.0
+"""s of a step, kg of what the bumper stops"""
+
+
+def run(name: str) -> Result:
+    scene = load_scene(name)
+    return simulate(scene, inputs=scene.default_inputs)
+
+
+def within(result: Result, begin: float, end: float, *names: str) -> np.ndarray:
+    """Means [SI] of outputs between two times [s]."""
+    rows = (result.time > begin) & (result.time < end)
+    return np.array([np.mean(result.outputs[name][rows]) for name in names])
+
+
+def test_the_pad_presses_and_leans_without_sliding_until_it_is_lifted():
+    result = run("pad")
+    force = ("plane.plate.reaction.x", "plane.plate.reaction.z", "energy.elastic")
+    assert within(result, 0.15, 0.2, *force) == pytest.approx([0, -84.4, 0.043], rel=5e-3, abs=1e-6)
+    assert within(result, 0.35, 0.4, *force) == pytest.approx([24.6, -81.8, 0.055], rel=1e-2)
+    lost = result.outputs["energy.dissipated"]
+    assert lost[result.time < 0.4].max() < 1e-4 and lost[-1] == pytest.approx(0.014, rel=0.05)
+    assert result.deformation()[-1] < 1e-6
+
+
+def test_the_beam_rings_down_by_its_damping_ratio_about_its_bent_shape():
+    result = run("beam")
+    drop = result.outputs["probe.tip.z"][0] - result.outputs["probe.tip.z"]
+    assert (drop.max(), result.time[drop.argmax()]) == pytest.approx((6.13e-3, 0.05), rel=5e-3)
+    assert result.outputs["pin.wall.reaction.z"][-1] == pytest.approx(-1100 * 4e-5 * 9.81, rel=0.03)
+    half = np.pi / 66.5  # s, of a swing, which turns there
+    turns = simulate(load_scene("beam").replace({"experiment.communication_step": half}), stop_time=8 * half)
+    left = np.abs(turns.outputs["probe.tip.z"] - turns.outputs["probe.tip.z"][0] + 3.32e-3)
+    assert np.polyfit(np.arange(9), np.log(left), 1)[0] == pytest.approx(-np.pi * 0.053, rel=0.03)
+
+
+def test_the_bumper_stops_a_mass_by_its_reaction_and_keeps_two_fifths_of_its_energy():
+    scene = load_scene("bumper")
+    z, v, force, course = 0.1, -1.0, 0.0, []
+    with Simulation(scene) as sim:
+        while sim.time < scene.experiment.stop_time - STRETCH / 2:
+            mean = v + STRETCH / 2 * force / MASS
+            sim["plane.plate.point.z"], sim["plane.plate.velocity.z"] = z, mean
+            sim.step(STRETCH)
+            force = sim["plane.plate.reaction.z"]
+            z, v = z + STRETCH * mean, v + STRETCH * force / MASS
+            course.append((z, force))
+        lost = sim["energy.dissipated"]
+    lowest, strongest = np.min(course, axis=0)[0], np.max(course, axis=0)[1]
+    assert (lowest, strongest, v, lost) == pytest.approx((0.0838, 232, 0.778, 0.986), rel=5e-3)
+    assert lost == pytest.approx(MASS / 2 * (1 - v**2), abs=5e-3)
+    given = run("bumper")
+    assert given.inputs["plane.plate.point.z"][-1] == pytest.approx(z, abs=1e-5)
+    assert STRETCH * given.outputs["plane.plate.reaction.z"].sum() == pytest.approx(MASS * (1 + v), rel=5e-3)
