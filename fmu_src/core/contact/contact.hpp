@@ -51,13 +51,18 @@ class Contact {
   /// Moves points out of planes at a communication point; velocities stay. Sets `moved` if there was any.
   StepStatus clear_jumps(const Body& body, const Drive& around, double time, Points& x, bool& moved);
 
+  /// Before steps of size h from t0 on.
+  void begin(const Drive& around, double t0, double h);
+
   /// After the free drift x1 = x0 + h v: corrects x1 and v of the points that would be behind a plane. `before`: v before the kick.
   StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, Exchange& exchange);
 
-  /// Before the closing half kick: remembers the velocities of the points that the last drift corrected.
-  void hold(const Points& v);
-  /// After it: corrects them.
+  /// After the closing half kick: corrects v of the points that the last drift corrected.
   StepStatus close(const StepView& step, Points& v, Exchange& exchange);
+
+  /// After that, where the next opening half kick and its free drift of size h have been done without the correction: does them again for
+  /// these points. So they are at hand for the drift after it, which need not look them up if it takes the same points behind the plane.
+  void go_on(double h, Points& v, Points& x1);
 
   bool touched() const { return !touched_.empty(); }
   /// The points that the last drift took behind a plane.
@@ -66,21 +71,27 @@ class Contact {
   Count impacts() const { return impacts_; }
 
  private:
-  void find(const StepView& step, const Points& x1);
+  bool find(const StepView& step, const Points& x1);
   bool gather(const StepView& step, const Points& before, const Points& v, const Points& x1);
-  StepStatus several_contacts(const StepView& step, Octet& octet, int lane, Vec3& x1, Vec3& v, Exchange& exchange);
-  StepStatus close_lane(const StepView& step, Octet& octet, int lane, Exchange& exchange);
-  template <class Wanted>
-  unsigned lanes_where(const Octet& octet, Wanted wanted) const;
   static void book(const Octet& octet, unsigned lanes, Impulse& plane);
-  void book(Octet& octet, int lane, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const;
   int deepest(const Vec3& x1) const;
 
-  std::vector<HalfSpace> start_, end_;  ///< the planes at a moment that is looked at, and at the end of the step
-  std::vector<Approach> approach_;      ///< the planes during a step in which points touch
-  std::vector<int> touched_;            ///< the points that the last drift took behind a plane
-  std::vector<Octet> octets_;           ///< those of them that no pin holds, by plane; the first so many:
+  // several_contacts.cpp
+  StepStatus drift_lanes(const StepView& step, const Points& v, const Points& x1, Octet& octet, Exchange& exchange);
+  StepStatus drift_lane(const StepView& step, Octet& octet, int lane, Vec3& x1, Vec3& v, Exchange& exchange);
+  StepStatus close_lanes(const StepView& step, Points& v, Octet& octet, Exchange& exchange);
+  StepStatus close_lane(const StepView& step, const Points& kicked, Octet& octet, int lane, Exchange& exchange);
+  unsigned alone_after_drift(const Octet& octet) const;
+  unsigned alone_at_the_end(const Octet& octet, double contact) const;
+  void book(Octet& octet, int lane, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const;
+
+  std::vector<HalfSpace> start_, end_;        ///< the planes at a moment that is looked at, and at the end of the step
+  std::vector<Approach> approach_;            ///< the planes during a step in which points touch
+  std::vector<unsigned char> behind_, were_;  ///< plane by plane the points that the last two drifts took behind it, a bit each
+  std::vector<int> touched_;                  ///< those of the last
+  std::vector<Octet> octets_;                 ///< those of them that no pin holds, by plane; the first so many:
   int used_ = 0;
+  bool at_hand_ = false;   ///< octets hold the step that has begun
   Octet unsettled_;        ///< before its closing correction
   std::vector<int> open_;  ///< (planes) octet that still has room
   std::vector<Constraint> constraints_;

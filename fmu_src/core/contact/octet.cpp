@@ -8,11 +8,32 @@ namespace kernels {
 
 template <int n>
 INNER Triple<n> load(const Octet::Vector& v, int lane) {
-  return load<n>(v[0] + lane, Octet::lanes);
+  return {load<n>(v[0] + lane), load<n>(v[1] + lane), load<n>(v[2] + lane)};
 }
 template <int n>
 INNER void store(Octet::Vector& to, int lane, const Triple<n>& v) {
-  store<n>(to[0] + lane, Octet::lanes, v);
+  store<n>(to[0] + lane, v.x), store<n>(to[1] + lane, v.y), store<n>(to[2] + lane, v.z);
+}
+/// Between the numbers of all points and lanes.
+template <int n>
+INNER Lanes<n> fetch(const Octet& octet, const double* from, int lane) {
+  if (octet.whole()) return load<n>(from + octet.point[0] + lane);
+  Lanes<n> each;
+  for (int i = 0; i < n; ++i) each[i] = from[octet.point[lane + i]];
+  return each;
+}
+template <int n>
+INNER Triple<n> fetch(const Octet& octet, const Points& from, int lane) {
+  const double* x = from.data();
+  return {fetch<n>(octet, x, lane), fetch<n>(octet, x + from.rows(), lane), fetch<n>(octet, x + 2 * from.rows(), lane)};
+}
+template <int n>
+INNER void put(const Octet& octet, int lane, const Triple<n>& v, Points& to) {
+  if (octet.whole()) return store<n>(to.data() + octet.point[0] + lane, to.rows(), v);
+  for (int i = 0; i < n && lane + i < octet.count; ++i) {
+    double* at = to.data() + octet.point[lane + i];
+    at[0] = v.x[i], at[to.rows()] = v.y[i], at[2 * to.rows()] = v.z[i];
+  }
 }
 template <int n>
 INNER Triple<n> spread(const Vec3& v) {
@@ -32,6 +53,11 @@ template <int n>
 INNER Triple<n> material_velocity(const HalfSpace& plane, const Triple<n>& x) {
   return spread<n>(plane.velocity) + cross(spread<n>(plane.spin), x - spread<n>(plane.point));
 }
+/// The same where the plane is known to stay.
+template <int n>
+INNER Triple<n> surface_velocity(const Approach& plane, const HalfSpace& at, const Triple<n>& x) {
+  return plane.still ? Triple<n>{} : material_velocity(at, x);
+}
 template <int n>
 INNER Triple<n> tangential(const Triple<n>& normal, const Triple<n>& v) {
   return v - dot(normal, v) * normal;
@@ -41,10 +67,12 @@ INNER Triple<n> tangential(const Triple<n>& normal, const Triple<n>& v) {
 template <int n>
 INNER Triple<n> after_friction(const Lanes<n>& limit, const Triple<n>& slip_before, const Triple<n>& slip_after) {
   const Lanes<n> size = length(slip_after);
+  const auto held = size <= limit;
+  if (bits<n>(held) == (1u << n) - 1) return {};
   const Triple<n> mean = slip_before + slip_after;
   const Lanes<n> way = length(mean);
   const Triple<n> slides = choose(way > 0.0, slip_after - limit / way * mean, (1.0 - limit / size) * slip_after);
-  return choose(size <= limit, Triple<n>{}, slides);
+  return choose(held, Triple<n>{}, slides);
 }
 
 template <int n>
@@ -95,14 +123,15 @@ INNER Corrected<n> land(const Meeting<n>& m, const Triple<n>& acceleration) {
 template <int n>
 INNER Lanes<n> note(const HalfSpace& plane, const Triple<n>& x1, const Triple<n>& impulse, const Triple<n>& surface, int lane,
                     Octet& octet) {
-  store<n>(octet.impulse, lane, impulse);
-  store<n>(octet.torque, lane, cross(x1 - spread<n>(plane.point), Triple<n>{} - impulse));
+  const Triple<n> reaction = Triple<n>{} - impulse;
+  store<n>(octet.impulse, lane, reaction);
+  store<n>(octet.torque, lane, cross(x1 - spread<n>(plane.point), reaction));
   return dot(impulse, surface);
 }
 
 template <int n>
 INNER unsigned meet(const Approach& plane, double touching, Octet& octet) {
-  unsigned landed = 0;
+  unsigned landed = 0, on = 0;
   for (int lane = 0; lane < Octet::lanes; lane += n) {
     const Triple<n> normal = spread<n>(plane.end.normal), x0 = load<n>(octet.x0, lane), v = load<n>(octet.v, lane);
     const Lanes<n> gap0 = gap(plane.start, x0), gap1 = gap(plane.end, load<n>(octet.x1, lane));
@@ -113,38 +142,67 @@ INNER unsigned meet(const Approach& plane, double touching, Octet& octet) {
                              gap0,
                              gap1,
                              dot(normal, v) - (gap1 - gap0) / plane.h,
-                             tangential(normal, material_velocity(plane.middle, x0 + 0.5 * plane.h * v)),
-                             load<n>(octet.inertia + lane)};
+                             tangential(normal, surface_velocity(plane, plane.middle, x0 + 0.5 * plane.h * v)),
+                             load<n>(octet.opening + lane)};
     Corrected<n> corrected = stay(meeting, load<n>(octet.before, lane));
-    unsigned lands = 0;
-    for (int i = 0; i < n && lane + i < octet.count; ++i) lands |= unsigned(gap0[i] > touching) << i;
+    const auto there = gap0 > touching;
+    const unsigned lands = bits<n>(there) & octet.all() >> lane;
     if (lands) {
       const Triple<n> acceleration = (load<n>(octet.force, lane) - load<n>(octet.damping + lane) * v) / load<n>(octet.mass + lane);
       const Corrected<n> other = land(meeting, acceleration);
-      const auto there = gap0 > touching;
       corrected = {choose(there, other.x1, corrected.x1), choose(there, other.v, corrected.v),
                    choose(there, other.impulse, corrected.impulse)};
     }
     landed |= lands << lane;
+    on |= bits<n>(gap(plane.end, corrected.x1) <= touching) << lane;
     store<n>(octet.x1, lane, corrected.x1);
     store<n>(octet.v, lane, corrected.v);
     store<n>(octet.received, lane, corrected.impulse);
     store<n>(octet.work + lane,
-             note<n>(plane.end, corrected.x1, corrected.impulse, material_velocity(plane.end, corrected.x1), lane, octet));
+             note<n>(plane.end, corrected.x1, corrected.impulse, surface_velocity(plane, plane.end, corrected.x1), lane, octet));
   }
+  octet.alone = on & octet.all();
   return landed;
 }
 
 template <int n>
-INNER void settle(const Approach& plane, Octet& octet) {
+INNER void fetch_all(const Gathered& all, Octet& octet) {
   for (int lane = 0; lane < Octet::lanes; lane += n) {
-    const Triple<n> normal = spread<n>(plane.end.normal), x1 = load<n>(octet.x1, lane), v = load<n>(octet.v, lane);
-    const Triple<n> surface = material_velocity(plane.end, x1);
+    store<n>(octet.mass + lane, fetch<n>(octet, all.mass, lane));
+    store<n>(octet.damping + lane, fetch<n>(octet, all.damping, lane));
+    store<n>(octet.opening + lane, fetch<n>(octet, all.opening, lane));
+    store<n>(octet.closing + lane, fetch<n>(octet, all.closing, lane));
+    store<n>(octet.keep + lane, fetch<n>(octet, all.keep, lane));
+    store<n>(octet.gain + lane, fetch<n>(octet, all.gain, lane));
+    store<n>(octet.x0, lane, fetch<n>(octet, all.x0, lane));
+    store<n>(octet.before, lane, fetch<n>(octet, all.before, lane));
+    store<n>(octet.force, lane, fetch<n>(octet, all.spring, lane) + fetch<n>(octet, all.outside, lane));
+    store<n>(octet.x1, lane, fetch<n>(octet, all.x1, lane));
+    store<n>(octet.v, lane, fetch<n>(octet, all.v, lane));
+  }
+}
+
+template <int n>
+INNER void put_both(const Octet& octet, Points& x1, Points& v) {
+  for (int lane = 0; lane < Octet::lanes; lane += n) {
+    put<n>(octet, lane, load<n>(octet.x1, lane), x1);
+    put<n>(octet, lane, load<n>(octet.v, lane), v);
+  }
+}
+
+template <int n>
+INNER void settle(const Approach& plane, const Points& kicked, const Points& spring, const Points& outside, Octet& octet) {
+  for (int lane = 0; lane < Octet::lanes; lane += n) {
+    const Triple<n> normal = spread<n>(plane.end.normal), x1 = load<n>(octet.x1, lane), before = load<n>(octet.v, lane);
+    const Triple<n> v = fetch<n>(octet, kicked, lane);
+    store<n>(octet.spring, lane, fetch<n>(octet, spring, lane));
+    store<n>(octet.outside, lane, fetch<n>(octet, outside, lane));
+    const Triple<n> surface = surface_velocity(plane, plane.end, x1);
     const Lanes<n> reaction = positive<n>(dot(normal, surface) - dot(normal, v));
     const Triple<n> slip = tangential(normal, v - surface);
-    const Triple<n> unkicked = tangential(normal, load<n>(octet.unkicked, lane) - surface);
+    const Triple<n> unkicked = tangential(normal, before - surface);
     const Triple<n> left = after_friction<n>(plane.friction * reaction, unkicked, slip);
-    const Triple<n> change = reaction * normal + (left - slip), impulse = load<n>(octet.inertia + lane) * change;
+    const Triple<n> change = reaction * normal + (left - slip), impulse = load<n>(octet.closing + lane) * change;
     store<n>(octet.v, lane, v + change);
     store<n>(octet.received, lane, load<n>(octet.received, lane) + impulse);
     store<n>(octet.work + lane, load<n>(octet.work + lane) + note<n>(plane.end, x1, impulse, surface, lane, octet));
@@ -152,30 +210,72 @@ INNER void settle(const Approach& plane, Octet& octet) {
 }
 
 template <int n>
-INNER void weigh(double h, const Octet& octet, double* lost) {
+INNER void weigh(double h, Octet& octet, Points& v) {
   for (int lane = 0; lane < Octet::lanes; lane += n) {
-    const Triple<n> mean = 0.5 * (load<n>(octet.before, lane) + load<n>(octet.v, lane));
+    const Triple<n> force = 0.5 * (load<n>(octet.force, lane) + load<n>(octet.spring, lane) + load<n>(octet.outside, lane));
+    const Triple<n> now = load<n>(octet.v, lane), mean = 0.5 * (load<n>(octet.before, lane) + now);
+    put<n>(octet, lane, now, v);
     const Triple<n> travel = load<n>(octet.x1, lane) - load<n>(octet.x0, lane);
-    store<n>(lost + lane,
-             load<n>(octet.work + lane) - dot(load<n>(octet.received, lane), mean) - dot(load<n>(octet.force, lane), h * mean - travel));
+    store<n>(octet.lost + lane, load<n>(octet.work + lane) - dot(load<n>(octet.received, lane), mean) - dot(force, h * mean - travel));
   }
 }
 
 template <int n>
-INNER void gaps_of(const HalfSpace& plane, const Octet& octet, double* gaps) {
-  for (int lane = 0; lane < Octet::lanes; lane += n) store<n>(gaps + lane, gap(plane, load<n>(octet.x1, lane)));
+INNER void settle_and_weigh(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet) {
+  settle<n>(plane, v, spring, outside, octet);
+  weigh<n>(plane.h, octet, v);
 }
 
+template <int n>
+INNER void go_on(double h, Octet& octet, Points& all_x1, Points& all_v) {
+  for (int lane = 0; lane < Octet::lanes; lane += n) {
+    const Triple<n> force = load<n>(octet.spring, lane) + load<n>(octet.outside, lane);
+    const Triple<n> x0 = load<n>(octet.x1, lane), before = load<n>(octet.v, lane);
+    const Triple<n> v = load<n>(octet.keep + lane) * before + load<n>(octet.gain + lane) * force;
+    store<n>(octet.x0, lane, x0);
+    store<n>(octet.before, lane, before);
+    store<n>(octet.force, lane, force);
+    store<n>(octet.v, lane, v);
+    const Triple<n> x1 = x0 + h * v;
+    store<n>(octet.x1, lane, x1);
+    put<n>(octet, lane, v, all_v);
+    put<n>(octet, lane, x1, all_x1);
+  }
+}
+
+template <int n>
+INNER Sides sides(const HalfSpace& plane, const Octet& octet, double bound) {
+  Sides all{0, 0};
+  for (int lane = 0; lane < Octet::lanes; lane += n) {
+    const Lanes<n> gaps = gap(plane, load<n>(octet.x1, lane));
+    all.at_least |= bits<n>(gaps >= bound) << lane;
+    all.at_most |= bits<n>(gaps <= bound) << lane;
+  }
+  return all;
+}
+
+const auto fetch_here = chosen<fetch_all<2>, fetch_all<4>, fetch_all<8>>();
 const auto meet_here = chosen<meet<2>, meet<4>, meet<8>>();
+const auto put_here = chosen<put_both<2>, put_both<4>, put_both<8>>();
 const auto settle_here = chosen<settle<2>, settle<4>, settle<8>>();
 const auto weigh_here = chosen<weigh<2>, weigh<4>, weigh<8>>();
-const auto gaps_here = chosen<gaps_of<2>, gaps_of<4>, gaps_of<8>>();
+const auto settle_and_weigh_here = chosen<settle_and_weigh<2>, settle_and_weigh<4>, settle_and_weigh<8>>();
+const auto go_on_here = chosen<go_on<2>, go_on<4>, go_on<8>>();
+const auto sides_here = chosen<sides<2>, sides<4>, sides<8>>();
 
 }  // namespace kernels
 
+void fetch(const Gathered& all, Octet& octet) { kernels::fetch_here(all, octet); }
 unsigned meet(const Approach& plane, double touching, Octet& octet) { return kernels::meet_here(plane, touching, octet); }
-void settle(const Approach& plane, Octet& octet) { kernels::settle_here(plane, octet); }
-void weigh(double h, const Octet& octet, Octet::Number& lost) { kernels::weigh_here(h, octet, lost); }
-void gaps_of(const HalfSpace& plane, const Octet& octet, Octet::Number& gaps) { kernels::gaps_here(plane, octet, gaps); }
+void put(const Octet& octet, Points& x1, Points& v) { kernels::put_here(octet, x1, v); }
+void settle(const Approach& plane, const Points& v, const Points& spring, const Points& outside, Octet& octet) {
+  kernels::settle_here(plane, v, spring, outside, octet);
+}
+void weigh(double h, Octet& octet, Points& v) { kernels::weigh_here(h, octet, v); }
+void settle_and_weigh(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet) {
+  kernels::settle_and_weigh_here(plane, v, spring, outside, octet);
+}
+void go_on(double h, Octet& octet, Points& x1, Points& v) { kernels::go_on_here(h, octet, x1, v); }
+Sides sides(const HalfSpace& plane, const Octet& octet, double gap) { return kernels::sides_here(plane, octet, gap); }
 
 }  // namespace softffd

@@ -31,6 +31,7 @@ void Reactions::find(const StepView& step) {
 void Reactions::open(const StepView& step, const Points& v0) {
   kick(step, v0);
   x_ = step.x0 + step.h * held_;
+  trial_.begin(step.around, step.t0, step.h);
   if (trial_.drift(step, v0, held_, x_, nowhere_) != StepStatus::ok) return clear();
   find(step);
   for (const int p : trial_.points()) {  // those that land now are not held yet
@@ -44,7 +45,6 @@ void Reactions::open(const StepView& step, const Points& v0) {
 void Reactions::close(const StepView& step, const Contact& contact, const Points& v0) {
   trial_ = contact;
   kick(step, v0);
-  trial_.hold(v0);
   if (trial_.close(step, held_, nowhere_) != StepStatus::ok) return clear();
   find(step);
 }

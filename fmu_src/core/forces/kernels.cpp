@@ -164,6 +164,29 @@ INNER bool gaps(int points, const double* x, const double normal[3], double offs
   return behind != 0;
 }
 
+/// Of the points p, p + 1, ... that a register holds.
+template <int n>
+INNER unsigned behind_from(int p, int points, const double* x, const double normal[3], double offset) {
+  const Triple<n> at = load<n>(x + p, points);
+  return bits<n>(normal[0] * at.x + normal[1] * at.y + normal[2] * at.z - offset < 0.0);
+}
+
+template <int n>
+INNER bool behind(int points, const double* x, const double normal[3], double offset, unsigned char* found) {
+  unsigned any = 0;
+  int p = 0;
+  for (; p + 8 <= points; p += 8) {
+    unsigned block = 0;
+    for (int lane = 0; lane < 8; lane += n) block |= behind_from<n>(p + lane, points, x, normal, offset) << lane;
+    *found++ = static_cast<unsigned char>(block);
+    any |= block;
+  }
+  unsigned block = 0;
+  for (int lane = 0; p + lane < points; ++lane) block |= behind_from<1>(p + lane, points, x, normal, offset) << lane;
+  if (p < points) *found = static_cast<unsigned char>(block);
+  return (any | block) != 0;
+}
+
 INNER void stiffness_products(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In u0, In v0, In w0, In u1, In v1, In w1, In k, In l,
                               Out sx, Out sy, Out sz) {
   for (int p = 0; p < lanes; ++p) {
@@ -227,6 +250,7 @@ decltype(combine) combine = chosen<loops::combine<2>, loops::combine<4>, loops::
 decltype(largest) largest = chosen<loops::largest<2>, loops::largest<4>, loops::largest<8>>();
 decltype(largest_weighted) largest_weighted = chosen<loops::largest_weighted<2>, loops::largest_weighted<4>, loops::largest_weighted<8>>();
 decltype(gaps) gaps = chosen<loops::gaps>();
+decltype(behind) behind = chosen<loops::behind<2>, loops::behind<4>, loops::behind<8>>();
 decltype(largest_change) largest_change = chosen<loops::largest_change<2>, loops::largest_change<4>, loops::largest_change<8>>();
 decltype(subtract_stiffness_product) subtract_stiffness_product = chosen<loops::subtract_stiffness_product>();
 decltype(add_dashpot_force) add_dashpot_force = chosen<loops::add_dashpot_force>();

@@ -44,6 +44,8 @@ extern double (*const largest_weighted)(std::size_t n, const double* w, const do
 
 /// gap_p = normal . x_p - offset (points). Returns whether any is negative.
 extern bool (*const gaps)(int points, const double* x, const double normal[3], double offset, double* gap);
+/// Which of these gaps are negative, eight points to a byte, the first in its lowest bit. Returns whether any is.
+extern bool (*const behind)(int points, const double* x, const double normal[3], double offset, unsigned char* bits);
 
 /// Largest squared change of the spring vectors of one direction between two states, [m2]; NaN if any is NaN or infinite.
 extern double (*const largest_change)(const SpringRow& springs, int points, const double* x, const double* y);

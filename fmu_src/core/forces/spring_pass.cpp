@@ -148,13 +148,13 @@ struct Keep {
   }
 };
 
-/// Forces that move the points.
-template <int kicks>
+/// Forces that move the points. keeps: what lies between is stored too.
+template <int kicks, bool keeps>
 struct Move {
   int points;
   Stage stage;
   const double *outside, *x;
-  double *v, *next;
+  double *v, *next, *forces = nullptr, *between = nullptr;
   template <int n>
   INLINED void at(int p, const Triple<n>& force) const {
     const Lanes<n> all[3] = {force.x, force.y, force.z};
@@ -163,9 +163,13 @@ struct Move {
       for (int k = 0; k < kicks; ++k) a[k] = load<n>(stage.kicks[k].a + p), b[k] = load<n>(stage.kicks[k].b + p);
       for (int c = 0; c < 3; ++c) {
         const int i = c * points + p;
+        if constexpr (keeps) store<n>(forces + i, all[c]);
         const Lanes<n> f = all[c] + load<n>(outside + i);
         Lanes<n> w = load<n>(v + i);
-        for (int k = 0; k < kicks; ++k) w = a[k] * w + b[k] * f;
+        for (int k = 0; k < kicks; ++k) {
+          if (keeps && k > 0) store<n>(between + i, w);
+          w = a[k] * w + b[k] * f;
+        }
         store<n>(v + i, w);
         store<n>(next + i, load<n>(x + i) + stage.h * w);
       }
@@ -175,7 +179,11 @@ struct Move {
       for (int q = p; q < points; ++q) {
         const int i = c * points + q;
         const double f = all[c][q - p] + outside[i];
-        for (int k = 0; k < kicks; ++k) v[i] = stage.kicks[k].a[q] * v[i] + stage.kicks[k].b[q] * f;
+        if constexpr (keeps) forces[i] = all[c][q - p];
+        for (int k = 0; k < kicks; ++k) {
+          if (keeps && k > 0) between[i] = v[i];
+          v[i] = stage.kicks[k].a[q] * v[i] + stage.kicks[k].b[q] * f;
+        }
         next[i] = x[i] + stage.h * v[i];
       }
   }
@@ -190,15 +198,23 @@ template <int n, bool wraps>
 INNER void advance(const SpringPass& pass, SpringPass::Part& part, const Stage& stage, const double* outside, const double* x, double* v,
                    double* next) {
   if (stage.count == 1)
-    sweep<n, wraps>(pass, part, x, Move<1>{pass.points, stage, outside, x, v, next});
+    sweep<n, wraps>(pass, part, x, Move<1, false>{pass.points, stage, outside, x, v, next});
   else
-    sweep<n, wraps>(pass, part, x, Move<2>{pass.points, stage, outside, x, v, next});
+    sweep<n, wraps>(pass, part, x, Move<2, false>{pass.points, stage, outside, x, v, next});
+}
+
+template <int n, bool wraps>
+INNER void advance_kept(const SpringPass& pass, SpringPass::Part& part, const Stage& stage, const double* outside, const double* x,
+                        double* f, double* between, double* v, double* next) {
+  sweep<n, wraps>(pass, part, x, Move<2, true>{pass.points, stage, outside, x, v, next, f, between});
 }
 
 const auto near_force = chosen<force<2, false>, force<4, false>, force<8, false>>();
 const auto far_force = chosen<force<2, true>, force<4, true>, force<8, true>>();
 const auto near_advance = chosen<advance<2, false>, advance<4, false>, advance<8, false>>();
 const auto far_advance = chosen<advance<2, true>, advance<4, true>, advance<8, true>>();
+const auto near_advance_kept = chosen<advance_kept<2, false>, advance_kept<4, false>, advance_kept<8, false>>();
+const auto far_advance_kept = chosen<advance_kept<2, true>, advance_kept<4, true>, advance_kept<8, true>>();
 
 }  // namespace kernels
 
@@ -266,6 +282,13 @@ void SpringPass::force(const double* x, double* f) const {
 
 void SpringPass::advance(const Stage& stage, const double* outside, const double* x, double* v, double* next) const {
   each_part([&](Part& part) { (wraps ? kernels::far_advance : kernels::near_advance)(*this, part, stage, outside, x, v, next); });
+}
+
+void SpringPass::advance(const Stage& stage, const double* outside, const double* x, double* f, double* between, double* v,
+                         double* next) const {
+  each_part([&](Part& part) {
+    (wraps ? kernels::far_advance_kept : kernels::near_advance_kept)(*this, part, stage, outside, x, f, between, v, next);
+  });
 }
 
 }  // namespace softffd

@@ -65,6 +65,9 @@ struct SpringPass {
   /// The stage from positions x and velocities v; next: the positions after it. All (3 * points); outside forces [N].
   void advance(const Stage& stage, const double* outside, const double* x, double* v, double* next) const;
 
+  /// The same, of two kicks, with what lies between: the forces at x and the velocities after the first kick.
+  void advance(const Stage& stage, const double* outside, const double* x, double* f, double* between, double* v, double* next) const;
+
   struct alignas(64) Block {
     double of[lanes] = {};
   };

@@ -61,6 +61,10 @@ class Springs {
   void advance(const Stage& stage, const Points& outside, const Points& x, Points& v, Points& next) const {
     pass_.advance(stage, outside.data(), x.data(), v.data(), next.data());
   }
+  /// The same, of two kicks, with what lies between: the forces at x and the velocities after the first kick.
+  void advance(const Stage& stage, const Points& outside, const Points& x, Points& f, Points& between, Points& v, Points& next) const {
+    pass_.advance(stage, outside.data(), x.data(), f.data(), between.data(), v.data(), next.data());
+  }
   /// f -= C(x) v: what the dashpots exert on points at x that move with v, c ((v_b - v_a).u) u on the first point of a spring along the
   /// unit vector u, the opposite on the second. All (points, 3). A motion as a rigid body is not braked.
   void add_dashpot_force(const Points& x, const Points& v, Points& f) const { add_dashpot_force(x, v, f.data()); }

@@ -40,6 +40,30 @@ INNER Lanes<n> square_root(const Lanes<n>& v) {
 #endif
 }
 
+/// What a comparison gives: -1 or 0 in each lane.
+template <int n>
+using Comparison = decltype(Lanes<n>{} < Lanes<n>{});
+
+/// All bits of the lanes.
+template <int n>
+INNER unsigned joined(const Comparison<n>& lanes) {
+  if constexpr (n == 1) {
+    return unsigned(lanes[0]);
+  } else {
+    Comparison<n / 2> half[2];
+    std::memcpy(half, &lanes, sizeof half);
+    return joined<n / 2>(half[0] | half[1]);
+  }
+}
+
+/// Bit i: whether a comparison holds in lane i.
+template <int n>
+INNER unsigned bits(const Comparison<n>& holds) {
+  Comparison<n> bit{};
+  for (int i = 0; i < n; ++i) bit[i] = 1 << i;
+  return joined<n>(holds & bit);
+}
+
 /// Three coordinates side by side.
 template <int n>
 struct Triple {

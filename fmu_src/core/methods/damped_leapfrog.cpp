@@ -47,6 +47,7 @@ Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Sp
   const Count before = contact_.impacts();
   masses_.prepare(model.body, span.h);
   kick_.prepare(model.body, 0.5 * span.h);
+  contact_.begin(drive, span.time(0), span.h);
   resolved_ = 0.5 * span.h * model.body.fastest_damping <= explicit_kick;
   Outcome outcome{.work = double(span.steps) * step_work(model.body, Method::leapfrog, span.h)};
   for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i)
@@ -87,7 +88,6 @@ StepStatus DampedLeapfrog::close(const StepView& view, State& state, Exchange& e
   inner_ = state.spring;
   view.body.springs.add_dashpot_force(state.x, before_, inner_);
   if (touched && resolved_) reactions_.close(view, contact_, before_);
-  if (touched) contact_.hold(before_);
   kick(view, state.x, state, touched && resolved_, state.v, exchange);
   close_pins(view, middle_, state.v, exchange);
   return touched ? contact_.close(view, state.v, exchange) : StepStatus::ok;

@@ -46,6 +46,12 @@ double damping_loss(const Body& body, double h, const Points& v0, const Points& 
   return h * loss;
 }
 
+/// Is what damping takes to be booked?
+bool losses(const Body& body, const Drive& around) { return around.watch && body.damped && !around.damping_unwatched; }
+
+/// Is what ramped forces or damping do in a step to be booked?
+bool booked(const Body& body, const Drive& around) { return around.watch && (around.ramped || losses(body, around)); }
+
 }  // namespace
 
 Leapfrog::Leapfrog(int points, int planes)
@@ -60,14 +66,13 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
   kicks_.prepare(model.body, span.h);
   if (drive.ramped) drive.force_at(span.time(0), force_);
   const bool free = drive.planes.empty() && drive.pins.empty() && !model.body.volume;
-  const bool booked = drive.watch && (drive.ramped || (model.body.damped && !drive.damping_unwatched));
   Outcome outcome{.work = double(span.steps) * traits(Method::leapfrog).work};
-  if (free && !booked) {
+  if (free && !booked(model.body, drive)) {
     glide(model.body, drive, span, run.path.motion);
     return outcome;
   }
-  for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i)
-    outcome.status = step(model.body, drive, span, i, run.path.motion, run.path.exchange);
+  contact_.begin(drive, span.time(0), span.h);
+  outcome.status = run_steps(model.body, drive, span, run.path.motion, run.path.exchange);
   outcome.impacts = contact_.impacts() - before;
   return outcome;
 }
@@ -89,35 +94,66 @@ void Leapfrog::glide(const Body& body, const Drive& around, const Span& span, St
   kicks_.close(state.spring, force, state.v);
 }
 
-StepStatus Leapfrog::step(const Body& body, const Drive& around, const Span& span, Count i, State& state, Exchange& exchange) {
-  const bool planes = !around.planes.empty(), pins = !around.pins.empty(), watch = around.watch;
+StepStatus Leapfrog::run_steps(const Body& body, const Drive& around, const Span& span, State& state, Exchange& exchange) {
+  const bool at_once = around.pins.empty() && !body.volume && !booked(body, around);
   const Points& force = around.ramped ? force_ : around.force;
-  const double t0 = span.time(i), t1 = span.time(i + 1);
-  const StepView view{body, kicks_, around, state.spring, force, state.x, t0, t1, span.h};
-  const bool losses = watch && body.damped && !around.damping_unwatched;
-  if (losses) start_ = state.v;
+  const auto view = [&](Count i) {
+    return StepView{body, kicks_, around, state.spring, force, state.x, span.time(i), span.time(i + 1), span.h};
+  };
+  StepStatus status = open(view(0), state, exchange);
+  for (Count i = 1; i < span.steps && status == StepStatus::ok; ++i) {
+    if (at_once) {
+      status = close_and_open(view(i - 1), view(i), state, exchange);
+      continue;
+    }
+    status = close(view(i - 1), state, exchange);
+    if (status == StepStatus::ok) status = open(view(i), state, exchange);
+  }
+  return status == StepStatus::ok ? close(view(span.steps - 1), state, exchange) : status;
+}
+
+/// Up to the end of the drift.
+StepStatus Leapfrog::open(const StepView& view, State& state, Exchange& exchange) {
+  const Drive& around = view.around;
+  if (losses(view.body, view.around)) start_ = state.v;
   before_.swap(state.v);
-  kicks_.open(state.spring, force, before_, state.x, state.v, next_);
-  if (pins) drift_pins(view, before_, state.v, next_, exchange);
-  if (planes) {
+  kicks_.open(state.spring, view.force, before_, state.x, state.v, next_);
+  if (!around.pins.empty()) drift_pins(view, before_, state.v, next_, exchange);
+  if (!around.planes.empty()) {
     const StepStatus status = contact_.drift(view, before_, state.v, next_, exchange);
     if (status != StepStatus::ok) return status;
   }
-  if (watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (t0 + t1), next_ - state.x);
+  if (around.watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (view.t0 + view.t1), next_ - state.x);
   state.x.swap(next_);
-  body.internal_force(state.x, state.spring);
-  if (around.ramped) around.force_at(t1, force_);
-  const bool touched = planes && contact_.touched();
-  if (touched) contact_.hold(state.v);
-  if (pins) before_ = state.v;
-  kicks_.close(state.spring, force, state.v);
-  if (pins) close_pins(view, before_, state.v, exchange);
-  if (touched) {
+  return StepStatus::ok;
+}
+
+/// From there to the end of the step.
+StepStatus Leapfrog::close(const StepView& view, State& state, Exchange& exchange) {
+  const Drive& around = view.around;
+  view.body.internal_force(state.x, state.spring);
+  if (around.ramped) around.force_at(view.t1, force_);
+  if (!around.pins.empty()) before_ = state.v;
+  kicks_.close(state.spring, view.force, state.v);
+  if (!around.pins.empty()) close_pins(view, before_, state.v, exchange);
+  if (!around.planes.empty()) {
     const StepStatus status = contact_.close(view, state.v, exchange);
     if (status != StepStatus::ok) return status;
   }
-  if (losses) exchange.dissipated += damping_loss(body, span.h, start_, state.v);
+  if (losses(view.body, view.around)) exchange.dissipated += damping_loss(view.body, view.h, start_, state.v);
   return StepStatus::ok;
+}
+
+/// The end of a step and the next one up to the end of its drift, in one pass over all points; those that touch a plane are corrected.
+StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, State& state, Exchange& exchange) {
+  if (last.around.ramped) last.around.force_at(last.t1, force_);
+  last.body.springs.advance(kicks_.stage(), last.force, state.x, state.spring, before_, state.v, next_);
+  StepStatus status = contact_.close(last, before_, exchange);
+  if (status != StepStatus::ok) return status;
+  contact_.go_on(next.h, state.v, next_);
+  status = contact_.drift(next, before_, state.v, next_, exchange);
+  state.x.swap(next_);
+  return status;
 }
 
 }  // namespace softffd

@@ -15,7 +15,10 @@ class Leapfrog final : public Integrator {
 
  private:
   void glide(const Body& body, const Drive& drive, const Span& span, State& state);
-  StepStatus step(const Body& body, const Drive& drive, const Span& span, Count i, State& state, Exchange& exchange);
+  StepStatus run_steps(const Body& body, const Drive& drive, const Span& span, State& state, Exchange& exchange);
+  StepStatus open(const StepView& view, State& state, Exchange& exchange);
+  StepStatus close(const StepView& view, State& state, Exchange& exchange);
+  StepStatus close_and_open(const StepView& last, const StepView& next, State& state, Exchange& exchange);
 
   HalfKicks kicks_;
   Contact contact_;

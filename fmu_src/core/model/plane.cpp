@@ -20,6 +20,11 @@ HalfSpace Plane::at(double time) const {
   return {here, n, n.dot(here), speed, angular_velocity + age * angular_acceleration};
 }
 
+bool Plane::at_rest() const {
+  return velocity.isZero(0) && angular_velocity.isZero(0) && acceleration.isZero(0) && angular_acceleration.isZero(0) &&
+         normal_rate.isZero(0);
+}
+
 namespace {
 
 /// Largest rates of the unit normal [1/s, 1/s2].

@@ -40,6 +40,8 @@ struct Plane : PlaneMotion {
   double since = 0;  ///< [s]
 
   HalfSpace at(double time) const;
+  /// Is it the same at all times?
+  bool at_rest() const;
 };
 
 /// Bounds of a plane's own motion between two times, as a point at rest sees it.

@@ -1,3 +1,6 @@
+#include <array>
+#include <functional>
+
 #include "check.hpp"
 #include "soft_body.hpp"
 
@@ -100,5 +103,65 @@ TEST(three_planes_catch_a_point_in_their_corner) {
     for (const auto& plane : body.settings.planes) {
       CHECK(lowest_gap(body, plane.point, plane.normal) >= -1e-15);
     }
+  }
+}
+
+namespace {
+
+/// A box that falls askew, slides and rolls, with 64 steps to a communication step or as many communication steps.
+SoftBody tumbled(const std::function<void(SoftBody&)>& scene, int planes, bool at_once) {
+  Definition definition;
+  definition.lattice.counts = {3, 4, 3};
+  definition.mass.assign(36, 1.0 / 36);
+  definition.planes = planes;
+  definition.offset = {0, 0, 0.02};
+  definition.velocity = {1, 0.4, -2};
+  definition.angular_velocity = {0.5, 3, 0.2};
+  SoftBody body(definition);
+  body.settings.stiffness = {800, 500, 300};
+  body.settings.gravity = {0, 0, -9.81};
+  body.settings.method = Method::leapfrog;
+  body.settings.step = 1.0 / 1024;
+  for (PlaneMotion& plane : body.settings.planes) plane.friction = 0.4;
+  scene(body);
+  body.initialize(0);
+  for (int i = 0; i < 10; ++i)
+    for (int part = 0; part < (at_once ? 1 : 64); ++part) CHECK(body.advance((at_once ? 64 : 1) / 1024.0) == StepStatus::ok);
+  return body;
+}
+
+}  // namespace
+
+/// In one pass over all points, or each by itself.
+TEST(steps_in_contact_have_the_same_bits_however_many_are_taken_at_once) {
+  const auto still = [](SoftBody&) {};
+  const auto moving = [](SoftBody& body) {
+    body.settings.planes[0].velocity = {0.1, 0, 0.3};
+    body.settings.planes[0].angular_velocity = {0.1, -0.2, 0.3};
+  };
+  const auto corner = [](SoftBody& body) {
+    body.settings.planes[1] = {{1.1, 0, 0}, {-1, 0, 0.2}};
+    body.settings.planes[1].friction = 0.2;
+  };
+  const auto damped = [](SoftBody& body) { body.settings.damping = 0.5; };
+  for (const auto& [scene, planes] : {std::pair<std::function<void(SoftBody&)>, int>{still, 1}, {moving, 1}, {corner, 2}, {damped, 1}}) {
+    const SoftBody whole = tumbled(scene, planes, true), parts = tumbled(scene, planes, false);
+    CHECK(parts.readings().contacts_resolved() > 0);
+    CHECK((whole.state().x == parts.state().x).all() && (whole.state().v == parts.state().v).all());
+  }
+}
+
+/// The points of a lattice that no power of two divides.
+TEST(points_behind_a_plane_are_those_of_negative_gaps) {
+  const int n = 27;
+  const Vec3 normal(0.36, 0.48, 0.8);
+  Points x(n, 3);
+  for (int i = 0; i < x.size(); ++i) x(i) = std::sin(3.0 * i);
+  Scalars gap(n);
+  std::array<unsigned char, 4> bits{};
+  for (const double offset : {0.1, -2.0}) {
+    const bool any = kernels::gaps(n, x.data(), normal.data(), offset, gap.data());
+    CHECK(kernels::behind(n, x.data(), normal.data(), offset, bits.data()) == any && any == (offset > 0));
+    for (int p = 0; p < n; ++p) CHECK((bits[p / 8] >> p % 8 & 1) == (gap[p] < 0));
   }
 }

@@ -24,7 +24,8 @@ Octet approaching(const Approach& plane) {
     set_lane(octet.x1, lane, x0 + plane.h * v);
     octet.mass[lane] = 0.1 * (lane + 1);
     octet.damping[lane] = 0.2;
-    octet.inertia[lane] = 1.1 * octet.mass[lane];
+    octet.opening[lane] = 1.1 * octet.mass[lane];
+    octet.closing[lane] = 1.2 * octet.mass[lane];
   }
   return octet;
 }
@@ -44,7 +45,7 @@ TEST(points_land_on_the_plane_and_go_with_it_or_slide_by_coulomb) {
     CHECK(landed == 0b01010101);
     bool stuck = false, slid = false;
     for (int lane = 0; lane < Octet::lanes; ++lane) {
-      const Vec3 impulse = lane_of(octet.impulse, lane), along = tangential(turning.normal, impulse);
+      const Vec3 impulse = -lane_of(octet.impulse, lane), along = tangential(turning.normal, impulse);
       const double pushed = turning.normal.dot(impulse);
       CHECK_NEAR(turning.gap(lane_of(octet.x1, lane)), 0.0, 1e-15);
       CHECK(pushed > 0 && along.norm() <= friction * pushed + 1e-15);
@@ -63,16 +64,20 @@ TEST(momentum_of_those_that_stay_is_what_the_plane_receives) {
   Octet octet = met(plane, free, landed);
   for (int lane = 1; lane < Octet::lanes; lane += 2) {
     const Vec3 change = lane_of(octet.v, lane) - lane_of(free.v, lane);
-    CHECK_NEAR((octet.inertia[lane] * change - lane_of(octet.impulse, lane)).norm(), 0.0, 1e-15);
+    CHECK_NEAR((octet.opening[lane] * change + lane_of(octet.impulse, lane)).norm(), 0.0, 1e-15);
   }
   const Octet before = octet;
-  set_lane(octet.v, 2, lane_of(octet.v, 2) - 3 * turning.normal);
-  set_lane(octet.v, 5, lane_of(octet.v, 5) + 3 * turning.normal);
-  settle(plane, octet);
+  Points kicked = Points::Zero(24, 3), none = kicked;
+  for (int lane = 0; lane < Octet::lanes; ++lane) set_row(kicked, octet.point[lane], lane_of(octet.v, lane));
+  set_row(kicked, octet.point[2], lane_of(octet.v, 2) - 3 * turning.normal);
+  set_row(kicked, octet.point[5], lane_of(octet.v, 5) + 3 * turning.normal);
+  settle(plane, kicked, none, none, octet);
   for (int lane = 0; lane < Octet::lanes; ++lane) {
     const Vec3 slip = lane_of(octet.v, lane) - turning.material_velocity(lane_of(octet.x1, lane));
     CHECK(turning.normal.dot(slip) >= -1e-15);
-    CHECK_NEAR((lane_of(octet.received, lane) - lane_of(before.received, lane) - lane_of(octet.impulse, lane)).norm(), 0.0, 1e-15);
+    const Vec3 change = lane_of(octet.v, lane) - row(kicked, octet.point[lane]);
+    CHECK_NEAR((octet.closing[lane] * change + lane_of(octet.impulse, lane)).norm(), 0.0, 1e-15);
+    CHECK_NEAR((lane_of(octet.received, lane) - lane_of(before.received, lane) + lane_of(octet.impulse, lane)).norm(), 0.0, 1e-15);
   }
   CHECK(lane_of(octet.impulse, 5).isZero(0));
 }
@@ -87,7 +92,7 @@ TEST(a_point_has_the_same_bits_in_every_lane) {
     alone.add(whole.point[lane]);
     for (auto part : {&Octet::x0, &Octet::before, &Octet::force, &Octet::v, &Octet::x1})
       set_lane(alone.*part, 0, lane_of(whole.*part, lane));
-    for (auto part : {&Octet::mass, &Octet::damping, &Octet::inertia}) (alone.*part)[0] = (whole.*part)[lane];
+    for (auto part : {&Octet::mass, &Octet::damping, &Octet::opening}) (alone.*part)[0] = (whole.*part)[lane];
     const Octet single = met(plane, alone, other);
     CHECK(other == (landed >> lane & 1));
     for (auto part : {&Octet::x1, &Octet::v, &Octet::impulse, &Octet::torque, &Octet::received})
@@ -96,16 +101,64 @@ TEST(a_point_has_the_same_bits_in_every_lane) {
   }
 }
 
+TEST(a_plane_at_rest_needs_no_velocity_of_its_surface) {
+  const HalfSpace rests{turning.point, turning.normal, turning.offset, Vec3::Zero(), Vec3::Zero()};
+  unsigned landed = 0, other = 0;
+  const Approach any{rests, rests, rests, 0.3, 0.1}, known{rests, rests, rests, 0.3, 0.1, true};
+  const Octet octet = met(any, approaching(any), landed), same = met(known, approaching(known), other);
+  CHECK(landed == other);
+  for (int lane = 0; lane < Octet::lanes; ++lane)
+    for (auto part : {&Octet::x1, &Octet::v, &Octet::impulse, &Octet::torque})
+      CHECK(lane_of(octet.*part, lane) == lane_of(same.*part, lane));
+}
+
 TEST(numbers_go_to_lanes_and_back_from_points_anywhere) {
-  Points all(24, 3), back = Points::Zero(24, 3);
+  Points all(24, 3), x1 = Points::Zero(24, 3), v = x1;
   for (int i = 0; i < all.size(); ++i) all(i) = i;
-  for (const int stride : {1, 3}) {
-    Octet octet;
-    octet.clear(0);
-    for (int lane = 0; lane < Octet::lanes; ++lane) octet.add(2 + stride * lane);
-    octet.fetch(all, octet.v);
-    octet.add_from(all, octet.v);
-    octet.put(octet.v, back);
-    for (int lane = 0; lane < Octet::lanes; ++lane) CHECK(row(back, 2 + stride * lane) == 2 * row(all, 2 + stride * lane));
+  const double* each = all.data();
+  const Points twice = 2 * all;
+  for (const int stride : {1, 3})
+    for (const int count : {Octet::lanes, 5}) {
+      Octet octet;
+      octet.clear(0);
+      for (int lane = 0; lane < count; ++lane) octet.add(2 + stride * lane);
+      fetch({each, each, each, each, each, each, all, all, all, all, twice, all}, octet);
+      x1.setZero();
+      put(octet, x1, v);
+      for (int lane = 0; lane < count; ++lane) {
+        const int p = 2 + stride * lane;
+        CHECK(octet.mass[lane] == p && lane_of(octet.force, lane) == 2 * row(all, p) && row(x1, p) == row(twice, p) &&
+              row(v, p) == row(all, p));
+      }
+      CHECK((x1 != 0).count() == 3 * count);
+    }
+}
+
+TEST(the_next_step_begins_where_this_one_ends) {
+  const double h = 0.1;
+  const Approach plane{turning, turning, turning, 0.3, h};
+  Octet octet = approaching(plane);
+  Points x1 = Points::Zero(24, 3), v = x1;
+  for (int lane = 0; lane < Octet::lanes; ++lane) {
+    octet.keep[lane] = 0.9, octet.gain[lane] = 0.05 * lane;
+    set_lane(octet.spring, lane, Vec3(lane, 2, 3)), set_lane(octet.outside, lane, Vec3(1, 1, -lane));
   }
+  const Octet end = octet;
+  go_on(h, octet, x1, v);
+  for (int lane = 0; lane < Octet::lanes; ++lane) {
+    const Vec3 force(lane + 1, 3, 3 - lane), velocity = 0.9 * lane_of(end.v, lane) + 0.05 * lane * force;
+    CHECK(lane_of(octet.x0, lane) == lane_of(end.x1, lane) && lane_of(octet.before, lane) == lane_of(end.v, lane));
+    CHECK(lane_of(octet.force, lane) == force);
+    CHECK_NEAR((row(v, 3 * lane) - velocity).norm(), 0.0, 1e-15);
+    CHECK(row(v, 3 * lane) == lane_of(octet.v, lane) && row(x1, 3 * lane) == lane_of(octet.x1, lane));
+    CHECK_NEAR((row(x1, 3 * lane) - lane_of(end.x1, lane) - h * velocity).norm(), 0.0, 1e-15);
+  }
+}
+
+TEST(lanes_are_told_by_their_gaps) {
+  Octet octet;
+  for (int lane = 0; lane < Octet::lanes; ++lane) set_lane(octet.x1, lane, turning.point + (lane - 3) * turning.normal);
+  set_lane(octet.x1, 7, Vec3::Constant(std::nan("")));
+  const Sides found = sides(turning, octet, 1e-12);
+  CHECK(found.at_least == 0b01110000 && found.at_most == 0b00001111);
 }
