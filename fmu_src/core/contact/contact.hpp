@@ -22,8 +22,9 @@
 /// A point that ends behind further planes is handed to FeasibleSet: the exact projection onto all of them. A plane that has jumped
 /// (its pose at the communication point does not continue its motion) moves points without giving them velocity.
 ///
-/// Most points touch one plane, which they do eight at a time (octet.hpp). The impulses that are reported are exactly the momentum that the
-/// body lost: m R after the opening kick, m (1 + g) R after the closing one, whose damping is implicit.
+/// Most points touch one plane, which they do eight at a time (octet.hpp); while the same points touch they stay at hand from step to step.
+/// The impulses that are reported are exactly the momentum that the body lost: m R after the opening kick, m (1 + g) R after the closing
+/// one, whose damping is implicit.
 #pragma once
 #include "contact/feasible.hpp"
 #include "contact/octet.hpp"

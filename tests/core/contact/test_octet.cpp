@@ -30,7 +30,8 @@ Octet approaching(const Approach& plane) {
   return octet;
 }
 
-Octet met(const Approach& plane, Octet octet, unsigned& landed) {
+Octet met(const Approach& plane, const Octet& free, unsigned& landed) {
+  Octet octet = free;
   landed = meet(plane, 1e-12, octet);
   return octet;
 }
