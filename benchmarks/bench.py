@@ -1,8 +1,9 @@
 """Times of the program as ratios to what one would use otherwise, each measured in turn with it: one table.
 
-    python3 python/run.py bench [--quick] [--only TEXT ...] [-o FILE.json] [--picture FILE.png] [--page FILE.md]
+    python3 python/run.py bench [--quick] [--only TEXT ...] [--library FILE] [-o FILE.json] [--picture FILE.png] [--page FILE.md]
 
-A column for every instruction set of the processor, each in a process of its own, on one core; with --quick the widest alone. A ratio is
+A column for every instruction set of the processor, each in a process of its own, on one core; with --quick the widest alone; with
+--library one more, for another library, such as the release's. A ratio is
 the median of those of several repetitions, own time by the baseline's right after it, in processor time; behind it half the range of its
 quartiles. Everything is kept in softffd-bench/bench.json, whole or not at all.
 """
@@ -34,7 +35,7 @@ def main() -> int:
     """Measures, prints the table, keeps it."""
     options = parsed()
     if options.column:
-        return column.serve(options.column, quick=options.quick)
+        return column.serve(options.column, options.library, quick=options.quick)
     chosen = [row for row in ROWS.values() if not options.only or any(text in f"{row.group}: {row.name}" for text in options.only)]
     if not chosen:
         print(f"--only: wanted part of a row's name, got {' '.join(options.only)}; rows: {', '.join(ROWS)}", file=sys.stderr)
@@ -42,12 +43,18 @@ def main() -> int:
     if options.picture and GROUP not in {row.group for row in chosen}:
         print(f"--picture: wanted rows of {GROUP!r}, which --only leaves out", file=sys.stderr)
         return 1
+    if options.library and not options.library.is_file():
+        print(f"--library: wanted a built library, found no file {options.library}", file=sys.stderr)
+        return 1
     for file in filter(None, (options.output, options.picture)):
         require_writable(file.parent)
     about = conditions(["python3 python/run.py bench", *sys.argv[1:]], "numba", "scipy", "mujoco") | column.build()
     about["load"] = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
     sets = column.instruction_sets()[: 1 if options.quick else None]
-    measured = measure(chosen, sets, quick=options.quick)
+    if options.library:
+        sets.append(column.OTHER)
+        about["other"] = f"{options.library}; {column.compiler(options.library) or 'compiler not known'}"
+    measured = measure(chosen, sets, options.library, quick=options.quick)
     document = {"about": about, "quick": options.quick, "sets": sets, "rows": measured}
     options.output.parent.mkdir(parents=True, exist_ok=True)
     write_text(options.output, json.dumps(document, indent=1) + "\n")
@@ -64,6 +71,7 @@ def parsed() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="run.py bench", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="one repetition, with the widest instructions: whether it runs, not how fast")
     parser.add_argument("--only", nargs="+", metavar="TEXT", help="rows with this in their names")
+    parser.add_argument("--library", type=Path, metavar="FILE", help="a column for this library too, with the widest instructions")
     parser.add_argument("-o", dest="output", type=Path, default=FILE, metavar="FILE.json", help=f"{FILE} by default")
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw what the parts of a scene cost")
     parser.add_argument("--page", type=Path, metavar="FILE.md", help="put the table in the place of the one there")
@@ -71,10 +79,10 @@ def parsed() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def measure(chosen: list[Row], sets: list[str], *, quick: bool) -> list[dict[str, Any]]:
+def measure(chosen: list[Row], sets: list[str], library: Path | None, *, quick: bool) -> list[dict[str, Any]]:
     """Row by row, in every column; what does not depend on the instruction set in the first alone."""
     found: list[dict[str, Any]] = []
-    with column.Columns(sets, quick=quick) as columns, ProgressLine("measuring") as line:
+    with column.Columns(sets, library, quick=quick) as columns, ProgressLine("measuring") as line:
         line.say("\n".join(table.head(sets)))
         for number, row in enumerate(chosen):
             if number == 0 or row.group != chosen[number - 1].group:

@@ -80,6 +80,8 @@ def foot(document: Mapping[str, Any]) -> Iterator[str]:
     yield f"ratios of times, ± half the range of their quartiles; {goals.count(True)} meet their goals, {goals.count(False)} miss them"
     yield condition_words(about)
     yield f"library: {about['compiler'] or 'compiler not known'}; {about['flags'] or 'flags not known'}"
+    if "other" in about:
+        yield f"other library: {about['other']}"
     if document["quick"]:
         yield "quick: one repetition each, the first, which is slow"
     if (about["load"] or 0) > LOADED:

@@ -11,8 +11,19 @@ from pathlib import Path
 
 import pytest
 
+from softffd.installed import host_library
+
 BENCH = Path(__file__).resolve().parents[1] / "benchmarks" / "bench.py"
 NEEDS = ("numba", "mujoco", "scipy")
+NUMBA_LOOP = """
+import numba, numpy
+@numba.njit
+def loop(a, b):
+    for i in range(len(a)):
+        a[i] = a[i] * b[i] + b[i]
+loop(numpy.ones(9), numpy.ones(9))
+print(*loop.inspect_asm().values())
+"""
 
 
 def bench(folder: Path, *words: str) -> subprocess.CompletedProcess:
@@ -28,6 +39,14 @@ def table(monkeypatch):
     monkeypatch.syspath_prepend(str(BENCH.parent))
     yield importlib.import_module("table")
     sys.modules.pop("table")
+
+
+@pytest.fixture
+def column(monkeypatch):
+    monkeypatch.syspath_prepend(str(BENCH.parent))
+    yield importlib.import_module("column")
+    for name in ("column", "measured"):
+        sys.modules.pop(name)
 
 
 def test_rows_are_measured_printed_and_kept(tmp_path):
@@ -56,6 +75,29 @@ def test_every_row_runs_and_every_baseline_does_the_same(tmp_path):
             assert "ratio" in result or result["missing"] in excused, row["name"]
 
 
+@pytest.mark.parametrize(("column_name", "has", "lacks"), [("avx2", "ymm", "zmm"), ("baseline", "xmm", "ymm")])
+def test_numba_has_the_instructions_of_its_column(column, column_name, has, lacks):
+    pytest.importorskip("numba")
+    if column_name not in column.instruction_sets():
+        pytest.skip(f"this processor has no {column_name}")
+    done = subprocess.run(
+        [sys.executable, "-c", NUMBA_LOOP], env=column.environment(column_name), capture_output=True, text=True, check=True
+    )
+    assert f"%{has}" in done.stdout and f"%{lacks}" not in done.stdout
+
+
+def test_another_library_has_a_column(tmp_path, column):
+    other = tmp_path / "other.so"
+    other.write_bytes(host_library().read_bytes())
+    assert bench(tmp_path, "--quick", "--only", "gravity", "--library", "other.so").returncode == 0
+    (row,) = kept(tmp_path)["rows"]
+    assert list(row["results"]) == [column.instruction_sets()[0], column.OTHER] and "ratio" in row["results"][column.OTHER]
+    assert kept(tmp_path)["about"]["other"].startswith("other.so; ")
+    other.write_bytes(b"none")
+    done = bench(tmp_path, "--quick", "--only", "gravity", "--library", "other.so")
+    assert done.returncode == 1 and "other library" in done.stderr  # that it is this one which is loaded
+
+
 def test_a_goal_that_is_missed_is_said(table):
     row = {"group": "steps", "name": "a step", "against": "a loop", "goal": 0.35, "goal_seconds": None}
 
@@ -81,6 +123,8 @@ def test_a_page_gets_the_new_table_for_the_old_one(tmp_path):
 def test_wrong_requests_are_told_at_once(tmp_path):
     done = bench(tmp_path, "--only", "import", "--picture", "cost.png")
     assert done.returncode == 1 and "parts of a scene" in done.stderr
+    done = bench(tmp_path, "--only", "gravity", "--library", "none.so")
+    assert done.returncode == 1 and "none.so" in done.stderr
     done = bench(tmp_path, "--only", "no such row")
     assert done.returncode == 1 and "no such row" in done.stderr and "import softffd" in done.stderr
 
