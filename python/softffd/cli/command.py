@@ -104,7 +104,7 @@ def _run(options: argparse.Namespace) -> None:
             )  # fmt: skip
         except Interrupted as stop:
             result, interrupted = stop.result, stop
-        files = keep_run(result, folder, progress.stage, pictures=not options.no_pictures)
+        files = keep_run(result, folder, progress.stage, pictures=not options.no_pictures, colour=options.colour)
     print(told_after(result.summary))
     print(f"  kept in {folder}: {', '.join(file.name for file in files)}")
     if interrupted:

@@ -91,10 +91,11 @@ def _mesh_scene(file: Path, error: bool, given: dict[str, Any]) -> Scene:
     return scene.replace({"solver.error_estimate": True}) if error else scene
 
 
-def keep_run(result: Result, folder: Path, stage: Note = silent, *, pictures: bool = True) -> list[Path]:
+def keep_run(result: Result, folder: Path, stage: Note = silent, *, pictures: bool = True, colour: str | None = None) -> list[Path]:
     """Writes results, picture, interactive page and, with a mesh, its last shape; returns the files.
 
     stage: is told what is being done. pictures: without, neither picture nor page, and those of an earlier run go.
+    colour: of the picture, as in `Result.plot`.
     """
     stage("writing the numbers")
     files = result.save(folder)
@@ -108,7 +109,7 @@ def keep_run(result: Result, folder: Path, stage: Note = silent, *, pictures: bo
         from softffd.show.view import write_view
 
         stage("drawing picture.png")
-        draw_run(result, picture, mesh=mesh)
+        draw_run(result, picture, mesh=mesh, colour=colour)
         stage("writing view.html")
         write_view(result, page, mesh=mesh)
         files += [picture, page]

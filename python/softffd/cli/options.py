@@ -97,6 +97,9 @@ def _run(add: Add) -> None:
     run.add_argument("--error", action="store_true", help="estimate the error of the run by a second one beside it")
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-NAME here")
     run.add_argument("--overwrite", action="store_true", help="write over the results of an earlier run")
+    run.add_argument(
+        "--colour", choices=["von_mises", "stretch"], help="the picture shows the cells' von Mises stress or largest principal stretch"
+    )
     shown = run.add_mutually_exclusive_group()
     shown.add_argument("--view", action="store_true", help="open the interactive page when done")
     shown.add_argument("--no-pictures", action="store_true", help="numbers alone; softffd view DIR makes the page later")

@@ -215,10 +215,11 @@ class Result:
         `position`; parameters are attributes. Needs softffd[datasets]."""
         return dataset(self)
 
-    def plot(self, path: str | Path | None = None) -> Figure:
+    def plot(self, path: str | Path | None = None, *, colour: str | None = None) -> Figure:
         """The picture of the run: its telling moments, with its scene's mesh, and the curves; written to `path` (PNG) where one is given.
+        colour: "von_mises" (stress) or "stretch" (the largest principal one) of the cells, in place of the object's own colours.
         Returns matplotlib's Figure. SoftffdError where positions were not recorded."""
-        return shown.picture(self, path)
+        return shown.picture(self, path, colour=colour)
 
     def view(self, path: str | Path | None = None, *, browser: bool = True) -> Path:
         """Writes the interactive page to `path`, or a new temporary file, and opens it in the browser. Returns the page's path.

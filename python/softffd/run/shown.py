@@ -36,11 +36,11 @@ def in_words(result: Result) -> str:
     return "\n  ".join(lines)
 
 
-def picture(result: Result, path: str | Path | None = None) -> Figure:
+def picture(result: Result, path: str | Path | None = None, *, colour: str | None = None) -> Figure:
     """The picture of the run, written to `path` where one is given."""
     from softffd.show.picture import run_figure, save_figure
 
-    figure = run_figure(result, mesh=result.loaded_mesh)
+    figure = run_figure(result, mesh=result.loaded_mesh, colour=colour)
     if path is not None:
         save_figure(figure, path)
     return figure

@@ -39,9 +39,11 @@ class Panels:
     """Images of `shapes` of one stage, `width` x `height` pixels each, all from the same distance.
 
     The camera stands still but for shapes at rest, which are in the middle of their image.
+    tints: colours (V, 3) of the vertices by frame, where they are not those of the stage's skin.
     """
 
-    def __init__(self, stage, shapes, width, height):
+    def __init__(self, stage, shapes, width, height, *, tints=None):
+        self._tints = tints or {}
         self._stage, self._shapes, self._width, self._height = stage, shapes, width, height
         self._axes = view_axes(stage.up)
         small = len(stage.faces) <= SMOOTH_FACES
@@ -57,11 +59,16 @@ class Panels:
         stage, target = self._stage, self._target(shape)
         canvas = Canvas(Camera(target + self._distance * self._axes[2], target, stage.up), self._width, self._height)
         surface = stage.deformed(shape.points), stage.faces
-        canvas.triangles(*surface, self._corner_normals(*surface), self._paint)
+        canvas.triangles(*surface, self._corner_normals(*surface), self._painter(shape.frame))
         if shape.frame is not None:
             self._draw_obstacles(canvas, shape.frame, surface)
         self._draw_lattice(canvas, shape.points)
         return canvas.image()
+
+    def _painter(self, frame):
+        if frame not in self._tints:
+            return self._paint
+        return replace(self._stage.skin, tints=self._tints[frame], pictures=()).painter(self._stage.faces)
 
     def _target(self, shape):
         return shape.middle if shape.frame is None else self._centre

@@ -15,6 +15,7 @@ from softffd.run.history import energies, heights, reactions
 from softffd.show.moments import first_contact, largest_deformation, telling_moments
 from softffd.show.panel import Panels, Shape
 from softffd.show.stage import stage_of, up_direction
+from softffd.show.tension import tension_of
 
 CURVES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#56b4e9")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
@@ -36,19 +37,21 @@ class Picture(Figure):
         return png_of(self)
 
 
-def draw_run(result, path, *, mesh=None, origin=None, size=None):
+def draw_run(result, path, *, mesh=None, origin=None, size=None, colour=None):
     """Draw what run_figure makes of `result` to `path` (PNG). Returns the path."""
-    return save_figure(run_figure(result, mesh=mesh, origin=origin, size=size), path)
+    return save_figure(run_figure(result, mesh=mesh, origin=origin, size=size, colour=colour), path)
 
 
-def run_figure(result, *, mesh=None, origin=None, size=None):
+def run_figure(result, *, mesh=None, origin=None, size=None, colour=None):
     """The figure of `result`: start, first contact, largest deformation, end; and the history.
 
     mesh: the object at rest, or None for the boundary of the volume. origin, size: its box (3,) [m] if not the scene's.
+    colour: a name of `tension.COLOURS`, in place of the object's own colours.
     Raises SoftffdError when positions of control points were not recorded.
     """
     stage = stage_of(result, mesh=mesh, origin=origin, size=size)
     moments = telling_moments(result)
+    tension = tension_of(result, stage, moments, colour) if colour else None
     figure = new_figure(13.0, 7.6, dpi=130)
     figure.text(0.02, 0.965, stage.title, fontsize=15, fontweight="bold", color=INK, va="center")
     if (error := result.summary.get("estimated_error_m")) is not None:
@@ -56,7 +59,10 @@ def run_figure(result, *, mesh=None, origin=None, size=None):
         words = f"run time {time(result.summary['run_time_s'])}, estimated error {length(error)}"
         figure.text(0.98, 0.965, words, fontsize=10.5, color=SOFT, va="center", ha="right")
     captions = [f"{what}, t = {stage.time[frame]:.4g} s" for frame, what in moments.items()]
-    _draw_panels(figure, stage, list(moments), captions, box=(0.02, 0.40, 0.96, 0.53))
+    low = 0.45 if tension else 0.40
+    _draw_panels(figure, stage, list(moments), captions, box=(0.02, low, 0.96, 0.93 - low), tension=tension)
+    if tension:
+        tension.draw_scale(figure, (0.40, 0.425, 0.40, 0.012))
     for axes in _draw_curves(figure, result, bottom=0.085, top=0.345):
         for frame in moments:
             axes.axvline(stage.time[frame], color=SOFT, linewidth=0.8, linestyle=(0, (2, 3)), zorder=0)
@@ -96,7 +102,7 @@ def _four_frames(result):
     return [None, max(0, before), worst, len(result.time) - 1]
 
 
-def _draw_panels(figure, stage, frames, captions, *, box):
+def _draw_panels(figure, stage, frames, captions, *, box, tension=None):
     """Images side by side, their captions below, in `box` (left, bottom, width, height; shares of the figure)."""
     left, bottom, width, height = box
     pitch = (width + GAP) / len(frames)
@@ -104,7 +110,7 @@ def _draw_panels(figure, stage, frames, captions, *, box):
     caption_height = CAPTION * figure.dpi / up
     bottom, height = bottom + caption_height, height - caption_height
     shapes = [Shape(stage, frame) for frame in frames]
-    panels = Panels(stage, shapes, round((pitch - GAP) * across), round(height * up))
+    panels = Panels(stage, shapes, round((pitch - GAP) * across), round(height * up), tints=tension.tints if tension else {})
     for i, (shape, caption) in enumerate(zip(shapes, captions, strict=True)):
         image = (255 * panels.image(shape) + 0.5).astype(np.uint8)
         figure.figimage(image, round((left + i * pitch) * across), round(bottom * up), origin="upper")

@@ -1,0 +1,79 @@
+"""Colours of what happens inside: a quantity of the lattice's cells on the surface of a picture."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.ticker import EngFormatter, MaxNLocator
+
+from softffd.run.parts import require_name
+
+RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)
+"""The second: cells that are turned inside out, which have no stress."""
+
+
+def _von_mises(result, frame):
+    stress = result.stress(frame)
+    apart = stress - np.trace(stress, axis1=-2, axis2=-1)[..., None, None] / 3 * np.eye(3)
+    return np.sqrt(1.5 * (apart**2).sum(axis=(-2, -1)))
+
+
+def _stretch(result, frame):
+    return np.sqrt(np.linalg.eigvalsh(2 * result.strain(frame) + np.eye(3))[..., -1].clip(0))
+
+
+COLOURS = {
+    "von_mises": ("von Mises stress at the cells' centres", "Pa", _von_mises),
+    "stretch": ("largest principal stretch at the cells' centres", "", _stretch),
+}
+"""By name: in words, unit, and the values of all cells (nx - 1, ny - 1, nz - 1) at a row of a result."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tension:
+    """Tints (V, 3) of the stage's vertices by frame, and what they mean."""
+
+    tints: dict
+    scale: Normalize
+    words: str
+    unit: str
+
+    def draw_scale(self, figure, box):
+        """The scale in `box` (left, bottom, width, height; shares of the figure), its words before it."""
+        bar = figure.colorbar(ScalarMappable(self.scale, RAMP), cax=figure.add_axes(box), orientation="horizontal")
+        bar.ax.xaxis.set_major_formatter(EngFormatter(unit=self.unit, sep=" "))
+        bar.ax.xaxis.set_major_locator(MaxNLocator(6))
+        bar.ax.tick_params(labelsize=8.5, length=2)
+        figure.text(box[0] - 0.01, box[1] + box[3] / 2, self.words, fontsize=9.5, ha="right", va="center")
+
+
+def tension_of(result, stage, frames, colour):
+    """The Tension of a name of COLOURS in `frames`. Between the centres of cells it is linear, beyond them that of the nearest.
+    SoftffdError where the result does not know it."""
+    require_name("colour", colour, list(COLOURS))
+    words, unit, measure = COLOURS[colour]
+    cells = {frame: measure(result, frame) for frame in frames}
+    every = np.concatenate([values[np.isfinite(values)] for values in cells.values()] or [np.zeros(0)])
+    low, high = (0.0 if colour == "von_mises" else every.min(initial=1.0)), every.max(initial=1e-300)
+    scale = Normalize(low, high if high > low else low + 1)
+    tints = {}
+    for frame, values in cells.items():
+        of_vertices = _at_vertices(values, stage)
+        tint = colormaps[RAMP](scale(of_vertices))[:, :3]
+        tint[~np.isfinite(of_vertices)] = FOLDED
+        tints[frame] = tint
+    return Tension(tints, scale, words, unit)
+
+
+def _at_vertices(values, stage):
+    most = np.array(values.shape) - 1
+    place = ((stage.vertices - stage.origin) / stage.size * values.shape - 0.5).clip(0, most)
+    low = np.minimum(place.astype(int), np.maximum(most - 1, 0))
+    share = place - low
+    total = np.zeros(len(place))
+    for corner in np.ndindex(2, 2, 2):
+        weight = np.where(corner, share, 1 - share).prod(axis=1)
+        total += np.where(weight > 0, weight * values[tuple(np.minimum(low + corner, most).T)], 0.0)
+    return total
