@@ -57,6 +57,12 @@ Run empty_run(const Definition& definition) {
   return run;
 }
 
+/// Of the box.
+Vec3 start_centre(const Definition& definition) {
+  const Lattice& lattice = definition.lattice;
+  return lattice.origin + definition.stretch.cwiseProduct(0.5 * lattice.size) + definition.offset;
+}
+
 /// Whether any number is not 0. Sums take several at a time, isZero() one by one.
 bool any(const Points& points) { return points.abs().sum() != 0; }
 
@@ -73,12 +79,23 @@ bool finite(const Run& run) {
 
 }  // namespace
 
-Points start_positions(const Definition& definition) {
+Points start_positions(const Definition& definition, const Vec3& rotation) {
   const Lattice& lattice = definition.lattice;
   Points x = rest_positions(lattice);
   for (int p = 0; p < lattice.points(); ++p)
     set_row(x, p, lattice.origin + definition.stretch.cwiseProduct(row(x, p) - lattice.origin) + definition.offset);
+  if (rotation.isZero(0)) return x;
+  const Vec3 centre = start_centre(definition);
+  for (int p = 0; p < lattice.points(); ++p) set_row(x, p, centre + rotated(rotation, row(x, p) - centre));
   return x;
+}
+
+PinMotion start_pose(const Lattice& lattice, const Vec3& origin, const Vec3& rotation) {
+  const Vec3 centre = lattice.centre();
+  PinMotion pose;
+  pose.position = rotation.isZero(0) ? origin : centre + rotated(rotation, origin - centre);
+  pose.orientation = quaternion(rotation);
+  return pose;
 }
 
 SoftBody::SoftBody(Definition definition)
@@ -192,14 +209,13 @@ bool SoftBody::place_pins(bool book) {
 }
 
 StepStatus SoftBody::initialize(double t0) {
-  const Lattice& lattice = definition_.lattice;
   refresh_model();
   State& motion = now_.path.motion;
   start_time_ = motion.time = t0;
   const StepStatus status = refresh_drive();
   if (status != StepStatus::ok) return status;
-  motion.x = start_positions(definition_);
-  const Vec3 centre = lattice.origin + definition_.stretch.cwiseProduct(0.5 * lattice.size) + definition_.offset;
+  motion.x = start_positions(definition_, settings.rotation);
+  const Vec3 centre = start_centre(definition_);
   for (int p = 0; p < model_.body.points(); ++p)
     set_row(motion.v, p, definition_.velocity + definition_.angular_velocity.cross(row(motion.x, p) - centre));
   motion.previous_h = 0;

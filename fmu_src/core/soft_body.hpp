@@ -26,14 +26,16 @@ struct Definition {
   std::vector<PinDefinition> pins;
   int planes = 0;
   double volume_stiffness = 0;                                    ///< >= 0 [Pa]; 0: absent
-  Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();             ///< x0 = origin + stretch (X - origin) + offset
+  Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();             ///< x0 = origin + stretch (X - origin) + offset, then turned
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< [m/s], [rad/s] about the centre of the box at x0
   bool watch_energy = false;                                      ///< accumulate dissipated energy and work
   std::shared_ptr<Team> team = {};                                ///< shares the work on the forces; null: one thread does it
 };
 
-/// Before pins and planes move points (points, 3) [m].
-Points start_positions(const Definition& definition);
+/// Before pins and planes move points (points, 3) [m]. rotation: vector [rad] by which the body starts turned about the centre of its box.
+Points start_positions(const Definition& definition, const Vec3& rotation);
+/// The pose at the start of a pin's frame that is at `origin` [m] at rest: it turns with the body.
+PinMotion start_pose(const Lattice& lattice, const Vec3& origin, const Vec3& rotation);
 
 struct Material {
   double mass = 1;  ///< total [kg]
@@ -48,6 +50,7 @@ struct Material {
 struct Settings : Material {
   Vec3 gravity = Vec3::Zero();  ///< [m/s2]
   Method method = Method::automatic;
+  Vec3 rotation = Vec3::Zero();              ///< vector by which the body starts turned about the centre of its box [rad]
   double tolerance = 1e-4;                   ///< error aimed at, relative to the largest side of the box
   double step = 0;                           ///< internal step [s]; 0: by stability and tolerance
   double step_factor = 1;                    ///< of the internal step that would be taken otherwise

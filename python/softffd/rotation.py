@@ -11,6 +11,12 @@ def turned(vectors: np.ndarray, turns: np.ndarray) -> np.ndarray:
     return along + np.cos(angle) * (vectors - along) + np.sin(angle) * np.cross(axis, vectors)
 
 
+def quaternion(turn: np.ndarray) -> np.ndarray:
+    """The unit quaternion (w, x, y, z) of a rotation vector (3,) [rad]."""
+    angle = np.linalg.norm(turn)
+    return np.array([np.cos(angle / 2), *(np.sin(angle / 2) / angle * turn)]) if angle > 0 else np.array([1.0, 0.0, 0.0, 0.0])
+
+
 def between_directions(first: np.ndarray, last: np.ndarray) -> np.ndarray:
     """Shortest rotation vector (3,) [rad] from one direction (3,) of any length to another; zero for opposite ones."""
     a, b = first / np.linalg.norm(first), last / np.linalg.norm(last)

@@ -267,3 +267,28 @@ TEST(a_damped_box_that_was_dropped_comes_to_rest) {
           CHECK(!moves_after(counts, k, H));
         }
 }
+
+TEST(a_body_that_starts_turned_moves_as_the_turned_one) {
+  const Vec3 rotation(0.3, -0.5, 0.2);
+  const auto turned = [&](const Vec3& v) { return rotated(rotation, v); };
+  Definition definition = stretched(), other = definition;
+  definition.velocity = {1, 0, 0.5};
+  definition.angular_velocity = {0.5, 2, 1};
+  other.velocity = turned(definition.velocity);
+  other.angular_velocity = turned(definition.angular_velocity);
+  SoftBody upright(definition), tilted(other);
+  for (SoftBody* body : {&upright, &tilted}) {
+    body->settings.stiffness = {1e3, 1e3, 1e3};
+    body->settings.method = Method::leapfrog;
+    body->settings.step = 1e-3;
+    body->settings.gravity = {0, 0, -9.81};
+  }
+  tilted.settings.gravity = turned(upright.settings.gravity);
+  tilted.settings.rotation = rotation;
+  for (SoftBody* body : {&upright, &tilted}) {
+    body->initialize(0);
+    for (int i = 0; i < 20; ++i) CHECK(body->advance(0.01) == StepStatus::ok);
+  }
+  const Vec3 centre(0.55, 0.5, 0.5);
+  for (int p = 0; p < 64; ++p) CHECK((row(tilted.state().x, p) - centre - turned(row(upright.state().x, p) - centre)).norm() < 1e-12);
+}

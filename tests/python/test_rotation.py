@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from softffd.rotation import between_directions, between_orientations, turned
+from softffd.rotation import between_directions, between_orientations, quaternion, turned
 
 X, Y, Z = np.eye(3)
 
@@ -38,3 +38,9 @@ def test_the_turn_between_two_orientations_is_in_the_world_frame():
     about_z, about_x = np.array([np.cos(0.4), 0, 0, np.sin(0.4)]), np.array([np.cos(0.1), np.sin(0.1), 0, 0])
     w, v = about_x[0] * about_z[0], about_x[0] * about_z[1:] + about_z[0] * about_x[1:] + np.cross(about_x[1:], about_z[1:])
     assert between_orientations(about_z, np.array([w, *v])) == pytest.approx(0.2 * X, abs=1e-15)
+
+
+def test_a_rotation_vector_and_its_quaternion_turn_alike():
+    turn = np.array([0.3, -1.2, 0.7])
+    assert between_orientations(np.array([1.0, 0.0, 0.0, 0.0]), quaternion(turn)) == pytest.approx(turn, abs=1e-15)
+    np.testing.assert_array_equal(quaternion(np.zeros(3)), [1.0, 0.0, 0.0, 0.0])

@@ -12,7 +12,7 @@ SECTIONS = {
     "material": ("stiffness", "damping", "volume_stiffness", "internal_damping"),
     "environment": ("gravity",),
     "inputs": ("forces",),
-    "initial": ("stretch", "offset", "velocity", "angular_velocity"),
+    "initial": ("stretch", "offset", "rotation", "velocity", "angular_velocity"),
     "outputs": ("velocities", "reactions", "energy"),
     "solver": ("method", "step", "tolerance", "error_estimate"),
     "experiment": ("stop_time", "communication_step"),

@@ -23,6 +23,7 @@ struct Lattice {
 
   int points() const { return counts[0] * counts[1] * counts[2]; }
   int index(int i, int j, int k) const { return i + counts[0] * (j + counts[1] * k); }
+  Vec3 centre() const { return origin + 0.5 * size; }
   double largest_side() const { return size.maxCoeff(); }
   /// Sides of a cell [m].
   Vec3 cell() const { return size.cwiseQuotient(Vec3(counts[0] - 1, counts[1] - 1, counts[2] - 1)); }

@@ -36,6 +36,14 @@ Vec3 rotated(const Vec3& w, const Vec3& v) {
   return r.cosine * v + r.sine * axis.cross(v) + (1 - r.cosine) * axis.dot(v) * axis;
 }
 
+std::array<double, 4> quaternion(const Vec3& w) {
+  const double angle = std::sqrt(w.dot(w));
+  if (angle == 0) return {1, 0, 0, 0};
+  const SineCosine half = sine_cosine(0.5 * angle);
+  const Vec3 axis = (half.sine / angle) * w;
+  return {half.cosine, axis[0], axis[1], axis[2]};
+}
+
 Vec3 rotated(const std::array<double, 4>& q, const Vec3& v) {
   const Vec3 u(q[1], q[2], q[3]);
   const Vec3 t = 2 * u.cross(v);

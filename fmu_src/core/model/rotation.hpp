@@ -15,6 +15,9 @@ SineCosine sine_cosine(double angle);
 /// The vector v turned by the rotation vector w [rad] about the axis w.
 Vec3 rotated(const Vec3& w, const Vec3& v);
 
+/// The unit quaternion (w, x, y, z) of the rotation vector w [rad].
+std::array<double, 4> quaternion(const Vec3& w);
+
 /// The vector v turned by the unit quaternion (w, x, y, z).
 Vec3 rotated(const std::array<double, 4>& quaternion, const Vec3& v);
 

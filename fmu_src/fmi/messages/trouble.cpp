@@ -50,7 +50,7 @@ std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
   std::vector<bool> pinned(d.lattice.points(), false);
   for (const PinDefinition& pin : d.pins)
     for (int p : pin.points) pinned[p] = true;
-  const Points start = start_positions(d);
+  const Points start = start_positions(d, body.settings.rotation);
   std::string text;
   for (std::size_t q = 0; q < scene.planes.size(); ++q) {
     const PlaneMotion& plane = body.settings.planes[q];

@@ -133,6 +133,12 @@ void read_pin_origin(Record& r, SceneFile& s) {
   if (s.definition.pins.empty()) r.fail("there is no pin before it");
   s.definition.pins.back().origin = r.vector();
 }
+void read_pin_start(Record& r, SceneFile& s) {
+  if (s.pins.empty()) r.fail("there is no pin before it");
+  PinMotion& start = s.pins.back().start.emplace();
+  start.position = r.vector();
+  for (double& component : start.orientation) component = r.number();
+}
 bool is_pose(Part part, std::string_view word) {
   for (const FamilyInfo& info : families)
     for (char c : info.components)
@@ -198,6 +204,7 @@ constexpr Reader readers[] = {
     {"plane_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.planes, Part::input_planes); }},
     {"pin", read_pin},
     {"pin_origin", read_pin_origin},
+    {"pin_start", read_pin_start},
     {"pin_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.pins, Part::input_pins); }},
     {"load", read_load},
     {"probe",
@@ -209,6 +216,7 @@ constexpr Reader readers[] = {
     {"positions", [](Record& r, SceneFile& s) { s.positions = r.points(count(s)); }},
     {"velocities", [](Record& r, SceneFile& s) { s.velocities = r.points(count(s)); }},
     {"initial", read_initial},
+    {"initial_rotation", [](Record& r, SceneFile& s) { s.rotation = r.vector(); }},
     {"plain_names", [](Record&, SceneFile& s) { s.plain_names = true; }},
     {"reactions", [](Record&, SceneFile& s) { s.reactions = true; }},
     {"energy", [](Record&, SceneFile& s) { s.energy = s.definition.watch_energy = true; }},

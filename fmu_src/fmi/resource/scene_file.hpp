@@ -31,6 +31,7 @@ struct SceneFile {
     std::string name;
     bool moved_by_input = false;
     Chosen inputs;
+    std::optional<PinMotion> start;  ///< pose at the start; absent: that of rest
   };
   struct Load {
     std::string name;
@@ -48,6 +49,7 @@ struct SceneFile {
   std::optional<double> damping;
   std::optional<double> internal_damping;  ///< [s]
   std::optional<Vec3> gravity;
+  std::optional<Vec3> rotation;  ///< vector by which the body starts turned [rad]
   std::vector<Plane> planes;
   std::vector<Pin> pins;
   std::vector<Load> loads;

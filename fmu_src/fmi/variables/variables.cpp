@@ -35,10 +35,13 @@ void set_starts(const SceneFile& scene, Settings& settings) {
   settings.damping = scene.damping.value_or(0);
   settings.internal_damping = scene.internal_damping.value_or(0);
   settings.gravity = scene.gravity.value_or(Vec3::Zero());
+  settings.rotation = scene.rotation.value_or(Vec3::Zero());
   settings.tolerance = scene.tolerance;
   settings.step = scene.step;
   settings.most_work = scene.most_work;
   std::copy(scene.planes.begin(), scene.planes.end(), settings.planes.begin());
+  for (std::size_t a = 0; a < scene.pins.size(); ++a)
+    if (scene.pins[a].start) settings.pins[a] = *scene.pins[a].start;
 }
 
 Vec3 vector(const Variables::Table& table, Family family, std::size_t instance) {
@@ -48,6 +51,7 @@ Vec3 vector(const Variables::Table& table, Family family, std::size_t instance) 
 }  // namespace
 
 Variables::Variables(const SceneFile& scene, Settings& settings) : scene_(scene) {
+  for (const PinMotion& pin : settings.pins) pin_origins_.push_back(pin.position);
   set_starts(scene, settings);
   for (std::size_t row = 0; row < family_count; ++row) {
     const FamilyInfo& info = families[row];
@@ -160,6 +164,12 @@ void Variables::follow_pose(Family pose, Motions& moved) const {
   }
 }
 
+/// They hold the points that the start of the body turns.
+void Variables::turn_fixed_pins(Settings& settings) const {
+  for (std::size_t a = 0; a < scene_.pins.size(); ++a)
+    if (!scene_.pins[a].moved_by_input) settings.pins[a] = start_pose(scene_.definition.lattice, pin_origins_[a], settings.rotation);
+}
+
 bool Variables::apply(Settings& settings) {
   forget_seen();
   const Table &numbers = values_.numbers, &rates = values_.rates[0];
@@ -182,6 +192,7 @@ bool Variables::apply(Settings& settings) {
   }
   follow_pose(Family::plane_point, settings.planes);
   follow_pose(Family::pin_position, settings.pins);
+  if (scene_.rotation) turn_fixed_pins(settings);
   values_.changed = false;
   return std::exchange(values_.material_changed, false);
 }

@@ -114,6 +114,7 @@ class Variables {
   std::vector<fmi2ValueReference> of_points(std::size_t row) const;
   template <class Motions>
   void follow_pose(Family pose, Motions& moved) const;
+  void turn_fixed_pins(Settings& settings) const;
   void check_method(double method) const;
   void spread(const Table& table, Points& force) const;
   double read(const Variable& variable, const Observed& observed);
@@ -124,6 +125,7 @@ class Variables {
   std::array<std::vector<int>, family_count> members_;  ///< by part; there are no more parts than families
   std::array<std::vector<int>, family_count> chosen_;   ///< by row, of poses: the places that are there
   std::vector<Embedding> probes_;
+  std::vector<Vec3> pin_origins_;             ///< at rest [m]
   std::vector<std::size_t> differenced_;      ///< the rows of `begun_` and `seen_` that have any
   std::array<Meant, 2> last_set_, last_got_;  ///< by type
   Values starts_, values_;

@@ -35,6 +35,7 @@ PRESENT = {
     "damping": "`material.damping` or that of a region > 0",
     "internal_damping": "`material.internal_damping` or that of a region > 0",
     "gravity": "`environment.gravity`",
+    "rotation": "`initial.rotation`",
     "positions": "each control point of `outputs.positions`",
     "velocities": "each control point of `outputs.velocities`",
     "probes": "each `[[probe]]`",

@@ -56,6 +56,9 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
         lines.append(["pin", pin.name, pin.motion, *scene.select(pin.points)])
         if pin.origin is not None:
             lines.append(["pin_origin", *pin.origin])
+        if pin.motion == "input" and scene.initial.rotation is not None:
+            position, orientation = scene.pin_start(pin)
+            lines.append(["pin_start", *position, *orientation])
         if pin.motion == "input":
             lines.append(["pin_inputs", *pin.input_components()])
     lines += [["load", load.name, *scene.select(load.points)] for load in scene.load]
@@ -71,6 +74,8 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
             lines.append([key, *points])
     initial = scene.initial
     lines.append(["initial", *initial.stretch, *initial.offset, *initial.velocity, *initial.angular_velocity])
+    if initial.rotation is not None:
+        lines.append(["initial_rotation", *initial.rotation_vector()])
     if scene.fmu.names == "plain":
         lines.append(["plain_names"])
     lines += [[key] for key in ("reactions", "energy", "solver") if getattr(outputs, key)]

@@ -77,12 +77,8 @@ def _plane(plane: Plane) -> dict[str, Any]:
 
 
 def _pin(scene: Scene, pin: Pin) -> dict[str, Any]:
-    return {
-        "name": pin.name,
-        "position": scene.pin_origin(pin),
-        "orientation": (1.0, 0.0, 0.0, 0.0),
-        "inputs": pin.input_components(),
-    }
+    position, orientation = scene.pin_start(pin)
+    return {"name": pin.name, "position": position, "orientation": orientation, "inputs": pin.input_components()}
 
 
 def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
@@ -120,6 +116,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "damping": when(spring_damping_present(scene), damping=material.damping),
         "internal_damping": when(internal_damping_present(scene), internal_damping=material.internal_damping),
         "gravity": when(gravity is not None, gravity=gravity),
+        "rotation": when(scene.initial.rotation is not None, rotation=scene.initial.rotation_vector()),
         "positions": points(scene.outputs.positions),
         "velocities": points(scene.outputs.velocities),
         "probes": [{"name": probe.name} for probe in scene.probe],

@@ -11,6 +11,7 @@ from pydantic import PrivateAttr, ValidationInfo, model_validator
 
 from softffd.errors import SceneError
 from softffd.lattice import LatticeBox, rest_grid, to_flat
+from softffd.rotation import quaternion, turned
 from softffd.scene.changes import changed
 from softffd.scene.document import find_scene, read_document, shipped_scenes, shown
 from softffd.scene.draft import unshared
@@ -139,6 +140,15 @@ class Scene(SceneKeys):
         """Where the frame of a pin of this scene is at rest [m]."""
         x, y, z = pin.origin or map(float, self.rest_positions()[self.select(pin.points)].mean(axis=0))
         return x, y, z
+
+    def pin_start(self, pin: Pin) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Where the frame of a pin of this scene starts [m], and its orientation (w, x, y, z): as at rest, or turned with the body."""
+        turn, origin = np.array(self.initial.rotation_vector()), self.pin_origin(pin)
+        if not turn.any():
+            return origin, (1.0, 0.0, 0.0, 0.0)
+        centre = np.array(self.box.origin) + np.array(self.box.size) / 2
+        at = centre + turned(np.array(origin) - centre, turn)
+        return tuple(at.tolist()), tuple(quaternion(turn).tolist())
 
     def rest_positions(self) -> np.ndarray:
         """The control points at rest in flat order, (n, 3) [m]."""

@@ -1,5 +1,6 @@
 """The sections of a scene file, key by key: default, unit, range and meaning. SI units."""
 
+import math
 import re
 import unicodedata
 from pathlib import Path
@@ -345,13 +346,43 @@ class Inputs(Section):
     forces: Selection = key("none", "control points with a force input each: a selection")
 
 
+class Rotation(Section):
+    """A rotation about an axis, right-handed."""
+
+    axis: Direction = key(..., "the axis, of any length > 0", examples=[[0.0, 1.0, 0.0]])
+    degrees: Number = key(..., "the angle in degrees", examples=[0.0])
+
+
+def _rotation_table(value: Any) -> Any:
+    """Whatever may be a table of axis and degrees; radians are told in degrees."""
+    wanted = "{ axis = [x, y, z], degrees = }"
+    if not isinstance(value, dict | Rotation):
+        raise refusal(f"a table {wanted}")
+    if isinstance(value, dict) and "degrees" not in value and isinstance(angle := value.get("radians"), int | float):
+        raise refusal(wanted, nearest=f"degrees = {math.degrees(angle):.10g}")
+    return value
+
+
 class Initial(Section):
-    """The state at the start: x0 = origin + stretch (X - origin) + offset, X the rest position."""
+    """The state at the start: x0 = origin + stretch (X - origin) + offset, X the rest position, turned by the rotation."""
 
     stretch: Vector = quantity((1.0, 1.0, 1.0), "1", "factor per axis on the rest shape")
     offset: Vector = quantity((0.0, 0.0, 0.0), "m", "displacement of the whole object")
-    velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of the whole object")
-    angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about the box's centre")
+    rotation: Annotated[Rotation, BeforeValidator(_rotation_table)] | None = key(
+        None,
+        "the whole object turned about the centre of its box, { axis = [0, 1, 0], degrees = 35 }, with the points that pins hold; "
+        "velocities stay those of the world frame; absent: not turned, and no parameter for it",
+    )
+    velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of the whole object, world frame")
+    angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about the box's centre, world frame")
+
+    def rotation_vector(self) -> tuple[float, float, float]:
+        """Along the axis, as long as the angle [rad]."""
+        if self.rotation is None:
+            return 0.0, 0.0, 0.0
+        x, y, z = self.rotation.axis
+        scale = math.radians(self.rotation.degrees) / math.hypot(x, y, z)
+        return x * scale, y * scale, z * scale
 
 
 class Probe(Section):

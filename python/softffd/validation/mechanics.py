@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from ..rotation import turned
+
 AXES = "xyz"
 
 
@@ -188,12 +190,18 @@ def _of_regions(values: np.ndarray, pairs: np.ndarray, regions: Sequence[Mapping
     return values
 
 
-def start(scene: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """Positions [m] and velocities [m/s] at the start, (n, 3) each; pins and planes have not acted yet."""
+def start(scene: Mapping[str, Any], *, rotation: Sequence[float] | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Positions [m] and velocities [m/s] at the start, (n, 3) each; pins and planes have not acted yet.
+
+    rotation: vector (3,) [rad] by which the body starts turned about the centre of its box; absent: the scene's.
+    """
     initial = {key: np.array(value) for key, value in scene["initial"].items()}
     origin, half = np.array(scene["origin"]), np.array(scene["size"]) / 2
     x = origin + initial["stretch"] * (np.array(scene["rest"]) - origin) + initial["offset"]
     centre = origin + initial["stretch"] * half + initial["offset"]
+    turn = initial["rotation"] if rotation is None else np.array(rotation)
+    if turn.any():
+        x = centre + turned(x - centre, turn)
     return x, initial["velocity"] + np.cross(initial["angular_velocity"], x - centre)
 
 

@@ -37,5 +37,5 @@ def resolved(scene: Scene, mass: np.ndarray | None = None) -> dict[str, Any]:
         ],
         "forces": {variable_name("load", load.name): points(load.points) for load in scene.load}
         | {variable_name("force", point_at(p, lattice.points)): [p] for p in points(scene.inputs.forces)},
-        "initial": scene.initial.model_dump(),
+        "initial": scene.initial.model_dump() | {"rotation": scene.initial.rotation_vector()},
     }

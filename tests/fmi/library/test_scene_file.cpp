@@ -52,6 +52,14 @@ TEST(a_material_of_a_modulus_is_read) {
   CHECK(refused(with_first_line(base + "topology paper\n")));
 }
 
+TEST(how_the_body_and_its_pins_start_turned_is_read) {
+  const SceneFile scene =
+      parse_scene(with_first_line(minimal + "initial_rotation 0 0.5 0\npin p input 0 1\npin_start 1 2 3 0.6 0 0 0.8\n"));
+  CHECK(scene.rotation == softffd::Vec3(0, 0.5, 0) && scene.pins[0].start->position == softffd::Vec3(1, 2, 3));
+  CHECK(scene.pins[0].start->orientation == (std::array<double, 4>{0.6, 0, 0, 0.8}));
+  CHECK(!parse_scene(with_first_line(minimal)).rotation && refused(with_first_line(minimal + "pin_start 1 2 3 1 0 0 0\n")));
+}
+
 TEST(every_changed_byte_is_noticed) {
   const std::string good = with_first_line(minimal);
   for (std::size_t i = 0; i < good.size(); ++i) {

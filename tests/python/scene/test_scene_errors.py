@@ -52,6 +52,17 @@ CASES = [
         {"initial": {"offset": datetime.date(2020, 1, 1)}},
         "initial.offset: wanted 3 numbers [x, y, z] (m), got 2020-01-01",
     ),
+    ({"initial": {"rotation": 35}}, "initial.rotation: wanted a table { axis = [x, y, z], degrees = }, got 35"),
+    (
+        {"initial": {"rotation": {"axis": [0, 0, 0], "degrees": 35}}},
+        "initial.rotation.axis: wanted a vector of length > 0 (in double precision: 1e-100 to 1e100), got [0, 0, 0]",
+    ),
+    ({"initial": {"rotation": {"axis": [0, 1, 0], "degree": 35}}}, 'initial.rotation.degree: unknown key, did you mean "degrees"?'),
+    (
+        {"initial": {"rotation": {"axis": [0, 1, 0], "radians": 0.5}}},
+        "initial.rotation: wanted { axis = [x, y, z], degrees = }, got { axis = [0, 1, 0], radians = 0.5 }, "
+        'did you mean "degrees = 28.64788976"?',
+    ),
     ({"plane": [PLANE | {"friction": -0.1}]}, "plane[0].friction: wanted >= 0, got -0.1"),
     (
         {"plane": [PLANE, {"name": "b", "normal": [0, 0, 0]}]},

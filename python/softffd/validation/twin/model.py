@@ -28,7 +28,7 @@ class Model:
 
     def initialize(self, values: Mapping[str, float], time: float) -> None:
         """The state at the start; points behind a plane are moved onto it."""
-        self.motion = Motion(time, *start(self.scene))
+        self.motion = Motion(time, *start(self.scene, rotation=_rotation(values)))
         self.start_time, self.elapsed, self._material = time, 1.0, None
         self._take(values)
         self._place_pins(book=False)
@@ -102,9 +102,12 @@ class Model:
             w, *axis = (values[f"{name}.orientation.{each}"] for each in "wxyz")
             if not (w or any(axis)):
                 raise TwinError(f"{name}.orientation: wanted any quaternion but zero")
-            turn = 2 * np.arctan2(np.linalg.norm(axis), w)
-            arms = turned(arms, turn * quotient(np.array(axis), np.linalg.norm(axis)))
+            angle = 2 * np.arctan2(np.linalg.norm(axis), w)
+            arms = turned(arms, angle * quotient(np.array(axis), np.linalg.norm(axis)))
             origin, velocity, spin = (_read(values, f"{name}.{each}") for each in ("position", "velocity", "angular_velocity"))
+        elif (turn := _rotation(values)).any():
+            centre = np.array(self.scene["origin"]) + np.array(self.scene["size"]) / 2
+            arms, origin = turned(arms, turn), centre + turned(origin - centre, turn)
         return Pin(points=points, arms=arms, origin=origin, velocity=velocity, spin=spin, since=self.motion.time)
 
     def _place_pins(self, *, book: bool) -> None:
@@ -148,6 +151,11 @@ class Model:
 
 def _read(values: Mapping[str, float], name: str) -> np.ndarray:
     return np.array([values[f"{name}.{axis}"] for axis in AXES])
+
+
+def _rotation(values: Mapping[str, float]) -> np.ndarray:
+    """By which the body starts turned [rad]."""
+    return _read(values, "initial.rotation") if "initial.rotation.x" in values else np.zeros(3)
 
 
 def _vector(name: str, numbers: np.ndarray) -> dict[str, float]:

@@ -1,0 +1,108 @@
+"""A body that starts turned: the turned motion of the body that does not, held by pins, told where it is behind a plane, in any host."""
+
+import numpy as np
+import pytest
+
+from readings import points, vector
+from scenes import GRAVITY, LED, box
+from softffd import Simulation, simulate
+from softffd.fmu.package import package_fmu
+from softffd.rotation import quaternion, turned
+from softffd.validation.twin import build_twin
+
+ROTATION = {"axis": [1.0, -2.0, 0.5], "degrees": 35.0}
+TURN = np.radians(35.0) * np.array(ROTATION["axis"]) / np.linalg.norm(ROTATION["axis"])
+PLACED = {"origin": [0.2, -0.3, 0.4], "size": [0.6, 0.9, 1.2], "points": [4, 3, 4]}
+OFFSET = np.array([0.1, 0.2, -0.3])
+CENTRE = np.array(PLACED["origin"]) + np.array(PLACED["size"]) / 2
+NAMES = [f"initial.rotation.{axis}" for axis in "xyz"]
+
+
+def turned_list(vector):
+    return turned(np.array(vector, float), TURN).tolist()
+
+
+def body(rotation=None, *, keep=list, **keys):
+    """A body in free flight; `keep` turns the vectors of its surroundings."""
+    start = {"rotation": rotation} if rotation else {}
+    motion = {"velocity": keep([1.0, 0.0, 0.5]), "angular_velocity": keep([0.5, 2.0, 1.0])}
+    return box(
+        lattice=PLACED, stiffness=500.0, damping=0.05, gravity=keep(GRAVITY), method="leapfrog", step=1e-3, stop_time=0.3,
+        **motion, **start, **keys,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["leapfrog", "auto"])
+def test_a_turned_body_moves_as_the_turned_solution(method):
+    keys = {"stretch": [1.1, 1.0, 0.9], "offset": OFFSET.tolist(), "solver": {"method": method}}
+    upright, tilted = simulate(body(**keys)), simulate(body(ROTATION, keep=turned_list, **keys))
+    centre = np.array(PLACED["origin"]) + np.array(keys["stretch"]) * np.array(PLACED["size"]) / 2 + OFFSET
+    wanted = centre + turned(points(upright) - centre, TURN)
+    assert np.abs(points(upright)[-1] - points(upright)[0]).max() > 0.2
+    np.testing.assert_allclose(points(tilted), wanted, rtol=0, atol=1e-12)
+
+
+def test_velocities_are_those_of_the_world():
+    flight = box(rotation=ROTATION, velocity=[1.0, 2.0, 3.0], velocities="all", stop_time=0.01)
+    with Simulation(flight) as simulation:
+        np.testing.assert_allclose(simulation.velocities.reshape(-1, 3), np.broadcast_to([1.0, 2.0, 3.0], (64, 3)))
+
+
+def test_the_rotation_is_a_parameter_where_the_scene_has_one_and_only_there(tmp_path):
+    with Simulation(box()) as plain:
+        assert not [name for name in plain.component.by_name if name.startswith("initial")]
+    path = package_fmu(body({"axis": [0, 1, 0], "degrees": 0.0}), tmp_path / "body.fmu")
+    given = simulate(path, start_values=dict(zip(NAMES, TURN, strict=True)))
+    np.testing.assert_array_equal(
+        points(given), points(simulate(body({"axis": TURN.tolist(), "degrees": np.degrees(np.linalg.norm(TURN))})))
+    )
+
+
+@pytest.mark.parametrize("motion", [{}, LED], ids=["fixed", "led"])
+def test_pins_hold_the_turned_points(motion):
+    hook = {"name": "hook", "points": "z+", "origin": [0.3, 0.2, 1.9], **motion}
+    upright, tilted = (
+        simulate(body(rotation, keep=keep, pin=[hook])) for rotation, keep in ((None, list), (ROTATION, turned_list))
+    )  # fmt: skip
+    np.testing.assert_allclose(points(tilted), CENTRE + turned(points(upright) - CENTRE, TURN), rtol=0, atol=1e-12)
+    for what in ("reaction", "torque"):
+        wanted = turned(vector(upright, f"pin.hook.{what}"), TURN)
+        np.testing.assert_allclose(vector(tilted, f"pin.hook.{what}"), wanted, rtol=0, atol=1e-8 * np.abs(wanted).max())
+    held = points(tilted)[:, body().select("z+")]
+    np.testing.assert_allclose(held, np.broadcast_to(held[0], held.shape), rtol=0, atol=1e-15)
+
+
+def test_the_frame_of_a_led_pin_starts_turned():
+    hand = {"name": "hand", "points": "x-", **LED}
+    scene = body(ROTATION, pin=[hand])
+    with Simulation(scene) as simulation:
+        found = [simulation[f"pin.hand.position.{axis}"] for axis in "xyz"]
+        np.testing.assert_allclose(found, CENTRE + turned(np.array(scene.pin_origin(scene.pin[0])) - CENTRE, TURN), rtol=1e-14)
+        np.testing.assert_allclose([simulation[f"pin.hand.orientation.{c}"] for c in "wxyz"], quaternion(TURN), rtol=1e-14)
+
+
+def test_a_fixed_pin_stays_turned_in_a_state_that_another_component_continues():
+    scene = body(ROTATION, pin=[{"name": "hook", "points": "z+"}])
+    with Simulation(scene) as first, Simulation(scene) as second:
+        first.step(0.1)
+        second.restore(bytes(first.save()))
+        for simulation in (first, second):
+            simulation.step(0.1)
+        np.testing.assert_array_equal(second.positions, first.positions)
+
+
+def test_a_start_behind_a_plane_is_told_of_the_turned_body():
+    corner = np.sqrt(0.5) - 0.5
+    with Simulation(box(rotation={"axis": [0, 1, 0], "degrees": 45.0}, plane=[{"name": "ground"}])) as simulation:
+        simulation.initialize()
+        (warning,) = simulation.warnings
+    assert f"start behind plane ground, by up to {corner:.9g} m" in warning
+
+
+def test_the_twin_turns_body_and_pins_alike(tmp_path):
+    pytest.importorskip("pythonfmu", reason="the twin is packaged with pythonfmu")
+    scene = body(ROTATION, pin=[{"name": "hook", "points": "z+"}, {"name": "hand", "points": "z-", **LED}])
+    twin = build_twin(scene, tmp_path / "twin.fmu")
+    for values in ({}, {"initial.rotation.x": 0.3}):
+        own, other = (simulate(each, stop_time=0.1, step=0.01, start_values=values) for each in (scene, twin))
+        np.testing.assert_allclose(points(other), points(own), rtol=0, atol=1e-12)
