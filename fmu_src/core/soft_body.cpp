@@ -24,6 +24,7 @@ Body make_body(const Definition& definition) {
   const int n = definition.lattice.points();
   Body body{.springs = Springs(definition.lattice, definition.topology, definition.team),
             .mass = {},
+            .weight = {},
             .damping = {},
             .pinned = pinned_points(definition)};
   body.mass = Eigen::Map<const Scalars>(definition.mass.data(), n);
@@ -146,6 +147,11 @@ void SoftBody::refresh_model() {
     moved_mass_ = found.moved / settings.mass;
     body.slight = std::move(found.slight);
   }
+  body.weight = body.mass;
+  if (!definition_.weight.empty()) {
+    const Eigen::Map<const Scalars> given(definition_.weight.data(), n);
+    body.weight = given * (settings.mass / given.sum());
+  }
   model_.renew();
 }
 
@@ -176,7 +182,7 @@ StepStatus SoftBody::refresh_drive() {
     for (double& component : pin.orientation_rate) component /= size;
     pin.since = time;
   }
-  for (int axis = 0; axis < 3; ++axis) drive_.force.col(axis) = settings.force.col(axis) + settings.gravity[axis] * model_.body.mass;
+  for (int axis = 0; axis < 3; ++axis) drive_.force.col(axis) = settings.force.col(axis) + settings.gravity[axis] * model_.body.weight;
   drive_.force_rate = settings.force_rate;
   drive_.bent = any(settings.force_bend[0]) || any(settings.force_bend[1]);
   drive_.ramped = drive_.bent || any(settings.force_rate);

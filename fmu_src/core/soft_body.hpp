@@ -22,6 +22,7 @@ struct Definition {
   Topology topology = Topology::distinct;
   bool of_modulus = false;      ///< springs by the material's modulus, of the topology `distinct`, in place of its stiffness
   std::vector<double> mass;     ///< per control point, > 0 [kg]
+  std::vector<double> weight;   ///< what gravity pulls at, >= 0 [kg]; empty: the mass
   std::vector<Region> regions;  ///< later ones win
   std::vector<PinDefinition> pins;
   int planes = 0;

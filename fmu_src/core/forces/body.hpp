@@ -11,6 +11,7 @@ namespace softffd {
 struct Body {
   Springs springs;
   Scalars mass;                    ///< (points) [kg], > 0
+  Scalars weight;                  ///< (points) [kg], what gravity pulls at
   Scalars damping;                 ///< (points) [N s/m], >= 0
   std::vector<bool> pinned;        ///< (points) moved by a pin, not by forces
   std::vector<int> slight{};       ///< points so light that what they swing by on their own does not matter

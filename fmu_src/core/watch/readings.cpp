@@ -11,7 +11,7 @@ double Readings::kinetic_energy() const { return 0.5 * (model.body.mass * now.pa
 
 double Readings::gravity_energy() const {
   double energy = 0;
-  for (int axis = 0; axis < 3; ++axis) energy -= gravity[axis] * (model.body.mass * now.path.motion.x.col(axis)).sum();
+  for (int axis = 0; axis < 3; ++axis) energy -= gravity[axis] * (model.body.weight * now.path.motion.x.col(axis)).sum();
   return energy;
 }
 

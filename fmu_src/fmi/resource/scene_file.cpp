@@ -101,6 +101,11 @@ void read_mass(Record& r, SceneFile& s) {
   while (r.more()) s.definition.mass.push_back(r.positive());
   if (int(s.definition.mass.size()) != count(s)) r.fail("wanted one mass per control point");
 }
+void read_weight(Record& r, SceneFile& s) {
+  while (r.more()) s.definition.weight.push_back(r.at_least(0));
+  if (int(s.definition.weight.size()) != count(s)) r.fail("wanted one weight per control point");
+  if (std::all_of(s.definition.weight.begin(), s.definition.weight.end(), [](double w) { return w == 0; })) r.fail("no weight is above 0");
+}
 template <auto field>
 void read_region(Record& r, SceneFile& s) {
   Region region;
@@ -190,6 +195,7 @@ constexpr Reader readers[] = {
      }},
     {"basis", [](Record& r, SceneFile& s) { s.basis = r.choice<Basis>({{"bezier", Basis::bezier}, {"bspline", Basis::bspline}}); }},
     {"mass", read_mass},
+    {"weight", read_weight},
     {"stiffness", read_stiffness},
     {"youngs_modulus", read_modulus},
     {"damping", [](Record& r, SceneFile& s) { s.damping = r.at_least(0); }},

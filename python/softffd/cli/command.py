@@ -57,6 +57,7 @@ def _demo(options: argparse.Namespace) -> None:
 
 
 def _build(options: argparse.Namespace) -> None:
+    from softffd.cli.told import told_inertia
     from softffd.fmu.arrays import array_variables
     from softffd.fmu.package import package_fmu, scene_masses
     from softffd.fmu.variables import number_of_variables, size_warning
@@ -76,6 +77,8 @@ def _build(options: argparse.Namespace) -> None:
     if masses.shift.any():
         shift = ", ".join(f"{value:.3g}" for value in masses.shift)
         print(f"  mass.uniform_share moves the centre of mass by ({shift}) m")
+    if inertia := told_inertia(scene, masses):
+        print(f"  {inertia}")
     if warning := size_warning(scene, count):
         print(f"  warning: {warning}")
 

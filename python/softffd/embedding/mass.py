@@ -18,6 +18,7 @@ import numpy as np
 
 from softffd.embedding.basis import weights
 from softffd.embedding.deform import lattice_coordinates
+from softffd.embedding.inertia import covariance, inertia_ratio, require_matched
 from softffd.embedding.mass_bspline import sample_shares, triangle_shares
 from softffd.embedding.quadrature import sufficient_degrees, triangle_rule
 from softffd.errors import SoftffdError
@@ -35,10 +36,14 @@ class Masses:
     """Masses of the control points.
 
     mass: (n,) kg, flat order p = i + nx (j + ny k). shift: (3,) m, how far `uniform_share` moved the centre of mass.
+    weight: (n,) kg, what gravity pulls at where that is not the mass. inertia: (3,), by how much it is greater than the object's own
+    about x, y and z through the centre of mass.
     """
 
     mass: np.ndarray
     shift: np.ndarray
+    inertia: np.ndarray
+    weight: np.ndarray | None = None
 
 
 def point_masses(
@@ -52,6 +57,7 @@ def point_masses(
     density: float | None = None,
     uniform_share: float = 0.1,
     basis: str = "bezier",
+    inertia: str = "lumped",
 ) -> Masses:
     """Return the masses of the control points of a lattice: `counts` in the box `origin`, `size` (3,) m.
 
@@ -61,6 +67,8 @@ def point_masses(
     total: kg, > 0; or density: kg/m^3, > 0, times the volume of a closed mesh, or of the box without a mesh. Exactly one of the two.
     uniform_share: 0 to 1; this part of the total is spread evenly instead, which moves the centre of mass by
     `shift`. basis: of the volume, "bezier" or "bspline".
+    inertia: "lumped" (each sample's mass to the control points that move it) or "matched" (with the inertia of the object; gravity pulls
+    at the lumped masses, and `uniform_share` is what every point has of the mean mass at least).
     Raises SoftffdError where a value or the mesh does not fit, or a control point would be left without mass.
     """
     _require_values(distribution, mesh, total, density, uniform_share)
@@ -70,9 +78,17 @@ def point_masses(
     shares = _shares(distribution, counts, origin, size, mesh, basis)
     shares /= shares.sum()
     blended = (1 - uniform_share) * shares + uniform_share / shares.size
+    wanted = covariance(distribution, mesh, size)
+    if inertia == "matched":
+        found = require_matched(blended, shares, wanted, size, uniform_share)
+        return Masses(total * _flat(found), np.zeros(3), np.ones(3), total * _flat(shares))
     _require_all_positive(blended, uniform_share)
     shift = _centre(blended, origin, size) - _centre(shares, origin, size)
-    return Masses(total * to_flat(blended[..., None])[:, 0], shift)
+    return Masses(total * _flat(blended), shift, inertia_ratio(blended, wanted, size))
+
+
+def _flat(shares: np.ndarray) -> np.ndarray:
+    return to_flat(shares[..., None])[:, 0]
 
 
 def enclosed_volume(mesh: Mesh) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -48,6 +49,7 @@ def scene_masses(scene: Scene) -> Masses:
         density=scene.mass.density,
         uniform_share=scene.mass.uniform_share,
         basis=scene.lattice.basis,
+        inertia=scene.mass.inertia,
     )
     mass = masses.mass.copy()
     if any(region.density is not None for region in scene.region):
@@ -55,7 +57,7 @@ def scene_masses(scene: Scene) -> Masses:
     for region in scene.region:
         if region.mass is not None:
             mass[scene.select(region.points)] = region.mass
-    return Masses(mass=mass, shift=masses.shift)
+    return replace(masses, mass=mass)
 
 
 def _of_cells(scene: Scene, total: float) -> np.ndarray:
@@ -115,16 +117,16 @@ def _require_scene(scene: Any, who: str) -> None:
 
 def scene_texts(scene: Scene) -> tuple[dict[str, bytes], list[Variable], str]:
     """The two files of an FMU that differ from scene to scene, its variables and its guid."""
-    mass = scene_masses(scene).mass
-    listed = variables(scene, mass)
-    texts, guid = _completed_texts(model_description(scene, listed), scene_records(scene, mass))
+    masses = scene_masses(scene)
+    listed = variables(scene, masses.mass)
+    texts, guid = _completed_texts(model_description(scene, listed), scene_records(scene, masses))
     return texts, listed, guid
 
 
 def scene_texts3(scene: Scene) -> dict[str, bytes]:
     """The same two files of an FMU of FMI 3.0."""
-    mass = scene_masses(scene).mass
-    return _completed_texts(model_description3(scene, array_variables(scene, mass)), scene_records(scene, mass))[0]
+    masses = scene_masses(scene)
+    return _completed_texts(model_description3(scene, array_variables(scene, masses.mass)), scene_records(scene, masses))[0]
 
 
 def _completed_texts(description: str, records: str) -> tuple[dict[str, bytes], str]:

@@ -12,14 +12,15 @@ from softffd.fmu.variables import internal_damping_present, method_value, spring
 from softffd.lattice import LatticeBox, Point, point_at, to_flat
 
 if TYPE_CHECKING:
+    from softffd.embedding.mass import Masses
     from softffd.scene.scene import Scene
 
 NAME, HEAD = "scene.txt", "softffd-scene 1"
 T = TypeVar("T")
 
 
-def scene_records(scene: Scene, mass: np.ndarray) -> str:
-    """All records but the guid; what the scene does not need is absent. mass: (n,) kg."""
+def scene_records(scene: Scene, masses: Masses) -> str:
+    """All records but the guid; what the scene does not need is absent."""
     lattice, material, outputs = scene.lattice, scene.material, scene.outputs
     basis: list[list[object]] = [["basis", lattice.basis]] if lattice.basis != "bezier" else []
     lines: list[list[object]] = [
@@ -28,8 +29,10 @@ def scene_records(scene: Scene, mass: np.ndarray) -> str:
         ["size", *(lattice.size or ())],
         ["topology", lattice.springs],
         *basis,
-        ["mass", *mass],
+        ["mass", *masses.mass],
     ]
+    if masses.weight is not None:
+        lines.append(["weight", *masses.weight])
     if material.stiffness is not None:
         lines.append(["stiffness", material.stiffness.edge, material.stiffness.face, material.stiffness.body])
     else:

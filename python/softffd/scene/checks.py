@@ -18,7 +18,7 @@ from softffd.scene.sound import box_is_given, box_is_sound, counts_are_sound
 
 def cross_check(draft: Draft) -> list[Fault]:
     """The problems between the sound values of a draft whose box and mesh are settled."""
-    checks = (_names, _idle_inputs, _counts, _selections, _mass, _margin, _box, _control_points, _probes, material_check)
+    checks = (_names, _idle_inputs, _counts, _selections, _mass, _inertia, _margin, _box, _control_points, _probes, material_check)
     with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
         return [fault for check in checks for fault in check(draft)]
 
@@ -106,6 +106,21 @@ def _mass(draft: Draft) -> Iterator[Fault]:
         yield Fault(("mass", "uniform_share"), f'wanted 0 where the distribution is "box", which leaves no point without mass, {got}')
     if draft.sound("mass", "density") and mass.density is not None and draft.scene.mesh is not None:
         yield from _needs_mesh(draft, "density", closed=True, instead='give "total"')
+
+
+def _inertia(draft: Draft) -> Iterator[Fault]:
+    """Masses that match the object's inertia are chosen for the whole lattice."""
+    if draft.scene.mass.inertia == "lumped" or not draft.sound("mass", "inertia"):
+        return
+    counts = draft.scene.lattice.points
+    if counts_are_sound(draft) and min(counts) < 3:
+        got = f"got {toml_text(list(counts))}"
+        yield Fault(("mass", "inertia"), f'"matched" wants 3 control points or more along each axis, {got}; take "lumped" instead')
+    for number, region in enumerate(draft.scene.region):
+        for name in ("mass", "density"):
+            if getattr(region, name) is not None and draft.sound("region", number, name):
+                text = f'wanted none beside mass.inertia = "matched", which chooses the masses, got {getattr(region, name):g}'
+                yield Fault(("region", number, name), text)
 
 
 def _needs_mesh(draft: Draft, key: str, *, closed: bool, instead: str) -> Iterator[Fault]:

@@ -195,6 +195,11 @@ class Mass(Section):
         ge=0,
         le=1,
     )
+    inertia: Literal["lumped", "matched"] = key(
+        "lumped",
+        '"lumped": masses that follow the weights, whose moment of inertia is too large, about twice at 4 control points per axis, as '
+        '`softffd build` tells; "matched": the inertia of the object, at steps two to five times shorter, where bodies roll or tip',
+    )
 
 
 class Stiffness(Section):

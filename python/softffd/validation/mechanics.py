@@ -105,6 +105,7 @@ class Body:
     stiffness: np.ndarray  # (s,) N/m
     length: np.ndarray  # (s,) m
     mass: np.ndarray  # (n,) kg
+    weight: np.ndarray  # (n,) kg, what gravity pulls at
     damping: np.ndarray  # (n,) N s/m
     dashpot: np.ndarray  # (s,) N s/m
 
@@ -139,7 +140,9 @@ class Body:
             if region["damping"] is not None:
                 of_points[region["points"]] = region["damping"]
         length = np.linalg.norm(rest[pairs[:, 1]] - rest[pairs[:, 0]], axis=1)
-        return cls(pairs, of_springs, length, mass if total is None else mass * (total / mass.sum()), of_points, dashpots)
+        weight = mass if scene["weight"] is None else np.array(scene["weight"])
+        scale = 1.0 if total is None else total / mass.sum()
+        return cls(pairs, of_springs, length, mass * scale, weight * scale, of_points, dashpots)
 
     def stretch(self, x: np.ndarray) -> np.ndarray:
         """How much longer than at rest the springs are (s,) [m]."""

@@ -19,13 +19,15 @@ def resolved(scene: Scene, mass: np.ndarray | None = None) -> dict[str, Any]:
         return scene.select(selection).tolist()
 
     lattice, material, stiffness = scene.lattice, scene.material, scene.material.stiffness
+    masses = scene_masses(scene)
     return {
         "counts": lattice.points,
         "origin": lattice.origin,
         "size": lattice.size,
         "topology": lattice.springs,
         "rest": scene.rest_positions().tolist(),
-        "mass": (scene_masses(scene).mass if mass is None else mass).tolist(),
+        "mass": (masses.mass if mass is None else mass).tolist(),
+        "weight": None if masses.weight is None else masses.weight.tolist(),
         "stiffness": None if stiffness is None else [stiffness.edge, stiffness.face, stiffness.body],
         "youngs_modulus": material.youngs_modulus,
         "damping": material.damping,

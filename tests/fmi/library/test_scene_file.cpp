@@ -60,6 +60,13 @@ TEST(how_the_body_and_its_pins_start_turned_is_read) {
   CHECK(!parse_scene(with_first_line(minimal)).rotation && refused(with_first_line(minimal + "pin_start 1 2 3 1 0 0 0\n")));
 }
 
+TEST(what_gravity_pulls_at_is_read_where_it_is_not_the_mass) {
+  CHECK(parse_scene(with_first_line(minimal + "weight 1 2 0 1 1 1 1 1\n")).definition.weight[1] == 2);
+  CHECK(parse_scene(with_first_line(minimal)).definition.weight.empty());
+  CHECK(refused(with_first_line(minimal + "weight 1 2\n")) && refused(with_first_line(minimal + "weight 1 1 1 1 1 1 1 -1\n")) &&
+        refused(with_first_line(minimal + "weight 0 0 0 0 0 0 0 0\n")));
+}
+
 TEST(every_changed_byte_is_noticed) {
   const std::string good = with_first_line(minimal);
   for (std::size_t i = 0; i < good.size(); ++i) {

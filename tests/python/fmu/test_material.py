@@ -40,7 +40,7 @@ def test_a_modulus_takes_the_place_of_stiffness_and_only_what_is_there_has_a_var
 
 def test_records_hold_what_the_scene_says_of_its_material_and_no_more():
     scene = solid(material={"internal_damping": 1e-3}, region=[*REGIONS, {"points": "all", "internal_damping": 0.0}])
-    lines = [line.split()[:2] for line in scene_records(scene, scene_masses(scene).mass).splitlines()]
+    lines = [line.split()[:2] for line in scene_records(scene, scene_masses(scene)).splitlines()]
     kept = ("youngs_modulus", "stiffness", "damping", "internal_damping", "region")
     assert [line for line in lines if line[0].startswith(kept)] == [
         *(["youngs_modulus", "200000.0"], ["internal_damping", "0.001"]),

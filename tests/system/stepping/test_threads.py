@@ -9,6 +9,7 @@ import pytest
 
 from scenes import box
 from softffd import Simulation
+from softffd.fmu.package import scene_masses
 from softffd.fmu.records import scene_records
 
 TASKS = Path("/proc/self/task")
@@ -82,10 +83,10 @@ def test_a_lattice_with_too_little_work_says_so():
 
 
 def test_one_thread_leaves_no_trace_in_an_fmu():
-    mass = np.ones(64)
-    plain, asked = scene_records(box(), mass), scene_records(box(solver={"threads": 1}), mass)
+    masses = scene_masses(box())
+    plain, asked = scene_records(box(), masses), scene_records(box(solver={"threads": 1}), masses)
     assert plain == asked and "threads" not in plain
-    assert scene_records(box(solver={"threads": 2}), mass) == plain + "threads 2\n"
+    assert scene_records(box(solver={"threads": 2}), masses) == plain + "threads 2\n"
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="for systems that fork")

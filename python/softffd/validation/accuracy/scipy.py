@@ -123,7 +123,7 @@ class Equations:
         places = np.tile(np.arange(count), 2), body.pairs.T.ravel()
         self._to_springs = sparse.csr_array((ends, places), shape=(count, len(body.mass)))
         self._to_points = sparse.csr_array(-self._to_springs.T)
-        self._constant = self.mass * np.array(scene.environment.gravity or (0.0, 0.0, 0.0))
+        self._constant = body.weight[:, None] * np.array(scene.environment.gravity or (0.0, 0.0, 0.0))
         self._damped, self._dashpots = bool(self.damping.any()), body.dashpot if body.dashpot.any() else None
 
     def start(self) -> np.ndarray:

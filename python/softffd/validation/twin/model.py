@@ -76,7 +76,7 @@ class Model:
         obstacles = [self._obstacle(plane, values) for plane in self.scene["planes"]]
         pins = [self._pin(pin, values) for pin in self.scene["pins"]]
         gravity = _read(values, "gravity") if "gravity.x" in values else np.zeros(3)
-        force = self.body.mass[:, None] * gravity + outside_force(self.scene, values)
+        force = self.body.weight[:, None] * gravity + outside_force(self.scene, values)
         self.around = Surroundings(obstacles, pins, force, max(self.scene["size"]))
 
     def _make_body(self, values: Mapping[str, float]) -> Body:

@@ -1,0 +1,80 @@
+"""Masses that match the inertia of the object: swings on a hinge, weight, twin, and no trace where they are not asked for."""
+
+import numpy as np
+import pytest
+
+from readings import points, vector
+from scenes import GRAVITY, box
+from softffd import simulate
+from softffd.fmu.package import scene_masses
+from softffd.fmu.records import scene_records
+from softffd.validation.twin import build_twin
+
+G = -GRAVITY[2]
+TILT = 0.02
+HINGE = {"name": "hinge", "points": {"i": [2, 2], "k": [4, 4]}}
+
+
+def swinging(inertia):
+    """A stiff cube that hangs from a hinge along y in the middle of its top, under gravity that leans."""
+    return box(
+        points=[5, 5, 5], stiffness=3e5, damping=0.0, gravity=[G * np.sin(TILT), 0.0, -G * np.cos(TILT)], pin=[HINGE],
+        probe=[{"name": "centre", "at": [0.5, 0.5, 0.5]}], mass={"inertia": inertia}, outputs={"positions": "none"}, stop_time=1.6,
+    )  # fmt: skip
+
+
+def period(scene):
+    """Of the swing, from where the centre is half-way between its two ends, on its way there and back [s]."""
+    result = simulate(scene)
+    x, t = result.outputs["probe.centre.x"] - 0.5, result.time
+    above = x > 0.5 * np.sin(TILT)
+    there, back = np.flatnonzero(above)[[0, -1]]
+    middle, first = 0.5 * np.sin(TILT), np.array([there - 1, back])
+    cross = t[first] + (middle - x[first]) / (x[first + 1] - x[first]) * (t[first + 1] - t[first])
+    return 2 * (cross[1] - cross[0])
+
+
+@pytest.mark.parametrize(("inertia", "own"), [("matched", 1 / 6), ("lumped", 1.5 / 6)])
+def test_a_body_on_a_hinge_swings_with_the_inertia_of_its_masses(inertia, own):
+    """The true one is 1/6 of a cube; lumped masses of five points along an axis have 1.5 times that."""
+    assert period(swinging(inertia)) == pytest.approx(2 * np.pi * np.sqrt((own + 0.25) / (0.5 * G)), rel=2e-3)
+
+
+def test_gravity_pulls_at_the_lumped_masses():
+    hung = box(
+        stiffness=1e3, gravity=GRAVITY, damping=2.0, mass={"inertia": "matched", "total": 2.0}, pin=[{"name": "hook", "points": "z+"}],
+        energy=True, stop_time=4.0, communication_step=0.05, method="leapfrog", step=1e-3,
+    )  # fmt: skip
+    masses, result = scene_masses(hung), simulate(hung)
+    assert np.abs(masses.mass - masses.weight).max() > 0.02
+    assert vector(result, "pin.hook.reaction")[-1] == pytest.approx([0.0, 0.0, -2.0 * G], abs=1e-6)
+    wanted = G * points(result)[:, :, 2] @ masses.weight
+    np.testing.assert_allclose(result.outputs["energy.gravity"], wanted, rtol=1e-13)
+    balance = (
+        sum(result.outputs[f"energy.{part}"] for part in ("kinetic", "elastic", "gravity", "dissipated")) - result.outputs["energy.work"]
+    )
+    np.testing.assert_allclose(balance, balance[0], rtol=0, atol=1e-4)
+
+
+def test_another_mass_scales_masses_and_weights_alike():
+    fall = box(gravity=GRAVITY, damping=0.0, stiffness=0.0, mass={"inertia": "matched"}, stop_time=0.1)
+    one, other = (points(simulate(fall, start_values={"mass": mass})) for mass in (1.0, 3.0))
+    np.testing.assert_allclose(other, one, rtol=0, atol=1e-14)
+
+
+def test_the_twin_has_the_same_weights(tmp_path):
+    pytest.importorskip("pythonfmu", reason="the twin is packaged with pythonfmu")
+    scene = box(
+        stiffness=1e3, gravity=GRAVITY, mass={"inertia": "matched"}, method="leapfrog", step=1e-3, stop_time=0.1,
+        plane=[{"name": "ground", "point": [0.0, 0.0, -0.02]}], angular_velocity=[0.5, 0.0, 0.0],
+    )  # fmt: skip
+    own, twin = (
+        simulate(each, step=0.01, stop_time=0.1, start_values={"mass": 1.5}) for each in (scene, build_twin(scene, tmp_path / "twin.fmu"))
+    )
+    np.testing.assert_allclose(points(twin), points(own), rtol=0, atol=1e-12)
+
+
+def test_lumped_masses_leave_no_trace_of_weights():
+    assert "weight" not in scene_records(box(), scene_masses(box()))
+    matched = box(mass={"inertia": "matched"})
+    assert scene_records(matched, scene_masses(matched)).count("\nweight ") == 1
