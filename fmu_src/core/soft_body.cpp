@@ -13,6 +13,9 @@ namespace softffd {
 
 namespace {
 
+/// Active rows that the state keeps; of more, the first: the others are found again.
+constexpr int most_surface_rows = 512;
+
 std::vector<bool> pinned_points(const Definition& definition) {
   std::vector<bool> pinned(definition.lattice.points(), false);
   for (const PinDefinition& pin : definition.pins)
@@ -30,6 +33,7 @@ Body make_body(const Definition& definition) {
   body.mass = Eigen::Map<const Scalars>(definition.mass.data(), n);
   body.damping = Scalars::Zero(n);
   body.length = definition.lattice.largest_side();
+  body.samples = definition.samples;
   if (definition.volume_stiffness > 0) body.volume.emplace(definition.lattice, definition.volume_stiffness);
   return body;
 }
@@ -55,6 +59,12 @@ Run empty_run(const Definition& definition) {
   for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous, &run.course.bound_x, &run.course.factored.x, &run.outside})
     points->setZero(n, 3);
   motion.holds.assign(definition.planes, Points::Zero(n, 3));
+  if (definition.samples && definition.planes > 0) {
+    const int rows = std::min({most_surface_rows, 3 * n, definition.samples->count() * definition.planes});
+    SurfaceRows& surface = run.path.surface;
+    surface.drift = surface.close = std::vector<Count>(rows, -1);
+    surface.drift_friction = surface.close_friction = Points::Zero(rows, 3);
+  }
   return run;
 }
 
@@ -113,6 +123,7 @@ SoftBody::SoftBody(Definition definition)
   for (std::size_t a = 0; a < definition_.pins.size(); ++a)
     drive_.pins.push_back(make_pin(definition_, definition_.pins[a], pin_origins_[a]));
   drive_.planes.resize(definition_.planes);
+  if (definition_.samples && definition_.planes > 0) surface_ = std::make_unique<SurfaceContact>(model_.body, definition_.planes);
   for (Points* points : {&settings.force, &settings.force_rate, &settings.force_bend[0], &settings.force_bend[1], &drive_.force,
                          &drive_.force_rate, &drive_.force_bend[0], &drive_.force_bend[1], &begin_})
     points->setZero(n, 3);
@@ -193,6 +204,7 @@ StepStatus SoftBody::refresh_drive() {
 
 StepStatus SoftBody::clear_jumps(bool& moved) {
   if (drive_.planes.empty() || settings.method == Method::central_difference) return StepStatus::ok;
+  if (surface_) return surface_->clear_jumps(model_.body, drive_, now_.path.motion.time, now_.path.motion.x, moved);
   return jumps_.clear_jumps(model_.body, drive_, now_.path.motion.time, now_.path.motion.x, moved);
 }
 
@@ -233,6 +245,7 @@ StepStatus SoftBody::initialize(double t0) {
   now_.path.clock = {.origin = t0};
   now_.path.steps = 0;
   now_.path.stiff = {};
+  now_.path.surface.forget();
   now_.path.exchange.clear();
   now_.exchange_time = 1;
   now_.dissipated = now_.work = 0;
@@ -294,6 +307,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
 }
 
 void SoftBody::count_contacts() {
+  if (surface_) return surface_->count(drive_, now_.path.motion.time, now_.path.motion.x, now_.contacts);
   for (std::size_t q = 0; q < drive_.planes.size(); ++q)
     now_.contacts[q] = points_on(drive_.planes[q].at(now_.path.motion.time), model_.body.length, now_.path.motion.x);
 }

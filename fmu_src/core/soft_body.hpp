@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "contact/contact.hpp"
+#include "contact/surface_contact.hpp"
 #include "forces/cells.hpp"
 #include "forces/regions.hpp"
 #include "stepping/propagator.hpp"
@@ -26,6 +26,7 @@ struct Definition {
   std::vector<Region> regions;  ///< later ones win
   std::vector<PinDefinition> pins;
   int planes = 0;
+  std::shared_ptr<const Samples> samples = {};                    ///< of the surface, by which planes are met; null: by the control points
   double volume_stiffness = 0;                                    ///< >= 0 [Pa]; 0: absent
   Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();             ///< x0 = origin + stretch (X - origin) + offset, then turned
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< [m/s], [rad/s] about the centre of the box at x0
@@ -118,6 +119,7 @@ class SoftBody {
   Run now_, before_;  ///< before: at the start of the last communication step
   Propagator propagator_;
   Contact jumps_;
+  std::unique_ptr<SurfaceContact> surface_;  ///< where planes meet the surface: its jumps
   Points begin_;           ///< positions at the start of the communication step, where energy is watched
   double divided_ = 1;     ///< by how much the last communication step's internal steps had to be divided to have a result
   double work_done_ = 0;   ///< of the last call

@@ -26,6 +26,20 @@ bool off_obstacles(const Drive& around, double t, const Points& x, double gap) {
   return true;
 }
 
+bool off_obstacles(const Body& body, const Drive& around, double t, const Points& x, double gap) {
+  if (off_obstacles(around, t, x, gap)) return true;
+  if (!body.samples) return false;
+  Scalars heights(x.rows());
+  for (const Plane& plane : around.planes) {
+    const HalfSpace obstacle = plane.at(t);
+    kernels::gaps(int(x.rows()), x.data(), obstacle.normal.data(), obstacle.offset, heights.data());
+    if (heights.minCoeff() > gap) continue;
+    for (int s = 0; s < body.samples->count(); ++s)
+      if (!(body.samples->at(s, heights.data()) > gap)) return false;
+  }
+  return true;
+}
+
 double Reach::least_gap(const HalfSpace& obstacle, const Points& x) {
   kernels::gaps(int(x.rows()), x.data(), obstacle.normal.data(), obstacle.offset, gap_.data());
   return gap_.minCoeff<Eigen::PropagateNaN>();

@@ -8,6 +8,9 @@ namespace softffd {
 /// Is every point at x off all obstacles at time t, by more than `gap` [m]?
 bool off_obstacles(const Drive& around, double t, const Points& x, double gap);
 
+/// The same of the surface's samples, where obstacles meet them and not the control points.
+bool off_obstacles(const Body& body, const Drive& around, double t, const Points& x, double gap);
+
 class Reach {
  public:
   explicit Reach(int points) : gap_(points), middle_(points, 3) {}

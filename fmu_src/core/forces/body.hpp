@@ -1,10 +1,12 @@
 /// The mechanical model of eq. (3): masses, springs, point damping; and where it is wanted, what keeps cells from folding. Constant during
 /// a step.
 #pragma once
+#include <memory>
 #include <optional>
 
 #include "forces/springs.hpp"
 #include "forces/volume.hpp"
+#include "model/samples.hpp"
 
 namespace softffd {
 
@@ -21,6 +23,7 @@ struct Body {
   Scalars damping_rate{};          ///< (3 * points), damping / mass; 0 where pinned [1/s]
   double length = 1;               ///< largest side of the box [m]: the scale of every tolerance on positions
   std::optional<Volume> volume{};  ///< volume stiffness; most bodies have none
+  std::shared_ptr<const Samples> samples{};  ///< of the surface, by which obstacles are met; null: by the control points
   Count version = 0;               ///< made new by whoever changes masses, stiffness, damping or the pinned points
   int points() const { return int(mass.size()); }
 

@@ -62,7 +62,10 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
     if (!damped_) damped_ = std::make_unique<DampedLeapfrog>(model.body.points(), int(drive.planes.size()));
     return damped_->advance(model, drive, span, run);
   }
-  const Count before = contact_.impacts();
+  if (model.body.samples && !drive.planes.empty() && !surface_)
+    surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
+  const auto impacts = [&] { return surface_ ? surface_->impacts() : contact_.impacts(); };
+  const Count before = impacts();
   kicks_.prepare(model.body, span.h);
   if (drive.ramped) drive.force_at(span.time(0), force_);
   const bool free = drive.planes.empty() && drive.pins.empty() && !model.body.volume;
@@ -71,9 +74,12 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
     glide(model.body, drive, span, run.path.motion);
     return outcome;
   }
-  contact_.begin(drive, span.time(0), span.h);
-  outcome.status = run_steps(model.body, drive, span, run.path.motion, run.path.exchange);
-  outcome.impacts = contact_.impacts() - before;
+  if (surface_)
+    surface_->begin(model.body, kicks_, drive, span.time(0), span.h);
+  else
+    contact_.begin(drive, span.time(0), span.h);
+  outcome.status = run_steps(model.body, drive, span, run.path);
+  outcome.impacts = impacts() - before;
   return outcome;
 }
 
@@ -94,33 +100,37 @@ void Leapfrog::glide(const Body& body, const Drive& around, const Span& span, St
   kicks_.close(state.spring, force, state.v);
 }
 
-StepStatus Leapfrog::run_steps(const Body& body, const Drive& around, const Span& span, State& state, Exchange& exchange) {
+StepStatus Leapfrog::run_steps(const Body& body, const Drive& around, const Span& span, Path& path) {
+  State& state = path.motion;
   const bool at_once = around.pins.empty() && !body.volume && !booked(body, around);
   const Points& force = around.ramped ? force_ : around.force;
   const auto view = [&](Count i) {
     return StepView{body, kicks_, around, state.spring, force, state.x, span.time(i), span.time(i + 1), span.h};
   };
-  StepStatus status = open(view(0), state, exchange);
+  StepStatus status = open(view(0), path);
   for (Count i = 1; i < span.steps && status == StepStatus::ok; ++i) {
     if (at_once) {
-      status = close_and_open(view(i - 1), view(i), state, exchange);
+      status = close_and_open(view(i - 1), view(i), path);
       continue;
     }
-    status = close(view(i - 1), state, exchange);
-    if (status == StepStatus::ok) status = open(view(i), state, exchange);
+    status = close(view(i - 1), path);
+    if (status == StepStatus::ok) status = open(view(i), path);
   }
-  return status == StepStatus::ok ? close(view(span.steps - 1), state, exchange) : status;
+  return status == StepStatus::ok ? close(view(span.steps - 1), path) : status;
 }
 
 /// Up to the end of the drift.
-StepStatus Leapfrog::open(const StepView& view, State& state, Exchange& exchange) {
+StepStatus Leapfrog::open(const StepView& view, Path& path) {
+  State& state = path.motion;
+  Exchange& exchange = path.exchange;
   const Drive& around = view.around;
   if (losses(view.body, view.around)) start_ = state.v;
   before_.swap(state.v);
   kicks_.open(state.spring, view.force, before_, state.x, state.v, next_);
   if (!around.pins.empty()) drift_pins(view, before_, state.v, next_, exchange);
   if (!around.planes.empty()) {
-    const StepStatus status = contact_.drift(view, before_, state.v, next_, exchange);
+    const StepStatus status = surface_ ? surface_->drift(view, before_, state.v, next_, path.surface, exchange)
+                                       : contact_.drift(view, before_, state.v, next_, exchange);
     if (status != StepStatus::ok) return status;
   }
   if (around.watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (view.t0 + view.t1), next_ - state.x);
@@ -129,7 +139,9 @@ StepStatus Leapfrog::open(const StepView& view, State& state, Exchange& exchange
 }
 
 /// From there to the end of the step.
-StepStatus Leapfrog::close(const StepView& view, State& state, Exchange& exchange) {
+StepStatus Leapfrog::close(const StepView& view, Path& path) {
+  State& state = path.motion;
+  Exchange& exchange = path.exchange;
   const Drive& around = view.around;
   view.body.internal_force(state.x, state.spring);
   if (around.ramped) around.force_at(view.t1, force_);
@@ -137,7 +149,8 @@ StepStatus Leapfrog::close(const StepView& view, State& state, Exchange& exchang
   kicks_.close(state.spring, view.force, state.v);
   if (!around.pins.empty()) close_pins(view, before_, state.v, exchange);
   if (!around.planes.empty()) {
-    const StepStatus status = contact_.close(view, state.v, exchange);
+    const StepStatus status =
+        surface_ ? surface_->close(view, state.v, path.surface, exchange) : contact_.close(view, state.v, exchange);
     if (status != StepStatus::ok) return status;
   }
   if (losses(view.body, view.around)) exchange.dissipated += damping_loss(view.body, view.h, start_, state.v);
@@ -145,9 +158,20 @@ StepStatus Leapfrog::close(const StepView& view, State& state, Exchange& exchang
 }
 
 /// The end of a step and the next one up to the end of its drift, in one pass over all points; those that touch a plane are corrected.
-StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, State& state, Exchange& exchange) {
+StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, Path& path) {
+  State& state = path.motion;
+  Exchange& exchange = path.exchange;
+  if (surface_ && surface_->touched()) {  // which moves all points
+    const StepStatus status = close(last, path);
+    return status == StepStatus::ok ? open(next, path) : status;
+  }
   if (last.around.ramped) last.around.force_at(last.t1, force_);
   last.body.springs.advance(kicks_.stage(), last.force, state.x, state.spring, before_, state.v, next_);
+  if (surface_) {
+    const StepStatus status = surface_->drift(next, before_, state.v, next_, path.surface, exchange);
+    state.x.swap(next_);
+    return status;
+  }
   StepStatus status = contact_.close(last, before_, exchange);
   if (status != StepStatus::ok) return status;
   contact_.go_on(next.h, state.v, next_);

@@ -3,7 +3,7 @@
 #pragma once
 #include <memory>
 
-#include "contact/contact.hpp"
+#include "contact/surface_contact.hpp"
 #include "methods/damped_leapfrog.hpp"
 
 namespace softffd {
@@ -15,16 +15,17 @@ class Leapfrog final : public Integrator {
 
  private:
   void glide(const Body& body, const Drive& drive, const Span& span, State& state);
-  StepStatus run_steps(const Body& body, const Drive& drive, const Span& span, State& state, Exchange& exchange);
-  StepStatus open(const StepView& view, State& state, Exchange& exchange);
-  StepStatus close(const StepView& view, State& state, Exchange& exchange);
-  StepStatus close_and_open(const StepView& last, const StepView& next, State& state, Exchange& exchange);
+  StepStatus run_steps(const Body& body, const Drive& drive, const Span& span, Path& path);
+  StepStatus open(const StepView& view, Path& path);
+  StepStatus close(const StepView& view, Path& path);
+  StepStatus close_and_open(const StepView& last, const StepView& next, Path& path);
 
   HalfKicks kicks_;
   Contact contact_;
-  Points before_, start_, next_;            ///< velocities before a half kick and before the step, positions after the drift
-  Points force_;                            ///< outside forces now, where they ramp
-  std::unique_ptr<DampedLeapfrog> damped_;  ///< for bodies with internal damping; most have none
+  Points before_, start_, next_;             ///< velocities before a half kick and before the step, positions after the drift
+  Points force_;                             ///< outside forces now, where they ramp
+  std::unique_ptr<SurfaceContact> surface_;  ///< for bodies with samples of their surface
+  std::unique_ptr<DampedLeapfrog> damped_;   ///< for bodies with internal damping; most have none
 };
 
 }  // namespace softffd

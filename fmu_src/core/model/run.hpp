@@ -164,6 +164,24 @@ struct Course {
 };
 static_assert(visits_every_field<Course>);
 
+/// What contact of the surface's samples keeps from step to step, for each stage: rows by number, plane after plane, -1 behind the last;
+/// friction on them in parts of its limit. Empty where control points touch.
+struct SurfaceRows {
+  std::vector<Count> drift, close;
+  Points drift_friction, close_friction;
+
+  void forget() {
+    for (auto* rows : {&drift, &close}) std::fill(rows->begin(), rows->end(), -1);
+    for (auto* friction : {&drift_friction, &close_friction}) friction->setZero();
+  }
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.drift, s.close, s.drift_friction, s.close_friction);
+  }
+};
+static_assert(visits_every_field<SurfaceRows>);
+
 /// Where the body is, and what it gave back in this communication step.
 struct Path {
   State motion;
@@ -171,10 +189,11 @@ struct Path {
   Exchange exchange;  ///< of the last communication step
   Count steps = 0;    ///< internal steps since the start
   StiffContact stiff{};
+  SurfaceRows surface{};
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.motion, s.clock, s.exchange, s.steps, s.stiff);
+    return fields(s.motion, s.clock, s.exchange, s.steps, s.stiff, s.surface);
   }
 };
 static_assert(visits_every_field<Path>);
@@ -209,7 +228,7 @@ struct Run {
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
   Points outside;                                  ///< outside forces at the end of the last communication step [N]
   Count contacts_resolved = 0;
-  std::vector<Count> contacts;  ///< control points on each plane at the communication point
+  std::vector<Count> contacts;  ///< control points, or samples of the surface, on each plane at the communication point
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {

@@ -20,7 +20,7 @@ namespace use = thresholds;
 /// Books what an impact's unknown phase may add, where the stretch began off all obstacles.
 void book_impact(const Job& job, const State& begin) {
   const Body& body = job.model.body;
-  if (!off_obstacles(job.drive, begin.time, begin.x, touching * body.length)) return;
+  if (!off_obstacles(body, job.drive, begin.time, begin.x, touching * body.length)) return;
   const double elastic = body.elastic_energy(begin.x);
   double squared = 0;
   for (int i = 0; i < begin.spring.size(); ++i) squared += body.inverse_mass[i] * begin.spring.data()[i] * begin.spring.data()[i];

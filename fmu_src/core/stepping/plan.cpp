@@ -20,6 +20,7 @@ struct Asked {
 };
 
 Asked asked(const Facts& facts) {
+  if (facts.surface && !meets_surface(facts.asked)) return {Method::leapfrog, Reason::contact};
   if (facts.asked == Method::rkn12 && facts.damped) return {Method::dop853, Reason::damping};
   if (facts.asked == Method::bm4 && facts.dashpots) return {Method::dop853, Reason::damping};
   if (facts.asked == Method::central_difference && facts.dashpots) return {Method::leapfrog, Reason::damping};
@@ -52,7 +53,7 @@ bool stiff(const Facts& facts) {
 }
 
 bool may_be_stiff(const Facts& facts, const Asked& asked) {
-  return (chosen(asked.method) || is_implicit(asked.method)) && !facts.given_step;
+  return (chosen(asked.method) || is_implicit(asked.method)) && !facts.given_step && !facts.surface;
 }
 
 Plan impacts(bool rings) {

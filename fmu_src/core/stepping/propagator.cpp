@@ -50,6 +50,7 @@ Facts Propagator::facts(const Job& job, double H) const {
   facts.damped = job.model.body.damped;
   facts.dashpots = job.model.body.springs.dashpots();
   facts.obstacles = !job.drive.planes.empty();
+  facts.surface = facts.obstacles && job.model.body.samples;
   facts.pins = !job.drive.pins.empty();
   return facts;
 }

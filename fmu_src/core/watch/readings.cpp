@@ -35,6 +35,10 @@ double Readings::pin_jump(int a) const {
 double Readings::plane_jump(int q) const {
   const HalfSpace plane = drive.planes[q].at(drive.since);
   double jump = 0;
+  if (const Samples* samples = model.body.samples.get()) {
+    for (int s = 0; s < samples->count(); ++s) jump = std::max(jump, -plane.gap(samples->at(s, before.path.motion.x)));
+    return jump;
+  }
   for (int p = 0; p < model.body.points(); ++p)
     if (!model.body.pinned[p]) jump = std::max(jump, -plane.gap(row(before.path.motion.x, p)));
   return jump;

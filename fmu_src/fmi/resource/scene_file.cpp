@@ -10,12 +10,16 @@
 #include <map>
 #include <memory>
 
+#include "methods/traits.hpp"
 #include "resource/checksum.hpp"
 #include "variable_table.hpp"
 
 namespace softffd::fmi {
 
 namespace {
+
+/// By how much of a side rounding may take a sample out of the box.
+constexpr double outside = 1e-9;
 
 /// The words of one record, taken one by one.
 class Record {
@@ -218,6 +222,7 @@ constexpr Reader readers[] = {
        const std::string name(r.word());
        s.probes.push_back({name, r.vector()});
      }},
+    {"sample", [](Record& r, SceneFile& s) { s.samples.push_back(r.vector()); }},
     {"forces", [](Record& r, SceneFile& s) { s.forces = r.points(count(s)); }},
     {"positions", [](Record& r, SceneFile& s) { s.positions = r.points(count(s)); }},
     {"velocities", [](Record& r, SceneFile& s) { s.velocities = r.points(count(s)); }},
@@ -257,6 +262,23 @@ void check_complete(const SceneFile& s) {
     throw SceneFileError("resources/scene.txt: springs of a modulus are of the topology distinct");
 }
 
+/// Planes are to meet these samples of the surface; explicit steps of bodies without internal damping can.
+void take_samples(SceneFile& s) {
+  if (s.samples.empty() || s.planes.empty()) return;
+  Definition& d = s.definition;
+  const auto refuse = [](const std::string& what) { throw SceneFileError("resources/scene.txt: " + what); };
+  for (const Vec3& place : s.samples) {
+    const auto part = (place - d.lattice.origin).array() / d.lattice.size.array();
+    if (!(part.minCoeff() >= -outside && part.maxCoeff() <= 1 + outside)) refuse("a sample of the surface lies outside of the box");
+  }
+  const bool damped = std::any_of(d.regions.begin(), d.regions.end(), [](const Region& region) { return region.internal_damping > 0.0; });
+  if (s.internal_damping || damped)
+    refuse("contact of the surface and internal damping do not go together yet; leave one of them out, or take damping");
+  if (!meets_surface(Method(s.method - 1)))
+    refuse("the method does not know contact of the surface; wanted auto, leapfrog, bm4, rkn12 or dop853");
+  d.samples = std::make_shared<const Samples>(s.basis, d.lattice, s.samples);
+}
+
 }  // namespace
 
 SceneFile parse_scene(std::string_view text) {
@@ -273,6 +295,7 @@ SceneFile parse_scene(std::string_view text) {
     if (record.more()) record.fail("more values than the record takes");
   }
   check_complete(scene);
+  take_samples(scene);
   return scene;
 }
 

@@ -35,11 +35,13 @@ Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) 
 }
 
 void Variables::check_method(double method) const {
-  if (method >= 1 && method <= method_count) return;
+  const auto fits = [&](int value) { return !scene_.definition.samples || meets_surface(Method(value - 1)); };
+  if (method >= 1 && method <= method_count && fits(int(method))) return;
   std::string wanted;
   for (int value = 1; value <= method_count; ++value)
-    wanted.append(wanted.empty() ? "" : ", ").append(std::to_string(value) + " ").append(methods[value - 1]);
-  throw CallError(std::string(families[row_of(Family::solver_method)].name) + ": wanted one of " + wanted + ", got " + shortest(method));
+    if (fits(value)) wanted.append(wanted.empty() ? "" : ", ").append(std::to_string(value) + " ").append(methods[value - 1]);
+  throw CallError(std::string(families[row_of(Family::solver_method)].name) + ": wanted one of " + wanted +
+                  (scene_.definition.samples ? " (planes meet the surface)" : "") + ", got " + shortest(method));
 }
 
 void Variables::check_settable(Phase phase, fmi2ValueReference reference, const FamilyInfo& info, double value) const {

@@ -1,0 +1,37 @@
+/// Friction at samples whose normal forces are known: minimise 1/2 p.G p + p.s over the disks |p_t| <= limit_t along their planes.
+///
+/// s is the slip without friction, p the friction; its solution has p_t inside its disk where the slip s + G p vanishes, and on the rim
+/// against the slip elsewhere. Nearly always everything sticks, which the normal forces' own factor tells where planes are parallel, or the
+/// rows that slid last slide again, which Newton's method on p = disk(p - slip(p) / G_tt) tells (Alart & Curnier 1991). Where both fail,
+/// sweeps over the disks, which always converge, lead closer.
+#pragma once
+#include "contact/delassus.hpp"
+
+namespace softffd {
+
+struct Disks {
+  const Delassus& rows;
+  const std::vector<Vec3>& normals;  ///< of the planes
+  bool parallel;                     ///< all of them that have rows
+  std::vector<double> limit;         ///< per row, >= 0
+  std::vector<Vec3> slip;            ///< per row without friction, tangential
+};
+
+class DiskFriction {
+ public:
+  /// p: per row; where to start, becomes the friction. Returns by what share of the largest slip the law may be missed.
+  double solve(const Disks& disks, std::vector<Vec3>& p);
+
+ private:
+  bool stick(const Disks& disks, std::vector<Vec3>& p);
+  double residual(const Disks& disks, const std::vector<Vec3>& p);
+  void sweep(const Disks& disks, std::vector<Vec3>& p);
+  bool newton_step(const Disks& disks, std::vector<Vec3>& p);
+  Vec3 slip_at(const Disks& disks, const std::vector<Vec3>& p, int t) const;
+
+  std::vector<double> one_;
+  std::vector<Vec3> best_;
+  std::vector<int> free_;  ///< rows whose limits are above 0
+};
+
+}  // namespace softffd

@@ -1,0 +1,183 @@
+#include "contact/dual_active_set.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace softffd {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Share of a row's own compliance that must be left beside the active ones to be appended; and below which it depends on them.
+constexpr double independent = 1e-10, dependent = 1e-14;
+/// Response below which a row does not unload another.
+constexpr double no_response = 1e-12;
+/// Rows that are looked at first once they were found violated.
+constexpr std::size_t looked_at = 32;
+/// Rows that are added, and dropped for one of them, at most.
+constexpr int most_rounds = 1000, most_drops = 300;
+
+}  // namespace
+
+Fit DualActiveSet::solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance) {
+  heights_ = &heights;
+  pinned_ = 0;
+  hot_.clear();
+  at_hand_.assign(candidates.size(), 0);
+  wanted_.clear();
+  std::size_t c = 0;
+  for (const SurfaceRow& row : active()) {
+    while (candidates[c].row < row) ++c;
+    at_hand_[c] = 1;
+    wanted_.push_back(candidates[c].bound - height(row, heights));
+  }
+  begin_ = heights;
+  warm();
+  if (active().size() != std::size_t(std::count(at_hand_.begin(), at_hand_.end(), 1))) {
+    for (std::size_t i = 0, t = 0; i < candidates.size(); ++i)
+      if (at_hand_[i] == 1 && !(t < active().size() && active()[t] == candidates[i].row && ++t)) at_hand_[i] = 0;
+  }
+  if (!active().empty()) spread();
+  for (int round = 0; round < most_rounds; ++round) {
+    const int chosen = most_violated(candidates, tolerance);
+    if (chosen < 0) {
+      const auto bound = [&](const SurfaceRow& row) {
+        return std::lower_bound(candidates.begin(), candidates.end(), row, [](const Candidate& a, const SurfaceRow& b) { return a.row < b; })
+            ->bound;
+      };
+      if (round > 0) {
+        delassus_.sort();
+        for (std::size_t t = 0; t < active().size(); ++t) wanted_[t] = bound(active()[t]) - height(active()[t], begin_);
+        renew_forces();
+      }
+      if (refine(tolerance)) spread();
+      return Fit::found;
+    }
+    if (const Fit fit = add(candidates, chosen); fit != Fit::found) return fit;
+  }
+  return Fit::too_many;
+}
+
+/// Forces of the rows that were active, without those that would pull: a start with l >= 0.
+void DualActiveSet::warm() {
+  while (true) {
+    forces_ = wanted_;
+    delassus_.solve(forces_.data());
+    const auto least = std::min_element(forces_.begin(), forces_.end());
+    if (least == forces_.end() || *least >= 0) return;
+    const int row = int(least - forces_.begin());
+    delassus_.drop(row);
+    wanted_.erase(wanted_.begin() + row);
+  }
+}
+
+/// Heights of the forces at hand.
+void DualActiveSet::spread() {
+  for (Scalars& field : fields_) field.setZero(begin_[0].size());
+  for (std::size_t t = 0; t < forces_.size(); ++t) delassus_.push(int(t), forces_[t], fields_[active()[t].plane].data());
+  for (std::size_t q = 0; q < fields_.size(); ++q) {
+    Scalars& h = (*heights_)[q];
+    h = begin_[q];
+    for (std::size_t r = 0; r < fields_.size(); ++r)
+      if (const double cosine = delassus_.cosine(int(q), int(r)); cosine != 0) h += cosine * fields_[r];
+  }
+}
+
+/// Ties go to the first row; the few that were violated most at a full look are looked at alone until they are met.
+int DualActiveSet::most_violated(std::vector<Candidate>& candidates, double tolerance) {
+  int worst = -1;
+  double least = -tolerance;
+  const auto look = [&](int c) {
+    Candidate& candidate = candidates[c];
+    candidate.gap = height(candidate.row, *heights_) - candidate.bound;
+    return candidate.gap;
+  };
+  for (const int c : hot_) {
+    if (at_hand_[c]) continue;
+    const double gap = look(c);
+    if (gap < least || (gap == least && worst >= 0 && c < worst)) least = gap, worst = c;
+  }
+  if (worst >= 0) return worst;
+  violated_.clear();
+  for (int c = 0; c < int(candidates.size()); ++c) {
+    const double gap = look(c);
+    if (gap < -tolerance && at_hand_[c] == 0) violated_.push_back({gap, c});
+  }
+  hot_.clear();
+  if (violated_.empty()) return -1;
+  if (violated_.size() > looked_at) {
+    std::nth_element(violated_.begin(), violated_.begin() + looked_at, violated_.end());
+    violated_.resize(looked_at);
+  }
+  for (const auto& [gap, c] : violated_) hot_.push_back(c);
+  return std::min_element(violated_.begin(), violated_.end())->second;
+}
+
+Fit DualActiveSet::add(const std::vector<Candidate>& candidates, int chosen) {
+  const Candidate& candidate = candidates[chosen];
+  delassus_.prepare(candidate.row, column_);
+  if (column_.own == 0) {
+    at_hand_[chosen] = 2;
+    pinned_ = std::max(pinned_, -candidate.gap);
+    return Fit::found;
+  }
+  double gap = candidate.gap, force = 0;
+  for (int drops = 0; drops <= most_drops; ++drops) {
+    double unload = infinity;
+    int first = -1;
+    for (int t = 0; t < int(forces_.size()); ++t)
+      if (column_.response[t] > no_response && forces_[t] / column_.response[t] < unload) unload = forces_[t] / column_.response[t], first = t;
+    double met = column_.left > independent * column_.own ? -gap / column_.left : infinity;
+    if (met == infinity && unload == infinity) {
+      if (!(column_.left > dependent * column_.own)) return Fit::no_room;
+      met = -gap / column_.left;
+    }
+    const double by = std::min(met, unload);
+    for (std::size_t t = 0; t < forces_.size(); ++t) forces_[t] -= by * column_.response[t];
+    force += by;
+    gap += by * column_.left;
+    if (met <= unload) {
+      delassus_.append(column_);
+      at_hand_[chosen] = 1;
+      forces_.push_back(force);
+      wanted_.push_back(candidate.bound - height(candidate.row, begin_));
+      renew_forces();
+      return Fit::found;
+    }
+    const SurfaceRow leaving = active()[first];
+    at_hand_[std::lower_bound(candidates.begin(), candidates.end(), leaving,
+                              [](const Candidate& a, const SurfaceRow& b) { return a.row < b; }) -
+             candidates.begin()] = 0;
+    forces_.erase(forces_.begin() + first);
+    wanted_.erase(wanted_.begin() + first);
+    delassus_.drop(first, &column_);
+  }
+  return Fit::too_many;
+}
+
+/// Afresh by the factor, so that no rounding adds up.
+void DualActiveSet::renew_forces() {
+  forces_ = wanted_;
+  delassus_.solve(forces_.data());
+  for (double& force : forces_) force = std::max(force, 0.0);
+  spread();
+}
+
+/// Once more for what rounding has left of the active rows' gaps. Returns whether there was anything.
+bool DualActiveSet::refine(double tolerance) {
+  scratch_.clear();
+  double worst = 0;
+  for (std::size_t t = 0; t < active().size(); ++t) {
+    const double met = height(active()[t], *heights_) - height(active()[t], begin_);
+    scratch_.push_back(wanted_[t] - met);
+    worst = std::max(worst, std::abs(scratch_[t]));
+  }
+  if (!(worst > 0.1 * tolerance)) return false;
+  delassus_.solve(scratch_.data());
+  for (std::size_t t = 0; t < forces_.size(); ++t)
+    if (forces_[t] + scratch_[t] < 0) return false;
+  for (std::size_t t = 0; t < forces_.size(); ++t) forces_[t] += scratch_[t];
+  return true;
+}
+
+}  // namespace softffd

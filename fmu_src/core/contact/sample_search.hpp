@@ -1,0 +1,45 @@
+/// Which samples of the surface a plane may meet: seldom looked for, never missed.
+///
+///      a sample's height is at least the least height h_i of the control points: where that is above the plane, nothing is near;
+///      since the last search no sample has come nearer than the control point that came most, so that its list still holds every
+///      sample behind the plane while that is less than the `reserve` the search was made with;
+///      a search fits h_i by an affine function a + b . X_i and a rest r_i; a + b . X_s + min r is a lower bound of the height of s, nearly
+///      the height itself of a body that only turns and shears: few heights are weighed.
+///
+/// What is in a list beyond that changes no result, so it does not matter when a search was made.
+#pragma once
+#include "model/samples.hpp"
+
+namespace softffd {
+
+class SampleSearch {
+ public:
+  SampleSearch(const Samples& samples, int planes, double length);
+
+  /// Does the list of plane q hold every sample that is behind it, or touches it, at these heights of the control points (points)?
+  bool covers(int q, const Scalars& heights);
+  /// Makes the list anew. way: how far a point may come nearer in a step [m].
+  void look(int q, const Scalars& heights, double way);
+  /// In ascending order.
+  const std::vector<int>& near(int q) const { return planes_[q].away ? none_ : planes_[q].near; }
+  /// Numbers of the searches so far.
+  Count searches() const { return searches_; }
+
+ private:
+  struct Known {
+    bool away = true;     ///< nothing is near
+    double reserve = -1;  ///< [m]; negative: no search yet
+    Scalars heights;      ///< at the search
+    std::vector<int> near;
+  };
+  const Samples& samples_;
+  double length_;
+  Points rest_;
+  Vec3 middle_, squares_;  ///< of the rest positions: mean, sums of squared distances from it per axis
+  std::vector<Known> planes_;
+  std::vector<int> none_;
+  Scalars left_;
+  Count searches_ = 0;
+};
+
+}  // namespace softffd

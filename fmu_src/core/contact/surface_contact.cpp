@@ -1,0 +1,325 @@
+#include "contact/surface_contact.hpp"
+
+#include <algorithm>
+
+#include "contact/tolerances.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// What rounding may leave of a row: of the box and of distances, and of speeds.
+constexpr double row_slack = 1e-15;
+/// Looks for samples until those that a stage has brought to a plane are among them.
+constexpr int most_looks = 20;
+/// Share of what contact does to the kinetic energy that is rounding.
+constexpr double no_gain = 1e-10;
+
+StepStatus status_of(Fit fit) {
+  switch (fit) {
+    case Fit::found: return StepStatus::ok;
+    case Fit::no_room: return StepStatus::impossible_planes;
+    case Fit::too_many: break;
+  }
+  return StepStatus::not_finite;
+}
+
+/// Rows of the state, of which those among the candidates can be active.
+void load(const std::vector<Count>& numbers, const Points& friction, int samples, SurfaceStage& stage) {
+  stage.rows.clear();
+  stage.share.clear();
+  auto at = stage.candidates.begin();
+  for (std::size_t t = 0; t < numbers.size() && numbers[t] >= 0; ++t) {
+    const SurfaceRow row{int(numbers[t] / samples), int(numbers[t] % samples)};
+    while (at != stage.candidates.end() && at->row < row) ++at;
+    if (at == stage.candidates.end()) return;
+    if (at->row != row) continue;
+    stage.rows.push_back(row);
+    stage.share.push_back(softffd::row(friction, int(t)));
+    ++at;
+  }
+}
+
+void save(const SurfaceStage& stage, int samples, std::vector<Count>& numbers, Points& friction) {
+  const std::size_t known = std::min(numbers.size(), stage.rows.size());
+  for (std::size_t t = 0; t < known; ++t) {
+    numbers[t] = Count(stage.rows[t].plane) * samples + stage.rows[t].sample;
+    set_row(friction, int(t), stage.share[t]);
+  }
+  for (std::size_t t = known; t < numbers.size() && numbers[t] >= 0; ++t) {
+    numbers[t] = -1;
+    set_row(friction, int(t), Vec3::Zero());
+  }
+}
+
+double largest_speed(const Points& v) { return v.abs().maxCoeff(); }
+
+}  // namespace
+
+SurfaceContact::SurfaceContact(const Body& body, int planes)
+    : samples_(*body.samples),
+      length_(body.length),
+      search_(samples_, planes, length_),
+      drift_(samples_, planes),
+      close_(samples_, planes),
+      start_(planes),
+      middle_(planes),
+      end_(planes),
+      friction_(planes, 0.0),
+      still_(planes, 0),
+      normals_(planes) {
+  for (SurfaceStage* stage : {&drift_, &close_})
+    for (Scalars& heights : stage->heights) heights.setZero(body.points());
+}
+
+void SurfaceContact::set_planes() {
+  for (std::size_t q = 0; q < end_.size(); ++q) normals_[q] = end_[q].normal;
+  drift_.set_planes(normals_, friction_);
+  close_.set_planes(normals_, friction_);
+}
+
+void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h) {
+  if (h != h_ || body.version != version_) {
+    h_ = h;
+    version_ = body.version;
+    const auto inverse = [&](const Scalars& mass) { return Scalars(body.inverse_mass.head(body.points()) * body.mass / mass); };
+    drift_.set_masses(inverse(kicks.opening_mass()));
+    close_.set_masses(inverse(kicks.closing_mass()));
+  }
+  for (std::size_t q = 0; q < end_.size(); ++q) {
+    friction_[q] = around.planes[q].friction;
+    still_[q] = around.planes[q].at_rest();
+    start_[q] = middle_[q] = end_[q] = around.planes[q].at(t0);
+  }
+  set_planes();
+}
+
+void SurfaceContact::move_planes(const StepView& step) {
+  bool moved = false;
+  for (std::size_t q = 0; q < end_.size(); ++q) {
+    if (still_[q]) continue;
+    const Plane& plane = step.around.planes[q];
+    start_[q] = plane.at(step.t0);
+    middle_[q] = plane.at(0.5 * (step.t0 + step.t1));
+    end_[q] = plane.at(step.t1);
+    moved = true;
+  }
+  if (moved) set_planes();
+}
+
+/// Solves for the samples near the planes, and again if it has brought others there. rows: of the state; way: by which a point moves [m].
+StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip) {
+  double far = length_;
+  for (std::size_t q = 0; q < end_.size(); ++q) far = std::max(far, length_ + std::abs(end_[q].offset));
+  free_ = drift_.heights;
+  for (std::size_t q = 0; q < end_.size(); ++q)
+    if (!search_.covers(int(q), free_[q])) search_.look(int(q), free_[q], way);
+  for (int looks = 0; looks < most_looks; ++looks) {
+    drift_.heights = free_;
+    drift_.candidates.clear();
+    for (int q = 0; q < int(end_.size()); ++q)
+      for (const int s : search_.near(q)) drift_.candidates.push_back({.row = {q, s}});
+    load(rows, friction, samples_.count(), drift_);
+    if (const StepStatus status = status_of(drift_.solve(row_slack * far, slip)); status != StepStatus::ok) return status;
+    bool covered = true;
+    for (std::size_t q = 0; q < end_.size(); ++q)
+      if (!search_.covers(int(q), drift_.heights[q])) {
+        search_.look(int(q), drift_.heights[q], way);
+        covered = false;
+      }
+    if (covered) return drift_.pinned_violation() > pin_slack * length_ ? StepStatus::pin_behind_plane : StepStatus::ok;
+  }
+  return StepStatus::not_finite;
+}
+
+/// Where a sample is to be tangentially at the end of the drift: it sticks from the moment on at which it is on its plane.
+Vec3 SurfaceContact::aim(const StepView& step, const Points& x1, const SurfaceRow& row, bool at_once) {
+  const Vec3 begin = samples_.at(row.sample, step.x0), free = samples_.at(row.sample, x1);
+  const Vec3 target = begin + step.h * middle_[row.plane].material_velocity(0.5 * (begin + free));
+  const double gap = start_[row.plane].gap(begin);
+  if (at_once || gap <= touching * length_) return target;
+  arrives_ = true;
+  const double left = end_[row.plane].gap(free), share = left < 0 ? gap / (gap - left) : 1;
+  return target + share * tangential(end_[row.plane].normal, free - target);
+}
+
+StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange) {
+  touching_.clear();
+  move_planes(step);
+  bool any = rows.drift[0] >= 0;
+  for (std::size_t q = 0; q < end_.size(); ++q)
+    any = kernels::gaps(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data()) || any;
+  if (any) {
+    if (const StepStatus status = meet(step, v, x1, rows); status != StepStatus::ok) return status;
+    if (!drift_.rows.empty()) {
+      x1 += move_;
+      v += move_ / step.h;
+      exchange.contacts_resolved += Count(drift_.rows.size());
+      exchange.dissipated += book(drift_, 1 / step.h, x1, exchange);
+    }
+    save(drift_, samples_.count(), rows.drift, rows.drift_friction);
+    for (const Candidate& candidate : drift_.candidates)
+      if (candidate.gap <= touching * length_) touching_.push_back(candidate);
+  }
+  if (touching_.empty()) {
+    close_.rows.clear();
+    save(close_, samples_.count(), rows.close, rows.close_friction);
+  } else {
+    start_v_ = before;
+    start_force_ = step.spring + step.force;
+  }
+  return StepStatus::ok;
+}
+
+/// The drift's stage; move_: by what it moves the points.
+StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
+  const double way = step.h * largest_speed(v);
+  arrives_ = false;
+  for (const bool at_once : {false, true}) {
+    const auto slip = [&](const SurfaceRow& row) { return Vec3(samples_.at(row.sample, x1) - aim(step, x1, row, at_once)); };
+    if (at_once) drift_.heights = free_;
+    if (const StepStatus status = fit(rows.drift, rows.drift_friction, way, slip); status != StepStatus::ok) return status;
+    move_.setZero(x1.rows(), 3);
+    drift_.add_move(move_);
+    if (!arrives_ || !gains(step, x1)) break;
+  }
+  std::size_t known = 0;
+  for (const SurfaceRow& row : drift_.rows) {
+    const Count number = Count(row.plane) * samples_.count() + row.sample;
+    while (known < rows.drift.size() && rows.drift[known] >= 0 && rows.drift[known] < number) ++known;
+    if (known < rows.drift.size() && rows.drift[known] == number) continue;
+    impacts_ += start_[row.plane].gap(samples_.at(row.sample, step.x0)) > touching * length_;
+  }
+  return StepStatus::ok;
+}
+
+/// Would the drift's forces add to the kinetic energy, as the planes see it?
+bool SurfaceContact::gains(const StepView& step, const Points& x1) const {
+  double gain = 0, size = 0;
+  for (std::size_t t = 0; t < drift_.rows.size(); ++t) {
+    const auto [plane, sample] = drift_.rows[t];
+    const Vec3 begin = samples_.at(sample, step.x0), end = samples_.at(sample, x1), by = 0.5 * samples_.at(sample, move_);
+    const double each = drift_.force(int(t)).dot(end + by - begin - step.h * middle_[plane].material_velocity(0.5 * (begin + end)));
+    gain += each;
+    size += std::abs(each);
+  }
+  return gain > no_gain * size;
+}
+
+/// Impulses of a stage with forces times per_force [N s]. Returns the work of the obstacles' own motion [J].
+double SurfaceContact::book(const SurfaceStage& stage, double per_force, const Points& x1, Exchange& exchange) const {
+  double work = 0;
+  for (std::size_t t = 0; t < stage.rows.size(); ++t) {
+    const auto [q, s] = stage.rows[t];
+    const Vec3 impulse = per_force * stage.force(int(t)), here = samples_.at(s, x1);
+    exchange.planes[q].add(-impulse, here - end_[q].point);
+    work += impulse.dot(end_[q].material_velocity(here));
+  }
+  exchange.work += work;
+  return work;
+}
+
+StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange) {
+  if (touching_.empty()) return StepStatus::ok;
+  const Points& x1 = step.x0;  // of this end of the step
+  close_.candidates = touching_;
+  double fastest = largest_speed(v);
+  for (Candidate& candidate : close_.candidates) {
+    const HalfSpace& plane = end_[candidate.row.plane];
+    const bool turns = !plane.spin.isZero(0);
+    candidate.bound = plane.normal.dot(turns ? plane.material_velocity(samples_.at(candidate.row.sample, x1)) : plane.velocity);
+    fastest = std::max(fastest, std::abs(candidate.bound));
+  }
+  for (std::size_t q = 0; q < end_.size(); ++q)
+    kernels::gaps(step.body.points(), v.data(), end_[q].normal.data(), 0, close_.heights[q].data());
+  load(rows.close, rows.close_friction, samples_.count(), close_);
+  const auto slip = [&](const SurfaceRow& row) {
+    return Vec3(samples_.at(row.sample, v) - end_[row.plane].material_velocity(samples_.at(row.sample, x1)));
+  };
+  if (const StepStatus status = status_of(close_.solve(row_slack * fastest, slip)); status != StepStatus::ok) return status;
+  closing_.setZero(v.rows(), 3);
+  close_.add_move(closing_);
+  v += closing_;
+  exchange.dissipated += book(close_, 1, x1, exchange);
+  save(close_, samples_.count(), rows.close, rows.close_friction);
+  weigh(step, v, exchange);
+  return StepStatus::ok;
+}
+
+/// What contact took from the energy: its impulses J change the kinetic energy by J . w, where w is the mean of the velocities at both ends
+/// of the step; what they move the points by in it, the forces F have worked on, half a step at the drift and as much less at the closing.
+void SurfaceContact::weigh(const StepView& step, const Points& v1, Exchange& exchange) const {
+  const int n = step.body.points();
+  const Scalars &opening = step.kicks.opening_mass(), &closing = step.kicks.closing_mass();
+  double lost = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int p = 0; p < n; ++p) {
+      const double force = 0.5 * (start_force_(p, axis) + step.spring(p, axis) + step.force(p, axis));
+      const double half = 0.5 * step.h * step.body.inverse_mass[p] * force, mean = 0.5 * (start_v_(p, axis) + v1(p, axis));
+      lost += opening[p] / step.h * move_(p, axis) * (half - mean) - closing[p] * closing_(p, axis) * (half + mean);
+    }
+  exchange.dissipated += lost;
+}
+
+StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, double time, Points& x, bool& moved) {
+  double deepest = 0;
+  if (!gaps_at(around, time, x, deepest)) return StepStatus::ok;
+  if (deepest >= -position_slack * (length_ + row(x, 0).norm())) return StepStatus::ok;
+  if (std::none_of(body.pinned.begin(), body.pinned.end(), [](bool pinned) { return pinned; })) shift(x);
+  if (body.version != version_) {
+    version_ = body.version;
+    h_ = -1;
+    drift_.set_masses(body.inverse_mass.head(body.points()));
+  }
+  for (std::size_t q = 0; q < end_.size(); ++q)
+    kernels::gaps(body.points(), x.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data());
+  const std::vector<Count> none;
+  const StepStatus status = fit(none, move_, 0, [](const SurfaceRow&) { return Vec3(Vec3::Zero()); });
+  if (status != StepStatus::ok) return status;
+  drift_.add_move(x);
+  moved = true;
+  return StepStatus::ok;
+}
+
+/// Planes without friction and heights above them; deepest: of the samples [m]. Returns whether any control point is behind one.
+bool SurfaceContact::gaps_at(const Drive& around, double time, const Points& x, double& deepest) {
+  bool any = false;
+  for (std::size_t q = 0; q < end_.size(); ++q) {
+    end_[q] = around.planes[q].at(time);
+    any = kernels::gaps(int(x.rows()), x.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data()) || any;
+  }
+  if (!any) return false;
+  set_planes();
+  for (std::size_t q = 0; q < end_.size(); ++q) {
+    if (!search_.covers(int(q), drift_.heights[q])) search_.look(int(q), drift_.heights[q], 0);
+    for (const int s : search_.near(int(q))) deepest = std::min(deepest, samples_.at(s, drift_.heights[q].data()));
+  }
+  return true;
+}
+
+/// Moves the whole body by the shortest way that brings its samples in front of all planes, if there is one: that strains nothing.
+void SurfaceContact::shift(Points& x) const {
+  std::vector<Constraint> constraints;
+  for (std::size_t q = 0; q < end_.size(); ++q) {
+    double least = samples_.at(0, drift_.heights[q].data());
+    for (int s = 1; s < samples_.count(); ++s) least = std::min(least, samples_.at(s, drift_.heights[q].data()));
+    constraints.push_back({.normal = end_[q].normal, .bound = -least});
+  }
+  FeasibleSet feasible(int(end_.size()));
+  Vec3 by = Vec3::Zero();
+  if (!feasible.project(constraints, position_slack * length_, by)) return;
+  for (int axis = 0; axis < 3; ++axis) x.col(axis) += by[axis];
+}
+
+void SurfaceContact::count(const Drive& around, double time, const Points& x, std::vector<Count>& contacts) {
+  for (std::size_t q = 0; q < end_.size(); ++q) {
+    const HalfSpace plane = around.planes[q].at(time);
+    Scalars& heights = drift_.heights[q];
+    kernels::gaps(int(x.rows()), x.data(), plane.normal.data(), plane.offset, heights.data());
+    if (!search_.covers(int(q), heights)) search_.look(int(q), heights, 0);
+    contacts[q] = 0;
+    for (const int s : search_.near(int(q))) contacts[q] += samples_.at(s, heights.data()) <= touching * length_;
+  }
+}
+
+}  // namespace softffd

@@ -1,0 +1,79 @@
+/// Contact of the object's own surface with obstacle planes, explicit: no sample of the surface is behind a plane at the end of any internal
+/// step. Control points may be.
+///
+/// The gap of a sample is linear in the control points, n . Q_s(x) - c with Q_s(x) = sum W_si x_i, so that what the obstacles do is one
+/// convex problem of the whole body (surface_stage.hpp), twice a step as with contact of control points (contact.hpp):
+///
+///      drift   x1 = x0 + h v is moved to the nearest body that no plane cuts, in the metric of the masses; v by the move over h
+///      close   velocities after the closing half kick likewise, for the samples that touch a plane at t1
+///
+/// A sample that arrives at the share th of the step gets (1 - th) of its impulse at the drift and the rest at the closing, which is second
+/// order. Friction brakes the slip after the impact alone: at the drift a sample that arrives is to stick where it would be if it had slid
+/// freely until then,
+///
+///      target = Q_s(x0) + h w + th (its free slip),      one that was on the plane at t0: th = 0,
+///
+/// with the velocity w of the obstacle's material; what sticks stays at its target, so that nothing creeps. Contact adds no kinetic energy
+/// on planes at rest; were th to make it, the stage is done again with th = 0.
+///
+/// The rows that are active, and the friction on them, are where the next step begins to look; they belong to the state (model/run.hpp).
+#pragma once
+#include "contact/contact.hpp"
+#include "contact/sample_search.hpp"
+#include "contact/surface_stage.hpp"
+#include "model/run.hpp"
+
+namespace softffd {
+
+class SurfaceContact {
+ public:
+  SurfaceContact(const Body& body, int planes);
+
+  /// Moves the body out of planes at a communication point; velocities stay. As a whole where nothing is pinned and that does; the rest is
+  /// pushed in. Sets `moved` if there was any.
+  StepStatus clear_jumps(const Body& body, const Drive& around, double time, Points& x, bool& moved);
+  /// Samples on each plane, counted.
+  void count(const Drive& around, double time, const Points& x, std::vector<Count>& contacts);
+
+  /// Before steps of size h from t0 on, with these half kicks.
+  void begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h);
+  /// As in contact.hpp. rows: of the state.
+  StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange);
+  StepStatus close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange);
+
+  /// Does any sample touch a plane after the last drift?
+  bool touched() const { return !touching_.empty(); }
+  Count impacts() const { return impacts_; }
+
+ private:
+  using Slip = std::function<Vec3(const SurfaceRow&)>;
+  void set_planes();
+  void move_planes(const StepView& step);
+  StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
+  StepStatus meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
+  Vec3 aim(const StepView& step, const Points& x1, const SurfaceRow& row, bool at_once);
+  bool gains(const StepView& step, const Points& x1) const;
+  double book(const SurfaceStage& stage, double per_force, const Points& x1, Exchange& exchange) const;
+  void weigh(const StepView& step, const Points& v1, Exchange& exchange) const;
+  bool gaps_at(const Drive& around, double time, const Points& x, double& deepest);
+  void shift(Points& x) const;
+
+  const Samples& samples_;
+  double length_;
+  SampleSearch search_;
+  SurfaceStage drift_, close_;
+  std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at the start of the step, in its middle, at its end
+  std::vector<double> friction_;
+  std::vector<char> still_;
+  std::vector<Vec3> normals_;
+  std::vector<Scalars> free_;            ///< heights before a stage
+  std::vector<Candidate> touching_;      ///< after the last drift
+  Points move_, closing_;                ///< what the stages have added to positions [m] and velocities [m/s]
+  Points start_v_, start_force_;         ///< at the start of a step with contact
+  bool arrives_ = false;                 ///< a sample with friction comes onto its plane in this step
+  Count version_ = -1;
+  double h_ = -1;
+  Count impacts_ = 0;
+};
+
+}  // namespace softffd

@@ -1,0 +1,95 @@
+#include "contact/surface_stage.hpp"
+
+#include <algorithm>
+
+#include "model/plane.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// Cosines so near to 1 or -1 are those of parallel planes.
+constexpr double aligned = 1 - 1e-15;
+
+}  // namespace
+
+SurfaceStage::SurfaceStage(const Samples& samples, int planes) : heights(planes), set_(samples, planes) {}
+
+void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction) {
+  normals_ = normals;
+  friction_ = friction;
+  cosines_.clear();
+  for (std::size_t p = 0; p < normals.size(); ++p)
+    for (std::size_t q = 0; q < normals.size(); ++q) {
+      const double cosine = p == q ? 1 : normals[p].dot(normals[q]);
+      cosines_.push_back(cosine > aligned ? 1 : cosine < -aligned ? -1 : cosine);
+    }
+  set_.delassus().set_cosines(cosines_);
+}
+
+Fit SurfaceStage::solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
+  begin_ = heights;
+  set_.delassus().set_rows(rows);
+  if (const Fit fit = set_.solve(candidates, heights, tolerance); fit != Fit::found) return fit;
+  std::vector<Vec3> before;
+  before.swap(share);
+  share.assign(set_.active().size(), Vec3::Zero());
+  for (std::size_t t = 0, u = 0; t < share.size(); ++t) {
+    while (u < rows.size() && rows[u] < set_.active()[t]) ++u;
+    if (u < rows.size() && rows[u] == set_.active()[t]) share[t] = before[u];
+  }
+  rows = set_.active();
+  p_.assign(rows.size(), Vec3::Zero());
+  if (rubs()) {
+    slip_of_ = slip;
+    if (parallel())
+      rub(true);
+    else if (const Fit fit = take_turns(tolerance); fit != Fit::found)
+      return fit;
+    for (std::size_t t = 0; t < rows.size(); ++t) {
+      const double limit = friction_[rows[t].plane] * set_.forces()[t];
+      share[t] = limit > 0 ? Vec3(p_[t] / limit) : Vec3::Zero();
+    }
+  }
+  force_.resize(rows.size());
+  for (std::size_t t = 0; t < rows.size(); ++t) force_[t] = set_.forces()[t] * normals_[rows[t].plane] + p_[t];
+  return Fit::found;
+}
+
+bool SurfaceStage::rubs() const {
+  return std::any_of(rows.begin(), rows.end(), [&](const SurfaceRow& row) { return friction_[row.plane] > 0; });
+}
+
+/// Can friction bring no sample nearer to a plane?
+bool SurfaceStage::parallel() const {
+  const auto same = [&](int p, int q) { return std::abs(cosines_[p * normals_.size() + q]) == 1; };
+  return std::all_of(candidates.begin(), candidates.end(),
+                     [&](const Candidate& candidate) { return same(rows[0].plane, candidate.row.plane); });
+}
+
+/// Friction at the normal forces at hand.
+void SurfaceStage::rub(bool parallel) {
+  Disks disks{set_.delassus(), normals_, parallel, {}, {}};
+  for (std::size_t t = 0; t < rows.size(); ++t) {
+    const int plane = rows[t].plane;
+    disks.limit.push_back(friction_[plane] * set_.forces()[t]);
+    const Vec3 slip = slip_of_(rows[t]);
+    disks.slip.push_back(tangential(normals_[plane], parallel ? slip : Vec3(slip + moved_by_normals(int(t)))));
+    p_[t] = disks.limit[t] * share[t];
+  }
+  missed_ = std::max(missed_, disks_.solve(disks, p_));
+}
+
+Vec3 SurfaceStage::moved_by_normals(int t) const {
+  Vec3 moved = Vec3::Zero();
+  for (std::size_t u = 0; u < rows.size(); ++u) moved += set_.delassus()(t, int(u)) * set_.forces()[u] * normals_[rows[u].plane];
+  return moved;
+}
+
+void SurfaceStage::add_move(const std::vector<Vec3>& force, Points& move) const {
+  for (std::size_t t = 0; t < rows.size(); ++t)
+    for (int axis = 0; axis < 3; ++axis)
+      if (force[t][axis] != 0) set_.delassus().push(int(t), force[t][axis], &move(0, axis));
+}
+
+}  // namespace softffd

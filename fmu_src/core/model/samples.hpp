@@ -1,0 +1,46 @@
+/// Samples of the object's own surface: points of the body by which obstacles are met, where the control points of the lattice are not it.
+///
+/// A sample s is at the place X_s at rest and at Q_s(x) = sum_i W_si x_i of the deformed body. The weights are products of one factor per
+/// axis, are not negative, sum to one and reproduce places: sum_i W_si X_i = X_s. Heights above a plane are therefore linear too: the gap of
+/// a sample is Q_s of the gaps of the control points, at least the smallest of them.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "model/basis.hpp"
+
+namespace softffd {
+
+class Samples {
+ public:
+  /// places: at rest [m], in the box of the lattice.
+  Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& places);
+
+  const Lattice& lattice() const { return lattice_; }
+  int count() const { return int(places_.size()); }
+  const Vec3& place(int s) const { return places_[s]; }
+  /// Number of control points that count at a sample, those of weight 0 among them.
+  int support() const { return width_[0] * width_[1] * width_[2]; }
+
+  /// Q_s of a value of each control point, (points).
+  double at(int s, const double* values) const;
+  Vec3 at(int s, const Points& x) const { return {at(s, &x(0, 0)), at(s, &x(0, 1)), at(s, &x(0, 2))}; }
+
+  /// out = W_si scale_i of the points that count at s, (support).
+  void weights(int s, const Scalars& scale, double* out) const;
+  /// The sum of W_ti times what `weights` gives of s.
+  double product(int t, int s, const double* of_s) const;
+  /// values_i += factor of_s_i for the points that count at s.
+  void add(int s, double factor, const double* of_s, double* values) const;
+
+ private:
+  const double* factors(int s) const { return &factors_[std::size_t(s) * (width_[0] + width_[1] + width_[2])]; }
+
+  Lattice lattice_;
+  std::array<int, 3> counts_, width_;      ///< control points of the lattice, and of them that count at a sample, per axis
+  std::vector<Vec3> places_;                ///< [m]
+  std::vector<std::array<int, 3>> first_;   ///< of the points that count, per axis
+  std::vector<double> factors_;             ///< of each sample those of x, y and z
+};
+
+}  // namespace softffd
