@@ -14,6 +14,8 @@ constexpr double row_slack = 1e-15;
 constexpr int most_looks = 20;
 /// Share of what contact does to the kinetic energy that is rounding.
 constexpr double no_gain = 1e-10;
+/// Of its limit, friction that a step begins to look at.
+constexpr double most_share = 2;
 
 StepStatus status_of(Fit fit) {
   switch (fit) {
@@ -35,7 +37,8 @@ void load(const std::vector<Count>& numbers, const Points& friction, int samples
     if (at == stage.candidates.end()) return;
     if (at->row != row) continue;
     stage.rows.push_back(row);
-    stage.share.push_back(softffd::row(friction, int(t)));
+    const Vec3 share = softffd::row(friction, int(t));
+    stage.share.push_back(share.norm() <= most_share ? share : Vec3(Vec3::Zero()));  // a state may hold anything
     ++at;
   }
 }

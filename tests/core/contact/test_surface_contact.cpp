@@ -17,12 +17,13 @@ struct Sphere {
   int planes = 1;
 
   Samples samples() const { return {Basis::bezier, {}, icosphere(level, 0.4, {0.5, 0.5, 0.5})}; }
-  SoftBody body() const {
+  SoftBody body(const Vec3& spin = Vec3::Zero()) const {
     Definition definition;
     definition.mass.assign(64, 1.0 / 64);
     definition.planes = planes;
     definition.offset = {0, 0, height - 0.1};
     definition.velocity = velocity;
+    definition.angular_velocity = spin;
     definition.samples = std::make_shared<Samples>(samples());
     SoftBody body(definition);
     body.settings.stiffness = {stiffness, stiffness, stiffness};
@@ -62,5 +63,369 @@ TEST(a_sphere_rests_on_its_own_surface) {
     CHECK(body.run().contacts[0] > 0);
     std::printf("  level %d: centre %.5f, force %.9f, deepest %.2g, contacts %d, corner %.4f\n", level, centre(body).z(),
                 body.readings().plane_reaction(0).z(), deepest, int(body.run().contacts[0]), body.state().x.col(2).minCoeff());
+  }
+}
+
+namespace {
+
+/// Positions of a sphere that falls askew onto the ground with friction, after 0.2 s of steps of h.
+Points landed(double h, double friction) {
+  SoftBody body = Sphere{.level = 3, .height = 0.1, .damping = 0.1, .friction = friction, .velocity = {1, 0.3, 0}}.body(Vec3(0.4, 1.3, 0.7));
+  body.settings.step = h;
+  body.initialize(0);
+  for (int i = 0; i < 10; ++i) CHECK(body.advance(0.02) == StepStatus::ok);
+  return body.state().x;
+}
+
+double apart(const Points& a, const Points& b) { return (a - b).abs().maxCoeff(); }
+
+}  // namespace
+
+TEST(a_landing_with_friction_is_of_second_order) {
+  for (const double friction : {0.0, 0.4}) {
+    const Points reference = landed(5e-6, friction);
+    const double coarse = apart(landed(2e-4, friction), reference), middle = apart(landed(1e-4, friction), reference),
+                 fine = apart(landed(5e-5, friction), reference);
+    std::printf("  mu %g: %.3g %.3g %.3g\n", friction, coarse, middle, fine);
+    CHECK(std::log2(coarse / fine) / 2 > 1.8);
+  }
+}
+
+namespace {
+
+/// A cube of 1 kg with samples all over its faces, at rest on the ground, in the middle of a box that is larger by 0.05 all round.
+SoftBody cube(int planes, double stiffness, int side = 8) {
+  std::vector<Vec3> places;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double face : {0.05, 0.95})
+      for (int i = 0; i < side; ++i)
+        for (int j = 0; j < side; ++j) {
+          Vec3 place;
+          place[axis] = face;
+          place[(axis + 1) % 3] = 0.05 + 0.9 * i / (side - 1);
+          place[(axis + 2) % 3] = 0.05 + 0.9 * j / (side - 1);
+          places.push_back(place);
+        }
+  Definition definition;
+  definition.mass.assign(64, 1.0 / 64);
+  definition.planes = planes;
+  definition.offset = {0, 0, -0.05};
+  definition.samples = std::make_shared<Samples>(Basis::bezier, definition.lattice, places);
+  SoftBody body(definition);
+  body.settings.stiffness = {stiffness, stiffness, stiffness};
+  return body;
+}
+
+Vec3 inclined(double degrees) {
+  const double angle = degrees * 3.14159265358979323846 / 180;
+  return 9.81 * Vec3(std::sin(angle), 0, -std::cos(angle));
+}
+
+}  // namespace
+
+TEST(a_cube_sticks_below_the_angle_of_friction_and_slides_above_it) {
+  for (const double degrees : {20.0, 25.0, 35.0}) {
+    SoftBody body = cube(1, 2e4);
+    body.settings.gravity = inclined(degrees);
+    body.settings.step = 2e-4;
+    body.settings.damping = 2;
+    body.settings.planes[0].friction = 100;
+    body.initialize(0);
+    for (int i = 0; i < 150; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+    body.settings.damping = 0;
+    body.settings.planes[0].friction = 0.4;
+    for (int i = 0; i < 200; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+    const Vec3 pull = inclined(degrees);
+    const double speed = body.state().v.col(0).mean(), exact = 2 * std::max(0.0, pull.x() + 0.4 * pull.z());
+    std::printf("  %g: %.5f, %.5f contacts %d\n", degrees, speed, exact, int(body.run().contacts[0]));
+    CHECK_NEAR(speed, exact, exact > 0 ? 5e-3 : 5e-5);
+  }
+}
+
+TEST(what_sticks_does_not_creep) {
+  SoftBody body = cube(1, 2e3);
+  body.settings.gravity = inclined(14.9);
+  body.settings.damping = 0.3;
+  body.settings.step = 1e-3;
+  body.settings.planes[0].friction = 0.4;
+  body.initialize(0);
+  for (int i = 0; i < 200; ++i) body.advance(0.1);
+  const Points before = body.state().x;
+  for (int i = 0; i < 50; ++i) body.advance(0.1);
+  std::printf("  creep %.3g in 5 s\n", apart(body.state().x, before));
+  CHECK(apart(body.state().x, before) < 1e-9);
+}
+
+namespace {
+
+SoftBody tumbling(double h, int planes = 1, double damping = 0) {
+  Sphere sphere{.level = 2, .height = 0.1, .damping = damping, .friction = 0.5, .velocity = {1, 0.3, -1}, .planes = planes};
+  SoftBody body = sphere.body(Vec3(0.4, 3, 0.7));
+  body.settings.step = h;
+  if (planes > 1) body.settings.planes[1] = {{1.6, 0, 0}, {-1, 0.2, 0.3}, {-0.2, 0, 0}, {0, 0, 0.3}, 0.3, false};
+  return body;
+}
+
+Vec3 angular_momentum(const SoftBody& body) {
+  Vec3 sum = Vec3::Zero();
+  for (int p = 0; p < 64; ++p) sum += row(body.state().x, p).cross(row(body.state().v, p)) / 64;
+  return sum;
+}
+
+}  // namespace
+
+TEST(impulses_on_the_planes_are_what_the_body_loses) {
+  SoftBody body = tumbling(1e-3, 2);
+  body.settings.gravity.setZero();
+  body.settings.planes[1].angular_velocity.setZero();
+  body.initialize(0);
+  double touched = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 momentum = body.state().v.colwise().mean().matrix().transpose(), angular = angular_momentum(body);
+    CHECK(body.advance(0.01) == StepStatus::ok);
+    const Vec3 now = body.state().v.colwise().mean().matrix().transpose();
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    for (int q = 0; q < 2; ++q) {
+      const Vec3 on = body.readings().plane_reaction(q);
+      force += on;
+      const Vec3 point = body.settings.planes[q].point + body.state().time * body.settings.planes[q].velocity;
+      torque += body.readings().plane_torque(q) + point.cross(on);
+    }
+    touched += force.norm();
+    CHECK((now - momentum + 0.01 * force).norm() < 1e-13);
+    if (body.settings.planes[1].velocity.isZero(0)) CHECK((angular_momentum(body) - angular + 0.01 * torque).norm() < 1e-13);
+  }
+  CHECK(touched > 1);
+}
+
+TEST(energy_is_kept_but_for_what_is_booked) {
+  std::vector<double> errors;
+  for (const double h : {4e-4, 2e-4}) {
+    Definition definition;
+    Sphere sphere{.level = 2, .height = 0.02};
+    definition.mass.assign(64, 1.0 / 64);
+    definition.planes = 2;
+    definition.offset = {0, 0, -0.08};
+    definition.velocity = {1, 0, -1};
+    definition.watch_energy = true;
+    definition.samples = std::make_shared<Samples>(sphere.samples());
+    SoftBody body(definition);
+    body.settings.stiffness = {2e3, 2e3, 2e3};
+    body.settings.gravity = {0, 0, -9.81};
+    body.settings.step = h;
+    body.settings.planes[0].friction = 0.5;
+    body.settings.planes[1] = {{1.2, 0, 0}, {-1, 0, 0.1}, {-0.5, 0, 0}, {0, 0.2, 0}, 0.3, false};
+    body.initialize(0);
+    const auto energy = [&] {
+      const Readings now = body.readings();
+      return now.kinetic_energy() + now.elastic_energy() + now.gravity_energy() + body.run().dissipated - body.run().work;
+    };
+    const double begin = energy();
+    double worst = 0;
+    for (int i = 0; i < 50; ++i) {
+      CHECK(body.advance(0.01) == StepStatus::ok);
+      worst = std::max(worst, std::abs(energy() - begin));
+    }
+    errors.push_back(worst);
+    std::printf("  h %g: %.3g, dissipated %.3g work %.3g\n", h, worst, body.run().dissipated, body.run().work);
+    CHECK(body.run().dissipated > 0.1);
+  }
+  CHECK(errors[1] < 0.02 && errors[0] > 2.5 * errors[1]);
+}
+
+TEST(cutting_and_restoring_changes_no_bit_in_contact_of_the_surface) {
+  std::vector<Points> ends;
+  for (const int parts : {1, 2, 5}) {
+    SoftBody body = tumbling(1e-3, 2, 0.02);
+    body.initialize(0.7);
+    for (int i = 0; i < 20 * parts; ++i) CHECK(body.advance(0.05 / parts) == StepStatus::ok);
+    ends.push_back(body.state().x);
+  }
+  CHECK((ends[0] == ends[1]).all());
+  CHECK((ends[0] == ends[2]).all());
+  for (const double step : {1e-3, 0.0}) {
+    SoftBody body = tumbling(step, 2, 0.02), other = tumbling(step, 2, 0.02);
+    body.initialize(0);
+    for (int i = 0; i < 4; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+    other.initialize(0);
+    other.restore(body.run(), 0);
+    bool touched = false;
+    for (int i = 0; i < 20; ++i) {
+      if (body.run().path.surface.drift[0] >= 0) {
+        touched = true;
+        other.restore(body.run(), 0);
+      }
+      CHECK(body.advance(0.01) == StepStatus::ok);
+      CHECK(other.advance(0.01) == StepStatus::ok);
+      CHECK((body.state().x == other.state().x).all() && (body.state().v == other.state().v).all());
+    }
+    CHECK(touched);
+  }
+}
+
+namespace {
+
+/// A sphere that is let go of 0.05 above where a rigid one would rest in a groove of so many degrees along y.
+SoftBody in_groove(double degrees, double friction, double h) {
+  const double half = 0.5 * degrees * 3.14159265358979323846 / 180, rigid = 0.4 / std::sin(half);
+  SoftBody body = Sphere{.level = 3, .height = rigid - 0.4 + 0.05, .damping = 0.5, .friction = friction, .planes = 2}.body();
+  for (const int side : {0, 1}) {
+    body.settings.planes[side].point = {0.5, 0, 0};
+    body.settings.planes[side].normal = {(side ? -1 : 1) * std::cos(half), 0, std::sin(half)};
+  }
+  body.settings.step = h;
+  CHECK(body.initialize(0) == StepStatus::ok);
+  return body;
+}
+
+}  // namespace
+
+TEST(a_sphere_in_a_groove_presses_on_both_sides) {
+  const double degrees[] = {90, 60, 30}, forces[] = {6.93672, 9.81, 18.95146}, centres[] = {0.5637, 0.7967, 1.5395};
+  for (int i = 0; i < 3; ++i) {
+    SoftBody body = in_groove(degrees[i], 0, 1e-3);
+    for (int step = 0; step < 800; ++step) CHECK(body.advance(0.01) == StepStatus::ok);
+    for (const int side : {0, 1}) CHECK_NEAR(body.readings().plane_reaction(side).norm(), forces[i], 1e-5);
+    CHECK_NEAR(centre(body).z(), centres[i], 5e-4);
+  }
+}
+
+TEST(friction_in_a_groove_stays_within_its_cone_and_converges) {
+  const Sphere sphere{.level = 3};
+  const Samples samples = sphere.samples();
+  for (const double friction : {0.3, 1.0})
+    for (const double degrees : {90.0, 30.0}) {
+      std::vector<Points> ends;
+      for (const double h : {1e-3, 2.5e-4}) {
+        SoftBody body = in_groove(degrees, friction, h);
+        for (int step = 0; step < 100; ++step) {
+          CHECK(body.advance(0.01) == StepStatus::ok);
+          for (const int side : {0, 1}) {
+            const Vec3 force = body.readings().plane_reaction(side), normal = body.settings.planes[side].normal;
+            CHECK(tangential(normal, force).norm() <= friction * -force.dot(normal) + 1e-9);
+            for (int s = 0; s < samples.count(); ++s)
+              CHECK(normal.normalized().dot(samples.at(s, body.state().x) - body.settings.planes[side].point) >= -1e-12);
+          }
+        }
+        ends.push_back(body.state().x);
+      }
+      std::printf("  mu %g, %g degrees: %.3g\n", friction, degrees, apart(ends[0], ends[1]));
+      CHECK(apart(ends[0], ends[1]) < 1e-3);
+    }
+}
+
+TEST(plates_press_a_sphere_with_equal_forces) {
+  SoftBody body = Sphere{.level = 4, .height = 0.1, .damping = 1, .friction = 0.3, .planes = 2}.body();
+  body.settings.gravity.setZero();
+  body.settings.planes[0] = {{0, 0, -0.05}, {0, 0, 1}, {0, 0, 0.05}, Vec3::Zero(), 0.3, false};
+  body.settings.planes[1] = {{0, 0, 1.05}, {0, 0, -1}, {0, 0, -0.05}, Vec3::Zero(), 0.3, false};
+  body.settings.step = 1e-3;
+  body.initialize(0);
+  std::vector<double> forces;
+  double first = 0;
+  for (int i = 1; i <= 4000; ++i) {
+    CHECK(body.advance(1e-3) == StepStatus::ok);
+    const double force = -body.readings().plane_reaction(0).z(), distance = 1.1 - 0.1 * body.state().time;
+    if (first == 0 && force > 0) first = distance;
+    for (const double at : {0.78, 0.76, 0.74, 0.72, 0.70})
+      if (std::abs(distance - at) < 1e-9) forces.push_back(force);
+  }
+  CHECK_NEAR(body.readings().plane_reaction(0).z(), -body.readings().plane_reaction(1).z(), 1e-3);
+  double widest = 0;
+  for (const Vec3& place : icosphere(4, 0.4, Vec3::Zero())) widest = std::max(widest, 2 * place.z());
+  std::printf("  %.6f %.6f\n", widest, first);
+  CHECK_NEAR(first, widest, 1e-4);
+  const double wanted[] = {538, 1064, 1556, 2016, 2444};
+  CHECK(forces.size() == 5);
+  for (std::size_t i = 0; i < forces.size(); ++i) CHECK_NEAR(forces[i], wanted[i], 0.01 * wanted[i]);
+}
+
+TEST(a_plane_that_jumps_takes_the_whole_body_along) {
+  SoftBody body = Sphere{.level = 2}.body();
+  body.settings.planes[0].moved_by_input = true;
+  body.settings.step = 1e-3;
+  body.initialize(0);
+  for (int i = 0; i < 100; ++i) body.advance(0.01);
+  const double before = body.readings().elastic_energy(), height = centre(body).z();
+  body.settings.planes[0].point.z() = 0.05;
+  CHECK(body.advance(1e-3) == StepStatus::ok);
+  CHECK_NEAR(centre(body).z(), height + 0.05, 1e-4);
+  CHECK_NEAR(body.readings().elastic_energy(), before, 0.01);
+}
+
+TEST(a_start_behind_a_plane_is_moved_out_and_does_not_fling_the_body) {
+  SoftBody body = Sphere{.level = 2, .height = -0.15}.body();
+  body.settings.step = 1e-3;
+  CHECK(body.initialize(0) == StepStatus::ok);
+  CHECK(body.readings().elastic_energy() < 1e-20);
+  CHECK_NEAR(lowest(Sphere{.level = 2}.samples(), body), 0, 1e-12);
+  for (int i = 0; i < 100; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+  CHECK(centre(body).z() < 0.42);
+}
+
+TEST(a_lattice_behind_the_plane_whose_surface_is_not_flies_as_if_there_was_none) {
+  std::vector<Points> ends;
+  for (const int planes : {0, 1})
+    for (const double step : {1e-3, 0.0}) {
+      SoftBody body = Sphere{.level = 2, .height = 0.01, .velocity = {1, 0, 0}, .planes = planes}.body(Vec3(0, 0, 2));
+      body.settings.gravity.setZero();
+      body.settings.step = step;
+      body.initialize(0);
+      for (int i = 0; i < 10; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+      if (planes) CHECK(body.state().x.col(2).minCoeff() < -0.05 && body.readings().plane_reaction(0).isZero(0));
+      if (planes) CHECK(body.run().contacts[0] == 0);
+      if (step > 0) ends.push_back(body.state().x);
+    }
+  CHECK((ends[0] == ends[1]).all());
+}
+
+TEST(what_is_pinned_stays_and_the_rest_gives_way) {
+  Sphere sphere{.level = 3, .height = 0.02, .damping = 0.5};
+  Definition definition;
+  definition.mass.assign(64, 1.0 / 64);
+  definition.planes = 1;
+  definition.offset = {0, 0, -0.08};
+  definition.pins.emplace_back();
+  for (int p = 48; p < 64; ++p) definition.pins[0].points.push_back(p);
+  definition.samples = std::make_shared<Samples>(sphere.samples());
+  SoftBody body(definition);
+  body.settings.stiffness = {2e3, 2e3, 2e3};
+  body.settings.damping = 0.5;
+  body.settings.step = 1e-3;
+  body.settings.pins[0].position = Vec3(0.5, 0.5, 1) + definition.offset;
+  body.settings.planes[0] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 0.05}, Vec3::Zero(), 0.4, false};
+  CHECK(body.initialize(0) == StepStatus::ok);
+  double force = 0;
+  for (int i = 0; i < 200; ++i) {
+    CHECK(body.advance(0.01) == StepStatus::ok);
+    CHECK(lowest(sphere.samples(), body) >= body.state().time * 0.05 - 1e-12);
+    CHECK_NEAR(body.state().x(63, 2), 0.92, 1e-15);
+    force = -body.readings().plane_reaction(0).z();
+  }
+  CHECK(force > 100);
+  CHECK_NEAR(body.readings().pin_reaction(0).z(), force, 0.02 * force);
+}
+
+TEST(automatic_steps_follow_a_landing_within_the_tolerance) {
+  SoftBody fine = tumbling(1e-5), body = tumbling(0);
+  for (SoftBody* each : {&fine, &body}) {
+    each->settings.planes[0].friction = 0;
+    each->settings.horizon = 0.15;
+    CHECK(each->initialize(0) == StepStatus::ok);
+    for (int i = 0; i < 15; ++i) CHECK(each->advance(0.01) == StepStatus::ok);
+  }
+  std::printf("  %.3g, %d steps\n", apart(fine.state().x, body.state().x), int(body.run().path.steps));
+  CHECK(body.readings().method() == Method::leapfrog && body.readings().reason() == Reason::contact);
+  CHECK(apart(fine.state().x, body.state().x) < 1e-4);
+}
+
+TEST(a_stiff_body_with_samples_takes_explicit_steps_alone) {
+  for (const Method method : {Method::automatic, Method::bm4, Method::backward_euler}) {
+    SoftBody body = Sphere{.level = 1, .height = 0.001, .stiffness = 1e7}.body();
+    body.settings.method = method;
+    body.initialize(0);
+    for (int i = 0; i < 3; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+    CHECK(body.readings().method() == Method::leapfrog);
+    CHECK(body.factorizations() == 0);
   }
 }

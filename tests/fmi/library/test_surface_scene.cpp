@@ -1,0 +1,99 @@
+/// Contact of the surface from a resources file to the component's variables and states.
+#include <cstdlib>
+
+#include "check.hpp"
+#include "instance/instance.hpp"
+#include "small_scene.hpp"
+
+using namespace softffd::fmi;
+
+namespace {
+
+const small_scene::Box box{.side = 4, .mass = 1.0 / 64, .stiffness = 2000, .initial = "1 1 1 0 0 -0.1 0.5 0 0 0.3 0.4 0"};
+const std::string ground = "damping 0.3\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0 0 1 0 0 0 0 0 0 0.4\nreactions\nsolver\n";
+/// The corners of an octahedron in the middle of the box, 0.2 clear of its faces.
+const std::string octahedron = "sample 0.2 0.5 0.5\nsample 0.8 0.5 0.5\nsample 0.5 0.2 0.5\nsample 0.5 0.8 0.5\nsample 0.5 0.5 0.2\n"
+                               "sample 0.5 0.5 0.8\n";
+
+std::string refusal(const std::string& parts) {
+  try {
+    parse_scene(box.text(parts));
+  } catch (const SceneFileError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+std::unique_ptr<Instance> begun(const std::string& parts) {
+  const fmi2CallbackFunctions callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
+  auto instance = std::make_unique<Instance>(parse_scene(box.text(parts)), Logger(callbacks, "test", true));
+  instance->setup_experiment(0, 0, 10);
+  instance->enter_initialization();
+  instance->exit_initialization();
+  return instance;
+}
+
+void run(Instance& instance, int first, int last) {
+  for (int n = first; n < last; ++n) CHECK(instance.do_step(n * 0.01, 0.01) == fmi2OK);
+}
+
+double value_of(Instance& instance, Family family, Type type = Type::Real, int index = 0) {
+  const fmi2ValueReference reference = unsigned(family) << 24 | unsigned(index);
+  double value = 0;
+  instance.get(type, &reference, 1, &value);
+  return value;
+}
+
+}  // namespace
+
+TEST(samples_of_a_scene_with_planes_are_taken) {
+  const SceneFile scene = parse_scene(box.text(ground + octahedron));
+  CHECK(scene.definition.samples && scene.definition.samples->count() == 6);
+  CHECK(scene.definition.samples->place(4) == softffd::Vec3(0.5, 0.5, 0.2));
+  CHECK(!parse_scene(box.text(ground)).definition.samples);
+  CHECK(!parse_scene(box.text(octahedron)).definition.samples);
+}
+
+TEST(what_does_not_go_with_samples_is_refused_by_name) {
+  CHECK(refusal(ground + "sample 0.5 0.5 1.1\n").find("outside of the box") != std::string::npos);
+  CHECK(refusal(ground + octahedron + "internal_damping 0.001\n").find("internal damping") != std::string::npos);
+  CHECK(refusal(ground + octahedron + "region_internal_damping 0.001 0 1\n").find("internal damping") != std::string::npos);
+  for (const int method : {2, 7, 8})
+    CHECK(refusal(ground + octahedron + "method " + std::to_string(method) + "\n").find("wanted auto, leapfrog") != std::string::npos);
+  for (const int method : {1, 3, 4, 5, 6}) CHECK(refusal(ground + octahedron + "method " + std::to_string(method) + "\n").empty());
+  CHECK(refusal(octahedron + "method 8\n").empty());  // nothing meets them
+  CHECK(refusal(ground + "sample 0.5 0.5\n").find("a value is missing") != std::string::npos);
+}
+
+TEST(a_method_that_does_not_know_samples_cannot_be_set) {
+  const fmi2CallbackFunctions callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
+  Instance instance(parse_scene(box.text(ground + octahedron)), Logger(callbacks, "test", true));
+  const fmi2ValueReference method = unsigned(Family::solver_method) << 24;
+  std::string why;
+  for (const double value : {3.0, 8.0}) try {
+      instance.set(Type::Integer, &method, 1, &value);
+    } catch (const std::exception& error) {
+      why = error.what();
+    }
+  CHECK(why.find("3 leapfrog") != std::string::npos && why.find("backward_euler") == std::string::npos);
+}
+
+TEST(the_lattice_of_a_body_that_rests_on_its_surface_is_behind_the_plane) {
+  const auto instance = begun(ground + octahedron);
+  run(*instance, 0, 400);
+  CHECK_NEAR(value_of(*instance, Family::plane_reaction, Type::Real, 2), -9.81, 1e-3);
+  CHECK(value_of(*instance, Family::position, Type::Real, 2) < -0.05);
+  CHECK(value_of(*instance, Family::plane_contacts, Type::Integer) >= 1);
+}
+
+TEST(a_state_in_contact_of_the_surface_goes_on_with_the_same_bits) {
+  for (const std::string more : {"", "step 0.001\n", "error_estimate\n"}) {
+    const auto instance = begun(ground + octahedron + more), other = begun(ground + octahedron + more);
+    run(*instance, 0, 80);
+    other->load_state(instance->save_state());
+    CHECK(instance->save_state() == other->save_state());
+    run(*instance, 80, 120);
+    run(*other, 80, 120);
+    CHECK(instance->save_state() == other->save_state());
+  }
+}
