@@ -11,9 +11,8 @@ namespace {
 
 const small_scene::Box box{.side = 4, .mass = 1.0 / 64, .stiffness = 2000, .initial = "1 1 1 0 0 -0.1 0.5 0 0 0.3 0.4 0"};
 const std::string ground = "damping 0.3\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0 0 1 0 0 0 0 0 0 0.4\nreactions\nsolver\n";
-/// The corners of an octahedron in the middle of the box, 0.2 clear of its faces.
-const std::string octahedron = "sample 0.2 0.5 0.5\nsample 0.8 0.5 0.5\nsample 0.5 0.2 0.5\nsample 0.5 0.8 0.5\nsample 0.5 0.5 0.2\n"
-                               "sample 0.5 0.5 0.8\n";
+/// The corners of a pyramid in the box, 0.2 clear of its faces.
+const std::string pyramid = "sample 0.2 0.2 0.2\nsample 0.8 0.2 0.2\nsample 0.2 0.8 0.2\nsample 0.8 0.8 0.2\nsample 0.5 0.5 0.8\n";
 
 std::string refusal(const std::string& parts) {
   try {
@@ -47,27 +46,27 @@ double value_of(Instance& instance, Family family, Type type = Type::Real, int i
 }  // namespace
 
 TEST(samples_of_a_scene_with_planes_are_taken) {
-  const SceneFile scene = parse_scene(box.text(ground + octahedron));
-  CHECK(scene.definition.samples && scene.definition.samples->count() == 6);
-  CHECK(scene.definition.samples->place(4) == softffd::Vec3(0.5, 0.5, 0.2));
+  const SceneFile scene = parse_scene(box.text(ground + pyramid));
+  CHECK(scene.definition.samples && scene.definition.samples->count() == 5);
+  CHECK(scene.definition.samples->place(4) == softffd::Vec3(0.5, 0.5, 0.8));
   CHECK(!parse_scene(box.text(ground)).definition.samples);
-  CHECK(!parse_scene(box.text(octahedron)).definition.samples);
+  CHECK(!parse_scene(box.text(pyramid)).definition.samples);
 }
 
 TEST(what_does_not_go_with_samples_is_refused_by_name) {
   CHECK(refusal(ground + "sample 0.5 0.5 1.1\n").find("outside of the box") != std::string::npos);
-  CHECK(refusal(ground + octahedron + "internal_damping 0.001\n").find("internal damping") != std::string::npos);
-  CHECK(refusal(ground + octahedron + "region_internal_damping 0.001 0 1\n").find("internal damping") != std::string::npos);
+  CHECK(refusal(ground + pyramid + "internal_damping 0.001\n").find("internal damping") != std::string::npos);
+  CHECK(refusal(ground + pyramid + "region_internal_damping 0.001 0 1\n").find("internal damping") != std::string::npos);
   for (const int method : {2, 7, 8})
-    CHECK(refusal(ground + octahedron + "method " + std::to_string(method) + "\n").find("wanted auto, leapfrog") != std::string::npos);
-  for (const int method : {1, 3, 4, 5, 6}) CHECK(refusal(ground + octahedron + "method " + std::to_string(method) + "\n").empty());
-  CHECK(refusal(octahedron + "method 8\n").empty());  // nothing meets them
+    CHECK(refusal(ground + pyramid + "method " + std::to_string(method) + "\n").find("wanted auto, leapfrog") != std::string::npos);
+  for (const int method : {1, 3, 4, 5, 6}) CHECK(refusal(ground + pyramid + "method " + std::to_string(method) + "\n").empty());
+  CHECK(refusal(pyramid + "method 8\n").empty());  // nothing meets them
   CHECK(refusal(ground + "sample 0.5 0.5\n").find("a value is missing") != std::string::npos);
 }
 
 TEST(a_method_that_does_not_know_samples_cannot_be_set) {
   const fmi2CallbackFunctions callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
-  Instance instance(parse_scene(box.text(ground + octahedron)), Logger(callbacks, "test", true));
+  Instance instance(parse_scene(box.text(ground + pyramid)), Logger(callbacks, "test", true));
   const fmi2ValueReference method = unsigned(Family::solver_method) << 24;
   std::string why;
   for (const double value : {3.0, 8.0}) try {
@@ -79,16 +78,16 @@ TEST(a_method_that_does_not_know_samples_cannot_be_set) {
 }
 
 TEST(the_lattice_of_a_body_that_rests_on_its_surface_is_behind_the_plane) {
-  const auto instance = begun(ground + octahedron);
-  run(*instance, 0, 400);
-  CHECK_NEAR(value_of(*instance, Family::plane_reaction, Type::Real, 2), -9.81, 1e-3);
+  const auto instance = begun(ground + pyramid);
+  run(*instance, 0, 300);
+  CHECK_NEAR(value_of(*instance, Family::plane_reaction, Type::Real, 2), -9.81, 1e-6);
   CHECK(value_of(*instance, Family::position, Type::Real, 2) < -0.05);
-  CHECK(value_of(*instance, Family::plane_contacts, Type::Integer) >= 1);
+  CHECK(value_of(*instance, Family::plane_contacts, Type::Integer) == 4);
 }
 
 TEST(a_state_in_contact_of_the_surface_goes_on_with_the_same_bits) {
   for (const std::string more : {"", "step 0.001\n", "error_estimate\n"}) {
-    const auto instance = begun(ground + octahedron + more), other = begun(ground + octahedron + more);
+    const auto instance = begun(ground + pyramid + more), other = begun(ground + pyramid + more);
     run(*instance, 0, 80);
     other->load_state(instance->save_state());
     CHECK(instance->save_state() == other->save_state());
