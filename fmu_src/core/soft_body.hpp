@@ -120,7 +120,7 @@ class SoftBody {
   Propagator propagator_;
   Contact jumps_;
   std::unique_ptr<SurfaceContact> surface_;  ///< where planes meet the surface: its jumps
-  Points begin_;           ///< positions at the start of the communication step, where energy is watched
+  Points begin_;                             ///< positions at the start of the communication step, where energy is watched
   double divided_ = 1;     ///< by how much the last communication step's internal steps had to be divided to have a result
   double work_done_ = 0;   ///< of the last call
   double came_ = 0;        ///< by which the last call's first attempt moved the time [s]

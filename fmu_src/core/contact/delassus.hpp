@@ -5,8 +5,8 @@
 ///
 ///      G_st = sum_i W_si W_ti / m_i,      along the rows' normals (n_s . n_t) G_st = A_st.
 ///
-/// A = L L' is kept factored. Rows are appended and dropped one at a time; sorted rows, by plane and sample, have the same bits however they
-/// were come by.
+/// A = L L' is kept factored. Rows are appended and dropped one at a time; sorted rows, by plane and sample, have the same bits however
+/// they were come by.
 #pragma once
 #include "model/samples.hpp"
 
@@ -38,9 +38,9 @@ class Delassus {
   /// A row that might be appended: its column of G and what the rows at hand leave of its own compliance.
   struct Column {
     SurfaceRow row;
-    std::vector<double> over_mass, g;   ///< W / m; G with the rows at hand
+    std::vector<double> over_mass, g;    ///< W / m; G with the rows at hand
     std::vector<double> half, response;  ///< L^-1 a and A^-1 a of its column a of A
-    double own = 0, left = 0;           ///< G_ss, and that less |L^-1 a|^2
+    double own = 0, left = 0;            ///< G_ss, and that less |L^-1 a|^2
   };
   void prepare(SurfaceRow row, Column& column) const;  ///< all of it
   void project(Column& column) const;                  ///< half, response, left, after rows were dropped

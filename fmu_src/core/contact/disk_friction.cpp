@@ -52,7 +52,8 @@ double DiskFriction::solve(const Disks& disks, std::vector<Vec3>& p) {
     const double now = residual(disks, p);
     if (now < best) best = now, best_ = p;
   };
-  for (int round = 0, sweeps = first_sweeps; round < most_rounds && best > exact * largest; ++round, sweeps = std::min(2 * sweeps, most_sweeps)) {
+  for (int round = 0, sweeps = first_sweeps; round < most_rounds && best > exact * largest;
+       ++round, sweeps = std::min(2 * sweeps, most_sweeps)) {
     for (int i = 0; i < most_newton && best > exact * largest && newton_step(disks, p); ++i) keep();
     if (best <= exact * largest) break;
     p = best_;

@@ -42,7 +42,8 @@ Fit DualActiveSet::solve(std::vector<Candidate>& candidates, std::vector<Scalars
     const int chosen = most_violated(candidates, tolerance);
     if (chosen < 0) {
       const auto bound = [&](const SurfaceRow& row) {
-        return std::lower_bound(candidates.begin(), candidates.end(), row, [](const Candidate& a, const SurfaceRow& b) { return a.row < b; })
+        return std::lower_bound(candidates.begin(), candidates.end(), row,
+                                [](const Candidate& a, const SurfaceRow& b) { return a.row < b; })
             ->bound;
       };
       if (round > 0) {
@@ -126,7 +127,8 @@ Fit DualActiveSet::add(const std::vector<Candidate>& candidates, int chosen) {
     double unload = infinity;
     int first = -1;
     for (int t = 0; t < int(forces_.size()); ++t)
-      if (column_.response[t] > no_response && forces_[t] / column_.response[t] < unload) unload = forces_[t] / column_.response[t], first = t;
+      if (column_.response[t] > no_response && forces_[t] / column_.response[t] < unload)
+        unload = forces_[t] / column_.response[t], first = t;
     double met = column_.left > independent * column_.own ? -gap / column_.left : infinity;
     if (met == infinity && unload == infinity) {
       if (!(column_.left > dependent * column_.own)) return Fit::no_room;

@@ -1,5 +1,5 @@
-/// Contact of the object's own surface with obstacle planes, explicit: no sample of the surface is behind a plane at the end of any internal
-/// step. Control points may be.
+/// Contact of the object's own surface with obstacle planes, explicit: no sample of the surface is behind a plane at the end of any
+/// internal step. Control points may be.
 ///
 /// The gap of a sample is linear in the control points, n . Q_s(x) - c with Q_s(x) = sum W_si x_i, so that what the obstacles do is one
 /// convex problem of the whole body (surface_stage.hpp), twice a step as with contact of control points (contact.hpp):
@@ -66,11 +66,11 @@ class SurfaceContact {
   std::vector<double> friction_;
   std::vector<char> still_;
   std::vector<Vec3> normals_;
-  std::vector<Scalars> free_;            ///< heights before a stage
-  std::vector<Candidate> touching_;      ///< after the last drift
-  Points move_, closing_;                ///< what the stages have added to positions [m] and velocities [m/s]
-  Points start_v_, start_force_;         ///< at the start of a step with contact
-  bool arrives_ = false;                 ///< a sample with friction comes onto its plane in this step
+  std::vector<Scalars> free_;        ///< heights before a stage
+  std::vector<Candidate> touching_;  ///< after the last drift
+  Points move_, closing_;            ///< what the stages have added to positions [m] and velocities [m/s]
+  Points start_v_, start_force_;     ///< at the start of a step with contact
+  bool arrives_ = false;             ///< a sample with friction comes onto its plane in this step
   Count version_ = -1;
   double h_ = -1;
   Count impacts_ = 0;

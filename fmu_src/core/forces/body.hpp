@@ -23,8 +23,9 @@ struct Body {
   Scalars damping_rate{};          ///< (3 * points), damping / mass; 0 where pinned [1/s]
   double length = 1;               ///< largest side of the box [m]: the scale of every tolerance on positions
   std::optional<Volume> volume{};  ///< volume stiffness; most bodies have none
-  std::shared_ptr<const Samples> samples{};  ///< of the surface, by which obstacles are met; null: by the control points
   Count version = 0;               ///< made new by whoever changes masses, stiffness, damping or the pinned points
+  /// Of the surface, by which obstacles are met; null: by the control points.
+  std::shared_ptr<const Samples> samples{};
   int points() const { return int(mass.size()); }
 
   /// f = forces of the springs and of the volume stiffness on the points at x [N], (points, 3).

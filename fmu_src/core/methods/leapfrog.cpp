@@ -149,8 +149,7 @@ StepStatus Leapfrog::close(const StepView& view, Path& path) {
   kicks_.close(state.spring, view.force, state.v);
   if (!around.pins.empty()) close_pins(view, before_, state.v, exchange);
   if (!around.planes.empty()) {
-    const StepStatus status =
-        surface_ ? surface_->close(view, state.v, path.surface, exchange) : contact_.close(view, state.v, exchange);
+    const StepStatus status = surface_ ? surface_->close(view, state.v, path.surface, exchange) : contact_.close(view, state.v, exchange);
     if (status != StepStatus::ok) return status;
   }
   if (losses(view.body, view.around)) exchange.dissipated += damping_loss(view.body, view.h, start_, state.v);

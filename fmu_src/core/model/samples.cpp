@@ -31,7 +31,8 @@ double weigh(const double* x, const double* y, const double* z, const std::array
 
 }  // namespace
 
-Samples::Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& places) : lattice_(lattice), counts_(lattice.counts), places_(places) {
+Samples::Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& places)
+    : lattice_(lattice), counts_(lattice.counts), places_(places) {
   for (int a = 0; a < 3; ++a) width_[a] = basis == Basis::bezier ? counts_[a] : std::min(counts_[a], 4);
   for (const Vec3& place : places_) {
     std::array<int, 3> first;

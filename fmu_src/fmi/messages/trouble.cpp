@@ -9,6 +9,21 @@ namespace {
 /// Depth behind a plane relative to the box that is rounding.
 constexpr double slight = 1e-9;
 
+/// Where the body starts, what planes meet of it: samples of its surface, or the control points that no pin holds.
+std::vector<Vec3> met_places(const Definition& d, const Points& start) {
+  std::vector<Vec3> places;
+  if (d.samples) {
+    for (int s = 0; s < d.samples->count(); ++s) places.push_back(d.samples->at(s, start));
+    return places;
+  }
+  std::vector<bool> pinned(d.lattice.points(), false);
+  for (const PinDefinition& pin : d.pins)
+    for (int p : pin.points) pinned[p] = true;
+  for (int p = 0; p < d.lattice.points(); ++p)
+    if (!pinned[p]) places.push_back(row(start, p));
+  return places;
+}
+
 }  // namespace
 
 std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& body, double time, double step) {
@@ -17,7 +32,9 @@ std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& b
     case StepStatus::ok:
     case StepStatus::contact_ahead: return "done";
     case StepStatus::impossible_planes:
-      return where + "the obstacle planes leave a control point no place to go; move or turn the planes so that they do not close on it";
+      return where +
+             "the obstacle planes leave a control point, or a point of the surface, no place to go; move or turn the planes so that they "
+             "do not close on it";
     case StepStatus::pin_behind_plane:
       return where + "a pinned control point is behind an obstacle plane; the pin's and the plane's motions contradict each other";
     case StepStatus::zero_normal: return where + "a plane's normal is the zero vector; wanted any other vector";
@@ -47,25 +64,25 @@ std::string without_direction(const SceneFile& scene, const SoftBody& body) {
 std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
   const Definition& d = scene.definition;
   if (body.settings.method == Method::central_difference) return {};  // moves none
-  std::vector<bool> pinned(d.lattice.points(), false);
-  for (const PinDefinition& pin : d.pins)
-    for (int p : pin.points) pinned[p] = true;
   const Points start = start_positions(d, body.settings.rotation);
+  const std::vector<Vec3> places = met_places(d, start);
+  const std::string what = d.samples ? " point of the surface" : " control point",
+                    those = d.samples ? " points of the surface" : what + "s";
   std::string text;
   for (std::size_t q = 0; q < scene.planes.size(); ++q) {
     const PlaneMotion& plane = body.settings.planes[q];
     const Vec3 normal = plane.normal / plane.normal.stableNorm();
     int count = 0;
     double deepest = 0;
-    for (int p = 0; p < d.lattice.points(); ++p) {
-      const double depth = normal.dot(plane.point - row(start, p));
-      if (pinned[p] || !(depth > slight * d.lattice.largest_side())) continue;
+    for (const Vec3& place : places) {
+      const double depth = normal.dot(plane.point - place);
+      if (!(depth > slight * d.lattice.largest_side())) continue;
       ++count;
       deepest = std::max(deepest, depth);
     }
     if (count > 0)
-      text += (text.empty() ? "" : " and ") + std::to_string(count) + " control point" + (count > 1 ? "s start" : " starts") +
-              " behind plane " + scene.planes[q].name + ", by up to " + number(deepest) + " m";
+      text += (text.empty() ? "" : " and ") + std::to_string(count) + (count > 1 ? those + " start" : what + " starts") + " behind plane " +
+              scene.planes[q].name + ", by up to " + number(deepest) + " m";
   }
   return text.empty() ? text : text + ", and are moved out at once";
 }

@@ -57,8 +57,7 @@ DualActiveSet solver_of(const Problem& problem) {
 
 /// Everything that makes y the solution: no row violated, forces that push, at rows that are met.
 void check_optimal(const Problem& problem, const DualActiveSet& solver, const std::vector<Scalars>& heights) {
-  for (const Candidate& c : problem.candidates)
-    CHECK(problem.samples.at(c.row.sample, heights[c.row.plane].data()) - c.bound >= -4e-15);
+  for (const Candidate& c : problem.candidates) CHECK(problem.samples.at(c.row.sample, heights[c.row.plane].data()) - c.bound >= -4e-15);
   for (std::size_t t = 0; t < solver.active().size(); ++t) {
     const SurfaceRow row = solver.active()[t];
     const auto c = std::find_if(problem.candidates.begin(), problem.candidates.end(), [&](const Candidate& c) { return c.row == row; });

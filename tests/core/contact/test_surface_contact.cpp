@@ -70,7 +70,8 @@ namespace {
 
 /// Positions of a sphere that falls askew onto the ground with friction, after 0.2 s of steps of h.
 Points landed(double h, double friction) {
-  SoftBody body = Sphere{.level = 3, .height = 0.1, .damping = 0.1, .friction = friction, .velocity = {1, 0.3, 0}}.body(Vec3(0.4, 1.3, 0.7));
+  SoftBody body =
+      Sphere{.level = 3, .height = 0.1, .damping = 0.1, .friction = friction, .velocity = {1, 0.3, 0}}.body(Vec3(0.4, 1.3, 0.7));
   body.settings.step = h;
   body.initialize(0);
   for (int i = 0; i < 10; ++i) CHECK(body.advance(0.02) == StepStatus::ok);
