@@ -57,9 +57,9 @@ def _demo(options: argparse.Namespace) -> None:
 
 
 def _build(options: argparse.Namespace) -> None:
-    from softffd.cli.told import told_inertia
+    from softffd.cli.told import told_inertia, told_samples
     from softffd.fmu.arrays import array_variables
-    from softffd.fmu.package import package_fmu, scene_masses
+    from softffd.fmu.package import package_fmu, scene_masses, scene_samples
     from softffd.fmu.variables import number_of_variables, size_warning
     from softffd.installed import least_glibc, libraries
 
@@ -77,8 +77,9 @@ def _build(options: argparse.Namespace) -> None:
     if masses.shift.any():
         shift = ", ".join(f"{value:.3g}" for value in masses.shift)
         print(f"  mass.uniform_share moves the centre of mass by ({shift}) m")
-    if inertia := told_inertia(scene, masses):
-        print(f"  {inertia}")
+    for line in (told_inertia(scene, masses), told_samples(scene_samples(scene))):
+        if line:
+            print(f"  {line}")
     if warning := size_warning(scene, count):
         print(f"  warning: {warning}")
 

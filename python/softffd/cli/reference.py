@@ -137,7 +137,15 @@ def _section(field: FieldInfo) -> type[BaseModel] | None:
 def _variable(row: dict[str, Any]) -> list[str]:
     components = row.get("components", "")
     methods = list_of_values({method["key"]: method["value"] for method in table()["method"]})
-    words = {"name": "NAME", "i": "i", "j": "j", "k": "k", "c": "{c}", "methods": methods}
+    words = {
+        "name": "NAME",
+        "i": "i",
+        "j": "j",
+        "k": "k",
+        "c": "{c}",
+        "methods": methods,
+        "touching": "control points, or points of the surface,",
+    }
     stem = row["name"].format(**words).removesuffix(".{c}")
     name = " ".join([f"`{stem}.{components[0]}`", *(f"`.{component}`" for component in components[1:])]) if components else f"`{stem}`"
     kind = ", ".join(word for word in (row["variability"], row.get("type", "")) if word)

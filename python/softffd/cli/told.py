@@ -10,6 +10,7 @@ from softffd.run.simulation import Simulation
 
 if TYPE_CHECKING:
     from softffd.embedding.mass import Masses
+    from softffd.embedding.samples import Samples
     from softffd.scene.scene import Scene
 
 MOST_NAMES = 6
@@ -47,6 +48,18 @@ def told_inertia(scene: Scene, masses: Masses) -> str | None:
     times = f"{most:.3g}" if most < 1.01 * least else f"{least:.3g} to {most:.3g}"
     whose = "box" if scene.mass.distribution in ("uniform", "box") else f"mesh ({scene.mass.distribution})"
     return f'lumped masses have {times} times the inertia of the {whose}; mass.inertia = "matched" has it right, at shorter steps'
+
+
+def told_samples(samples: Samples | None) -> str | None:
+    """How many of the mesh's vertices planes meet, and how far behind them the others can be."""
+    if samples is None:
+        return None
+    if len(samples.places) == samples.vertices:
+        return f"surface contact: {samples.vertices:,} samples, every vertex"
+    share = f"{100 * samples.behind:.2g} %"
+    return (
+        f"surface contact: {len(samples.places):,} of {samples.vertices:,} vertices, others at most {share} of the lattice's height behind"
+    )
 
 
 def _driven(simulation: Simulation, inputs: Inputs) -> list[str]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from softffd.embedding.mass import Masses, point_masses
+from softffd.embedding.samples import Samples, surface_samples
 from softffd.errors import SoftffdError
 from softffd.fmu.archive import write_archive
 from softffd.fmu.arrays import array_variables
@@ -58,6 +59,17 @@ def scene_masses(scene: Scene) -> Masses:
         if region.mass is not None:
             mass[scene.select(region.points)] = region.mass
     return replace(masses, mass=mass)
+
+
+_surface_samples = lru_cache(maxsize=1)(surface_samples)
+
+
+def scene_samples(scene: Scene) -> Samples | None:
+    """The samples of the surface that the scene's planes meet; None where they meet the control points, and without planes."""
+    if scene.contact.of == "lattice" or not scene.plane:
+        return None
+    assert scene.loaded_mesh is not None
+    return _surface_samples(scene.loaded_mesh, scene.box, scene.contact.penetration)
 
 
 def _of_cells(scene: Scene, total: float) -> np.ndarray:
@@ -119,14 +131,16 @@ def scene_texts(scene: Scene) -> tuple[dict[str, bytes], list[Variable], str]:
     """The two files of an FMU that differ from scene to scene, its variables and its guid."""
     masses = scene_masses(scene)
     listed = variables(scene, masses.mass)
-    texts, guid = _completed_texts(model_description(scene, listed), scene_records(scene, masses))
+    texts, guid = _completed_texts(model_description(scene, listed), scene_records(scene, masses, scene_samples(scene)))
     return texts, listed, guid
 
 
 def scene_texts3(scene: Scene) -> dict[str, bytes]:
     """The same two files of an FMU of FMI 3.0."""
     masses = scene_masses(scene)
-    return _completed_texts(model_description3(scene, array_variables(scene, masses.mass)), scene_records(scene, masses))[0]
+    return _completed_texts(
+        model_description3(scene, array_variables(scene, masses.mass)), scene_records(scene, masses, scene_samples(scene))
+    )[0]
 
 
 def _completed_texts(description: str, records: str) -> tuple[dict[str, bytes], str]:

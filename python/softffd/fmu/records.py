@@ -13,13 +13,14 @@ from softffd.lattice import LatticeBox, Point, point_at, to_flat
 
 if TYPE_CHECKING:
     from softffd.embedding.mass import Masses
+    from softffd.embedding.samples import Samples
     from softffd.scene.scene import Scene
 
 NAME, HEAD = "scene.txt", "softffd-scene 1"
 T = TypeVar("T")
 
 
-def scene_records(scene: Scene, masses: Masses) -> str:
+def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) -> str:
     """All records but the guid; what the scene does not need is absent."""
     lattice, material, outputs = scene.lattice, scene.material, scene.outputs
     basis: list[list[object]] = [["basis", lattice.basis]] if lattice.basis != "bezier" else []
@@ -66,6 +67,8 @@ def scene_records(scene: Scene, masses: Masses) -> str:
             lines.append(["pin_inputs", *pin.input_components()])
     lines += [["load", load.name, *scene.select(load.points)] for load in scene.load]
     lines += [["probe", probe.name, *probe.at] for probe in scene.probe]
+    if samples is not None:
+        lines += [["sample", *place] for place in samples.places]
     selections = {
         "forces": scene.inputs.forces,
         "positions": outputs.positions,

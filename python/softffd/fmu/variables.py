@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 STANDARD_GRAVITY = 9.80665
 """m/s2"""
+TOUCHING = {"lattice": "control points", "surface": "points of the surface"}
+"""What is counted on an obstacle"""
 READABLE = 20_000
 """More variables than this make the descriptions slow to read in many tools"""
 
@@ -94,6 +96,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     surfaces, frames = [_plane(plane) for plane in planes], [_pin(scene, pin) for pin in pins if pin.motion == "input"]
     material, stiffness, gravity = scene.material, scene.material.stiffness, scene.environment.gravity
     methods = table()["method"]
+    touching = TOUCHING[scene.contact.of]
     return {
         "forces": points(scene.inputs.forces),
         "loads": [{"name": load.name} for load in scene.load],
@@ -120,7 +123,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "positions": points(scene.outputs.positions),
         "velocities": points(scene.outputs.velocities),
         "probes": [{"name": probe.name} for probe in scene.probe],
-        "plane_reactions": [{"name": plane.name} for plane in planes] if scene.outputs.reactions else [],
+        "plane_reactions": [{"name": plane.name, "touching": touching} for plane in planes] if scene.outputs.reactions else [],
         "pin_reactions": [{"name": pin.name} for pin in pins] if scene.outputs.reactions else [],
         "energy": when(scene.outputs.energy),
         "energy_gravity": when(scene.outputs.energy and gravity is not None),

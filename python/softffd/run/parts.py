@@ -116,7 +116,7 @@ class Plane(Part):
     friction = NumberField("Coulomb coefficient, >= 0")
     reaction = VectorField("(3,) N: force of the object on the obstacle, mean of the last communication step")
     torque = VectorField("(3,) N.m about `point`, mean of the last communication step")
-    contacts = NumberField("Number of control points in contact")
+    contacts = NumberField("Number of control points, or points of the surface, in contact")
 
 
 class Pin(Part):

@@ -8,6 +8,7 @@ import numpy as np
 
 from softffd.lattice import point_at
 from softffd.scene.cells import MOST, cells_of
+from softffd.scene.checks_contact import contact_check
 from softffd.scene.checks_material import material_check
 from softffd.scene.draft import Draft
 from softffd.scene.faults import Fault, KeyPath, path_text, toml_text
@@ -18,7 +19,20 @@ from softffd.scene.sound import box_is_given, box_is_sound, counts_are_sound
 
 def cross_check(draft: Draft) -> list[Fault]:
     """The problems between the sound values of a draft whose box and mesh are settled."""
-    checks = (_names, _idle_inputs, _counts, _selections, _mass, _inertia, _margin, _box, _control_points, _probes, material_check)
+    checks = (
+        _names,
+        _idle_inputs,
+        _counts,
+        _selections,
+        _mass,
+        _inertia,
+        _margin,
+        _box,
+        _control_points,
+        _probes,
+        material_check,
+        contact_check,
+    )
     with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
         return [fault for check in checks for fault in check(draft)]
 

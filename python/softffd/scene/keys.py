@@ -14,6 +14,7 @@ class SceneKeys(sections.Section):
     material: sections.Material = key(sections.Material(), "stiffness and damping")
     region: tuple[sections.Region, ...] = key((), "local overrides; later ones win")
     environment: sections.Environment = key(sections.Environment(), "what acts everywhere")
+    contact: sections.Contact = key(sections.Contact(), "what of the object the obstacles meet")
     plane: tuple[sections.Plane, ...] = key((), "obstacles: half-spaces")
     pin: tuple[sections.Pin, ...] = key((), "control points attached to rigid frames")
     load: tuple[sections.Load, ...] = key((), "forces shared by several control points")

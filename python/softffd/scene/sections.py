@@ -296,6 +296,24 @@ class Environment(Section):
     gravity: Vector | None = quantity(None, "m/s2", "gravity; absent: none, and no variable for it")
 
 
+class Contact(Section):
+    """What of the object the obstacles meet."""
+
+    of: Literal["surface", "lattice"] = key(
+        "lattice",
+        '"lattice": the control points, in whose hull the object stays; "surface": the vertices of the mesh, in explicit steps: with the '
+        'methods "auto", "leapfrog", "bm4", "rkn12" and "dop853", without internal damping',
+    )
+    penetration: Number = quantity(
+        1e-3,
+        "1",
+        "of a mesh with more than 5,000 vertices so many are taken, 5,000 at most, that no other can be behind a plane by more than this "
+        "share of the lattice's height; `softffd build` says what is certain; 0: all are taken",
+        ge=0,
+        le=1,
+    )
+
+
 class Plane(Section):
     """An obstacle: the half-space behind the plane is solid."""
 

@@ -58,6 +58,8 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
     """
     if scene.material.volume_stiffness > 0:
         raise SoftffdError(f"material.volume_stiffness: the twin has none, wanted 0 Pa, got {scene.material.volume_stiffness:g}")
+    if scene.contact.of != "lattice" and scene.plane:
+        raise SoftffdError('contact.of: the twin meets control points, wanted "lattice", got "surface"')
     if internal_damping_present(scene):
         raise SoftffdError(
             f"material.internal_damping: the twin has none, wanted 0 s in it and all regions, got {_internal_damping(scene):g}"

@@ -1,0 +1,37 @@
+"""What contact of the surface needs of a scene, and what it does not go with."""
+
+import pytest
+
+import bodies
+from softffd.errors import SceneError
+from softffd.scene.scene import scene_from
+
+MEETING = {"plane": [{"name": "ground"}], "contact": {"of": "surface"}}
+
+
+@pytest.mark.parametrize(
+    ("keys", "line"),
+    [
+        ({"solver": {"method": "backward_euler"}},
+         'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12" or "dop853" beside contact.of = "surface", which only explicit steps '
+         'know, got "backward_euler"'),
+        ({"material": {"internal_damping": 1e-3}},
+         'material.internal_damping: wanted 0 beside contact.of = "surface", which does not know it; take damping, or '
+         'contact.of = "lattice", got 0.001'),
+        ({"region": [{"points": "z-", "internal_damping": 1e-3}]},
+         'region[0].internal_damping: wanted 0 beside contact.of = "surface", which does not know it; take damping, or '
+         'contact.of = "lattice", got 0.001'),
+        ({"contact": {"of": "lattice", "penetration": 0.01}},
+         'contact.penetration: wanted it beside of = "surface" only, got 0.01 with of = "lattice"'),
+        ({"mesh": None}, 'contact.of: "surface" needs a mesh, but the scene has no [mesh]; take "lattice" instead'),
+        ({"contact": {"of": "surfaces"}}, 'contact.of: wanted "surface" or "lattice", got "surfaces", did you mean "surface"?'),
+    ],
+)  # fmt: skip
+def test_what_contact_of_the_surface_does_not_go_with_is_refused_by_name(tmp_path, keys, line):
+    mesh = {"file": bodies.write(tmp_path / "cube.obj", bodies.cube(2, 0.0))}
+    document = {key: value for key, value in (MEETING | {"mesh": mesh} | keys).items() if value is not None}
+    with pytest.raises(SceneError) as told:
+        scene_from(document)
+    assert told.value.problems == [line]
+    if keys.keys() & {"solver", "material", "region"}:  # without planes nothing is met
+        assert scene_from({key: value for key, value in document.items() if key != "plane"}).contact.of == "surface"
