@@ -11,7 +11,7 @@ import bodies
 from readings import points, vector
 from scenes import GRAVITY, MOVED, box
 from softffd import Scene, Simulation, deform, load_mesh, simulate
-from softffd.fmu.package import scene_masses
+from softffd.fmu.package import scene_masses, scene_samples
 from softffd.rotation import turned
 
 G = -GRAVITY[2]
@@ -215,6 +215,15 @@ def test_no_vertex_is_ever_behind_planes_that_move(body, method):
                     simulation[f"plane.plate.{what}.{axis}"] = value
     assert min(floor) > -1e-12 and min(plate) > -1e-12
     assert min(floor) < 1e-12 and min(plate) < 1e-12  # both were met
+
+
+def test_vertices_that_are_left_out_are_behind_by_no_more_than_is_said(body):
+    scene = body(bodies.sphere(5), gravity=GRAVITY, damping=0.1, stiffness=500.0, plane=[GROUND], velocity=[1.0, 0.0, -2.0], step=0.0)
+    samples, result = scene_samples(scene), simulate(scene)
+    heights, lattice = result.deformed(row=slice(None))[..., 2].min(axis=1), np.ptp(result.positions[..., 2], axis=(1, 2, 3))
+    assert (len(samples.places), samples.vertices) == (5000, 10242)
+    assert 1e-6 < (-heights / lattice).max() <= samples.behind
+    assert result.deformed(samples.places, row=slice(None))[..., 2].min() >= -1e-12
 
 
 def test_a_state_continues_with_the_same_bits(body):
