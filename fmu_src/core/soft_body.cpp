@@ -31,6 +31,7 @@ Body make_body(const Definition& definition) {
             .damping = {},
             .pinned = pinned_points(definition)};
   body.mass = Eigen::Map<const Scalars>(definition.mass.data(), n);
+  body.weight = body.mass;
   body.damping = Scalars::Zero(n);
   body.length = definition.lattice.largest_side();
   body.samples = definition.samples;
