@@ -27,7 +27,6 @@ Body make_body(const Definition& definition) {
   const int n = definition.lattice.points();
   Body body{.springs = Springs(definition.lattice, definition.topology, definition.team),
             .mass = {},
-            .weight = {},
             .damping = {},
             .pinned = pinned_points(definition)};
   body.mass = Eigen::Map<const Scalars>(definition.mass.data(), n);

@@ -13,12 +13,12 @@ namespace softffd {
 struct Body {
   Springs springs;
   Scalars mass;                    ///< (points) [kg], > 0
-  Scalars weight;                  ///< (points) [kg], what gravity pulls at
   Scalars damping;                 ///< (points) [N s/m], >= 0
   std::vector<bool> pinned;        ///< (points) moved by a pin, not by forces
   std::vector<int> slight{};       ///< points so light that what they swing by on their own does not matter
   bool damped = false;             ///< any damping > 0, of points or along springs
   double fastest_damping = 0;      ///< rate at which damping changes velocities, at most [1/s]
+  Scalars weight{};                ///< (points) [kg], what gravity pulls at
   Scalars inverse_mass{};          ///< (3 * points), axis by axis; 0 where pinned [1/kg]
   Scalars damping_rate{};          ///< (3 * points), damping / mass; 0 where pinned [1/s]
   double length = 1;               ///< largest side of the box [m]: the scale of every tolerance on positions
