@@ -18,7 +18,8 @@ namespace {
 
 /// A scene with every part but the one that its stiffness leaves no place for.
 const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiffness = 100, .initial = "1 1 1 0 0 0.5 1 0 0 0 0 0"}.text(
-    "damping 0.05\ninternal_damping 0.001\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 0.4\nplane lid input 0 0 9 0 0 "
+    "damping 0.05\ninternal_damping 0.001\ngravity 0 0 -9.81\ninitial_rotation 0 0 0\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 "
+    "0.4\nplane lid input 0 0 9 0 0 "
     "-1 0 0 -1 0 0 0 0.1\n"
     "pin foot fixed 0\npin hand input 7\npin arm input 3\npin_inputs position.z orientation.w\nload push 1 2\nforces 2 3\nvelocities "
     "5\nprobe nose 0.5 0.5 1\nreactions\nenergy\nsolver\n"
@@ -269,7 +270,10 @@ TEST(values_reach_their_places_in_the_settings) {
   CHECK(s.pins[1].position == value3(Family::pin_position) && s.pins[1].velocity == value3(Family::pin_velocity));
   CHECK(s.pins[1].angular_velocity == value3(Family::pin_angular_velocity));
   for (int c = 0; c < 4; ++c) CHECK(s.pins[1].orientation[c] == scene.get(reference_of(Family::pin_orientation, c)));
-  CHECK(s.pins[0].position == Vec3::Zero());  // the fixed one stays where it is
+  CHECK(s.rotation == value3(Family::initial_rotation));
+  const softffd::PinMotion turned =
+      softffd::start_pose(scene.body.lattice(), Vec3::Zero(), s.rotation);  // the fixed one turns with the body
+  CHECK(s.pins[0].position == turned.position && s.pins[0].orientation == turned.orientation && !turned.position.isZero());
   CHECK(s.gravity == value3(Family::gravity) && s.mass == scene.get(reference_of(Family::mass)));
   CHECK(s.stiffness.edge == scene.get(reference_of(Family::stiffness_edge)) && s.damping == scene.get(reference_of(Family::damping)));
   CHECK(s.internal_damping == scene.get(reference_of(Family::internal_damping)));
