@@ -2,8 +2,8 @@
 ///
 /// s is the slip without friction, p the friction; its solution has p_t inside its disk where the slip s + G p vanishes, and on the rim
 /// against the slip elsewhere. Nearly always everything sticks, which the normal forces' own factor tells where planes are parallel, or the
-/// rows that slid last slide again, which Newton's method on p = disk(p - slip(p) / G_tt) tells (Alart & Curnier 1991). Where both fail,
-/// sweeps over the disks, which always converge, lead closer.
+/// rows that slid last slide again, which Newton's method on p = disk(p - slip(p) / G_tt) tells (Alart & Curnier 1991); where few slide, in
+/// unknowns of theirs alone, by that factor. Where both fail, sweeps over the disks, which always converge, lead closer.
 #pragma once
 #include "contact/delassus.hpp"
 
@@ -13,8 +13,8 @@ struct Disks {
   const Delassus& rows;
   const std::vector<Vec3>& normals;  ///< of the planes
   bool parallel;                     ///< all of them that have rows
-  std::vector<double> limit;         ///< per row, >= 0
-  std::vector<Vec3> slip;            ///< per row without friction, tangential
+  const std::vector<double>& limit;  ///< per row, >= 0
+  const std::vector<Vec3>& slip;     ///< per row without friction, tangential
 };
 
 class DiskFriction {
@@ -24,14 +24,20 @@ class DiskFriction {
 
  private:
   bool stick(const Disks& disks, std::vector<Vec3>& p);
-  double residual(const Disks& disks, const std::vector<Vec3>& p);
+  double look(const Disks& disks, const std::vector<Vec3>& p);
   void sweep(const Disks& disks, std::vector<Vec3>& p);
   bool newton_step(const Disks& disks, std::vector<Vec3>& p);
+  bool newton_step_of_few(const Disks& disks, std::vector<Vec3>& p);
+  bool solve_equations(int n);
+  double sign(const Disks& disks, int t) const;
   Vec3 slip_at(const Disks& disks, const std::vector<Vec3>& p, int t) const;
+  bool slides(const Disks& disks, const std::vector<Vec3>& p, int t) const;
 
-  std::vector<double> one_;
-  std::vector<Vec3> best_;
-  std::vector<int> free_;  ///< rows whose limits are above 0
+  std::vector<double> one_, slopes_, right_, columns_;
+  std::vector<Vec3> best_, slips_;  ///< slips: with the friction that was looked at last
+  std::vector<Vec3> stuck_;         ///< friction by which everything sticks
+  bool stuck_known_ = false;
+  std::vector<int> free_, sliding_;  ///< rows whose limits are above 0; of them those that slide
 };
 
 }  // namespace softffd

@@ -41,17 +41,15 @@ Fit DualActiveSet::solve(std::vector<Candidate>& candidates, std::vector<Scalars
   for (int round = 0; round < most_rounds; ++round) {
     const int chosen = most_violated(candidates, tolerance);
     if (chosen < 0) {
-      const auto bound = [&](const SurfaceRow& row) {
-        return std::lower_bound(candidates.begin(), candidates.end(), row,
-                                [](const Candidate& a, const SurfaceRow& b) { return a.row < b; })
-            ->bound;
-      };
       if (round > 0) {
         delassus_.sort();
-        for (std::size_t t = 0; t < active().size(); ++t) wanted_[t] = bound(active()[t]) - height(active()[t], begin_);
+        wanted_.clear();
+        for (std::size_t c = 0; c < candidates.size(); ++c)
+          if (at_hand_[c] == 1) wanted_.push_back(candidates[c].bound - height(candidates[c].row, begin_));
         renew_forces();
+        most_violated(candidates, tolerance);
       }
-      if (refine(tolerance)) spread();
+      if (refine(candidates, tolerance)) spread();
       return Fit::found;
     }
     if (const Fit fit = add(candidates, chosen); fit != Fit::found) return fit;
@@ -166,13 +164,13 @@ void DualActiveSet::renew_forces() {
 }
 
 /// Once more for what rounding has left of the active rows' gaps. Returns whether there was anything.
-bool DualActiveSet::refine(double tolerance) {
+bool DualActiveSet::refine(const std::vector<Candidate>& candidates, double tolerance) {
   scratch_.clear();
   double worst = 0;
-  for (std::size_t t = 0; t < active().size(); ++t) {
-    const double met = height(active()[t], *heights_) - height(active()[t], begin_);
-    scratch_.push_back(wanted_[t] - met);
-    worst = std::max(worst, std::abs(scratch_[t]));
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    if (at_hand_[c] != 1) continue;
+    scratch_.push_back(-candidates[c].gap);
+    worst = std::max(worst, std::abs(candidates[c].gap));
   }
   if (!(worst > 0.1 * tolerance)) return false;
   delassus_.solve(scratch_.data());

@@ -41,7 +41,7 @@ class DualActiveSet {
  private:
   void warm();
   void spread();
-  bool refine(double tolerance);
+  bool refine(const std::vector<Candidate>& candidates, double tolerance);
   int most_violated(std::vector<Candidate>& candidates, double tolerance);
   Fit add(const std::vector<Candidate>& candidates, int chosen);
   void renew_forces();

@@ -70,7 +70,8 @@ SurfaceContact::SurfaceContact(const Body& body, int planes)
       end_(planes),
       friction_(planes, 0.0),
       still_(planes, 0),
-      normals_(planes) {
+      normals_(planes),
+      behind_(body.points() / 8 + 1) {
   for (SurfaceStage* stage : {&drift_, &close_})
     for (Scalars& heights : stage->heights) heights.setZero(body.points());
 }
@@ -136,8 +137,8 @@ StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& fri
 }
 
 /// Where a sample is to be tangentially at the end of the drift: it sticks from the moment on at which it is on its plane.
-Vec3 SurfaceContact::aim(const StepView& step, const Points& x1, const SurfaceRow& row, bool at_once) {
-  const Vec3 begin = samples_.at(row.sample, step.x0), free = samples_.at(row.sample, x1);
+Vec3 SurfaceContact::aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once) {
+  const Vec3 begin = samples_.at(row.sample, step.x0);
   const Vec3 target = begin + step.h * middle_[row.plane].material_velocity(0.5 * (begin + free));
   const double gap = start_[row.plane].gap(begin);
   if (at_once || gap <= touching * length_) return target;
@@ -149,10 +150,13 @@ Vec3 SurfaceContact::aim(const StepView& step, const Points& x1, const SurfaceRo
 StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange) {
   touching_.clear();
   move_planes(step);
-  bool any = rows.drift[0] >= 0;
-  for (std::size_t q = 0; q < end_.size(); ++q)
-    any = kernels::gaps(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data()) || any;
-  if (any) {
+  bool any = rows.drift[0] >= 0 || near_;
+  for (std::size_t q = 0; q < end_.size() && !any; ++q)  // costs less than heights
+    any = kernels::behind(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, behind_.data());
+  near_ = false;
+  for (std::size_t q = 0; q < end_.size() && any; ++q)
+    near_ = kernels::gaps(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data()) || near_;
+  if (near_ || rows.drift[0] >= 0) {
     if (const StepStatus status = meet(step, v, x1, rows); status != StepStatus::ok) return status;
     if (!drift_.rows.empty()) {
       x1 += move_;
@@ -179,7 +183,10 @@ StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Poi
   const double way = step.h * largest_speed(v);
   arrives_ = false;
   for (const bool at_once : {false, true}) {
-    const auto slip = [&](const SurfaceRow& row) { return Vec3(samples_.at(row.sample, x1) - aim(step, x1, row, at_once)); };
+    const auto slip = [&](const SurfaceRow& row) {
+      const Vec3 free = samples_.at(row.sample, x1);
+      return Vec3(free - aim(step, free, row, at_once));
+    };
     if (at_once) drift_.heights = free_;
     if (const StepStatus status = fit(rows.drift, rows.drift_friction, way, slip); status != StepStatus::ok) return status;
     move_.setZero(x1.rows(), 3);
@@ -237,7 +244,9 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
     kernels::gaps(step.body.points(), v.data(), end_[q].normal.data(), 0, close_.heights[q].data());
   load(rows.close, rows.close_friction, samples_.count(), close_);
   const auto slip = [&](const SurfaceRow& row) {
-    return Vec3(samples_.at(row.sample, v) - end_[row.plane].material_velocity(samples_.at(row.sample, x1)));
+    const HalfSpace& plane = end_[row.plane];
+    const bool turns = !plane.spin.isZero(0);
+    return Vec3(samples_.at(row.sample, v) - (turns ? plane.material_velocity(samples_.at(row.sample, x1)) : plane.velocity));
   };
   if (const StepStatus status = status_of(close_.solve(row_slack * fastest, slip)); status != StepStatus::ok) return status;
   closing_.setZero(v.rows(), 3);
@@ -254,12 +263,13 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
 void SurfaceContact::weigh(const StepView& step, const Points& v1, Exchange& exchange) const {
   const int n = step.body.points();
   const Scalars &opening = step.kicks.opening_mass(), &closing = step.kicks.closing_mass();
+  const double rate = 1 / step.h;
   double lost = 0;
   for (int axis = 0; axis < 3; ++axis)
     for (int p = 0; p < n; ++p) {
       const double force = 0.5 * (start_force_(p, axis) + step.spring(p, axis) + step.force(p, axis));
       const double half = 0.5 * step.h * step.body.inverse_mass[p] * force, mean = 0.5 * (start_v_(p, axis) + v1(p, axis));
-      lost += opening[p] / step.h * move_(p, axis) * (half - mean) - closing[p] * closing_(p, axis) * (half + mean);
+      lost += rate * opening[p] * move_(p, axis) * (half - mean) - closing[p] * closing_(p, axis) * (half + mean);
     }
   exchange.dissipated += lost;
 }

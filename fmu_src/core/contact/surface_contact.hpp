@@ -51,7 +51,7 @@ class SurfaceContact {
   void move_planes(const StepView& step);
   StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
   StepStatus meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
-  Vec3 aim(const StepView& step, const Points& x1, const SurfaceRow& row, bool at_once);
+  Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
   bool gains(const StepView& step, const Points& x1) const;
   double book(const SurfaceStage& stage, double per_force, const Points& x1, Exchange& exchange) const;
   void weigh(const StepView& step, const Points& v1, Exchange& exchange) const;
@@ -70,6 +70,8 @@ class SurfaceContact {
   std::vector<Candidate> touching_;  ///< after the last drift
   Points move_, closing_;            ///< what the stages have added to positions [m] and velocities [m/s]
   Points start_v_, start_force_;     ///< at the start of a step with contact
+  bool near_ = false;                    ///< a control point is behind a plane
+  std::vector<unsigned char> behind_;    ///< which
   bool arrives_ = false;             ///< a sample with friction comes onto its plane in this step
   Count version_ = -1;
   double h_ = -1;

@@ -31,12 +31,11 @@ Fit SurfaceStage::solve(double tolerance, const std::function<Vec3(const Surface
   begin_ = heights;
   set_.delassus().set_rows(rows);
   if (const Fit fit = set_.solve(candidates, heights, tolerance); fit != Fit::found) return fit;
-  std::vector<Vec3> before;
-  before.swap(share);
+  before_.swap(share);
   share.assign(set_.active().size(), Vec3::Zero());
   for (std::size_t t = 0, u = 0; t < share.size(); ++t) {
     while (u < rows.size() && rows[u] < set_.active()[t]) ++u;
-    if (u < rows.size() && rows[u] == set_.active()[t]) share[t] = before[u];
+    if (u < rows.size() && rows[u] == set_.active()[t]) share[t] = before_[u];
   }
   rows = set_.active();
   p_.assign(rows.size(), Vec3::Zero());
@@ -69,15 +68,16 @@ bool SurfaceStage::parallel() const {
 
 /// Friction at the normal forces at hand.
 void SurfaceStage::rub(bool parallel) {
-  Disks disks{set_.delassus(), normals_, parallel, {}, {}};
+  limits_.clear();
+  slips_.clear();
   for (std::size_t t = 0; t < rows.size(); ++t) {
     const int plane = rows[t].plane;
-    disks.limit.push_back(friction_[plane] * set_.forces()[t]);
+    limits_.push_back(friction_[plane] * set_.forces()[t]);
     const Vec3 slip = slip_of_(rows[t]);
-    disks.slip.push_back(tangential(normals_[plane], parallel ? slip : Vec3(slip + moved_by_normals(int(t)))));
-    p_[t] = disks.limit[t] * share[t];
+    slips_.push_back(tangential(normals_[plane], parallel ? slip : Vec3(slip + moved_by_normals(int(t)))));
+    p_[t] = limits_[t] * share[t];
   }
-  missed_ = std::max(missed_, disks_.solve(disks, p_));
+  missed_ = std::max(missed_, disks_.solve({set_.delassus(), normals_, parallel, limits_, slips_}, p_));
 }
 
 Vec3 SurfaceStage::moved_by_normals(int t) const {

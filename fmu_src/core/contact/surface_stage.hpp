@@ -65,6 +65,8 @@ class SurfaceStage {
   std::vector<double> wanted_;    ///< of the active rows: bound less height at y0
   Points move_, last_move_;       ///< y - y0 at the ends of the last turns
   std::function<Vec3(const SurfaceRow&)> slip_of_;
+  std::vector<double> limits_;
+  std::vector<Vec3> slips_, before_;
   double missed_ = 0;
 };
 

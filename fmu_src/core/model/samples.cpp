@@ -79,6 +79,14 @@ double Samples::product(int t, int s, const double* of_s) const {
 
 void Samples::add(int s, double factor, const double* of_s, double* values) const {
   const auto& f = first_[s];
+  if (width_[0] == 4) {  // the usual case, several at a time
+    for (int k = 0; k < width_[2]; ++k)
+      for (int j = 0; j < width_[1]; ++j, of_s += 4) {
+        double* at = values + f[0] + counts_[0] * (f[1] + j + counts_[1] * (f[2] + k));
+        for (int i = 0; i < 4; ++i) at[i] += factor * of_s[i];
+      }
+    return;
+  }
   for (int k = 0; k < width_[2]; ++k)
     for (int j = 0; j < width_[1]; ++j) {
       double* at = values + f[0] + counts_[0] * (f[1] + j + counts_[1] * (f[2] + k));
