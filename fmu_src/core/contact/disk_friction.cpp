@@ -11,10 +11,11 @@ namespace {
 
 /// Share of the largest slip that may be left.
 constexpr double exact = 1e-13;
-/// Newton's steps at a time; then so many sweeps, doubled each round.
 /// By how much a sweep must lower what is left for another one to follow at once.
 constexpr double falling = 4;
-constexpr int most_newton = 12, first_sweeps = 4, most_sweeps = 128, most_rounds = 12;
+/// Newton's steps at a time; then so many sweeps, doubled each round. On planes of different directions, where turns follow, one round,
+/// and so many steps without gain.
+constexpr int most_newton = 12, first_sweeps = 4, most_sweeps = 128, most_rounds = 12, most_vain = 3;
 
 Vec3 into_disk(const Vec3& p, double limit) {
   const double size = p.norm();
@@ -60,7 +61,10 @@ double DiskFriction::solve(const Disks& disks, std::vector<Vec3>& p) {
   best_ = p;
   const auto keep = [&] {
     const double now = look(disks, p);
-    if (now < best) best = now, best_ = p;
+    if (!(now < best)) return false;
+    best = now;
+    best_ = p;
+    return true;
   };
   const auto sliding = [&] { return std::count_if(free_.begin(), free_.end(), [&](int t) { return slides(disks, p, t); }); };
   if (2 * sliding() > Count(free_.size()))  // fast, perhaps: then friction hardly turns, and sweeps are all it takes
@@ -71,8 +75,13 @@ double DiskFriction::solve(const Disks& disks, std::vector<Vec3>& p) {
     }
   p = best_;
   look(disks, p);
-  for (int round = 0, sweeps = first_sweeps; round < most_rounds && best > exact * largest; ++round, sweeps = std::min(2 * sweeps, most_sweeps)) {
-    for (int i = 0; i < most_newton && best > exact * largest && newton_step(disks, p); ++i) keep();
+  const int rounds = disks.parallel ? most_rounds : 1;
+  for (int round = 0, sweeps = first_sweeps; round < rounds && best > exact * largest;
+       ++round, sweeps = std::min(2 * sweeps, most_sweeps)) {
+    for (int i = 0, vain = 0; i < most_newton && best > exact * largest && newton_step(disks, p); ++i) {
+      vain = keep() ? 0 : vain + 1;
+      if (!disks.parallel && vain == most_vain) break;
+    }
     if (best <= exact * largest) break;
     p = best_;
     for (int i = 0; i < sweeps; ++i) sweep(disks, p);
@@ -201,7 +210,8 @@ bool DiskFriction::newton_step_of_few(const Disks& disks, std::vector<Vec3>& p) 
   return true;
 }
 
-/// slopes_ x = right_, (n), by elimination with row exchanges; right_ becomes x. Loops of one order, so that every machine has the same bits.
+/// slopes_ x = right_, (n), by elimination with row exchanges; right_ becomes x. Loops of one order, so that every machine has the same
+/// bits.
 bool DiskFriction::solve_equations(int n) {
   for (int c = 0; c < n; ++c) {
     int pivot = c;

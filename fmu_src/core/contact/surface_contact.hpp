@@ -66,13 +66,13 @@ class SurfaceContact {
   std::vector<double> friction_;
   std::vector<char> still_;
   std::vector<Vec3> normals_;
-  std::vector<Scalars> free_;        ///< heights before a stage
-  std::vector<Candidate> touching_;  ///< after the last drift
-  Points move_, closing_;            ///< what the stages have added to positions [m] and velocities [m/s]
-  Points start_v_, start_force_;     ///< at the start of a step with contact
-  bool near_ = false;                    ///< a control point is behind a plane
-  std::vector<unsigned char> behind_;    ///< which
-  bool arrives_ = false;             ///< a sample with friction comes onto its plane in this step
+  std::vector<Scalars> free_;          ///< heights before a stage
+  std::vector<Candidate> touching_;    ///< after the last drift
+  Points move_, closing_;              ///< what the stages have added to positions [m] and velocities [m/s]
+  Points start_v_, start_force_;       ///< at the start of a step with contact
+  bool near_ = false;                  ///< a control point is behind a plane
+  std::vector<unsigned char> behind_;  ///< which
+  bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
   Count version_ = -1;
   double h_ = -1;
   Count impacts_ = 0;

@@ -42,7 +42,7 @@ Fit SurfaceStage::solve(double tolerance, const std::function<Vec3(const Surface
   if (rubs()) {
     slip_of_ = slip;
     if (parallel())
-      rub(true);
+      missed_ = std::max(missed_, rub(true));
     else if (const Fit fit = take_turns(tolerance); fit != Fit::found)
       return fit;
     for (std::size_t t = 0; t < rows.size(); ++t) {
@@ -66,8 +66,8 @@ bool SurfaceStage::parallel() const {
                      [&](const Candidate& candidate) { return same(rows[0].plane, candidate.row.plane); });
 }
 
-/// Friction at the normal forces at hand.
-void SurfaceStage::rub(bool parallel) {
+/// Friction at the normal forces at hand. Returns by what share of the slip its law is missed.
+double SurfaceStage::rub(bool parallel) {
   limits_.clear();
   slips_.clear();
   for (std::size_t t = 0; t < rows.size(); ++t) {
@@ -77,7 +77,7 @@ void SurfaceStage::rub(bool parallel) {
     slips_.push_back(tangential(normals_[plane], parallel ? slip : Vec3(slip + moved_by_normals(int(t)))));
     p_[t] = limits_[t] * share[t];
   }
-  missed_ = std::max(missed_, disks_.solve({set_.delassus(), normals_, parallel, limits_, slips_}, p_));
+  return disks_.solve({set_.delassus(), normals_, parallel, limits_, slips_}, p_);
 }
 
 Vec3 SurfaceStage::moved_by_normals(int t) const {

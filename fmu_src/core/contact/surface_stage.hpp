@@ -43,7 +43,7 @@ class SurfaceStage {
  private:
   bool rubs() const;
   bool parallel() const;
-  void rub(bool parallel);
+  double rub(bool parallel);
   Vec3 moved_by_normals(int t) const;
   void add_move(const std::vector<Vec3>& force, Points& move) const;
   // turning_friction.cpp

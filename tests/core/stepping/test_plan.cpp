@@ -2,6 +2,7 @@
 
 #include "check.hpp"
 #include "kit/thresholds.hpp"
+#include "methods/traits.hpp"
 
 using namespace softffd;
 
@@ -259,4 +260,19 @@ TEST(a_challenger_needs_clearly_less_work_than_the_last_winner) {
   contest.before = Method::leapfrog;
   contest.leapfrog = 479;
   CHECK(settle(contest).method == Method::leapfrog && settle(contest).reason == Reason::least_work);
+}
+
+TEST(samples_of_the_surface_are_met_by_explicit_steps_alone) {
+  for (const Method asked : all) {
+    Facts facts = stiff(asked);
+    facts.surface = true;
+    CHECK(plan(facts).method == Method::leapfrog && plan(facts).steps == Steps::doubled);
+    facts.given_step = true;
+    CHECK(plan(facts).method == Method::leapfrog && plan(facts).steps == Steps::fitted);
+    facts = near(asked);
+    facts.surface = true;
+    facts.rings = true;
+    facts.stiffness = 1e4;
+    CHECK(meets_surface(plan(facts).method) && plan(facts).steps != Steps::impacts && plan(facts).steps != Steps::implicit);
+  }
 }
