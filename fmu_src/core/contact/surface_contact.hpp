@@ -55,6 +55,7 @@ class SurfaceContact {
   bool gains(const StepView& step, const Points& x1) const;
   double book(const SurfaceStage& stage, double per_force, const Points& x1, Exchange& exchange) const;
   void weigh(const StepView& step, const Points& v1, Exchange& exchange) const;
+  // surface_jumps.cpp
   bool gaps_at(const Drive& around, double time, const Points& x, double& deepest);
   void shift(Points& x) const;
 
