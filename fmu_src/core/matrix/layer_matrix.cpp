@@ -45,7 +45,11 @@ LayerMatrix::LayerMatrix(const Lattice& lattice)
 }
 
 void LayerMatrix::clear() {
-  std::fill_n(values_.get(), std::size_t(layers_) * size_ * stride_, 0.0);
+  for (int l = 0; l < layers_; ++l)
+    for (int j = 0; j < size_; ++j) {
+      double* column = layer(l) + j * stride_;
+      std::fill(column + j / width * width, column + rows(l), 0.0);  // what is above the diagonal's panel has no meaning
+    }
   vector_.setZero();  // the padding may hold NaN of a matrix that was not positive definite
   for (int l = 0; l < layers_; ++l)
     for (int i = 3 * points_per_layer_; i < size_; ++i) layer(l)[i * stride_ + i] = 1;

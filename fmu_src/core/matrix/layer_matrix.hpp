@@ -63,19 +63,25 @@ class LayerMatrix {
     const int i = unknown(p, a), j = unknown(q, b);
     return i < j ? column_[p] + a * axis_stride_ + j : column_[q] + b * axis_stride_ + i;
   }
-  /// Every entry of a block once. Where the points are in two layers all are in the columns of one of them.
+  /// Every entry of a block once. Where the points are in two layers all are in the columns of one of them: which is asked once a block.
   template <class Visit>
   void visit(int p, int q, Visit visit) {
     const int n = points_per_layer_, i = first_[p], j = first_[q];
     double *of_p = values_.get() + column_[p] + j, *of_q = values_.get() + column_[q] + i;
-    const auto below = [&](int a, int b) { visit(a, b, of_p[a * axis_stride_ + b * n]); };
-    const auto above = [&](int a, int b) { visit(a, b, of_q[b * axis_stride_ + a * n]); };
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < (p == q ? a + 1 : 3); ++b)
-        if (j - i >= n || (i - j < n && (a < b || (a == b && i < j))))
-          below(a, b);
-        else
-          above(a, b);
+    const auto each = [&](auto is_below, auto is_wanted) {
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+          if (is_wanted(a, b)) visit(a, b, is_below(a, b) ? of_p[a * axis_stride_ + b * n] : of_q[b * axis_stride_ + a * n]);
+    };
+    const auto always = [](int, int) { return true; };
+    if (j - i >= n)
+      each(always, always);
+    else if (i - j >= n)
+      each([](int, int) { return false; }, always);
+    else if (i < j)
+      each([](int a, int b) { return a <= b; }, always);
+    else
+      each([](int a, int b) { return a < b; }, [same = i == j](int a, int b) { return !same || b <= a; });
   }
   double* layer(int layer) { return values_.get() + std::size_t(layer) * size_ * stride_; }
   int rows(int layer) const { return layer + 1 < layers_ ? 2 * size_ : size_; }
