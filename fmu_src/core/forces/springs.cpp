@@ -129,9 +129,9 @@ void Springs::set_dashpots(double time, const std::vector<SpringOverride>& overr
   find_times();
 }
 
-void Springs::add_dashpot_force(const Points& x, const Points& v, double* f) const {
+void Springs::add_dashpot_force(const Points& x, const Points& v, double* f, double drift) const {
   for (const Row& row : rows_)
-    kernels::add_dashpot_force(row.view(), int(x.rows()), x.data(), v.data(), row.dashpot.data(), f, scratch_.data());
+    kernels::add_dashpot_force(row.view(), int(x.rows()), x.data(), v.data(), row.dashpot.data(), drift, f, scratch_.data());
 }
 
 double Springs::energy(const Points& x) const {

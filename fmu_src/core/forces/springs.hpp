@@ -66,9 +66,11 @@ class Springs {
     pass_.advance(stage, outside.data(), x.data(), f.data(), between.data(), v.data(), next.data());
   }
   /// f -= C(x) v: what the dashpots exert on points at x that move with v, c ((v_b - v_a).u) u on the first point of a spring along the
-  /// unit vector u, the opposite on the second. All (points, 3). A motion as a rigid body is not braked.
-  void add_dashpot_force(const Points& x, const Points& v, Points& f) const { add_dashpot_force(x, v, f.data()); }
-  void add_dashpot_force(const Points& x, const Points& v, double* f) const;
+  /// unit vector u, the opposite on the second. All (points, 3). A motion as a rigid body is not braked. With a drift [s] they go by the
+  /// mean rate of their springs while all points go straight on for that time, or have come straight for it (negative): a spring that
+  /// turns by the angle a grows by a^2 / 2 of its length on that way.
+  void add_dashpot_force(const Points& x, const Points& v, Points& f, double drift = 0) const { add_dashpot_force(x, v, f.data(), drift); }
+  void add_dashpot_force(const Points& x, const Points& v, double* f, double drift = 0) const;
   /// Elastic energy at x [J].
   double energy(const Points& x) const;
   /// Number of springs; a doubled segment counts twice.

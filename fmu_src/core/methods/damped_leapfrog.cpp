@@ -72,10 +72,9 @@ StepStatus DampedLeapfrog::step(const Body& body, const Drive& around, const Spa
 StepStatus DampedLeapfrog::open(const StepView& view, State& state, Exchange& exchange) {
   const bool planes = !view.around.planes.empty();
   before_.swap(state.v);
-  inner_ = state.spring;
-  view.body.springs.add_dashpot_force(state.x, before_, inner_);
+  prepare_kick(view, state, view.h);
   if (planes && resolved_) reactions_.open(view, before_);
-  kick(view, state.x, state, planes && resolved_, state.v, exchange);
+  kick(view, state, planes && resolved_, false, state.v, exchange);
   next_ = state.x + view.h * state.v;
   drift_pins(view, state.v, next_, exchange);
   return planes ? contact_.drift(view, before_, state.v, next_, exchange) : StepStatus::ok;
@@ -85,18 +84,24 @@ StepStatus DampedLeapfrog::close(const StepView& view, State& state, Exchange& e
   const bool touched = !view.around.planes.empty() && contact_.touched();
   middle_ = before_ = state.v;
   view.around.visit_pinned(view.t1, [&](const PinnedPoint& held) { set_row(before_, held.point, held.velocity()); });
-  inner_ = state.spring;
-  view.body.springs.add_dashpot_force(state.x, before_, inner_);
+  prepare_kick(view, state, -view.h);
   if (touched && resolved_) reactions_.close(view, contact_, before_);
-  kick(view, state.x, state, touched && resolved_, state.v, exchange);
+  kick(view, state, touched && resolved_, true, state.v, exchange);
   close_pins(view, middle_, state.v, exchange);
   return touched ? contact_.close(view, state.v, exchange) : StepStatus::ok;
 }
 
-void DampedLeapfrog::kick(const StepView& view, const Points& x, const State& state, bool held, Points& v, Exchange& exchange) {
+void DampedLeapfrog::prepare_kick(const StepView& view, const State& state, double drift) {
+  inner_ = state.spring;
+  view.body.springs.add_dashpot_force(state.x, before_, inner_, drift);
+}
+
+void DampedLeapfrog::kick(const StepView& view, const State& state, bool held, bool drifted, Points& v, Exchange& exchange) {
   if (held) acting_ = view.force + reactions_.forces();
-  kick_.apply(view.body, x, state.spring, inner_, held ? acting_ : view.force, before_, v);
-  if (view.around.watch && !view.around.damping_unwatched) exchange.dissipated += kick_.loss(view.body, x, before_, v);
+  const Points& outside = held ? acting_ : view.force;
+  kick_.apply(view.body, state.x, inner_, outside, before_, v);
+  if (view.around.watch && !view.around.damping_unwatched)
+    exchange.dissipated += kick_.loss(view.body, state.spring, outside, before_, v, drifted);
   if (held) reactions_.give_back(view, v);
 }
 

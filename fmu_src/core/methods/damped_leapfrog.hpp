@@ -1,5 +1,13 @@
 /// Leapfrog of a body with internal damping: half kicks with the dashpots in them (forces/damped_kick.hpp) around a drift; second order for
 /// any damping, stable for the same steps as without. Its fixed points are those of the equations: rest, and rest on obstacles.
+///
+/// A body that turns drifts along its tangents, so that every spring grows by the square of the angle; the springs' own forces bring it
+/// back at the next kick, unless dashpots hold it. The dashpots therefore go by the mean rate over the drift, the opening kick by that
+/// ahead, the closing one by that behind,
+///
+///      (|d + h w| - |d|) / h  =  w along d  +  h/2 (w across d)^2 / |d|:
+///
+/// the difference cancels to second order in h, and where dashpots are strong a body that turns keeps its size.
 #pragma once
 #include "contact/reactions.hpp"
 #include "forces/damped_kick.hpp"
@@ -16,8 +24,10 @@ class DampedLeapfrog {
   StepStatus step(const Body& body, const Drive& drive, const Span& span, Count i, State& state, Exchange& exchange);
   StepStatus open(const StepView& view, State& state, Exchange& exchange);
   StepStatus close(const StepView& view, State& state, Exchange& exchange);
+  /// The forces at the beginning of a kick from before_. drift: the time of the drift after it, or less than 0 of the one before it.
+  void prepare_kick(const StepView& view, const State& state, double drift);
   /// From before_ to v, with the reactions of obstacles where there are any.
-  void kick(const StepView& view, const Points& x, const State& state, bool held, Points& v, Exchange& exchange);
+  void kick(const StepView& view, const State& state, bool held, bool drifted, Points& v, Exchange& exchange);
 
   HalfKicks masses_;  ///< what the contact rule asks of kicks
   DampedKick kick_;
