@@ -98,6 +98,7 @@ def test_an_address_where_no_scheduler_is_is_refused(address, words, monkeypatch
         sweep(SCENE, {"mass": [1]}, outputs=[WORK], scheduler=address)
 
 
+@pytest.mark.full  # distributed gives its loop 10 s to begin, which a busy machine may need
 def test_a_cluster_without_workers_is_refused(monkeypatch):
     monkeypatch.setattr(cluster, "WORKERS", 0.1)
     with (

@@ -245,6 +245,7 @@ def test_a_run_without_recorded_positions_is_refused(tmp_path):
 
 
 @needs_browser
+@pytest.mark.short("counts0-bezier", "counts2-bspline")
 @pytest.mark.parametrize(
     ("counts", "basis"), [((4, 4, 4), "bezier"), ((2, 8, 5), "bezier"), ((5, 9, 3), "bspline"), ((32, 6, 12), "bspline")]
 )
