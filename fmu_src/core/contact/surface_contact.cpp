@@ -164,6 +164,7 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
       exchange.contacts_resolved += Count(drift_.rows.size());
       exchange.dissipated += book(drift_, 1 / step.h, x1, exchange);
     }
+    rows.missed = std::max(rows.missed, drift_.missed());
     save(drift_, samples_.count(), rows.drift, rows.drift_friction);
     for (const Candidate& candidate : drift_.candidates)
       if (candidate.gap <= touching * length_) touching_.push_back(candidate);
@@ -253,6 +254,7 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
   close_.add_move(closing_);
   v += closing_;
   exchange.dissipated += book(close_, 1, x1, exchange);
+  rows.missed = std::max(rows.missed, close_.missed());
   save(close_, samples_.count(), rows.close, rows.close_friction);
   weigh(step, v, exchange);
   return StepStatus::ok;

@@ -29,6 +29,7 @@ void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vecto
 
 Fit SurfaceStage::solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
   begin_ = heights;
+  missed_ = 0;
   set_.delassus().set_rows(rows);
   if (const Fit fit = set_.solve(candidates, heights, tolerance); fit != Fit::found) return fit;
   before_.swap(share);
@@ -42,7 +43,7 @@ Fit SurfaceStage::solve(double tolerance, const std::function<Vec3(const Surface
   if (rubs()) {
     slip_of_ = slip;
     if (parallel())
-      missed_ = std::max(missed_, rub(true));
+      missed_ = rub(true);
     else if (const Fit fit = take_turns(tolerance); fit != Fit::found)
       return fit;
     for (std::size_t t = 0; t < rows.size(); ++t) {

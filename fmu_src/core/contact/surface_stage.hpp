@@ -37,7 +37,7 @@ class SurfaceStage {
   double compliance(int t) const { return set_.delassus()(t, t); }
   /// move += y - y0, (points, 3).
   void add_move(Points& move) const { add_move(force_, move); }
-  /// The largest share of the slip by which the law of friction has been missed so far.
+  /// By how much Coulomb's law has been missed: a share of the slip on parallel planes, of the largest force on others.
   double missed() const { return missed_; }
 
  private:

@@ -36,7 +36,7 @@ Fit SurfaceStage::take_turns(double tolerance) {
     excess = std::max(excess, p_[t].norm() - friction_[rows[t].plane] * set_.forces()[t]);
     largest = std::max(largest, set_.forces()[t]);
   }
-  if (largest > 0) missed_ = std::max(missed_, excess / largest);
+  if (largest > 0) missed_ = excess / largest;
   return Fit::found;
 }
 

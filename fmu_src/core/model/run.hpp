@@ -169,6 +169,7 @@ static_assert(visits_every_field<Course>);
 struct SurfaceRows {
   std::vector<Count> drift, close;
   Points drift_friction, close_friction;
+  double missed = 0;  ///< share of the largest force, or of the slip, by which friction has missed Coulomb's law at most
 
   void forget() {
     for (auto* rows : {&drift, &close}) std::fill(rows->begin(), rows->end(), -1);
@@ -177,7 +178,7 @@ struct SurfaceRows {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.drift, s.close, s.drift_friction, s.close_friction);
+    return fields(s.drift, s.close, s.drift_friction, s.close_friction, s.missed);
   }
 };
 static_assert(visits_every_field<SurfaceRows>);

@@ -14,6 +14,8 @@ constexpr double quiet_share = 0.3;
 constexpr double doubtful = 3;
 /// Angle of an implicit contact step from which on what it takes from a rotation is worth a word [rad].
 constexpr double damped_turn = 0.05;
+/// Share of the largest force by which friction may leave Coulomb's cone without a word.
+constexpr double beside_the_cone = 1e-3;
 /// Jump of a pose, relative to the box, from which on it is worth a word [1].
 constexpr double noticed_jump = 1e-6;
 
@@ -103,6 +105,17 @@ std::string turning_warning(const SoftBody& body, double time) {
          " s, or solver.method = leapfrog, which resolves it";
 }
 
+/// Flat faces wedged between planes of different directions.
+std::string friction_warning(const SoftBody& body, double time) {
+  const double missed = body.run().path.surface.missed;
+  if (!(missed > beside_the_cone)) return {};
+  return "up to time " + number(time) +
+         " s friction between the surface and planes of different directions was beyond Coulomb's law by up to " + number(100 * missed) +
+         " % of the largest force: points of the surface stay in front of the planes and momentum balances, but how much slides is "
+         "approximate; "
+         "take fewer points on flat faces, or friction 0 on one of the planes";
+}
+
 std::string jump_warning(const std::string& name, double jump, double time) {
   return at_time(time) + "the pose of " + name + " jumped with no velocity given, and moved control points at once by up to " +
          number(jump) +
@@ -166,6 +179,7 @@ void Messages::stepped(SoftBody& body, double time, double length) {
   once(gain, [&] { return gain_warning(body, time); });
   once(division, [&] { return division_warning(body, time); });
   once(turning, [&] { return turning_warning(body, time); });
+  once(friction, [&] { return friction_warning(body, time); });
   if (logger_.on(log_warning)) once(jump, [&] { return jump_warning(body, scene_, time - length); });
   say_error(body, time);
 }

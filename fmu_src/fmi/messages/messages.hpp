@@ -20,7 +20,7 @@ class Messages {
   void stepped(SoftBody& body, double time, double length);
 
  private:
-  enum Topic : unsigned { rubbing = 1, folding = 2, gain = 4, division = 8, turning = 16, set_up = 32, jump = 64 };
+  enum Topic : unsigned { rubbing = 1, folding = 2, gain = 4, division = 8, turning = 16, set_up = 32, jump = 64, friction = 128 };
   struct Said {
     unsigned topics = 0;
     std::optional<Method> method;
