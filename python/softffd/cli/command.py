@@ -57,8 +57,8 @@ def _demo(options: argparse.Namespace) -> None:
 
 
 def _build(options: argparse.Namespace) -> None:
-    from softffd.cli.told import told_inertia, told_samples
     from softffd.fmu.arrays import array_variables
+    from softffd.fmu.notes import body_notes
     from softffd.fmu.package import package_fmu, scene_masses, scene_samples
     from softffd.fmu.variables import number_of_variables, size_warning
     from softffd.installed import least_glibc, libraries
@@ -74,12 +74,8 @@ def _build(options: argparse.Namespace) -> None:
     print(f"  {count} variables, {path.stat().st_size / 1024:.0f} kB, mass {masses.mass.sum():.6g} kg")
     needs = {name: least_glibc(library) for name, library in libraries(options.platform).items()}
     print("  runs on " + ", ".join(f"{name} with glibc {glibc} or newer" if glibc else name for name, glibc in needs.items()))
-    if masses.shift.any():
-        shift = ", ".join(f"{value:.3g}" for value in masses.shift)
-        print(f"  mass.uniform_share moves the centre of mass by ({shift}) m")
-    for line in (told_inertia(scene, masses), told_samples(scene_samples(scene))):
-        if line:
-            print(f"  {line}")
+    for note in body_notes(scene, masses, scene_samples(scene)):
+        print(f"  {note}")
     if warning := size_warning(scene, count):
         print(f"  warning: {warning}")
 

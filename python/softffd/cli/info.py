@@ -20,7 +20,7 @@ def told_info(component: Component, *, every: bool = False) -> str:
     lines = [interface.title, f"  {told_body(component, None)}"]
     if interface.stop_time and interface.step:
         lines.append(f"  {interface.stop_time:g} s in communication steps of {interface.step:g} s")
-    lines += [f"  {line}" for line in _pins(component)]
+    lines += [f"  {line}" for line in (*component.notes, *_pins(component))]
     if turn := _turn(component):
         lines.append(f"  {turn}")
     variables = list(interface.variables.values())

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from softffd.fmu.component import Component
 from softffd.run.inputs import Inputs
 from softffd.run.simulation import Simulation
-
-if TYPE_CHECKING:
-    from softffd.embedding.mass import Masses
-    from softffd.embedding.samples import Samples
-    from softffd.scene.scene import Scene
 
 MOST_NAMES = 6
 """Of inputs, in one line."""
@@ -37,29 +32,6 @@ def told_body(component: Component, mass: float | None) -> str:
     counts = {what: sum(v.causality == what for v in variables.values()) for what in ("input", "parameter", "output")}
     listed = ", ".join(f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items())
     return "; ".join([", ".join(words), listed] if words else [listed])
-
-
-def told_inertia(scene: Scene, masses: Masses) -> str | None:
-    """How many times the object's inertia the points have; None where once, and where regions give masses of their own."""
-    of_regions = any(region.mass is not None or region.density is not None for region in scene.region)
-    least, most = masses.inertia.min(), masses.inertia.max()
-    if of_regions or (least > 0.99 and most < 1.01):
-        return None
-    times = f"{most:.3g}" if most < 1.01 * least else f"{least:.3g} to {most:.3g}"
-    whose = "box" if scene.mass.distribution in ("uniform", "box") else f"mesh ({scene.mass.distribution})"
-    return f'lumped masses have {times} times the inertia of the {whose}; mass.inertia = "matched" has it right, at shorter steps'
-
-
-def told_samples(samples: Samples | None) -> str | None:
-    """How many of the mesh's vertices planes meet, and how far behind them the others can be."""
-    if samples is None:
-        return None
-    if len(samples.places) == samples.vertices:
-        return f"surface contact: {samples.vertices:,} samples, every vertex"
-    share = f"{100 * samples.behind:.2g} %"
-    return (
-        f"surface contact: {len(samples.places):,} of {samples.vertices:,} vertices, others at most {share} of the lattice's height behind"
-    )
 
 
 def _driven(simulation: Simulation, inputs: Inputs) -> list[str]:

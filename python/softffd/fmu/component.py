@@ -26,6 +26,7 @@ from fmpy.fmi2 import (
 from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import Block, number_of
 from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
+from softffd.fmu.notes import read_notes
 from softffd.fmu.records import PinRecord, read_lattice, read_pins
 from softffd.fmu.scalars import read_interface3
 from softffd.fmu.unpacking import unpack
@@ -144,6 +145,11 @@ class Component:
     def pins(self) -> list[PinRecord]:
         """The pins, fixed ones too; none in an FMU that is not of this package."""
         return read_pins(Path(self._folder) / "resources")
+
+    @cached_property
+    def notes(self) -> list[str]:
+        """What a user should know of the body; none in an FMU that is not of this package."""
+        return list(read_notes(Path(self._folder) / "resources"))
 
     def _make_callbacks(self) -> fmi2CallbackFunctions:
         callbacks = fmi2CallbackFunctions()

@@ -21,6 +21,8 @@ from softffd.fmu.description_parts import completed
 from softffd.fmu.interface import Interface, scene_interface
 from softffd.fmu.model_description import model_description
 from softffd.fmu.model_description3 import model_description3
+from softffd.fmu.notes import NAME as NOTES
+from softffd.fmu.notes import body_notes
 from softffd.fmu.records import NAME, scene_records, scene_text
 from softffd.fmu.variables import Variable, variables
 from softffd.installed import data_folder, libraries
@@ -128,28 +130,30 @@ def _require_scene(scene: Any, who: str) -> None:
 
 
 def scene_texts(scene: Scene) -> tuple[dict[str, bytes], list[Variable], str]:
-    """The two files of an FMU that differ from scene to scene, its variables and its guid."""
+    """The files of an FMU that differ from scene to scene, its variables and its guid."""
     masses = scene_masses(scene)
     listed = variables(scene, masses.mass)
-    texts, guid = _completed_texts(model_description(scene, listed), scene_records(scene, masses, scene_samples(scene)))
+    texts, guid = _completed_texts(model_description(scene, listed), scene, masses)
     return texts, listed, guid
 
 
 def scene_texts3(scene: Scene) -> dict[str, bytes]:
-    """The same two files of an FMU of FMI 3.0."""
+    """The same files of an FMU of FMI 3.0."""
     masses = scene_masses(scene)
-    return _completed_texts(
-        model_description3(scene, array_variables(scene, masses.mass)), scene_records(scene, masses, scene_samples(scene))
-    )[0]
+    return _completed_texts(model_description3(scene, array_variables(scene, masses.mass)), scene, masses)[0]
 
 
-def _completed_texts(description: str, records: str) -> tuple[dict[str, bytes], str]:
-    """Both files with the guid, a hash of both, and the guid."""
+def _completed_texts(description: str, scene: Scene, masses: Masses) -> tuple[dict[str, bytes], str]:
+    """Description and records with the guid, a hash of both; the notes, if any; and the guid."""
+    samples = scene_samples(scene)
+    records = scene_records(scene, masses, samples)
     guid = _guid(description, records)
     texts = {
         "modelDescription.xml": completed(description, guid).encode(),
         f"resources/{NAME}": scene_text(records, guid).encode(),
     }
+    if notes := body_notes(scene, masses, samples):
+        texts[f"resources/{NOTES}"] = "".join(f"{note}\n" for note in notes).encode()
     return texts, guid
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+import bodies
 from softffd import load_scene, simulate
 from softffd.cli.command import main
 
@@ -81,3 +82,20 @@ def test_a_start_that_is_turned_is_told_with_its_parameter(capsys):
         ["initial.rotation.y", "parameter", "fixed", "rad", "0.6108652382"]
     ]
     assert "turned" not in " ".join(info(capsys, "held.toml"))
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_a_body_s_inertia_and_the_points_that_obstacles_meet_are_told_of_scenes_and_of_fmus(fmi, capsys, monkeypatch):
+    shape = bodies.sphere(3)
+    Path("ball.toml").write_text(
+        f'[mesh]\nfile = "{bodies.write(Path("ball.obj"), shape)}"\n[mass]\ndistribution = "volume"\n'
+        '[contact]\nof = "surface"\npenetration = 1e-2\n[[plane]]\nname = "ground"\n'
+    )
+    monkeypatch.setattr("softffd.embedding.samples.MOST", 500)
+    assert main(["build", "ball.toml", "--fmi", fmi]) == 0
+    built = capsys.readouterr().out.splitlines()
+    notes = [line for line in built if "inertia" in line or "vertices" in line]
+    assert "lumped masses have 2.38 times the inertia of the mesh (volume)" in notes[0]
+    assert "of 642 vertices, others at most" in notes[1] and "% of the lattice's height behind" in notes[1]
+    for what in ("ball.toml", "ball.fmu"):
+        assert info(capsys, what)[3:5] == notes

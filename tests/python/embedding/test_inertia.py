@@ -6,10 +6,10 @@ import trimesh
 
 from scenes import box
 from softffd import load_scene
-from softffd.cli.told import told_inertia
 from softffd.embedding.inertia import covariance
 from softffd.embedding.mass import point_masses
 from softffd.errors import SceneError, SoftffdError
+from softffd.fmu.notes import inertia_note
 from softffd.fmu.package import scene_masses
 from softffd.lattice import rest_grid, to_flat
 from softffd.mesh.mesh import Mesh
@@ -82,11 +82,11 @@ def test_lumped_masses_of_a_cube_have_five_thirds_of_its_inertia():
     found = scene_masses(box())
     np.testing.assert_allclose(found.inertia, 5 / 3, rtol=1e-14)
     assert found.weight is None
-    assert told_inertia(box(), found).startswith("lumped masses have 1.67 times the inertia of the box; mass.inertia = ")
+    assert inertia_note(box(), found).startswith("lumped masses have 1.67 times the inertia of the box; mass.inertia = ")
     matched = box(mass={"inertia": "matched"})
-    assert told_inertia(matched, scene_masses(matched)) is None
+    assert inertia_note(matched, scene_masses(matched)) is None
     heavy = box(region=[{"points": "z-", "mass": 1.0}])
-    assert told_inertia(heavy, scene_masses(heavy)) is None
+    assert inertia_note(heavy, scene_masses(heavy)) is None
 
 
 def test_the_nearest_masses_are_found():

@@ -6,10 +6,10 @@ import pytest
 import bodies
 from scenes import box
 from softffd import load_scene
-from softffd.cli.told import told_samples
 from softffd.embedding.basis import weights
 from softffd.embedding.deform import deform
 from softffd.embedding.samples import MOST, farthest_first, most_behind, surface_samples
+from softffd.fmu.notes import samples_note
 from softffd.fmu.package import scene_masses, scene_samples
 from softffd.fmu.records import scene_records
 from softffd.lattice import LatticeBox
@@ -40,14 +40,14 @@ def test_all_places_of_a_small_mesh_are_samples_once():
     wanted = np.unique(vertices, axis=0)
     assert len(vertices) == 150 and len(wanted) == 98 == found.vertices and found.behind == 0.0
     np.testing.assert_array_equal(np.unique(found.places, axis=0), wanted)
-    assert told_samples(found) == "surface contact: 98 samples, every vertex"
-    assert told_samples(None) is None
+    assert samples_note(found) == "surface contact: 98 samples, every vertex"
+    assert samples_note(None) is None
 
 
 def test_of_many_vertices_some_are_taken_and_the_others_follow(sphere, reduced):
     assert len(sphere.vertices) == reduced.vertices == 10242 and len(reduced.places) == MOST
     assert 1e-3 < reduced.behind < 4e-3  # 3.4e-3 with 3,000
-    assert told_samples(reduced) == "surface contact: 5,000 of 10,242 vertices, others at most 0.27 % of the lattice's height behind"
+    assert samples_note(reduced) == "surface contact: 5,000 of 10,242 vertices, others at most 0.27 % of the lattice's height behind"
     place = {tuple(vertex): n for n, vertex in enumerate(sphere.vertices)}
     assert np.all(np.diff([place[tuple(each)] for each in reduced.places]) > 0)
 

@@ -38,7 +38,8 @@ def test_a_run_leaves_no_folder_behind(monkeypatch, tmp_path):
     with Simulation(scene()) as opened:
         step(opened)
         (folder,) = tmp_path.iterdir()
-        assert {file.relative_to(folder).as_posix() for file in folder.rglob("*.*")} == {"modelDescription.xml", "resources/scene.txt"}
+        files = {file.relative_to(folder).as_posix() for file in folder.rglob("*.*")}
+        assert files == {"modelDescription.xml", "resources/scene.txt", "resources/notes.txt"}
     assert not list(tmp_path.iterdir())
     with pytest.raises(FmuError):
         Simulation(scene(), method="fast")
@@ -57,7 +58,7 @@ def test_an_fmu_with_the_installed_library_is_opened_without_unpacking_it(monkey
             return simulation.positions, {file.relative_to(folder).as_posix() for file in folder.rglob("*.*")}
 
     positions, files = opened(fmu)
-    assert files == {"modelDescription.xml", "model.png", "resources/scene.txt"}
+    assert files == {"modelDescription.xml", "model.png", "resources/scene.txt", "resources/notes.txt"}
     library = f"binaries/{fmpy.platform}/{installed.host_library().name}"
     with ZipFile(fmu) as whole, ZipFile(tmp_path / "other.fmu", "w") as changed:
         for name in whole.namelist():

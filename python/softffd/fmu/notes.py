@@ -1,0 +1,57 @@
+"""What a user should know of a body before it runs: `softffd build` says it, the FMU carries it, and `softffd info` reads it there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from softffd.embedding.mass import Masses
+    from softffd.embedding.samples import Samples
+    from softffd.scene.scene import Scene
+
+NAME = "notes.txt"
+
+
+def body_notes(scene: Scene, masses: Masses, samples: Samples | None) -> list[str]:
+    """Where the centre of mass has moved, how many times too large the inertia is, which points of the surface obstacles meet."""
+    return [note for note in (shift_note(scene, masses), inertia_note(scene, masses), samples_note(samples)) if note]
+
+
+def read_notes(resources: Path) -> Iterator[str]:
+    """Those of an FMU, from its resources; none of one that has none."""
+    path = resources / NAME
+    if path.is_file():
+        yield from path.read_text(encoding="utf-8").splitlines()
+
+
+def shift_note(scene: Scene, masses: Masses) -> str | None:
+    if np.abs(masses.shift).max() < 1e-9 * max(scene.box.size):
+        return None
+    return f"mass.uniform_share moves the centre of mass by ({', '.join(f'{value:.3g}' for value in masses.shift)}) m"
+
+
+def inertia_note(scene: Scene, masses: Masses) -> str | None:
+    """How many times the object's inertia the points have; None where once, and where regions give masses of their own."""
+    of_regions = any(region.mass is not None or region.density is not None for region in scene.region)
+    least, most = masses.inertia.min(), masses.inertia.max()
+    if of_regions or (least > 0.99 and most < 1.01):
+        return None
+    times = f"{most:.3g}" if most < 1.01 * least else f"{least:.3g} to {most:.3g}"
+    whose = "box" if scene.mass.distribution in ("uniform", "box") else f"mesh ({scene.mass.distribution})"
+    return f'lumped masses have {times} times the inertia of the {whose}; mass.inertia = "matched" has it right, at shorter steps'
+
+
+def samples_note(samples: Samples | None) -> str | None:
+    """How many of the mesh's vertices planes meet, and how far behind them the others can be."""
+    if samples is None:
+        return None
+    if len(samples.places) == samples.vertices:
+        return f"surface contact: {samples.vertices:,} samples, every vertex"
+    share = f"{100 * samples.behind:.2g} %"
+    return (
+        f"surface contact: {len(samples.places):,} of {samples.vertices:,} vertices, others at most {share} of the lattice's height behind"
+    )
