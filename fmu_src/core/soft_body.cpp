@@ -55,6 +55,7 @@ Run empty_run(const Definition& definition) {
   run.path.exchange.planes.resize(definition.planes);
   run.path.exchange.pins.resize(definition.pins.size());
   run.contacts.resize(definition.planes);
+  run.centres.resize(definition.planes, Vec3::Zero());
   State& motion = run.path.motion;
   for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous, &run.course.bound_x, &run.course.factored.x, &run.outside})
     points->setZero(n, 3);
@@ -255,7 +256,7 @@ StepStatus SoftBody::initialize(double t0) {
   bool moved = place_pins(false);
   const StepStatus cleared = clear_jumps(moved);
   if (cleared != StepStatus::ok) return cleared;
-  count_contacts();
+  look_at_planes();
   model_.body.internal_force(motion.x, motion.spring);
   if (definition_.watch_energy) now_.potential = potential_energy();
   if (!finite(now_)) return StepStatus::not_finite;
@@ -296,7 +297,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   if (ran != StepStatus::ok) return ran;
   drive_.force_at(motion.time, now_.outside);
   if (watched) close_account(now_, model_, drive_, begin_, booked);
-  count_contacts();
+  look_at_planes();
   now_.contacts_resolved += exchange.contacts_resolved;
   if (definition_.watch_energy) {
     now_.potential = potential_energy();
@@ -306,10 +307,14 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   return finite(now_) ? StepStatus::ok : StepStatus::not_finite;
 }
 
-void SoftBody::count_contacts() {
-  if (surface_) return surface_->count(drive_, now_.path.motion.time, now_.path.motion.x, now_.contacts);
-  for (std::size_t q = 0; q < drive_.planes.size(); ++q)
-    now_.contacts[q] = points_on(drive_.planes[q].at(now_.path.motion.time), model_.body.length, now_.path.motion.x);
+void SoftBody::look_at_planes() {
+  const State& motion = now_.path.motion;
+  if (surface_) surface_->count(drive_, motion.time, motion.x, now_.contacts);
+  for (std::size_t q = 0; q < drive_.planes.size(); ++q) {
+    const HalfSpace plane = drive_.planes[q].at(motion.time);
+    if (!surface_) now_.contacts[q] = points_on(plane, model_.body.length, motion.x);
+    now_.centres[q] = centre_of_pressure(plane, now_.path.exchange.planes[q]);
+  }
 }
 
 void SoftBody::restore(const Run& run, double start_time) {

@@ -104,7 +104,7 @@ class SoftBody {
   void refresh_model();
   StepStatus refresh_drive();
   StepStatus clear_jumps(bool& moved);
-  void count_contacts();
+  void look_at_planes();  ///< who touches them, and where they are pressed
   bool place_pins(bool book);
   double potential_energy() const { return readings().elastic_energy() + readings().gravity_energy(); }
   void take_material();

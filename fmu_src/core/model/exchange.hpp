@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "model/plane.hpp"
 #include "model/visit.hpp"
 
 namespace softffd {
@@ -21,6 +22,15 @@ struct Impulse {
   }
 };
 static_assert(visits_every_field<Impulse>);
+
+/// The point of an obstacle [m] where an impulse on it acts, its torque about the obstacle's point: about that point the torque has no part
+/// along the plane. Impulses that press, at points of the plane, act at the mean of the points, weighted by how much each presses. Without
+/// one that presses: the obstacle's point.
+inline Vec3 centre_of_pressure(const HalfSpace& plane, const Impulse& on) {
+  const double pressing = -plane.normal.dot(on.force);
+  const Vec3 arm = plane.normal.cross(on.torque) / -pressing;
+  return pressing > 0 && arm.allFinite() ? plane.point + arm : plane.point;
+}
 
 /// What the outside received during the current communication step. Energies only accumulate when they are asked for.
 struct Exchange {

@@ -230,11 +230,12 @@ struct Run {
   Points outside;                                  ///< outside forces at the end of the last communication step [N]
   Count contacts_resolved = 0;
   std::vector<Count> contacts;  ///< control points, or samples of the surface, on each plane at the communication point
+  std::vector<Vec3> centres;    ///< of pressure on each plane in the last communication step, where the plane was at its end [m]
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.path, s.course, s.energy, s.exchange_time, s.dissipated, s.work, s.potential, s.outside, s.contacts_resolved,
-                  s.contacts);
+                  s.contacts, s.centres);
   }
 };
 static_assert(visits_every_field<Run>);

@@ -24,6 +24,7 @@ struct Readings {
 
   Vec3 plane_reaction(int q) const { return now.path.exchange.planes[q].force / now.exchange_time; }
   Vec3 plane_torque(int q) const { return now.path.exchange.planes[q].torque / now.exchange_time; }
+  const Vec3& plane_centre(int q) const { return now.centres[q]; }
   Count plane_contacts(int q) const { return now.contacts[q]; }
   Vec3 pin_reaction(int a) const { return now.path.exchange.pins[a].force / now.exchange_time; }
   Vec3 pin_torque(int a) const { return now.path.exchange.pins[a].torque / now.exchange_time; }

@@ -6,7 +6,7 @@ namespace softffd::fmi {
 
 namespace {
 
-constexpr std::uint64_t magic = 0x3144464646544f53, version = 13;
+constexpr std::uint64_t magic = 0x3144464646544f53, version = 14;
 
 }  // namespace
 

@@ -144,6 +144,7 @@ constexpr std::array<Binding, family_count> bindings{
         [](const Observed& o, int n, int axis) { return o.probes[n](o.body.state().v.col(axis)); }),
     output(Family::plane_reaction, [](const Observed& o, int q, int axis) { return o.body.readings().plane_reaction(q)[axis]; }),
     output(Family::plane_torque, [](const Observed& o, int q, int axis) { return o.body.readings().plane_torque(q)[axis]; }),
+    output(Family::plane_centre, [](const Observed& o, int q, int axis) { return o.body.readings().plane_centre(q)[axis]; }),
     output(Family::plane_contacts, [](const Observed& o, int q, int) { return double(o.body.readings().plane_contacts(q)); }),
     output(Family::pin_reaction, [](const Observed& o, int a, int axis) { return o.body.readings().pin_reaction(a)[axis]; }),
     output(Family::pin_torque, [](const Observed& o, int a, int axis) { return o.body.readings().pin_torque(a)[axis]; }),

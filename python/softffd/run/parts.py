@@ -116,6 +116,7 @@ class Plane(Part):
     friction = NumberField("Coulomb coefficient, >= 0")
     reaction = VectorField("(3,) N: force of the object on the obstacle, mean of the last communication step")
     torque = VectorField("(3,) N.m about `point`, mean of the last communication step")
+    centre = VectorField("(3,) m: centre of pressure, where `reaction` acts; the plane's point where nothing presses")
     contacts = NumberField("Number of control points, or points of the surface, in contact")
 
 

@@ -302,7 +302,7 @@ class Simulation:
 
     @cached_property
     def plane(self) -> Parts[Plane]:
-        """The obstacles by name: .point .normal .velocity .angular_velocity .friction .reaction .torque .contacts"""
+        """The obstacles by name: .point .normal .velocity .angular_velocity .friction .reaction .torque .centre .contacts"""
         return Parts("plane", part_names("plane", self.variables), lambda name: Plane(self, f"plane.{name}"))
 
     @cached_property

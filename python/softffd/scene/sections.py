@@ -420,7 +420,7 @@ class Outputs(Section):
 
     positions: Selection = key("all", "control points whose positions are outputs: a selection")
     velocities: Selection = key("none", "control points whose velocities are outputs: a selection")
-    reactions: Switch = key(True, "force and torque on each plane and each pin")
+    reactions: Switch = key(True, "force and torque on each plane and each pin, centre of pressure on each plane")
     energy: Switch = key(False, "kinetic, elastic, gravity and dissipated energy, work")
     solver: Switch = key(False, "steps, error estimate, stable step, folded cells")
 

@@ -18,7 +18,7 @@ ALWAYS = {"mass", "stiffness.edge", "stiffness.face", "stiffness.body", "solver.
 ALWAYS_RECORDS = {"guid", "counts", "origin", "size", "topology", "mass", "stiffness", "positions", "initial", "reactions"}
 ALWAYS_RECORDS |= {"stop_time", "method", "tolerance", "step", "most_work"}
 
-PLANE = ("point", "normal", "velocity", "angular_velocity", "reaction", "torque")
+PLANE = ("point", "normal", "velocity", "angular_velocity", "reaction", "torque", "centre")
 PIN = ("position", "orientation", "velocity", "angular_velocity", "reaction", "torque")
 
 PINNED = {"name": "a", "points": "z-"}
@@ -79,7 +79,7 @@ def test_each_part_brings_its_own_variables_and_records_and_no_others(tmp_path, 
 def test_reactions_that_are_not_wanted_are_absent(tmp_path):
     touched = {"plane": [{"name": "q"}], "pin": [{"name": "a", "points": "z+"}]}
     names, records = contents(PLAIN.replace({"outputs.reactions": False, **touched}), tmp_path)
-    assert not any("reaction" in name or "torque" in name or "contacts" in name for name in names)
+    assert not any("reaction" in name or "torque" in name or "centre" in name or "contacts" in name for name in names)
     assert "reactions" not in records
 
 

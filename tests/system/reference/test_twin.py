@@ -105,6 +105,9 @@ def test_motions_in_contact_agree_to_the_end(both, name):
         for output in (f"plane.{plane}.reaction", f"plane.{plane}.torque", *held):
             assert np.abs(vector(component, output)).max() > 1
             assert vector(twin, output) == pytest.approx(vector(component, output), abs=1e-6), output
+        pressed = np.linalg.norm(vector(component, f"plane.{plane}.reaction"), axis=1) > 1e-3
+        centres = [vector(run, f"plane.{plane}.centre")[pressed] for run in (twin, component)]
+        assert centres[0] == pytest.approx(centres[1], abs=1e-6)
         assert np.array_equal(twin.outputs[f"plane.{plane}.contacts"], component.outputs[f"plane.{plane}.contacts"])
 
 

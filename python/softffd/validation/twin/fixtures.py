@@ -74,6 +74,11 @@ class Obstacle(Fixture):
         age, s = time - self.since, self.start
         return HalfSpace(s.point + age * s.velocity, turned(s.normal, age * s.spin), s.velocity, s.spin)
 
+    def centre(self, now: HalfSpace) -> np.ndarray:
+        """The centre of pressure [m] on the plane as it is now; its point where nothing presses."""
+        pressing = -self.impulse @ now.normal
+        return now.point - np.cross(now.normal, self.moment) / pressing if pressing > 0 else now.point
+
 
 @dataclass(eq=False, kw_only=True)
 class Pin(Fixture):

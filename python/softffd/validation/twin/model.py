@@ -58,8 +58,10 @@ class Model:
             found |= _vector(f"probe.{name}", np.array(weights) @ self.motion.x[points])
         if scene["reactions"]:
             for plane, obstacle in zip(scene["planes"], self.around.obstacles, strict=True):
-                on = obstacle.at(self.motion.time).gap(self.motion.x) <= TOUCHING * self.around.largest_side
-                found |= self._reactions(f"plane.{plane['name']}", obstacle) | {f"plane.{plane['name']}.contacts": int(on.sum())}
+                name, plane = f"plane.{plane['name']}", obstacle.at(self.motion.time)
+                on = plane.gap(self.motion.x) <= TOUCHING * self.around.largest_side
+                found |= self._reactions(name, obstacle) | {f"{name}.contacts": int(on.sum())}
+                found |= _vector(f"{name}.centre", obstacle.centre(plane))
             for pin, held in zip(scene["pins"], self.around.pins, strict=True):
                 found |= self._reactions(f"pin.{pin['name']}", held)
         return found
