@@ -20,7 +20,7 @@ def made_up_run(*, counts=(4, 4, 4), frames=41, title="A soft box under a press"
     return Result(
         time=time,
         positions=np.stack(positions),
-        outputs=_outputs(squash),
+        outputs=_outputs(squash) | _centres(squash),
         inputs=_vectors("plane.press", PRESS) | _point("press", 1.6 - 0.6 * squash),
         parameters=_vectors(
             "plane.ground", {"velocity": (0, 0, 0), "angular_velocity": (0, 0, 0), "normal": (0, 0, 2.0), "point": (0, 0, 0.2)}
@@ -51,6 +51,12 @@ def _outputs(squash):
     return outputs | {"energy.kinetic": 5 * (1 - squash), "energy.elastic": 300 * squash**2}
 
 
+def _centres(squash):
+    """Of pressure, to the side of the middle."""
+    places = {"ground": (0.1, 0.05, 0.2 + 0 * squash), "press": (-0.1, 0.0, 1.6 - 0.6 * squash)}
+    return {f"plane.{name}.centre.{a}": value + 0 * squash for name, at in places.items() for a, value in zip("xyz", at, strict=True)}
+
+
 def _vectors(name, values):
     return {f"{name}.{what}.{a}": float(vector["xyz".index(a)]) for what, vector in values.items() for a in "xyz"}
 
@@ -63,6 +69,7 @@ def _scene(title, pins):
     return SimpleNamespace(
         title=title,
         loaded_mesh=None,
+        contact=SimpleNamespace(of="lattice"),
         environment=SimpleNamespace(gravity=(0.0, 0.0, -9.81)),
         pin=tuple(SimpleNamespace(name=f"pin{n}", points=n) for n in range(len(pins))),
         select=lambda points: np.asarray(pins[points]),

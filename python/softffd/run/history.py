@@ -19,7 +19,8 @@ def reactions(result: Result) -> dict[Part, np.ndarray]:
     """Forces of the object on its obstacles and fixtures, (T, 3) [N] each; a part as text is "plane.ground" or "pin.base"."""
     parts = [Part(kind, name) for kind in REACTIONS for name in part_names(kind, result.outputs)]
     recorded = {part: vector_names(REACTIONS[part.kind], part.name) for part in parts}
-    return {part: np.stack([result.outputs[name] for name in names], axis=1) for part, names in recorded.items()}
+    whole = {part: names for part, names in recorded.items() if all(name in result.outputs for name in names)}
+    return {part: np.stack([result.outputs[name] for name in names], axis=1) for part, names in whole.items()}
 
 
 def energies(result: Result) -> dict[str, np.ndarray]:

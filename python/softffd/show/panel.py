@@ -6,9 +6,11 @@ from functools import cached_property
 import numpy as np
 
 from softffd.show.raster import FIELD, Camera, Canvas
+from softffd.show.raster_mark import draw_arrow, draw_dots
 from softffd.show.raster_plane import Patch, draw_plane
 from softffd.show.stage import FREE, PINNED, VIEW, Stage, round_length
 from softffd.show.surface import ShadingNormals, face_normals
+from softffd.show.touch import INK, MARK
 
 SMOOTH_FACES = 150_000
 """Up to here normals are smoothed; the triangles of larger meshes are hardly larger than a pixel."""
@@ -39,11 +41,11 @@ class Panels:
     """Images of `shapes` of one stage, `width` x `height` pixels each, all from the same distance.
 
     The camera stands still but for shapes at rest, which are in the middle of their image.
-    tints: colours (V, 3) of the vertices by frame, where they are not those of the stage's skin.
+    tints: colours (V, 3) of the vertices by frame, where they are not those of the stage's skin. touch: the contacts to show.
     """
 
-    def __init__(self, stage, shapes, width, height, *, tints=None):
-        self._tints = tints or {}
+    def __init__(self, stage, shapes, width, height, *, tints=None, touch=None):
+        self._tints, self._touch = tints or {}, touch
         self._stage, self._shapes, self._width, self._height = stage, shapes, width, height
         self._axes = view_axes(stage.up)
         small = len(stage.faces) <= SMOOTH_FACES
@@ -63,6 +65,8 @@ class Panels:
         if shape.frame is not None:
             self._draw_obstacles(canvas, shape.frame, surface)
         self._draw_lattice(canvas, shape.points)
+        if shape.frame is not None and self._touch:
+            self._draw_touch(canvas, shape.frame)
         return canvas.image()
 
     def _painter(self, frame):
@@ -95,12 +99,25 @@ class Panels:
                 patch = replace(patch, plate=plate, reach=float(plate.max()), floors=floors)
             draw_plane(canvas, patch, surface=surface)
 
+    def _draw_touch(self, canvas, frame):
+        points, vertices = self._touch.places(frame)
+        look = {"colour": MARK, "outline": INK}
+        draw_dots(canvas, vertices, radius=self._height / 160, **look)
+        draw_dots(canvas, points, radius=self._ball, **look)
+        for start, end in self._touch.arrows(frame):
+            draw_arrow(canvas, start, end, width=self._height / 90, **look)
+
+    @property
+    def _ball(self):
+        """Radius of a control point, pixels."""
+        return self._height / 90 * min(1.0, 4 / max(self._stage.counts))
+
     def _draw_lattice(self, canvas, points):
         flat = points.transpose(2, 1, 0, 3).reshape(-1, 3)
         colours = np.tile(FREE, (len(flat), 1))
         colours[self._stage.pinned] = PINNED
         canvas.lines(flat, self._stage.edges, width=max(0.8, self._height / 500))
-        canvas.balls(flat, radius=self._height / 90 * min(1.0, 4 / max(self._stage.counts)), colours=colours)
+        canvas.balls(flat, radius=self._ball, colours=colours)
 
 
 def view_axes(up):

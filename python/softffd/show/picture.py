@@ -16,6 +16,7 @@ from softffd.show.moments import first_contact, largest_deformation, telling_mom
 from softffd.show.panel import Panels, Shape
 from softffd.show.stage import stage_of, up_direction
 from softffd.show.tension import tension_of
+from softffd.show.touch import touch_of
 
 CURVES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#56b4e9")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
@@ -60,7 +61,11 @@ def run_figure(result, *, mesh=None, origin=None, size=None, colour=None):
         figure.text(0.98, 0.965, words, fontsize=10.5, color=SOFT, va="center", ha="right")
     captions = [f"{what}, t = {stage.time[frame]:.4g} s" for frame, what in moments.items()]
     low = 0.45 if tension else 0.40
-    _draw_panels(figure, stage, list(moments), captions, box=(0.02, low, 0.96, 0.93 - low), tension=tension)
+    touch = touch_of(result, stage)
+    _draw_panels(figure, stage, list(moments), captions, box=(0.02, low, 0.96, 0.93 - low), tension=tension, touch=touch)
+    if touch.ways.any():
+        words = "yellow: where it touches, and the force on each obstacle, twice as long for 4 times as much"
+        figure.text(0.98, 0.014, words, fontsize=9.5, color=SOFT, va="center", ha="right")
     if tension:
         tension.draw_scale(figure, (0.40, 0.425, 0.40, 0.012))
     for axes in _draw_curves(figure, result, bottom=0.085, top=0.345):
@@ -102,7 +107,7 @@ def _four_frames(result):
     return [None, max(0, before), worst, len(result.time) - 1]
 
 
-def _draw_panels(figure, stage, frames, captions, *, box, tension=None):
+def _draw_panels(figure, stage, frames, captions, *, box, tension=None, touch=None):
     """Images side by side, their captions below, in `box` (left, bottom, width, height; shares of the figure)."""
     left, bottom, width, height = box
     pitch = (width + GAP) / len(frames)
@@ -110,7 +115,8 @@ def _draw_panels(figure, stage, frames, captions, *, box, tension=None):
     caption_height = CAPTION * figure.dpi / up
     bottom, height = bottom + caption_height, height - caption_height
     shapes = [Shape(stage, frame) for frame in frames]
-    panels = Panels(stage, shapes, round((pitch - GAP) * across), round(height * up), tints=tension.tints if tension else {})
+    tints = tension.tints if tension else {}
+    panels = Panels(stage, shapes, round((pitch - GAP) * across), round(height * up), tints=tints, touch=touch)
     for i, (shape, caption) in enumerate(zip(shapes, captions, strict=True)):
         image = (255 * panels.image(shape) + 0.5).astype(np.uint8)
         figure.figimage(image, round((left + i * pitch) * across), round(bottom * up), origin="upper")

@@ -265,3 +265,57 @@ void main() {
   float light = 0.55 + 0.5 * max(dot(n, normalize(vec3(-0.4, 0.7, 0.6))), 0.0);
   colour = vec4(base * light + 0.25 * pow(max(n.z * 0.75 + n.y * 0.45 - n.x * 0.25, 0.0), 20.0), opacity * (1.0 - smoothstep(1.0 - edge, 1.0, r)));
 }
+
+//// dot-vertex
+layout(location = 0) in vec3 place;
+uniform mat4 camera;
+uniform float diameter;
+void main() {
+  gl_Position = camera * vec4(place, 1);
+  gl_Position.z -= 3e-4 * gl_Position.w;              // in front of what it touches
+  gl_PointSize = diameter;
+}
+
+//// dot-fragment
+precision highp float;
+uniform vec4 mark;
+uniform vec3 outline;
+out vec4 colour;
+void main() {
+  float r = length(2.0 * gl_PointCoord - 1.0), edge = fwidth(r);
+  if (r > 1.0) discard;
+  colour = vec4(mix(mark.rgb, outline, smoothstep(0.65 - edge, 0.65, r)), mark.a * (1.0 - smoothstep(1.0 - edge, 1.0, r)));
+}
+
+//// arrow-vertex
+uniform mat4 camera;
+uniform vec3 start, end;
+uniform vec2 viewport;
+uniform float width, extra;                           // of the shaft, and how much larger all is, pixels
+void main() {
+  vec4 a = camera * vec4(start, 1), b = camera * vec4(end, 1);
+  if (a.w < 1e-3) a = mix(b, a, (b.w - 1e-3) / (b.w - a.w));
+  if (b.w < 1e-3) b = mix(a, b, (a.w - 1e-3) / (a.w - b.w));
+  vec2 from = 0.5 * viewport * a.xy / a.w, to = 0.5 * viewport * b.xy / b.w, way = to - from + vec2(0, 1e-6);
+  vec2 along = normalize(way), side = vec2(along.y, -along.x);
+  to = from + along * max(length(way), 6.5 * width);
+  vec2 neck = to - along * 4.0 * width;
+  bool head = gl_VertexID > 5;
+  vec2 at;
+  if (head) {
+    float wing = 1.6 * (width + extra);
+    at = gl_VertexID == 8 ? to + 2.0 * extra * along : neck - extra * along + (gl_VertexID == 6 ? wing : -wing) * side;
+  } else {
+    bool far = gl_VertexID == 2 || gl_VertexID == 4 || gl_VertexID == 5;
+    bool left = gl_VertexID == 1 || gl_VertexID == 3 || gl_VertexID == 4;
+    at = (far ? neck : from - extra * along) + (left ? -1.0 : 1.0) * (0.5 * width + extra) * side;
+  }
+  vec4 end_point = head || gl_VertexID == 2 || gl_VertexID > 3 ? b : a;
+  gl_Position = vec4(2.0 * at / viewport * end_point.w, end_point.zw);
+}
+
+//// flat-fragment
+precision highp float;
+uniform vec4 ink;
+out vec4 colour;
+void main() { colour = ink; }

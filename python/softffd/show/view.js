@@ -67,7 +67,7 @@ function seek_along(curve) {
   curve.addEventListener("pointermove", e => { if (e.buttons) seek(e); });
 }
 function write_readout() {
-  const [low, next, share] = frame_at(state.time), frame = share > 0.999 ? next : low;
+  const frame = frame_shown();
   element("now").textContent = seconds(state.time);
   element("frame").textContent = `frame ${frame + 1} of ${LAST + 1}`;
   element("slider").value = state.time;
@@ -144,7 +144,7 @@ const next_colour = () => set_colour({ paint: "displacement", displacement: "str
 const KEYS = {
   " ": () => set_playing(!state.playing), ",": () => step_frames(-1), ".": () => step_frames(1),
   Home: () => go_to(times[0]), End: () => go_to(times[LAST]), "[": () => change_speed(-1), "]": () => change_speed(1),
-  l: () => toggle("lattice"), o: () => toggle("obstacles"), f: () => toggle("follow"), c: next_colour, r: reset_view,
+  l: () => toggle("lattice"), o: () => toggle("obstacles"), k: () => toggle("contacts"), f: () => toggle("follow"), c: next_colour, r: reset_view,
   "+": () => zoom(0.9), "=": () => zoom(0.9), "-": () => zoom(1.1),
 };
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
@@ -164,7 +164,7 @@ function listen() {
   element("slider").oninput = e => { set_playing(false); go_to(+e.target.value); };
   element("speed").onchange = e => set_speed(+e.target.value);
   element("colour").onchange = e => set_colour(e.target.value);
-  for (const name of ["lattice", "obstacles", "follow"]) element(name).onclick = () => toggle(name);
+  for (const name of ["lattice", "obstacles", "contacts", "follow"]) element(name).onclick = () => toggle(name);
   element("reset").onclick = reset_view;
   new ResizeObserver(() => draw(performance.now())).observe(canvas);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
@@ -190,7 +190,8 @@ function write_page() {
   element("note").textContent = run.note;
   element("note").hidden = !run.note;
   element("grid").textContent = run.planes.length ? `grid: ${run.spacing} m` : "";
-  element("obstacles").hidden = !run.planes.length;
+  for (const name of ["obstacles", "contacts"]) element(name).hidden = !run.planes.length;
+  element("pressed").hidden = !run.touch.arrows.length;
   element("ramp").style.background = `linear-gradient(90deg, ${Array.from({ length: 9 }, (_, i) => {
     const at = 3 * Math.round(i / 8 * (run.ramp.length / 3 - 1)); return `rgb(${run.ramp.slice(at, at + 3)})`; }).join(",")})`;
   Object.assign(element("slider"), { min: times[0], max: times[LAST], step: (times[LAST] - times[0]) / 5000 || 1 });

@@ -2,7 +2,7 @@
 
 The page carries the surface at rest and the control points of every frame; its vertex shader evaluates the volume,
 so a frame costs the control points whatever the size of the mesh; of B-splines 64 of them count at a vertex.
-`view.html` is the page with its style, `view_drawing.js` and `view.glsl` draw, `view.js` listens and tells.
+`view.html` is the page with its style; `view_drawing.js`, `view_touch.js` and `view.glsl` draw; `view.js` listens and tells.
 """
 
 import base64
@@ -24,6 +24,7 @@ from softffd.run.history import energies, reactions
 from softffd.show.stage import FREE, PINNED, VIEW, round_length, stage_of
 from softffd.show.surface import split_at_creases
 from softffd.show.template import filled
+from softffd.show.touch import INK, MARK, touch_of
 
 MOST_FRAMES = 600
 MOST_POINT_BYTES = 24e6
@@ -62,6 +63,7 @@ def page_text(result, *, mesh=None, origin=None, size=None):
         "planes": _planes(stage, frames),
         "rows": _rows(result, stage, frames),
         "largest": _largest(stage, frames),
+        "touch": _touch(result, stage, frames),
     }
     return _page(run)
 
@@ -72,6 +74,7 @@ def _page(run):
         "title": html.escape(run["title"]),
         "shaders": parts.joinpath("view.glsl").read_text(encoding="utf-8"),
         "drawing": parts.joinpath("view_drawing.js").read_text(encoding="utf-8"),
+        "touch": parts.joinpath("view_touch.js").read_text(encoding="utf-8"),
         "controls": parts.joinpath("view.js").read_text(encoding="utf-8"),
         "run": json.dumps(run, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
     }
@@ -153,6 +156,18 @@ def _planes(stage, frames):
         {"name": plane.name, "tint": plane.tint, "floor": plane.is_floor, "poses": _text(pose, "<f4")}
         for plane, pose in zip(stage.planes, poses, strict=True)
     ]
+
+
+def _touch(result, stage, frames):
+    """Places touched (N, 3), as many of them as `counts` has for each frame; beginnings and ways of arrows (T, 3); all in m."""
+    touch = touch_of(result, stage)
+    places = [np.concatenate(touch.places(frame)) - stage.centre for frame in frames]
+    arrows = [
+        {"starts": _text((starts - stage.centre)[frames], "<f4"), "ways": _text(ways[frames], "<f4")}
+        for starts, ways in zip(touch.starts, touch.ways, strict=True)
+    ]
+    counts = [len(each) for each in places]
+    return {"places": _text(np.concatenate(places), "<f4"), "counts": counts, "arrows": arrows, "mark": MARK, "outline": INK}
 
 
 def _rows(result, stage, frames):

@@ -11,7 +11,7 @@ for (const row of run.rows) {
   row.values = decode(row.values, Float32Array);
   row.vectors = row.vectors && decode(row.vectors, Float32Array);
 }
-const state = { time: times[0], playing: false, speed: 1, colour: run.cage ? "displacement" : "paint", lattice: true, obstacles: true, follow: false };
+const state = { time: times[0], playing: false, speed: 1, colour: run.cage ? "displacement" : "paint", lattice: true, obstacles: true, contacts: true, follow: false };
 
 // Index of the last recorded frame at or before t, and the share of the way to the next.
 function frame_at(t) {
@@ -19,6 +19,10 @@ function frame_at(t) {
   while (low < high) { const middle = (low + high + 1) >> 1; if (times[middle] <= t) low = middle; else high = middle - 1; }
   const next = Math.min(low + 1, LAST), gap = times[next] - times[low];
   return [low, next, gap > 0 ? Math.min(Math.max((t - times[low]) / gap, 0), 1) : 0];
+}
+function frame_shown() {
+  const [low, next, share] = frame_at(state.time);
+  return share > 0.999 ? next : low;
 }
 function between(data, width, [a, b, share]) {
   const out = new Float32Array(width);
@@ -172,6 +176,7 @@ function build() {
   heights = drawing_surface();
   planes = { program: program("plane-vertex", "plane-fragment"), occlusion: program("cover-vertex", "occlusion-fragment"),
     array: gl.createVertexArray(), surfaces: run.planes.map(drawing_surface) };
+  build_touch();
 }
 
 // A palette's few texels must not mix, so only pictures get smaller copies of themselves for the distance.
@@ -218,6 +223,7 @@ function draw(clock) {
   gl.depthMask(false);
   if (state.obstacles) draw_planes(common);
   if (state.lattice) draw_lattice(common);
+  if (state.contacts) draw_touch(common);
   gl.depthMask(true);
   gl.disable(gl.BLEND);
   if (state.playing) show();

@@ -13,6 +13,7 @@ from softffd.mesh.mesh import load_mesh
 from softffd.show.panel import Panels, Shape, view_axes
 from softffd.show.picture import draw_history, draw_run, draw_strip
 from softffd.show.stage import FREE, PINNED, stage_of
+from softffd.show.touch import MARK
 
 
 def pixels(path):
@@ -31,6 +32,16 @@ def test_picture_of_a_run_shows_four_moments_and_curves(tmp_path):
     assert all(near(q, FREE) > 200 for q in quarters)
     assert not any(np.array_equal(a[:, :400], b[:, :400]) for a, b in pairwise(quarters))
     assert near(lower, (0.0, 0.447, 0.698)) > 300 and near(lower, (0.835, 0.369, 0.0)) > 300
+
+
+def test_a_picture_marks_what_touches_and_the_forces_on_obstacles(tmp_path):
+    result = made_up_run()
+    quiet = {name: values for name, values in result.outputs.items() if ".centre." not in name}
+    image, plain = (pixels(draw_run(each, tmp_path / "p.png"))[80:545] for each in (result, replace(result, outputs=quiet)))
+    yellow, dots = ([near(quarter, MARK, 0.03) for quarter in np.array_split(each, 4, axis=1)] for each in (image, plain))
+    assert yellow[0] == dots[0] == 0  # it falls
+    assert min(yellow[2:]) > 100 and max(yellow) > 500
+    assert min(dots[2:]) > 100 and max(dots) < max(yellow) - 300  # without centres no arrows
 
 
 def test_without_reactions_and_energies_the_picture_shows_the_height(tmp_path):

@@ -106,6 +106,7 @@ answer.lattice = [after("l", () => state.lattice), element("lattice").getAttribu
 element("lattice").click();
 answer.lattice.push(state.lattice);
 set_colour("strain");
+answer.contacts = [after("k", () => state.contacts), element("contacts").getAttribute("aria-pressed")];
 answer.colours = ["c", "c", "c"].map(key => after(key, () => element("colour").value));
 answer.speed = [after("[", () => state.speed), after("]", () => state.speed)];
 pointer("pointerdown", 10);
@@ -169,6 +170,33 @@ def test_readout_has_reactions_with_their_vectors_and_energies(tmp_path):
     assert rows["elastic"]["vectors"] is None and rows["elastic"]["unit"] == "J"
 
 
+def test_a_page_holds_what_touches_and_the_forces_on_obstacles(tmp_path):
+    result = made_up_run()
+    run = run_of(write_view(result, tmp_path / "view.html"))
+    touch, centre = run["touch"], ORIGIN - run["origin"]
+    landed = result.time > 0.8 - 1e-9
+    assert set(np.array(touch["counts"])[landed]) == {16} and touch["counts"][0] == 0
+    lowest = result.positions[-1, :, :, 0].swapaxes(0, 1).reshape(16, 3)
+    assert np.allclose(decoded(touch["places"], "<f4", 3)[-16:] + centre, lowest, atol=1e-6)
+    starts, ways = (decoded(touch["arrows"][0][what], "<f4", 3) for what in ("starts", "ways"))
+    assert np.allclose(starts + centre, [0.1, 0.05, 0.2], atol=1e-6)
+    assert (ways[:, 2] < 0).tolist() == (result.outputs["plane.ground.reaction.z"] < -1e-3).tolist() and not ways[:, :2].any()
+
+
+@needs_browser
+@pytest.mark.parametrize("shown", [True, False])
+def test_browser_draws_dots_and_arrows_in_yellow(tmp_path, shown):
+    page, shot = write_view(made_up_run(), tmp_path / "view.html"), tmp_path / "shot.png"
+    if not shown:
+        page.write_text(page.read_text("utf-8").replace("contacts: true", "contacts: false"), "utf-8")
+    chromium(f"file://{page}#t=1.2", tmp_path, f"--screenshot={shot}")
+    red, green, blue = np.moveaxis(np.asarray(Image.open(shot).convert("RGB"))[80:520, 50:620] / 255.0, 2, 0)
+    yellow = np.argwhere((red > 0.9) & (green > 0.75) & (blue < 0.15))
+    assert len(yellow) > 600 if shown else len(yellow) == 0
+    if shown:  # one arrow goes up from the press, one down from the ground
+        assert np.ptp(yellow[:, 0]) > 150
+
+
 def test_a_long_run_is_thinned_evenly_with_its_ends_and_says_so(tmp_path):
     run = run_of(write_view(made_up_run(counts=(2, 2, 2), frames=2001), tmp_path / "view.html"))
     time = decoded(run["time"], "<f8", 1)[:, 0]
@@ -184,7 +212,7 @@ def test_a_large_lattice_gets_fewer_frames(monkeypatch, tmp_path):
 
 def test_a_frame_costs_only_its_control_points(tmp_path):
     sizes = [write_view(made_up_run(frames=n), tmp_path / "v.html").stat().st_size for n in (101, 201)]
-    assert (sizes[1] - sizes[0]) / 100 < 4 / 3 * (64 * 12 + 2 * 36 + 8 + 6 * 12)
+    assert (sizes[1] - sizes[0]) / 100 < 4 / 3 * (64 * 12 + 2 * 36 + 8 + 6 * 12 + 2 * 2 * 12 + 16 * 12)
 
 
 def test_a_title_cannot_break_the_page(tmp_path):
@@ -318,6 +346,7 @@ def test_keys_buttons_and_pointers_do_what_they_say(tmp_path):
         "frames": [1.05, 1.0, 0.0, 2.0],
         "slider": 0.5,
         "lattice": [False, "false", True],
+        "contacts": [False, "false"],
         "colours": ["paint", "displacement", "strain"],
         "speed": [0.5, 1],
         "dragged": True,

@@ -1,0 +1,62 @@
+"""What pictures and page show of contact."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from made_up_run import ORIGIN, SIZE, made_up_run
+from softffd.mesh.mesh import Mesh
+from softffd.show.stage import stage_of
+from softffd.show.surface import cage_surface
+from softffd.show.touch import LONGEST, MOST, touch_of
+
+
+def seen(*, of="lattice", divisions=None, **changes):
+    """The contacts of the made-up run; with `divisions` its object is a mesh that fills the box."""
+    result = replace(made_up_run(), **changes)
+    result.scene.contact = SimpleNamespace(of=of)
+    mesh = None if divisions is None else Mesh(*cage_surface(ORIGIN, SIZE, divisions=divisions))
+    return result, touch_of(result, stage_of(result, mesh=mesh))
+
+
+def test_arrows_go_from_the_centre_of_pressure_along_the_force_on_the_obstacle():
+    result, touch = seen()
+    forces = np.abs(result.outputs["plane.ground.reaction.z"])
+    for frame in np.flatnonzero(forces > 1e-6 * forces.max()):
+        (low, low_end), (high, high_end) = touch.arrows(frame)
+        np.testing.assert_allclose(low, [0.1, 0.05, 0.2])
+        np.testing.assert_allclose(high[:2], [-0.1, 0.0])
+        length = LONGEST * np.linalg.norm(SIZE) * np.sqrt(forces[frame] / forces.max())
+        np.testing.assert_allclose(low_end - low, [0.0, 0.0, -length], atol=1e-12)
+        np.testing.assert_allclose(high_end - high, [0.0, 0.0, length], atol=1e-12)
+    assert touch.arrows(0).shape == (0, 2, 3)
+
+
+@pytest.mark.parametrize("missing", [".centre.", ".reaction."])
+def test_without_centres_or_reactions_there_are_no_arrows(missing):
+    outputs = {name: values for name, values in made_up_run().outputs.items() if missing not in name}
+    result, touch = seen(outputs=outputs)
+    assert not any(len(touch.arrows(frame)) for frame in range(len(result.time)))
+    assert len(touch.places(40)[0]) == 16
+
+
+def test_control_points_or_vertices_touch_as_the_scene_says():
+    for frame, touches in ((0, False), (24, True), (40, True)):
+        points, vertices = seen(divisions=6)[1].places(frame)
+        assert (len(points), len(vertices)) == (16 * touches, 0)
+        points, vertices = seen(of="surface", divisions=6)[1].places(frame)
+        assert (len(points), len(vertices)) == (0, 49 * touches)
+        np.testing.assert_allclose(vertices[:, 2], 0.2, atol=1e-6)
+
+
+def test_of_many_vertices_some_are_shown():
+    _, vertices = seen(of="surface", divisions=40)[1].places(40)
+    assert len(vertices) == MOST and np.ptp(vertices, axis=0)[:2] == pytest.approx(SIZE[:2], rel=0.05)
+
+
+def test_without_a_scene_whatever_is_on_an_obstacle_touches():
+    result = replace(made_up_run(), scene=None)
+    mesh = Mesh(*cage_surface(ORIGIN, SIZE, divisions=6))
+    assert [len(each) for each in touch_of(result, stage_of(result, mesh=mesh)).places(40)] == [16, 49]
