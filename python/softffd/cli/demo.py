@@ -1,4 +1,4 @@
-"""`softffd demo`: the shipped scene car_drop from its file to numbers, pictures and an interactive page."""
+"""`softffd demo`: the shipped scene car_drop from its file to numbers, pictures and an interactive page; and car_bump, shown."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from softffd.cli.keep import keep_run, run_scene_or_fmu
 from softffd.cli.told import told_after
 from softffd.fmu.package import package_fmu
 from softffd.run.progress import ProgressLine
+from softffd.run.simulate import simulate
 from softffd.scene.scene import load_scene
-from softffd.show.picture import draw_history, draw_strip
+from softffd.show.picture import draw_history, draw_run, draw_strip
+from softffd.show.view import write_view
 
 
 def run_demo(folder: Path) -> None:
@@ -25,6 +27,13 @@ def run_demo(folder: Path) -> None:
         progress.stage("drawing strip.png and history.png")
         draw_strip(result, folder / "strip.png", mesh=result.loaded_mesh)
         draw_history(result, folder / "history.png")
+        bump = load_scene("car_bump")
+        progress.stage("simulating car_bump")
+        struck = simulate(bump)
+        progress.stage("drawing bump.png, writing bump.html")
+        draw_run(struck, folder / "bump.png", mesh=bump.loaded_mesh)
+        write_view(struck, folder / "bump.html", mesh=bump.loaded_mesh)
     print(f"  pictures: {folder / 'strip.png'}, {folder / 'history.png'}, {folder / 'picture.png'}")
     print(f"  to play and turn it in a browser: {folder / 'view.html'}")
+    print(f"  {bump.title}: {folder / 'bump.png'}, {folder / 'bump.html'}")
     print(f"  the last shape as a mesh: {folder / 'deformed.obj'}; numbers: {folder / 'result.csv'}, {folder / 'summary.json'}")

@@ -78,8 +78,11 @@ class Panels:
         return shape.middle if shape.frame is None else self._centre
 
     def _needed(self, shape):
-        """The distance [m] from which the shape's lattice fits into the image."""
-        right, above, back = self._axes @ (shape.points.reshape(-1, 3) - self._target(shape)).T
+        """The distance [m] from which the shape's lattice fits into the image, and its arrows."""
+        points = shape.points.reshape(-1, 3)
+        if self._touch and shape.frame is not None:
+            points = np.concatenate([points, self._touch.arrows(shape.frame)[:, 1]])
+        right, above, back = self._axes @ (points - self._target(shape)).T
         tall = FILLED * FIELD
         return (back + np.maximum(np.abs(right) * self._height / self._width, np.abs(above)) / tall).max()
 

@@ -15,7 +15,7 @@ INK, MARK = (0.10, 0.12, 0.16), (1.0, 0.84, 0.0)
 NEAR = 1e-6
 """Share of the object's size that what touches may be off by: what was recorded may be rounded."""
 
-LONGEST = 0.35
+LONGEST = 0.25
 """Of an arrow, as a share of the diagonal of the object's box."""
 
 LEAST = 1e-6

@@ -9,6 +9,7 @@ NAME_in.csv into the folder. The FMUs have plain names, which no reader of CSV f
 from __future__ import annotations
 
 import math
+import re
 import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -19,7 +20,7 @@ import numpy as np
 from softffd import __version__
 from softffd.files import write_text
 from softffd.fmu.package import package_fmu
-from softffd.names import structured, variable_names
+from softffd.names import parse_name, structured, variable_names
 from softffd.run.inputs import Inputs, Source
 from softffd.run.result import Result
 from softffd.run.simulate import simulate
@@ -29,6 +30,7 @@ from softffd.scene.scene import Scene, load_scene
 PLACE = Path("fmus", "2.0", "cs", fmpy.platform, "softffd", __version__)
 MOST = 10
 """Variables in a reference file, by the rules"""
+LEFT_OUT = re.compile("solver_|p.*_torque|plane_centre")
 LEAST = 1e-6
 """A component that moves by less than this of the vector's largest is rounding, which no importer should be judged by."""
 
@@ -75,8 +77,7 @@ def _options(scene: Scene) -> str:
 def _reference(result: Result) -> dict[str, np.ndarray]:
     """Probes and opposite corners of the lattice, then reactions and energies, as far as they change."""
     corners = [(0, 0, 0), tuple(count - 1 for count in result.positions.shape[1:4])]
-    left_out = ("solver.", ".torque.", ".centre.")
-    columns = {key: values for key, values in result.outputs.items() if not any(each in key for each in left_out)}
+    columns = {key: values for key, values in result.outputs.items() if (found := parse_name(key)) and not LEFT_OUT.match(found.family)}
     for corner in corners:
         columns |= dict(zip(variable_names("position", [corner], plain=True), result.positions[:, *corner].T, strict=True))
     moved: dict[str, float] = {}
