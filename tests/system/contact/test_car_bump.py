@@ -36,7 +36,7 @@ def test_the_nose_strikes_the_wall_and_not_the_corners_of_its_box():
 
 
 def test_the_wheels_carry_the_car_where_they_stand():
-    """On the way to the wall: among the vertices on the road, of which there are some at every wheel at first, is the centre of pressure."""
+    """On the way to the wall the centre of pressure is among the vertices on the road, some of every wheel at first."""
     result = simulate(load_scene("car_bump"), stop_time=0.2)
     centre, vertices = vector(result, "plane.road.centre"), result.deformed(row=slice(None))
     low = [frame[frame[:, 2] < 0.02] for frame in vertices[1:]]
