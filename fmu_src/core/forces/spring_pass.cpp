@@ -116,8 +116,8 @@ INNER void sweep(const SpringPass& pass, SpringPass::Part& part, const double* x
   if constexpr (wraps) clear<n>(pass, rings);
   if (part.end * lanes > pass.tail) copy_tail<n>(pass, x, behind);
   const auto use_block = [&](int block, std::ptrdiff_t slot) INLINED {
-    for (int lane = 0; lane < lanes; lane += n)
-      use.template at<n>(block * lanes + lane, take<n, wraps>(offsets, pass.first[block], pass.second[block], length, rings, slot + lane));
+    for (int p = block * lanes; p < (block + 1) * lanes; p += n, slot += n)
+      use.template at<n>(p, take<n, wraps>(offsets, pass.first.at<n>(p), pass.second.at<n>(p), length, rings, slot));
   };
   std::ptrdiff_t slot = pass.before, before = 0, column = pass.points;
   const int past_tail = part.lead * lanes - pass.tail;
@@ -127,7 +127,7 @@ INNER void sweep(const SpringPass& pass, SpringPass::Part& part, const double* x
     if (block * lanes == pass.tail) x = behind, column = pass.column;
     const SpringKinds::Material* material = pass.kinds.of(block);
     for (int lane = 0; lane < lanes; lane += n)
-      give<n, wraps>(offsets, material, pass.first[block], lane, x + lane, column, rings + slot + lane);
+      give<n, wraps>(offsets, material, pass.first.at<n>(block * lanes + lane), lane, x + lane, column, rings + slot + lane);
     if (wraps && slot == 0) copy_first<n>(rings, length);
     if (block > part.begin) use_block(block - 1, before);
     before = slot;
@@ -221,7 +221,11 @@ const auto far_advance_kept = chosen<advance_kept<2, true>, advance_kept<4, true
 int SpringPass::threads_of_use(const Lattice& lattice, int threads) { return std::clamp(lattice.points() / least_part, 1, threads); }
 
 SpringPass::SpringPass(const Lattice& lattice, std::shared_ptr<Team> team)
-    : points(lattice.points()), kinds(int(whole_blocks(points) / lanes)), team(std::move(team)) {
+    : points(lattice.points()),
+      kinds(int(whole_blocks(points) / lanes)),
+      first(int(whole_blocks(points))),
+      second(first),
+      team(std::move(team)) {
   for (std::size_t d = 0; d < ways; ++d) offsets[d] = directions[d].offset(lattice);
   const std::ptrdiff_t reach = *std::max_element(offsets.begin(), offsets.end()), blocks = whole_blocks(points) / lanes;
   before = whole_blocks(reach);
@@ -229,8 +233,6 @@ SpringPass::SpringPass(const Lattice& lattice, std::shared_ptr<Team> team)
   ring = wraps ? before + 2 * lanes : before + whole_blocks(points);
   tail = int(std::max<std::ptrdiff_t>(0, whole_blocks(points - lanes - reach + 1)));
   column = blocks * lanes - tail + whole_blocks(reach) + lanes;
-  first.resize(blocks);
-  second.resize(blocks);
   divide(int(blocks));
 }
 
@@ -247,11 +249,11 @@ void SpringPass::divide(int blocks) {
 }
 
 void SpringPass::set(const Rows& rows) {
-  std::fill(first.begin(), first.end(), 0u);
-  std::fill(second.begin(), second.end(), 0u);
+  first.clear();
+  second.clear();
   for (Part& part : parts) std::fill(part.rings.begin(), part.rings.end(), Block{});
   kinds.clear();
-  for (int block = 0; block < int(first.size()); ++block) {
+  for (int block = 0; block < parts.back().end; ++block) {
     SpringKinds::Kind kind;
     for (std::size_t d = 0; d < ways; ++d) {
       const kernels::SpringRow& row = rows[d];
@@ -261,7 +263,7 @@ void SpringPass::set(const Rows& rows) {
         if (n < 0 || n >= row.lanes) continue;
         kind[d].stiffness[lane] = row.stiffness[n];
         kind[d].rest_length[lane] = row.rest_length[n];
-        if (row.stiffness[n] > 0) first[block] |= bit, second[(p + row.offset) / lanes] |= bit;
+        if (row.stiffness[n] > 0) first.add(p, bit), second.add(p + row.offset, bit);
       }
     }
     kinds.add(kind);

@@ -1,8 +1,7 @@
 #include "contact/contact_set.hpp"
 
-#include <Eigen/Dense>
-
 #include "check.hpp"
+#include "dense.hpp"
 #include "random_numbers.hpp"
 
 using namespace softffd;
@@ -39,7 +38,7 @@ Vec3 nearest(const std::vector<Plane>& planes, const Vec3& y) {
       }
     if (normals.cols() > 3) continue;
     Eigen::VectorXd loads(0);
-    if (set) loads = (normals.transpose() * normals).fullPivLu().solve(lack);
+    if (set) loads = dense::solve(normals.transpose() * normals, lack);
     const Vec3 candidate = y + normals * loads;
     bool right = (loads.array() >= 0).all();
     for (const Plane& plane : planes) right = right && plane.at(0).gap(candidate) >= -1e-12;

@@ -1,8 +1,7 @@
 #include "matrix/gmres.hpp"
 
-#include <Eigen/Dense>
-
 #include "check.hpp"
+#include "dense.hpp"
 
 using namespace softffd;
 
@@ -45,7 +44,7 @@ TEST(as_many_products_as_unknowns_give_the_dense_solution) {
   for (int n = 1; n <= Gmres::most; ++n) {
     const Eigen::MatrixXd a = matrix(n, 0.5);
     const Solved found = solve(gmres, a, right_side(n), 1e-15);
-    const Eigen::VectorXd exact = a.partialPivLu().solve(right_side(n).matrix());
+    const Eigen::VectorXd exact = dense::solve(a, right_side(n).matrix());
     CHECK(found.products <= n);
     CHECK_NEAR((found.y - exact).norm(), 0.0, 1e-12 * exact.norm());  // condition numbers below 1e3
   }
@@ -75,8 +74,8 @@ TEST(after_the_last_product_it_gives_the_best_of_the_krylov_space) {
   Eigen::MatrixXd space(30, Gmres::most);
   Eigen::VectorXd v = b.matrix();
   for (int j = 0; j < Gmres::most; ++j) space.col(j) = v.normalized(), v = a * space.col(j);
-  const Eigen::MatrixXd q = space.householderQr().householderQ() * Eigen::MatrixXd::Identity(30, Gmres::most);
-  const Eigen::VectorXd best = q * (a * q).colPivHouseholderQr().solve(b.matrix());
+  const Eigen::MatrixXd q = dense::orthonormal(space);
+  const Eigen::VectorXd best = q * dense::solve(dense::product(a, q), b.matrix());
   CHECK_NEAR(residual(a, b, found.y), residual(a, b, best), 1e-9 * b.matrix().norm());  // the powers of a are nearly dependent
 }
 

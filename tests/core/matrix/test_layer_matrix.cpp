@@ -1,9 +1,8 @@
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <random>
 
 #include "check.hpp"
+#include "dense.hpp"
 #include "matrix/layer_matrix.hpp"
 #include "matrix/stiffness_matrix.hpp"
 
@@ -25,7 +24,7 @@ int layer(const Lattice& lattice, int axis, int p) {
 }
 
 /// Dense copy of the lower triangle, both triangles filled; coordinate a of point p is row p + points * a, as in Points.
-Eigen::MatrixXd dense(const Lattice& lattice, LayerMatrix& matrix) {
+Eigen::MatrixXd in_full(const Lattice& lattice, LayerMatrix& matrix) {
   const int n = lattice.points();
   Eigen::MatrixXd full = Eigen::MatrixXd::Zero(3 * n, 3 * n);
   for (int p = 0; p < n; ++p)
@@ -150,11 +149,11 @@ TEST(solutions_are_those_of_a_dense_factor) {
     LayerMatrix matrix(lattice);
     for (int repeat = 0; repeat < 3; ++repeat) {
       fill(lattice, matrix);
-      const Eigen::MatrixXd full = dense(lattice, matrix);
+      const Eigen::MatrixXd full = in_full(lattice, matrix);
       CHECK(full == full.transpose());
       Points b(lattice.points(), 3);
       for (int i = 0; i < b.size(); ++i) b.data()[i] = noise();
-      const Eigen::VectorXd right = Eigen::Map<Eigen::VectorXd>(b.data(), b.size()), expected = full.llt().solve(right);
+      const Eigen::VectorXd right = Eigen::Map<Eigen::VectorXd>(b.data(), b.size()), expected = dense::solve(full, right);
       matrix.factor();
       matrix.solve(b);
       const Eigen::VectorXd found = Eigen::Map<Eigen::VectorXd>(b.data(), b.size());
@@ -190,7 +189,7 @@ TEST(compressed_springs_have_no_transverse_stiffness) {
     CHECK_NEAR(largest(k - formula), 0.0, 1e-13 * largest(formula));
     CHECK(largest(k - differences(s)) > 1e-3 * largest(k));
     CHECK(k == k.transpose());
-    const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues();
+    const Eigen::VectorXd eigenvalues = dense::eigenvalues(k);
     CHECK(eigenvalues.minCoeff() > -1e-13 * eigenvalues.maxCoeff());
   }
 }

@@ -1,7 +1,6 @@
 /// Second derivatives of a body's energy by differences of its forces, for comparison: rows and columns of pinned points are zero.
 #pragma once
-#include <Eigen/Eigenvalues>
-
+#include "dense.hpp"
 #include "forces/body.hpp"
 
 namespace softffd {
@@ -29,7 +28,7 @@ inline double highest_frequency(const Body& body, const Points& x) {
   Eigen::VectorXd root(3 * body.points());
   for (int i = 0; i < root.size(); ++i) root[i] = std::sqrt(body.mass[i % body.points()]);
   const Eigen::MatrixXd scaled = root.cwiseInverse().asDiagonal() * hessian(body, x) * root.cwiseInverse().asDiagonal();
-  return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled).eigenvalues().maxCoeff()));
+  return std::sqrt(std::max(0.0, dense::eigenvalues(scaled).maxCoeff()));
 }
 
 }  // namespace softffd
