@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from softffd.validation.stability import cases_contact, cases_extreme, cases_impact, cases_standard
+from softffd.validation.stability import cases_contact, cases_extreme, cases_impact, cases_standard, cases_surface
 from softffd.validation.stability.verdict import Case, Outcome, run_cases
 
 PARTS = {
     "The standard scenes and exact limits": cases_standard,
     "Contact": cases_contact,
+    "Contact of the surface": cases_surface,
     "Impacts, sliding and rest of stiff bodies": cases_impact,
     "Extremes": cases_extreme,
 }

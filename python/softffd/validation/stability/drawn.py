@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from softffd.rotation import turned
+from softffd.validation.bodies import Shape
 from softffd.validation.stability.drive import Drive
 from softffd.validation.stability.scenes import GRAVITY
 
@@ -122,6 +123,10 @@ class Drawn:
     pins: dict[str, Course] = field(default_factory=dict)
     """Those that move"""
     loads: dict[str, Ramp] = field(default_factory=dict)
+    surface: Shape | None = None
+    """Of the object, where obstacles meet it"""
+    body: str = ""
+    """What it is"""
 
     @property
     def duration(self) -> float:
@@ -158,7 +163,7 @@ class Drawn:
         document, lattice = self.document, self.document["lattice"]
         stiffness = document["material"]["stiffness"]
         parts = [
-            " x ".join(map(str, lattice["points"])),
+            " x ".join(map(str, lattice["points"])) + (f" with {self.body}" if self.body else ""),
             "k " + "/".join(f"{stiffness[kind]:.1e}" for kind in ("edge", "face", "body")),
             f"d {document['material']['damping']:.1e}",
             *(_region_words(region) for region in document["region"]),

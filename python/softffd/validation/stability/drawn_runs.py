@@ -23,6 +23,7 @@ import numpy as np
 
 from softffd.run.guard import Lost
 from softffd.validation.stability.drawn import Drawn, drawn
+from softffd.validation.stability.drawn_surface import drawn_surface
 from softffd.validation.stability.drive import Drive, Refused, StateTouched
 from softffd.validation.stability.scenes import GRAVITY
 from softffd.validation.stability.stated import STATED, stated_errors
@@ -49,6 +50,8 @@ WORK = 1.2e9
 """Springs times steps of a rung at most, some six seconds."""
 POINT_WORK = 8
 """A control point's own work in a step, in units of a spring's."""
+SURFACE_WORK = 4
+"""Times as much work is a step in which a surface may touch."""
 NEAREST = 0.25
 """Of the stable step: the last rung takes no longer one, for friction and resonance feed vibrations there."""
 
@@ -93,6 +96,13 @@ class Job:
     seed: int
     run: str
     """One of RUNS"""
+    surface: bool = False
+    """Whether obstacles meet the object's own"""
+
+    @property
+    def scene(self) -> Drawn:
+        """What the seed means."""
+        return drawn_surface(self.seed) if self.surface else drawn(self.seed)
 
 
 def patience(job: Job) -> float:
@@ -102,10 +112,11 @@ def patience(job: Job) -> float:
 
 def run_jobs(jobs: Sequence[Job]) -> Iterator[Run]:
     """Runs in their order, those of a scene together."""
-    for seed, group in groupby(jobs, lambda job: job.seed):
-        scene, found = drawn(seed), {}
+    for _, several in groupby(jobs, lambda job: job.seed):
+        group = list(several)
+        scene, found = group[0].scene, {}
         try:
-            drive = Drive(scene.document)
+            drive = Drive(scene.document, surface=scene.surface)
         except Refused as refusal:
             yield from (Run(None, f"refused at the start: {refusal}") for _ in group)
             continue
@@ -136,7 +147,7 @@ def _run(drive: Drive, scene: Drawn, which: str, found: dict[str, Run]) -> Run:
 def ladder(drive: Drive, scene: Drawn) -> list[float]:
     """Steps of the rungs, relative to the stable one of the start; none where the work does not allow two."""
     drive.restart({}, scene.duration)
-    work = len(drive.body.pairs) + POINT_WORK * len(drive.mass)
+    work = (len(drive.body.pairs) + POINT_WORK * len(drive.mass)) * (SURFACE_WORK if scene.surface else 1)
     least = scene.duration * work / WORK / drive.value("solver.stable_step")
     if least > NEAREST:
         return []
@@ -171,8 +182,10 @@ def _broken(drive: Drive, scene: Drawn) -> str:
     """The promise that the state at a communication point breaks; nothing for none."""
     if not drive.finite():
         return f"not finite at {drive.time:.3g} s"
-    held = {p for pin in scene.document["pin"] for p in drive.scene.select(pin["points"]).tolist()}
-    free = np.delete(drive.x, sorted(held), axis=0)
+    free = drive.touching
+    if scene.surface is None:
+        held = {p for pin in scene.document["pin"] for p in drive.scene.select(pin["points"]).tolist()}
+        free = np.delete(free, sorted(held), axis=0)
     for point, normal in scene.half_spaces(drive.time):
         behind = -float(((free - point) @ normal).min(initial=0.0)) / drive.side
         if behind > BEHIND:

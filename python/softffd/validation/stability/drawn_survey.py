@@ -15,7 +15,6 @@ from softffd.run.progress import Note, silent
 from softffd.run.times import positive
 from softffd.validation.conditions import conditions
 from softffd.validation.kept import csv_text, json_text, keep_files
-from softffd.validation.stability.drawn import drawn
 from softffd.validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, VERDICTS, Job, Judged, judge, patience, run_jobs
 
 TOGETHER = 4
@@ -35,6 +34,8 @@ class Lot:
 
     seeds: list[int]
     judged: dict[int, Judged] = field(default_factory=dict)
+    surface: bool = False
+    """Of bodies whose own surface touches"""
 
     @property
     def missing(self) -> list[int]:
@@ -59,19 +60,27 @@ class Lot:
 
 
 def report_random(
-    folder: Path, number: int, seed: int, *, processes: int = 1, slowness: float = 1.0, note: Note = silent, say: Note = print
+    folder: Path,
+    number: int,
+    seed: int,
+    *,
+    surface: bool = False,
+    processes: int = 1,
+    slowness: float = 1.0,
+    note: Note = silent,
+    say: Note = print,
 ) -> Lot:
     """Runs the scenes of the seeds from `seed` on, so many, and keeps random.csv and random.json in `folder`.
 
-    processes: scenes at a time. slowness: runs may take so many times longer than usual. note: told how far it is; say: told each verdict
-    but "right" and "no truth", and the summary. Raises SoftffdError in the end if there is a fault; KeyboardInterrupt on Ctrl-C once the
-    table of what is done is kept.
+    surface: obstacles meet the object's own. processes: scenes at a time. slowness: runs may take so many times longer than usual. note:
+    told how far it is; say: told each verdict but "right" and "no truth", and the summary. Raises SoftffdError in the end if there is a
+    fault; KeyboardInterrupt on Ctrl-C once the table of what is done is kept.
     """
     for name, value, least in (("--random", number, 1), ("--seed", seed, 0)):
         if value < least:
             raise SoftffdError(f"{name} {value}: wanted at least {least}")
-    lot = Lot(list(range(seed, seed + number)))
-    about = conditions(["softffd stability", f"--random {number} --seed {seed}"])
+    lot = Lot(list(range(seed, seed + number)), surface=surface)
+    about = conditions(["softffd stability", f"--random {number} --seed {seed}{' --surface' * surface}"])
     try:
         for judged in run(lot, processes, positive("slowness", slowness, None)):
             note(f"{len(lot.judged)} of {number} scenes")
@@ -85,19 +94,20 @@ def report_random(
     say(lot.summary())
     if faults := lot.faults():
         more = [f"  and {len(faults) - SHOWN} more in {folder}"] if len(faults) > SHOWN else []
-        head = f"{len(faults)} scenes are wrong without a word; softffd stability --random 1 --seed SEED runs one again:"
+        again = f"softffd stability --random 1 --seed SEED{' --surface' * surface}"
+        head = f"{len(faults)} scenes are wrong without a word; {again} runs one again:"
         raise SoftffdError("\n".join([head, *(f"  {line(judged)}" for judged in faults[:SHOWN]), *more]))
     return lot
 
 
 def run(lot: Lot, processes: int, slowness: float = 1.0) -> Iterator[Judged]:
     """Fills the lot; yields each scene as it is judged."""
-    jobs = [Job(seed, run) for seed in lot.seeds for run in RUNS]
+    jobs = [Job(seed, run, lot.surface) for seed in lot.seeds for run in RUNS]
     runs: dict[int, list[Any]] = {seed: [] for seed in lot.seeds}
     for job, result in guarded(run_jobs, jobs, lambda job: slowness * patience(job), processes, TOGETHER * len(RUNS)):
         runs[job.seed].append(result)
         if len(runs[job.seed]) == len(RUNS):
-            judged = lot.judged[job.seed] = judge(drawn(job.seed), runs[job.seed])
+            judged = lot.judged[job.seed] = judge(job.scene, runs[job.seed])
             yield judged
 
 

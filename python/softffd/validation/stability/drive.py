@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
+from softffd.embedding.deform import Embedding
 from softffd.errors import FmuError
 from softffd.fmu.component import DISCARD, Block
-from softffd.lattice import all_points
+from softffd.fmu.package import scene_samples
+from softffd.lattice import all_points, to_grid
 from softffd.names import variable_names
 from softffd.run.inputs import Inputs
 from softffd.run.simulation import Simulation
 from softffd.scene.scene import Scene, scene_from
+from softffd.validation.bodies import Shape, write
 from softffd.validation.mechanics import Body
 from softffd.validation.resolved import resolved
 
@@ -33,16 +38,19 @@ class Drive:
     `impulse` (3,) [N s] is what planes and pins have given to the object since the start.
 
     document: a scene, or what its TOML file would give; all positions, velocities, reactions, energies and solver outputs are added.
-    settings: start values by variable name. Raises SceneError for a scene that cannot be, Refused where the FMU does not start.
+    settings: start values by variable name. surface: the object's, in the lattice's box, where obstacles meet it. Raises SceneError for a
+    scene that cannot be, Refused where the FMU does not start.
     """
 
-    def __init__(self, document: Mapping[str, Any] | Scene, settings: Mapping[str, Any] | None = None):
-        self.scene = _observed(document)
+    def __init__(self, document: Mapping[str, Any] | Scene, settings: Mapping[str, Any] | None = None, *, surface: Shape | None = None):
+        self.scene = _observed(document) if surface is None else _of_surface(document, surface)
         self.side = max(self.scene.box.size)
         self.rest = self.scene.rest_positions()
         self.resolved = resolved(self.scene)
         self.body = Body.of(self.resolved)
         self.mass = self.body.mass
+        samples, box = scene_samples(self.scene), self.scene.box
+        self._samples = None if samples is None else Embedding(samples.places, box.origin, box.size, box.points, box.basis)
         with _refusals():
             self.simulation = Simulation(self.scene, start_values=settings)
         try:
@@ -133,6 +141,11 @@ class Drive:
         """Their velocities (n, 3) [m/s]."""
         return self._v.get().reshape(-1, 3).copy()
 
+    @property
+    def touching(self) -> np.ndarray:
+        """What obstacles meet (n, 3) [m]: control points, or points of the surface."""
+        return self.x if self._samples is None else self._samples.deform(to_grid(self.x, self.scene.box.points))
+
     def reaction(self, plane: str) -> np.ndarray:
         """Mean force of the object on a plane or pin over the last step (3,) [N]; name as in the FMU: "plane.ground"."""
         return self._block(f"{plane}.reaction").get().copy()
@@ -215,3 +228,12 @@ def _observed(document: Mapping[str, Any] | Scene) -> Scene:
     if isinstance(document, Scene):
         return document.replace({f"outputs.{name}": value for name, value in outputs.items()})
     return scene_from({**document, "outputs": outputs | document.get("outputs", {})}, path="case.toml")
+
+
+def _of_surface(document: Mapping[str, Any] | Scene, surface: Shape) -> Scene:
+    """A scene whose object has this surface, which obstacles meet."""
+    assert isinstance(document, Mapping)
+    with TemporaryDirectory() as folder:
+        mesh = {"file": write(Path(folder) / "surface.obj", surface)}
+        lattice = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]} | document["lattice"]
+        return _observed({**document, "mesh": mesh, "lattice": lattice, "contact": {"of": "surface"}})

@@ -59,16 +59,16 @@ class Findings:
         self.check(what, measured, limit, bound=bound)
 
     def sound(self, drive: Drive, planes: Sequence[tuple] = ()) -> None:
-        """Bounds that hold in every case: all numbers finite, no control point behind a plane (point, normal)."""
+        """Bounds that hold in every case: all numbers finite, nothing that obstacles meet behind a plane (point, normal)."""
         self.at_most("not finite", 0.0 if drive.finite() else math.inf, 0.0)
         for point, normal in planes:
             self.at_most("penetration / box", behind(drive, point, normal), 1e-12)
 
 
 def behind(drive: Drive, point: Sequence[float], normal: Sequence[float]) -> float:
-    """How far the furthest control point is behind a plane, relative to the box."""
+    """How far the furthest control point, or point of the surface, is behind a plane, relative to the box."""
     length = math.sqrt(sum(part * part for part in normal))
-    gaps = (drive.x - point) @ [part / length for part in normal]
+    gaps = (drive.touching - point) @ [part / length for part in normal]
     return max(0.0, -float(gaps.min())) / drive.side
 
 

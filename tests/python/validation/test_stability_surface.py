@@ -1,0 +1,84 @@
+"""Surveys of contact of the surface: cases, and scenes drawn at random."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from softffd.cli.command import main
+from softffd.validation.bodies import cube, sphere
+from softffd.validation.stability.cases import CASES
+from softffd.validation.stability.drawn import drawn
+from softffd.validation.stability.drawn_runs import FAULTS, RUNS, Job, _broken, judge, run_jobs
+from softffd.validation.stability.drawn_surface import drawn_surface
+from softffd.validation.stability.drawn_survey import line
+from softffd.validation.stability.drive import Drive
+from softffd.validation.stability.scenes import DOWN, ORIGIN, Z, box, plane
+from softffd.validation.stability.verdict import Findings, behind, run_case
+
+SURFACE = [name for name in CASES if name.startswith("surface")]
+QUICK = ("surface: rest, 4^3, k = 100000", "surface: incline 20 deg, k = 10000", "surface: corner, k = 1000, friction 0.5",
+         "surface: press, k = 1000")  # fmt: skip
+RIGHT_NOW = (1, 3)
+"""Seeds whose scenes run quickly and are right."""
+
+
+@pytest.mark.short(*QUICK)
+@pytest.mark.parametrize("name", SURFACE)
+def test_answers_of_surfaces_in_contact_are_right(name):
+    outcome = run_case(CASES[name])
+    assert outcome.verdict == "right", outcome
+
+
+def test_a_case_looks_at_the_vertices_and_not_at_the_control_points():
+    """At rest the sphere's lattice is behind the ground; a vertex put there is found."""
+    document = box(1e3, plane=[plane(friction=0.4)], environment=DOWN, initial={"offset": [0, 0, -0.1]})
+    with Drive(document, surface=sphere(2)) as drive:
+        drive.step(0.01)
+        assert drive.touching.shape == (162, 3) and drive.x[:, 2].min() < -0.09
+        findings = Findings()
+        findings.sound(drive, [(ORIGIN, Z)])
+        assert all(check.verdict == "right" for check in findings.checks)
+        assert behind(drive, (0.0, 0.0, 0.1), Z) > 0.09
+
+
+def test_seeds_mean_the_same_scenes_with_a_body_in_the_box():
+    scenes = [drawn_surface(seed) for seed in range(200)]
+    for seed, scene in enumerate(scenes[:40]):
+        plain = drawn(seed).document
+        assert scene.document | {"material": 0, "region": 0} == plain | {"material": 0, "region": 0}
+        vertices, size = scene.surface[0], np.array(plain["lattice"]["size"])
+        assert (vertices >= -1e-12).all() and (vertices <= size + 1e-12).all()
+    assert {len(scene.surface[0]) for scene in scenes} >= {42, 162, 642, 2562, len(cube(2, 0.0)[0]), len(cube(9, 0.0)[0])}
+    stiffness = [value for scene in scenes for value in scene.document["material"]["stiffness"].values()]
+    assert 1e1 <= min(stiffness) < 1e3 and 1e5 < max(stiffness) <= 1e6
+    assert not any("mass" in region for scene in scenes for region in scene.document["region"])
+
+
+def test_a_vertex_behind_a_plane_is_found():
+    seed = next(seed for seed in range(50) if drawn_surface(seed).planes and not drawn_surface(seed).pins)
+    scene = drawn_surface(seed)
+    with Drive(scene.document, surface=scene.surface) as drive:
+        assert _broken(drive, scene) == ""
+        (point, _), *_ = [(course.point, normal) for normal, course in scene.planes.values()]
+        point += 2.0 * drive.side * scene.half_spaces(0.0)[0][1]
+        assert "of the box behind a plane" in _broken(drive, scene)
+
+
+@pytest.mark.parametrize("seed", RIGHT_NOW)
+def test_command_runs_scenes_of_surfaces(seed, tmp_path, capsys):
+    assert main(["stability", "--random", "1", "--seed", str(seed), "--surface", "-j", "1", "-o", str(tmp_path)]) == 0
+    (row,) = csv.DictReader((tmp_path / "random.csv").open())
+    assert row["verdict"] == "right" and " vertices, " in row["scene"]
+    assert "--surface" in json.dumps(json.loads((tmp_path / "random.json").read_text()))
+    capsys.readouterr()
+    assert main(["stability", "--surface", "-o", str(tmp_path)]) == 1
+    assert "wanted with --random N" in capsys.readouterr().err
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("seed", range(1, 41))
+def test_auto_is_right_of_surfaces_too_or_says_that_it_is_not(seed):
+    judged = judge(drawn_surface(seed), list(run_jobs([Job(seed, run, True) for run in RUNS])))
+    assert judged.verdict not in FAULTS, line(judged)
