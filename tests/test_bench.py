@@ -86,6 +86,7 @@ def test_numba_has_the_instructions_of_its_column(column, column_name, has, lack
     assert f"%{has}" in done.stdout and f"%{lacks}" not in done.stdout
 
 
+@pytest.mark.full
 def test_another_library_has_a_column(tmp_path, column):
     other = tmp_path / "other.so"
     other.write_bytes(host_library().read_bytes())
@@ -110,6 +111,7 @@ def test_a_goal_that_is_missed_is_said(table):
     assert " met" not in line(0.3, goal=None) and " missed" not in line(0.3, goal=None)
 
 
+@pytest.mark.full
 def test_a_page_gets_the_new_table_for_the_old_one(tmp_path):
     page = tmp_path / "page.md"
     page.write_text("before\n\nafter\n")

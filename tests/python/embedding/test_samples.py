@@ -68,6 +68,7 @@ def test_no_deformation_takes_others_further_behind_a_plane_than_is_said(sphere)
     assert 0.01 * bound < worst <= bound
 
 
+@pytest.mark.full
 def test_fewer_samples_are_taken_where_more_may_be_behind(sphere):
     found = surface_samples(sphere, BOX, 0.01)
     assert 0.005 < found.behind <= 0.01 and 700 < len(found.places) < 1500

@@ -77,7 +77,7 @@ def check(result, reference, name, factor):
     "free_vibration-*-0.0001",
     "free_vibration-ros34pw2-0.01",
     "light_corner-auto-0.0001",
-    "stiff_pull-ros34pw2-1e-06",
+    "stiff_pull-ros34pw2-0.0001",
 )
 @pytest.mark.parametrize(("name", "method", "tolerance"), CASES)
 def test_the_estimate_is_close_to_the_error(exact, name, method, tolerance):

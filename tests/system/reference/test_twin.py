@@ -111,6 +111,7 @@ def test_motions_in_contact_agree_to_the_end(both, name):
         assert np.array_equal(twin.outputs[f"plane.{plane}.contacts"], component.outputs[f"plane.{plane}.contacts"])
 
 
+@pytest.mark.full
 def test_a_fast_tumble_parts_them_no_sooner_than_rounding_parts_the_component_from_itself(both):
     """Undamped, at 9 rad/s, landing on one corner after another: differences grow 1e5-fold in 2 s.
 

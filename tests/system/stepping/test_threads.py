@@ -37,6 +37,7 @@ def states(scene):
     return found
 
 
+@pytest.mark.short("leapfrog-*", "bm4-bare", "dop853-bare")
 @pytest.mark.parametrize("parts", [{}, {"energy": True}, GROUND, {"error_estimate": True}], ids=["bare", "energy", "ground", "estimate"])
 @pytest.mark.parametrize("method", ["leapfrog", "bm4", "dop853"])
 def test_threads_give_the_bits_of_one(method, parts):
@@ -52,6 +53,7 @@ def tasks():
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="counts the process's threads by Linux's table of them")
+@pytest.mark.short("3-points2-*", "2-*")
 @pytest.mark.parametrize(
     "threads, points, keys, more",
     [

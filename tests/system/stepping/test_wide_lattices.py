@@ -82,6 +82,7 @@ for method, material in (("ros34pw2", 1e6), ("backward_euler", 1e7)):
 """
 
 
+@pytest.mark.full
 def test_the_same_bits_with_every_instruction_set():
     def digest(instructions):
         environment = os.environ | {"SOFTFFD_INSTRUCTIONS": instructions}
