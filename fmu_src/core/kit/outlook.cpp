@@ -119,9 +119,12 @@ Outlook outlook(const Job& job, const State& state) {
 void book_unknown_phase(const Job& job, const State& state, double energy, double frequency) {
   StiffContact& stiff = job.run.path.stiff;
   const RigidMotion rigid = rigid_motion(job.model.body.mass, state.x, state.v);
-  const double error = std::max(stiff.total_error(), use::least_error * job.request.tolerance);
+  const bool surface = job.model.body.samples != nullptr;
+  const double known = surface ? std::hypot(stiff.total_error(), job.run.course.contact_error) : stiff.total_error();
+  const double error = std::max(known, use::least_error * job.request.tolerance);
   const double phase = std::min(1.0, frequency * error / approach_speed(job, state, rigid, radius_about(rigid.centre, state.x)));
-  const double added = use::rebound_share * std::sqrt(2 * energy / rigid.mass) * phase * outlook(job, state).along_plane;
+  const double share = surface ? use::struck_share : use::rebound_share;
+  const double added = share * std::sqrt(2 * energy / rigid.mass) * phase * outlook(job, state).along_plane;
   stiff.unknown = std::sqrt(power(stiff.unknown, 2) + power(added, 2));
 }
 

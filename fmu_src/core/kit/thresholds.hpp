@@ -93,6 +93,8 @@ inline constexpr double opposite = -0.5;
 /// Share of the vibrations' velocity that the next rebound may feel [1]; of what two runs' vibrations differ by; of the speed of turning in
 /// that of approach.
 inline constexpr double rebound_share = 0.1, echo_share = 0.3, turning_share = 0.3;
+/// The same as the first where a sample of the surface strikes: it stops at once, and with it the mass that moves with it [1].
+inline constexpr double struck_share = 0.5;
 /// Share of the tolerance that positions are taken to err by at least.
 inline constexpr double least_error = 0.1;
 /// Share of the tolerance, relative to the box, for mass that is moved to light points, relative to the whole, and for what they swing by

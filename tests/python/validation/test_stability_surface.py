@@ -77,8 +77,12 @@ def test_command_runs_scenes_of_surfaces(seed, tmp_path, capsys):
     assert "wanted with --random N" in capsys.readouterr().err
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("seed", range(1, 41))
+ONCE_SILENT = (22, 95)
+"""One vertex strikes after the other, and each makes much of the phase of vibrations."""
+
+
+@pytest.mark.short(*map(str, ONCE_SILENT))
+@pytest.mark.parametrize("seed", [*range(1, 41), *(seed for seed in ONCE_SILENT if seed > 40)])
 def test_auto_is_right_of_surfaces_too_or_says_that_it_is_not(seed):
     judged = judge(drawn_surface(seed), list(run_jobs([Job(seed, run, True) for run in RUNS])))
     assert judged.verdict not in FAULTS, line(judged)
