@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "model/arithmetic.hpp"
+#include "model/rigid_motion.hpp"
 
 namespace softffd {
 
@@ -120,7 +121,31 @@ double Ros34pw2::kept(double y) {
 }
 
 Outcome Ros34pw2::attempt_in(const Equations& equations, double t, double h, Run& run) {
-  return with_factor_of(run, false, [&] { return attempt(equations, t, h, run.path.motion); });
+  return with_factor_of(run, false, [&] {
+    const Body& body = equations.body;
+    torques_ = body.springs.dashpots() && equations.around.pins.empty();
+    const State& motion = run.path.motion;
+    const double error = attempt(equations, t, h, motion);
+    if (torques_) turn_by_torques(body, motion);
+    torques_ = false;
+    return error;
+  });
+}
+
+/// The spin that the outside torques have given the body from this state on, in the place of the step's.
+void Ros34pw2::turn_by_torques(const Body& body, const State& state) {
+  const RigidMotion before = rigid_motion(body.mass, state.x, state.v), now = rigid_motion(body.mass, x, v);
+  const Vec3 lacking = now.inverse_inertia * (before.angular_momentum + given_ - now.angular_momentum);
+  for (int p = 0; p < body.points(); ++p) set_row(v, p, row(v, p) + lacking.cross(row(x, p) - now.centre));
+}
+
+void Ros34pw2::add_torque(const Body& body, double weight, const Points& outside) {
+  double total = 0;
+  Vec3 centre = Vec3::Zero();
+  for (int p = 0; p < body.points(); ++p) total += body.mass[p], centre += body.mass[p] * row(stage_x_, p);
+  centre /= total;
+  for (int p = 0; p < body.points(); ++p)
+    given_ += weight * (row(stage_x_, p) - centre).cross(row(outside, p) - body.damping[p] * row(stage_v_, p));
 }
 
 double Ros34pw2::attempt(const Equations& equations, double t, double h, const State& state) {
@@ -128,6 +153,7 @@ double Ros34pw2::attempt(const Equations& equations, double t, double h, const S
   use_factor(body, h, state.x);
   const double g = gamma * h;
   solutions_ = 0;
+  given_.setZero();
   const bool moving = pins_move(equations, t, h), recording = ledger.recording();
   for (int i = 0; i < stages; ++i) {
     const double at = t + time[i] * h, ahead = h * time_gamma[i];
@@ -142,7 +168,9 @@ double Ros34pw2::attempt(const Equations& equations, double t, double h, const S
     combine(zero_, 1 / h, c[i], x_, i, p_);
     combine(zero_, 1 / h, c[i], v_, i, q_);
     Points& x_i = x_[i];
-    x_i = spring_ + equations.outside(at, outside_);
+    const Points& outside = equations.outside(at, outside_);
+    x_i = spring_ + outside;
+    if (torques_) add_torque(body, h * b[i], outside);
     if (around.ramped)
       for (Eigen::Index j = 0; j < x_i.size(); ++j) x_i(j) += ahead * around.ramp_rate(j, t);
     if (moving) x_i += ahead * pin_rate_;

@@ -13,6 +13,11 @@
 /// Pinned points move as given: they are at their place at every stage, and their velocity is part of df/dt. A step costs four solutions
 /// and three new evaluations of the spring forces.
 ///
+/// What turns makes steps with strong dashpots lose angular momentum by the square of the angle in every step, whatever the error estimate
+/// says: they hold springs to the lengths that tangents give. A body without pins therefore has its angular momentum as one more unknown,
+/// with no row in the matrix; its slopes are the outside torques at the stages, of the same order, and none without outside forces. Its
+/// spin at the end of a step is what that says.
+///
 /// With h omega >> 1 an old factor serves only while springs keep their directions and their tension: a body that has been loaded or has
 /// turned since then may blow up. The error estimate shows it; where nobody looks at the estimate, `refresh` before every step. Impulses
 /// on pins balance the body's momentum to rounding. Their torque and work are of third order, but where a frame turns by an angle a per
@@ -71,6 +76,8 @@ class Ros34pw2 final : public OneStep {
   void record_stage(const Equations& equations, double weight, double at, double ahead, int i);
   void record_ends(const Equations& equations, double t, double h, const State& state);
   void add_dashpots(const Body& body, Points& right);
+  void add_torque(const Body& body, double weight, const Points& outside);
+  void turn_by_torques(const Body& body, const State& state);
   bool pins_move(const Equations& equations, double t, double h);
 
   LatticeMatrix matrix_;
@@ -78,6 +85,8 @@ class Ros34pw2 final : public OneStep {
   Count version_ = -1;  ///< of the body that it was made with
   ImplicitWork implicit_;
   Count factorizations_ = 0;
+  bool torques_ = false;          ///< the outside torques are wanted
+  Vec3 given_ = Vec3::Zero();     ///< by them to the angular momentum about the centre, in the last attempt [kg m2/s]
   double solutions_ = 0;          ///< of the last attempt, as LatticeMatrix counts them
   Points mass_, damping_, free_;  ///< per coordinate [kg], [N s/m], 1; 0 where pinned
   Scalars diagonal_, sums_;

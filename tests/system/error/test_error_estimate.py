@@ -144,3 +144,24 @@ def test_a_stiff_body_in_its_own_frame_misses_the_breathing_that_its_spin_sets_o
     assert found.outputs["solver.steps"][-1] < 100
     error, estimate = errors_and_estimates(found, points(exact))
     assert np.all(estimate[1:] < IMPLICIT * error[1:]) and np.all(error[1:] < IMPLICIT * estimate[1:])
+
+
+def internally_damped(ratio):
+    """Stretched and turning; its fastest vibration, some 900 rad/s, has half the ratio as damping ratio."""
+    moving = {"stretch": [1.05, 1.0, 1.0], "angular_velocity": [0.5, 1.0, -0.5], "stop_time": 0.2, "communication_step": 0.02}
+    return box(stiffness=1e3, material={"internal_damping": ratio / 900}, **moving)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("method", ["auto", "leapfrog", "dop853", "ros34pw2"])
+@pytest.mark.parametrize("ratio", [0.1, 10])
+def test_the_estimate_is_close_to_the_error_with_internal_damping(ratio, method, tolerance):
+    settings = {"solver.method": method, "solver.tolerance": tolerance}
+    scene = internally_damped(ratio)
+    exact = simulate(scene, start_values={"solver.method": "dop853", "solver.tolerance": 1e-12})
+    found = simulate(scene.replace({"solver.error_estimate": True}), start_values=settings)
+    error, estimate = (values[-1] + FLOOR for values in errors_and_estimates(found, points(exact)))
+    print(f"{ratio} {method} {tolerance}: error {error:.1e} estimate {estimate:.1e} / error {estimate / error:.3f}")
+    factor = IMPLICIT if method == "ros34pw2" else EXPLICIT
+    assert 1 / factor < estimate / error < factor
+    assert error < tolerance
