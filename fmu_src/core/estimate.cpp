@@ -113,11 +113,12 @@ double ErrorEstimate::follow_slopes(double H) {
 
 /// Run and shadow lose what implicit steps damp away; the body itself takes longer.
 void ErrorEstimate::follow_vibration(const SoftBody& body, double H, Count taken) {
-  const double remains = shadow_.readings().remaining(H), kink = follow_slopes(H);
-  tally_.vibration.amplitude *= remains;
-  tally_.damped_away *= remains;
+  const double kept = shadow_.readings().remaining(H, tally_.vibration.frequency), kink = follow_slopes(H);
+  tally_.vibration.amplitude *= kept;
+  tally_.damped_away *= kept;
   if (!is_implicit(body.readings().method())) return;
   const Vibration vibration = shadow_.readings().set_off(kink, change_, force_);
+  const double remains = shadow_.readings().remaining(H, vibration.frequency);
   if (vibration.amplitude * remains > tally_.vibration.amplitude) {
     tally_.vibration = {vibration.amplitude * remains, vibration.frequency};
     tally_.kept = 1;

@@ -78,8 +78,9 @@ Vibration Readings::set_off(double kink, Points& scratch, Points& more) const {
   return softffd::set_off({model.body, drive}, start, now.path.motion, followed || drive.bent ? kink : 1, scratch, more);
 }
 
-double Readings::remaining(double t) const {
-  const double rate = 0.5 * (model.body.damping / model.body.mass).minCoeff();
+double Readings::remaining(double t, double omega) const {
+  const double along_springs = 0.5 * model.body.springs.shortest_time() * omega * omega;
+  const double rate = 0.5 * (model.body.damping / model.body.mass).minCoeff() + (model.body.springs.dashpots() ? along_springs : 0.0);
   double growth = 1 + rate * t / 1024;  // exp without the C library, to the power of 1024
   for (int i = 0; i < 10; ++i) growth *= growth;
   return 1 / growth;

@@ -78,8 +78,9 @@ struct Readings {
   /// The vibration that the start of the last communication step set off by jumps of the forces and by `kink`, the fraction of the change
   /// of velocity that came at once; any that was there, if the step before was explicit.
   Vibration set_off(double kink, Points& scratch, Points& more) const;
-  /// Fraction of a vibration that the slowest damping leaves after a time t [s].
-  double remaining(double t) const;
+  /// Fraction of a vibration of frequency omega [rad/s] that the slowest damping leaves after a time t [s]. What dashpots let creep no
+  /// longer vibrates: that is in no phase to be lost.
+  double remaining(double t, double omega) const;
 };
 
 }  // namespace softffd
