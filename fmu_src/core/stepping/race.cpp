@@ -41,7 +41,8 @@ void Race::run(Integrators& integrators, Calibrator& calibrator, const Job& job,
   contest.least = std::max(1.0, H / longest) * each;
   const double slower = each / traits(Method::leapfrog).work;  // by internal damping, which implicit steps hardly feel
   const bool surface = !job.drive.planes.empty() && body.samples;
-  if (!surface && job.model.stability.elastic() && implicit_may_pay(slower * H * bound(job))) try_implicit(integrators, job, H, contest);
+  const bool may_pay = !surface && job.model.stability.elastic() && implicit_may_pay(slower * H * bound(job));
+  if (may_pay) try_implicit(integrators, job, H, contest.least, contest);
   if (!(contest.implicit_work < infinity)) {
     calibrate(Method::leapfrog, use::race_rounds);
     contest.leapfrog = fixed_work(job, Method::leapfrog, H);
@@ -54,6 +55,7 @@ void Race::run(Integrators& integrators, Calibrator& calibrator, const Job& job,
         calibrate(Method::bm4, use::race_rounds_bm4);
         contest.bm4 = fixed_work(job, Method::bm4, H);
       }
+      if (may_pay && body.springs.dashpots()) try_implicit(integrators, job, H, settle(contest).work, contest);
       if (settle(contest).method == Method::leapfrog) calibrate(Method::leapfrog, use::race_rounds_left);
     }
   }
@@ -69,15 +71,17 @@ void Race::run(Integrators& integrators, Calibrator& calibrator, const Job& job,
   record.due = work + std::max(record.pause * spent_, use::shortest_pause);
 }
 
-/// Without touching a matrix first: could implicit steps pay, and is there nothing that vibrates by more than they may ignore?
-void Race::try_implicit(Integrators& integrators, const Job& job, double H, Contest& contest) {
+/// Without touching a matrix first: could implicit steps pay, and is there nothing that vibrates by more than they may ignore? others: the
+/// work of the others. First that of leapfrog at its stability limit, of which strong internal damping leaves little accuracy: where the
+/// tolerance asks for much more, the race comes back with that.
+void Race::try_implicit(Integrators& integrators, const Job& job, double H, double others, Contest& contest) {
   const State& motion = job.run.path.motion;
   contest.implicit = implicit_method(!job.drive.pins.empty(), H * bound(job), turning_limit(job, motion.x, motion.v) < H);
   const double step_work = integrators.implicit_work().step;
-  if (!implicit_may_win(H / step_limit(job, contest.implicit, false) * step_work, contest.least)) return;
-  const double shortest = H * step_work / (use::implicit_gain * contest.least);  // step that would still pay
+  if (!implicit_may_win(H / step_limit(job, contest.implicit, false) * step_work, others)) return;
+  const double shortest = H * step_work / (use::implicit_gain * others);  // step that would still pay
   if (too_loud(present_vibration(job.equations(), motion, job.model.time_scale, use::resolved * shortest), job.request.tolerance)) return;
-  const double budget = std::min(use::implicit_gain * contest.least, use::longest_trial);
+  const double budget = std::min(use::implicit_gain * others, use::longest_trial);
   contest.implicit_work = implicit_work(integrators, job, contest.implicit, H, budget);
 }
 
@@ -86,8 +90,9 @@ void Race::try_implicit(Integrators& integrators, const Job& job, double H, Cont
 bool Race::fast_modes_are_quiet(Integrators& integrators, const Job& job, Method method, double H) {
   const ImplicitWork& implicit = integrators.implicit_work();
   State& motion = job.run.path.motion;
-  const double way = std::min(H, use::calibration_window / bound(job)), begin = motion.time;
   const bool creeps = job.model.body.springs.shortest_time() * bound(job) >= use::creeping && job.model.body.springs.dashpots();
+  const double longest = creeps ? step_limit(job, method, false) : infinity;  // no step of it turns the body further
+  const double way = std::min({H, use::calibration_window / bound(job), longest}), begin = motion.time;
   const Method fine = creeps ? method : Method::leapfrog;
   const Count steps = creeps ? use::creep_parts : divisions(way, step_limit(job, Method::leapfrog, false));
   const double each = creeps ? implicit.step : step_work(job.model.body, fine, way / double(steps));

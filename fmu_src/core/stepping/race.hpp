@@ -17,7 +17,7 @@ class Race {
   void run(Integrators& integrators, Calibrator& calibrator, const Job& job, double H);
 
  private:
-  void try_implicit(Integrators& integrators, const Job& job, double H, Contest& contest);
+  void try_implicit(Integrators& integrators, const Job& job, double H, double others, Contest& contest);
   bool fast_modes_are_quiet(Integrators& integrators, const Job& job, Method method, double H);
   double implicit_work(Integrators& integrators, const Job& job, Method method, double H, double budget);
   double controlled_work(Integrators& integrators, const Job& job, Method method, double H);

@@ -69,3 +69,20 @@ def test_a_dropped_box_loses_nothing_before_it_lands_and_comes_to_rest():
     assert np.ptp(total[flying]) < 1e-9 * total[0]
     assert energies["energy.kinetic"][-1] < 1e-6
     assert energies["plane.ground.reaction.z"][-1] == pytest.approx(-9.81, rel=1e-3)
+
+
+@pytest.mark.parametrize("ratio", [100, 300])
+def test_implicit_steps_are_found_where_strong_damping_makes_explicit_ones_inaccurate(ratio):
+    """Turning, to 1e-6: leapfrog needs a hundred steps where implicit ones need three, though its stability asks for fewer of them."""
+    body = box(
+        stiffness=STIFFNESS,
+        material={"internal_damping": ratio / 800},
+        velocity=[0.5, 0.0, 0.0],
+        angular_velocity=[0.0, 3.0, 1.0],
+        outputs={"solver": True},
+        stop_time=0.3,
+        communication_step=0.02,
+    )
+    result = simulate(body, start_values={"solver.tolerance": 1e-6})
+    assert result.outputs["solver.steps"][-1] < 10_000
+    assert np.abs(result.positions[-1] - end(body, "ros34pw2", 1e-7)).max() < 1e-5
