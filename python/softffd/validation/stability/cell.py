@@ -49,6 +49,8 @@ class Cell:
     """N/m"""
     step: float
     """Communication step [s]"""
+    ratio: float = 0.0
+    """Time of the dashpots times the highest frequency: twice its damping ratio"""
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,8 @@ class Trial:
     def start(self, **more: float) -> None:
         """more: start values besides those of the map."""
         cell = self.cell
-        self.drive.restart(settings(cell.panel, cell.stiffness, cell.step) | more, self.wanted * cell.step)
+        damping = {"internal_damping": cell.ratio / omega(cell.stiffness)} if cell.ratio else {}
+        self.drive.restart(settings(cell.panel, cell.stiffness, cell.step) | damping | more, self.wanted * cell.step)
 
     def steps(self) -> Iterator[None]:
         """After each communication step, until there are enough of them or the time is over; at least one."""

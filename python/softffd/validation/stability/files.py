@@ -17,13 +17,14 @@ from softffd.validation.stability.survey import Survey
 from softffd.validation.stability.verdict import Outcome
 
 COLUMNS = (
-    "part", "name", "method", "given_step", "stiffness_n_per_m", "communication_step_s", "verdict", "measured", "limit", "error_stated_m",
-    "communication_steps", "internal_steps", "run_time_s", "words",
+    "part", "name", "method", "given_step", "stiffness_n_per_m", "tau_omega", "communication_step_s", "verdict", "measured", "limit",
+    "error_stated_m", "communication_steps", "internal_steps", "run_time_s", "words",
 )  # fmt: skip
 
 TITLES = {
     ("vibration", False): "Vibration: the step follows the tolerance",
     ("vibration", True): "Vibration: the internal step is given, solver.step = H",
+    ("damping", False): "Internal damping of a box of 1000 N/m: the step follows the tolerance",
     ("rotation", False): "Rotation: the step follows the tolerance",
     ("contact", False): "Contact with friction: the step follows the tolerance",
     ("rebound", False): "Rebound: a box falls by 0.2 m and is thrown off",
@@ -60,6 +61,7 @@ def _cell_row(cell: Cell, judged: Judged) -> dict[str, Any]:
         "method": cell.panel.method,
         "given_step": int(cell.panel.given),
         "stiffness_n_per_m": cell.stiffness,
+        "tau_omega": cell.ratio,
         "communication_step_s": cell.step,
         "verdict": judged.kind,
         "measured": "" if math.isnan(judged.error) else judged.error,

@@ -1,10 +1,12 @@
 """The map: stiffness against communication step, each cell run through the FMU and judged by an exact solution.
 
-Three scenes are a box of 2 x 2 x 2 points, 1 m, 1 kg, all springs of stiffness k, undamped:
+Four scenes are a box of 2 x 2 x 2 points, 1 m, 1 kg, all springs of stiffness k, undamped:
 
 vibration   released from a stretch of 1 % along every axis. By the cube's symmetry the box keeps its shape for ever: the points are at
             centre + s (rest - centre) with s = 1 + 0.01 cos(omega t), omega = 8 sqrt(k / (1 kg)), exactly, at any amplitude; and
             this is the lattice's highest frequency. Every method has to resolve it, or to say that it does not.
+damping     the same with dashpots along the springs, tau omega from 0.01 to 1000: all points keep to one line, so that s is the damped
+            oscillator's exactly. Strong damping lets it creep.
 rotation    set spinning at 1 rad/s without a stress. Exactly: angular momentum and energy stay what they are.
 contact     resting on a plane that is drawn away under it with friction, under gravity g = min(9.81 m/s2, k / (50 kg)), which a soft box
             can carry, and slightly damped. Exactly: the friction impulse is mu times the normal one; momentum is what the impulses,
@@ -76,10 +78,26 @@ def document(scene: str) -> dict:
     solver = {"tolerance": TOLERANCE, "error_estimate": True}
     if scene == "vibration":
         return box | {"initial": {"stretch": [1 + STRETCH] * 3}, "solver": solver}
+    if scene == "damping":
+        material = {"stiffness": 1.0, "damping": 0.0, "internal_damping": 1.0}
+        return box | {"material": material, "initial": {"stretch": [1 + STRETCH] * 3}, "solver": solver}
     if scene == "rotation":
         return box | {"initial": {"angular_velocity": [0.0, 0.0, SPIN]}, "solver": solver}
     ground = {"name": "ground", "friction": FRICTION, "motion": "input"}
     return box | {"plane": [ground], "environment": {"gravity": [0.0, 0.0, -GRAVITY]}, "solver": solver}
+
+
+def _oscillation(ratio: float, phase: float) -> float:
+    """What is left of a unit stretch, let go at rest, at omega t = phase."""
+    damping = ratio / 2
+    if damping < 1:
+        root = math.sqrt(1 - damping**2)
+        return math.exp(-damping * phase) * (math.cos(root * phase) + damping / root * math.sin(root * phase))
+    if damping == 1:
+        return (1 + phase) * math.exp(-phase)
+    root = math.sqrt(damping**2 - 1)
+    slow, fast = 1 / (damping + root), damping + root
+    return (fast * math.exp(-slow * phase) - slow * math.exp(-fast * phase)) / (fast - slow)
 
 
 def _vibration(trial: Trial) -> Judged:
@@ -89,7 +107,7 @@ def _vibration(trial: Trial) -> Judged:
     centre = middle + STRETCH / 2
     for _ in trial.steps():
         x = drive.x
-        exact = centre + (1 + STRETCH * math.cos(frequency * drive.time)) * (drive.rest - middle)
+        exact = centre + (1 + STRETCH * _oscillation(trial.cell.ratio, frequency * drive.time)) * (drive.rest - middle)
         error = max(error, float(np.linalg.norm(x - exact, axis=1).max()))
         far = max(far, float(np.linalg.norm(x - centre, axis=1).max()))
     if not drive.finite():
@@ -168,7 +186,7 @@ def _inner_energy(drive: Drive) -> float:
     return drive.body.elastic_energy(drive.x) + drive.body.kinetic_energy(drive.v - drive.momentum / drive.mass.sum())
 
 
-SCENES = {"vibration": _vibration, "rotation": _rotation, "contact": _contact, "rebound": rebound.rebound}
+SCENES = {"vibration": _vibration, "damping": _vibration, "rotation": _rotation, "contact": _contact, "rebound": rebound.rebound}
 
 
 @cache

@@ -49,25 +49,25 @@ def map_picture(survey: Survey, panels: Sequence[Panel], title: str) -> bytes:
 
 
 def _chart(axes, survey: Survey, panel: Panel, *, first: bool) -> None:
-    steps, stiffnesses = survey.steps_of(panel), survey.stiffnesses_of(panel)
-    k, h = np.log10(stiffnesses), np.log10(steps)
+    steps, across = survey.steps_of(panel), survey.across(panel)
+    k, h = np.log10(across), np.log10(steps)
     numbers = np.full((len(h), len(k)), -1)
     for cell in survey.cells_of(panel):
         if cell in survey.cells:
-            place = steps.index(cell.step), stiffnesses.index(cell.stiffness)
+            place = steps.index(cell.step), across.index(cell.ratio or cell.stiffness)
             numbers[place] = CLASSES.index(survey.cells[cell].kind)
     colours = ListedColormap([EMPTY, *(COLOURS[kind] for kind in CLASSES)])
     norm = BoundaryNorm(np.arange(-1.5, len(CLASSES)), len(CLASSES) + 1)
     axes.pcolormesh(_edges(k), _edges(h), numbers, cmap=colours, norm=norm, edgecolors="white", linewidth=0.5)
     axes.set_xlim(_edges(k)[[0, -1]])
     axes.set_ylim(_edges(h)[[0, -1]])
-    if panel.scene != "rebound":
+    if panel.scene not in ("rebound", "damping"):
         _border(axes, survey)
     axes.set_title(panel.method, fontsize=10.5, color=INK, loc="left")
     _label(axes.xaxis, k, 3)
     _label(axes.yaxis, h, 1)
     axes.tick_params(labelsize=8, length=2, colors=SOFT)
-    axes.set_xlabel("stiffness, N/m", fontsize=8.5, color=SOFT, labelpad=1)
+    axes.set_xlabel("internal damping, tau omega" if panel.scene == "damping" else "stiffness, N/m", fontsize=8.5, color=SOFT, labelpad=1)
     if first:
         axes.set_ylabel("communication step, s", fontsize=8.5, color=SOFT)
     axes.spines[:].set_visible(False)

@@ -18,7 +18,8 @@ with fmi2OK and is not so is WRONG.</p>"""
 
 MAP = """<p>A box of 2 x 2 x 2 points, 1 m, 1 kg. <b>Vibration</b>: released from a stretch of 1 % along every axis, undamped, it breathes
 for ever, 1 + 0.01 cos(omega t), exactly, at its highest frequency omega = 8 sqrt(k / 1 kg). Accurate: within 1e-4 m, ten times the
-tolerance. Bounded: a larger error that <code>solver.error_estimate</code> tells within a factor of ten. <b>Rotation</b>: set spinning at
+tolerance. Bounded: a larger error that <code>solver.error_estimate</code> tells within a factor of ten. <b>Damping</b>: the same box of
+1000 N/m with dashpots along its springs, from tau omega = 0.01 to 1000; the damped oscillator is exact. <b>Rotation</b>: set spinning at
 1 rad/s, undamped; accurate: angular momentum and energy within 1e-3; a gain of energy above 1 % is WRONG whatever is stated.
 <b>Contact</b>: resting, slightly damped, on a plane that is drawn away under it; accurate: no penetration above 1e-12, friction impulse
 mu times the normal one within 1e-3, momentum balanced, static sag. Method <code>central_difference</code> reproduces the published contact

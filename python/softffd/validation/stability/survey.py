@@ -21,6 +21,15 @@ from softffd.validation.stability.verdict import Outcome, outcome_of
 LEAVES_CONTACT = ("bm4", "rkn12", "dop853", "ros34pw2")
 """Methods that hand communication steps with contact to another one."""
 
+RATIOS = [10.0 ** (n / 2) for n in range(-4, 7)]
+"""Of the map of internal damping: its time in 1 / omega, 0.01 to 1000. None is a row of the map of vibration."""
+
+DAMPED = 1e3
+"""Stiffness of its box [N/m]."""
+
+LEAVES_DAMPING = ("bm4", "rkn12", "central_difference")
+"""Methods that hand bodies with internal damping to another one."""
+
 CHOSEN = "auto"
 MAP, EVERY_CASE = "map", "cases"
 """Names of the map and of all cases among those of the cases."""
@@ -58,7 +67,13 @@ class Survey:
 
     def stiffnesses_of(self, panel: Panel) -> list[float]:
         """Stiffnesses of a panel [N/m]."""
+        if panel.scene == "damping":
+            return [DAMPED]
         return list(rebound.STIFFNESSES) if panel.scene == "rebound" else self.stiffnesses
+
+    def across(self, panel: Panel) -> list[float]:
+        """What goes to the right in a panel's picture: stiffnesses [N/m], or ratios of internal damping."""
+        return RATIOS if panel.scene == "damping" else self.stiffnesses_of(panel)
 
     def steps_of(self, panel: Panel) -> list[float]:
         """Communication steps of a panel [s]: all for auto; of many, every second one for the others."""
@@ -68,15 +83,24 @@ class Survey:
 
     def cells_of(self, panel: Panel) -> list[Cell]:
         """In the order in which they are run: soft ones first."""
-        return [Cell(panel, stiffness, step) for stiffness in self.stiffnesses_of(panel) for step in self.steps_of(panel)]
+        ratios = RATIOS if panel.scene == "damping" else [0.0]
+        return [
+            Cell(panel, stiffness, step, ratio)
+            for stiffness in self.stiffnesses_of(panel) for ratio in ratios for step in self.steps_of(panel)
+        ]  # fmt: skip
 
     def wrong(self) -> list[str]:
         """What ended with fmi2OK and a wrong answer, or in a crash: a line each."""
         cells = [
-            f"map, {cell.panel}, k = {cell.stiffness:g} N/m, H = {cell.step:.3g} s: {judged.why}"
+            f"map, {cell.panel}, {_place(cell)}: {judged.why}"
             for cell, judged in self.cells.items() if judged.kind == "WRONG"
         ]  # fmt: skip
         return cells + [f"{name}: {_why(outcome)}" for name, outcome in self.outcomes.items() if outcome.verdict == "WRONG"]
+
+
+def _place(cell: Cell) -> str:
+    damping = f"tau omega = {cell.ratio:.3g}, " if cell.ratio else ""
+    return f"k = {cell.stiffness:g} N/m, {damping}H = {cell.step:.3g} s"
 
 
 def _why(outcome: Outcome) -> str:
@@ -109,9 +133,10 @@ def _panels() -> list[Panel]:
         methods = list(drive.simulation.variables["solver.method"].items or {})
     vibration = [Panel("vibration", method) for method in methods]
     given = [Panel("vibration", method, True) for method in methods if method != CHOSEN]
+    damping = [Panel("damping", method) for method in methods if method not in LEAVES_DAMPING]
     rotation = [Panel("rotation", method) for method in methods]
     contact = [Panel("contact", method) for method in methods if method not in LEAVES_CONTACT]
-    return [*vibration, *given, *rotation, *contact, Panel("rebound", CHOSEN)]
+    return [*vibration, *given, *damping, *rotation, *contact, Panel("rebound", CHOSEN)]
 
 
 def run(survey: Survey, note: Note, processes: int = 1) -> Iterator[str]:
@@ -124,7 +149,7 @@ def run(survey: Survey, note: Note, processes: int = 1) -> Iterator[str]:
     left = {panel: len(survey.cells_of(panel)) for panel in survey.panels}
     for cell, result in guarded(run_cells, cells, lambda cell: HANG, processes):
         survey.cells[cell] = _judged(result)
-        note(f"map, {cell.panel}: k = {cell.stiffness:g} N/m, H = {cell.step:.3g} s")
+        note(f"map, {cell.panel}: {_place(cell)}")
         left[cell.panel] -= 1
         if left[cell.panel] == 0:
             yield _panel_news(survey, cell.panel)
