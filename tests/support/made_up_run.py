@@ -26,7 +26,7 @@ def made_up_run(*, counts=(4, 4, 4), frames=41, title="A soft box under a press"
             "plane.ground", {"velocity": (0, 0, 0), "angular_velocity": (0, 0, 0), "normal": (0, 0, 2.0), "point": (0, 0, 0.2)}
         ),
         summary={"title": title},
-        scene=_scene(title, pins),
+        scene=_scene(title, pins, counts),
         lattice=LatticeBox(counts, tuple(ORIGIN), tuple(SIZE), "bezier"),
     )
 
@@ -65,11 +65,15 @@ def _point(name, height):
     return {f"plane.{name}.point.x": 0.3, f"plane.{name}.point.y": 0.0, f"plane.{name}.point.z": height}
 
 
-def _scene(title, pins):
+def _scene(title, pins, counts):
     return SimpleNamespace(
         title=title,
         loaded_mesh=None,
         contact=SimpleNamespace(of="lattice"),
+        lattice=SimpleNamespace(points=counts),
+        box=SimpleNamespace(size=tuple(SIZE)),
+        material=SimpleNamespace(youngs_modulus=1e4),
+        region=(),
         environment=SimpleNamespace(gravity=(0.0, 0.0, -9.81)),
         pin=tuple(SimpleNamespace(name=f"pin{n}", points=n) for n in range(len(pins))),
         select=lambda points: np.asarray(pins[points]),

@@ -1,5 +1,6 @@
 """Colours of what happens inside: a quantity of the lattice's cells on the surface of a picture."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
+from softffd.errors import SoftffdError
 from softffd.run.parts import require_name
 
 RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)
@@ -56,8 +58,7 @@ def tension_of(result, stage, frames, colour):
     words, unit, measure = COLOURS[colour]
     cells = {frame: measure(result, frame) for frame in frames}
     every = np.concatenate([values[np.isfinite(values)] for values in cells.values()] or [np.zeros(0)])
-    low, high = (0.0 if colour == "von_mises" else every.min(initial=1.0)), every.max(initial=1e-300)
-    scale = Normalize(low, high if high > low else low + 1)
+    scale = Normalize(*_ends(colour, every))
     tints = {}
     for frame, values in cells.items():
         of_vertices = _at_vertices(values, stage)
@@ -65,6 +66,34 @@ def tension_of(result, stage, frames, colour):
         tint[~np.isfinite(of_vertices)] = FOLDED
         tints[frame] = tint
     return Tension(tints, scale, words, unit)
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """A quantity of all cells over the frames (T, nx - 1, ny - 1, nz - 1), NaN where a cell is turned inside out; ends of its scale."""
+
+    name: str
+    words: str
+    unit: str
+    values: np.ndarray
+    ends: tuple[float, float]
+
+
+def cells_of(result, frames):
+    """The Cells of every name of COLOURS that the result knows, at these rows."""
+    found = []
+    for name, (words, unit, measure) in COLOURS.items():
+        with suppress(SoftffdError):
+            values = measure(result, frames)
+            low, high = _ends(name, values[np.isfinite(values)])
+            found.append(Cells(name, words, unit, values, (low, high)))
+    return found
+
+
+def _ends(name, values):
+    """Of the scale, low before high; stress begins at nothing, stretch where it is least, at 1 at most."""
+    low, high = (0.0 if name == "von_mises" else values.min(initial=1.0)), values.max(initial=1e-300)
+    return float(low), float(high if high > low else low + 1)
 
 
 def _at_vertices(values, stage):

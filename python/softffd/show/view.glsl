@@ -101,8 +101,9 @@ in vec3 world, shading, cell, shade;
 in vec2 skin_place;
 in float displacement, strain;
 uniform vec3 eye, up, key;
-uniform float colouring, largest, cage;               // colouring 0: paint, 1: displacement, 2: strain
+uniform float colouring, largest, cage;               // colouring 0: paint, 1: displacement, 2: strain, 3: cells
 uniform sampler2D ramp, skin;
+uniform highp sampler3D cells;                        // share of the scale, whether turned inside out
 out vec4 colour;
 float cell_lines() {
   vec3 width = max(fwidth(cell), 1e-6), near = abs(fract(cell - 0.5) - 0.5) / width;
@@ -117,7 +118,10 @@ void main() {
   n = dot(n, facet) < 0.0 ? -n : n;                   // a surface seen from its back is lit like its front
   float value = colouring < 1.5 ? displacement : strain;
   bool painted = colouring < 0.5;
-  vec3 ramped = texture(ramp, vec2(clamp(value / largest, 0.0, 1.0), 0.5)).rgb;
+  vec2 inner = texture(cells, cell / vec3(textureSize(cells, 0))).rg;
+  float share = colouring > 2.5 ? inner.r : value / largest;
+  vec3 ramped = texture(ramp, vec2(clamp(share, 0.0, 1.0), 0.5)).rgb;
+  if (colouring > 2.5 && inner.g > 0.0) ramped = vec3(0.5);
   vec3 base = pow(painted ? shade * texture(skin, skin_place).rgb : ramped, vec3(2.2));
   if (cage > 0.5) base *= 1.0 - 0.45 * cell_lines();
   float diffuse = max((dot(n, key) + 0.15) / 1.15, 0.0), sky = 0.5 + 0.5 * dot(n, up);

@@ -83,8 +83,11 @@ function write_readout() {
 function set_colour(colour) {
   state.colour = element("colour").value = colour;
   element("scale").hidden = colour === "paint";
-  element("quantity").textContent = colour === "strain" ? "strain (size of the Green strain tensor)" : "displacement from rest";
-  element("largest").textContent = colour === "strain" ? NUMBERS.format(+run.largest.strain.toPrecision(3)) : quantity(run.largest.displacement || 0, "m");
+  const inner = run.cells.find(each => each.name === colour), number = v => quantity(+v.toPrecision(3), inner.unit);
+  element("quantity").textContent = inner ? inner.words : colour === "strain" ? "strain (size of the Green strain tensor)" : "displacement from rest";
+  element("smallest").textContent = inner ? number(inner.ends[0]) : "0";
+  element("largest").textContent = inner ? number(inner.ends[1])
+    : colour === "strain" ? NUMBERS.format(+run.largest.strain.toPrecision(3)) : quantity(run.largest.displacement || 0, "m");
   show();
 }
 function toggle(name) {
@@ -140,7 +143,7 @@ function listen_to_pointers() {
   canvas.addEventListener("contextmenu", e => e.preventDefault());
   canvas.addEventListener("dblclick", reset_view);
 }
-const next_colour = () => set_colour({ paint: "displacement", displacement: "strain", strain: "paint" }[state.colour]);
+const next_colour = () => set_colour(COLOURS[(COLOURS.indexOf(state.colour) + 1) % COLOURS.length]);
 const KEYS = {
   " ": () => set_playing(!state.playing), ",": () => step_frames(-1), ".": () => step_frames(1),
   Home: () => go_to(times[0]), End: () => go_to(times[LAST]), "[": () => change_speed(-1), "]": () => change_speed(1),
@@ -192,6 +195,7 @@ function write_page() {
   element("grid").textContent = run.planes.length ? `grid: ${run.spacing} m` : "";
   for (const name of ["obstacles", "contacts"]) element(name).hidden = !run.planes.length;
   element("pressed").hidden = !run.touch.arrows.length;
+  for (const each of run.cells) element("colour").add(new Option(each.name === "von_mises" ? "stress" : each.name, each.name));
   element("ramp").style.background = `linear-gradient(90deg, ${Array.from({ length: 9 }, (_, i) => {
     const at = 3 * Math.round(i / 8 * (run.ramp.length / 3 - 1)); return `rgb(${run.ramp.slice(at, at + 3)})`; }).join(",")})`;
   Object.assign(element("slider"), { min: times[0], max: times[LAST], step: (times[LAST] - times[0]) / 5000 || 1 });
@@ -208,7 +212,7 @@ function start() {
   listen();
   offer_speeds();
   reset_view();
-  set_colour(["paint", "displacement", "strain"].includes(wanted.get("colour")) ? wanted.get("colour") : state.colour);
+  set_colour(COLOURS.includes(wanted.get("colour")) ? wanted.get("colour") : state.colour);
   if (wanted.has("t")) go_to(+wanted.get("t") || 0);
   set_playing(!wanted.has("t") && !still);
 }

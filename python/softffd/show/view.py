@@ -24,6 +24,7 @@ from softffd.run.history import energies, reactions
 from softffd.show.stage import FREE, PINNED, VIEW, round_length, stage_of
 from softffd.show.surface import split_at_creases
 from softffd.show.template import filled
+from softffd.show.tension import cells_of
 from softffd.show.touch import INK, MARK, touch_of
 
 MOST_FRAMES = 600
@@ -63,6 +64,7 @@ def page_text(result, *, mesh=None, origin=None, size=None):
         "planes": _planes(stage, frames),
         "rows": _rows(result, stage, frames),
         "largest": _largest(stage, frames),
+        "cells": [_cells(each) for each in cells_of(result, frames)],
         "touch": _touch(result, stage, frames),
     }
     return _page(run)
@@ -207,6 +209,16 @@ def _largest(stage, frames):
     green = (np.einsum("tvab,tvac->tvbc", gradient, gradient) - np.eye(3)) / 2
     sizes = {"displacement": np.linalg.norm(moved - samples, axis=2), "strain": np.linalg.norm(green, axis=(2, 3))}
     return {name: float(np.quantile(size, 0.99, axis=1).max()) for name, size in sizes.items()}
+
+
+def _cells(cells):
+    """Shares of the scale in 255 and whether a cell is turned inside out (T, cells, 2), x running fastest."""
+    low, high = cells.ends
+    known = np.isfinite(cells.values)
+    shares = np.where(known, (np.where(known, cells.values, low) - low) / (high - low), 0.0)
+    both = np.stack([255.0 * shares.clip(0, 1), 255.0 * ~known], axis=-1).round()
+    texts = {"name": cells.name, "words": cells.words, "unit": cells.unit, "ends": cells.ends}
+    return texts | {"values": _text(both.transpose(0, 3, 2, 1, 4), "u1")}
 
 
 def _text(values, kind):

@@ -11,6 +11,8 @@ for (const row of run.rows) {
   row.values = decode(row.values, Float32Array);
   row.vectors = row.vectors && decode(row.vectors, Float32Array);
 }
+for (const each of run.cells) each.values = decode(each.values, Uint8Array);
+const COLOURS = ["paint", "displacement", "strain", ...run.cells.map(each => each.name)];
 const state = { time: times[0], playing: false, speed: 1, colour: run.cage ? "displacement" : "paint", lattice: true, obstacles: true, contacts: true, follow: false };
 
 // Index of the last recorded frame at or before t, and the share of the way to the next.
@@ -87,7 +89,7 @@ const SOURCES = Object.fromEntries(element("shaders").textContent.split(/^\/{4} 
   const end = text.indexOf("\n");
   return [text.slice(0, end), text.slice(end)];
 }));
-let object, lines, balls, points, ramp, plain, skins, heights, planes;
+let object, lines, balls, points, ramp, cells, plain, skins, heights, planes;
 
 function shader(type, source) {
   const made = gl.createShader(type);
@@ -170,6 +172,7 @@ function build() {
     array: vertices([{ data: edges, width: 2, type: gl.INT, integer: true, each: 1 }]) };
   balls = { program: program("ball-vertex", "ball-fragment"), array: vertices([{ data: pinned, width: 1, type: gl.FLOAT }]) };
   points = texture(gl.RGBA32F, NX * NY, NZ, gl.RGBA, gl.FLOAT, null, gl.NEAREST);
+  cells = gl.createTexture();
   ramp = texture(gl.RGB8, run.ramp.length / 3, 1, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array(run.ramp), gl.LINEAR);
   plain = blank();
   skins = run.pictures.map(load_skin);
@@ -280,11 +283,24 @@ function bind(unit_number, image) {
   gl.activeTexture(gl.TEXTURE0 + unit_number);
   gl.bindTexture(gl.TEXTURE_2D, image);
 }
+// A texel for each cell: share of the scale, whether it is turned inside out; linear between the centres of cells.
+function load_cells() {
+  const shown = run.cells.find(each => each.name === state.colour), size = [NX - 1, NY - 1, NZ - 1];
+  gl.activeTexture(gl.TEXTURE3);
+  gl.bindTexture(gl.TEXTURE_3D, cells);
+  if (!shown) return;
+  const width = 2 * size[0] * size[1] * size[2], data = new Uint8Array(between(shown.values, width, frame_at(state.time)));
+  gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+  gl.texImage3D(gl.TEXTURE_3D, 0, gl.RG8, ...size, 0, gl.RG, gl.UNSIGNED_BYTE, data);
+  for (const end of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R]) gl.texParameteri(gl.TEXTURE_3D, end, gl.CLAMP_TO_EDGE);
+  for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_3D, filter, gl.LINEAR);
+}
 function draw_object(common) {
-  const colouring = ["paint", "displacement", "strain"].indexOf(state.colour);
+  const colouring = Math.min(COLOURS.indexOf(state.colour), 3);
+  load_cells();
   bind(0, points);
   bind(1, ramp);
-  use(object.program, { ...common, origin: run.origin, size: run.size, ramp: 1, skin: 2, cage: run.cage,
+  use(object.program, { ...common, origin: run.origin, size: run.size, ramp: 1, skin: 2, cells: 3, cage: run.cage,
     colouring, largest: run.largest[state.colour] || 1 });
   gl.bindVertexArray(object.array);
   let first = 0;

@@ -58,6 +58,7 @@ gl.linkProgram(asked);
 gl.useProgram(asked);
 gl.uniform3fv(gl.getUniformLocation(asked, "origin"), run.origin);
 gl.uniform3fv(gl.getUniformLocation(asked, "size"), run.size);
+gl.uniform1i(gl.getUniformLocation(asked, "cells"), 3);
 const count = decode(run.coordinates, Float32Array).length / 3, found = new Float32Array(8 * count), answers = [];
 const target = gl.createBuffer();
 gl.bindBuffer(gl.TRANSFORM_FEEDBACK_BUFFER, target);
@@ -212,7 +213,7 @@ def test_a_large_lattice_gets_fewer_frames(monkeypatch, tmp_path):
 
 def test_a_frame_costs_only_its_control_points(tmp_path):
     sizes = [write_view(made_up_run(frames=n), tmp_path / "v.html").stat().st_size for n in (101, 201)]
-    assert (sizes[1] - sizes[0]) / 100 < 4 / 3 * (64 * 12 + 2 * 36 + 8 + 6 * 12 + 2 * 2 * 12 + 16 * 12)
+    assert (sizes[1] - sizes[0]) / 100 < 4 / 3 * (64 * 12 + 2 * 36 + 8 + 6 * 12 + 2 * 2 * 12 + 16 * 12 + 2 * 2 * 27)
 
 
 def test_a_title_cannot_break_the_page(tmp_path):
@@ -262,6 +263,44 @@ def test_colour_scales_end_near_the_largest_value(tmp_path):
     largest = run_of(write_view(result, tmp_path / "view.html"))["largest"]
     assert np.isclose(largest["strain"], (1.5**2 - 1) / 2, rtol=1e-3)
     assert np.isclose(largest["displacement"], 0.5 * SIZE[2], rtol=1e-3)
+
+
+def cells_of_page(page):
+    return {each["name"]: each | {"values": decoded(each["values"], "u1", 2).reshape(41, 3, 3, 3, 2)} for each in run_of(page)["cells"]}
+
+
+def test_a_page_holds_stress_and_stretch_of_the_cells(tmp_path):
+    result = made_up_run()
+    cells = cells_of_page(write_view(result, tmp_path / "view.html"))
+    assert list(cells) == ["von_mises", "stretch"]
+    low, high = cells["stretch"]["ends"]
+    found = low + (high - low) * cells["stretch"]["values"][24, ..., 0].transpose(2, 1, 0) / 255
+    wanted = np.sqrt(np.linalg.eigvalsh(2 * result.strain(24) + np.eye(3))[..., -1])
+    assert np.abs(found - wanted).max() < 0.6 * (high - low) / 255
+    assert cells["von_mises"]["ends"][0] == 0 and cells["von_mises"]["values"][..., 0].max() == 255
+    assert not cells["von_mises"]["values"][..., 1].any()
+
+
+def test_cells_turned_inside_out_are_marked(tmp_path):
+    result = made_up_run()
+    result.positions[20, 1:, 0, 0] -= [2 * SIZE[0], 0, 0]
+    stress = cells_of_page(write_view(result, tmp_path / "view.html"))["von_mises"]["values"]
+    assert set(stress[20, ..., 1].ravel()) == {0, 255} and not stress[19, ..., 1].any()
+
+
+@needs_browser
+@pytest.mark.parametrize("folded", [False, True])
+def test_browser_colours_the_cells(tmp_path, folded):
+    """The share of the scale 1 everywhere: the ramp's dark end; turned inside out: grey."""
+    page, shot = write_view(made_up_run(), tmp_path / "view.html"), tmp_path / "shot.png"
+    values = base64.b64encode(bytes([0, 255] if folded else [255, 0]) * (41 * 27)).decode()
+    text = re.sub(r'("name":"von_mises".*?"values":")[^"]*', lambda match: match[1] + values, page.read_text("utf-8"))
+    page.write_text(text.replace("lattice: true", "lattice: false").replace("obstacles: true", "obstacles: false"), "utf-8")
+    shown = chromium(f"file://{page}#t=1.2&colour=von_mises", tmp_path, f"--screenshot={shot}", "--dump-dom")
+    assert "von Mises stress" in re.search(r'id="quantity">(.*?)<', shown)[1]
+    middle = np.asarray(Image.open(shot).convert("RGB"))[285:310, 370:500].reshape(-1, 3) / 255.0
+    red, _, blue = np.median(middle, axis=0)
+    assert abs(blue - red) < 0.08 if folded else blue - red > 0.2
 
 
 def test_a_run_without_recorded_positions_is_refused(tmp_path):
@@ -347,7 +386,7 @@ def test_keys_buttons_and_pointers_do_what_they_say(tmp_path):
         "slider": 0.5,
         "lattice": [False, "false", True],
         "contacts": [False, "false"],
-        "colours": ["paint", "displacement", "strain"],
+        "colours": ["von_mises", "stretch", "paint"],
         "speed": [0.5, 1],
         "dragged": True,
         "zoomed": True,
