@@ -15,6 +15,8 @@ from softffd.run.parts import require_name
 RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)
 """The second: cells that are turned inside out, which have no stress."""
 
+CELLS_AT_A_TIME = 200_000
+
 
 def _von_mises(result, frame):
     stress = result.stress(frame)
@@ -84,10 +86,16 @@ def cells_of(result, frames):
     found = []
     for name, (words, unit, measure) in COLOURS.items():
         with suppress(SoftffdError):
-            values = measure(result, frames)
+            values = np.concatenate([measure(result, some) for some in _parts(result, frames)])
             low, high = _ends(name, values[np.isfinite(values)])
             found.append(Cells(name, words, unit, values, (low, high)))
     return found
+
+
+def _parts(result, frames):
+    """Of the frames, each with so many cells that what stress needs on the way stays small."""
+    cells = np.prod(np.array(result.positions.shape[1:4]) - 1)
+    return np.array_split(frames, max(1, int(len(frames) * cells / CELLS_AT_A_TIME)))
 
 
 def _ends(name, values):
