@@ -58,11 +58,12 @@ def test_a_mode_decays_by_its_damping_ratio(method, points):
     assert -np.log(amplitude) / (3 * omega * period) == pytest.approx(ratio, rel=1e-3)
 
 
+@pytest.mark.parametrize("time", [1e-3, 0.1])
 @pytest.mark.parametrize("method", FOLLOWING)
-def test_a_thrown_and_spinning_body_is_not_braked(method):
+def test_a_thrown_and_spinning_body_is_not_braked(method, time):
     scene = scene_from(
         {
-            "material": {"youngs_modulus": 1e6, "internal_damping": 1e-3},
+            "material": {"youngs_modulus": 1e6, "internal_damping": time},
             "mass": {"density": 100.0},
             "initial": {"velocity": [1.0, 2.0, 3.0], "angular_velocity": [0.3, 0.5, -0.4]},
             "outputs": {"velocities": "all", "energy": True},
