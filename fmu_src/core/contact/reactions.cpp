@@ -6,7 +6,7 @@
 
 namespace softffd {
 
-Reactions::Reactions(int points, int planes) : trial_(points, planes) {
+Reactions::Reactions(int points, int planes) : trial_(points, planes), rested_(points) {
   nowhere_.planes.resize(planes);
   for (Points* each : {&forces_, &free_, &held_, &x_}) each->setZero(points, 3);
 }
@@ -31,6 +31,7 @@ void Reactions::find(const StepView& step) {
 void Reactions::open(const StepView& step, const Points& v0) {
   kick(step, v0);
   x_ = step.x0 + step.h * held_;
+  std::fill(rested_.begin(), rested_.end(), 0);
   trial_.begin(step.around, step.t0, step.h);
   if (trial_.drift(step, v0, held_, x_, nowhere_) != StepStatus::ok) return clear();
   find(step);
@@ -39,6 +40,7 @@ void Reactions::open(const StepView& step, const Points& v0) {
       return plane.at(step.t0).gap(row(step.x0, p)) <= touching * step.body.length;
     });
     if (!rests) set_row(forces_, p, Vec3::Zero());
+    rested_[p] = rests;
   }
 }
 
@@ -47,6 +49,14 @@ void Reactions::close(const StepView& step, const Contact& contact, const Points
   kick(step, v0);
   if (trial_.close(step, held_, nowhere_) != StepStatus::ok) return clear();
   find(step);
+  for (const int p : trial_.points())
+    if (!rested_[p]) set_row(forces_, p, Vec3::Zero());
+}
+
+void Reactions::hold(const StepView& step, SurfaceContact& surface, const SurfaceRows& rows, const Points& v0) {
+  kick(step, v0);
+  if (surface.hold(step, held_, rows) != StepStatus::ok) return clear();
+  for (int axis = 0; axis < 3; ++axis) forces_.col(axis) = step.body.mass * (held_.col(axis) - free_.col(axis)) / (0.5 * step.h);
 }
 
 void Reactions::give_back(const StepView& step, Points& v) const {

@@ -5,7 +5,7 @@
 /// stay so. Therefore the kick takes these forces with the others; before the rule decides, the point alone gives back what they would
 /// have given it, so that the rule finds the whole reaction, and momentum is what it books.
 #pragma once
-#include "contact/contact.hpp"
+#include "contact/surface_contact.hpp"
 
 namespace softffd {
 
@@ -15,8 +15,10 @@ class Reactions {
 
   /// At the opening: of points on an obstacle at t0, from velocities v0 before the kick. step.spring: forces of springs and dashpots there.
   void open(const StepView& step, const Points& v0);
-  /// At the closing: of points that the drift has left on an obstacle. v0: velocities before the kick; contact: after its drift.
+  /// At the closing: of points that were on an obstacle then and still are. v0: velocities before the kick; contact: after its drift.
   void close(const StepView& step, const Contact& contact, const Points& v0);
+  /// At either kick, where samples of the surface meet obstacles: of those that touch. rows: of the state.
+  void hold(const StepView& step, SurfaceContact& surface, const SurfaceRows& rows, const Points& v0);
   /// None.
   void clear();
 
@@ -29,6 +31,7 @@ class Reactions {
   void find(const StepView& step);
 
   Contact trial_;
+  std::vector<char> rested_;  ///< points on an obstacle at the opening
   Exchange nowhere_;
   Points forces_, free_, held_, x_;  ///< velocities after a kick by the forces at its beginning, without and with the rule
 };

@@ -162,13 +162,15 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
       x1 += move_;
       v += move_ / step.h;
       exchange.contacts_resolved += Count(drift_.rows.size());
-      exchange.dissipated += book(drift_, 1 / step.h, x1, exchange);
+      exchange.dissipated += book(step, drift_, 1 / step.h, x1, exchange);
     }
     rows.missed = std::max(rows.missed, drift_.missed());
     save(drift_, samples_.count(), rows.drift, rows.drift_friction);
     for (const Candidate& candidate : drift_.candidates)
       if (candidate.gap <= touching * length_) touching_.push_back(candidate);
   }
+  std::erase_if(lasting_,
+                [&](const Candidate& candidate) { return !std::ranges::binary_search(touching_, candidate.row, {}, &Candidate::row); });
   if (touching_.empty()) {
     close_.rows.clear();
     save(close_, samples_.count(), rows.close, rows.close_friction);
@@ -195,12 +197,14 @@ StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Poi
     if (!arrives_ || !gains(step, x1)) break;
   }
   std::size_t known = 0;
+  const Count before = impacts_;
   for (const SurfaceRow& row : drift_.rows) {
     const Count number = Count(row.plane) * samples_.count() + row.sample;
     while (known < rows.drift.size() && rows.drift[known] >= 0 && rows.drift[known] < number) ++known;
     if (known < rows.drift.size() && rows.drift[known] == number) continue;
     impacts_ += start_[row.plane].gap(samples_.at(row.sample, step.x0)) > touching * length_;
   }
+  lands_ = impacts_ > before;
   return StepStatus::ok;
 }
 
@@ -217,8 +221,8 @@ bool SurfaceContact::gains(const StepView& step, const Points& x1) const {
   return gain > no_gain * size;
 }
 
-/// Impulses of a stage with forces times per_force [N s]. Returns the work of the obstacles' own motion [J].
-double SurfaceContact::book(const SurfaceStage& stage, double per_force, const Points& x1, Exchange& exchange) const {
+/// Impulses of a stage with forces times per_force [N s]. Returns the work of the own motion of obstacles and pins [J].
+double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, double per_force, const Points& x1, Exchange& exchange) {
   double work = 0;
   for (std::size_t t = 0; t < stage.rows.size(); ++t) {
     const auto [q, s] = stage.rows[t];
@@ -227,13 +231,34 @@ double SurfaceContact::book(const SurfaceStage& stage, double per_force, const P
     work += impulse.dot(end_[q].material_velocity(here));
   }
   exchange.work += work;
+  return step.around.pins.empty() ? work : work + give_pins(step, stage, per_force, exchange);
+}
+
+/// Pins take what obstacles give the points that they hold: of each sample the share that its weights give these. Returns
+/// the work of the pins' own motion [J].
+double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
+  const int n = step.body.points();
+  weights_.resize(samples_.support());
+  given_.setZero(n, 3);
+  const Scalars once = Scalars::Ones(n);
+  for (std::size_t t = 0; t < stage.rows.size(); ++t) {
+    const int s = stage.rows[t].sample;
+    samples_.weights(s, once, weights_.data());
+    for (int axis = 0; axis < 3; ++axis) samples_.add(s, per_force * stage.force(int(t))[axis], weights_.data(), &given_(0, axis));
+  }
+  double work = 0;
+  step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {
+    const Vec3 impulse = -row(given_, held.point);
+    exchange.push(exchange.pins[held.pin], impulse, held.arm, held.velocity());
+    work += impulse.dot(held.velocity());
+  });
   return work;
 }
 
-StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange) {
-  if (touching_.empty()) return StepStatus::ok;
+/// Velocities after the closing kick, with these samples in front of their planes.
+StepStatus SurfaceContact::stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows) {
   const Points& x1 = step.x0;  // of this end of the step
-  close_.candidates = touching_;
+  close_.candidates = candidates;
   double fastest = largest_speed(v);
   for (Candidate& candidate : close_.candidates) {
     const HalfSpace& plane = end_[candidate.row.plane];
@@ -253,27 +278,37 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
   closing_.setZero(v.rows(), 3);
   close_.add_move(closing_);
   v += closing_;
-  exchange.dissipated += book(close_, 1, x1, exchange);
-  rows.missed = std::max(rows.missed, close_.missed());
-  save(close_, samples_.count(), rows.close, rows.close_friction);
-  weigh(step, v, exchange);
   return StepStatus::ok;
 }
 
-/// What contact took from the energy: its impulses J change the kinetic energy by J . w, where w is the mean of the velocities at both ends
-/// of the step; what they move the points by in it, the forces F have worked on, half a step at the drift and as much less at the closing.
-void SurfaceContact::weigh(const StepView& step, const Points& v1, Exchange& exchange) const {
+StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange) {
+  if (touching_.empty()) return StepStatus::ok;
+  lasting_ = touching_;
+  if (const StepStatus status = stop(touching_, step, v, rows); status != StepStatus::ok) return status;
+  exchange.dissipated += book(step, close_, 1, step.x0, exchange);
+  rows.missed = std::max(rows.missed, close_.missed());
+  save(close_, samples_.count(), rows.close, rows.close_friction);
+  return StepStatus::ok;
+}
+
+/// Its impulses J change the kinetic energy by J . w, where w is the mean of the velocities at both ends of the step. Where a sample lands
+/// they also move the points in the step, on which the forces F work: half a step at the drift and as much less at the closing. Lasting
+/// contact balances the part of F that this takes for work, and does none.
+double SurfaceContact::loss(const StepView& step, const Points& v1) const {
+  if (touching_.empty()) return 0;
   const int n = step.body.points();
   const Scalars &opening = step.kicks.opening_mass(), &closing = step.kicks.closing_mass();
   const double rate = 1 / step.h;
   double lost = 0;
   for (int axis = 0; axis < 3; ++axis)
     for (int p = 0; p < n; ++p) {
+      const double given = rate * opening[p] * move_(p, axis), after = closing[p] * closing_(p, axis);
+      lost -= (given + after) * 0.5 * (start_v_(p, axis) + v1(p, axis));
+      if (!lands_) continue;
       const double force = 0.5 * (start_force_(p, axis) + step.spring(p, axis) + step.force(p, axis));
-      const double half = 0.5 * step.h * step.body.inverse_mass[p] * force, mean = 0.5 * (start_v_(p, axis) + v1(p, axis));
-      lost += rate * opening[p] * move_(p, axis) * (half - mean) - closing[p] * closing_(p, axis) * (half + mean);
+      lost += (given - after) * 0.5 * step.h * step.body.inverse_mass[p] * force;
     }
-  exchange.dissipated += lost;
+  return lost;
 }
 
 }  // namespace softffd

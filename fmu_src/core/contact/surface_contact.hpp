@@ -37,9 +37,17 @@ class SurfaceContact {
 
   /// Before steps of size h from t0 on, with these half kicks.
   void begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h);
+  /// After `begin`, where the first kick is to be held: finds the samples that touch a plane at x.
+  void look(const Points& x);
   /// As in contact.hpp. rows: of the state.
   StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange);
   StepStatus close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange);
+  /// Energy that contact took in the step that `close` has ended, less the work of the obstacles' own motion [J], where kicks are those of
+  /// kick.hpp. v1: velocities at its end.
+  double loss(const StepView& step, const Points& v1) const;
+  /// Velocities with the samples held that touch at this end of the step, before its drift, and did at the other end, after it; nothing
+  /// else changes.
+  StepStatus hold(const StepView& step, Points& v, const SurfaceRows& rows) { return stop(lasting_, step, v, rows); }
 
   /// Does any sample touch a plane after the last drift?
   bool touched() const { return !touching_.empty(); }
@@ -50,14 +58,16 @@ class SurfaceContact {
   void set_planes();
   void move_planes(const StepView& step);
   StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
+  StepStatus stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows);
   StepStatus meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
   bool gains(const StepView& step, const Points& x1) const;
-  double book(const SurfaceStage& stage, double per_force, const Points& x1, Exchange& exchange) const;
-  void weigh(const StepView& step, const Points& v1, Exchange& exchange) const;
+  double book(const StepView& step, const SurfaceStage& stage, double per_force, const Points& x1, Exchange& exchange);
+  double give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
   // surface_jumps.cpp
   bool gaps_at(const Drive& around, double time, const Points& x, double& deepest);
   void shift(Points& x) const;
+  const std::vector<int>& near(int q, const HalfSpace& plane, const Points& x);
 
   const Samples& samples_;
   double length_;
@@ -69,11 +79,15 @@ class SurfaceContact {
   std::vector<Vec3> normals_;
   std::vector<Scalars> free_;          ///< heights before a stage
   std::vector<Candidate> touching_;    ///< after the last drift
+  std::vector<Candidate> lasting_;     ///< of these, between drift and closing, those that touched before the drift
   Points move_, closing_;              ///< what the stages have added to positions [m] and velocities [m/s]
+  Scalars weights_;                    ///< of a sample
+  Points given_;                       ///< by obstacles to the control points [N s]
   Points start_v_, start_force_;       ///< at the start of a step with contact
   bool near_ = false;                  ///< a control point is behind a plane
   std::vector<unsigned char> behind_;  ///< which
   bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
+  bool lands_ = false;                 ///< any sample does
   Count version_ = -1;
   double h_ = -1;
   Count impacts_ = 0;

@@ -26,6 +26,22 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
   return StepStatus::ok;
 }
 
+void SurfaceContact::look(const Points& x) {
+  touching_.clear();
+  for (int q = 0; q < int(end_.size()); ++q)
+    for (const int s : near(q, end_[q], x))
+      if (samples_.at(s, drift_.heights[q].data()) <= touching * length_) touching_.push_back({.row = {q, s}});
+  lasting_ = touching_;
+}
+
+/// Samples near plane q where it is now, all that touch it among them; their heights are those of drift_.
+const std::vector<int>& SurfaceContact::near(int q, const HalfSpace& plane, const Points& x) {
+  Scalars& heights = drift_.heights[q];
+  kernels::gaps(int(x.rows()), x.data(), plane.normal.data(), plane.offset, heights.data());
+  if (!search_.covers(q, heights)) search_.look(q, heights, 0);
+  return search_.near(q);
+}
+
 /// Planes without friction and heights above them; deepest: of the samples [m]. Returns whether any control point is behind one.
 bool SurfaceContact::gaps_at(const Drive& around, double time, const Points& x, double& deepest) {
   bool any = false;
@@ -57,13 +73,9 @@ void SurfaceContact::shift(Points& x) const {
 }
 
 void SurfaceContact::count(const Drive& around, double time, const Points& x, std::vector<Count>& contacts) {
-  for (std::size_t q = 0; q < end_.size(); ++q) {
-    const HalfSpace plane = around.planes[q].at(time);
-    Scalars& heights = drift_.heights[q];
-    kernels::gaps(int(x.rows()), x.data(), plane.normal.data(), plane.offset, heights.data());
-    if (!search_.covers(int(q), heights)) search_.look(int(q), heights, 0);
+  for (int q = 0; q < int(end_.size()); ++q) {
     contacts[q] = 0;
-    for (const int s : search_.near(int(q))) contacts[q] += samples_.at(s, heights.data()) <= touching * length_;
+    for (const int s : near(q, around.planes[q].at(time), x)) contacts[q] += samples_.at(s, drift_.heights[q].data()) <= touching * length_;
   }
 }
 

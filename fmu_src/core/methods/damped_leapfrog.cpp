@@ -25,6 +25,26 @@ void drift_pins(const StepView& step, Points& v, Points& x1, Exchange& exchange)
   }
 }
 
+bool losses(const Drive& around) { return around.watch && !around.damping_unwatched; }
+
+/// Kinetic energy of the points that no pin holds, at velocities v0 less that at v1 [J].
+double slowed(const Body& body, const Points& v0, const Points& v1) {
+  double energy = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int p = 0; p < body.points(); ++p)
+      if (!body.pinned[p]) energy += 0.5 * body.mass[p] * (v0(p, axis) - v1(p, axis)) * (v0(p, axis) + v1(p, axis));
+  return energy;
+}
+
+/// Work in half a step of forces on those points that go by v1 in place of v0 [J].
+double more_work(const StepView& step, const Points& spring, const Points& v0, const Points& v1) {
+  double work = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int p = 0; p < step.body.points(); ++p)
+      if (!step.body.pinned[p]) work += (v1(p, axis) - v0(p, axis)) * (spring(p, axis) + step.force(p, axis));
+  return 0.5 * step.h * work;
+}
+
 /// After the closing half kick, which found them with the velocity of the frame, they have it again. middle: velocities before the kick.
 void close_pins(const StepView& step, const Points& middle, Points& v, Exchange& exchange) {
   step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {
@@ -40,69 +60,110 @@ void close_pins(const StepView& step, const Points& middle, Points& v, Exchange&
 
 DampedLeapfrog::DampedLeapfrog(int points, int planes)
     : masses_(points), kick_(points), contact_(points, planes), reactions_(points, planes) {
-  for (Points* each : {&before_, &middle_, &next_, &force_, &inner_, &acting_}) each->setZero(points, 3);
+  for (Points* each : {&before_, &middle_, &next_, &force_, &inner_, &acting_, &kicked_, &rates_, &drift_}) each->setZero(points, 3);
 }
 
 Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
-  const Count before = contact_.impacts();
+  if (model.body.samples && !drive.planes.empty() && !surface_)
+    surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
+  const Count before = impacts();
   masses_.prepare(model.body, span.h);
   kick_.prepare(model.body, 0.5 * span.h);
-  contact_.begin(drive, span.time(0), span.h);
+  if (surface_) {
+    surface_->begin(model.body, masses_, drive, span.time(0), span.h);
+    surface_->look(run.path.motion.x);
+  } else {
+    contact_.begin(drive, span.time(0), span.h);
+  }
   resolved_ = 0.5 * span.h * model.body.fastest_damping <= explicit_kick;
   Outcome outcome{.work = double(span.steps) * step_work(model.body, Method::leapfrog, span.h)};
-  for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i)
-    outcome.status = step(model.body, drive, span, i, run.path.motion, run.path.exchange);
-  outcome.impacts = contact_.impacts() - before;
+  for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i) outcome.status = step(model.body, drive, span, i, run.path);
+  outcome.impacts = impacts() - before;
   return outcome;
 }
 
-StepStatus DampedLeapfrog::step(const Body& body, const Drive& around, const Span& span, Count i, State& state, Exchange& exchange) {
+StepStatus DampedLeapfrog::step(const Body& body, const Drive& around, const Span& span, Count i, Path& path) {
+  State& state = path.motion;
   const double t0 = span.time(i), t1 = span.time(i + 1);
   const StepView view{body, masses_, around, inner_, force_, state.x, t0, t1, span.h};
   around.force_at(t0, force_);
-  const StepStatus status = open(view, state, exchange);
+  const StepStatus status = open(view, path);
   if (status != StepStatus::ok) return status;
-  if (around.watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (t0 + t1), next_ - state.x);
+  if (around.watch && around.ramped) path.exchange.work += around.ramp_dot(0.5 * (t0 + t1), next_ - state.x);
   state.x.swap(next_);
   body.internal_force(state.x, state.spring);
   around.force_at(t1, force_);
-  return close(view, state, exchange);
+  return close(view, path);
 }
 
-StepStatus DampedLeapfrog::open(const StepView& view, State& state, Exchange& exchange) {
+StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
+  State& state = path.motion;
+  Exchange& exchange = path.exchange;
   const bool planes = !view.around.planes.empty();
   before_.swap(state.v);
+  rates_ = before_;
   prepare_kick(view, state, view.h);
-  if (planes && resolved_) reactions_.open(view, before_);
-  kick(view, state, planes && resolved_, false, state.v, exchange);
+  if (planes && resolved_) {
+    if (surface_)
+      reactions_.hold(view, *surface_, path.surface, before_);
+    else
+      reactions_.open(view, before_);
+  }
+  kick(view, state, planes && resolved_, false, exchange);
   next_ = state.x + view.h * state.v;
   drift_pins(view, state.v, next_, exchange);
-  return planes ? contact_.drift(view, before_, state.v, next_, exchange) : StepStatus::ok;
+  if (!planes) return StepStatus::ok;
+  const double work = exchange.work, dissipated = exchange.dissipated;
+  const Count before = impacts();
+  const StepStatus status = surface_ ? surface_->drift(view, before_, state.v, next_, path.surface, exchange)
+                                     : contact_.drift(view, before_, state.v, next_, exchange);
+  lands_ = impacts() > before;
+  if (lands_) drift_ = next_ - state.x;
+  if (!losses(view.around)) return status;
+  exchange.dissipated = dissipated + (exchange.work - work) + slowed(view.body, kicked_, state.v);
+  exchange.dissipated += more_work(view, state.spring, kicked_, state.v);
+  return status;
 }
 
-StepStatus DampedLeapfrog::close(const StepView& view, State& state, Exchange& exchange) {
-  const bool touched = !view.around.planes.empty() && contact_.touched();
+/// Where a point has landed dashpots felt it from then on: the drift's mean velocity tells when.
+StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
+  State& state = path.motion;
+  Exchange& exchange = path.exchange;
+  const bool touched = !view.around.planes.empty() && (surface_ ? surface_->touched() : contact_.touched());
   middle_ = before_ = state.v;
   view.around.visit_pinned(view.t1, [&](const PinnedPoint& held) { set_row(before_, held.point, held.velocity()); });
+  rates_ = before_;
+  if (lands_ && resolved_)
+    for (int p = 0; p < view.body.points(); ++p)
+      if (!view.body.pinned[p]) set_row(rates_, p, 2 / view.h * row(drift_, p) - row(kicked_, p));
   prepare_kick(view, state, -view.h);
-  if (touched && resolved_) reactions_.close(view, contact_, before_);
-  kick(view, state, touched && resolved_, true, state.v, exchange);
+  if (touched && resolved_) {
+    if (surface_)
+      reactions_.hold(view, *surface_, path.surface, before_);
+    else
+      reactions_.close(view, contact_, before_);
+  }
+  kick(view, state, touched && resolved_, true, exchange);
   close_pins(view, middle_, state.v, exchange);
-  return touched ? contact_.close(view, state.v, exchange) : StepStatus::ok;
+  if (!touched) return StepStatus::ok;
+  const double work = exchange.work, dissipated = exchange.dissipated;
+  const StepStatus status = surface_ ? surface_->close(view, state.v, path.surface, exchange) : contact_.close(view, state.v, exchange);
+  if (losses(view.around)) exchange.dissipated = dissipated + (exchange.work - work) + slowed(view.body, kicked_, state.v);
+  return status;
 }
 
 void DampedLeapfrog::prepare_kick(const StepView& view, const State& state, double drift) {
   inner_ = state.spring;
-  view.body.springs.add_dashpot_force(state.x, before_, inner_, drift);
+  view.body.springs.add_dashpot_force(state.x, rates_, inner_, drift);
 }
 
-void DampedLeapfrog::kick(const StepView& view, const State& state, bool held, bool drifted, Points& v, Exchange& exchange) {
+/// The forces that hold points are the contact's: their work is none of the kick's.
+void DampedLeapfrog::kick(const StepView& view, State& state, bool held, bool drifted, Exchange& exchange) {
   if (held) acting_ = view.force + reactions_.forces();
-  const Points& outside = held ? acting_ : view.force;
-  kick_.apply(view.body, state.x, inner_, outside, before_, v);
-  if (view.around.watch && !view.around.damping_unwatched)
-    exchange.dissipated += kick_.loss(view.body, state.spring, outside, before_, v, drifted);
-  if (held) reactions_.give_back(view, v);
+  kick_.apply(view.body, state.x, inner_, held ? acting_ : view.force, before_, state.v);
+  if (!view.around.planes.empty()) kicked_ = state.v;
+  if (losses(view.around)) exchange.dissipated += kick_.loss(view.body, state.spring, view.force, before_, state.v, drifted);
+  if (held) reactions_.give_back(view, state.v);
 }
 
 }  // namespace softffd

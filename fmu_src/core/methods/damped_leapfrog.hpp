@@ -9,6 +9,8 @@
 ///
 /// the difference cancels to second order in h, and where dashpots are strong a body that turns keeps its size.
 #pragma once
+#include <memory>
+
 #include "contact/reactions.hpp"
 #include "forces/damped_kick.hpp"
 #include "methods/integrator.hpp"
@@ -21,21 +23,26 @@ class DampedLeapfrog {
   Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run);
 
  private:
-  StepStatus step(const Body& body, const Drive& drive, const Span& span, Count i, State& state, Exchange& exchange);
-  StepStatus open(const StepView& view, State& state, Exchange& exchange);
-  StepStatus close(const StepView& view, State& state, Exchange& exchange);
+  StepStatus step(const Body& body, const Drive& drive, const Span& span, Count i, Path& path);
+  StepStatus open(const StepView& view, Path& path);
+  StepStatus close(const StepView& view, Path& path);
   /// The forces at the beginning of a kick from before_. drift: the time of the drift after it, or less than 0 of the one before it.
   void prepare_kick(const StepView& view, const State& state, double drift);
-  /// From before_ to v, with the reactions of obstacles where there are any.
-  void kick(const StepView& view, const State& state, bool held, bool drifted, Points& v, Exchange& exchange);
+  /// From before_, with the reactions of obstacles where there are any.
+  Count impacts() const { return surface_ ? surface_->impacts() : contact_.impacts(); }
+  void kick(const StepView& view, State& state, bool held, bool drifted, Exchange& exchange);
 
   HalfKicks masses_;  ///< what the contact rule asks of kicks
   DampedKick kick_;
   Contact contact_;
   Reactions reactions_;
-  bool resolved_ = false;          ///< kicks are so short that the forces at their beginning tell the reactions
-  Points before_, middle_, next_;  ///< velocities before a half kick and after the drift, positions after it
-  Points force_, inner_, acting_;  ///< outside forces now; forces of springs and dashpots; outside forces with the reactions
+  std::unique_ptr<SurfaceContact> surface_;  ///< for bodies with samples of their surface
+  bool lands_ = false;                       ///< a point comes onto an obstacle in this step
+  bool resolved_ = false;                    ///< kicks are so short that the forces at their beginning tell the reactions
+  Points before_, middle_, next_;            ///< velocities before a half kick and after the drift, positions after it
+  Points drift_;                             ///< by which points have moved in it
+  Points kicked_, rates_;                    ///< velocities after a half kick with the reactions; those that the dashpots go by
+  Points force_, inner_, acting_;            ///< outside forces now; forces of springs and dashpots; outside forces with the reactions
 };
 
 }  // namespace softffd

@@ -262,7 +262,7 @@ void check_complete(const SceneFile& s) {
     throw SceneFileError("resources/scene.txt: springs of a modulus are of the topology distinct");
 }
 
-/// Planes are to meet these samples of the surface; explicit steps of bodies without internal damping can.
+/// Planes are to meet these samples of the surface; explicit steps can.
 void take_samples(SceneFile& s) {
   if (s.samples.empty() || s.planes.empty()) return;
   Definition& d = s.definition;
@@ -271,9 +271,6 @@ void take_samples(SceneFile& s) {
     const auto part = (place - d.lattice.origin).array() / d.lattice.size.array();
     if (!(part.minCoeff() >= -outside && part.maxCoeff() <= 1 + outside)) refuse("a sample of the surface lies outside of the box");
   }
-  const bool damped = std::any_of(d.regions.begin(), d.regions.end(), [](const Region& region) { return region.internal_damping > 0.0; });
-  if (s.internal_damping || damped)
-    refuse("contact of the surface and internal damping do not go together yet; leave one of them out, or take damping");
   if (!meets_surface(Method(s.method - 1)))
     refuse("the method does not know contact of the surface; wanted auto, leapfrog, bm4, rkn12 or dop853");
   d.samples = std::make_shared<const Samples>(s.basis, d.lattice, s.samples);

@@ -1,16 +1,16 @@
-"""The checks of contact of the surface: a mesh that has one, explicit steps, no internal damping."""
+"""The checks of contact of the surface: a mesh that has one, explicit steps."""
 
 from collections.abc import Iterator
 
 from softffd.scene.draft import Draft
-from softffd.scene.faults import Fault, KeyPath, toml_text
+from softffd.scene.faults import Fault, toml_text
 
 MEETING = ("auto", "leapfrog", "bm4", "rkn12", "dop853")
 """Methods whose steps know contact of the surface"""
 
 
 def contact_check(draft: Draft) -> Iterator[Fault]:
-    """The problems of a draft's contact with its mesh, method and material."""
+    """The problems of a draft's contact with its mesh and method."""
     contact = draft.scene.contact
     if not draft.sound("contact", "of"):
         return
@@ -23,7 +23,6 @@ def contact_check(draft: Draft) -> Iterator[Fault]:
         yield Fault(("contact", "of"), '"surface" needs a mesh, but the scene has no [mesh]; take "lattice" instead')
     if draft.scene.plane:
         yield from _method(draft)
-        yield from _damping(draft)
 
 
 def _method(draft: Draft) -> Iterator[Fault]:
@@ -32,13 +31,3 @@ def _method(draft: Draft) -> Iterator[Fault]:
         wanted = " or ".join([", ".join(f'"{each}"' for each in MEETING[:-1]), f'"{MEETING[-1]}"'])
         text = f'wanted {wanted} beside contact.of = "surface", which only explicit steps know, got {toml_text(method)}'
         yield Fault(("solver", "method"), text)
-
-
-def _damping(draft: Draft) -> Iterator[Fault]:
-    sections: list[tuple[KeyPath, float | None]] = [(("material",), draft.scene.material.internal_damping)]
-    sections += [(("region", n), region.internal_damping) for n, region in enumerate(draft.scene.region)]
-    for place, value in sections:
-        path = (*place, "internal_damping")
-        if value and draft.sound(*path):
-            text = f'wanted 0 beside contact.of = "surface", which does not know it; take damping, or contact.of = "lattice", got {value:g}'
-            yield Fault(path, text)

@@ -302,7 +302,7 @@ class Contact(Section):
     of: Literal["surface", "lattice"] = key(
         "lattice",
         '"lattice": the control points, in whose hull the object stays; "surface": the vertices of the mesh, in explicit steps: with the '
-        'methods "auto", "leapfrog", "bm4", "rkn12" and "dop853", without internal damping',
+        'methods "auto", "leapfrog", "bm4", "rkn12" and "dop853"',
     )
     penetration: Number = quantity(
         1e-3,
