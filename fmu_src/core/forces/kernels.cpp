@@ -220,31 +220,6 @@ INNER void subtract_stiffness_product(const SpringRow& springs, int points, cons
   give_both_ends(springs, points, scratch, f);
 }
 
-INNER void dashpot_products(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In u0, In v0, In w0, In u1, In v1, In w1, In c,
-                            double drift, Out sx, Out sy, Out sz) {
-  for (int p = 0; p < lanes; ++p) {
-    const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
-    const double ux = u1[p] - u0[p], uy = v1[p] - v0[p], uz = w1[p] - w0[p];
-    const double inverse = 1.0 / (dx * dx + dy * dy + dz * dz + smallest_square);
-    const double rate = (dx * ux + dy * uy + dz * uz) * inverse;
-    const double ax = ux - rate * dx, ay = uy - rate * dy, az = uz - rate * dz;  // across
-    const double along = c[p] * (rate + 0.5 * drift * ((ax * ax + ay * ay + az * az) * inverse));
-    sx[p] = along * dx;
-    sy[p] = along * dy;
-    sz[p] = along * dz;
-  }
-}
-
-INNER void add_dashpot_force(const SpringRow& springs, int points, const double* x, const double* v, const double* c, double drift,
-                             double* f, double* scratch) {
-  const int lanes = springs.lanes, offset = springs.offset;
-  const double *a = x + springs.begin, *b = a + offset, *va = v + springs.begin, *vb = va + offset;
-  double *sx = scratch, *sy = scratch + lanes, *sz = scratch + 2 * lanes;
-  dashpot_products(lanes, a, a + points, a + 2 * points, b, b + points, b + 2 * points, va, va + points, va + 2 * points, vb, vb + points,
-                   vb + 2 * points, c, drift, sx, sy, sz);
-  give_both_ends(springs, points, scratch, f);
-}
-
 }  // namespace loops
 
 decltype(add_stiffness_bounds) add_stiffness_bounds = chosen<loops::add_stiffness_bounds>();
@@ -260,6 +235,5 @@ decltype(gaps) gaps = chosen<loops::gaps>();
 decltype(behind) behind = chosen<loops::behind<2>, loops::behind<4>, loops::behind<8>>();
 decltype(largest_change) largest_change = chosen<loops::largest_change<2>, loops::largest_change<4>, loops::largest_change<8>>();
 decltype(subtract_stiffness_product) subtract_stiffness_product = chosen<loops::subtract_stiffness_product>();
-decltype(add_dashpot_force) add_dashpot_force = chosen<loops::add_dashpot_force>();
 
 }  // namespace softffd::kernels

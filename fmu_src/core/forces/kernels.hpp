@@ -55,11 +55,4 @@ extern double (*const largest_change)(const SpringRow& springs, int points, cons
 extern void (*const subtract_stiffness_product)(const SpringRow& springs, int points, const double* x, const double* u, double* f,
                                                 double* scratch);
 
-/// f -= what dashpots c (lanes) along the springs take from ends that move with v: c r u, u the unit vector along the spring, r the mean
-/// rate of its length if its ends go straight on for the time `drift` from now, or have come straight for it where that is negative; with w
-/// the velocity of the second end past the first, r = u.w + drift (w across u)^2 / 2 per length. x, v, f: (3 * points); scratch: (3 *
-/// lanes).
-extern void (*const add_dashpot_force)(const SpringRow& springs, int points, const double* x, const double* v, const double* c,
-                                       double drift, double* f, double* scratch);
-
 }  // namespace softffd::kernels

@@ -55,21 +55,54 @@ INNER void copy_tail(const SpringPass& pass, const double* x, double* end) {
   }
 }
 
-/// What the springs of n points give these goes to the rings.
-template <int n, bool wraps>
-INNER void give(const SpringPass::Offsets& offsets, const SpringKinds::Material* material, unsigned springs, int lane, const double* x,
-                std::ptrdiff_t column, double* ring) {
+/// Of springs: k (1 - l/r) for each length of d.
+struct Stretch {
+  static constexpr int arrays = 1;
+  const SpringKinds& kinds;
+  std::array<const double*, arrays> from;  ///< positions
+  template <int n>
+  INLINED Lanes<n> pull(const SpringKinds::Material& material, int lane, const Triple<n>*, const Triple<n>& d) const {
+    const Lanes<n> r = square_root<n>(d.x * d.x + d.y * d.y + d.z * d.z + smallest_square);
+    return load<n>(material.stiffness + lane) * (1.0 - load<n>(material.rest_length + lane) / r);
+  }
+};
+
+/// Of dashpots: c times the mean rate of the length over the drift, for each length; and for each length of d.
+struct Rate {
+  static constexpr int arrays = 2;
+  const SpringKinds& kinds;
+  std::array<const double*, arrays> from;  ///< positions, velocities
+  double drift;
+  template <int n>
+  INLINED Lanes<n> pull(const SpringKinds::Material& material, int lane, const Triple<n>* more, const Triple<n>& d) const {
+    const Triple<n>& w = *more;
+    const Lanes<n> inverse = 1.0 / (d.x * d.x + d.y * d.y + d.z * d.z + smallest_square);
+    const Lanes<n> rate = (d.x * w.x + d.y * w.y + d.z * w.z) * inverse;
+    const Lanes<n> ax = w.x - rate * d.x, ay = w.y - rate * d.y, az = w.z - rate * d.z;  // across
+    return load<n>(material.stiffness + lane) * (rate + 0.5 * drift * ((ax * ax + ay * ay + az * az) * inverse));
+  }
+};
+
+/// Ways from points to their neighbours.
+template <int n>
+INNER Triple<n> way(const double* to, std::ptrdiff_t column, const Triple<n>& from) {
+  const Triple<n> there = load<n>(to, column);
+  return {there.x - from.x, there.y - from.y, there.z - from.z};
+}
+
+/// What the springs of n points give these by the law goes to the rings. x: the law's arrays at these points.
+template <int n, bool wraps, class Law>
+INNER void give(const Law& law, const SpringPass::Offsets& offsets, const SpringKinds::Material* material, unsigned springs, int lane,
+                const std::array<const double*, Law::arrays>& x, std::ptrdiff_t column, double* ring) {
   constexpr std::ptrdiff_t row = stride(wraps);
-  const double *y = x + column, *z = y + column;
-  const Lanes<n> x0 = load<n>(x), y0 = load<n>(y), z0 = load<n>(z);
-  each_way([&](std::size_t d) INLINED {
+  Triple<n> here[Law::arrays], d[Law::arrays];
+  for (int i = 0; i < Law::arrays; ++i) here[i] = load<n>(x[i] + lane, column);
+  each_way([&](std::size_t w) INLINED {
     Lanes<n> sx{}, sy{}, sz{};
-    if (springs >> d & 1) {
-      const std::ptrdiff_t o = offsets[d];
-      const Lanes<n> dx = load<n>(x + o) - x0, dy = load<n>(y + o) - y0, dz = load<n>(z + o) - z0;
-      const Lanes<n> r = square_root<n>(dx * dx + dy * dy + dz * dz + smallest_square);
-      const Lanes<n> pull = load<n>(material[d].stiffness + lane) * (1.0 - load<n>(material[d].rest_length + lane) / r);
-      sx = pull * dx, sy = pull * dy, sz = pull * dz;
+    if (springs >> w & 1) {
+      for (int i = 0; i < Law::arrays; ++i) d[i] = way<n>(x[i] + lane + offsets[w], column, here[i]);
+      const Lanes<n> pull = law.template pull<n>(material[w], lane, d + 1, d[0]);
+      sx = pull * d[0].x, sy = pull * d[0].y, sz = pull * d[0].z;
       if constexpr (!wraps) store<n>(ring, row, {sx, sy, sz});
     }
     if constexpr (wraps) store<n>(ring, row, {sx, sy, sz});
@@ -77,12 +110,13 @@ INNER void give(const SpringPass::Offsets& offsets, const SpringKinds::Material*
   });
 }
 
-/// The forces on the n points at `slot` in the rings: what their springs give them less what they give the springs that end there.
+/// The forces on the n points at `slot` in the rings, added to f: what their springs give them less what they give the springs that end
+/// there.
 template <int n, bool wraps>
 INNER Triple<n> take(const SpringPass::Offsets& offsets, unsigned first, unsigned second, std::ptrdiff_t length, const double* rings,
-                     std::ptrdiff_t slot) {
+                     std::ptrdiff_t slot, const Triple<n>& f) {
   constexpr std::ptrdiff_t row = stride(wraps);
-  Lanes<n> fx{}, fy{}, fz{};
+  Lanes<n> fx = f.x, fy = f.y, fz = f.z;
   each_way([&](std::size_t d) INLINED {
     if (first >> d & 1) {
       const double* given = rings + slot;
@@ -105,29 +139,36 @@ INNER void copy_first(double* rings, std::ptrdiff_t length) {
     for (int lane = 0; lane < lanes; lane += n) store<n>(rings + length + lane, load<n>(rings + lane));
 }
 
-/// Hands the forces of a part to use.at, n points at a time, from the first to the last; the lattice's last block may have lanes behind the
-/// last point.
-template <int n, bool wraps, class Use>
-INNER void sweep(const SpringPass& pass, SpringPass::Part& part, const double* x, const Use& use) {
+/// Hands the forces of a part, added to what use.begin says, to use.at, n points at a time, from the first to the last; the lattice's last
+/// block may have lanes behind the last point.
+template <int n, bool wraps, class Law, class Use>
+INNER void sweep(const SpringPass& pass, SpringPass::Part& part, const Law& law, const Use& use) {
   const SpringPass::Offsets offsets = pass.offsets;
   const std::ptrdiff_t length = pass.ring;
-  double *rings = part.rings.front().of, *behind = part.behind.front().of + lanes;
+  double* rings = part.rings.front().of;
+  std::array<const double*, Law::arrays> x, behind;
 
   if constexpr (wraps) clear<n>(pass, rings);
-  if (part.end * lanes > pass.tail) copy_tail<n>(pass, x, behind);
+  for (int i = 0; i < Law::arrays; ++i) {
+    double* end = part.behind[i].front().of + lanes;
+    if (part.end * lanes > pass.tail) copy_tail<n>(pass, law.from[i], end);
+    behind[i] = end;
+  }
   const auto use_block = [&](int block, std::ptrdiff_t slot) INLINED {
     for (int p = block * lanes; p < (block + 1) * lanes; p += n, slot += n)
-      use.template at<n>(p, take<n, wraps>(offsets, pass.first.at<n>(p), pass.second.at<n>(p), length, rings, slot));
+      use.template at<n>(p,
+                         take<n, wraps>(offsets, pass.first.at<n>(p), pass.second.at<n>(p), length, rings, slot, use.template begin<n>(p)));
   };
   std::ptrdiff_t slot = pass.before, before = 0, column = pass.points;
   const int past_tail = part.lead * lanes - pass.tail;
-  x += part.lead * lanes;
-  if (past_tail > 0) x = behind + past_tail, column = pass.column;
-  for (int block = part.lead; block < part.end; ++block, x += lanes) {
+  for (int i = 0; i < Law::arrays; ++i) x[i] = past_tail > 0 ? behind[i] + past_tail : law.from[i] + part.lead * lanes;
+  if (past_tail > 0) column = pass.column;
+  for (int block = part.lead; block < part.end; ++block) {
     if (block * lanes == pass.tail) x = behind, column = pass.column;
-    const SpringKinds::Material* material = pass.kinds.of(block);
+    const SpringKinds::Material* material = law.kinds.of(block);
     for (int lane = 0; lane < lanes; lane += n)
-      give<n, wraps>(offsets, material, pass.first.at<n>(block * lanes + lane), lane, x + lane, column, rings + slot + lane);
+      give<n, wraps>(law, offsets, material, pass.first.at<n>(block * lanes + lane), lane, x, column, rings + slot + lane);
+    for (const double*& at : x) at += lanes;
     if (wraps && slot == 0) copy_first<n>(rings, length);
     if (block > part.begin) use_block(block - 1, before);
     before = slot;
@@ -141,10 +182,25 @@ struct Keep {
   int points;
   double* f;
   template <int n>
+  INLINED Triple<n> begin(int) const {
+    return {};
+  }
+  template <int n>
   INLINED void at(int p, const Triple<n>& force) const {
     if (p + n <= points) return store<n>(f + p, points, force);
     const int left = points - p;
     for (int i = 0; i < left; ++i) f[p + i] = force.x[i], f[points + p + i] = force.y[i], f[2 * points + p + i] = force.z[i];
+  }
+};
+
+/// Forces that are added to others.
+struct Add : Keep {
+  template <int n>
+  INLINED Triple<n> begin(int p) const {
+    if (p + n <= points) return load<n>(f + p, points);
+    Triple<n> there;
+    for (int i = 0; i < points - p; ++i) there.x[i] = f[p + i], there.y[i] = f[points + p + i], there.z[i] = f[2 * points + p + i];
+    return there;
   }
 };
 
@@ -155,6 +211,10 @@ struct Move {
   Stage stage;
   const double *outside, *x;
   double *v, *next, *forces = nullptr, *between = nullptr;
+  template <int n>
+  INLINED Triple<n> begin(int) const {
+    return {};
+  }
   template <int n>
   INLINED void at(int p, const Triple<n>& force) const {
     const Lanes<n> all[3] = {force.x, force.y, force.z};
@@ -191,26 +251,33 @@ struct Move {
 
 template <int n, bool wraps>
 INNER void force(const SpringPass& pass, SpringPass::Part& part, const double* x, double* f) {
-  sweep<n, wraps>(pass, part, x, Keep{pass.points, f});
+  sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Keep{pass.points, f});
+}
+
+template <int n, bool wraps>
+INNER void add_dashpots(const SpringPass& pass, SpringPass::Part& part, const double* x, const double* v, double drift, double* f) {
+  sweep<n, wraps>(pass, part, Rate{*pass.dashpots, {x, v}, drift}, Add{{pass.points, f}});
 }
 
 template <int n, bool wraps>
 INNER void advance(const SpringPass& pass, SpringPass::Part& part, const Stage& stage, const double* outside, const double* x, double* v,
                    double* next) {
   if (stage.count == 1)
-    sweep<n, wraps>(pass, part, x, Move<1, false>{pass.points, stage, outside, x, v, next});
+    sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Move<1, false>{pass.points, stage, outside, x, v, next});
   else
-    sweep<n, wraps>(pass, part, x, Move<2, false>{pass.points, stage, outside, x, v, next});
+    sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Move<2, false>{pass.points, stage, outside, x, v, next});
 }
 
 template <int n, bool wraps>
 INNER void advance_kept(const SpringPass& pass, SpringPass::Part& part, const Stage& stage, const double* outside, const double* x,
                         double* f, double* between, double* v, double* next) {
-  sweep<n, wraps>(pass, part, x, Move<2, true>{pass.points, stage, outside, x, v, next, f, between});
+  sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Move<2, true>{pass.points, stage, outside, x, v, next, f, between});
 }
 
 const auto near_force = chosen<force<2, false>, force<4, false>, force<8, false>>();
 const auto far_force = chosen<force<2, true>, force<4, true>, force<8, true>>();
+const auto near_dashpots = chosen<add_dashpots<2, false>, add_dashpots<4, false>, add_dashpots<8, false>>();
+const auto far_dashpots = chosen<add_dashpots<2, true>, add_dashpots<4, true>, add_dashpots<8, true>>();
 const auto near_advance = chosen<advance<2, false>, advance<4, false>, advance<8, false>>();
 const auto far_advance = chosen<advance<2, true>, advance<4, true>, advance<8, true>>();
 const auto near_advance_kept = chosen<advance_kept<2, false>, advance_kept<4, false>, advance_kept<8, false>>();
@@ -243,8 +310,7 @@ void SpringPass::divide(int blocks) {
   for (int part = 0; part < members; ++part) {
     const int begin = part == 0 ? 0 : parts.back().end, left = members - 1 - part;
     const int end = left == 0 ? blocks : std::clamp(int(more + each * (part + 1)), begin + 1, blocks - left);
-    parts.push_back({std::max(0, begin - reach), begin, end, std::vector<Block>(3 * ways * stride(wraps) / lanes),
-                     std::vector<Block>(3 * column / lanes + 1)});
+    parts.push_back({std::max(0, begin - reach), begin, end, std::vector<Block>(3 * ways * stride(wraps) / lanes), {room()}});
   }
 }
 
@@ -252,21 +318,39 @@ void SpringPass::set(const Rows& rows) {
   first.clear();
   second.clear();
   for (Part& part : parts) std::fill(part.rings.begin(), part.rings.end(), Block{});
-  kinds.clear();
+  for (std::size_t d = 0; d < ways; ++d)
+    for (int n = 0; n < rows[d].lanes; ++n) {
+      if (!(rows[d].stiffness[n] > 0)) continue;
+      first.add(rows[d].begin + n, 1u << d);
+      second.add(rows[d].begin + n + rows[d].offset, 1u << d);
+    }
+  fill(kinds, [&](std::size_t d, int p, int lane, SpringKinds::Material& material) {
+    const int n = p - rows[d].begin;
+    if (n < 0 || n >= rows[d].lanes) return;
+    material.stiffness[lane] = rows[d].stiffness[n];
+    material.rest_length[lane] = rows[d].rest_length[n];
+  });
+}
+
+void SpringPass::set_dashpots(const Rows& rows, const std::array<const double*, directions.size()>& c) {
+  if (!dashpots) {
+    dashpots = std::make_unique<SpringKinds>(parts.back().end);
+    for (Part& part : parts) part.behind[1] = room();
+  }
+  fill(*dashpots, [&](std::size_t d, int p, int lane, SpringKinds::Material& material) {
+    const int n = p - rows[d].begin;
+    if (n >= 0 && n < rows[d].lanes) material.stiffness[lane] = c[d][n];
+  });
+}
+
+template <class Set>
+void SpringPass::fill(SpringKinds& of, const Set& set) const {
+  of.clear();
   for (int block = 0; block < parts.back().end; ++block) {
     SpringKinds::Kind kind;
-    for (std::size_t d = 0; d < ways; ++d) {
-      const kernels::SpringRow& row = rows[d];
-      const unsigned bit = 1u << d;
-      for (int lane = 0; lane < lanes; ++lane) {
-        const int p = block * lanes + lane, n = p - row.begin;
-        if (n < 0 || n >= row.lanes) continue;
-        kind[d].stiffness[lane] = row.stiffness[n];
-        kind[d].rest_length[lane] = row.rest_length[n];
-        if (row.stiffness[n] > 0) first.add(p, bit), second.add(p + row.offset, bit);
-      }
-    }
-    kinds.add(kind);
+    for (std::size_t d = 0; d < ways; ++d)
+      for (int lane = 0; lane < lanes; ++lane) set(d, block * lanes + lane, lane, kind[d]);
+    of.add(kind);
   }
 }
 
@@ -280,6 +364,10 @@ void SpringPass::each_part(const Act& act) const {
 
 void SpringPass::force(const double* x, double* f) const {
   each_part([&](Part& part) { (wraps ? kernels::far_force : kernels::near_force)(*this, part, x, f); });
+}
+
+void SpringPass::add_dashpot_force(const double* x, const double* v, double drift, double* f) const {
+  each_part([&](Part& part) { (wraps ? kernels::far_dashpots : kernels::near_dashpots)(*this, part, x, v, drift, f); });
 }
 
 void SpringPass::advance(const Stage& stage, const double* outside, const double* x, double* v, double* next) const {

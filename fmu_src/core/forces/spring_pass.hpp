@@ -59,10 +59,18 @@ struct SpringPass {
 
   /// The springs, direction by direction.
   void set(const Rows& rows);
+  /// Dashpots along them, of c (lanes) in each direction [N s/m].
+  void set_dashpots(const Rows& rows, const std::array<const double*, directions.size()>& c);
 
   /// f = forces at x [N], eq. (6): k (1 - l/r) d on the first point, the opposite on the second; r = 0 gives no force. Both (3 * points),
   /// coordinate by coordinate.
   void force(const double* x, double* f) const;
+
+  /// f -= what the dashpots, if there are any, take from points at x that move with v: c r u on a spring's first point along the unit
+  /// vector u, the opposite on the second, r the mean rate of its length if its ends go straight on for the time `drift` from now, or have
+  /// come straight for it where that is negative. With w the velocity of the second end past the first, r = u.w + drift (w across u)^2 / 2
+  /// per length.
+  void add_dashpot_force(const double* x, const double* v, double drift, double* f) const;
 
   /// The stage from positions x and velocities v; next: the positions after it. All (3 * points); outside forces [N].
   void advance(const Stage& stage, const double* outside, const double* x, double* v, double* next) const;
@@ -76,23 +84,27 @@ struct SpringPass {
   /// What one thread does: sums up the blocks from `begin` to before `end`, after the springs of those from `lead` on.
   struct Part {
     int lead, begin, end;
-    std::vector<Block> rings;   ///< by direction and coordinate
-    std::vector<Block> behind;  ///< the tail of x by coordinate, with room around it
+    std::vector<Block> rings;                    ///< by direction and coordinate
+    std::array<std::vector<Block>, 2> behind{};  ///< the tails of x and v by coordinate, with room around them
   };
 
-  int points;                       ///< >= 8
-  bool wraps;                       ///< a ring is shorter than the lattice
-  int tail;                         ///< first point of the first block with neighbours' lanes behind the last point
-  std::ptrdiff_t before;            ///< [numbers] from a ring's beginning to its first block: the way to the farthest neighbour, at least
-  std::ptrdiff_t ring, column;      ///< [numbers]: a ring's length; from one coordinate of the tail's copy to the next
-  Offsets offsets;                  ///< from a point to its neighbour in each direction, >= 1
-  SpringKinds kinds;                ///< of the blocks
-  SpringEnds first, second;         ///< where springs begin, and where they end
-  mutable std::vector<Part> parts;  ///< one for each thread
+  int points;                   ///< >= 8
+  bool wraps;                   ///< a ring is shorter than the lattice
+  int tail;                     ///< first point of the first block with neighbours' lanes behind the last point
+  std::ptrdiff_t before;        ///< [numbers] from a ring's beginning to its first block: the way to the farthest neighbour, at least
+  std::ptrdiff_t ring, column;  ///< [numbers]: a ring's length; from one coordinate of the tail's copy to the next
+  Offsets offsets;              ///< from a point to its neighbour in each direction, >= 1
+  SpringKinds kinds;            ///< of the blocks
+  std::unique_ptr<SpringKinds> dashpots;  ///< their c for a stiffness
+  SpringEnds first, second;               ///< where springs begin, and where they end
+  mutable std::vector<Part> parts;        ///< one for each thread
   std::shared_ptr<Team> team;
 
  private:
   void divide(int blocks);
+  std::vector<Block> room() const { return std::vector<Block>(3 * column / lanes + 1); }
+  template <class Set>
+  void fill(SpringKinds& of, const Set& set) const;
   template <class Act>
   void each_part(const Act& act) const;
 };

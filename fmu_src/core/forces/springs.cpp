@@ -82,7 +82,7 @@ void Springs::set_stiffness(const Stiffness& stiffness, const std::vector<Spring
     for (int p = 0; p < row.lanes(); ++p)
       row.stiffness[p] = row.multiplicity[p] * row.overridden(p, stiffness.of(row.direction.kind()), overrides);
   }
-  refresh_pass();
+  pass_.set(views());
 }
 
 void Springs::set_modulus(const Scalars& modulus, const Scalars& time) {
@@ -103,11 +103,11 @@ void Springs::set_modulus(const Scalars& modulus, const Scalars& time) {
             row.dashpot[lane] += share * modulus[cell] * time[cell];
           }
   }
-  refresh_pass();
-  find_times();
+  pass_.set(views());
+  dashpots_changed();
 }
 
-void Springs::find_times() {
+void Springs::dashpots_changed() {
   longest_time_ = 0, shortest_time_ = std::numeric_limits<double>::infinity();
   for (const Row& row : rows_)
     for (int p = 0; p < row.lanes(); ++p) {
@@ -115,23 +115,22 @@ void Springs::find_times() {
       longest_time_ = std::max(longest_time_, row.dashpot[p] / row.stiffness[p]);
       shortest_time_ = std::min(shortest_time_, row.dashpot[p] / row.stiffness[p]);
     }
+  if (!dashpots()) return;
+  std::array<const double*, directions.size()> c;
+  for (std::size_t d = 0; d < c.size(); ++d) c[d] = rows_[d].dashpot.data();
+  pass_.set_dashpots(views(), c);
 }
 
-void Springs::refresh_pass() {
-  SpringPass::Rows rows;
-  for (std::size_t d = 0; d < rows.size(); ++d) rows[d] = rows_[d].view();
-  pass_.set(rows);
+SpringPass::Rows Springs::views() const {
+  SpringPass::Rows views;
+  for (std::size_t d = 0; d < views.size(); ++d) views[d] = rows_[d].view();
+  return views;
 }
 
 void Springs::set_dashpots(double time, const std::vector<SpringOverride>& overrides) {
   for (Row& row : rows_)
     for (int p = 0; p < row.lanes(); ++p) row.dashpot[p] = row.overridden(p, time, overrides) * row.stiffness[p];
-  find_times();
-}
-
-void Springs::add_dashpot_force(const Points& x, const Points& v, double* f, double drift) const {
-  for (const Row& row : rows_)
-    kernels::add_dashpot_force(row.view(), int(x.rows()), x.data(), v.data(), row.dashpot.data(), drift, f, scratch_.data());
+  dashpots_changed();
 }
 
 double Springs::energy(const Points& x) const {

@@ -70,7 +70,9 @@ class Springs {
   /// mean rate of their springs while all points go straight on for that time, or have come straight for it (negative): a spring that
   /// turns by the angle a grows by a^2 / 2 of its length on that way.
   void add_dashpot_force(const Points& x, const Points& v, Points& f, double drift = 0) const { add_dashpot_force(x, v, f.data(), drift); }
-  void add_dashpot_force(const Points& x, const Points& v, double* f, double drift = 0) const;
+  void add_dashpot_force(const Points& x, const Points& v, double* f, double drift = 0) const {
+    if (dashpots()) pass_.add_dashpot_force(x.data(), v.data(), drift, f);
+  }
   /// Elastic energy at x [J].
   double energy(const Points& x) const;
   /// Number of springs; a doubled segment counts twice.
@@ -93,8 +95,8 @@ class Springs {
   double* scratch() const { return scratch_.data(); }
 
  private:
-  void find_times();
-  void refresh_pass();
+  void dashpots_changed();
+  SpringPass::Rows views() const;
 
   Lattice lattice_;
   std::vector<Row> rows_;

@@ -55,8 +55,6 @@ TEST(samples_of_a_scene_with_planes_are_taken) {
 
 TEST(what_does_not_go_with_samples_is_refused_by_name) {
   CHECK(refusal(ground + "sample 0.5 0.5 1.1\n").find("outside of the box") != std::string::npos);
-  CHECK(refusal(ground + pyramid + "internal_damping 0.001\n").find("internal damping") != std::string::npos);
-  CHECK(refusal(ground + pyramid + "region_internal_damping 0.001 0 1\n").find("internal damping") != std::string::npos);
   for (const int method : {2, 7, 8})
     CHECK(refusal(ground + pyramid + "method " + std::to_string(method) + "\n").find("wanted auto, leapfrog") != std::string::npos);
   for (const int method : {1, 3, 4, 5, 6}) CHECK(refusal(ground + pyramid + "method " + std::to_string(method) + "\n").empty());

@@ -1,7 +1,7 @@
 """Scenes drawn at random: what a seed means, from the lattice to the course of its inputs and the lengths of its communication steps.
 
-A seed gives the same scene on every platform: uniform numbers of PCG64 in a fixed order, and values of four digits. Whoever adds a draw
-adds it at the end of its function, or all scenes become others.
+A seed gives the same scene on every platform: uniform numbers of PCG64 in a fixed order, values of four digits, and no sums by a BLAS, which
+differ with the processor. Whoever adds a draw adds it at the end of its function, or all scenes become others.
 """
 
 from __future__ import annotations
@@ -283,7 +283,7 @@ def _planes(draws: Draws, size: np.ndarray, resting: bool, held: bool, duration:
         if name == "b" and not touching:
             lean, way = math.pi * draws.between(0.4, 1.0), 2 * math.pi * draws.share()
             normal = _rounded(turned(normal, lean * np.array([math.cos(way), math.sin(way), 0.0])))
-        normal = normal / np.linalg.norm(normal)
+        normal = normal / math.sqrt((normal**2).sum())
         point = _foot(size, normal, clearance)
         friction = 0.0 if draws.chance(0.3) else draws.between(0.05, 0.8)
         moving = draws.chance(0.35)
@@ -308,7 +308,7 @@ def _by_input(*pose: str) -> dict[str, Any]:
 def _foot(size: np.ndarray, normal: np.ndarray, clearance: float) -> np.ndarray:
     """The point of a plane below the middle of a box of this size that is so far from the nearest corner [m]."""
     middle = size / 2
-    reach = float(np.abs(normal) @ middle)
+    reach = float((np.abs(normal) * middle).sum())
     return _rounded(middle - (reach + clearance) * normal)
 
 
