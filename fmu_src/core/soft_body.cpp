@@ -7,6 +7,7 @@
 
 #include "forces/light_points.hpp"
 #include "kit/thresholds.hpp"
+#include "model/arithmetic.hpp"
 #include "stepping/retry.hpp"
 
 namespace softffd {
@@ -199,6 +200,8 @@ StepStatus SoftBody::refresh_drive() {
   drive_.bent = any(settings.force_bend[0]) || any(settings.force_bend[1]);
   drive_.ramped = drive_.bent || any(settings.force_rate);
   if (drive_.bent) drive_.force_bend = settings.force_bend;
+  drive_.even = !drive_.ramped;
+  for (int axis = 0; axis < 3; ++axis) drive_.even = drive_.even && all_alike(drive_.force.col(axis));
   drive_.since = time;
   return StepStatus::ok;
 }

@@ -140,7 +140,7 @@ bool Contact::gather(const StepView& step, const Points& before, const Points& v
     octets_[open_[plane]].add(p);
   }
   const HalfKicks& kicks = step.kicks;
-  const Stage::Kick opening = kicks.stage().kicks[1];
+  const Stage::Kick opening = kicks.stage(false).kicks[1];
   const Gathered all{step.body.mass.data(),
                      step.body.damping.data(),
                      kicks.opening_mass().data(),

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <limits>
 
-#include "machine/instructions.hpp"
+#include "machine/lanes.hpp"
 
 namespace softffd {
 
@@ -15,14 +15,6 @@ namespace loops {
 
 INNER void edge(int lanes, double per_length, In here, In there, Out e) {
   for (int p = 0; p < lanes; ++p) e[p] = (there[p] - here[p]) * per_length;
-}
-
-INNER void lower(int lanes, In xx, In xy, In xz, In yx, In yy, In yz, In zx, In zy, In zz, Out smallest) {
-  for (int p = 0; p < lanes; ++p) {
-    const double ax = yy[p] * zz[p] - yz[p] * zy[p], ay = yz[p] * zx[p] - yx[p] * zz[p], az = yx[p] * zy[p] - yy[p] * zx[p];
-    const double volume = xx[p] * ax + xy[p] * ay + xz[p] * az;
-    smallest[p] = volume < smallest[p] ? volume : smallest[p];
-  }
 }
 
 INNER void pull(int lanes, double limit, In absent, In xx, In xy, In xz, In yx, In yy, In yz, In zx, In zy, In zz, Out pxx, Out pxy,
@@ -58,21 +50,56 @@ struct CornerEdges {
   }
 };
 
-/// Edges (9 * points) and the smallest corner volumes (lanes) of all cells.
-INNER void corner_volumes(int points, int lanes, const int offset[3], const double per_length[3], const double* absent, const double* x,
-                          double* edges, double* smallest) {
+/// Edges (9 * points), by axis of the edge, then by coordinate.
+INNER void make_edges(int points, const int offset[3], const double per_length[3], const double* x, double* edges) {
   for (int axis = 0; axis < 3; ++axis)
     for (int coordinate = 0; coordinate < 3; ++coordinate) {
       const double* here = x + coordinate * points;
       edge(points - offset[axis], per_length[axis], here, here + offset[axis], edges + (3 * axis + coordinate) * points);
     }
-  for (int p = 0; p < lanes; ++p) smallest[p] = std::numeric_limits<double>::infinity();
-  for (int corner = 0; corner < 8; ++corner) {
-    const CornerEdges at(offset, corner);
-    const double *ex = edges + at.x, *ey = edges + 3 * points + at.y, *ez = edges + 6 * points + at.z;
-    lower(lanes, ex, ex + points, ex + 2 * points, ey, ey + points, ey + 2 * points, ez, ez + points, ez + 2 * points, smallest);
+}
+
+template <int n>
+INNER Triple<n> edge_between(const Triple<n>& here, const Triple<n>& there, double per_length) {
+  return {(there.x - here.x) * per_length, (there.y - here.y) * per_length, (there.z - here.z) * per_length};
+}
+
+template <int n>
+INNER Lanes<n> determinant(const Triple<n>& x, const Triple<n>& y, const Triple<n>& z) {
+  const Lanes<n> ax = y.y * z.z - y.z * z.y, ay = y.z * z.x - y.x * z.z, az = y.x * z.y - y.y * z.x;
+  return x.x * ax + x.y * ay + x.z * az;
+}
+
+/// The smallest corner volumes of n cells from lane p on: their eight corners' points, bit `axis` of the number for the place along it.
+template <int n>
+INNER void lowest(int points, const int offset[3], const double per_length[3], const double* x, Lanes<n>& smallest) {
+  Triple<n> corner[8], along[3][4];
+  for (int c = 0; c < 8; ++c) corner[c] = load<n>(x + (c & 1) * offset[0] + (c >> 1 & 1) * offset[1] + (c >> 2) * offset[2], points);
+  for (int e = 0; e < 4; ++e) {
+    const int low = e & 1, high = e >> 1;
+    along[0][e] = edge_between<n>(corner[2 * e], corner[2 * e + 1], per_length[0]);
+    along[1][e] = edge_between<n>(corner[low + 4 * high], corner[low + 4 * high + 2], per_length[1]);
+    along[2][e] = edge_between<n>(corner[e], corner[e + 4], per_length[2]);
   }
-  for (int p = 0; p < lanes; ++p) smallest[p] += absent[p];
+  for (int c = 0; c < 8; ++c) {
+    const int a = c & 1, b = c >> 1 & 1, h = c >> 2;
+    const Lanes<n> volume = determinant<n>(along[0][b + 2 * h], along[1][a + 2 * h], along[2][a + 2 * b]);
+    smallest = volume < smallest ? volume : smallest;
+  }
+}
+
+/// Of all cells (lanes).
+template <int n>
+INNER void corner_volumes(int points, int lanes, const int offset[3], const double per_length[3], const double* absent, const double* x,
+                          double* smallest) {
+  const auto take = [&]<int m>(int p) INLINED {
+    Lanes<m> least = Lanes<m>{} + std::numeric_limits<double>::infinity();
+    lowest<m>(points, offset, per_length, x + p, least);
+    store<m>(smallest + p, least + load<m>(absent + p));
+  };
+  int p = 0;
+  for (; p + n <= lanes; p += n) take.template operator()<n>(p);
+  for (; p < lanes; ++p) take.template operator()<1>(p);
 }
 
 INNER bool any_below(int lanes, double limit, const double* values) {
@@ -103,7 +130,8 @@ INNER void add_squares(int points, int lanes, const int offset[3], const double 
 
 }  // namespace loops
 
-const auto corner_volumes = chosen<loops::corner_volumes>();
+const auto make_edges = chosen<loops::make_edges>();
+const auto corner_volumes = chosen<loops::corner_volumes<2>, loops::corner_volumes<4>, loops::corner_volumes<8>>();
 const auto any_below = chosen<loops::any_below>();
 const auto add_squares = chosen<loops::add_squares>();
 
@@ -121,7 +149,7 @@ Cells::Cells(const Lattice& lattice) : points_(lattice.points()), edges_(Scalars
 }
 
 const Scalars& Cells::smallest(const Points& x) const {
-  kernels::corner_volumes(points_, lanes(), offset_.data(), per_length_.data(), absent_.data(), x.data(), edges_.data(), smallest_.data());
+  kernels::corner_volumes(points_, lanes(), offset_.data(), per_length_.data(), absent_.data(), x.data(), smallest_.data());
   return smallest_;
 }
 
@@ -152,6 +180,7 @@ Cells::Corner Cells::corner(const Points& x, int lane, int a, int b, int c) cons
 
 void Cells::add_squares(double limit, double factor, const Points& x, Points& f) const {
   if (!any_below(limit, x)) return;
+  kernels::make_edges(points_, offset_.data(), per_length_.data(), x.data(), edges_.data());
   const std::array<double, 3> scaled{factor * per_length_[0], factor * per_length_[1], factor * per_length_[2]};
   kernels::add_squares(points_, lanes(), offset_.data(), scaled.data(), limit, absent_.data(), edges_.data(), pulls_.data(), f.data());
 }

@@ -29,6 +29,7 @@ void HalfKicks::prepare(const Body& body, double h) {
     opening_mass_[p] = half / open_.b[p];
     closing_mass_[p] = half / close_.b[p];
   }
+  for (KickCoefficients* each : {&open_, &close_}) each->find_even();
 }
 
 }  // namespace softffd

@@ -10,6 +10,7 @@
 /// exp(-g) that vanishes for large g: the terminal velocity f/d is exact.
 #pragma once
 #include "forces/body.hpp"
+#include "model/arithmetic.hpp"
 
 namespace softffd {
 
@@ -18,8 +19,10 @@ struct KickCoefficients {
   explicit KickCoefficients(int points) : a(Scalars::Zero(3 * points)), b(a) {}
   /// f = spring + outside forces [N].
   void apply(const Points& spring, const Points& outside, Points& v) const;
-  Stage::Kick kick() const { return {a.data(), b.data()}; }
+  Stage::Kick kick() const { return {a.data(), b.data(), even}; }
   Scalars a, b;
+  bool even = false;  ///< the same for all points, as `find_even` has found
+  void find_even() { even = all_alike(a) && all_alike(b); }
 };
 
 class HalfKicks {
@@ -35,8 +38,8 @@ class HalfKicks {
   }
   void close(const Points& spring, const Points& external, Points& v) const { close_.apply(spring, external, v); }
 
-  /// A closing half kick, the next opening one and the drift after it.
-  Stage stage() const { return {{close_.kick(), open_.kick()}, 2, h_}; }
+  /// A closing half kick, the next opening one and the drift after it. even_outside: the outside forces are the same on all points.
+  Stage stage(bool even_outside) const { return {{close_.kick(), open_.kick()}, 2, h_, even_outside}; }
 
   /// The impulse that a velocity change right after the half kick stands for, (points) [N s per m/s]: (h/2) / b; the mass where the kicks
   /// are those of damped_kick.hpp.

@@ -204,7 +204,7 @@ struct Add : Keep {
   }
 };
 
-/// Forces that move the points. keeps: what lies between is stored too.
+/// Forces that move the points. keeps: what lies between is stored too. What is the same for all points is read at the first ones.
 template <int kicks, bool keeps>
 struct Move {
   int points;
@@ -220,11 +220,15 @@ struct Move {
     const Lanes<n> all[3] = {force.x, force.y, force.z};
     if (p + n <= points) {
       Lanes<n> a[kicks], b[kicks];
-      for (int k = 0; k < kicks; ++k) a[k] = load<n>(stage.kicks[k].a + p), b[k] = load<n>(stage.kicks[k].b + p);
+      for (int k = 0; k < kicks; ++k) {
+        const int q = stage.kicks[k].even ? 0 : p;
+        a[k] = load<n>(stage.kicks[k].a + q), b[k] = load<n>(stage.kicks[k].b + q);
+      }
+      const double* acting = outside + (stage.even_outside ? 0 : p);
       for (int c = 0; c < 3; ++c) {
         const int i = c * points + p;
         if constexpr (keeps) store<n>(forces + i, all[c]);
-        const Lanes<n> f = all[c] + load<n>(outside + i);
+        const Lanes<n> f = all[c] + load<n>(acting + c * points);
         Lanes<n> w = load<n>(v + i);
         for (int k = 0; k < kicks; ++k) {
           if (keeps && k > 0) store<n>(between + i, w);
@@ -334,7 +338,7 @@ void SpringPass::set(const Rows& rows) {
 
 void SpringPass::set_dashpots(const Rows& rows, const std::array<const double*, directions.size()>& c) {
   if (!dashpots) {
-    dashpots = std::make_unique<SpringKinds>(parts.back().end);
+    dashpots.emplace(parts.back().end);
     for (Part& part : parts) part.behind[1] = room();
   }
   fill(*dashpots, [&](std::size_t d, int p, int lane, SpringKinds::Material& material) {

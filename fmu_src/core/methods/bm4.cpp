@@ -52,7 +52,7 @@ void Bm4::prepare(const Body& body, double h) {
   if (h == h_ && body.version == version_) return;
   h_ = h;
   version_ = body.version;
-  for (int k = 0; k < 4; ++k)
+  for (int k = 0; k < 4; ++k) {
     for (int i = 0; i < body.inverse_mass.size(); ++i) {
       const double tau = kick_shares[k] * h;
       const Decay whole = decay(tau * body.damping_rate[i]), half = decay(0.5 * tau * body.damping_rate[i]);
@@ -61,6 +61,8 @@ void Bm4::prepare(const Body& body, double h) {
       half_kicks_[k].a[i] = half.e;
       half_kicks_[k].b[i] = 0.5 * tau * body.inverse_mass[i] * half.mean;
     }
+    kicks_[k].find_even();
+  }
 }
 
 void Bm4::kick(const Equations& equations, int k, double t, State& state) {
@@ -99,7 +101,7 @@ void Bm4::glide(const Equations& equations, const Span& span, State& state) {
   for (Count n = 1; n < last; ++n) {
     const int i = int(n % drifts);
     const Stage::Kick kick = kicks_[order[i]].kick();
-    body.springs.advance({{kick, kick}, i == 0 ? 2 : 1, drift_shares[i] * h_}, around.force, state.x, state.v, next_);
+    body.springs.advance({{kick, kick}, i == 0 ? 2 : 1, drift_shares[i] * h_, around.even}, around.force, state.x, state.v, next_);
     state.x.swap(next_);
   }
   body.internal_force(state.x, state.spring);

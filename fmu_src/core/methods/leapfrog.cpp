@@ -86,7 +86,7 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
 /// Steps of which nothing is asked between their forces and the next drift: each but the first and the last is one pass.
 void Leapfrog::glide(const Body& body, const Drive& around, const Span& span, State& state) {
   const Points& force = around.ramped ? force_ : around.force;
-  const Stage stage = kicks_.stage();
+  const Stage stage = kicks_.stage(around.even);
   before_.swap(state.v);
   kicks_.open(state.spring, force, before_, state.x, state.v, next_);
   state.x.swap(next_);
@@ -166,7 +166,7 @@ StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, 
     return status == StepStatus::ok ? open(next, path) : status;
   }
   if (last.around.ramped) last.around.force_at(last.t1, force_);
-  last.body.springs.advance(kicks_.stage(), last.force, state.x, state.spring, before_, state.v, next_);
+  last.body.springs.advance(kicks_.stage(last.around.even), last.force, state.x, state.spring, before_, state.v, next_);
   if (surface_) {
     const StepStatus status = surface_->drift(next, before_, state.v, next_, path.surface, exchange);
     state.x.swap(next_);

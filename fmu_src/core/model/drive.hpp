@@ -26,6 +26,7 @@ struct Drive {
   std::array<Points, 2> force_bend;  ///< second and third derivative [N/s2, N/s3]; used only if `bent`
   bool ramped = false;               ///< any derivative is not zero
   bool bent = false;                 ///< any second or third
+  bool even = false;                 ///< the same forces on all points, and not ramped
   double since = 0;                  ///< start of the communication step [s]
   bool watch = false;                ///< dissipated energy and work are wanted in the Exchange
   bool damping_unwatched = false;    ///< but not what damping takes, which costs most to book

@@ -1,7 +1,7 @@
 """Scenes drawn at random: what a seed means, from the lattice to the course of its inputs and the lengths of its communication steps.
 
-A seed gives the same scene on every platform: uniform numbers of PCG64 in a fixed order, values of four digits, and no sums by a BLAS, which
-differ with the processor. Whoever adds a draw adds it at the end of its function, or all scenes become others.
+A seed gives the same scene on every platform: uniform numbers of PCG64 in a fixed order, values of four digits, and no sums by a BLAS,
+which differ with the processor. Whoever adds a draw adds it at the end of its function, or all scenes become others.
 """
 
 from __future__ import annotations
