@@ -63,12 +63,18 @@ INNER Triple<n> tangential(const Triple<n>& normal, const Triple<n>& v) {
   return v - dot(normal, v) * normal;
 }
 
+/// Of rounding, in squares: what is less is less without it.
+constexpr double surely = 1 - 1e-15;
+
 /// Coulomb friction of a normal impulse R on a point that slides: opposite to the mean slip, holding if it can. limit: mu R.
 template <int n>
 INNER Triple<n> after_friction(const Lanes<n>& limit, const Triple<n>& slip_before, const Triple<n>& slip_after) {
-  const Lanes<n> size = length(slip_after);
+  constexpr unsigned every = (1u << n) - 1;
+  const Lanes<n> square = dot(slip_after, slip_after);
+  if (bits<n>(square <= surely * limit * limit) == every) return {};  // nearly always, and then there is no root to be taken
+  const Lanes<n> size = square_root<n>(square);
   const auto held = size <= limit;
-  if (bits<n>(held) == (1u << n) - 1) return {};
+  if (bits<n>(held) == every) return {};
   const Triple<n> mean = slip_before + slip_after;
   const Lanes<n> way = length(mean);
   const Triple<n> slides = choose(way > 0.0, slip_after - limit / way * mean, (1.0 - limit / size) * slip_after);
