@@ -204,8 +204,9 @@ struct Add : Keep {
   }
 };
 
-/// Forces that move the points. keeps: what lies between is stored too. What is the same for all points is read at the first ones.
-template <int kicks, bool keeps>
+/// Forces that move the points. keeps: what lies between is stored too. large: what is the same for all points is read at
+/// the first ones; where little is read the question costs more.
+template <int kicks, bool keeps, bool large>
 struct Move {
   int points;
   Stage stage;
@@ -221,10 +222,10 @@ struct Move {
     if (p + n <= points) {
       Lanes<n> a[kicks], b[kicks];
       for (int k = 0; k < kicks; ++k) {
-        const int q = stage.kicks[k].even ? 0 : p;
+        const int q = large && stage.kicks[k].even ? 0 : p;
         a[k] = load<n>(stage.kicks[k].a + q), b[k] = load<n>(stage.kicks[k].b + q);
       }
-      const double* acting = outside + (stage.even_outside ? 0 : p);
+      const double* acting = outside + (large && stage.even_outside ? 0 : p);
       for (int c = 0; c < 3; ++c) {
         const int i = c * points + p;
         if constexpr (keeps) store<n>(forces + i, all[c]);
@@ -267,15 +268,15 @@ template <int n, bool wraps>
 INNER void advance(const SpringPass& pass, SpringPass::Part& part, const Stage& stage, const double* outside, const double* x, double* v,
                    double* next) {
   if (stage.count == 1)
-    sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Move<1, false>{pass.points, stage, outside, x, v, next});
+    sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Move<1, false, wraps>{pass.points, stage, outside, x, v, next});
   else
-    sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Move<2, false>{pass.points, stage, outside, x, v, next});
+    sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Move<2, false, wraps>{pass.points, stage, outside, x, v, next});
 }
 
 template <int n, bool wraps>
 INNER void advance_kept(const SpringPass& pass, SpringPass::Part& part, const Stage& stage, const double* outside, const double* x,
                         double* f, double* between, double* v, double* next) {
-  sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Move<2, true>{pass.points, stage, outside, x, v, next, f, between});
+  sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Move<2, true, wraps>{pass.points, stage, outside, x, v, next, f, between});
 }
 
 const auto near_force = chosen<force<2, false>, force<4, false>, force<8, false>>();
