@@ -59,6 +59,7 @@ void DampedKick::prepare(const Body& body, double t) {
   pinned_.clear();
   for (int p = 0; p < body.points(); ++p)
     if (body.pinned[p]) pinned_.push_back(p);
+  scale_ = -t / body.mass;
   reach_ = t * body.fastest_damping;
   interpolate(products(body, t) - 2, reach_, shares_);
 }
@@ -71,7 +72,7 @@ void DampedKick::multiply(const Body& body, const Points& x, Points& v, Points& 
   for (const int p : pinned_) set_row(v, p, Vec3::Zero());
   for (int axis = 0; axis < 3; ++axis) out.col(axis) = -body.damping * v.col(axis);
   body.springs.add_dashpot_force(x, v, out);
-  for (int axis = 0; axis < 3; ++axis) out.col(axis) *= -t_ / body.mass;
+  for (int axis = 0; axis < 3; ++axis) out.col(axis) *= scale_;
 }
 
 void DampedKick::apply(const Body& body, const Points& x, const Points& inner, const Points& outside, const Points& v0, Points& v) {

@@ -85,14 +85,14 @@ Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Sp
 StepStatus DampedLeapfrog::step(const Body& body, const Drive& around, const Span& span, Count i, Path& path) {
   State& state = path.motion;
   const double t0 = span.time(i), t1 = span.time(i + 1);
-  const StepView view{body, masses_, around, inner_, force_, state.x, t0, t1, span.h};
-  around.force_at(t0, force_);
+  const StepView view{body, masses_, around, inner_, around.ramped ? force_ : around.force, state.x, t0, t1, span.h};
+  if (around.ramped) around.force_at(t0, force_);
   const StepStatus status = open(view, path);
   if (status != StepStatus::ok) return status;
   if (around.watch && around.ramped) path.exchange.work += around.ramp_dot(0.5 * (t0 + t1), next_ - state.x);
   state.x.swap(next_);
   body.internal_force(state.x, state.spring);
-  around.force_at(t1, force_);
+  if (around.ramped) around.force_at(t1, force_);
   return close(view, path);
 }
 
