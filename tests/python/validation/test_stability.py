@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from softffd.cli.command import main
-from softffd.errors import SoftffdError
+from softffd.errors import SoftffdError, UnknownName
 from softffd.run.guard import Lost, abreast, guarded
 from softffd.validation.stability import survey as survey_module
 from softffd.validation.stability.border import borders, grows
@@ -157,6 +157,23 @@ def test_cells_are_judged_by_their_exact_solutions():
     assert coarse.error > 1e-3
     assert divided.kind in ("divided", "unstated")
     assert divided.internal_steps > divided.steps
+
+
+def test_cells_of_several_panels_run_each_in_its_own_scene():
+    """Whoever runs them takes some at a time, wherever a panel ends."""
+    panels = [Panel(scene, "auto") for scene in ("vibration", "damping", "rotation", "contact")]
+    ratios = [0.0, 30.0, 0.0, 0.0]
+    together = run_cells([Cell(panel, 1e3, 1e-2, ratio) for panel, ratio in zip(panels, ratios, strict=True)])
+    alone = [next(run_cells([Cell(panel, 1e3, 1e-2, ratio)])) for panel, ratio in zip(panels, ratios, strict=True)]
+    assert [(judged.kind, judged.error, judged.internal_steps) for judged in together] == [
+        (judged.kind, judged.error, judged.internal_steps) for judged in alone
+    ]
+    assert len({judged.error for judged in alone}) == 4 and all(judged.kind == "accurate" for judged in alone)
+
+
+def test_a_name_that_the_survey_gets_wrong_is_no_refusal():
+    with Drive(document("vibration")) as drive, pytest.raises(UnknownName):
+        drive.restart({"internal_damping": 1.0})
 
 
 @pytest.mark.parametrize("scene", ["vibration", "rotation", "contact"])

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from softffd.embedding.deform import Embedding
-from softffd.errors import FmuError
+from softffd.errors import FmuError, UnknownName
 from softffd.fmu.component import DISCARD, Block
 from softffd.fmu.package import scene_samples
 from softffd.lattice import all_points, to_grid
@@ -214,6 +214,8 @@ class Drive:
 def _refusals() -> Iterator[None]:
     try:
         yield
+    except UnknownName:
+        raise  # the survey's own fault, no refusal
     except FmuError as error:
         raise Refused(str(error)) from None
 

@@ -19,6 +19,7 @@ import math
 import time as clock
 from collections.abc import Iterator, Sequence
 from functools import cache
+from itertools import groupby
 
 import numpy as np
 
@@ -56,18 +57,18 @@ BEHIND = 1e-12
 
 
 def run_cells(cells: Sequence[Cell]) -> Iterator[Judged]:
-    """Runs cells of one panel one after the other."""
-    panel = cells[0].panel
-    with Drive(document(panel.scene)) as drive:
-        for cell in cells:
-            began = clock.perf_counter()
-            try:
-                judged = SCENES[panel.scene](Trial(drive, cell, began))
-            except Refused as refusal:
-                judged = Judged("refused", why=str(refusal), run_time=clock.perf_counter() - began)
-            except StateTouched as fault:
-                judged = Judged("WRONG", why=str(fault), run_time=clock.perf_counter() - began)
-            yield judged
+    """Runs cells one after the other, each in the scene of its panel."""
+    for scene, some in groupby(cells, lambda cell: cell.panel.scene):
+        with Drive(document(scene)) as drive:
+            for cell in some:
+                began = clock.perf_counter()
+                try:
+                    judged = SCENES[scene](Trial(drive, cell, began))
+                except Refused as refusal:
+                    judged = Judged("refused", why=str(refusal), run_time=clock.perf_counter() - began)
+                except StateTouched as fault:
+                    judged = Judged("WRONG", why=str(fault), run_time=clock.perf_counter() - began)
+                yield judged
 
 
 def document(scene: str) -> dict:
