@@ -23,6 +23,9 @@ double sum(const Octet::Number& of, unsigned lanes, double sum) {
   return sum;
 }
 
+/// Do all points of the octet touch its plane and no other?
+bool alone(const Octet& octet) { return octet.alone == octet.all(); }
+
 }  // namespace
 
 Contact::Contact(int points, int planes)
@@ -80,7 +83,9 @@ void Contact::begin(const Drive& around, double t0, double h) {
 }
 
 StepStatus Contact::drift(const StepView& step, const Points& before, Points& v, Points& x1, Exchange& exchange) {
-  const bool same = find(step, x1), at_hand = at_hand_;
+  const bool same = find(step, x1), at_hand = same && at_hand_;
+  if (at_hand_ && !same)
+    for (int o = 0; o < used_; ++o) put(octets_[o], x1, v);
   at_hand_ = false;
   if (touched_.empty()) {
     used_ = 0;
@@ -90,7 +95,8 @@ StepStatus Contact::drift(const StepView& step, const Points& before, Points& v,
     const Plane& plane = step.around.planes[q];
     if (!approach_[q].still) approach_[q] = {plane.at(step.t0), plane.at(0.5 * (step.t0 + step.t1)), end_[q], plane.friction, step.h};
   }
-  if (!(same && at_hand) && !gather(step, before, v, x1)) return StepStatus::pin_behind_plane;
+  if (!(same && grouped_ == step.body.version) && !group(step, x1)) return StepStatus::pin_behind_plane;
+  if (!at_hand) gather(step, before, v, x1);
   for (int o = 0; o < used_; ++o) impacts_ += std::popcount(meet(approach_[octets_[o].plane], touching * step.body.length, octets_[o]));
   for (int o = 0; o < used_; ++o) {
     Octet& octet = octets_[o];
@@ -124,8 +130,10 @@ bool Contact::find(const StepView& step, const Points& x1) {
   return false;
 }
 
-bool Contact::gather(const StepView& step, const Points& before, const Points& v, const Points& x1) {
+/// Which octets the points that were found go to.
+bool Contact::group(const StepView& step, const Points& x1) {
   used_ = 0;
+  grouped_ = -1;
   std::fill(open_.begin(), open_.end(), -1);
   for (const int p : touched_) {
     const int plane = end_.size() == 1 ? 0 : deepest(row(x1, p));
@@ -139,6 +147,11 @@ bool Contact::gather(const StepView& step, const Points& before, const Points& v
     }
     octets_[open_[plane]].add(p);
   }
+  grouped_ = step.body.version;
+  return true;
+}
+
+void Contact::gather(const StepView& step, const Points& before, const Points& v, const Points& x1) {
   const HalfKicks& kicks = step.kicks;
   const Stage::Kick opening = kicks.stage(false).kicks[1];
   const Gathered all{step.body.mass.data(),
@@ -154,7 +167,6 @@ bool Contact::gather(const StepView& step, const Points& before, const Points& v
                      x1,
                      v};
   for (int o = 0; o < used_; ++o) fetch(all, octets_[o]);
-  return true;
 }
 
 void Contact::book(const Octet& octet, unsigned lanes, Impulse& plane) {
@@ -172,9 +184,23 @@ int Contact::deepest(const Vec3& x1) const {
 }
 
 StepStatus Contact::close(const StepView& step, Points& v, Exchange& exchange) {
-  const auto alone = [](const Octet& octet) { return octet.alone == octet.all(); };
   for (int o = 0; o < used_; ++o)
     if (Octet& octet = octets_[o]; alone(octet)) settle_and_weigh(approach_[octet.plane], v, step.spring, step.force, octet);
+  return book_close(step, v, exchange);
+}
+
+StepStatus Contact::close_and_go_on(const StepView& step, Points& v, Points& x1, Exchange& exchange) {
+  for (int o = 0; o < used_; ++o)
+    if (Octet& octet = octets_[o]; alone(octet)) settle_and_go_on(approach_[octet.plane], v, step.spring, step.force, octet, x1);
+  if (const StepStatus status = book_close(step, v, exchange); status != StepStatus::ok) return status;
+  for (int o = 0; o < used_; ++o)
+    if (Octet& octet = octets_[o]; !alone(octet)) go_on(step.h, octet, x1);
+  at_hand_ = true;
+  return StepStatus::ok;
+}
+
+/// What the closing correction gave and took, and the correction of points that are not alone.
+StepStatus Contact::book_close(const StepView& step, Points& v, Exchange& exchange) {
   for (int o = 0; o < used_; ++o) {
     Octet& octet = octets_[o];
     if (alone(octet))
@@ -186,11 +212,6 @@ StepStatus Contact::close(const StepView& step, Points& v, Exchange& exchange) {
     exchange.contacts_resolved += octet.count;
   }
   return StepStatus::ok;
-}
-
-void Contact::go_on(double h, Points& v, Points& x1) {
-  for (int o = 0; o < used_; ++o) softffd::go_on(h, octets_[o], x1, v);
-  at_hand_ = true;
 }
 
 Count points_on(const HalfSpace& obstacle, double length, const Points& x) {

@@ -61,9 +61,9 @@ class Contact {
   /// After the closing half kick: corrects v of the points that the last drift corrected.
   StepStatus close(const StepView& step, Points& v, Exchange& exchange);
 
-  /// After that, where the next opening half kick and its free drift of size h have been done without the correction: does them again for
-  /// these points. So they are at hand for the drift after it, which need not look them up if it takes the same points behind the plane.
-  void go_on(double h, Points& v, Points& x1);
+  /// The same, where the next opening half kick and its free drift x1 have been done without the correction: does them again for these
+  /// points. So they are at hand for the drift after it, which need not look them up if it takes the same points behind the plane.
+  StepStatus close_and_go_on(const StepView& step, Points& v, Points& x1, Exchange& exchange);
 
   bool touched() const { return !touched_.empty(); }
   /// The points that the last drift took behind a plane.
@@ -73,7 +73,9 @@ class Contact {
 
  private:
   bool find(const StepView& step, const Points& x1);
-  bool gather(const StepView& step, const Points& before, const Points& v, const Points& x1);
+  void gather(const StepView& step, const Points& before, const Points& v, const Points& x1);
+  bool group(const StepView& step, const Points& x1);
+  StepStatus book_close(const StepView& step, Points& v, Exchange& exchange);
   static void book(const Octet& octet, unsigned lanes, Impulse& plane);
   int deepest(const Vec3& x1) const;
 
@@ -93,6 +95,7 @@ class Contact {
   std::vector<Octet> octets_;                 ///< those of them that no pin holds, by plane; the first so many:
   int used_ = 0;
   bool at_hand_ = false;   ///< octets hold the step that has begun
+  Count grouped_ = -1;     ///< version of the body of which octets hold the points that the last drift touched; -1: of none
   Octet unsettled_;        ///< before its closing correction
   std::vector<int> open_;  ///< (planes) octet that still has room
   std::vector<Constraint> constraints_;

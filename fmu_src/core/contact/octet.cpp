@@ -197,32 +197,61 @@ INNER void put_both(const Octet& octet, Points& x1, Points& v) {
 }
 
 template <int n>
-INNER void settle(const Approach& plane, const Points& kicked, const Points& spring, const Points& outside, Octet& octet) {
-  for (int lane = 0; lane < Octet::lanes; lane += n) {
-    const Triple<n> normal = spread<n>(plane.end.normal), x1 = load<n>(octet.x1, lane), before = load<n>(octet.v, lane);
-    const Triple<n> v = fetch<n>(octet, kicked, lane);
-    store<n>(octet.spring, lane, fetch<n>(octet, spring, lane));
-    store<n>(octet.outside, lane, fetch<n>(octet, outside, lane));
-    const Triple<n> surface = surface_velocity(plane, plane.end, x1);
-    const Lanes<n> reaction = positive<n>(dot(normal, surface) - dot(normal, v));
-    const Triple<n> slip = tangential(normal, v - surface);
-    const Triple<n> unkicked = tangential(normal, before - surface);
-    const Triple<n> left = after_friction<n>(plane.friction * reaction, unkicked, slip);
-    const Triple<n> change = reaction * normal + (left - slip), impulse = load<n>(octet.closing + lane) * change;
-    store<n>(octet.v, lane, v + change);
-    store<n>(octet.received, lane, load<n>(octet.received, lane) + impulse);
-    store<n>(octet.work + lane, load<n>(octet.work + lane) + note<n>(plane.end, x1, impulse, surface, lane, octet));
-  }
+INNER void settle_some(const Approach& plane, const Points& kicked, const Points& spring, const Points& outside, int lane, Octet& octet) {
+  const Triple<n> normal = spread<n>(plane.end.normal), x1 = load<n>(octet.x1, lane), before = load<n>(octet.v, lane);
+  const Triple<n> v = fetch<n>(octet, kicked, lane);
+  store<n>(octet.spring, lane, fetch<n>(octet, spring, lane));
+  store<n>(octet.outside, lane, fetch<n>(octet, outside, lane));
+  const Triple<n> surface = surface_velocity(plane, plane.end, x1);
+  const Lanes<n> reaction = positive<n>(dot(normal, surface) - dot(normal, v));
+  const Triple<n> slip = tangential(normal, v - surface);
+  const Triple<n> unkicked = tangential(normal, before - surface);
+  const Triple<n> left = after_friction<n>(plane.friction * reaction, unkicked, slip);
+  const Triple<n> change = reaction * normal + (left - slip), impulse = load<n>(octet.closing + lane) * change;
+  store<n>(octet.v, lane, v + change);
+  store<n>(octet.received, lane, load<n>(octet.received, lane) + impulse);
+  store<n>(octet.work + lane, load<n>(octet.work + lane) + note<n>(plane.end, x1, impulse, surface, lane, octet));
+}
+
+template <int n>
+INNER void weigh_some(double h, int lane, Octet& octet) {
+  const Triple<n> force = 0.5 * (load<n>(octet.force, lane) + load<n>(octet.spring, lane) + load<n>(octet.outside, lane));
+  const Triple<n> mean = 0.5 * (load<n>(octet.before, lane) + load<n>(octet.v, lane));
+  const Triple<n> travel = load<n>(octet.x1, lane) - load<n>(octet.x0, lane);
+  store<n>(octet.lost + lane, load<n>(octet.work + lane) - dot(load<n>(octet.received, lane), mean) - dot(force, h * mean - travel));
+}
+
+template <int n>
+INNER void go_on_some(double h, int lane, Octet& octet) {
+  const Triple<n> force = load<n>(octet.spring, lane) + load<n>(octet.outside, lane);
+  const Triple<n> x0 = load<n>(octet.x1, lane), before = load<n>(octet.v, lane);
+  const Triple<n> v = load<n>(octet.keep + lane) * before + load<n>(octet.gain + lane) * force;
+  store<n>(octet.x0, lane, x0);
+  store<n>(octet.before, lane, before);
+  store<n>(octet.force, lane, force);
+  store<n>(octet.v, lane, v);
+  store<n>(octet.x1, lane, x0 + h * v);
+}
+
+template <int n>
+INNER void settle(const Approach& plane, const Points& kicked, const Points& spring, const Points& outside,
+                            Octet& octet) {
+  for (int lane = 0; lane < Octet::lanes; lane += n) settle_some<n>(plane, kicked, spring, outside, lane, octet);
 }
 
 template <int n>
 INNER void weigh(double h, Octet& octet, Points& v) {
   for (int lane = 0; lane < Octet::lanes; lane += n) {
-    const Triple<n> force = 0.5 * (load<n>(octet.force, lane) + load<n>(octet.spring, lane) + load<n>(octet.outside, lane));
-    const Triple<n> now = load<n>(octet.v, lane), mean = 0.5 * (load<n>(octet.before, lane) + now);
-    put<n>(octet, lane, now, v);
-    const Triple<n> travel = load<n>(octet.x1, lane) - load<n>(octet.x0, lane);
-    store<n>(octet.lost + lane, load<n>(octet.work + lane) - dot(load<n>(octet.received, lane), mean) - dot(force, h * mean - travel));
+    weigh_some<n>(h, lane, octet);
+    put<n>(octet, lane, load<n>(octet.v, lane), v);
+  }
+}
+
+template <int n>
+INNER void go_on(double h, Octet& octet, Points& x1) {
+  for (int lane = 0; lane < Octet::lanes; lane += n) {
+    go_on_some<n>(h, lane, octet);
+    put<n>(octet, lane, load<n>(octet.x1, lane), x1);
   }
 }
 
@@ -232,20 +261,15 @@ INNER void settle_and_weigh(const Approach& plane, Points& v, const Points& spri
   weigh<n>(plane.h, octet, v);
 }
 
+/// All three for one register after the other. What is put comes last, so that up to there all stays in registers.
 template <int n>
-INNER void go_on(double h, Octet& octet, Points& all_x1, Points& all_v) {
+INNER void settle_and_go_on(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1) {
   for (int lane = 0; lane < Octet::lanes; lane += n) {
-    const Triple<n> force = load<n>(octet.spring, lane) + load<n>(octet.outside, lane);
-    const Triple<n> x0 = load<n>(octet.x1, lane), before = load<n>(octet.v, lane);
-    const Triple<n> v = load<n>(octet.keep + lane) * before + load<n>(octet.gain + lane) * force;
-    store<n>(octet.x0, lane, x0);
-    store<n>(octet.before, lane, before);
-    store<n>(octet.force, lane, force);
-    store<n>(octet.v, lane, v);
-    const Triple<n> x1 = x0 + h * v;
-    store<n>(octet.x1, lane, x1);
-    put<n>(octet, lane, v, all_v);
-    put<n>(octet, lane, x1, all_x1);
+    settle_some<n>(plane, v, spring, outside, lane, octet);
+    weigh_some<n>(plane.h, lane, octet);
+    go_on_some<n>(plane.h, lane, octet);
+    put<n>(octet, lane, load<n>(octet.before, lane), v);
+    put<n>(octet, lane, load<n>(octet.x1, lane), x1);
   }
 }
 
@@ -266,6 +290,7 @@ const auto put_here = chosen<put_both<2>, put_both<4>, put_both<8>>();
 const auto settle_here = chosen<settle<2>, settle<4>, settle<8>>();
 const auto weigh_here = chosen<weigh<2>, weigh<4>, weigh<8>>();
 const auto settle_and_weigh_here = chosen<settle_and_weigh<2>, settle_and_weigh<4>, settle_and_weigh<8>>();
+const auto settle_and_go_on_here = chosen<settle_and_go_on<2>, settle_and_go_on<4>, settle_and_go_on<8>>();
 const auto go_on_here = chosen<go_on<2>, go_on<4>, go_on<8>>();
 const auto sides_here = chosen<sides<2>, sides<4>, sides<8>>();
 
@@ -281,7 +306,10 @@ void weigh(double h, Octet& octet, Points& v) { kernels::weigh_here(h, octet, v)
 void settle_and_weigh(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet) {
   kernels::settle_and_weigh_here(plane, v, spring, outside, octet);
 }
-void go_on(double h, Octet& octet, Points& x1, Points& v) { kernels::go_on_here(h, octet, x1, v); }
+void go_on(double h, Octet& octet, Points& x1) { kernels::go_on_here(h, octet, x1); }
+void settle_and_go_on(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1) {
+  kernels::settle_and_go_on_here(plane, v, spring, outside, octet, x1);
+}
 Sides sides(const HalfSpace& plane, const Octet& octet, double gap) { return kernels::sides_here(plane, octet, gap); }
 
 }  // namespace softffd

@@ -78,10 +78,12 @@ void settle(const Approach& plane, const Points& v, const Points& spring, const 
 /// changes by (J + h F) . w, where J is the impulse of its contacts, F the mean of the forces at both ends and w of the velocities there;
 /// the forces' own work is F . (x1 - x0).
 void weigh(double h, Octet& octet, Points& v);
-/// Both.
+/// These two.
 void settle_and_weigh(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet);
-/// Then, the next step's opening half kick and free drift, put to x1 and v of all points: it begins where this one ends.
-void go_on(double h, Octet& octet, Points& x1, Points& v);
+/// Then, the next step's opening half kick and free drift: it begins where this one ends. x1 goes to that of all points, v stays here.
+void go_on(double h, Octet& octet, Points& x1);
+/// All three.
+void settle_and_go_on(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1);
 /// Bits of the lanes whose x1 has a gap of at least or at most so much [m].
 struct Sides {
   unsigned at_least, at_most;

@@ -164,11 +164,11 @@ INNER bool gaps(int points, const double* x, const double normal[3], double offs
   return behind != 0;
 }
 
-/// Of the points p, p + 1, ... that a register holds.
+/// Of the points at x that a register holds: a bit each from the one of `lane` on.
 template <int n>
-INNER unsigned behind_from(int p, int points, const double* x, const double normal[3], double offset) {
-  const Triple<n> at = load<n>(x + p, points);
-  return bits<n>(normal[0] * at.x + normal[1] * at.y + normal[2] * at.z - offset < 0.0);
+INNER Comparison<n> behind_some(int lane, int points, const double* x, const double normal[3], double offset) {
+  const Triple<n> at = load<n>(x, points);
+  return (normal[0] * at.x + normal[1] * at.y + normal[2] * at.z - offset < 0.0) & each_bit<n>(lane);
 }
 
 template <int n>
@@ -176,13 +176,14 @@ INNER bool behind(int points, const double* x, const double normal[3], double of
   unsigned any = 0;
   int p = 0;
   for (; p + 8 <= points; p += 8) {
-    unsigned block = 0;
-    for (int lane = 0; lane < 8; lane += n) block |= behind_from<n>(p + lane, points, x, normal, offset) << lane;
+    Comparison<n> some{};
+    for (int lane = 0; lane < 8; lane += n) some |= behind_some<n>(lane, points, x + p + lane, normal, offset);
+    const unsigned block = joined<n>(some);
     *found++ = static_cast<unsigned char>(block);
     any |= block;
   }
   unsigned block = 0;
-  for (int lane = 0; p + lane < points; ++lane) block |= behind_from<1>(p + lane, points, x, normal, offset) << lane;
+  for (int lane = 0; p + lane < points; ++lane) block |= joined<1>(behind_some<1>(lane, points, x + p + lane, normal, offset));
   if (p < points) *found = static_cast<unsigned char>(block);
   return (any | block) != 0;
 }

@@ -56,12 +56,18 @@ INNER unsigned joined(const Comparison<n>& lanes) {
   }
 }
 
+/// One bit in each lane, from this one on.
+template <int n>
+INNER Comparison<n> each_bit(int from = 0) {
+  Comparison<n> bit{};
+  for (int i = 0; i < n; ++i) bit[i] = 1 << (from + i);
+  return bit;
+}
+
 /// Bit i: whether a comparison holds in lane i.
 template <int n>
 INNER unsigned bits(const Comparison<n>& holds) {
-  Comparison<n> bit{};
-  for (int i = 0; i < n; ++i) bit[i] = 1 << i;
-  return joined<n>(holds & bit);
+  return joined<n>(holds & each_bit<n>());
 }
 
 /// Three coordinates side by side.

@@ -172,9 +172,8 @@ StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, 
     state.x.swap(next_);
     return status;
   }
-  StepStatus status = contact_.close(last, before_, exchange);
+  StepStatus status = contact_.close_and_go_on(last, before_, next_, exchange);
   if (status != StepStatus::ok) return status;
-  contact_.go_on(next.h, state.v, next_);
   status = contact_.drift(next, before_, state.v, next_, exchange);
   state.x.swap(next_);
   return status;

@@ -139,21 +139,42 @@ TEST(the_next_step_begins_where_this_one_ends) {
   const double h = 0.1;
   const Approach plane{turning, turning, turning, 0.3, h};
   Octet octet = approaching(plane);
-  Points x1 = Points::Zero(24, 3), v = x1;
+  Points x1 = Points::Zero(24, 3);
   for (int lane = 0; lane < Octet::lanes; ++lane) {
     octet.keep[lane] = 0.9, octet.gain[lane] = 0.05 * lane;
     set_lane(octet.spring, lane, Vec3(lane, 2, 3)), set_lane(octet.outside, lane, Vec3(1, 1, -lane));
   }
   const Octet end = octet;
-  go_on(h, octet, x1, v);
+  go_on(h, octet, x1);
   for (int lane = 0; lane < Octet::lanes; ++lane) {
     const Vec3 force(lane + 1, 3, 3 - lane), velocity = 0.9 * lane_of(end.v, lane) + 0.05 * lane * force;
     CHECK(lane_of(octet.x0, lane) == lane_of(end.x1, lane) && lane_of(octet.before, lane) == lane_of(end.v, lane));
     CHECK(lane_of(octet.force, lane) == force);
-    CHECK_NEAR((row(v, 3 * lane) - velocity).norm(), 0.0, 1e-15);
-    CHECK(row(v, 3 * lane) == lane_of(octet.v, lane) && row(x1, 3 * lane) == lane_of(octet.x1, lane));
+    CHECK_NEAR((lane_of(octet.v, lane) - velocity).norm(), 0.0, 1e-15);
+    CHECK(row(x1, 3 * lane) == lane_of(octet.x1, lane));
     CHECK_NEAR((row(x1, 3 * lane) - lane_of(end.x1, lane) - h * velocity).norm(), 0.0, 1e-15);
   }
+}
+
+TEST(an_end_and_the_next_beginning_at_once_are_both_to_the_last_bit) {
+  const HalfSpace rests{turning.point, turning.normal, turning.offset, Vec3::Zero(), Vec3::Zero()};
+  for (const double friction : {0.0, 0.3, 5.0})
+    for (const Approach& plane : {Approach{turning, turning, turning, friction, 0.1}, Approach{rests, rests, rests, friction, 0.1, true}}) {
+      unsigned landed = 0;
+      Octet octet = met(plane, approaching(plane), landed), other = octet;
+      Points v(24, 3), spring(24, 3), outside(24, 3), x1 = Points::Zero(24, 3), w, y = x1;
+      for (int i = 0; i < v.size(); ++i) v(i) = std::sin(i), spring(i) = std::cos(3 * i), outside(i) = std::sin(5 * i);
+      w = v;
+      settle_and_weigh(plane, v, spring, outside, octet);
+      go_on(plane.h, octet, x1);
+      settle_and_go_on(plane, w, spring, outside, other, y);
+      CHECK((v == w).all() && (x1 == y).all());
+      for (int lane = 0; lane < Octet::lanes; ++lane) {
+        for (auto part : {&Octet::x0, &Octet::before, &Octet::force, &Octet::x1, &Octet::v, &Octet::impulse, &Octet::torque})
+          CHECK(lane_of(octet.*part, lane) == lane_of(other.*part, lane));
+        CHECK(octet.work[lane] == other.work[lane] && octet.lost[lane] == other.lost[lane]);
+      }
+    }
 }
 
 TEST(lanes_are_told_by_their_gaps) {
