@@ -53,14 +53,26 @@ template <int n>
 INNER Triple<n> material_velocity(const HalfSpace& plane, const Triple<n>& x) {
   return spread<n>(plane.velocity) + cross(spread<n>(plane.spin), x - spread<n>(plane.point));
 }
-/// The same where the plane is known to stay.
-template <int n>
-INNER Triple<n> surface_velocity(const Approach& plane, const HalfSpace& at, const Triple<n>& x) {
-  return plane.still ? Triple<n>{} : material_velocity(at, x);
+/// The same of a plane that may be known to stay.
+template <int n, bool still>
+INNER Triple<n> surface_velocity(const HalfSpace& plane, const Triple<n>& x) {
+  if constexpr (still) return {};
+  return material_velocity(plane, x);
+}
+/// Its product with another vector.
+template <int n, bool still>
+INNER Lanes<n> with_surface(const Triple<n>& other, const Triple<n>& surface) {
+  if constexpr (still) return Lanes<n>{};
+  return dot(other, surface);
 }
 template <int n>
 INNER Triple<n> tangential(const Triple<n>& normal, const Triple<n>& v) {
   return v - dot(normal, v) * normal;
+}
+template <int n, bool still>
+INNER Triple<n> along_plane(const Triple<n>& normal, const Triple<n>& surface) {
+  if constexpr (still) return {};
+  return tangential(normal, surface);
 }
 
 /// Of rounding, in squares: what is less is less without it.
@@ -125,18 +137,16 @@ INNER Corrected<n> land(const Meeting<n>& m, const Triple<n>& acceleration) {
   return {snapped(m.plane.end, x1), v - ahead, m.inertia * (v - u)};
 }
 
-/// Stores the correction at hand; work: of the obstacle in it.
+/// Stores the correction at hand.
 template <int n>
-INNER Lanes<n> note(const HalfSpace& plane, const Triple<n>& x1, const Triple<n>& impulse, const Triple<n>& surface, int lane,
-                    Octet& octet) {
+INNER void note(const HalfSpace& plane, const Triple<n>& x1, const Triple<n>& impulse, int lane, Octet& octet) {
   const Triple<n> reaction = Triple<n>{} - impulse;
   store<n>(octet.impulse, lane, reaction);
   store<n>(octet.torque, lane, cross(x1 - spread<n>(plane.point), reaction));
-  return dot(impulse, surface);
 }
 
-template <int n>
-INNER unsigned meet(const Approach& plane, double touching, Octet& octet) {
+template <int n, bool still>
+INNER unsigned meet_plane(const Approach& plane, double touching, Octet& octet) {
   unsigned landed = 0, on = 0;
   for (int lane = 0; lane < Octet::lanes; lane += n) {
     const Triple<n> normal = spread<n>(plane.end.normal), x0 = load<n>(octet.x0, lane), v = load<n>(octet.v, lane);
@@ -148,7 +158,7 @@ INNER unsigned meet(const Approach& plane, double touching, Octet& octet) {
                              gap0,
                              gap1,
                              dot(normal, v) - (gap1 - gap0) / plane.h,
-                             tangential(normal, surface_velocity(plane, plane.middle, x0 + 0.5 * plane.h * v)),
+                             along_plane<n, still>(normal, surface_velocity<n, still>(plane.middle, x0 + 0.5 * plane.h * v)),
                              load<n>(octet.opening + lane)};
     Corrected<n> corrected = stay(meeting, load<n>(octet.before, lane));
     const auto there = gap0 > touching;
@@ -164,11 +174,16 @@ INNER unsigned meet(const Approach& plane, double touching, Octet& octet) {
     store<n>(octet.x1, lane, corrected.x1);
     store<n>(octet.v, lane, corrected.v);
     store<n>(octet.received, lane, corrected.impulse);
-    store<n>(octet.work + lane,
-             note<n>(plane.end, corrected.x1, corrected.impulse, surface_velocity(plane, plane.end, corrected.x1), lane, octet));
+    store<n>(octet.work + lane, with_surface<n, still>(corrected.impulse, surface_velocity<n, still>(plane.end, corrected.x1)));
+    note<n>(plane.end, corrected.x1, corrected.impulse, lane, octet);
   }
   octet.alone = on & octet.all();
   return landed;
+}
+
+template <int n>
+INNER unsigned meet(const Approach& plane, double touching, Octet& octet) {
+  return plane.still ? meet_plane<n, true>(plane, touching, octet) : meet_plane<n, false>(plane, touching, octet);
 }
 
 template <int n>
@@ -196,21 +211,22 @@ INNER void put_both(const Octet& octet, Points& x1, Points& v) {
   }
 }
 
-template <int n>
+template <int n, bool still>
 INNER void settle_some(const Approach& plane, const Points& kicked, const Points& spring, const Points& outside, int lane, Octet& octet) {
   const Triple<n> normal = spread<n>(plane.end.normal), x1 = load<n>(octet.x1, lane), before = load<n>(octet.v, lane);
   const Triple<n> v = fetch<n>(octet, kicked, lane);
   store<n>(octet.spring, lane, fetch<n>(octet, spring, lane));
   store<n>(octet.outside, lane, fetch<n>(octet, outside, lane));
-  const Triple<n> surface = surface_velocity(plane, plane.end, x1);
-  const Lanes<n> reaction = positive<n>(dot(normal, surface) - dot(normal, v));
+  const Triple<n> surface = surface_velocity<n, still>(plane.end, x1);
+  const Lanes<n> reaction = positive<n>(with_surface<n, still>(normal, surface) - dot(normal, v));
   const Triple<n> slip = tangential(normal, v - surface);
   const Triple<n> unkicked = tangential(normal, before - surface);
   const Triple<n> left = after_friction<n>(plane.friction * reaction, unkicked, slip);
   const Triple<n> change = reaction * normal + (left - slip), impulse = load<n>(octet.closing + lane) * change;
   store<n>(octet.v, lane, v + change);
   store<n>(octet.received, lane, load<n>(octet.received, lane) + impulse);
-  store<n>(octet.work + lane, load<n>(octet.work + lane) + note<n>(plane.end, x1, impulse, surface, lane, octet));
+  store<n>(octet.work + lane, load<n>(octet.work + lane) + with_surface<n, still>(impulse, surface));
+  note<n>(plane.end, x1, impulse, lane, octet);
 }
 
 template <int n>
@@ -234,9 +250,13 @@ INNER void go_on_some(double h, int lane, Octet& octet) {
 }
 
 template <int n>
-INNER void settle(const Approach& plane, const Points& kicked, const Points& spring, const Points& outside,
-                            Octet& octet) {
-  for (int lane = 0; lane < Octet::lanes; lane += n) settle_some<n>(plane, kicked, spring, outside, lane, octet);
+INNER void settle(const Approach& plane, const Points& kicked, const Points& spring, const Points& outside, Octet& octet) {
+  for (int lane = 0; lane < Octet::lanes; lane += n) {
+    if (plane.still)
+      settle_some<n, true>(plane, kicked, spring, outside, lane, octet);
+    else
+      settle_some<n, false>(plane, kicked, spring, outside, lane, octet);
+  }
 }
 
 template <int n>
@@ -262,15 +282,21 @@ INNER void settle_and_weigh(const Approach& plane, Points& v, const Points& spri
 }
 
 /// All three for one register after the other. What is put comes last, so that up to there all stays in registers.
-template <int n>
-INNER void settle_and_go_on(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1) {
+template <int n, bool still>
+INNER void settle_and_go_on_from(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1) {
   for (int lane = 0; lane < Octet::lanes; lane += n) {
-    settle_some<n>(plane, v, spring, outside, lane, octet);
+    settle_some<n, still>(plane, v, spring, outside, lane, octet);
     weigh_some<n>(plane.h, lane, octet);
     go_on_some<n>(plane.h, lane, octet);
     put<n>(octet, lane, load<n>(octet.before, lane), v);
     put<n>(octet, lane, load<n>(octet.x1, lane), x1);
   }
+}
+
+template <int n>
+INNER void settle_and_go_on(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1) {
+  if (plane.still) return settle_and_go_on_from<n, true>(plane, v, spring, outside, octet, x1);
+  settle_and_go_on_from<n, false>(plane, v, spring, outside, octet, x1);
 }
 
 template <int n>

@@ -172,7 +172,8 @@ INNER Comparison<n> behind_some(int lane, int points, const double* x, const dou
 }
 
 template <int n>
-INNER bool behind(int points, const double* x, const double normal[3], double offset, unsigned char* found) {
+INNER bool behind(int points, const double* x, const double plane_normal[3], double offset, unsigned char* found) {
+  const double normal[3] = {plane_normal[0], plane_normal[1], plane_normal[2]};  // which no writing to `found` changes
   unsigned any = 0;
   int p = 0;
   for (; p + 8 <= points; p += 8) {
