@@ -218,28 +218,31 @@ struct Move {
   }
   template <int n>
   INLINED void at(int p, const Triple<n>& force) const {
-    const Lanes<n> all[3] = {force.x, force.y, force.z};
-    if (p + n <= points) {
-      Lanes<n> a[kicks], b[kicks];
-      for (int k = 0; k < kicks; ++k) {
-        const int q = large && stage.kicks[k].even ? 0 : p;
-        a[k] = load<n>(stage.kicks[k].a + q), b[k] = load<n>(stage.kicks[k].b + q);
-      }
-      const double* acting = outside + (large && stage.even_outside ? 0 : p);
-      for (int c = 0; c < 3; ++c) {
-        const int i = c * points + p;
-        if constexpr (keeps) store<n>(forces + i, all[c]);
-        const Lanes<n> f = all[c] + load<n>(acting + c * points);
-        Lanes<n> w = load<n>(v + i);
-        for (int k = 0; k < kicks; ++k) {
-          if (keeps && k > 0) store<n>(between + i, w);
-          w = a[k] * w + b[k] * f;
-        }
-        store<n>(v + i, w);
-        store<n>(next + i, load<n>(x + i) + stage.h * w);
-      }
-      return;
+    if (p + n > points) return at_the_end<n>(p, force);
+    Lanes<n> a[kicks], b[kicks];
+    for (int k = 0; k < kicks; ++k) {
+      const int q = large && stage.kicks[k].even ? 0 : p;
+      a[k] = load<n>(stage.kicks[k].a + q), b[k] = load<n>(stage.kicks[k].b + q);
     }
+    const double* acting = outside + (large && stage.even_outside ? 0 : p);
+    const auto move = [&](int column, const Lanes<n>& spring) INLINED {
+      const int i = column + p;
+      if constexpr (keeps) store<n>(forces + i, spring);
+      const Lanes<n> f = spring + load<n>(acting + column);
+      Lanes<n> w = load<n>(v + i);
+      for (int k = 0; k < kicks; ++k) {
+        if (keeps && k > 0) store<n>(between + i, w);
+        w = a[k] * w + b[k] * f;
+      }
+      store<n>(v + i, w);
+      store<n>(next + i, load<n>(x + i) + stage.h * w);
+    };
+    move(0, force.x), move(points, force.y), move(2 * points, force.z);
+  }
+  /// Where lanes are behind the last point.
+  template <int n>
+  INLINED void at_the_end(int p, const Triple<n>& force) const {
+    const Lanes<n> all[3] = {force.x, force.y, force.z};
     for (int c = 0; c < 3; ++c)
       for (int q = p; q < points; ++q) {
         const int i = c * points + q;
