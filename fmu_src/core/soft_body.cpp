@@ -66,6 +66,7 @@ Run empty_run(const Definition& definition) {
     SurfaceRows& surface = run.path.surface;
     surface.drift = surface.close = std::vector<Count>(rows, -1);
     surface.drift_friction = surface.close_friction = Points::Zero(rows, 3);
+    motion.held_rows = {surface.drift, surface.drift_friction};
   }
   return run;
 }
@@ -242,6 +243,7 @@ StepStatus SoftBody::initialize(double t0) {
     set_row(motion.v, p, definition_.velocity + definition_.angular_velocity.cross(row(motion.x, p) - centre));
   motion.previous_h = 0;
   for (Points& forces : motion.holds) forces.setZero();
+  motion.held_rows.forget();
   Points bound_x = std::move(now_.course.bound_x), factored_x = std::move(now_.course.factored.x);
   now_.course = {};
   now_.course.bound_x = std::move(bound_x);

@@ -39,41 +39,20 @@ double Delassus::element(const SurfaceRow& a, const double* of_a, const SurfaceR
 
 /// The rows of L from here on.
 void Delassus::factor(int from) {
-  l_.resize(start(size()));
-  for (int i = from; i < size(); ++i) {
-    double* row = &l_[start(i)];
-    double left = g_[start(i) + i];
-    for (int j = 0; j < i; ++j) {
-      const double* other = &l_[start(j)];
-      double sum = cosine(rows_[i].plane, rows_[j].plane) * g_[start(i) + j];
-      for (int m = 0; m < j; ++m) sum -= row[m] * other[m];
-      row[j] = sum / other[j];
-      left -= row[j] * row[j];
-    }
-    row[i] = std::sqrt(std::max(left, 1e-16 * g_[start(i) + i]));
-  }
+  factor_.factor(
+      size(), from, [&](int i, int j) { return cosine(rows_[i].plane, rows_[j].plane) * g_[start(i) + j]; },
+      [&](int i) { return g_[start(i) + i]; });
 }
 
-void Delassus::forward(double* b) const {
-  for (int i = 0; i < size(); ++i) {
-    const double* row = &l_[start(i)];
-    double sum = b[i];
-    for (int j = 0; j < i; ++j) sum -= row[j] * b[j];
-    b[i] = sum / row[i];
+void Delassus::raise(const std::vector<double>& forces, const std::vector<Scalars>& begin, std::vector<Scalars>& heights) {
+  fields_.resize(begin.size());
+  for (Scalars& field : fields_) field.setZero(begin[0].size());
+  for (std::size_t t = 0; t < forces.size(); ++t) push(int(t), forces[t], fields_[rows_[t].plane].data());
+  for (std::size_t q = 0; q < fields_.size(); ++q) {
+    heights[q] = begin[q];
+    for (std::size_t r = 0; r < fields_.size(); ++r)
+      if (const double along = cosine(int(q), int(r)); along != 0) heights[q] += along * fields_[r];
   }
-}
-
-void Delassus::backward(double* b) const {
-  for (int i = size() - 1; i >= 0; --i) {
-    const double* row = &l_[start(i)];
-    b[i] /= row[i];
-    for (int j = 0; j < i; ++j) b[j] -= row[j] * b[i];
-  }
-}
-
-void Delassus::solve(double* b) const {
-  forward(b);
-  backward(b);
 }
 
 void Delassus::prepare(SurfaceRow row, Column& column) const {
@@ -89,11 +68,11 @@ void Delassus::prepare(SurfaceRow row, Column& column) const {
 void Delassus::project(Column& column) const {
   column.half.resize(size());
   for (int t = 0; t < size(); ++t) column.half[t] = cosine(column.row.plane, rows_[t].plane) * column.g[t];
-  forward(column.half.data());
+  factor_.forward(column.half.data());
   column.left = column.own;
   for (const double each : column.half) column.left -= each * each;
   column.response = column.half;
-  backward(column.response.data());
+  factor_.backward(column.response.data());
 }
 
 void Delassus::append(const Column& column) {
@@ -101,8 +80,7 @@ void Delassus::append(const Column& column) {
   over_mass_.insert(over_mass_.end(), column.over_mass.begin(), column.over_mass.end());
   g_.insert(g_.end(), column.g.begin(), column.g.end());
   g_.push_back(column.own);
-  l_.insert(l_.end(), column.half.begin(), column.half.end());
-  l_.push_back(std::sqrt(column.left));
+  factor_.append(column.half, column.left);
   sorted_ = false;
 }
 

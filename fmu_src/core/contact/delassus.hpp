@@ -8,6 +8,7 @@
 /// A = L L' is kept factored. Rows are appended and dropped one at a time; sorted rows, by plane and sample, have the same bits however
 /// they were come by.
 #pragma once
+#include "contact/row_factor.hpp"
 #include "model/samples.hpp"
 
 namespace softffd {
@@ -50,17 +51,17 @@ class Delassus {
   void sort();
 
   /// b (size) becomes A^-1 b.
-  void solve(double* b) const;
+  void solve(double* b) const { factor_.solve(b); }
+  /// heights = begin, (planes)(points) both, moved by these forces of the rows.
+  void raise(const std::vector<double>& forces, const std::vector<Scalars>& begin, std::vector<Scalars>& heights);
   /// values_i += f W_si / m_i for row s.
   void push(int s, double f, double* values) const { samples_->add(rows_[s].sample, f, over_mass(s), values); }
 
  private:
-  static std::size_t start(int row) { return std::size_t(row) * (row + 1) / 2; }
+  static std::size_t start(int row) { return RowFactor::start(row); }
   const double* over_mass(int s) const { return &over_mass_[std::size_t(s) * samples_->support()]; }
   double element(const SurfaceRow& a, const double* of_a, const SurfaceRow& b, const double* of_b) const;
   void factor(int from);
-  void forward(double* b) const;
-  void backward(double* b) const;
 
   const Samples* samples_;
   Scalars inverse_;
@@ -68,7 +69,9 @@ class Delassus {
   int planes_ = 0;
   std::vector<SurfaceRow> rows_;
   std::vector<double> over_mass_;  ///< W / m of each row, (support) each
-  std::vector<double> g_, l_;      ///< lower triangles, row by row
+  std::vector<double> g_;          ///< lower triangle, row by row
+  RowFactor factor_;
+  std::vector<Scalars> fields_;  ///< of the planes' forces, along their normals
   bool sorted_ = true;
 };
 

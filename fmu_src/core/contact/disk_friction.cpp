@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/elimination.hpp"
 #include "model/plane.hpp"
 
 namespace softffd {
@@ -170,7 +171,7 @@ bool DiskFriction::newton_step(const Disks& disks, std::vector<Vec3>& p) {
         for (int b = 0; b < 2; ++b) slopes_[(2 * i + a) * 2 * n + 2 * j + b] = block(a, b);
     }
   }
-  if (!solve_equations(2 * n)) return false;
+  if (!eliminate(2 * n, slopes_, right_)) return false;
   for (int i = 0; i < n; ++i) p[free_[i]] = basis(free_[i]) * Eigen::Vector2d(right_[2 * i], right_[2 * i + 1]);
   return true;
 }
@@ -201,41 +202,13 @@ bool DiskFriction::newton_step_of_few(const Disks& disks, std::vector<Vec3>& p) 
           slopes_[(2 * i + a) * 2 * k + 2 * j + b] = rest(a, b) * columns_[std::size_t(j) * n + t] + (i == j ? turn(a, b) / own : 0.0);
     }
   }
-  if (!solve_equations(2 * k)) return false;
+  if (!eliminate(2 * k, slopes_, right_)) return false;
   p = stuck_;
   for (int j = 0; j < k; ++j) {
     const Vec3 slip = basis * Eigen::Vector2d(right_[2 * j], right_[2 * j + 1]);
     for (int t = 0; t < n; ++t) p[t] += columns_[std::size_t(j) * n + t] * slip;
   }
   return true;
-}
-
-/// slopes_ x = right_, (n), by elimination with row exchanges; right_ becomes x. Loops of one order, so that every machine has the same
-/// bits.
-bool DiskFriction::solve_equations(int n) {
-  for (int c = 0; c < n; ++c) {
-    int pivot = c;
-    for (int r = c + 1; r < n; ++r)
-      if (std::abs(slopes_[r * n + c]) > std::abs(slopes_[pivot * n + c])) pivot = r;
-    if (!(std::abs(slopes_[pivot * n + c]) > 0)) return false;
-    if (pivot != c) {
-      std::swap_ranges(&slopes_[c * n], &slopes_[c * n] + n, &slopes_[pivot * n]);
-      std::swap(right_[c], right_[pivot]);
-    }
-    const double* top = &slopes_[c * n];
-    for (int r = c + 1; r < n; ++r) {
-      double* row = &slopes_[r * n];
-      const double factor = row[c] / top[c];
-      if (factor == 0) continue;
-      for (int j = c + 1; j < n; ++j) row[j] -= factor * top[j];
-      right_[r] -= factor * right_[c];
-    }
-  }
-  for (int c = n - 1; c >= 0; --c) {
-    for (int j = c + 1; j < n; ++j) right_[c] -= slopes_[c * n + j] * right_[j];
-    right_[c] /= slopes_[c * n + c];
-  }
-  return std::all_of(right_.begin(), right_.end(), [](double x) { return x - x == 0; });
 }
 
 }  // namespace softffd

@@ -28,7 +28,6 @@ class DiskFriction {
   void sweep(const Disks& disks, std::vector<Vec3>& p);
   bool newton_step(const Disks& disks, std::vector<Vec3>& p);
   bool newton_step_of_few(const Disks& disks, std::vector<Vec3>& p);
-  bool solve_equations(int n);
   double sign(const Disks& disks, int t) const;
   Vec3 slip_at(const Disks& disks, const std::vector<Vec3>& p, int t) const;
   bool slides(const Disks& disks, const std::vector<Vec3>& p, int t) const;

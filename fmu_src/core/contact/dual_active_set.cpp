@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "contact/step_delassus.hpp"
+
 namespace softffd {
 
 namespace {
@@ -19,7 +21,8 @@ constexpr int most_rounds = 1000, most_drops = 300;
 
 }  // namespace
 
-Fit DualActiveSet::solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance) {
+template <class Metric>
+Fit DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance) {
   heights_ = &heights;
   pinned_ = 0;
   hot_.clear();
@@ -58,7 +61,8 @@ Fit DualActiveSet::solve(std::vector<Candidate>& candidates, std::vector<Scalars
 }
 
 /// Forces of the rows that were active, without those that would pull: a start with l >= 0.
-void DualActiveSet::warm() {
+template <class Metric>
+void DualActiveSetIn<Metric>::warm() {
   while (true) {
     forces_ = wanted_;
     delassus_.solve(forces_.data());
@@ -71,19 +75,14 @@ void DualActiveSet::warm() {
 }
 
 /// Heights of the forces at hand.
-void DualActiveSet::spread() {
-  for (Scalars& field : fields_) field.setZero(begin_[0].size());
-  for (std::size_t t = 0; t < forces_.size(); ++t) delassus_.push(int(t), forces_[t], fields_[active()[t].plane].data());
-  for (std::size_t q = 0; q < fields_.size(); ++q) {
-    Scalars& h = (*heights_)[q];
-    h = begin_[q];
-    for (std::size_t r = 0; r < fields_.size(); ++r)
-      if (const double cosine = delassus_.cosine(int(q), int(r)); cosine != 0) h += cosine * fields_[r];
-  }
+template <class Metric>
+void DualActiveSetIn<Metric>::spread() {
+  delassus_.raise(forces_, begin_, *heights_);
 }
 
 /// Ties go to the first row; the few that were violated most at a full look are looked at alone until they are met.
-int DualActiveSet::most_violated(std::vector<Candidate>& candidates, double tolerance) {
+template <class Metric>
+int DualActiveSetIn<Metric>::most_violated(std::vector<Candidate>& candidates, double tolerance) {
   int worst = -1;
   double least = -tolerance;
   const auto look = [&](int c) {
@@ -112,7 +111,8 @@ int DualActiveSet::most_violated(std::vector<Candidate>& candidates, double tole
   return std::min_element(violated_.begin(), violated_.end())->second;
 }
 
-Fit DualActiveSet::add(const std::vector<Candidate>& candidates, int chosen) {
+template <class Metric>
+Fit DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates, int chosen) {
   const Candidate& candidate = candidates[chosen];
   delassus_.prepare(candidate.row, column_);
   if (column_.own == 0) {
@@ -156,7 +156,8 @@ Fit DualActiveSet::add(const std::vector<Candidate>& candidates, int chosen) {
 }
 
 /// Afresh by the factor, so that no rounding adds up.
-void DualActiveSet::renew_forces() {
+template <class Metric>
+void DualActiveSetIn<Metric>::renew_forces() {
   forces_ = wanted_;
   delassus_.solve(forces_.data());
   for (double& force : forces_) force = std::max(force, 0.0);
@@ -164,7 +165,8 @@ void DualActiveSet::renew_forces() {
 }
 
 /// Once more for what rounding has left of the active rows' gaps. Returns whether there was anything.
-bool DualActiveSet::refine(const std::vector<Candidate>& candidates, double tolerance) {
+template <class Metric>
+bool DualActiveSetIn<Metric>::refine(const std::vector<Candidate>& candidates, double tolerance) {
   scratch_.clear();
   double worst = 0;
   for (std::size_t c = 0; c < candidates.size(); ++c) {
@@ -179,5 +181,8 @@ bool DualActiveSet::refine(const std::vector<Candidate>& candidates, double tole
   for (std::size_t t = 0; t < forces_.size(); ++t) forces_[t] += scratch_[t];
   return true;
 }
+
+template class DualActiveSetIn<Delassus>;
+template class DualActiveSetIn<StepDelassus>;
 
 }  // namespace softffd

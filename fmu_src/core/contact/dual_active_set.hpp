@@ -23,15 +23,16 @@ struct Candidate {
 
 enum class Fit { found, no_room, too_many };
 
-class DualActiveSet {
+/// Metric: Delassus, or what has its functions.
+template <class Metric>
+class DualActiveSetIn {
  public:
-  DualActiveSet(const Samples& samples, int planes) : delassus_(samples), fields_(planes) {}
+  explicit DualActiveSetIn(const Samples& samples) : delassus_(samples) {}
 
-  Delassus& delassus() { return delassus_; }
-  const Delassus& delassus() const { return delassus_; }
+  Metric& delassus() { return delassus_; }
+  const Metric& delassus() const { return delassus_; }
   const std::vector<SurfaceRow>& active() const { return delassus_.rows(); }
   const std::vector<double>& forces() const { return forces_; }  ///< of the active rows, sorted
-  const Scalars& field(int q) const { return fields_[q]; }       ///< y = y0 + sum_q n_q field_q
   /// Largest violation of a row that nothing free could mend, for all its points are pinned.
   double pinned_violation() const { return pinned_; }
 
@@ -49,15 +50,17 @@ class DualActiveSet {
     return delassus_.samples().at(row.sample, heights[row.plane].data());
   }
 
-  Delassus delassus_;
-  Delassus::Column column_;
+  Metric delassus_;
+  typename Metric::Column column_;
   std::vector<double> forces_, wanted_, scratch_;  ///< of the active rows: l, b less height at y0
-  std::vector<Scalars> fields_, begin_;            ///< begin: heights of y0
+  std::vector<Scalars> begin_;                     ///< heights of y0
   std::vector<Scalars>* heights_ = nullptr;
   std::vector<int> hot_;       ///< candidates that were violated most at the last full look
   std::vector<char> at_hand_;  ///< candidates: 1 active, 2 pinned
   std::vector<std::pair<double, int>> violated_;
   double pinned_ = 0;
 };
+
+using DualActiveSet = DualActiveSetIn<Delassus>;
 
 }  // namespace softffd

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/point_touches.hpp"
+#include "contact/surface_touches.hpp"
 #include "contact/tolerances.hpp"
 #include "model/rigid_motion.hpp"
 
@@ -27,9 +29,14 @@ constexpr double most_gain = 0.02;
 
 }  // namespace
 
-ImplicitContact::ImplicitContact(const Lattice& lattice, int planes) : contacts_(lattice, planes), linear_(lattice) {
-  diagonal_.setZero(lattice.points());
-  for (Points* points : {&x_, &v_, &u_, &force_, &spring_, &residual_, &last_change_, &scratch_}) points->setZero(lattice.points(), 3);
+ImplicitContact::ImplicitContact(const Lattice& lattice, int planes, const Samples* samples) {
+  if (samples)
+    touches_ = std::make_unique<SurfaceTouches>(*samples, lattice.largest_side(), planes);
+  else
+    touches_ = std::make_unique<PointTouches>(lattice, planes);
+  const int points = lattice.points();
+  diagonal_.setZero(points);
+  for (Points* each : {&x_, &v_, &u_, &force_, &spring_, &residual_, &last_change_, &scratch_}) each->setZero(points, 3);
 }
 
 StepStatus ImplicitContact::advance(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange) {
@@ -38,8 +45,8 @@ StepStatus ImplicitContact::advance(const Equations& equations, double t, double
     for (const Springs::Row& row : equations.body.springs.rows())
       largest_stiffness_ = std::max(largest_stiffness_, kernels::largest(row.stiffness.size(), row.stiffness.data()));
   }
-  last_factorization_ = linear_.factorizations() + most_factorizations;
-  last_solution_ = linear_.solutions() + double(most_solutions);
+  last_factorization_ = factorizations() + most_factorizations;
+  last_solution_ = solutions() + double(most_solutions);
   given_ = 0;
   return advance_in_parts(equations, t, h, watch, state, exchange, 0);
 }
@@ -53,7 +60,7 @@ StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double 
   if (status == StepStatus::ok && close(step)) {
     book(step, watch, exchange);
     given_ += given_by_contacts(step);
-    contacts_.hold(state.holds);
+    touches_->hold(state);
     state.x.swap(x_);
     state.v.swap(v_);
     state.spring.swap(spring_);
@@ -72,7 +79,7 @@ StepStatus ImplicitContact::open(const Step& step) {
   force_ = around.force;
   if (around.ramped) around.force_at(step.t + 0.5 * step.h, force_);
   diagonal_ = body.mass / (step.h * step.h) + body.damping / step.h;
-  contacts_.open(body, around, step.t, step.h, step.from.holds);
+  touches_->open(step);
   predict(step);
   x_ = step.from.x + u_;
   step.equations.place_pins(step.t + step.h, x_);
@@ -80,18 +87,19 @@ StepStatus ImplicitContact::open(const Step& step) {
     for (int p : pin.points) {
       set_row(u_, p, row(x_, p) - row(step.from.x, p));
       for (std::size_t q = 0; q < around.planes.size(); ++q)
-        if (contacts_.plane(int(q)).gap(row(x_, p)) < -pin_slack * body.length) return StepStatus::pin_behind_plane;
+        if (!touches_->pins_pass() && touches_->plane(int(q)).gap(row(x_, p)) < -pin_slack * body.length)
+          return StepStatus::pin_behind_plane;
     }
   extent_ = body.length + kernels::largest(x_.size(), x_.data());
   if (!std::isfinite(extent_)) return StepStatus::not_finite;
-  if (!contacts_.possible(row(x_, 0), position_slack * extent_)) return StepStatus::impossible_planes;
+  if (!touches_->possible(row(x_, 0), position_slack * extent_)) return StepStatus::impossible_planes;
   force_scale_ =
       std::max(kernels::largest(force_.size(), force_.data()), kernels::largest(step.from.spring.size(), step.from.spring.data()));
   const double inertia = diagonal_.maxCoeff() * kernels::largest(u_.size(), u_.data());
   noise_ = roundings * rounding * (largest_stiffness_ * extent_ + inertia + force_scale_);
   slight_ = slight_share * body.mass.minCoeff() / (step.h * step.h);
-  guess_touches(step);
-  linear_.refresh();
+  touches_->guess(step, force_, x_);
+  touches_->refresh();
   convergence_ = {};
   straight_ = false;
   return StepStatus::ok;
@@ -107,28 +115,15 @@ void ImplicitContact::predict(const Step& step) {
   }
 }
 
-/// Points on a plane that the other forces press against it, as if they were in equilibrium, and points that would end behind one.
-void ImplicitContact::guess_touches(const Step& step) {
-  const auto& [body, around] = step.equations;
-  for (std::size_t q = 0; q < around.planes.size(); ++q) {
-    const HalfSpace begin = around.planes[q].at(step.t);
-    for (int p = 0; p < body.points(); ++p) {
-      if (body.pinned[p]) continue;
-      const double load = -begin.normal.dot(row(step.from.spring, p) + row(force_, p));
-      const bool rests = load > 0 && begin.gap(row(step.from.x, p)) <= touching * body.length;
-      if (rests || contacts_.plane(int(q)).gap(row(x_, p)) < 0) contacts_.add(p, int(q), rests ? load : 0);
-    }
-  }
-}
-
 StepStatus ImplicitContact::solve(const Step& step) {
-  const LinearContact::Problem problem{
-      step.equations.body, step.from.x, u_, x_, residual_, diagonal_, step.h, position_slack * extent_, force_scale_, largest_stiffness_};
+  const StepProblem problem{step.equations.body, step.from.x,       u_, x_, residual_, diagonal_, step.h, position_slack * extent_,
+                            force_scale_,        largest_stiffness_};
   for (int i = 0; i < most_iterations; ++i) {
     find_residual(step, i == 0);
     if (straight_ && in_balance(step)) return StepStatus::ok;
     ++iterations_;
-    if (spent() || !linear_.solve(problem, contacts_, convergence_.cautious())) return StepStatus::not_finite;
+    if (spent()) return StepStatus::not_finite;
+    if (const StepStatus status = touches_->solve(problem, convergence_.cautious()); status != StepStatus::ok) return status;
     move(step);
   }
   return StepStatus::not_finite;
@@ -146,38 +141,29 @@ void ImplicitContact::find_residual(const Step& step, bool first) {
     scratch_ = per_h * u_;
     body.springs.add_dashpot_force(x_, scratch_, residual_);
   }
-  if (contacts_.scale_friction(body.length, largest_stiffness_)) linear_.refresh();
-  if (first) {
-    scratch_ = step.h * step.from.v;
-    contacts_.guess_friction(step.from.x, u_, scratch_, step.h);
-  } else if (contacts_.find_friction(step.from.x, u_, step.h, slight_)) {
-    linear_.refresh();
-  }
+  touches_->find_friction(step, u_, first, largest_stiffness_, slight_);
 }
 
 bool ImplicitContact::in_balance(const Step& step) {
   scratch_ = residual_;
-  for (int p : contacts_.points())
-    for (int i = 0; i < contacts_.touches(p); ++i) {
-      const ContactSet::Touch& touch = contacts_.touch(p, i);
-      set_row(scratch_, p, row(scratch_, p) + touch.load * touch.normal + touch.friction);
-    }
+  touches_->add_forces(scratch_);
   for (const Pin& pin : step.equations.around.pins)
     for (int p : pin.points) set_row(scratch_, p, Vec3::Zero());
-  return kernels::largest(scratch_.size(), scratch_.data()) <= balance_share * std::max(force_scale_, contacts_.largest_load()) + noise_;
+  return kernels::largest(scratch_.size(), scratch_.data()) <= balance_share * std::max(force_scale_, touches_->largest_load()) + noise_;
 }
 
 /// Takes the Newton step, its rotation as one. A step that was taken straight keeps the linear equations' balance of momentum.
 void ImplicitContact::move(const Step& step) {
   const Body& body = step.equations.body;
-  Points& change = linear_.change;
+  Points& change = touches_->solution().change;
   const RigidMotion motion = rigid_motion(body.mass, x_, change);
   const double angle_squared = motion.spin.squaredNorm();
-  straight_ = angle_squared <= straight && linear_.settled;
+  const bool settled = touches_->solution().settled;
+  straight_ = angle_squared <= straight && settled;
   if (angle_squared > straight)
     for (int p = 0; p < body.points(); ++p)
       if (!body.pinned[p]) set_row(change, p, row(change, p) + second_order(motion.spin, row(x_, p) - motion.centre));
-  if (!(angle_squared < small_turn) || !linear_.settled || convergence_.cautious()) linear_.refresh();
+  if (!(angle_squared < small_turn) || !settled || convergence_.cautious()) touches_->refresh();
   keep_converging();
   u_ += change;
   x_ = step.from.x + u_;
@@ -187,9 +173,9 @@ void ImplicitContact::move(const Step& step) {
 
 /// Orders a new matrix where the old one does not serve any more; halves a change that goes back where the iterations run in circles.
 void ImplicitContact::keep_converging() {
-  Points& change = linear_.change;
-  convergence_.add(kernels::largest(change.size(), change.data()), linear_.fresh);
-  if (convergence_.needs_matrix()) linear_.refresh();
+  Points& change = touches_->solution().change;
+  convergence_.add(kernels::largest(change.size(), change.data()), touches_->solution().fresh);
+  if (convergence_.needs_matrix()) touches_->refresh();
   if (!convergence_.circles()) return;
   double back = 0;
   for (int i = 0; i < last_change_.size(); ++i) back += change.data()[i] * last_change_.data()[i];
@@ -201,16 +187,12 @@ void ImplicitContact::keep_converging() {
 /// The state at the end, exactly in front of the planes, and the step's energies. Returns whether the solution can be believed.
 bool ImplicitContact::close(const Step& step) {
   const auto& [body, around] = step.equations;
+  touches_->find_reactions(reactions_);
   v_ = u_ / step.h;
   step.equations.place_pins(step.t + step.h, x_, v_);
   spread_rounding(step);
   x_ = step.from.x + u_;
-  for (int p = 0; p < body.points(); ++p) {
-    if (body.pinned[p]) continue;
-    Vec3 here = row(x_, p);
-    push_out(contacts_.planes(), here);
-    set_row(x_, p, here);
-  }
+  touches_->keep_in_front(body, x_);
   step.equations.place_pins(step.t + step.h, x_, v_);
   body.internal_force(x_, spring_);
   double before = 0, gain = 0, outside = 0;
@@ -235,13 +217,12 @@ void ImplicitContact::spread_rounding(const Step& step) {
   rounding_.setZero();
   Vec3 missing = Vec3::Zero();
   double inertia = 0;
-  int holders = int(contacts_.points().size());
+  int holders = int(std::count_if(reactions_.begin(), reactions_.end(), [](const Reaction& each) { return each.first; }));
   for (int p = 0; p < body.points(); ++p) {
     missing += body.mass[p] * (row(v_, p) - row(step.from.v, p)) + body.damping[p] * row(u_, p) - step.h * row(force_, p);
     inertia += body.mass[p] + step.h * body.damping[p];
   }
-  for (int p : contacts_.points())
-    for (int i = 0; i < contacts_.touches(p); ++i) missing -= touch_impulse(step, p, i);
+  for (const Reaction& each : reactions_) missing -= impulse(step, each);
   for (const Pin& pin : step.equations.around.pins) {
     holders += int(pin.points.size());
     for (int p : pin.points) missing -= pin_impulse(step, p);
@@ -260,10 +241,7 @@ void ImplicitContact::spread_rounding(const Step& step) {
 /// Of planes and pins on the body.
 double ImplicitContact::contact_work(const Step& step) const {
   double work = 0;
-  for (int p : contacts_.points())
-    for (int i = 0; i < contacts_.touches(p); ++i)
-      work +=
-          touch_impulse(step, p, i).dot(contacts_.material_velocity(contacts_.touch(p, i).plane, row(step.from.x, p) + 0.5 * row(u_, p)));
+  for (const Reaction& each : reactions_) work += impulse(step, each).dot(material_velocity(step, each));
   for (const Pin& pin : step.equations.around.pins)
     for (int p : pin.points) work += pin_impulse(step, p).dot(row(u_, p)) / step.h;
   return work;
@@ -272,41 +250,34 @@ double ImplicitContact::contact_work(const Step& step) const {
 /// The same with friction, at the mean of the velocities.
 double ImplicitContact::given_by_contacts(const Step& step) const {
   double given = work_;
-  for (int p : contacts_.points())
-    for (int i = 0; i < contacts_.touches(p); ++i) {
-      const ContactSet::Touch& touch = contacts_.touch(p, i);
-      const Vec3 surface = contacts_.material_velocity(touch.plane, row(step.from.x, p) + 0.5 * row(u_, p));
-      const Vec3 slip = 0.5 * (row(step.from.v, p) + row(v_, p)) - surface;
-      given += touch_impulse(step, p, i).dot(tangential(touch.normal, slip));
-    }
+  for (const Reaction& each : reactions_) {
+    const Vec3 slip = 0.5 * (touches_->value(each, step.from.v) + touches_->value(each, v_)) - material_velocity(step, each);
+    given += impulse(step, each).dot(tangential(each.normal, slip));
+  }
   return given;
 }
 
-/// On the point. Of several touches the first gets what the others leave of the linear equations' reaction.
-Vec3 ImplicitContact::touch_impulse(const Step& step, int p, int i) const {
-  const auto force = [&](int n) {
-    const ContactSet::Touch& touch = contacts_.touch(p, n);
-    return Vec3(touch.load * touch.normal + ContactSet::linear_friction(touch, row(linear_.change, p)));
-  };
-  if (i > 0) return step.h * force(i);
-  Vec3 left = row(linear_.reaction, p);
-  for (int n = 1; n < contacts_.touches(p); ++n) left -= force(n);
-  return step.h * left + rounding_;
+/// Of the obstacle where it touches, seen at mid-step.
+Vec3 ImplicitContact::material_velocity(const Step& step, const Reaction& at) const {
+  return touches_->material_velocity(at.plane, touches_->value(at, step.from.x) + 0.5 * touches_->value(at, u_));
+}
+
+/// On the body.
+Vec3 ImplicitContact::impulse(const Step& step, const Reaction& reaction) const {
+  if (!reaction.first) return step.h * reaction.force;
+  return step.h * reaction.force + rounding_;
 }
 
 /// On the point, which ends with the velocity of its frame instead of the step's.
 Vec3 ImplicitContact::pin_impulse(const Step& step, int p) const {
-  return step.h * row(linear_.reaction, p) + step.equations.body.mass[p] * (row(v_, p) - row(u_, p) / step.h) + rounding_;
+  return step.h * row(touches_->solution().reaction, p) + step.equations.body.mass[p] * (row(v_, p) - row(u_, p) / step.h) + rounding_;
 }
 
 void ImplicitContact::book(const Step& step, bool watch, Exchange& exchange) const {
   const Drive& around = step.equations.around;
-  for (int p : contacts_.points()) {
-    for (int i = 0; i < contacts_.touches(p); ++i) {
-      const int q = contacts_.touch(p, i).plane;
-      exchange.planes[q].add(-touch_impulse(step, p, i), row(x_, p) - contacts_.plane(q).point);
-    }
-    ++exchange.contacts_resolved;
+  for (const Reaction& each : reactions_) {
+    exchange.planes[each.plane].add(-impulse(step, each), touches_->value(each, x_) - touches_->plane(each.plane).point);
+    exchange.contacts_resolved += each.first;
   }
   for (std::size_t a = 0; a < around.pins.size(); ++a) {
     const Vec3 origin = around.pins[a].at(step.t + step.h).origin;

@@ -17,16 +17,17 @@
 ///
 /// What the planes are reported to receive is the momentum that the body lost, to rounding.
 #pragma once
+#include <memory>
+
 #include "contact/convergence.hpp"
-#include "contact/linear_contact.hpp"
-#include "forces/equations.hpp"
-#include "model/state.hpp"
+#include "contact/implicit_touches.hpp"
 
 namespace softffd {
 
 class ImplicitContact {
  public:
-  ImplicitContact(const Lattice& lattice, int planes);
+  /// samples: of the surface, which planes meet; null: they meet the control points.
+  ImplicitContact(const Lattice& lattice, int planes, const Samples* samples = nullptr);
 
   /// Call when masses, stiffness or damping change.
   void body_changed() { largest_stiffness_ = -1; }
@@ -43,20 +44,16 @@ class ImplicitContact {
   Count steps() const { return steps_; }        ///< tried; of which
   Count halvings() const { return halvings_; }  ///< had to be done in two halves
   Count iterations() const { return iterations_; }
-  Count factorizations() const { return linear_.factorizations(); }
-  double solutions() const { return linear_.solutions(); }  ///< as LatticeMatrix counts them
+  Count factorizations() const { return touches_->matrix().factorizations(); }
+  double solutions() const { return touches_->matrix().solutions(); }  ///< as LatticeMatrix counts them
 
  private:
-  struct Step {
-    const Equations& equations;
-    double t, h;
-    const State& from;
-  };
+  using Step = ImplicitTouches::Step;
+  using Reaction = ImplicitTouches::Reaction;
   StepStatus advance_in_parts(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange, int depth);
-  bool spent() const { return linear_.factorizations() >= last_factorization_ || linear_.solutions() >= last_solution_; }
+  bool spent() const { return factorizations() >= last_factorization_ || solutions() >= last_solution_; }
   StepStatus open(const Step& step);
   void predict(const Step& step);
-  void guess_touches(const Step& step);
   StepStatus solve(const Step& step);
   void find_residual(const Step& step, bool first);
   bool in_balance(const Step& step);
@@ -66,14 +63,15 @@ class ImplicitContact {
   void spread_rounding(const Step& step);
   double contact_work(const Step& step) const;
   double given_by_contacts(const Step& step) const;
-  Vec3 touch_impulse(const Step& step, int p, int i) const;
+  Vec3 material_velocity(const Step& step, const Reaction& at) const;
+  Vec3 impulse(const Step& step, const Reaction& reaction) const;
   Vec3 pin_impulse(const Step& step, int p) const;
   void book(const Step& step, bool watch, Exchange& exchange) const;
 
-  ContactSet contacts_;
-  LinearContact linear_;
-  Scalars diagonal_;  ///< of the inertia and the damping (points) [N/m]
-  Points x_, v_, u_;  ///< at the end of the step; u: displacement in the step
+  std::unique_ptr<ImplicitTouches> touches_;
+  std::vector<Reaction> reactions_;  ///< of the step that was solved
+  Scalars diagonal_;                 ///< of the inertia and the damping (points) [N/m]
+  Points x_, v_, u_;                 ///< at the end of the step; u: displacement in the step
   Points force_, spring_, residual_, last_change_, scratch_;
   double largest_stiffness_ = -1, force_scale_ = 0, noise_ = 0, extent_ = 0, slight_ = 0;
   Convergence convergence_;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "matrix/volume_hessian.hpp"
-
 namespace softffd {
 
 namespace {
@@ -15,8 +13,6 @@ constexpr double load_slack = 1e-9;
 constexpr double loads_left = 1e-4;
 /// Of responses from which those loads are combined: hundred times better.
 constexpr double of_products = 1e-6;
-/// By how much less of compressed springs' softening is taken each time that the matrix has no Cholesky factor.
-constexpr double less_softening = 0.25;
 /// From this round on touches end one by one and friction is cautious: slower, but without circles.
 constexpr int careful_round = 6;
 
@@ -26,16 +22,14 @@ void project(const ContactSet& contacts, Points& u) {
 
 }  // namespace
 
-LinearContact::LinearContact(const Lattice& lattice)
-    : hessian_(lattice.points()), matrix_(lattice), gmres_(3 * lattice.points()), lack_(3 * lattice.points()) {
-  for (Points* points : {&change, &reaction, &x_, &prescribed_, &friction_, &response_, &made_, &moved_})
-    points->setZero(lattice.points(), 3);
+LinearContact::LinearContact(const Lattice& lattice) : matrix_(lattice), gmres_(3 * lattice.points()), lack_(3 * lattice.points()) {
+  for (Points* points : {&change, &reaction, &prescribed_, &friction_, &response_, &made_, &moved_}) points->setZero(lattice.points(), 3);
 }
 
-bool LinearContact::solve(const Problem& problem, ContactSet& contacts, bool cautious) {
+bool LinearContact::solve(const StepProblem& problem, ContactSet& contacts, bool cautious) {
   fresh = settled = false;
   if (stale_) {
-    linearise(problem, 1);
+    matrix_.linearise(problem);
     contacts.fix_friction_stiffness(cautious);
   }
   for (int round = 0; round < most_rounds; ++round) {
@@ -60,41 +54,30 @@ bool LinearContact::solve(const Problem& problem, ContactSet& contacts, bool cau
   return true;
 }
 
-/// Less and less of what makes the matrices indefinite, until they are not.
-void LinearContact::linearise(const Problem& problem, double softening) {
-  softening_ = softening;
-  x_ = problem.x;
-  hessian_.compute(problem.body.springs, x_, softening, 1 / problem.h);
-  stale_ = true;
-}
-
-bool LinearContact::solve_with_touches(const Problem& problem, ContactSet& contacts, bool cautious) {
+bool LinearContact::solve_with_touches(const StepProblem& problem, ContactSet& contacts, bool cautious) {
   for (;;) {
     if (stale_) {
-      hessian_.fill(problem.body, problem.diagonal, matrix_);
-      if (problem.body.volume) add_stiffness(*problem.body.volume, x_, problem.body.pinned, matrix_);
-      contacts.constrain(matrix_);
+      contacts.constrain(matrix_.assemble(problem));
       matrix_.factor();
-      ++factorizations_;
       fresh = true;
       stale_ = false;
     }
     solve_free_part(problem, contacts);
     if (std::isfinite(kernels::largest(change.size(), change.data()))) break;
-    if (softening_ == 0) return false;
-    linearise(problem, softening_ - less_softening);
+    if (!matrix_.soften(problem)) return false;
+    stale_ = true;
   }
-  forces_of(problem, change, reaction);
+  matrix_.forces_of(problem, change, reaction);
   reaction -= problem.residual;
   contacts.find_loads(reaction, change);
   if (!cautious) couple_loads(problem, contacts);
   return true;
 }
 
-void LinearContact::solve_free_part(const Problem& problem, const ContactSet& contacts) {
+void LinearContact::solve_free_part(const StepProblem& problem, const ContactSet& contacts) {
   change = problem.residual;
   if (contacts.prescribe(problem.x, prescribed_)) {
-    forces_of(problem, prescribed_, made_);
+    matrix_.forces_of(problem, prescribed_, made_);
     change -= made_;
   }
   for (int p : contacts.points()) {
@@ -105,14 +88,14 @@ void LinearContact::solve_free_part(const Problem& problem, const ContactSet& co
   project(contacts, change);
   for (int p = 0; p < problem.body.points(); ++p)
     if (problem.body.pinned[p]) set_row(change, p, Vec3::Zero());
-  solutions_ += matrix_.solve(change);
+  matrix_.solve(change);
   project(contacts, change);
   change += prescribed_;
 }
 
 /// (1 - B) more = lack, where B takes the loads of sliding points to the loads that their friction causes. A few responses are enough:
 /// the loads of neighbours act much the same.
-void LinearContact::couple_loads(const Problem& problem, ContactSet& contacts) {
+void LinearContact::couple_loads(const StepProblem& problem, ContactSet& contacts) {
   const int n = contacts.sliding();
   if (n == 0) return;
   contacts.lacking_loads(lack_);
@@ -132,21 +115,13 @@ void LinearContact::couple_loads(const Problem& problem, ContactSet& contacts) {
 }
 
 /// The motion that the friction of these loads causes, and the forces that it takes.
-void LinearContact::respond(const Problem& problem, const ContactSet& contacts, const Scalars& loads, double accuracy) {
+void LinearContact::respond(const StepProblem& problem, const ContactSet& contacts, const Scalars& loads, double accuracy) {
   contacts.friction_of(loads, friction_);
   response_ = friction_;
   project(contacts, response_);
-  solutions_ += matrix_.solve(response_, accuracy);
+  matrix_.solve(response_, accuracy);
   project(contacts, response_);
-  forces_of(problem, response_, made_);
-}
-
-/// f = A u.
-void LinearContact::forces_of(const Problem& problem, const Points& u, Points& f) const {
-  f.setZero();
-  hessian_.subtract_product(problem.body.springs, u, f);
-  if (problem.body.volume) subtract_stiffness_product(*problem.body.volume, x_, u, f);
-  for (int axis = 0; axis < 3; ++axis) f.col(axis) = problem.diagonal * u.col(axis) - f.col(axis);
+  matrix_.forces_of(problem, response_, made_);
 }
 
 }  // namespace softffd

@@ -13,7 +13,7 @@ constexpr double aligned = 1 - 1e-15;
 
 }  // namespace
 
-SurfaceStage::SurfaceStage(const Samples& samples, int planes) : heights(planes), set_(samples, planes) {}
+SurfaceStage::SurfaceStage(const Samples& samples, int planes) : heights(planes), set_(samples) {}
 
 void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction) {
   normals_ = normals;

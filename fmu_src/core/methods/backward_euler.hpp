@@ -8,14 +8,16 @@ namespace softffd {
 
 class BackwardEuler final : public Integrator {
  public:
-  BackwardEuler(const Lattice& lattice, int planes) : contact_(lattice, planes), implicit_(lattice) {}
+  BackwardEuler(const Lattice& lattice, int planes) : lattice_(lattice), planes_(planes), implicit_(lattice) {}
   /// not_finite: a step found no solution, or not within the span's work.
   Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) override;
   /// Number of factors made so far.
-  Count factorizations() const { return contact_.factorizations(); }
+  Count factorizations() const { return contact_ ? contact_->factorizations() : 0; }
 
  private:
-  ImplicitContact contact_;
+  Lattice lattice_;
+  int planes_;
+  std::unique_ptr<ImplicitContact> contact_;  ///< made when the body is known
   ImplicitWork implicit_;
   Count version_ = -1;  ///< of the body
 };

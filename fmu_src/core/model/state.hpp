@@ -10,6 +10,24 @@ namespace softffd {
 /// Friction by which each obstacle holds each point: (planes) (points, 3) [N].
 using Holds = std::vector<Points>;
 
+/// Forces by which obstacles hold samples of the surface: rows by number, plane after plane, -1 behind the last. Empty where control points
+/// touch.
+struct HeldRows {
+  std::vector<Count> rows;
+  Points forces;  ///< (rows, 3) [N]
+
+  void forget() {
+    std::fill(rows.begin(), rows.end(), -1);
+    forces.setZero();
+  }
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.rows, s.forces);
+  }
+};
+static_assert(visits_every_field<HeldRows>);
+
 /// Everything that a communication step changes, apart from what it gave back (Exchange).
 struct State {
   double time = 0;        ///< [s]
@@ -18,10 +36,11 @@ struct State {
   Points previous;        ///< positions one internal step back; central difference only
   double previous_h = 0;  ///< the step that `previous` belongs to; 0: none
   Holds holds;            ///< at the end of the last implicit step: what sticks by them need not move first; empty: none yet
+  HeldRows held_rows;     ///< the same of samples of the surface, where the next implicit step begins to look
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.time, s.x, s.v, s.spring, s.previous, s.previous_h, s.holds);
+    return fields(s.time, s.x, s.v, s.spring, s.previous, s.previous_h, s.holds, s.held_rows);
   }
 };
 static_assert(visits_every_field<State>);

@@ -46,7 +46,7 @@ Problem random_problem(Random& random, int count, int planes, bool crowded, Basi
 }
 
 DualActiveSet solver_of(const Problem& problem) {
-  DualActiveSet solver(problem.samples, int(problem.normals.size()));
+  DualActiveSet solver(problem.samples);
   std::vector<double> cosines;
   for (const Vec3& p : problem.normals)
     for (const Vec3& q : problem.normals) cosines.push_back(p == q ? 1 : p.dot(q));

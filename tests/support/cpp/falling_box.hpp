@@ -65,7 +65,10 @@ struct FallingBox {
     double least = 1;
     for (const Plane& plane : around.planes)
       for (int p = 0; p < body.points(); ++p)
-        if (!body.pinned[p]) least = std::min(least, plane.at(t).gap(row(state.x, p)));
+        if (!body.pinned[p] && !body.samples) least = std::min(least, plane.at(t).gap(row(state.x, p)));
+    for (const Plane& plane : around.planes)
+      for (int s = 0; body.samples && s < body.samples->count(); ++s)
+        least = std::min(least, plane.at(t).gap(body.samples->at(s, state.x)));
     return least;
   }
 
@@ -77,7 +80,7 @@ struct FallingBox {
 
 /// Runs a scene and holds every step against what must be true of it: nothing behind a plane, and the balances of momentum and energy.
 struct CheckedRun {
-  explicit CheckedRun(const FallingBox& scene) : method(scene.lattice, int(scene.around.planes.size())) {
+  explicit CheckedRun(const FallingBox& scene) : method(scene.lattice, int(scene.around.planes.size()), scene.body.samples.get()) {
     exchange.planes.resize(scene.around.planes.size());
     exchange.pins.resize(scene.around.pins.size());
   }
@@ -93,7 +96,7 @@ struct CheckedRun {
     CHECK(status == StepStatus::ok);
     if (status != StepStatus::ok) return false;
     time += h;
-    CHECK(scene.least_gap(time) >= -4e-16 * (1 + scene.state.x.abs().maxCoeff()));
+    CHECK(scene.least_gap(time) >= -(scene.body.samples ? 2e-14 : 4e-16) * (1 + scene.state.x.abs().maxCoeff()));
     Vec3 missing = scene.momentum() - momentum;
     double size = 0;
     for (const auto* list : {&exchange.planes, &exchange.pins})

@@ -1,0 +1,68 @@
+/// The Cholesky factor L L' = A of a matrix to which rows are appended, and from which they are dropped, one at a time.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace softffd {
+
+class RowFactor {
+ public:
+  int size() const { return size_; }
+  /// Where row i of a lower triangle begins that is stored row by row.
+  static std::size_t start(int i) { return std::size_t(i) * (i + 1) / 2; }
+
+  /// The rows from this one on, of a matrix of so many; a(i, j) is its element, i >= j, and own(i) the scale of its rounding.
+  template <class Element, class Own>
+  void factor(int size, int from, Element a, Own own) {
+    size_ = size;
+    l_.resize(start(size));
+    for (int i = from; i < size; ++i) {
+      double* row = &l_[start(i)];
+      double left = own(i);
+      for (int j = 0; j < i; ++j) {
+        const double* other = &l_[start(j)];
+        double sum = a(i, j);
+        for (int m = 0; m < j; ++m) sum -= row[m] * other[m];
+        row[j] = sum / other[j];
+        left -= row[j] * row[j];
+      }
+      row[i] = std::sqrt(std::max(left, least * own(i)));
+    }
+  }
+  /// half = L^-1 a of the new row's elements a; left: its own less |half|^2, > 0.
+  void append(const std::vector<double>& half, double left) {
+    l_.insert(l_.end(), half.begin(), half.end());
+    l_.push_back(std::sqrt(left));
+    ++size_;
+  }
+  /// b <- L^-1 b, b <- L'^-1 b.
+  void forward(double* b) const {
+    for (int i = 0; i < size_; ++i) {
+      const double* row = &l_[start(i)];
+      double sum = b[i];
+      for (int j = 0; j < i; ++j) sum -= row[j] * b[j];
+      b[i] = sum / row[i];
+    }
+  }
+  void backward(double* b) const {
+    for (int i = size_ - 1; i >= 0; --i) {
+      const double* row = &l_[start(i)];
+      b[i] /= row[i];
+      for (int j = 0; j < i; ++j) b[j] -= row[j] * b[i];
+    }
+  }
+  void solve(double* b) const {
+    forward(b);
+    backward(b);
+  }
+
+ private:
+  /// Of a row's own element, what rounding may leave of it beside the others.
+  static constexpr double least = 1e-16;
+
+  int size_ = 0;
+  std::vector<double> l_;
+};
+
+}  // namespace softffd

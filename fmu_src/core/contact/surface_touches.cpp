@@ -1,0 +1,266 @@
+#include "contact/surface_touches.hpp"
+
+#include <algorithm>
+
+#include "contact/tolerances.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// Turns of normal forces and friction; looks for samples until those that a solution has brought to a plane are among them.
+constexpr int most_turns = 30, most_looks = 20;
+/// Roundings of a place that friction's law may be missed by where it is looked for; a solution may not miss it by more than gaps.
+constexpr double exact_roundings = 4;
+
+StepStatus status_of(Fit fit) {
+  switch (fit) {
+    case Fit::found: return StepStatus::ok;
+    case Fit::no_room: return StepStatus::impossible_planes;
+    case Fit::too_many: break;
+  }
+  return StepStatus::not_finite;
+}
+
+}  // namespace
+
+SurfaceTouches::SurfaceTouches(const Samples& samples, double length, int planes)
+    : samples_(samples),
+      length_(length),
+      middle_(planes),
+      end_(planes),
+      friction_(planes, 0.0),
+      normals_(planes),
+      search_(samples, planes, length),
+      matrix_(samples.lattice()),
+      set_(samples),
+      free_heights_(planes),
+      feasible_(planes) {
+  for (Points* each : {&solution_.change, &solution_.reaction, &free_, &move_}) each->setZero(samples.lattice().points(), 3);
+}
+
+void SurfaceTouches::open(const Step& step) {
+  const Drive& around = step.equations.around;
+  for (std::size_t q = 0; q < end_.size(); ++q) {
+    middle_[q] = around.planes[q].at(step.t + 0.5 * step.h);
+    end_[q] = around.planes[q].at(step.t + step.h);
+    friction_[q] = around.planes[q].friction;
+    normals_[q] = end_[q].normal;
+  }
+  set_.delassus().set_planes(normals_);
+}
+
+bool SurfaceTouches::possible(const Vec3& x, double slack) {
+  std::vector<Constraint> constraints;
+  for (const HalfSpace& plane : end_) constraints.push_back({.normal = plane.normal, .bound = plane.offset});
+  Vec3 nearest = x;
+  return feasible_.project(constraints, slack, nearest);
+}
+
+/// The forces of the step before.
+void SurfaceTouches::guess(const Step& step, const Points&, const Points&) {
+  const HeldRows& held = step.from.held_rows;
+  const int count = samples_.count();
+  forces_.clear();
+  for (std::size_t t = 0; t < held.rows.size() && held.rows[t] >= 0; ++t) {
+    const SurfaceRow row{int(held.rows[t] / count), int(held.rows[t] % count)};
+    if (row.plane < int(end_.size()) && (forces_.empty() || forces_.back().row < row))  // a state may hold anything
+      forces_.push_back({row, softffd::row(held.forces, int(t))});
+  }
+}
+
+void SurfaceTouches::hold(State& state) const {
+  HeldRows& held = state.held_rows;
+  if (held.rows.empty()) {
+    held.rows.resize(forces_.size());
+    held.forces.resize(forces_.size(), 3);
+  }
+  held.forget();
+  for (std::size_t t = 0; t < std::min(forces_.size(), held.rows.size()); ++t) {
+    held.rows[t] = Count(forces_[t].row.plane) * samples_.count() + forces_[t].row.sample;
+    set_row(held.forces, int(t), forces_[t].force);
+  }
+}
+
+StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
+  solution_.fresh = solution_.settled = false;
+  if (!solve_free(problem)) return StepStatus::not_finite;
+  before_ = forces_;
+  if (const StepStatus status = find_forces(problem); status != StepStatus::ok) return status;
+  std::erase_if(forces_, [](const Force& each) { return each.force.isZero(0); });
+  solution_.change = move_;
+  matrix_.forces_of(problem, move_, solution_.reaction);
+  solution_.reaction -= problem.residual;
+  for (const Force& each : forces_) set_.delassus().spread(each.row.sample, -each.force, solution_.reaction);
+  return StepStatus::ok;
+}
+
+/// The motion with the forces at hand.
+bool SurfaceTouches::solve_free(const StepProblem& problem) {
+  if (stale_) matrix_.linearise(problem);
+  for (;;) {
+    if (stale_) {
+      matrix_.assemble(problem);
+      matrix_.factor();
+      set_.delassus().set_matrix(matrix_, problem.body);
+      solution_.fresh = true;
+      stale_ = false;
+    }
+    free_ = problem.residual;
+    add_forces(free_);
+    for (int p = 0; p < problem.body.points(); ++p)
+      if (problem.body.pinned[p]) set_row(free_, p, Vec3::Zero());
+    matrix_.solve(free_);
+    if (std::isfinite(kernels::largest(free_.size(), free_.data()))) return true;
+    if (!matrix_.soften(problem)) return false;
+    stale_ = true;
+  }
+}
+
+StepStatus SurfaceTouches::find_forces(const StepProblem& problem) {
+  for (int turn = 0; turn < most_turns; ++turn) {
+    bool lost = false;
+    if (const StepStatus status = press(problem, lost); status != StepStatus::ok) return status;
+    solution_.settled = rubs() ? rub(problem) : !lost;
+    if (solution_.settled) break;
+  }
+  return StepStatus::ok;
+}
+
+/// Normal forces beside the friction at hand. lost: rows with friction touch no more.
+StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
+  std::vector<SurfaceRow> rows;
+  for (Force& each : forces_) {
+    const Vec3& normal = normals_[each.row.plane];
+    if (normal.dot(each.force) > 0) rows.push_back(each.row);
+    each.force = tangential(normal, each.force);
+  }
+  find_move(forces_);
+  find_heights(problem, free_heights_);
+  for (std::size_t q = 0; q < end_.size(); ++q)
+    if (!search_.covers(int(q), free_heights_[q])) search_.look(int(q), free_heights_[q], 0);
+  bool covered = false;
+  for (int looks = 0; looks < most_looks && !covered; ++looks) {
+    list_candidates();
+    std::vector<SurfaceRow> near;
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(near), [&](const SurfaceRow& row) {
+      const auto at =
+          std::lower_bound(candidates_.begin(), candidates_.end(), row, [](const Candidate& a, const SurfaceRow& b) { return a.row < b; });
+      return at != candidates_.end() && at->row == row;
+    });
+    set_.delassus().set_rows(near);
+    heights_ = free_heights_;
+    if (const StepStatus status = status_of(set_.solve(candidates_, heights_, problem.slack)); status != StepStatus::ok) return status;
+    covered = all_covered(heights_);
+  }
+  if (!covered) return StepStatus::not_finite;
+  if (set_.pinned_violation() > pin_slack * length_) return StepStatus::pin_behind_plane;
+  std::vector<Force> active;
+  for (std::size_t t = 0; t < set_.active().size(); ++t) {
+    const SurfaceRow& row = set_.active()[t];
+    const auto at = std::lower_bound(forces_.begin(), forces_.end(), row, [](const Force& a, const SurfaceRow& b) { return a.row < b; });
+    const bool known = at != forces_.end() && at->row == row;
+    active.push_back({row, set_.forces()[t] * normals_[row.plane] + (known ? at->force : Vec3(Vec3::Zero()))});
+    if (known) at->force.setZero();
+  }
+  lost = std::any_of(forces_.begin(), forces_.end(), [](const Force& each) { return !each.force.isZero(0); });
+  forces_.swap(active);
+  find_move(forces_);
+  return StepStatus::ok;
+}
+
+bool SurfaceTouches::rubs() const {
+  return std::any_of(forces_.begin(), forces_.end(), [&](const Force& each) { return friction_[each.row.plane] > 0; });
+}
+
+/// All forces of the active rows. Returns whether they keep to Coulomb's law, and the other rows in front of their planes.
+bool SurfaceTouches::rub(const StepProblem& problem) {
+  StepDelassus& g = set_.delassus();
+  const int n = int(forces_.size());
+  coulomb_.normals.clear();
+  coulomb_.friction.clear();
+  coulomb_.g.clear();
+  coulomb_.u.clear();
+  std::vector<Vec3> force;
+  for (const Force& each : forces_) {
+    coulomb_.normals.push_back(normals_[each.row.plane]);
+    coulomb_.friction.push_back(friction_[each.row.plane]);
+    coulomb_.u.push_back(place(problem, each.row));
+    force.push_back(each.force);
+    for (int t = 0; t < n; ++t) coulomb_.g.push_back(g(each.row.sample, forces_[t].row.sample));
+  }
+  coulomb_.exact = exact_roundings * rounding / position_slack * problem.slack;
+  const double missed = rows_.solve(coulomb_, force);
+  for (int t = 0; t < n; ++t) forces_[t].force = force[t];
+  find_move(forces_);
+  find_heights(problem, heights_);
+  if (!(missed <= problem.slack) || !all_covered(heights_)) return false;
+  list_candidates();
+  return std::all_of(candidates_.begin(), candidates_.end(), [&](const Candidate& each) {
+    return samples_.at(each.row.sample, heights_[each.row.plane].data()) >= -2 * problem.slack;
+  });
+}
+
+/// What a row has of gap along its normal and of slip across it [m].
+Vec3 SurfaceTouches::place(const StepProblem& problem, const SurfaceRow& row) const {
+  const HalfSpace& plane = end_[row.plane];
+  const Vec3 begin = samples_.at(row.sample, problem.x0), u = samples_.at(row.sample, problem.u), move = samples_.at(row.sample, move_);
+  const Vec3 slip = u + move - problem.h * material_velocity(row.plane, begin + 0.5 * u);
+  return (plane.gap(samples_.at(row.sample, problem.x)) + plane.normal.dot(move)) * plane.normal + tangential(plane.normal, slip);
+}
+
+/// With these forces in the place of those before.
+void SurfaceTouches::find_move(const std::vector<Force>& forces) {
+  move_ = free_;
+  std::size_t t = 0;
+  const auto now = [&](const Force& each) { set_.delassus().add_response(each.row.sample, each.force, move_); };
+  for (const Force& was : before_) {
+    for (; t < forces.size() && forces[t].row < was.row; ++t) now(forces[t]);
+    const bool both = t < forces.size() && forces[t].row == was.row;
+    set_.delassus().add_response(was.row.sample, (both ? forces[t++].force : Vec3(Vec3::Zero())) - was.force, move_);
+  }
+  for (; t < forces.size(); ++t) now(forces[t]);
+}
+
+/// Of the control points above the planes, moved.
+void SurfaceTouches::find_heights(const StepProblem& problem, std::vector<Scalars>& heights) const {
+  heights.resize(end_.size());
+  for (std::size_t q = 0; q < end_.size(); ++q) {
+    heights[q] = Scalars::Constant(move_.rows(), -end_[q].offset);
+    for (int axis = 0; axis < 3; ++axis) heights[q] += normals_[q][axis] * (problem.x.col(axis) + move_.col(axis));
+  }
+}
+
+void SurfaceTouches::list_candidates() {
+  candidates_.clear();
+  for (int q = 0; q < int(end_.size()); ++q)
+    for (const int s : search_.near(q)) candidates_.push_back({.row = {q, s}});
+}
+
+/// Looks for samples anew where their lists do not do; returns whether all did.
+bool SurfaceTouches::all_covered(const std::vector<Scalars>& heights) {
+  bool covered = true;
+  for (std::size_t q = 0; q < end_.size(); ++q)
+    if (!search_.covers(int(q), heights[q])) {
+      search_.look(int(q), heights[q], 0);
+      covered = false;
+    }
+  return covered;
+}
+
+void SurfaceTouches::add_forces(Points& f) const {
+  for (const Force& each : forces_) set_.delassus().spread(each.row.sample, each.force, f);
+}
+
+double SurfaceTouches::largest_load() const {
+  double largest = 0;
+  for (const Force& each : forces_) largest = std::max(largest, normals_[each.row.plane].dot(each.force));
+  return largest;
+}
+
+void SurfaceTouches::find_reactions(std::vector<Reaction>& reactions) const {
+  reactions.clear();
+  for (const Force& each : forces_) reactions.push_back({each.row.plane, each.row.sample, normals_[each.row.plane], each.force, true});
+}
+
+}  // namespace softffd
