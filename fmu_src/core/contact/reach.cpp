@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model/arithmetic.hpp"
 #include "model/rigid_motion.hpp"
@@ -13,9 +14,24 @@ namespace {
 /// Speeds inside a step may exceed those at its ends by this factor.
 constexpr double speed_margin = 1.5;
 
+/// Of what is no number that.
+double smaller(double a, double b) { return a < b || a != a ? a : b; }
+
 double largest_speed(const Points& v) { return std::sqrt(v.square().rowwise().sum().maxCoeff<Eigen::PropagateNaN>()); }
 
 }  // namespace
+
+double least_gap(const Body& body, const HalfSpace& obstacle, const Points& x) {
+  double least = std::numeric_limits<double>::infinity();
+  if (body.samples) {
+    Scalars heights(x.rows());
+    kernels::gaps(int(x.rows()), x.data(), obstacle.normal.data(), obstacle.offset, heights.data());
+    for (int s = 0; s < body.samples->count(); ++s) least = smaller(least, body.samples->at(s, heights.data()));
+  } else {
+    for (int p = 0; p < x.rows(); ++p) least = smaller(least, obstacle.gap(row(x, p)));
+  }
+  return least;
+}
 
 bool off_obstacles(const Drive& around, double t, const Points& x, double gap) {
   for (const Plane& plane : around.planes) {
@@ -28,16 +44,8 @@ bool off_obstacles(const Drive& around, double t, const Points& x, double gap) {
 
 bool off_obstacles(const Body& body, const Drive& around, double t, const Points& x, double gap) {
   if (off_obstacles(around, t, x, gap)) return true;
-  if (!body.samples) return false;
-  Scalars heights(x.rows());
-  for (const Plane& plane : around.planes) {
-    const HalfSpace obstacle = plane.at(t);
-    kernels::gaps(int(x.rows()), x.data(), obstacle.normal.data(), obstacle.offset, heights.data());
-    if (heights.minCoeff() > gap) continue;
-    for (int s = 0; s < body.samples->count(); ++s)
-      if (!(body.samples->at(s, heights.data()) > gap)) return false;
-  }
-  return true;
+  const auto off = [&](const Plane& plane) { return least_gap(body, plane.at(t), x) > gap; };
+  return body.samples && std::all_of(around.planes.begin(), around.planes.end(), off);
 }
 
 double Reach::least_gap(const HalfSpace& obstacle, const Points& x) {

@@ -5,6 +5,9 @@
 
 namespace softffd {
 
+/// Gap of what may meet the obstacle: the least of the control points', or, where it meets the surface, of the samples' [m].
+double least_gap(const Body& body, const HalfSpace& obstacle, const Points& x);
+
 /// Is every point at x off all obstacles at time t, by more than `gap` [m]?
 bool off_obstacles(const Drive& around, double t, const Points& x, double gap);
 

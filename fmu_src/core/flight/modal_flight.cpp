@@ -163,11 +163,14 @@ Vec3 ModalFlight::inner_momentum(double spin) const {
   return sum;
 }
 
-double ModalFlight::least_gap(const HalfSpace& obstacle, bool still) const {
+double ModalFlight::least_gap(const Body& body, const HalfSpace& obstacle, bool still) {
   double least = std::numeric_limits<double>::infinity();
   const Vec3 normal = (rigid_.turn * attitude_).transpose() * obstacle.normal;
   const double centre = obstacle.gap(rigid_.centre);
-  for (int p = 0; p < way_.size(); ++p) least = std::min(least, normal.dot(row(modes_.arms, p)) - (still ? 0 : way_[p]));
+  heights_.resize(way_.size());
+  for (int p = 0; p < way_.size(); ++p) heights_[p] = normal.dot(row(modes_.arms, p)) - (still ? 0 : way_[p]);
+  for (int p = 0; !body.samples && p < way_.size(); ++p) least = std::min(least, heights_[p]);
+  for (int s = 0; body.samples && s < body.samples->count(); ++s) least = std::min(least, body.samples->at(s, heights_.data()));
   return centre + least;
 }
 
@@ -185,7 +188,7 @@ double ModalFlight::until_touch(const Equations& equations, double most, double 
     bool touch = false;
     for (const Plane& plane : equations.around.planes) {
       const HalfSpace obstacle = plane.at(t_);
-      const double gap = least_gap(obstacle, still) - near_enough * equations.body.length;
+      const double gap = least_gap(equations.body, obstacle, still) - near_enough * equations.body.length;
       if (gap <= 0) touch = true;
       const Vec3 relative = rigid_.velocity - obstacle.material_velocity(rigid_.centre);
       const double far = (rigid_.centre - obstacle.point).norm() + radius, turning = obstacle.spin.norm();

@@ -59,7 +59,7 @@ class ModalFlight {
   void vibrate(double time);
   void turn_group(int first, int count, double time, const Vec3& spin);
   Vec3 inner_momentum(double spin) const;
-  double least_gap(const HalfSpace& obstacle, bool still) const;
+  double least_gap(const Body& body, const HalfSpace& obstacle, bool still);
 
   Points rest_;
   double cell_;  ///< shortest side of a cell [m]
@@ -75,6 +75,7 @@ class ModalFlight {
   Eigen::VectorXd old_, old_rate_;                   ///< what is remembered
   Eigen::VectorXd displacement_, rate_, amplitude_;  ///< workspace
   Scalars way_;                                      ///< (points) largest excursion of each point [m]
+  Scalars heights_;                                  ///< (points) workspace
   Points x_, v_, outside_;
 };
 

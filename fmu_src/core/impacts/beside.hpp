@@ -13,10 +13,10 @@ struct Beside {
   double limit;  ///< largest stable explicit step [s]
 };
 
-/// Whether every point is off all obstacles by this share of the box.
+/// Whether every point, or sample, is off all obstacles by this share of the box.
 inline bool off_obstacles(const Job& job, double gap) {
   const State& motion = job.run.path.motion;
-  return off_obstacles(job.drive, motion.time, motion.x, gap * job.model.body.length);
+  return off_obstacles(job.model.body, job.drive, motion.time, motion.x, gap * job.model.body.length);
 }
 /// Energy that a step from this state took beyond damping and friction, obstacles having given so much of it [J].
 double energy_lost(const Job& job, const State& from, double given);

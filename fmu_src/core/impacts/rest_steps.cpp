@@ -173,7 +173,7 @@ RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   }
   if (!job.drive.pins.empty()) return taken;
   x_ = path.motion.x;
-  if (!settling) {
+  if (!settling && !job.model.body.samples) {  // a surface that turns rolls over its samples: no mean brings all of them back
     follow_mean_velocity(job, from, h);
     if (!keep_in_front(job)) taken.status = StepStatus::not_finite;
   }

@@ -39,8 +39,7 @@ void put_aside(const Job& job, double way) {
   const StiffContact& stiff = job.run.path.stiff;
   const Body& body = job.model.body;
   const RigidMotion rigid = rigid_motion(body.mass, motion.x, motion.v);
-  const NearestPoint first = nearest_point(job, motion);
-  const double gap = first.obstacle.gap(row(motion.x, first.point));
+  const double gap = nearest_obstacle(job, motion).gap;
   const double radius = radius_about(rigid.centre, motion.x), size = stiff.astray.norm() + radius * stiff.astray_spin.norm();
   const double most = use::most_aside * radius, share = std::clamp(way, -most, most) / size;
   const Eigen::Matrix3d turn = rotation_by(share * stiff.astray_spin);
@@ -48,8 +47,8 @@ void put_aside(const Job& job, double way) {
     set_row(motion.x, p, rigid.centre + share * stiff.astray + turn * (row(motion.x, p) - rigid.centre));
     set_row(motion.v, p, rigid.velocity + turn * (row(motion.v, p) - rigid.velocity));
   }
-  const NearestPoint now = nearest_point(job, motion);
-  const double nearer = gap - now.obstacle.gap(row(motion.x, now.point));
+  const NearestObstacle now = nearest_obstacle(job, motion);
+  const double nearer = gap - now.gap;
   for (int axis = 0; axis < 3; ++axis) motion.x.col(axis) += nearer * now.obstacle.normal[axis];
   body.internal_force(motion.x, motion.spring);
 }

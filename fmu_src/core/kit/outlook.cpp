@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/reach.hpp"
 #include "contact/tolerances.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
@@ -32,11 +33,7 @@ Vec3 whole_acceleration(const Job& job) {
 /// Whether obstacles hold the body from two sides.
 bool squeezed(const Job& job, const State& state) {
   const double touch = touching * job.model.body.length;
-  const auto touches = [&](const HalfSpace& obstacle) {
-    for (int p = 0; p < state.x.rows(); ++p)
-      if (obstacle.gap(row(state.x, p)) <= touch) return true;
-    return false;
-  };
+  const auto touches = [&](const HalfSpace& obstacle) { return least_gap(job.model.body, obstacle, state.x) <= touch; };
   const auto& planes = job.drive.planes;
   for (std::size_t a = 0; a < planes.size(); ++a)
     for (std::size_t b = a + 1; b < planes.size(); ++b) {
@@ -62,15 +59,12 @@ double slowest_period(const Job& job) {
   return std::min(use::period_per_time_scale * longest, left_of_run(job));
 }
 
-NearestPoint nearest_point(const Job& job, const State& state) {
-  NearestPoint nearest;
-  double least = infinity;
+NearestObstacle nearest_obstacle(const Job& job, const State& state) {
+  NearestObstacle nearest;
   for (const Plane& plane : job.drive.planes) {
     const HalfSpace here = plane.at(state.time);
-    for (int p = 0; p < state.x.rows(); ++p) {
-      const double gap = here.gap(row(state.x, p));
-      if (gap < least) least = gap, nearest = {&plane, here, p};
-    }
+    const double gap = least_gap(job.model.body, here, state.x);
+    if (gap < nearest.gap) nearest = {&plane, here, gap};
   }
   return nearest;
 }
@@ -86,13 +80,13 @@ double kinetic_deformation(const Body& body, const State& state) {
 }
 
 double approach_speed(const Job& job, const State& state, const RigidMotion& rigid, double radius) {
-  const HalfSpace obstacle = nearest_point(job, state).obstacle;
+  const HalfSpace obstacle = nearest_obstacle(job, state).obstacle;
   const Vec3 velocity = rigid.velocity - obstacle.material_velocity(rigid.centre);
   return std::abs(velocity.dot(obstacle.normal)) + use::turning_share * radius * (rigid.spin - obstacle.spin).norm() + standstill;
 }
 
 Outlook outlook(const Job& job, const State& state) {
-  const auto [plane, obstacle, point] = nearest_point(job, state);
+  const auto [plane, obstacle, gap] = nearest_obstacle(job, state);
   const double left = left_of_run(job), pressing = (plane->acceleration - whole_acceleration(job)).dot(obstacle.normal);
   Outlook ahead{obstacle.normal, left, left, left, pressing};
   if (!job.drive.pins.empty()) return ahead;

@@ -1,5 +1,7 @@
 /// Beside an obstacle: how the body stands to it, and what a difference of two states will amount to at the end of the run.
 #pragma once
+#include <limits>
+
 #include "kit/job.hpp"
 #include "model/rigid_motion.hpp"
 
@@ -18,13 +20,13 @@ struct Outlook {
 double left_of_run(const Job& job);
 /// Of the slowest vibration, about [s].
 double slowest_period(const Job& job);
-/// The point that is nearest to an obstacle, or furthest behind one. The drive has planes.
-struct NearestPoint {
+/// The obstacle that a point, or sample, is nearest to, or furthest behind. The drive has planes.
+struct NearestObstacle {
   const Plane* plane = nullptr;
-  HalfSpace obstacle;  ///< now
-  int point = 0;
+  HalfSpace obstacle;                                    ///< now
+  double gap = std::numeric_limits<double>::infinity();  ///< [m]
 };
-NearestPoint nearest_point(const Job& job, const State& state);
+NearestObstacle nearest_obstacle(const Job& job, const State& state);
 /// Kinetic energy of the motion that is not rigid [J].
 double kinetic_deformation(const Body& body, const State& state);
 /// Speed at which a body comes to the nearest obstacle, with what its turning adds [m/s]. radius: of its outermost point [m].

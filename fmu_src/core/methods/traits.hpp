@@ -32,10 +32,8 @@ double step_work(const Body& body, Method method, double h);
 
 inline bool resolves_contact(Method method) { return traits(method).resolves_contact; }
 inline bool is_implicit(Method method) { return traits(method).solves; }
-/// May it be asked for where obstacles meet samples of the surface? Leapfrog alone knows them, and takes over from other explicit methods.
-inline bool meets_surface(Method method) {
-  return method != Method::central_difference && method != Method::backward_euler && !is_implicit(method);
-}
+/// May it be asked for where obstacles meet samples of the surface? Leapfrog and backward Euler know them, and take over from others.
+inline bool meets_surface(Method method) { return method != Method::central_difference; }
 
 /// Work of an implicit step without contact: of a step, of a factor and of taking a step into the body's frame; and of a solution of the
 /// linear equations with contact; by the operations they take and their measured time on 4 x 4 x 4.

@@ -53,7 +53,7 @@ bool stiff(const Facts& facts) {
 }
 
 bool may_be_stiff(const Facts& facts, const Asked& asked) {
-  return (chosen(asked.method) || is_implicit(asked.method)) && !facts.given_step && !facts.surface;
+  return (chosen(asked.method) || is_implicit(asked.method)) && !facts.given_step;
 }
 
 Plan impacts(bool rings) {

@@ -21,7 +21,7 @@ struct Facts {
   bool damped = false;                 ///< any damping
   bool dashpots = false;               ///< of them, internal damping
   bool obstacles = false;              ///< the scene has planes
-  bool surface = false;                ///< which samples of the surface meet: explicit steps alone
+  bool surface = false;                ///< which samples of the surface meet
   bool pins = false;                   ///< the scene has pins
   std::optional<bool> clear{};         ///< no point is on an obstacle now
   std::optional<bool> within_reach{};  ///< a point could come to an obstacle, by forecast

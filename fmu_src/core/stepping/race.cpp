@@ -40,8 +40,7 @@ void Race::run(Integrators& integrators, Calibrator& calibrator, const Job& job,
   const double longest = step_limit(job, Method::leapfrog, false), each = step_work(body, Method::leapfrog, longest);
   contest.least = std::max(1.0, H / longest) * each;
   const double slower = each / traits(Method::leapfrog).work;  // by internal damping, which implicit steps hardly feel
-  const bool surface = !job.drive.planes.empty() && body.samples;
-  const bool may_pay = !surface && job.model.stability.elastic() && implicit_may_pay(slower * H * bound(job));
+  const bool may_pay = job.model.stability.elastic() && implicit_may_pay(slower * H * bound(job));
   if (may_pay) try_implicit(integrators, job, H, contest.least, contest);
   if (!(contest.implicit_work < infinity)) {
     calibrate(Method::leapfrog, use::race_rounds);

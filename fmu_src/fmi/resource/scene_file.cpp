@@ -262,7 +262,7 @@ void check_complete(const SceneFile& s) {
     throw SceneFileError("resources/scene.txt: springs of a modulus are of the topology distinct");
 }
 
-/// Planes are to meet these samples of the surface; explicit steps can.
+/// Planes are to meet these samples of the surface.
 void take_samples(SceneFile& s) {
   if (s.samples.empty() || s.planes.empty()) return;
   Definition& d = s.definition;
@@ -272,7 +272,7 @@ void take_samples(SceneFile& s) {
     if (!(part.minCoeff() >= -outside && part.maxCoeff() <= 1 + outside)) refuse("a sample of the surface lies outside of the box");
   }
   if (!meets_surface(Method(s.method - 1)))
-    refuse("the method does not know contact of the surface; wanted auto, leapfrog, bm4, rkn12 or dop853");
+    refuse("the method does not know contact of the surface; wanted auto, leapfrog, bm4, rkn12, dop853, ros34pw2 or backward_euler");
   d.samples = std::make_shared<const Samples>(s.basis, d.lattice, s.samples);
 }
 

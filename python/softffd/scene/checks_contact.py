@@ -1,12 +1,12 @@
-"""The checks of contact of the surface: a mesh that has one, explicit steps."""
+"""The checks of contact of the surface: a mesh that has one, a method that knows it."""
 
 from collections.abc import Iterator
 
 from softffd.scene.draft import Draft
 from softffd.scene.faults import Fault, toml_text
 
-MEETING = ("auto", "leapfrog", "bm4", "rkn12", "dop853")
-"""Methods whose steps know contact of the surface"""
+MEETING = ("auto", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_euler")
+"""Methods that may be asked for beside contact of the surface"""
 
 
 def contact_check(draft: Draft) -> Iterator[Fault]:
@@ -29,5 +29,5 @@ def _method(draft: Draft) -> Iterator[Fault]:
     method = draft.scene.solver.method
     if method not in MEETING and draft.sound("solver", "method"):
         wanted = " or ".join([", ".join(f'"{each}"' for each in MEETING[:-1]), f'"{MEETING[-1]}"'])
-        text = f'wanted {wanted} beside contact.of = "surface", which only explicit steps know, got {toml_text(method)}'
+        text = f'wanted {wanted} beside contact.of = "surface", which it does not know, got {toml_text(method)}'
         yield Fault(("solver", "method"), text)

@@ -301,8 +301,8 @@ class Contact(Section):
 
     of: Literal["surface", "lattice"] = key(
         "lattice",
-        '"lattice": the control points, in whose hull the object stays; "surface": the vertices of the mesh, in explicit steps: with the '
-        'methods "auto", "leapfrog", "bm4", "rkn12" and "dop853"',
+        '"lattice": the control points, in whose hull the object stays; "surface": the vertices of the mesh; with all methods but '
+        '"central_difference"',
     )
     penetration: Number = quantity(
         1e-3,

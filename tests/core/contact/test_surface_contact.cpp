@@ -412,15 +412,33 @@ TEST(automatic_steps_follow_a_landing_within_the_tolerance) {
   CHECK(apart(fine.state().x, body.state().x) < 1e-4);
 }
 
-TEST(a_stiff_body_with_samples_takes_explicit_steps_alone) {
-  for (const Method method : {Method::automatic, Method::bm4, Method::backward_euler}) {
-    SoftBody body = Sphere{.level = 1, .height = 0.001, .stiffness = 1e7}.body();
-    body.settings.method = method;
-    body.initialize(0);
-    for (int i = 0; i < 3; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
-    CHECK(body.readings().method() == Method::leapfrog);
-    CHECK(body.factorizations() == 0);
+TEST(a_stiff_body_with_samples_falls_by_its_modes_and_rests_in_implicit_steps) {
+  for (const double stiffness : {1e5, 1e6}) {
+    const Sphere sphere{.level = 1, .height = 0.02, .stiffness = stiffness, .friction = 0};
+    SoftBody fine = sphere.body(), body = sphere.body();
+    fine.settings.method = Method::leapfrog;
+    fine.settings.step = 4e-6;
+    body.settings.horizon = 0.5;
+    for (SoftBody* each : {&fine, &body}) {
+      CHECK(each->initialize(0) == StepStatus::ok);
+      for (int i = 0; i < 25; ++i) CHECK(each->advance(0.02) == StepStatus::ok);
+    }
+    std::printf("  k %g: apart %.3g m\n", stiffness, apart(fine.state().x, body.state().x));
+    CHECK(apart(fine.state().x, body.state().x) < 1e-4);  // the tolerance
+    for (int i = 0; i < 125; ++i) CHECK(body.advance(0.02) == StepStatus::ok);
+    CHECK(body.readings().method() == Method::backward_euler);
+    CHECK_NEAR(body.readings().plane_reaction(0).z(), -9.81, 1e-9);
+    CHECK(lowest(sphere.samples(), body) >= -1e-12);
   }
+}
+
+TEST(steps_of_backward_euler_alone_are_implicit_ones) {
+  SoftBody body = Sphere{.level = 1, .height = 0.001, .stiffness = 1e7}.body();
+  body.settings.method = Method::backward_euler;
+  CHECK(body.initialize(0) == StepStatus::ok);
+  for (int i = 0; i < 200; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+  CHECK(body.readings().method() == Method::backward_euler);
+  CHECK_NEAR(body.readings().plane_reaction(0).z(), -9.81, 1e-9);
 }
 
 namespace {

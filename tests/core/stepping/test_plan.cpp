@@ -262,17 +262,22 @@ TEST(a_challenger_needs_clearly_less_work_than_the_last_winner) {
   CHECK(settle(contest).method == Method::leapfrog && settle(contest).reason == Reason::least_work);
 }
 
-TEST(samples_of_the_surface_are_met_by_explicit_steps_alone) {
+TEST(samples_of_the_surface_are_met_as_control_points_are_but_for_the_central_difference) {
   for (const Method asked : all) {
-    Facts facts = stiff(asked);
-    facts.surface = true;
-    CHECK(plan(facts).method == Method::leapfrog && plan(facts).steps == Steps::doubled);
-    facts.given_step = true;
-    CHECK(plan(facts).method == Method::leapfrog && plan(facts).steps == Steps::fitted);
-    facts = near(asked);
-    facts.surface = true;
-    facts.rings = true;
-    facts.stiffness = 1e4;
-    CHECK(meets_surface(plan(facts).method) && plan(facts).steps != Steps::impacts && plan(facts).steps != Steps::implicit);
+    for (const auto& situation : {stiff(asked), near(asked)}) {
+      Facts facts = situation;
+      facts.rings = true;
+      for (const bool given : {false, true}) {
+        facts.given_step = given;
+        Facts of_surface = facts;
+        of_surface.surface = true;
+        if (asked == Method::central_difference) facts.asked = Method::leapfrog;
+        const Plan points = plan(facts), samples = plan(of_surface);
+        CHECK(points.want == samples.want && points.method == samples.method && points.steps == samples.steps);
+      }
+    }
   }
+  Facts facts = stiff(Method::central_difference);
+  facts.surface = true;
+  CHECK(plan(facts).method == Method::leapfrog && plan(facts).reason == Reason::contact);
 }

@@ -12,9 +12,9 @@ MEETING = {"plane": [{"name": "ground"}], "contact": {"of": "surface"}}
 @pytest.mark.parametrize(
     ("keys", "line"),
     [
-        ({"solver": {"method": "backward_euler"}},
-         'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12" or "dop853" beside contact.of = "surface", which only explicit steps '
-         'know, got "backward_euler"'),
+        ({"solver": {"method": "central_difference"}},
+         'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2" or "backward_euler" beside contact.of = '
+         '"surface", which it does not know, got "central_difference"'),
         ({"contact": {"of": "lattice", "penetration": 0.01}},
          'contact.penetration: wanted it beside of = "surface" only, got 0.01 with of = "lattice"'),
         ({"mesh": None}, 'contact.of: "surface" needs a mesh, but the scene has no [mesh]; take "lattice" instead'),
