@@ -22,33 +22,37 @@ constexpr int most_rounds = 1000, most_drops = 300;
 }  // namespace
 
 template <class Metric>
-Fit DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance) {
+Fit DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance,
+                                   const std::vector<double>& known) {
   heights_ = &heights;
   pinned_ = 0;
   hot_.clear();
   at_hand_.assign(candidates.size(), 0);
-  wanted_.clear();
+  begin_ = heights;
+  bounds_.clear();
   std::size_t c = 0;
   for (const SurfaceRow& row : active()) {
     while (candidates[c].row < row) ++c;
     at_hand_[c] = 1;
-    wanted_.push_back(candidates[c].bound - height(row, heights));
+    bounds_.push_back(candidates[c].bound);
   }
-  begin_ = heights;
+  known_ = known;
+  known_.resize(bounds_.size(), 0.0);
+  find_wanted();
   warm();
   if (active().size() != std::size_t(std::count(at_hand_.begin(), at_hand_.end(), 1))) {
     for (std::size_t i = 0, t = 0; i < candidates.size(); ++i)
       if (at_hand_[i] == 1 && !(t < active().size() && active()[t] == candidates[i].row && ++t)) at_hand_[i] = 0;
   }
-  if (!active().empty()) spread();
+  if (active().empty())
+    heights = begin_;
+  else
+    spread();
   for (int round = 0; round < most_rounds; ++round) {
     const int chosen = most_violated(candidates, tolerance);
     if (chosen < 0) {
       if (round > 0) {
-        delassus_.sort();
-        wanted_.clear();
-        for (std::size_t c = 0; c < candidates.size(); ++c)
-          if (at_hand_[c] == 1) wanted_.push_back(candidates[c].bound - height(candidates[c].row, begin_));
+        sort(candidates);
         renew_forces();
         most_violated(candidates, tolerance);
       }
@@ -64,20 +68,61 @@ Fit DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, std::vect
 template <class Metric>
 void DualActiveSetIn<Metric>::warm() {
   while (true) {
-    forces_ = wanted_;
-    delassus_.solve(forces_.data());
+    find_forces();
     const auto least = std::min_element(forces_.begin(), forces_.end());
     if (least == forces_.end() || *least >= 0) return;
-    const int row = int(least - forces_.begin());
-    delassus_.drop(row);
-    wanted_.erase(wanted_.begin() + row);
+    leave(int(least - forces_.begin()));
   }
 }
 
 /// Heights of the forces at hand.
 template <class Metric>
 void DualActiveSetIn<Metric>::spread() {
-  delassus_.raise(forces_, begin_, *heights_);
+  scratch_ = forces_;
+  for (std::size_t t = 0; t < forces_.size(); ++t) scratch_[t] -= known_[t];
+  delassus_.raise(scratch_, begin_, *heights_);
+}
+
+/// The row is active no more, and its part in y0 is taken out.
+template <class Metric>
+void DualActiveSetIn<Metric>::leave(int row, typename Metric::Column* column) {
+  const double part = known_[row];
+  if (part != 0) {
+    scratch_.assign(known_.size(), 0.0);
+    scratch_[row] = -part;
+    delassus_.raise(scratch_, begin_, begin_);
+  }
+  for (auto* each : {&forces_, &known_, &bounds_, &wanted_}) each->erase(each->begin() + row);
+  delassus_.drop(row, column);
+  if (part != 0) find_wanted();
+}
+
+template <class Metric>
+void DualActiveSetIn<Metric>::find_wanted() {
+  wanted_.resize(bounds_.size());
+  for (std::size_t t = 0; t < bounds_.size(); ++t) wanted_[t] = bounds_[t] - height(active()[t], begin_);
+}
+
+template <class Metric>
+void DualActiveSetIn<Metric>::find_forces() {
+  forces_ = wanted_;
+  delassus_.solve(forces_.data());
+  for (std::size_t t = 0; t < forces_.size(); ++t) forces_[t] += known_[t];
+}
+
+/// Active rows in the order of the candidates.
+template <class Metric>
+void DualActiveSetIn<Metric>::sort(const std::vector<Candidate>& candidates) {
+  std::vector<std::pair<SurfaceRow, double>> known;
+  for (std::size_t t = 0; t < known_.size(); ++t) known.push_back({active()[t], known_[t]});
+  std::sort(known.begin(), known.end());
+  delassus_.sort();
+  known_.clear();
+  bounds_.clear();
+  for (const auto& [row, part] : known) known_.push_back(part);
+  for (std::size_t c = 0; c < candidates.size(); ++c)
+    if (at_hand_[c] == 1) bounds_.push_back(candidates[c].bound);
+  find_wanted();
 }
 
 /// Ties go to the first row; the few that were violated most at a full look are looked at alone until they are met.
@@ -140,6 +185,8 @@ Fit DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates, int c
       delassus_.append(column_);
       at_hand_[chosen] = 1;
       forces_.push_back(force);
+      known_.push_back(0);
+      bounds_.push_back(candidate.bound);
       wanted_.push_back(candidate.bound - height(candidate.row, begin_));
       renew_forces();
       return Fit::found;
@@ -148,9 +195,7 @@ Fit DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates, int c
     at_hand_[std::lower_bound(candidates.begin(), candidates.end(), leaving,
                               [](const Candidate& a, const SurfaceRow& b) { return a.row < b; }) -
              candidates.begin()] = 0;
-    forces_.erase(forces_.begin() + first);
-    wanted_.erase(wanted_.begin() + first);
-    delassus_.drop(first, &column_);
+    leave(first, &column_);
   }
   return Fit::too_many;
 }
@@ -158,8 +203,7 @@ Fit DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates, int c
 /// Afresh by the factor, so that no rounding adds up.
 template <class Metric>
 void DualActiveSetIn<Metric>::renew_forces() {
-  forces_ = wanted_;
-  delassus_.solve(forces_.data());
+  find_forces();
   for (double& force : forces_) force = std::max(force, 0.0);
   spread();
 }

@@ -36,11 +36,16 @@ class DualActiveSetIn {
   /// Largest violation of a row that nothing free could mend, for all its points are pinned.
   double pinned_violation() const { return pinned_; }
 
-  /// heights: (planes) of y0, become those of y. candidates: sorted by row; the active ones must be among them.
-  Fit solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance);
+  /// heights: (planes) of y0, become those of y. candidates: sorted by row; the active ones must be among them. known: forces of the active
+  /// rows that y0 has already, so that large forces that hold each other lose no digits; none: zero.
+  Fit solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance, const std::vector<double>& known = {});
 
  private:
   void warm();
+  void leave(int row, typename Metric::Column* column = nullptr);
+  void find_wanted();
+  void find_forces();
+  void sort(const std::vector<Candidate>& candidates);
   void spread();
   bool refine(const std::vector<Candidate>& candidates, double tolerance);
   int most_violated(std::vector<Candidate>& candidates, double tolerance);
@@ -52,8 +57,9 @@ class DualActiveSetIn {
 
   Metric delassus_;
   typename Metric::Column column_;
-  std::vector<double> forces_, wanted_, scratch_;  ///< of the active rows: l, b less height at y0
-  std::vector<Scalars> begin_;                     ///< heights of y0
+  std::vector<double> forces_, known_, bounds_, wanted_;  ///< of the active rows: l, its part in y0, b, b less height at y0
+  std::vector<double> scratch_;
+  std::vector<Scalars> begin_;  ///< heights of y0
   std::vector<Scalars>* heights_ = nullptr;
   std::vector<int> hot_;       ///< candidates that were violated most at the last full look
   std::vector<char> at_hand_;  ///< candidates: 1 active, 2 pinned

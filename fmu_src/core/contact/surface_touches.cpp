@@ -12,6 +12,8 @@ namespace {
 constexpr int most_turns = 30, most_looks = 20;
 /// Roundings of a place that friction's law may be missed by where it is looked for; a solution may not miss it by more than gaps.
 constexpr double exact_roundings = 4;
+/// Of the way that a force alone would move its sample, where others hold it: what is left of the sum is known no better.
+constexpr double response_roundings = 2;
 
 StepStatus status_of(Fit fit) {
   switch (fit) {
@@ -21,6 +23,8 @@ StepStatus status_of(Fit fit) {
   }
   return StepStatus::not_finite;
 }
+
+constexpr auto by_row = [](const auto& a, const auto& b) { return a.row < b.row; };
 
 }  // namespace
 
@@ -34,7 +38,6 @@ SurfaceTouches::SurfaceTouches(const Samples& samples, double length, int planes
       search_(samples, planes, length),
       matrix_(samples.lattice()),
       set_(samples),
-      free_heights_(planes),
       feasible_(planes) {
   for (Points* each : {&solution_.change, &solution_.reaction, &free_, &move_}) each->setZero(samples.lattice().points(), 3);
 }
@@ -121,52 +124,62 @@ StepStatus SurfaceTouches::find_forces(const StepProblem& problem) {
   for (int turn = 0; turn < most_turns; ++turn) {
     bool lost = false;
     if (const StepStatus status = press(problem, lost); status != StepStatus::ok) return status;
-    solution_.settled = rubs() ? rub(problem) : !lost;
-    if (solution_.settled) break;
+    const bool found = rubs() ? rub(problem) : !lost;
+    solution_.settled = found && doubt_ <= problem.slack;
+    if (found) break;
   }
   return StepStatus::ok;
 }
 
-/// Normal forces beside the friction at hand. lost: rows with friction touch no more.
+/// Normal forces beside the friction at hand, from the loads at hand on. lost: rows with friction touch no more.
 StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
-  std::vector<SurfaceRow> rows;
+  start_.clear();
+  loads_.clear();
   for (Force& each : forces_) {
     const Vec3& normal = normals_[each.row.plane];
-    if (normal.dot(each.force) > 0) rows.push_back(each.row);
-    each.force = tangential(normal, each.force);
+    const double load = normal.dot(each.force);
+    if (load > 0) {
+      start_.push_back(each.row);
+      loads_.push_back(load);
+    } else {
+      each.force = tangential(normal, each.force);
+    }
   }
   find_move(forces_);
-  find_heights(problem, free_heights_);
-  for (std::size_t q = 0; q < end_.size(); ++q)
-    if (!search_.covers(int(q), free_heights_[q])) search_.look(int(q), free_heights_[q], 0);
-  bool covered = false;
-  for (int looks = 0; looks < most_looks && !covered; ++looks) {
+  find_heights(problem, heights_);
+  const std::vector<Scalars> begin = heights_;
+  all_covered(heights_);
+  for (int looks = 0; looks < most_looks; ++looks) {
     list_candidates();
-    std::vector<SurfaceRow> near;
-    std::copy_if(rows.begin(), rows.end(), std::back_inserter(near), [&](const SurfaceRow& row) {
-      const auto at =
-          std::lower_bound(candidates_.begin(), candidates_.end(), row, [](const Candidate& a, const SurfaceRow& b) { return a.row < b; });
-      return at != candidates_.end() && at->row == row;
-    });
-    set_.delassus().set_rows(near);
-    heights_ = free_heights_;
-    if (const StepStatus status = status_of(set_.solve(candidates_, heights_, problem.slack)); status != StepStatus::ok) return status;
-    covered = all_covered(heights_);
+    heights_ = begin;
+    set_.delassus().set_rows(start_);
+    if (const StepStatus status = status_of(set_.solve(candidates_, heights_, problem.slack, loads_)); status != StepStatus::ok)
+      return status;
+    if (set_.pinned_violation() > pin_slack * length_) return StepStatus::pin_behind_plane;
+    if (!in_front(problem.slack)) continue;
+    lost = take_loads();
+    find_move(forces_);
+    return StepStatus::ok;
   }
-  if (!covered) return StepStatus::not_finite;
-  if (set_.pinned_violation() > pin_slack * length_) return StepStatus::pin_behind_plane;
-  std::vector<Force> active;
+  return StepStatus::not_finite;
+}
+
+/// Those of the active rows in the place of the ones at hand. Returns whether a row has lost friction with its load.
+bool SurfaceTouches::take_loads() {
+  active_.clear();
   for (std::size_t t = 0; t < set_.active().size(); ++t) {
     const SurfaceRow& row = set_.active()[t];
-    const auto at = std::lower_bound(forces_.begin(), forces_.end(), row, [](const Force& a, const SurfaceRow& b) { return a.row < b; });
-    const bool known = at != forces_.end() && at->row == row;
-    active.push_back({row, set_.forces()[t] * normals_[row.plane] + (known ? at->force : Vec3(Vec3::Zero()))});
-    if (known) at->force.setZero();
+    const Vec3& normal = normals_[row.plane];
+    active_.push_back({row, set_.forces()[t] * normal});
+    const auto at = std::lower_bound(forces_.begin(), forces_.end(), active_.back(), by_row);
+    if (at == forces_.end() || at->row != row) continue;
+    active_.back().force += tangential(normal, at->force);
+    at->force.setZero();
   }
-  lost = std::any_of(forces_.begin(), forces_.end(), [](const Force& each) { return !each.force.isZero(0); });
-  forces_.swap(active);
-  find_move(forces_);
-  return StepStatus::ok;
+  const bool lost = std::any_of(forces_.begin(), forces_.end(),
+                                [&](const Force& each) { return !tangential(normals_[each.row.plane], each.force).isZero(0); });
+  forces_.swap(active_);
+  return lost;
 }
 
 bool SurfaceTouches::rubs() const {
@@ -189,16 +202,24 @@ bool SurfaceTouches::rub(const StepProblem& problem) {
     force.push_back(each.force);
     for (int t = 0; t < n; ++t) coulomb_.g.push_back(g(each.row.sample, forces_[t].row.sample));
   }
-  coulomb_.exact = exact_roundings * rounding / position_slack * problem.slack;
+  coulomb_.exact = exact_roundings * rounding / position_slack * problem.slack + doubt_;
   const double missed = rows_.solve(coulomb_, force);
   for (int t = 0; t < n; ++t) forces_[t].force = force[t];
   find_move(forces_);
   find_heights(problem, heights_);
-  if (!(missed <= problem.slack) || !all_covered(heights_)) return false;
+  return missed <= problem.slack + doubt_ && in_front(problem.slack);
+}
+
+/// Are the samples in front of the planes at the heights at hand, as far as their lists and rounding let know? Looks for them anew where
+/// the lists do not do.
+bool SurfaceTouches::in_front(double slack) {
+  const bool covered = all_covered(heights_);
   list_candidates();
-  return std::all_of(candidates_.begin(), candidates_.end(), [&](const Candidate& each) {
-    return samples_.at(each.row.sample, heights_[each.row.plane].data()) >= -2 * problem.slack;
-  });
+  return covered && std::all_of(candidates_.begin(), candidates_.end(), [&](const Candidate& each) {
+           const int s = each.row.sample;
+           return samples_.at(s, heights_[each.row.plane].data()) >= -2 * slack - doubt_ ||
+                  set_.delassus()(s, s).isZero(0);  // all of it pinned
+         });
 }
 
 /// What a row has of gap along its normal and of slip across it [m].
@@ -212,14 +233,19 @@ Vec3 SurfaceTouches::place(const StepProblem& problem, const SurfaceRow& row) co
 /// With these forces in the place of those before.
 void SurfaceTouches::find_move(const std::vector<Force>& forces) {
   move_ = free_;
+  doubt_ = 0;
+  StepDelassus& g = set_.delassus();
+  const auto push = [&](int s, const Vec3& more) {
+    g.add_response(s, more, move_);
+    doubt_ += response_roundings * rounding * more.norm() * g(s, s).trace();
+  };
   std::size_t t = 0;
-  const auto now = [&](const Force& each) { set_.delassus().add_response(each.row.sample, each.force, move_); };
   for (const Force& was : before_) {
-    for (; t < forces.size() && forces[t].row < was.row; ++t) now(forces[t]);
+    for (; t < forces.size() && forces[t].row < was.row; ++t) push(forces[t].row.sample, forces[t].force);
     const bool both = t < forces.size() && forces[t].row == was.row;
-    set_.delassus().add_response(was.row.sample, (both ? forces[t++].force : Vec3(Vec3::Zero())) - was.force, move_);
+    push(was.row.sample, (both ? forces[t++].force : Vec3(Vec3::Zero())) - was.force);
   }
-  for (; t < forces.size(); ++t) now(forces[t]);
+  for (; t < forces.size(); ++t) push(forces[t].row.sample, forces[t].force);
 }
 
 /// Of the control points above the planes, moved.
@@ -231,10 +257,16 @@ void SurfaceTouches::find_heights(const StepProblem& problem, std::vector<Scalar
   }
 }
 
+/// Samples near the planes, and loaded ones.
 void SurfaceTouches::list_candidates() {
   candidates_.clear();
   for (int q = 0; q < int(end_.size()); ++q)
     for (const int s : search_.near(q)) candidates_.push_back({.row = {q, s}});
+  const std::size_t near = candidates_.size();
+  for (const SurfaceRow& row : start_)
+    if (!std::binary_search(candidates_.begin(), candidates_.begin() + near, Candidate{.row = row}, by_row))
+      candidates_.push_back({.row = row});
+  std::inplace_merge(candidates_.begin(), candidates_.begin() + near, candidates_.end(), by_row);
 }
 
 /// Looks for samples anew where their lists do not do; returns whether all did.
@@ -242,7 +274,7 @@ bool SurfaceTouches::all_covered(const std::vector<Scalars>& heights) {
   bool covered = true;
   for (std::size_t q = 0; q < end_.size(); ++q)
     if (!search_.covers(int(q), heights[q])) {
-      search_.look(int(q), heights[q], 0);
+      search_.look(int(q), heights[q], move_.abs().maxCoeff());
       covered = false;
     }
   return covered;

@@ -54,6 +54,8 @@ class SurfaceTouches final : public ImplicitTouches {
   bool solve_free(const StepProblem& problem);
   StepStatus find_forces(const StepProblem& problem);
   StepStatus press(const StepProblem& problem, bool& lost);
+  bool in_front(double slack);
+  bool take_loads();
   bool rub(const StepProblem& problem);
   bool rubs() const;
   void find_move(const std::vector<Force>& forces);
@@ -72,12 +74,15 @@ class SurfaceTouches final : public ImplicitTouches {
   DualActiveSetIn<StepDelassus> set_;
   CoulombRows rows_;
   CoulombRows::Problem coulomb_;
-  std::vector<Force> forces_, before_;  ///< of the rows, sorted; before: at the linearisation
+  std::vector<Force> forces_, before_, active_;  ///< of the rows, sorted; before: at the linearisation
+  std::vector<SurfaceRow> start_;                ///< rows that are loaded already
+  std::vector<double> loads_;                    ///< theirs [N]
   StepSolution solution_;
   Points free_, move_;  ///< dx with the forces before; with those at hand [m]
-  std::vector<Scalars> free_heights_, heights_;
+  std::vector<Scalars> heights_;
   std::vector<Candidate> candidates_;
   FeasibleSet feasible_;
+  double doubt_ = 0;  ///< rounding of move_ [m]
   bool stale_ = true;
 };
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstring>
 
 #include "falling_box.hpp"
@@ -19,7 +20,8 @@ std::shared_ptr<const Samples> faces(const Lattice& lattice, int m) {
           part[axis] = side;
           part[(axis + 1) % 3] = i / double(m - 1);
           part[(axis + 2) % 3] = j / double(m - 1);
-          places.push_back(lattice.origin + part.cwiseProduct(lattice.size));
+          const Vec3 place = lattice.origin + part.cwiseProduct(lattice.size);
+          if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
         }
   return std::make_shared<const Samples>(Basis::bezier, lattice, places);
 }
