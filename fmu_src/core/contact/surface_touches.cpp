@@ -133,6 +133,27 @@ StepStatus SurfaceTouches::find_forces(const StepProblem& problem) {
 
 /// Normal forces beside the friction at hand, from the loads at hand on. lost: rows with friction touch no more.
 StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
+  lost = false;
+  for (int looks = 0; looks < most_looks; ++looks) {
+    find_loads();
+    find_move(forces_);
+    find_heights(problem, heights_);
+    if (looks == 0) all_covered(heights_);
+    list_candidates();
+    set_.delassus().set_rows(start_);
+    if (const StepStatus status = status_of(set_.solve(candidates_, heights_, problem.slack, loads_)); status != StepStatus::ok)
+      return status;
+    if (set_.pinned_violation() > pin_slack * length_) return StepStatus::pin_behind_plane;
+    lost = take_loads() || lost;
+    find_move(forces_);
+    find_heights(problem, heights_);
+    if (in_front(problem.slack)) return StepStatus::ok;
+  }
+  return StepStatus::not_finite;
+}
+
+/// Rows that press, and how much; what pulls is no load.
+void SurfaceTouches::find_loads() {
   start_.clear();
   loads_.clear();
   for (Force& each : forces_) {
@@ -145,23 +166,6 @@ StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
       each.force = tangential(normal, each.force);
     }
   }
-  find_move(forces_);
-  find_heights(problem, heights_);
-  const std::vector<Scalars> begin = heights_;
-  all_covered(heights_);
-  for (int looks = 0; looks < most_looks; ++looks) {
-    list_candidates();
-    heights_ = begin;
-    set_.delassus().set_rows(start_);
-    if (const StepStatus status = status_of(set_.solve(candidates_, heights_, problem.slack, loads_)); status != StepStatus::ok)
-      return status;
-    if (set_.pinned_violation() > pin_slack * length_) return StepStatus::pin_behind_plane;
-    if (!in_front(problem.slack)) continue;
-    lost = take_loads();
-    find_move(forces_);
-    return StepStatus::ok;
-  }
-  return StepStatus::not_finite;
 }
 
 /// Those of the active rows in the place of the ones at hand. Returns whether a row has lost friction with its load.

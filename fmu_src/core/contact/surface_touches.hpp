@@ -54,6 +54,7 @@ class SurfaceTouches final : public ImplicitTouches {
   bool solve_free(const StepProblem& problem);
   StepStatus find_forces(const StepProblem& problem);
   StepStatus press(const StepProblem& problem, bool& lost);
+  void find_loads();
   bool in_front(double slack);
   bool take_loads();
   bool rub(const StepProblem& problem);

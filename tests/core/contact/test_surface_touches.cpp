@@ -3,7 +3,6 @@
 
 #include "falling_box.hpp"
 #include "icosphere.hpp"
-#include "methods/leapfrog.hpp"
 
 using namespace softffd;
 
@@ -38,6 +37,50 @@ FallingBox sphere(double k, int planes, int level = 3) {
   return scene;
 }
 
+void gravity(FallingBox& scene, const Vec3& g) {
+  for (int axis = 0; axis < 3; ++axis) scene.around.force.col(axis) = g[axis] * scene.body.mass;
+}
+
+/// On an incline of so many degrees; friction 0.4 holds up to 21.8.
+FallingBox on_incline(double k, double degrees, int samples) {
+  FallingBox scene = cube(k, 1, samples);
+  scene.around.planes[0].friction = 0.4;
+  const double angle = degrees * M_PI / 180;
+  gravity(scene, g * Vec3(std::sin(angle), 0, -std::cos(angle)));
+  return scene;
+}
+
+/// Released above the ground beside a plane, in a groove of this full angle in degrees.
+FallingBox in_groove(double k, double degrees) {
+  FallingBox scene = sphere(k, 2);
+  const double half = degrees / 2 * M_PI / 180;
+  scene.around.planes[0].normal = {std::cos(half), 0, std::sin(half)};
+  scene.around.planes[1].normal = {-std::cos(half), 0, std::sin(half)};
+  scene.state.x.col(0) -= 0.5;
+  scene.state.x.col(1) -= 0.5;
+  scene.state.x.col(2) += 0.4 / std::sin(half) + 0.05 - 0.5;
+  return scene;
+}
+
+/// A body between the ground and a lid that comes down, moves aside and turns.
+FallingBox pressed(FallingBox scene, double below) {
+  scene.around.planes[0].point = {0, 0, below};
+  Plane& lid = scene.around.planes[1];
+  lid.point = {0.5, 0.5, 1 - below};
+  lid.normal = {0, 0, -1};
+  lid.velocity = {0.1, 0, -0.2};
+  lid.angular_velocity = {0.1, 0.05, 0.5};
+  for (Plane& plane : scene.around.planes) plane.friction = 0.4;
+  scene.damp(0.1);
+  return scene;
+}
+
+bool run(CheckedRun& runner, FallingBox& scene, double h, double duration) {
+  for (int i = 0; i < std::lround(duration / h); ++i)
+    if (!runner.step(scene, h)) return false;
+  return true;
+}
+
 }  // namespace
 
 TEST(a_cube_on_its_samples_presses_with_its_weight) {
@@ -47,14 +90,10 @@ TEST(a_cube_on_its_samples_presses_with_its_weight) {
       scene.damp(0.02);
       scene.around.planes[0].friction = mu;
       CheckedRun runner(scene);
-      for (int i = 0; i < 300; ++i)
-        if (!runner.step(scene, 0.01)) return;
-      const Vec3 force = runner.force(0, 0.01);
-      std::printf("  mu %g k %g: force off by %.3g N, gap %.3g m, %.3g iterations a step, %lld halvings\n", mu, k, -force.z() - g,
-                  scene.least_gap(runner.time), double(runner.method.iterations()) / 300, (long long)runner.method.halvings());
-      CHECK_NEAR(-force.z(), g, 1e-12 * g);
+      if (!run(runner, scene, 0.01, 3)) return;
+      CHECK_NEAR(-runner.force(0, 0.01).z(), g, 1e-12 * g);
       CHECK(scene.least_gap(runner.time) >= -1e-12);
-      CHECK(runner.method.halvings() == 0);
+      CHECK(runner.method.halvings() == 0 && runner.method.iterations() < 330);
     }
 }
 
@@ -62,39 +101,150 @@ TEST(a_sphere_on_its_samples_comes_to_rest) {
   for (const double mu : {0.0, 0.4})
     for (const double k : {1e5, 1e7, 1e9}) {
       FallingBox scene = sphere(k, 1);
-      scene.damp(0.3 * 64 / 64);
+      scene.damp(0.3);
       scene.around.planes[0].friction = mu;
       scene.state.x.col(2) -= scene.least_gap(0);
       CheckedRun runner(scene);
-      for (int i = 0; i < 600; ++i)
-        if (!runner.step(scene, 0.01)) return;
-      const Vec3 force = runner.force(0, 0.01);
-      std::printf("  mu %g k %g: force off by %.3g N, gap %.3g m, %.3g iterations a step, %lld halvings, speed %.3g\n", mu, k,
-                  -force.z() - g, scene.least_gap(runner.time), double(runner.method.iterations()) / 600,
-                  (long long)runner.method.halvings(), scene.state.v.abs().maxCoeff());
+      if (!run(runner, scene, 0.01, 6)) return;
+      std::printf("  mu %g, k %g: force off by %.3g N, speed %.3g m/s\n", mu, k, -runner.force(0, 0.01).z() - g,
+                  scene.state.v.abs().maxCoeff());
+      CHECK_NEAR(-runner.force(0, 0.01).z(), g, 1e-11);
+      CHECK(scene.state.v.abs().maxCoeff() < 1e-10);
+      CHECK(runner.method.halvings() == 0);
     }
 }
 
-TEST(friction_of_samples_holds_or_brakes) {
-  for (const double degrees : {20.0, 25.0, 35.0})
-    for (const double k : {1e5, 1e7, 1e9})
-      for (const int m : {4, 8}) {
-        FallingBox scene = cube(k, 1, m);
-        scene.around.planes[0].friction = 0.4;
-        const double angle = degrees * M_PI / 180, mu = 0.4;
-        const Vec3 gravity = g * Vec3(std::sin(angle), 0, -std::cos(angle));
-        for (int axis = 0; axis < 3; ++axis) scene.around.force.col(axis) = gravity[axis] * scene.body.mass;
-        CheckedRun runner(scene);
-        const double x0 = FallingBox::mean(scene.state.x).x();
-        double halfway = 0;
-        for (int i = 0; i < 200; ++i) {
-          if (i == 100) halfway = FallingBox::mean(scene.state.x).x();
-          if (!runner.step(scene, 0.01)) break;
-        }
-        const double v = FallingBox::mean(scene.state.v).x(), exact = std::max(0.0, 2 * g * (std::sin(angle) - mu * std::cos(angle)));
-        std::printf("  %g degrees k %g m %d: v %.9g, exact %.9g, crept %.3g, moved %.3g, %.3g it, %lld halvings, fac %lld\n", degrees, k, m,
-                    v, exact, FallingBox::mean(scene.state.x).x() - halfway, FallingBox::mean(scene.state.x).x() - x0,
-                    double(runner.method.iterations()) / 200, (long long)runner.method.halvings(),
-                    (long long)runner.method.factorizations());
+TEST(samples_stick_below_the_angle_of_friction_and_do_not_creep) {
+  for (const double k : {1e5, 1e9})
+    for (const int m : {4, 8}) {
+      FallingBox scene = on_incline(k, 20, m);
+      CheckedRun runner(scene);
+      if (!run(runner, scene, 0.01, 1)) return;
+      const Points settled = scene.state.x;
+      if (!run(runner, scene, 0.01, 4)) return;
+      CHECK((scene.state.x - settled).abs().maxCoeff() < 1e-12);
+    }
+}
+
+TEST(samples_slide_above_it_with_the_right_acceleration) {
+  for (const double degrees : {25.0, 35.0})
+    for (const double k : {1e5, 1e7, 1e9}) {
+      FallingBox scene = on_incline(k, degrees, 8);
+      CheckedRun runner(scene);
+      if (!run(runner, scene, 0.01, 2)) return;
+      const double angle = degrees * M_PI / 180, exact = 2 * g * (std::sin(angle) - 0.4 * std::cos(angle));
+      CHECK_NEAR(FallingBox::mean(scene.state.v).x(), exact, 1e-5);  // what the shear of the first steps leaves of a soft body
+    }
+}
+
+TEST(a_sphere_in_a_groove_presses_both_sides_as_statics_have_it) {
+  for (const double degrees : {90.0, 60.0, 30.0})
+    for (const double k : {1e5, 1e9}) {
+      FallingBox scene = in_groove(k, degrees);
+      scene.damp(0.5);
+      CheckedRun runner(scene);
+      if (!run(runner, scene, 0.02, 40)) return;
+      const double exact = 0.5 * g / std::sin(degrees / 2 * M_PI / 180);
+      std::printf("  %g degrees, k %g: %.9g %.9g, exact %.9g N\n", degrees, k, runner.force(0, 0.02).norm(), runner.force(1, 0.02).norm(),
+                  exact);
+      for (int q = 0; q < 2; ++q) CHECK_NEAR(runner.force(q, 0.02).norm(), exact, 1e-5);
+    }
+}
+
+TEST(what_lands_tumbles_and_rolls_loses_energy_alone_and_keeps_to_the_balances) {
+  for (const double mu : {0.0, 0.4, 1.0})
+    for (const double k : {1e5, 1e9}) {
+      FallingBox scene = cube(k, 1, 8);
+      scene.around.planes[0].friction = mu;
+      scene.turn({0.5, 0, 0});
+      scene.turn({0, 0.3, 0});
+      scene.state.x.col(2) -= scene.least_gap(0) - 0.02;
+      scene.throw_at({1, 0, 0}, {0, 2, 0});
+      CheckedRun runner(scene);
+      for (int i = 0; i < 150; ++i) {
+        if (!runner.step(scene, 0.01)) return;
+        const Vec3 force = -runner.force(0, 0.01);
+        CHECK(force.head<2>().norm() <= mu * force.z() * (1 + 1e-9) + 1e-9);
+        CHECK(runner.loss > -1e-3);  // off an edge backward Euler gains a little, as with control points
       }
+    }
+}
+
+TEST(a_lid_that_comes_down_and_turns_presses_what_holds_it) {
+  for (const double k : {1e5, 1e7})
+    for (const bool round : {true, false}) {
+      FallingBox scene = pressed(round ? sphere(k, 2) : cube(k, 2), round ? 0.1 : 0);
+      CheckedRun runner(scene);
+      if (!run(runner, scene, 0.01, 0.2)) return;
+      const Vec3 sum = runner.force(0, 0.01) + runner.force(1, 0.01);
+      CHECK(runner.force(1, 0.01).z() > 0.02 * k);
+      CHECK(sum.norm() < 1e-2 * runner.force(1, 0.01).norm());
+    }
+}
+
+TEST(what_is_pinned_is_pressed_by_its_samples) {
+  for (const double k : {1e5, 1e9}) {
+    FallingBox scene = sphere(k, 1);
+    scene.pin_layer(3);
+    scene.around.planes[0].point = {0, 0, 0.1};
+    scene.around.planes[0].velocity = {0.1, 0, 0.1};
+    scene.around.planes[0].friction = 0.4;
+    scene.damp(0.1);
+    CheckedRun runner(scene);
+    if (!run(runner, scene, 0.01, 0.3)) return;
+    CHECK(-runner.force(0, 0.01).z() > 0.1 * k);
+  }
+}
+
+TEST(obstacles_that_leave_no_room_are_refused) {
+  FallingBox scene = cube(1e5, 2);
+  scene.around.planes[1].point = {0, 0, -0.1};
+  scene.around.planes[1].normal = {0, 0, -1};
+  ImplicitContact method(scene.lattice, 2, scene.body.samples.get());
+  Exchange exchange;
+  exchange.planes.resize(2);
+  CHECK(method.advance({scene.body, scene.around}, 0, 0.01, false, scene.state, exchange) == StepStatus::impossible_planes);
+
+  FallingBox held = cube(1e5, 1);
+  held.pin_layer(0);
+  held.around.planes[0].point = {0, 0, 0.1};
+  ImplicitContact other(held.lattice, 1, held.body.samples.get());
+  exchange.pins.resize(1);
+  CHECK(other.advance({held.body, held.around}, 0, 0.01, false, held.state, exchange) == StepStatus::pin_behind_plane);
+}
+
+TEST(steps_with_samples_are_of_first_order) {
+  std::vector<Points> ends;
+  for (const double h : {4e-3, 2e-3, 1e-3, 2.5e-5}) {
+    FallingBox scene = sphere(2e3, 1);
+    scene.damp(0.1);
+    scene.around.planes[0].friction = 0.4;
+    scene.state.x.col(2) -= scene.least_gap(0) - 0.01;
+    scene.throw_at({0.3, 0, 0}, Vec3::Zero());
+    CheckedRun runner(scene);
+    if (!run(runner, scene, h, 0.12)) return;
+    ends.push_back(scene.state.x);
+  }
+  double errors[3];
+  for (int i = 0; i < 3; ++i) errors[i] = (ends[i] - ends[3]).abs().maxCoeff();
+  std::printf("  errors %.3g %.3g %.3g\n", errors[0], errors[1], errors[2]);
+  for (int i = 0; i < 2; ++i) CHECK_NEAR(std::log2(errors[i] / errors[i + 1]), 1.0, 0.15);
+}
+
+TEST(the_state_has_all_that_the_next_step_begins_with) {
+  FallingBox scene = sphere(1e7, 1);
+  scene.around.planes[0].friction = 0.4;
+  scene.turn({0.2, 0.1, 0});
+  scene.state.x.col(2) -= scene.least_gap(0) - 0.001;
+  scene.throw_at({1, 0, 0}, {0, 1, 0});
+  scene.body.internal_force(scene.state.x, scene.state.spring);
+  FallingBox again = scene;
+  CheckedRun used(again);
+  for (int i = 0; i < 30; ++i) {
+    CheckedRun one(scene);
+    CHECK(one.method.advance({scene.body, scene.around}, 0.01 * i, 0.01, false, scene.state, one.exchange) == StepStatus::ok);
+    CHECK(used.method.advance({again.body, again.around}, 0.01 * i, 0.01, true, again.state, used.exchange) == StepStatus::ok);
+  }
+  CHECK(std::memcmp(scene.state.x.data(), again.state.x.data(), sizeof(double) * 192) == 0);
+  CHECK(std::memcmp(scene.state.v.data(), again.state.v.data(), sizeof(double) * 192) == 0);
 }
