@@ -3,6 +3,7 @@
 
 #include "falling_box.hpp"
 #include "icosphere.hpp"
+#include "methods/leapfrog.hpp"
 
 using namespace softffd;
 
@@ -213,22 +214,50 @@ TEST(obstacles_that_leave_no_room_are_refused) {
   CHECK(other.advance({held.body, held.around}, 0, 0.01, false, held.state, exchange) == StepStatus::pin_behind_plane);
 }
 
-TEST(steps_with_samples_are_of_first_order) {
-  std::vector<Points> ends;
-  for (const double h : {4e-3, 2e-3, 1e-3, 2.5e-5}) {
-    FallingBox scene = sphere(2e3, 1);
-    scene.damp(0.1);
-    scene.around.planes[0].friction = 0.4;
-    scene.state.x.col(2) -= scene.least_gap(0) - 0.01;
-    scene.throw_at({0.3, 0, 0}, Vec3::Zero());
-    CheckedRun runner(scene);
-    if (!run(runner, scene, h, 0.12)) return;
-    ends.push_back(scene.state.x);
+TEST(steps_with_samples_converge_to_the_explicit_ones_with_first_order) {
+  const auto scene = [] {
+    FallingBox s = cube(1e3, 1);
+    s.damp(0.5);
+    s.body.inverse_mass = 1 / s.body.mass.replicate(3, 1);
+    s.body.damping_rate = 0.5 * s.body.inverse_mass;
+    s.around.planes[0].friction = 0.3;
+    s.throw_at({0.5, 0, 0}, Vec3::Zero());
+    s.body.internal_force(s.state.x, s.state.spring);
+    return s;
+  };
+  FallingBox exact = scene();
+  Run run;
+  run.path.exchange.planes.resize(1);
+  run.path.motion = exact.state;
+  SurfaceRows& rows = run.path.surface;
+  rows.drift = rows.close = std::vector<Count>(64, -1);
+  rows.drift_friction = rows.close_friction = Points::Zero(64, 3);
+  Leapfrog leapfrog(64, 1);
+  CHECK(leapfrog.advance(Model(exact.body), exact.around, {0, 0, 2e-6, 50000}, run).status == StepStatus::ok);
+  std::vector<double> error;
+  for (const double h : {4e-4, 2e-4, 1e-4}) {
+    FallingBox s = scene();
+    CheckedRun runner(s);
+    for (int i = 0; i < std::lround(0.1 / h); ++i) CHECK(runner.step(s, h));
+    error.push_back((s.state.x - run.path.motion.x).abs().maxCoeff());
   }
-  double errors[3];
-  for (int i = 0; i < 3; ++i) errors[i] = (ends[i] - ends[3]).abs().maxCoeff();
-  std::printf("  errors %.3g %.3g %.3g\n", errors[0], errors[1], errors[2]);
-  for (int i = 0; i < 2; ++i) CHECK_NEAR(std::log2(errors[i] / errors[i + 1]), 1.0, 0.15);
+  std::printf("  errors %.3g %.3g %.3g m\n", error[0], error[1], error[2]);
+  for (int i = 0; i < 2; ++i) CHECK_NEAR(std::log2(error[i] / error[i + 1]), 1.0, 0.15);
+}
+
+TEST(internal_damping_and_volume_stiffness_are_in_the_matrix_as_with_control_points) {
+  for (const double k : {1e5, 1e9}) {
+    FallingBox scene = sphere(k, 1);
+    scene.body.springs.set_dashpots(1e-3);
+    scene.body.volume.emplace(scene.lattice, k);
+    scene.around.planes[0].friction = 0.4;
+    scene.damp(0.3);
+    scene.state.x.col(2) -= scene.least_gap(0);
+    CheckedRun runner(scene);
+    if (!run(runner, scene, 0.01, 6)) return;
+    std::printf("  k %g: force off by %.3g N\n", k, -runner.force(0, 0.01).z() - g);
+    CHECK_NEAR(-runner.force(0, 0.01).z(), g, 1e-10);
+  }
 }
 
 TEST(the_state_has_all_that_the_next_step_begins_with) {
