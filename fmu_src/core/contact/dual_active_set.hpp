@@ -1,4 +1,5 @@
-/// The nearest state of the body that planes allow its samples: minimise |y - y0|^2 in the mass metric subject to n_q . Q_s(y) >= b_qs.
+/// The nearest state of the body that planes allow its samples, in the metric of the masses or of an implicit step's matrix
+/// (step_delassus.hpp): minimise |y - y0|^2 subject to n_q . Q_s(y) >= b_qs.
 ///
 /// Strictly convex, so y is one; solved exactly by the dual active set of Goldfarb & Idnani (1983), from the rows that were active before:
 ///

@@ -2,15 +2,16 @@
 ///
 ///      M (v1 - v0) / h = internal forces(x1) + outside forces - D v1 - C(x1) v1 + contact(x1),      v1 = (x1 - x0) / h,
 ///
-/// no control point being behind a plane at x1, loads pushing only, friction by Coulomb's law. The outside forces are those of mid-step,
-/// so that ramps give their whole impulse. A stiff body oscillates faster than a step can follow: backward Euler damps what it cannot
-/// follow and keeps equilibrium, sliding and rigid motion. Its first-order error takes energy from rotations too, the share |omega| h / 2
-/// a radian, and a bounce is over after two steps.
+/// no control point, or no sample of the surface, being behind a plane at x1, loads pushing only, friction by Coulomb's law. The outside
+/// forces are those of mid-step, so that ramps give their whole impulse. A stiff body oscillates faster than a step can follow: backward
+/// Euler damps what it cannot follow and keeps equilibrium, sliding and rigid motion. Its first-order error takes energy from rotations
+/// too, the share |omega| h / 2 a radian, and a bounce is over after two steps.
 ///
 /// Newton's method, from the rigid motion that the body would have without forces. Three things make it converge in two or three
 /// iterations where the springs are stiff:
 ///   - the rotation in each Newton step is carried out as a rotation (rigid_motion.hpp): straight, it would stretch the springs;
-///   - touches and loads are exact for the linearised equations (linear_contact.hpp), friction and loads together;
+///   - touches and loads are exact for the linearised equations (linear_contact.hpp; of samples of the surface surface_touches.hpp),
+///     friction and loads together;
 ///   - the first guess of the loads takes the points on planes to be in equilibrium: at rest and in steady sliding it is the solution.
 /// The factor is kept while changes fall by ten from one iteration to the next. A Newton's method that does not converge, or a solution
 /// that has gained energy, is another branch or none: the step is done in two halves.
