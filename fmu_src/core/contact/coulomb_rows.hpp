@@ -1,7 +1,7 @@
 /// Coulomb's law at rows that move each other in all directions: forces f_s with normal parts l_s = n . f_s and displacements u_s,
 ///
-///      u = u0 + G (f - f0),        l_s >= 0,  n . u_s >= 0,  l_s n . u_s = 0,        |f_s - l_s n| <= mu l_s, against the slip u_s - n n .
-///      u_s
+///      u = u0 + G (f - f0),      l_s >= 0,      n . u_s >= 0,      l_s n . u_s = 0,
+///      |f_s - l_s n| <= mu l_s, against the slip u_s - n n . u_s
 ///
 /// where it is not 0. As an equation (Alart & Curnier 1991), with each row's own compliance r_s, P the projection onto what the law allows:
 ///
