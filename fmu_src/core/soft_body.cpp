@@ -119,7 +119,7 @@ SoftBody::SoftBody(Definition definition)
       cells_(definition_.lattice),
       now_(empty_run(definition_)),
       before_(now_),
-      propagator_(definition_.lattice, now_),
+      propagator_(definition_.lattice, now_, definition_.planes > 0 ? definition_.samples.get() : nullptr),
       jumps_(definition_.lattice.points(), definition_.planes) {
   const int n = definition_.lattice.points();
   pin_origins_.resize(definition_.pins.size());

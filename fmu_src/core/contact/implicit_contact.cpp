@@ -35,6 +35,7 @@ ImplicitContact::ImplicitContact(const Lattice& lattice, int planes, const Sampl
   else
     touches_ = std::make_unique<PointTouches>(lattice, planes);
   const int points = lattice.points();
+  reactions_.reserve(std::size_t(points) * planes);
   diagonal_.setZero(points);
   for (Points* each : {&x_, &v_, &u_, &force_, &spring_, &residual_, &last_change_, &scratch_}) each->setZero(points, 3);
 }

@@ -25,7 +25,7 @@ bool tells_apart(const Job& job) {
 
 }  // namespace
 
-Integrators::Integrators(const Lattice& lattice, int planes, int pins)
+Integrators::Integrators(const Lattice& lattice, int planes, int pins, const Samples* samples)
     : implicit_work_(lattice), reach_(lattice.points()), x0_(lattice.points(), 3), v0_(lattice.points(), 3) {
   const int points = lattice.points();
   const auto add = [&]<class T>(Method method, std::unique_ptr<T> integrator) {
@@ -40,7 +40,7 @@ Integrators::Integrators(const Lattice& lattice, int planes, int pins)
   add(Method::dop853, std::make_unique<Dop853>(points, pins));
   Ros34pw2* ros34pw2 = add(Method::ros34pw2, std::make_unique<Ros34pw2>(lattice, pins));
   add(Method::floating_frame, std::make_unique<FloatingFrame>(lattice, *ros34pw2));
-  backward_euler_ = add(Method::backward_euler, std::make_unique<BackwardEuler>(lattice, planes));
+  backward_euler_ = add(Method::backward_euler, std::make_unique<BackwardEuler>(lattice, planes, samples));
   ros34pw2_ = ros34pw2;
 }
 

@@ -17,7 +17,8 @@ class Ros34pw2;
 
 class Integrators {
  public:
-  Integrators(const Lattice& lattice, int planes, int pins);
+  /// samples: of the surface, where planes meet it.
+  Integrators(const Lattice& lattice, int planes, int pins, const Samples* samples = nullptr);
   Integrators(Integrators&&) noexcept;
   ~Integrators();
 

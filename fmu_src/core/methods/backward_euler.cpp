@@ -5,21 +5,20 @@
 namespace softffd {
 
 Outcome BackwardEuler::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
-  if (!contact_) contact_ = std::make_unique<ImplicitContact>(lattice_, planes_, drive.planes.empty() ? nullptr : model.body.samples.get());
-  if (version_ != model.body.version) contact_->body_changed();
+  if (version_ != model.body.version) contact_.body_changed();
   version_ = model.body.version;
   Outcome outcome;
   const auto most = [](double work, double each) { return Count(std::max(1.0, std::min(work, 0x1p53) / each)); };
-  contact_->most_factorizations = most(std::min(span.most_work, span.budget), implicit_.factor);
-  contact_->most_solutions = most(span.budget, implicit_.solution);
+  contact_.most_factorizations = most(std::min(span.most_work, span.budget), implicit_.factor);
+  contact_.most_solutions = most(span.budget, implicit_.solution);
   for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i) {
-    const Count made = contact_->factorizations();
-    const double solved = contact_->solutions();
-    outcome.status = contact_->advance({model.body, drive}, span.time(i), span.h, drive.watch, run.path.motion, run.path.exchange);
-    outcome.given += contact_->given();
-    const double work = double(contact_->factorizations() - made) * implicit_.factor;
+    const Count made = contact_.factorizations();
+    const double solved = contact_.solutions();
+    outcome.status = contact_.advance({model.body, drive}, span.time(i), span.h, drive.watch, run.path.motion, run.path.exchange);
+    outcome.given += contact_.given();
+    const double work = double(contact_.factorizations() - made) * implicit_.factor;
     outcome.work += std::max(traits(Method::backward_euler).work, work);
-    outcome.spent += work + (contact_->solutions() - solved) * implicit_.solution;
+    outcome.spent += work + (contact_.solutions() - solved) * implicit_.solution;
   }
   return outcome;
 }

@@ -8,16 +8,15 @@ namespace softffd {
 
 class BackwardEuler final : public Integrator {
  public:
-  BackwardEuler(const Lattice& lattice, int planes) : lattice_(lattice), planes_(planes), implicit_(lattice) {}
+  /// samples: of the surface, where planes meet it.
+  BackwardEuler(const Lattice& lattice, int planes, const Samples* samples) : contact_(lattice, planes, samples), implicit_(lattice) {}
   /// not_finite: a step found no solution, or not within the span's work.
   Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) override;
   /// Number of factors made so far.
-  Count factorizations() const { return contact_ ? contact_->factorizations() : 0; }
+  Count factorizations() const { return contact_.factorizations(); }
 
  private:
-  Lattice lattice_;
-  int planes_;
-  std::unique_ptr<ImplicitContact> contact_;  ///< made when the body is known
+  ImplicitContact contact_;
   ImplicitWork implicit_;
   Count version_ = -1;  ///< of the body
 };

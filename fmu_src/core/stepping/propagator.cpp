@@ -19,8 +19,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-Propagator::Propagator(const Lattice& lattice, const Run& run)
-    : integrators_(lattice, int(run.path.exchange.planes.size()), int(run.path.exchange.pins.size())),
+Propagator::Propagator(const Lattice& lattice, const Run& run, const Samples* samples)
+    : integrators_(lattice, int(run.path.exchange.planes.size()), int(run.path.exchange.pins.size()), samples),
       calibrator_(run),
       doubled_(run),
       impacts_(lattice, run),

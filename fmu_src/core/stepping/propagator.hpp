@@ -14,7 +14,8 @@ namespace softffd {
 class Propagator {
  public:
   /// run: any of the body's, for the sizes of what is kept.
-  Propagator(const Lattice& lattice, const Run& run);
+  /// samples: of the surface, where planes meet it.
+  Propagator(const Lattice& lattice, const Run& run, const Samples* samples = nullptr);
   /// From the run's time to H later. On failure the run is spoilt and the caller restores it.
   StepStatus advance(const Job& job, double H);
   Budget& budget() { return integrators_.budget(); }
