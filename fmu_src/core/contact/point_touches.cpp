@@ -4,8 +4,7 @@
 
 namespace softffd {
 
-PointTouches::PointTouches(const Lattice& lattice, int planes)
-    : contacts_(lattice, planes), linear_(lattice), free_(lattice.points(), 3) {}
+PointTouches::PointTouches(const Lattice& lattice, int planes) : contacts_(lattice, planes), linear_(lattice), free_(lattice.points(), 3) {}
 
 void PointTouches::open(const Step& step) { contacts_.open(step.equations.body, step.equations.around, step.t, step.h, step.from.holds); }
 

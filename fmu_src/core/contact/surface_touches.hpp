@@ -6,9 +6,9 @@
 ///
 /// Gaps and slips are linear in the control points; so the step's end obeys the law itself, not a linearisation of it, and no row enters A:
 ///
-/// Without friction that minimises 1/2 dx . A dx - r . dx subject to the gaps (dual_active_set.hpp), in the metric of A (step_delassus.hpp).
-/// With friction the same, at the friction at hand, says which rows are active; all forces of these follow together (coulomb_rows.hpp); and
-/// again, until no sample is behind a plane.
+/// Without friction that minimises 1/2 dx . A dx - r . dx subject to the gaps (dual_active_set.hpp), in the metric of A
+/// (step_delassus.hpp). With friction the same, at the friction at hand, says which rows are active; all forces of these follow together
+/// (coulomb_rows.hpp); and again, until no sample is behind a plane.
 ///
 /// What sticks ends the step where its plane's material has taken it, so that nothing creeps. Forces of the step before are where the next
 /// one begins to look: at rest they are the solution. They belong to the state.
