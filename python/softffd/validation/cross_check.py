@@ -8,9 +8,9 @@ NAME_in.csv into the folder. The FMUs have plain names, which no reader of CSV f
 
 from __future__ import annotations
 
+import argparse
 import math
 import re
-import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
@@ -99,5 +99,7 @@ def _csv(time: np.ndarray, columns: Mapping[str, np.ndarray]) -> str:
 
 
 if __name__ == "__main__":
-    for path in write_cross_check(Path(sys.argv[1]) / PLACE):
+    parser = argparse.ArgumentParser(description="Makes the files of the FMI Cross-Check of the shipped scenes.")
+    parser.add_argument("folder", type=Path, help="where to, cross-check in the sources")
+    for path in write_cross_check(parser.parse_args().folder / PLACE):
         print(path)
