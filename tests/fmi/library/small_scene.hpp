@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -46,7 +47,9 @@ struct Box {
     const std::string content = text(parts), name = std::to_string(hash_of(content));
     const auto folder = std::filesystem::temp_directory_path() / ("softffd test %" + name);
     std::filesystem::create_directories(folder);
-    std::ofstream(folder / "scene.txt", std::ios::binary) << content;
+    static const std::string mine = std::to_string(std::random_device{}());  // other programs may read the scene meanwhile
+    std::ofstream(folder / mine, std::ios::binary) << content;
+    std::filesystem::rename(folder / mine, folder / "scene.txt");
     const std::string path = folder.generic_string();
     std::string uri = path[0] == '/' ? "file://" : "file:///";  // C:/... on Windows
     for (char c : path) uri.append(c == ' ' ? "%20" : c == '%' ? "%25" : std::string(1, c));
