@@ -50,8 +50,9 @@ Fit DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, std::vect
     spread();
   for (int round = 0; round < most_rounds; ++round) {
     const int chosen = most_violated(candidates, tolerance);
+    added_ = round > 0;
     if (chosen < 0) {
-      if (round > 0) {
+      if (added_) {
         sort(candidates);
         renew_forces();
         most_violated(candidates, tolerance);

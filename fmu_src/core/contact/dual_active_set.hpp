@@ -34,6 +34,8 @@ class DualActiveSetIn {
   const Metric& delassus() const { return delassus_; }
   const std::vector<SurfaceRow>& active() const { return delassus_.rows(); }
   const std::vector<double>& forces() const { return forces_; }  ///< of the active rows, sorted
+  /// Did the last solution make rows active that were not?
+  bool added() const { return added_; }
   /// Largest violation of a row that nothing free could mend, for all its points are pinned.
   double pinned_violation() const { return pinned_; }
 
@@ -65,6 +67,7 @@ class DualActiveSetIn {
   std::vector<int> hot_;       ///< candidates that were violated most at the last full look
   std::vector<char> at_hand_;  ///< candidates: 1 active, 2 pinned
   std::vector<std::pair<double, int>> violated_;
+  bool added_ = false;
   double pinned_ = 0;
 };
 

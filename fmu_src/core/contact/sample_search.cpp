@@ -1,6 +1,7 @@
 #include "contact/sample_search.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "contact/tolerances.hpp"
 
@@ -30,6 +31,12 @@ bool SampleSearch::covers(int q, const Scalars& heights) {
   return known.away || (known.reserve > 0 && (known.heights - heights).maxCoeff() < known.reserve - 2 * touch);
 }
 
+bool SampleSearch::is_long(int q) const { return near(q).size() > long_list; }
+
+bool SampleSearch::in_front(int q, const Scalars& heights, double slack) const {
+  return planes_[q].away || (heights + planes_[q].idle).minCoeff() >= -slack;
+}
+
 void SampleSearch::look(int q, const Scalars& heights, double way) {
   Known& known = planes_[q];
   ++searches_;
@@ -44,6 +51,8 @@ void SampleSearch::look(int q, const Scalars& heights, double way) {
   known.near.clear();
   for (int s = 0; s < samples_.count(); ++s)
     if (slope.dot(samples_.place(s)) < bound && samples_.at(s, heights.data()) < known.reserve) known.near.push_back(s);
+  known.idle = Scalars::Constant(heights.size(), std::numeric_limits<double>::infinity());
+  for (const int s : known.near) samples_.mark(s, 0.0, known.idle.data());
 }
 
 }  // namespace softffd

@@ -22,6 +22,10 @@ class SampleSearch {
   void look(int q, const Scalars& heights, double way);
   /// In ascending order.
   const std::vector<int>& near(int q) const { return planes_[q].away ? none_ : planes_[q].near; }
+  /// Are there so many that a look at each is to be avoided?
+  bool is_long(int q) const;
+  /// Is none of them further behind than this, because no control point is that counts for any of them? [m] heights: in any unit.
+  bool in_front(int q, const Scalars& heights, double slack) const;
   /// Numbers of the searches so far.
   Count searches() const { return searches_; }
 
@@ -30,6 +34,7 @@ class SampleSearch {
     bool away = true;     ///< nothing is near
     double reserve = -1;  ///< [m]; negative: no search yet
     Scalars heights;      ///< at the search
+    Scalars idle;         ///< (points) infinite for those that count for none of these:
     std::vector<int> near;
   };
   const Samples& samples_;

@@ -9,7 +9,7 @@ namespace softffd {
 namespace {
 
 /// What rounding may leave of a row: of the box and of distances, and of speeds.
-constexpr double row_slack = 1e-15;
+constexpr double row_slack = 1e-14;
 /// Looks for samples until those that a stage has brought to a plane are among them.
 constexpr int most_looks = 20;
 /// Share of what contact does to the kinetic energy that is rounding.
@@ -26,13 +26,15 @@ StepStatus status_of(Fit fit) {
   return StepStatus::not_finite;
 }
 
+SurfaceRow decoded(Count number, int samples) { return {int(number / samples), int(number % samples)}; }
+
 /// Rows of the state, of which those among the candidates can be active.
 void load(const std::vector<Count>& numbers, const Points& friction, int samples, SurfaceStage& stage) {
   stage.rows.clear();
   stage.share.clear();
   auto at = stage.candidates.begin();
   for (std::size_t t = 0; t < numbers.size() && numbers[t] >= 0; ++t) {
-    const SurfaceRow row{int(numbers[t] / samples), int(numbers[t] % samples)};
+    const SurfaceRow row = decoded(numbers[t], samples);
     while (at != stage.candidates.end() && at->row < row) ++at;
     if (at == stage.candidates.end()) return;
     if (at->row != row) continue;
@@ -96,6 +98,7 @@ void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive
     start_[q] = middle_[q] = end_[q] = around.planes[q].at(t0);
   }
   set_planes();
+  holds_ = false;
 }
 
 void SurfaceContact::move_planes(const StepView& step) {
@@ -118,13 +121,15 @@ StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& fri
   free_ = drift_.heights;
   for (std::size_t q = 0; q < end_.size(); ++q)
     if (!search_.covers(int(q), free_[q])) search_.look(int(q), free_[q], way);
+  const double tolerance = row_slack * far;
+  if (fit_known(rows, friction, tolerance, slip)) return StepStatus::ok;
   for (int looks = 0; looks < most_looks; ++looks) {
     drift_.heights = free_;
     drift_.candidates.clear();
     for (int q = 0; q < int(end_.size()); ++q)
       for (const int s : search_.near(q)) drift_.candidates.push_back({.row = {q, s}});
     load(rows, friction, samples_.count(), drift_);
-    if (const StepStatus status = status_of(drift_.solve(row_slack * far, slip)); status != StepStatus::ok) return status;
+    if (const StepStatus status = status_of(drift_.solve(tolerance, slip)); status != StepStatus::ok) return status;
     bool covered = true;
     for (std::size_t q = 0; q < end_.size(); ++q)
       if (!search_.covers(int(q), drift_.heights[q])) {
@@ -134,6 +139,41 @@ StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& fri
     if (covered) return drift_.pinned_violation() > pin_slack * length_ ? StepStatus::pin_behind_plane : StepStatus::ok;
   }
   return StepStatus::not_finite;
+}
+
+/// The same for the rows of the state alone. Where a list is long and in front of its plane then, the list would not change it, to the bit.
+bool SurfaceContact::fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip) {
+  known_ = -1;
+  int near = -1;
+  for (int q = 0; q < int(end_.size()); ++q) {
+    if (search_.near(q).empty()) continue;
+    if (near >= 0 || !search_.is_long(q)) return false;
+    near = q;
+  }
+  if (near < 0 || holds_) return false;
+  drift_.candidates.clear();
+  const std::vector<int>& list = search_.near(near);
+  for (std::size_t t = 0; t < rows.size() && rows[t] >= 0; ++t)
+    if (const SurfaceRow row = decoded(rows[t], samples_.count());
+        row.plane == near && std::binary_search(list.begin(), list.end(), row.sample))
+      drift_.candidates.push_back({.row = row});
+  if (drift_.candidates.empty()) return false;
+  load(rows, friction, samples_.count(), drift_);
+  if (drift_.solve(tolerance, slip) != Fit::found || drift_.added() || drift_.rows.empty()) return false;
+  const Scalars& heights = drift_.heights[near];
+  if (!search_.covers(near, heights) || !search_.in_front(near, heights, 0.5 * tolerance)) return false;
+  known_ = near;
+  return true;
+}
+
+/// Of all samples near the plane, where those were not listed.
+void SurfaceContact::list_touching() {
+  touching_.clear();
+  for (const int s : search_.near(known_)) {
+    const double gap = samples_.at(s, drift_.heights[known_].data());
+    if (gap <= touching * length_) touching_.push_back({.row = {known_, s}, .gap = gap});
+  }
+  known_ = -1;
 }
 
 /// Where a sample is to be tangentially at the end of the drift: it sticks from the moment on at which it is on its plane.
@@ -149,6 +189,7 @@ Vec3 SurfaceContact::aim(const StepView& step, const Vec3& free, const SurfaceRo
 
 StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange) {
   touching_.clear();
+  known_ = -1;
   move_planes(step);
   bool any = rows.drift[0] >= 0 || near_;
   for (std::size_t q = 0; q < end_.size() && !any; ++q)  // costs less than heights
@@ -169,8 +210,11 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
     for (const Candidate& candidate : drift_.candidates)
       if (candidate.gap <= touching * length_) touching_.push_back(candidate);
   }
-  std::erase_if(lasting_,
-                [&](const Candidate& candidate) { return !std::ranges::binary_search(touching_, candidate.row, {}, &Candidate::row); });
+  if (holds_)
+    std::erase_if(lasting_, [&, at = touching_.begin()](const Candidate& candidate) mutable {
+      while (at != touching_.end() && at->row < candidate.row) ++at;
+      return at == touching_.end() || at->row != candidate.row;
+    });
   if (touching_.empty()) {
     close_.rows.clear();
     save(close_, samples_.count(), rows.close, rows.close_friction);
@@ -186,12 +230,12 @@ StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Poi
   const double way = step.h * largest_speed(v);
   arrives_ = false;
   for (const bool at_once : {false, true}) {
-    const auto slip = [&](const SurfaceRow& row) {
+    const auto slip_of = [&](const SurfaceRow& row) {
       const Vec3 free = samples_.at(row.sample, x1);
       return Vec3(free - aim(step, free, row, at_once));
     };
     if (at_once) drift_.heights = free_;
-    if (const StepStatus status = fit(rows.drift, rows.drift_friction, way, slip); status != StepStatus::ok) return status;
+    if (const StepStatus status = fit(rows.drift, rows.drift_friction, way, std::ref(slip_of)); status != StepStatus::ok) return status;
     move_.setZero(x1.rows(), 3);
     drift_.add_move(move_);
     if (!arrives_ || !gains(step, x1)) break;
@@ -257,8 +301,38 @@ double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage
 
 /// Velocities after the closing kick, with these samples in front of their planes.
 StepStatus SurfaceContact::stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows) {
+  const StepStatus status = find_stop(candidates, step, v, rows);
+  if (status == StepStatus::ok) apply_stop(v);
+  return status;
+}
+
+void SurfaceContact::apply_stop(Points& v) {
+  closing_.setZero(v.rows(), 3);
+  close_.add_move(closing_);
+  v += closing_;
+}
+
+/// As fit_known.
+bool SurfaceContact::find_stop_of_known(const StepView& step, const Points& v, const SurfaceRows& rows) {
+  const HalfSpace& plane = end_[known_];
+  if (!plane.spin.isZero(0)) return false;
+  std::vector<Candidate>& known = close_.candidates;
+  known.clear();
+  const std::vector<int>& list = search_.near(known_);
+  for (std::size_t t = 0; t < rows.close.size() && rows.close[t] >= 0; ++t) {
+    const SurfaceRow row = decoded(rows.close[t], samples_.count());
+    if (row.plane == known_ && std::binary_search(list.begin(), list.end(), row.sample) &&
+        samples_.at(row.sample, drift_.heights[known_].data()) <= touching * length_)
+      known.push_back({.row = row});
+  }
+  return find_stop(known, step, v, rows) == StepStatus::ok && !close_.added() &&
+         search_.in_front(known_, close_.heights[known_], 0.5 * slack_ - plane.normal.dot(plane.velocity));
+}
+
+StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v,
+                                     const SurfaceRows& rows) {
   const Points& x1 = step.x0;  // of this end of the step
-  close_.candidates = candidates;
+  if (&candidates != &close_.candidates) close_.candidates = candidates;
   double fastest = largest_speed(v);
   for (Candidate& candidate : close_.candidates) {
     const HalfSpace& plane = end_[candidate.row.plane];
@@ -269,22 +343,23 @@ StepStatus SurfaceContact::stop(const std::vector<Candidate>& candidates, const 
   for (std::size_t q = 0; q < end_.size(); ++q)
     kernels::gaps(step.body.points(), v.data(), end_[q].normal.data(), 0, close_.heights[q].data());
   load(rows.close, rows.close_friction, samples_.count(), close_);
-  const auto slip = [&](const SurfaceRow& row) {
+  const auto slip_of = [&](const SurfaceRow& row) {
     const HalfSpace& plane = end_[row.plane];
     const bool turns = !plane.spin.isZero(0);
     return Vec3(samples_.at(row.sample, v) - (turns ? plane.material_velocity(samples_.at(row.sample, x1)) : plane.velocity));
   };
-  if (const StepStatus status = status_of(close_.solve(row_slack * fastest, slip)); status != StepStatus::ok) return status;
-  closing_.setZero(v.rows(), 3);
-  close_.add_move(closing_);
-  v += closing_;
-  return StepStatus::ok;
+  slack_ = row_slack * fastest;
+  return status_of(close_.solve(slack_, std::ref(slip_of)));
 }
 
 StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange) {
   if (touching_.empty()) return StepStatus::ok;
-  lasting_ = touching_;
-  if (const StepStatus status = stop(touching_, step, v, rows); status != StepStatus::ok) return status;
+  if (holds_) lasting_ = touching_;
+  if (known_ < 0 || !find_stop_of_known(step, v, rows)) {
+    if (known_ >= 0) list_touching();
+    if (const StepStatus status = find_stop(touching_, step, v, rows); status != StepStatus::ok) return status;
+  }
+  apply_stop(v);
   exchange.dissipated += book(step, close_, 1, step.x0, exchange);
   rows.missed = std::max(rows.missed, close_.missed());
   save(close_, samples_.count(), rows.close, rows.close_friction);

@@ -58,7 +58,12 @@ class SurfaceContact {
   void set_planes();
   void move_planes(const StepView& step);
   StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
+  bool fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip);
+  void list_touching();
   StepStatus stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows);
+  StepStatus find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v, const SurfaceRows& rows);
+  bool find_stop_of_known(const StepView& step, const Points& v, const SurfaceRows& rows);
+  void apply_stop(Points& v);
   StepStatus meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
   bool gains(const StepView& step, const Points& x1) const;
@@ -77,14 +82,18 @@ class SurfaceContact {
   std::vector<double> friction_;
   std::vector<char> still_;
   std::vector<Vec3> normals_;
-  std::vector<Scalars> free_;          ///< heights before a stage
-  std::vector<Candidate> touching_;    ///< after the last drift
-  std::vector<Candidate> lasting_;     ///< of these, between drift and closing, those that touched before the drift
-  Points move_, closing_;              ///< what the stages have added to positions [m] and velocities [m/s]
-  Scalars weights_;                    ///< of a sample
-  Points given_;                       ///< by obstacles to the control points [N s]
-  Points start_v_, start_force_;       ///< at the start of a step with contact
-  bool near_ = false;                  ///< a control point is behind a plane
+  std::vector<Scalars> free_;        ///< heights before a stage
+  std::vector<Candidate> touching_;  ///< after the last drift; or of these those that were active before it,
+  int known_ = -1;                   ///< where a long list of this plane alone has no other that matters
+  std::vector<Candidate>
+      lasting_;                   ///< of these, between drift and closing, those that touched before the drift; where first kicks are held
+  bool holds_ = false;            ///< they are
+  double slack_ = 0;              ///< of the last closing [m/s]
+  Points move_, closing_;         ///< what the stages have added to positions [m] and velocities [m/s]
+  Scalars weights_;               ///< of a sample
+  Points given_;                  ///< by obstacles to the control points [N s]
+  Points start_v_, start_force_;  ///< at the start of a step with contact
+  bool near_ = false;             ///< a control point is behind a plane
   std::vector<unsigned char> behind_;  ///< which
   bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
   bool lands_ = false;                 ///< any sample does

@@ -32,6 +32,7 @@ void SurfaceContact::look(const Points& x) {
     for (const int s : near(q, end_[q], x))
       if (samples_.at(s, drift_.heights[q].data()) <= touching * length_) touching_.push_back({.row = {q, s}});
   lasting_ = touching_;
+  holds_ = true;
 }
 
 /// Samples near plane q where it is now, all that touch it among them; their heights are those of drift_.

@@ -41,7 +41,7 @@ Fit SurfaceStage::solve(double tolerance, const std::function<Vec3(const Surface
   rows = set_.active();
   p_.assign(rows.size(), Vec3::Zero());
   if (rubs()) {
-    slip_of_ = slip;
+    slip_of_ = &slip;
     if (parallel())
       missed_ = rub(true);
     else if (const Fit fit = take_turns(tolerance); fit != Fit::found)
@@ -74,7 +74,7 @@ double SurfaceStage::rub(bool parallel) {
   for (std::size_t t = 0; t < rows.size(); ++t) {
     const int plane = rows[t].plane;
     limits_.push_back(friction_[plane] * set_.forces()[t]);
-    const Vec3 slip = slip_of_(rows[t]);
+    const Vec3 slip = (*slip_of_)(rows[t]);
     slips_.push_back(tangential(normals_[plane], parallel ? slip : Vec3(slip + moved_by_normals(int(t)))));
     p_[t] = limits_[t] * share[t];
   }

@@ -33,6 +33,7 @@ class SurfaceStage {
   /// slip: of a row at y0, beyond where it would be if it stuck. On success rows and share are those that are active now.
   Fit solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
   const Vec3& force(int t) const { return force_[t]; }  ///< of an active row
+  bool added() const { return set_.added(); }           ///< a row to those that were active before
   double pinned_violation() const { return set_.pinned_violation(); }
   double compliance(int t) const { return set_.delassus()(t, t); }
   /// move += y - y0, (points, 3).
@@ -64,7 +65,7 @@ class SurfaceStage {
   std::vector<Vec3> whole_slip_;  ///< of the active rows at y0, along normals too
   std::vector<double> wanted_;    ///< of the active rows: bound less height at y0
   Points move_, last_move_;       ///< y - y0 at the ends of the last turns
-  std::function<Vec3(const SurfaceRow&)> slip_of_;
+  const std::function<Vec3(const SurfaceRow&)>* slip_of_ = nullptr;
   std::vector<double> limits_;
   std::vector<Vec3> slips_, before_;
   double missed_ = 0;

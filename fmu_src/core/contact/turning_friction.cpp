@@ -65,7 +65,7 @@ Fit SurfaceStage::balance(double tolerance, bool& rests) {
       const auto at = std::lower_bound(candidates.begin(), candidates.end(), row,
                                        [](const Candidate& candidate, const SurfaceRow& r) { return candidate.row < r; });
       wanted_.push_back(at->bound - set_.delassus().samples().at(row.sample, begin_[row.plane].data()));
-      whole_slip_.push_back(slip_of_(row));
+      whole_slip_.push_back((*slip_of_)(row));
     }
     normal = set_.forces();
     bool done = false;

@@ -2,23 +2,47 @@
 
 #include <algorithm>
 
+#include "machine/lanes.hpp"
+
 namespace softffd {
+
+namespace kernels {
+namespace {
+
+/// Sums of x_i y_j z_k values(i, j, k) for four control points per axis, the usual case; line, layer: from one to the next. So many
+/// columns of values, to `sums`.
+INNER void weigh_columns(In factors, const double* values, int line, int layer, int columns, std::ptrdiff_t column, double* sums) {
+  const double *x = factors, *y = factors + 4, *z = factors + 8;
+  for (int c = 0; c < columns; ++c, values += column) {
+    Lanes<4> sum{};
+    for (int j = 0; j < 4; ++j) {
+      Lanes<4> along = z[0] * load<4>(values + j * line);
+      for (int k = 1; k < 4; ++k) along += z[k] * load<4>(values + j * line + k * layer);
+      sum += y[j] * along;
+    }
+    sum *= load<4>(x);
+    sums[c] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
+}
+
+/// values(i, j, k) += factor more, four in a line.
+INNER void add_lines(double factor, In more, double* values, int lines, int line, int layers, int layer) {
+  for (int k = 0; k < layers; ++k)
+    for (int j = 0; j < lines; ++j, more += 4) {
+      double* at = values + j * line + k * layer;
+      store<4>(at, load<4>(at) + factor * load<4>(more));
+    }
+}
+
+const auto weigh_columns_here = chosen<weigh_columns>();
+const auto add_lines_here = chosen<add_lines>();
+
+}  // namespace
+}  // namespace kernels
 
 namespace {
 
-/// Sum of x_i y_j z_k values(i, j, k), whose lines and layers are so far apart; four control points per axis, the usual case.
-double weigh_four(const double* x, const double* y, const double* z, const double* values, int line, int layer) {
-  double sum[4] = {};
-  for (int k = 0; k < 4; ++k)
-    for (int j = 0; j < 4; ++j) {
-      const double factor = z[k] * y[j], *at = values + j * line + k * layer;
-      for (int i = 0; i < 4; ++i) sum[i] += factor * at[i];
-    }
-  return (x[0] * sum[0] + x[1] * sum[1]) + (x[2] * sum[2] + x[3] * sum[3]);
-}
-
 double weigh(const double* x, const double* y, const double* z, const std::array<int, 3>& n, const double* values, int line, int layer) {
-  if (n[0] == 4 && n[1] == 4 && n[2] == 4) return weigh_four(x, y, z, values, line, layer);
   double sum = 0;
   for (int k = 0; k < n[2]; ++k)
     for (int j = 0; j < n[1]; ++j) {
@@ -34,6 +58,7 @@ double weigh(const double* x, const double* y, const double* z, const std::array
 Samples::Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& places)
     : lattice_(lattice), counts_(lattice.counts), places_(places) {
   for (int a = 0; a < 3; ++a) width_[a] = basis == Basis::bezier ? counts_[a] : std::min(counts_[a], 4);
+  fours_ = width_ == std::array{4, 4, 4};
   for (const Vec3& place : places_) {
     std::array<int, 3> first;
     for (int a = 0; a < 3; ++a) {
@@ -47,23 +72,40 @@ Samples::Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& p
 }
 
 double Samples::at(int s, const double* values) const {
-  const auto& f = first_[s];
+  double sum;
+  at(s, values, 1, 0, &sum);
+  return sum;
+}
+
+Vec3 Samples::at(int s, const Points& x) const {
+  Vec3 place;
+  at(s, x.data(), 3, x.rows(), place.data());
+  return place;
+}
+
+void Samples::at(int s, const double* values, int columns, std::ptrdiff_t column, double* sums) const {
+  const int line = counts_[0], layer = counts_[0] * counts_[1];
+  values += begin(s);
+  if (fours_) return kernels::weigh_columns_here(factors(s), values, line, layer, columns, column, sums);
   const double *x = factors(s), *y = x + width_[0], *z = y + width_[1];
-  return weigh(x, y, z, width_, values + f[0] + counts_[0] * (f[1] + counts_[1] * f[2]), counts_[0], counts_[0] * counts_[1]);
+  for (int c = 0; c < columns; ++c) sums[c] = weigh(x, y, z, width_, values + c * column, line, layer);
 }
 
 void Samples::weights(int s, const Scalars& scale, double* out) const {
-  const auto& f = first_[s];
   const double *x = factors(s), *y = x + width_[0], *z = y + width_[1];
   for (int k = 0; k < width_[2]; ++k)
     for (int j = 0; j < width_[1]; ++j) {
-      const int begin = f[0] + counts_[0] * (f[1] + j + counts_[1] * (f[2] + k));
-      const double factor = z[k] * y[j];
-      for (int i = 0; i < width_[0]; ++i) *out++ = factor * x[i] * scale[begin + i];
+      const double factor = z[k] * y[j], *here = scale.data() + begin(s) + counts_[0] * (j + counts_[1] * k);
+      for (int i = 0; i < width_[0]; ++i) *out++ = factor * x[i] * here[i];
     }
 }
 
 double Samples::product(int t, int s, const double* of_s) const {
+  if (fours_ && first_[t] == first_[s]) {
+    double sum;
+    kernels::weigh_columns_here(factors(t), of_s, 4, 16, 1, 0, &sum);
+    return sum;
+  }
   std::array<const double*, 3> factor{factors(t), factors(t) + width_[0], factors(t) + width_[0] + width_[1]};
   std::array<int, 3> begin, common;
   for (int a = 0; a < 3; ++a) {
@@ -77,19 +119,22 @@ double Samples::product(int t, int s, const double* of_s) const {
                width_[0] * width_[1]);
 }
 
+void Samples::mark(int s, double value, double* values) const {
+  const double *x = factors(s), *y = x + width_[0], *z = y + width_[1];
+  values += begin(s);
+  for (int k = 0; k < width_[2]; ++k)
+    for (int j = 0; j < width_[1]; ++j)
+      for (int i = 0; i < width_[0]; ++i)
+        if (x[i] * y[j] * z[k] != 0) values[i + counts_[0] * (j + counts_[1] * k)] = value;
+}
+
 void Samples::add(int s, double factor, const double* of_s, double* values) const {
-  const auto& f = first_[s];
-  if (width_[0] == 4) {  // the usual case, several at a time
-    for (int k = 0; k < width_[2]; ++k)
-      for (int j = 0; j < width_[1]; ++j, of_s += 4) {
-        double* at = values + f[0] + counts_[0] * (f[1] + j + counts_[1] * (f[2] + k));
-        for (int i = 0; i < 4; ++i) at[i] += factor * of_s[i];
-      }
-    return;
-  }
+  const int line = counts_[0], layer = counts_[0] * counts_[1];
+  values += begin(s);
+  if (width_[0] == 4) return kernels::add_lines_here(factor, of_s, values, width_[1], line, width_[2], layer);
   for (int k = 0; k < width_[2]; ++k)
     for (int j = 0; j < width_[1]; ++j) {
-      double* at = values + f[0] + counts_[0] * (f[1] + j + counts_[1] * (f[2] + k));
+      double* at = values + j * line + k * layer;
       for (int i = 0; i < width_[0]; ++i) at[i] += factor * *of_s++;
     }
 }

@@ -24,20 +24,26 @@ class Samples {
 
   /// Q_s of a value of each control point, (points).
   double at(int s, const double* values) const;
-  Vec3 at(int s, const Points& x) const { return {at(s, &x(0, 0)), at(s, &x(0, 1)), at(s, &x(0, 2))}; }
+  Vec3 at(int s, const Points& x) const;
 
   /// out = W_si scale_i of the points that count at s, (support).
   void weights(int s, const Scalars& scale, double* out) const;
   /// The sum of W_ti times what `weights` gives of s.
   double product(int t, int s, const double* of_s) const;
+  /// values_i = value for the points whose weight is not 0.
+  void mark(int s, double value, double* values) const;
   /// values_i += factor of_s_i for the points that count at s.
   void add(int s, double factor, const double* of_s, double* values) const;
 
  private:
+  void at(int s, const double* values, int columns, std::ptrdiff_t column, double* sums) const;
+  /// Number of the first point that counts.
+  int begin(int s) const { return first_[s][0] + counts_[0] * (first_[s][1] + counts_[1] * first_[s][2]); }
   const double* factors(int s) const { return &factors_[std::size_t(s) * (width_[0] + width_[1] + width_[2])]; }
 
   Lattice lattice_;
   std::array<int, 3> counts_, width_;      ///< control points of the lattice, and of them that count at a sample, per axis
+  bool fours_;                             ///< four of them on every axis
   std::vector<Vec3> places_;               ///< [m]
   std::vector<std::array<int, 3>> first_;  ///< of the points that count, per axis
   std::vector<double> factors_;            ///< of each sample those of x, y and z
