@@ -50,12 +50,16 @@ class Delassus {
   /// Sorts the rows, and factors anew where they were not.
   void sort();
 
-  /// b (size) becomes A^-1 b.
-  void solve(double* b) const { factor_.solve(b); }
+  /// b (size, columns), row by row, becomes A^-1 b.
+  template <int columns = 1>
+  void solve(double* b) const {
+    factor_.solve<columns>(b);
+  }
   /// heights = begin, (planes)(points) both, moved by these forces of the rows.
   void raise(const std::vector<double>& forces, const std::vector<Scalars>& begin, std::vector<Scalars>& heights);
   /// values_i += f W_si / m_i for row s.
   void push(int s, double f, double* values) const { samples_->add(rows_[s].sample, f, over_mass(s), values); }
+  void push(int s, const Vec3& f, Points& values) const { samples_->add(rows_[s].sample, f, over_mass(s), values); }
 
  private:
   static std::size_t start(int row) { return RowFactor::start(row); }

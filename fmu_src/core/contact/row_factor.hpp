@@ -36,25 +36,31 @@ class RowFactor {
     l_.push_back(std::sqrt(left));
     ++size_;
   }
-  /// b <- L^-1 b, b <- L'^-1 b.
+  /// b <- L^-1 b, b <- L'^-1 b, (size, columns) row by row.
+  template <int columns = 1>
   void forward(double* b) const {
     for (int i = 0; i < size_; ++i) {
       const double* row = &l_[start(i)];
-      double sum = b[i];
-      for (int j = 0; j < i; ++j) sum -= row[j] * b[j];
-      b[i] = sum / row[i];
+      double sum[columns];
+      for (int c = 0; c < columns; ++c) sum[c] = b[i * columns + c];
+      for (int j = 0; j < i; ++j)
+        for (int c = 0; c < columns; ++c) sum[c] -= row[j] * b[j * columns + c];
+      for (int c = 0; c < columns; ++c) b[i * columns + c] = sum[c] / row[i];
     }
   }
+  template <int columns = 1>
   void backward(double* b) const {
     for (int i = size_ - 1; i >= 0; --i) {
       const double* row = &l_[start(i)];
-      b[i] /= row[i];
-      for (int j = 0; j < i; ++j) b[j] -= row[j] * b[i];
+      for (int c = 0; c < columns; ++c) b[i * columns + c] /= row[i];
+      for (int j = 0; j < i; ++j)
+        for (int c = 0; c < columns; ++c) b[j * columns + c] -= row[j] * b[i * columns + c];
     }
   }
+  template <int columns = 1>
   void solve(double* b) const {
-    forward(b);
-    backward(b);
+    forward<columns>(b);
+    backward<columns>(b);
   }
 
  private:

@@ -218,7 +218,7 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   if (touching_.empty()) {
     close_.rows.clear();
     save(close_, samples_.count(), rows.close, rows.close_friction);
-  } else {
+  } else if (wants_loss(step)) {
     start_v_ = before;
     start_force_ = step.spring + step.force;
   }
@@ -288,7 +288,7 @@ double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage
   for (std::size_t t = 0; t < stage.rows.size(); ++t) {
     const int s = stage.rows[t].sample;
     samples_.weights(s, once, weights_.data());
-    for (int axis = 0; axis < 3; ++axis) samples_.add(s, per_force * stage.force(int(t))[axis], weights_.data(), &given_(0, axis));
+    samples_.add(s, per_force * stage.force(int(t)), weights_.data(), given_);
   }
   double work = 0;
   step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {

@@ -45,6 +45,8 @@ class SurfaceContact {
   /// Energy that contact took in the step that `close` has ended, less the work of the obstacles' own motion [J], where kicks are those of
   /// kick.hpp. v1: velocities at its end.
   double loss(const StepView& step, const Points& v1) const;
+  /// Where it is not asked for, nothing is kept for it.
+  static bool wants_loss(const StepView& step) { return step.around.watch || !step.body.damped; }
   /// Velocities with the samples held that touch at this end of the step, before its drift, and did at the other end, after it; nothing
   /// else changes.
   StepStatus hold(const StepView& step, Points& v, const SurfaceRows& rows) { return stop(lasting_, step, v, rows); }

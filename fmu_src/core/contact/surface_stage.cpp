@@ -31,6 +31,9 @@ Fit SurfaceStage::solve(double tolerance, const std::function<Vec3(const Surface
   begin_ = heights;
   missed_ = 0;
   set_.delassus().set_rows(rows);
+  held_ = hold(tolerance, slip);
+  if (held_) return Fit::found;
+  heights = begin_;
   if (const Fit fit = set_.solve(candidates, heights, tolerance); fit != Fit::found) return fit;
   before_.swap(share);
   share.assign(set_.active().size(), Vec3::Zero());
@@ -54,6 +57,48 @@ Fit SurfaceStage::solve(double tolerance, const std::function<Vec3(const Surface
   force_.resize(rows.size());
   for (std::size_t t = 0; t < rows.size(); ++t) force_[t] = set_.forces()[t] * normals_[rows[t].plane] + p_[t];
   return Fit::found;
+}
+
+/// By the rows of one plane at hand, all sticking, with all candidates in front.
+bool SurfaceStage::hold(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
+  if (rows.empty() || candidates.front().row.plane != candidates.back().row.plane) return false;
+  const int plane = rows[0].plane, n = int(rows.size());
+  const Vec3& normal = normals_[plane];
+  const bool rough = friction_[plane] > 0;
+  Delassus& delassus = set_.delassus();
+  const Samples& samples = delassus.samples();
+  constexpr int columns = 4;  // three, as vectors have them
+  hold_.assign(columns * n, 0.0);
+  for (std::size_t t = 0, c = 0; t < rows.size(); ++t) {
+    while (candidates[c].row < rows[t]) ++c;
+    const double gap = samples.at(rows[t].sample, heights[plane].data()) - candidates[c].bound;
+    const Vec3 across = rough ? tangential(normal, slip(rows[t])) : Vec3(Vec3::Zero());
+    const Vec3 away = gap * normal + across;
+    for (int a = 0; a < 3; ++a) hold_[columns * t + a] = -away[a];
+  }
+  delassus.solve<columns>(hold_.data());
+  force_.resize(n);
+  for (int t = 0; t < n; ++t) {
+    force_[t] = Vec3(hold_[columns * t], hold_[columns * t + 1], hold_[columns * t + 2]);
+    const double load = normal.dot(force_[t]), limit = friction_[plane] * load;
+    if (!(load >= 0 && (!rough || tangential(normal, force_[t]).squaredNorm() <= limit * limit))) return false;
+  }
+  hold_move_.setZero(heights[plane].size(), 3);
+  add_move(force_, hold_move_);
+  for (int a = 0; a < 3; ++a)
+    if (normal[a] != 0) heights[plane] += normal[a] * hold_move_.col(a);
+  std::size_t active = 0;
+  for (Candidate& candidate : candidates) {
+    candidate.gap = samples.at(candidate.row.sample, heights[plane].data()) - candidate.bound;
+    const bool here = active < rows.size() && candidate.row == rows[active];
+    active += here;
+    if (!(candidate.gap >= -tolerance && (!here || candidate.gap <= tolerance))) return false;
+  }
+  for (int t = 0; t < n; ++t) {
+    const double limit = friction_[plane] * normal.dot(force_[t]);
+    share[t] = limit > 0 ? Vec3(tangential(normal, force_[t]) / limit) : Vec3(Vec3::Zero());
+  }
+  return true;
 }
 
 bool SurfaceStage::rubs() const {
@@ -88,9 +133,7 @@ Vec3 SurfaceStage::moved_by_normals(int t) const {
 }
 
 void SurfaceStage::add_move(const std::vector<Vec3>& force, Points& move) const {
-  for (std::size_t t = 0; t < rows.size(); ++t)
-    for (int axis = 0; axis < 3; ++axis)
-      if (force[t][axis] != 0) set_.delassus().push(int(t), force[t][axis], &move(0, axis));
+  for (std::size_t t = 0; t < rows.size(); ++t) set_.delassus().push(int(t), force[t], move);
 }
 
 }  // namespace softffd

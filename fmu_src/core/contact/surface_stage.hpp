@@ -6,6 +6,9 @@
 /// On one plane, and on parallel ones, friction moves no sample nearer to a plane: the normal forces come first, then the friction, and
 /// both are exact. Planes of different directions need both at once: they take turns (Acary, Cadoux, Lemarechal & Malick 2011) until y
 /// rests; normal forces are always last, so that no sample is behind a plane, whatever friction has come to.
+///
+/// In nearly every step of lasting contact the rows at hand do, and all of them stick. Then G f undoes gaps and slips at once, which is
+/// tried first: three right sides for one factor, and a look at the other candidates.
 #pragma once
 #include <functional>
 
@@ -32,16 +35,22 @@ class SurfaceStage {
 
   /// slip: of a row at y0, beyond where it would be if it stuck. On success rows and share are those that are active now.
   Fit solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
-  const Vec3& force(int t) const { return force_[t]; }  ///< of an active row
-  bool added() const { return set_.added(); }           ///< a row to those that were active before
-  double pinned_violation() const { return set_.pinned_violation(); }
+  const Vec3& force(int t) const { return force_[t]; }   ///< of an active row
+  bool added() const { return !held_ && set_.added(); }  ///< a row to those that were active before
+  double pinned_violation() const { return held_ ? 0 : set_.pinned_violation(); }
   double compliance(int t) const { return set_.delassus()(t, t); }
   /// move += y - y0, (points, 3).
-  void add_move(Points& move) const { add_move(force_, move); }
+  void add_move(Points& move) const {
+    if (held_)
+      move += hold_move_;
+    else
+      add_move(force_, move);
+  }
   /// By how much Coulomb's law has been missed: a share of the slip on parallel planes, of the largest force on others.
   double missed() const { return missed_; }
 
  private:
+  bool hold(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
   bool rubs() const;
   bool parallel() const;
   double rub(bool parallel);
@@ -68,6 +77,9 @@ class SurfaceStage {
   const std::function<Vec3(const SurfaceRow&)>* slip_of_ = nullptr;
   std::vector<double> limits_;
   std::vector<Vec3> slips_, before_;
+  bool held_ = false;         ///< by the rows at hand
+  std::vector<double> hold_;  ///< (rows, three and one that is not used)
+  Points hold_move_;
   double missed_ = 0;
 };
 

@@ -151,7 +151,7 @@ StepStatus Leapfrog::close(const StepView& view, Path& path) {
   if (!around.planes.empty()) {
     const StepStatus status = surface_ ? surface_->close(view, state.v, path.surface, exchange) : contact_.close(view, state.v, exchange);
     if (status != StepStatus::ok) return status;
-    if (surface_ && (around.watch || !view.body.damped)) exchange.dissipated += surface_->loss(view, state.v);
+    if (surface_ && SurfaceContact::wants_loss(view)) exchange.dissipated += surface_->loss(view, state.v);
   }
   if (losses(view.body, view.around)) exchange.dissipated += damping_loss(view.body, view.h, start_, state.v);
   return StepStatus::ok;

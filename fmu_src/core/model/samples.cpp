@@ -25,12 +25,14 @@ INNER void weigh_columns(In factors, const double* values, int line, int layer, 
   }
 }
 
-/// values(i, j, k) += factor more, four in a line.
-INNER void add_lines(double factor, In more, double* values, int lines, int line, int layers, int layer) {
+/// values(i, j, k) += factor more, four in a line, to so many columns with a factor each.
+INNER void add_lines(In factor, In more, double* values, int lines, int line, int layers, int layer, int columns, std::ptrdiff_t column) {
+  const double* from = more;
   for (int k = 0; k < layers; ++k)
-    for (int j = 0; j < lines; ++j, more += 4) {
+    for (int j = 0; j < lines; ++j, from += 4) {
       double* at = values + j * line + k * layer;
-      store<4>(at, load<4>(at) + factor * load<4>(more));
+      const Lanes<4> weights = load<4>(from);
+      for (int c = 0; c < columns; ++c, at += column) store<4>(at, load<4>(at) + factor[c] * weights);
     }
 }
 
@@ -128,15 +130,22 @@ void Samples::mark(int s, double value, double* values) const {
         if (x[i] * y[j] * z[k] != 0) values[i + counts_[0] * (j + counts_[1] * k)] = value;
 }
 
-void Samples::add(int s, double factor, const double* of_s, double* values) const {
+void Samples::add(int s, double factor, const double* of_s, double* values) const { add(s, &factor, of_s, values, 1, 0); }
+
+void Samples::add(int s, const Vec3& factor, const double* of_s, Points& values) const {
+  add(s, factor.data(), of_s, values.data(), 3, values.rows());
+}
+
+void Samples::add(int s, const double* factor, const double* of_s, double* values, int columns, std::ptrdiff_t column) const {
   const int line = counts_[0], layer = counts_[0] * counts_[1];
   values += begin(s);
-  if (width_[0] == 4) return kernels::add_lines_here(factor, of_s, values, width_[1], line, width_[2], layer);
+  if (width_[0] == 4) return kernels::add_lines_here(factor, of_s, values, width_[1], line, width_[2], layer, columns, column);
   for (int k = 0; k < width_[2]; ++k)
-    for (int j = 0; j < width_[1]; ++j) {
-      double* at = values + j * line + k * layer;
-      for (int i = 0; i < width_[0]; ++i) at[i] += factor * *of_s++;
-    }
+    for (int j = 0; j < width_[1]; ++j, of_s += width_[0])
+      for (int c = 0; c < columns; ++c) {
+        double* at = values + j * line + k * layer + c * column;
+        for (int i = 0; i < width_[0]; ++i) at[i] += factor[c] * of_s[i];
+      }
 }
 
 }  // namespace softffd

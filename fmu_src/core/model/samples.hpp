@@ -34,9 +34,11 @@ class Samples {
   void mark(int s, double value, double* values) const;
   /// values_i += factor of_s_i for the points that count at s.
   void add(int s, double factor, const double* of_s, double* values) const;
+  void add(int s, const Vec3& factor, const double* of_s, Points& values) const;
 
  private:
   void at(int s, const double* values, int columns, std::ptrdiff_t column, double* sums) const;
+  void add(int s, const double* factor, const double* of_s, double* values, int columns, std::ptrdiff_t column) const;
   /// Number of the first point that counts.
   int begin(int s) const { return first_[s][0] + counts_[0] * (first_[s][1] + counts_[1] * first_[s][2]); }
   const double* factors(int s) const { return &factors_[std::size_t(s) * (width_[0] + width_[1] + width_[2])]; }
