@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 from boxes import STEP, box
 from measured import Pair, row
 
 from softffd import Simulation
+from softffd.validation import bodies
 
 GROUP = "parts of a scene"
 INTERVAL = 0.1
@@ -34,6 +38,34 @@ def part(name: str, *, goal: float | None = None, **sections: Any) -> None:
             yield Pair(lambda: lap(own), lambda: lap(bare), per=round(INTERVAL / STEP))
 
 
+def on_its_surface(name: str, body: bodies.Shape, *, goal: float, **sections: Any) -> None:
+    """The same where a plane meets the vertices of this body."""
+
+    @row(GROUP, name, "a step of springs alone", goal=goal)
+    def with_surface() -> Iterator[Pair]:
+        with tempfile.TemporaryDirectory() as folder:
+            mesh = {"file": bodies.write(Path(folder) / "body.obj", body)}
+            with Simulation(box(mesh=mesh, contact={"of": "surface"}, **sections)) as own, Simulation(box()) as bare:
+                yield Pair(lambda: lap(own), lambda: lap(bare), per=round(INTERVAL / STEP))
+
+
+def on_feet() -> bodies.Shape:
+    """A body with three vertices below."""
+    below, above = [(0.2, 0.2, 0.0), (0.8, 0.25, 0.0), (0.5, 0.8, 0.0)], [(0.3, 0.3, 0.9), (0.7, 0.3, 0.9), (0.5, 0.7, 0.9)]
+    return np.array(below + above), np.array([(0, 2, 1), (3, 4, 5), (0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4), (2, 0, 3), (2, 3, 5)])
+
+
+def on_a_face(side: int) -> bodies.Shape:
+    """A pyramid with side x side vertices below."""
+    along = np.linspace(0, 1, side)
+    below = np.stack([*np.meshgrid(along, along), np.zeros((side, side))], -1).reshape(-1, 3)
+    number = np.arange(side * side).reshape(side, side)
+    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
+    rim = np.concatenate([number[0, :-1], number[:-1, -1], number[-1, :0:-1], number[:0:-1, 0]])
+    sides = np.stack([rim, np.roll(rim, -1), np.full(len(rim), side * side)], -1)
+    return np.vstack([below, (0.5, 0.5, 1.0)]), np.vstack([np.stack([a, b, c], -1), np.stack([a, c, d], -1), sides])
+
+
 def lap(simulation: Simulation) -> float:
     """Processor time [s] of the second communication step of a run, so that every repetition does the same."""
     simulation.restart()
@@ -51,6 +83,9 @@ part("64 force inputs", inputs={"forces": "all"})
 part("energy outputs", outputs={"energy": True})
 part("a plane out of reach", **ground(-9.0))
 part("16 points resting on a plane", goal=1.4, **GRAVITY, **AT_REST, **ground(0.0))
+on_its_surface("a surface out of reach", on_feet(), goal=1.1, **ground(-9.0))
+on_its_surface("3 vertices resting on a plane", on_feet(), goal=1.6, **GRAVITY, **AT_REST, **ground(0.0))
+on_its_surface("5,041 vertices resting on a plane", on_a_face(71), goal=20.0, **GRAVITY, **AT_REST, **ground(0.0))
 part("volume stiffness, body in shape", material={"volume_stiffness": 9e3})
 too_soft_to_unfold = {"volume_stiffness": 1e-6}
 part("volume stiffness, all corners folded", material=too_soft_to_unfold, initial={"stretch": [1.02, 1.0, -1.0]})
