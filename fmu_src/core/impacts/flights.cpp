@@ -63,7 +63,8 @@ StepStatus Flights::fly(const Beside& at, bool rings) {
     }
   }
   if (!touches) return StepStatus::ok;
-  book_unknown_phase(job, motion, energy, mean);
+  const double beside = job.model.body.samples ? job.run.course.contact_error : 0;
+  book_unknown_phase(job, motion, energy, mean, std::hypot(stiff.total_error(), beside));
   stiff.begin(Phase::impact);
   stiff.since = motion.time;
   return StepStatus::ok;

@@ -110,14 +110,12 @@ Outlook outlook(const Job& job, const State& state) {
 }
 
 /// A position error e shifts the touch by e / v, the phase of the vibration by omega e / v, and the rebound by a share of its velocity.
-void book_unknown_phase(const Job& job, const State& state, double energy, double frequency) {
+void book_unknown_phase(const Job& job, const State& state, double energy, double frequency, double known) {
   StiffContact& stiff = job.run.path.stiff;
   const RigidMotion rigid = rigid_motion(job.model.body.mass, state.x, state.v);
-  const bool surface = job.model.body.samples != nullptr;
-  const double known = surface ? std::hypot(stiff.total_error(), job.run.course.contact_error) : stiff.total_error();
   const double error = std::max(known, use::least_error * job.request.tolerance);
   const double phase = std::min(1.0, frequency * error / approach_speed(job, state, rigid, radius_about(rigid.centre, state.x)));
-  const double share = surface ? use::struck_share : use::rebound_share;
+  const double share = job.model.body.samples ? use::struck_share : use::rebound_share;
   const double added = share * std::sqrt(2 * energy / rigid.mass) * phase * outlook(job, state).along_plane;
   stiff.unknown = std::sqrt(power(stiff.unknown, 2) + power(added, 2));
 }

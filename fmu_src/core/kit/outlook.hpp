@@ -35,8 +35,8 @@ double approach_speed(const Job& job, const State& state, const RigidMotion& rig
 /// The drive has planes.
 Outlook outlook(const Job& job, const State& state);
 /// An impact begins: books what the phase of the vibrations that the body brings, of this energy [J] and frequency [rad/s], not being known
-/// may add to the error. Each impact has a phase of its own.
-void book_unknown_phase(const Job& job, const State& state, double energy, double frequency);
+/// may add to the error. Each impact has a phase of its own. known: error of the places at the impact [m].
+void book_unknown_phase(const Job& job, const State& state, double energy, double frequency, double known);
 /// What two states will differ by at the end of the run [m]; infinite where one is not finite.
 double outcome_of(const Job& job, const State& a, const State& b, const Outlook& ahead);
 

@@ -59,6 +59,22 @@ struct ContactSteps {
 };
 static_assert(visits_every_field<ContactSteps>);
 
+/// By how much places may be off, of errors of the speed that grow as time goes.
+struct Drift {
+  double place = 0, speed = 0;  ///< at this time [m, m/s]
+  double time = 0;              ///< [s]
+
+  double at(double now) const { return place + speed * std::max(now - time, 0.0); }
+  /// Errors of their own are not alike.
+  void add(double now, double more_speed) { *this = {at(now), std::hypot(speed, more_speed), now}; }
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.place, s.speed, s.time);
+  }
+};
+static_assert(visits_every_field<Drift>);
+
 /// Where a stiff body stands with the obstacles (impacts/impacts.hpp).
 enum class Phase {
   flight,   ///< nothing can be touched
@@ -143,7 +159,8 @@ struct Course {
   double usual = 0;  ///< length of communication steps of late [s]
   Count rejected = 0;
   Count factors = 0;         ///< matrices factored
-  double contact_error = 0;  ///< of explicit steps beside obstacles, at the end of the run [m]: the root of the sum of squares
+  double contact_error = 0;  ///< of explicit steps beside obstacles, at the end of the run [m]
+  Drift contact_drift{};     ///< as far as it has come
 
   Calibration& calibration(Method which) { return calibrations[std::size_t(which)]; }
   double& controlled_step(Method which) { return controlled[std::size_t(which)]; }
@@ -159,7 +176,7 @@ struct Course {
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.bound_x, s.bound, s.calibrations, s.controlled, s.contact, s.factored, s.method, s.reason, s.race, s.work, s.usual,
-                  s.rejected, s.factors, s.contact_error);
+                  s.rejected, s.factors, s.contact_error, s.contact_drift);
   }
 };
 static_assert(visits_every_field<Course>);

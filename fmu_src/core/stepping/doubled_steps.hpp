@@ -8,7 +8,7 @@ namespace softffd {
 
 class DoubledSteps {
  public:
-  explicit DoubledSteps(const Run& run) : start_(run.path), coarse_(run.path.motion) {}
+  explicit DoubledSteps(const Run& run) : start_(run.path), shifted_(run.path), coarse_(run.path.motion) {}
   StepStatus run(Integrators& integrators, const Job& job, double end);
 
  private:
@@ -20,7 +20,8 @@ class DoubledSteps {
     bool at_limit() const { return h == limit; }
   };
   StepStatus run_stretch(Integrators& integrators, const Job& job, Stretch stretch, Count& taken);
-  Path start_;
+  void book_landing(Integrators& integrators, const Job& job, double h, Count steps);
+  Path start_, shifted_;
   State coarse_;
 };
 
