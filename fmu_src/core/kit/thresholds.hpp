@@ -127,6 +127,8 @@ inline constexpr double regrowth = 1.25;
 /// Factor of the tolerance that the summed errors of fixed steps may take by forecast [1]: the forecast takes errors to grow linearly, and
 /// by experience those at the end lie below.
 inline constexpr double forecast_tolerance = 1.5;
+/// The same of contact of a surface, whose stretches err alike: rolling does.
+inline constexpr double surface_tolerance = 0.6;
 
 // ---- calibration of fixed steps ----
 

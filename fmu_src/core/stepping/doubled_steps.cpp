@@ -110,7 +110,8 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
   Path& path = job.run.path;
   Course& course = job.run.course;
   ContactSteps& contact = course.contact;
-  const double allowed = use::forecast_tolerance * job.request.tolerance * power(job.request.step_factor, 2);
+  const double share = job.model.body.samples ? use::surface_tolerance : use::forecast_tolerance;
+  const double allowed = share * job.request.tolerance * power(job.request.step_factor, 2);
   const double least = use::least_doubled * stretch.limit;
   const bool at_limit = stretch.at_limit();
   Trial trial(path, start_);
