@@ -301,8 +301,8 @@ class Contact(Section):
 
     of: Literal["surface", "lattice"] = key(
         "lattice",
-        '"lattice": the control points, in whose hull the object stays; "surface": the vertices of the mesh; with all methods but '
-        '"central_difference"',
+        '"surface": the vertices of the mesh, the default where there is one; "lattice": the control points, in whose hull the object '
+        'stays, the default without a mesh and with the method "central_difference", which does not know the other',
     )
     penetration: Number = quantity(
         1e-3,

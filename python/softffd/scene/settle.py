@@ -9,10 +9,11 @@ import numpy as np
 from softffd.errors import MeshError, SceneError
 from softffd.scene.cells import MOST, cells_of
 from softffd.scene.checks import cross_check
+from softffd.scene.checks_contact import MEETING
 from softffd.scene.draft import Draft, read_draft
 from softffd.scene.faults import Fault, in_file_order, toml_text
 from softffd.scene.keys import SceneKeys
-from softffd.scene.sections import Lattice, Mass, Material, MeshFile, Section, Stiffness
+from softffd.scene.sections import Contact, Lattice, Mass, Material, MeshFile, Section, Stiffness
 
 if TYPE_CHECKING:
     from softffd.mesh.mesh import Mesh
@@ -47,6 +48,7 @@ def _settle(draft: Draft, folder: Path) -> None:
     changes["lattice"] = _filled(_counted(scene.lattice, size, draft), origin=origin, size=size)
     changes["material"] = _material(scene.material)
     changes["mass"] = _mass(scene.mass, draft, of_modulus=scene.material.youngs_modulus is not None)
+    changes["contact"] = _contact(scene)
     draft.scene = scene.model_copy(update=changes)
 
 
@@ -81,6 +83,13 @@ def _mass(mass: Mass, draft: Draft, *, of_modulus: bool) -> Mass:
     if values.get("distribution", mass.distribution) == "box" and "uniform_share" not in mass.model_fields_set:
         values["uniform_share"] = 0.0  # no point of it is nearly massless
     return _filled(mass, **values)
+
+
+def _contact(scene: SceneKeys) -> Contact:
+    """Of the surface, where there is one that the method knows."""
+    if "of" in scene.contact.model_fields_set or scene.mesh is None or scene.solver.method not in MEETING:
+        return scene.contact
+    return _filled(scene.contact, of="surface")
 
 
 def _filled(section: AnySection, **values: Any) -> AnySection:

@@ -90,9 +90,9 @@ def test_the_farthest_first_is_what_a_search_through_all_weights_finds():
 def test_the_resources_carry_samples_only_where_planes_meet_the_surface(tmp_path):
     keys = {"mesh": {"file": bodies.write(tmp_path / "cube.obj", bodies.cube(3, 0.0))}}
     on_lattice, meeting, nothing = (
+        box(plane=[GROUND], contact={"of": "lattice"}, **keys),
         box(plane=[GROUND], **keys),
-        box(plane=[GROUND], contact={"of": "surface"}, **keys),
-        box(contact={"of": "surface"}, **keys),
+        box(**keys),
     )
 
     def lines(scene):
