@@ -400,16 +400,24 @@ TEST(what_is_pinned_stays_and_the_rest_gives_way) {
   CHECK_NEAR(body.readings().pin_reaction(0).z(), force, 0.02 * force);
 }
 
-TEST(automatic_steps_follow_a_landing_within_the_tolerance) {
-  SoftBody fine = tumbling(1e-5), body = tumbling(0);
-  for (SoftBody* each : {&fine, &body}) {
-    each->settings.planes[0].friction = 0;
-    each->settings.horizon = 0.15;
-    CHECK(each->initialize(0) == StepStatus::ok);
-    for (int i = 0; i < 15; ++i) CHECK(each->advance(0.01) == StepStatus::ok);
+TEST(automatic_steps_follow_a_landing_by_the_tolerance_and_state_their_error) {
+  const auto landed = [](double h, double tolerance) {
+    SoftBody body = tumbling(h);
+    body.settings.planes[0].friction = 0;
+    body.settings.horizon = 0.15;
+    body.settings.tolerance = tolerance;
+    CHECK(body.initialize(0) == StepStatus::ok);
+    for (int i = 0; i < 15; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+    return body;
+  };
+  const SoftBody fine = landed(2e-6, 1e-4);
+  for (const double tolerance : {1e-3, 3e-4, 1e-4, 3e-5}) {
+    const SoftBody body = landed(0, tolerance);
+    const double error = apart(fine.state().x, body.state().x), stated = body.readings().stated_error();
+    std::printf("  tolerance %g: error %.2g, stated %.2g m\n", tolerance, error, stated);
+    CHECK(body.readings().method() == Method::leapfrog && body.readings().reason() == Reason::contact);
+    CHECK(error < 3 * tolerance && error < 3 * stated);
   }
-  CHECK(body.readings().method() == Method::leapfrog && body.readings().reason() == Reason::contact);
-  CHECK(apart(fine.state().x, body.state().x) < 1e-4);
 }
 
 TEST(a_stiff_body_with_samples_falls_by_its_modes_and_rests_in_implicit_steps) {
