@@ -318,7 +318,8 @@ void SoftBody::look_at_planes() {
   for (std::size_t q = 0; q < drive_.planes.size(); ++q) {
     const HalfSpace plane = drive_.planes[q].at(motion.time);
     if (!surface_) now_.contacts[q] = points_on(plane, model_.body.length, motion.x);
-    now_.centres[q] = centre_of_pressure(plane, now_.path.exchange.planes[q]);
+    const Impulse& on = now_.path.exchange.planes[q];
+    now_.centres[q] = drive_.planes[q].solid() ? centre_of_force(plane, on) : centre_of_pressure(plane, on);
   }
 }
 

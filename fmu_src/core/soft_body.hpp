@@ -26,6 +26,7 @@ struct Definition {
   std::vector<Region> regions;  ///< later ones win
   std::vector<PinDefinition> pins;
   int planes = 0;
+  bool solids = false;                                            ///< the last of these are
   std::shared_ptr<const Samples> samples = {};                    ///< of the surface, by which planes are met; null: by the control points
   double volume_stiffness = 0;                                    ///< >= 0 [Pa]; 0: absent
   Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();             ///< x0 = origin + stretch (X - origin) + offset, then turned

@@ -28,27 +28,33 @@ StepStatus status_of(Fit fit) {
 
 SurfaceRow decoded(Count number, int samples) { return {int(number / samples), int(number % samples)}; }
 
+double largest_speed(const Points& v) { return v.abs().maxCoeff(); }
+
+/// By which any point has moved.
+double longest_way(const Points& from, const Points& to) { return std::sqrt((to - from).square().rowwise().sum().maxCoeff()); }
+
+}  // namespace
+
 /// Rows of the state, of which those among the candidates can be active.
-void load(const std::vector<Count>& numbers, const Points& friction, int samples, SurfaceStage& stage) {
+void SurfaceContact::load(const std::vector<Count>& numbers, const Points& friction, SurfaceStage& stage) const {
   stage.rows.clear();
   stage.share.clear();
   auto at = stage.candidates.begin();
   for (std::size_t t = 0; t < numbers.size() && numbers[t] >= 0; ++t) {
-    const SurfaceRow row = decoded(numbers[t], samples);
-    while (at != stage.candidates.end() && at->row < row) ++at;
+    while (at != stage.candidates.end() && number(at->row) < numbers[t]) ++at;
     if (at == stage.candidates.end()) return;
-    if (at->row != row) continue;
-    stage.rows.push_back(row);
+    if (number(at->row) != numbers[t]) continue;
+    stage.rows.push_back(at->row);
     const Vec3 share = softffd::row(friction, int(t));
     stage.share.push_back(share.norm() <= most_share ? share : Vec3(Vec3::Zero()));  // a state may hold anything
     ++at;
   }
 }
 
-void save(const SurfaceStage& stage, int samples, std::vector<Count>& numbers, Points& friction) {
+void SurfaceContact::save(const SurfaceStage& stage, std::vector<Count>& numbers, Points& friction) const {
   const std::size_t known = std::min(numbers.size(), stage.rows.size());
   for (std::size_t t = 0; t < known; ++t) {
-    numbers[t] = Count(stage.rows[t].plane) * samples + stage.rows[t].sample;
+    numbers[t] = number(stage.rows[t]);
     set_row(friction, int(t), stage.share[t]);
   }
   for (std::size_t t = known; t < numbers.size() && numbers[t] >= 0; ++t) {
@@ -57,14 +63,13 @@ void save(const SurfaceStage& stage, int samples, std::vector<Count>& numbers, P
   }
 }
 
-double largest_speed(const Points& v) { return v.abs().maxCoeff(); }
-
-}  // namespace
-
 SurfaceContact::SurfaceContact(const Body& body, int planes)
     : samples_(*body.samples),
       length_(body.length),
       search_(samples_, planes, length_),
+      tangents_(samples_, length_),
+      flat_(planes),
+      obstacle_(planes),
       drift_(samples_, planes),
       close_(samples_, planes),
       start_(planes),
@@ -76,6 +81,7 @@ SurfaceContact::SurfaceContact(const Body& body, int planes)
       behind_(body.points() / 8 + 1) {
   for (SurfaceStage* stage : {&drift_, &close_})
     for (Scalars& heights : stage->heights) heights.setZero(body.points());
+  for (int q = 0; q < planes; ++q) obstacle_[q] = q;
 }
 
 void SurfaceContact::set_planes() {
@@ -92,7 +98,8 @@ void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive
     drift_.set_masses(inverse(kicks.opening_mass()));
     close_.set_masses(inverse(kicks.closing_mass()));
   }
-  for (std::size_t q = 0; q < end_.size(); ++q) {
+  know(around);
+  for (int q = 0; q < flat_; ++q) {
     friction_[q] = around.planes[q].friction;
     still_[q] = around.planes[q].at_rest();
     start_[q] = middle_[q] = end_[q] = around.planes[q].at(t0);
@@ -103,7 +110,7 @@ void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive
 
 void SurfaceContact::move_planes(const StepView& step) {
   bool moved = false;
-  for (std::size_t q = 0; q < end_.size(); ++q) {
+  for (int q = 0; q < flat_; ++q) {
     if (still_[q]) continue;
     const Plane& plane = step.around.planes[q];
     start_[q] = plane.at(step.t0);
@@ -119,21 +126,23 @@ StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& fri
   double far = length_;
   for (std::size_t q = 0; q < end_.size(); ++q) far = std::max(far, length_ + std::abs(end_[q].offset));
   free_ = drift_.heights;
-  for (std::size_t q = 0; q < end_.size(); ++q)
-    if (!search_.covers(int(q), free_[q])) search_.look(int(q), free_[q], way);
+  for (int q = 0; q < flat_; ++q)
+    if (!search_.covers(q, free_[q])) search_.look(q, free_[q], way);
   const double tolerance = row_slack * far;
   if (fit_known(rows, friction, tolerance, slip)) return StepStatus::ok;
   for (int looks = 0; looks < most_looks; ++looks) {
     drift_.heights = free_;
     drift_.candidates.clear();
-    for (int q = 0; q < int(end_.size()); ++q)
+    for (int q = 0; q < flat_; ++q)
       for (const int s : search_.near(q)) drift_.candidates.push_back({.row = {q, s}});
-    load(rows, friction, samples_.count(), drift_);
+    for (const Tangent& each : tangents_.found())
+      drift_.candidates.push_back({.row = {flat_ + int(&each - tangents_.found().data()), each.sample}});
+    load(rows, friction, drift_);
     if (const StepStatus status = status_of(drift_.solve(tolerance, slip)); status != StepStatus::ok) return status;
     bool covered = true;
-    for (std::size_t q = 0; q < end_.size(); ++q)
-      if (!search_.covers(int(q), drift_.heights[q])) {
-        search_.look(int(q), drift_.heights[q], way);
+    for (int q = 0; q < flat_; ++q)
+      if (!search_.covers(q, drift_.heights[q])) {
+        search_.look(q, drift_.heights[q], way);
         covered = false;
       }
     if (covered) return drift_.pinned_violation() > pin_slack * length_ ? StepStatus::pin_behind_plane : StepStatus::ok;
@@ -145,12 +154,12 @@ StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& fri
 bool SurfaceContact::fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip) {
   known_ = -1;
   int near = -1;
-  for (int q = 0; q < int(end_.size()); ++q) {
+  for (int q = 0; q < flat_; ++q) {
     if (search_.near(q).empty()) continue;
     if (near >= 0 || !search_.is_long(q)) return false;
     near = q;
   }
-  if (near < 0 || holds_) return false;
+  if (near < 0 || holds_ || solids_) return false;
   drift_.candidates.clear();
   const std::vector<int>& list = search_.near(near);
   for (std::size_t t = 0; t < rows.size() && rows[t] >= 0; ++t)
@@ -158,7 +167,7 @@ bool SurfaceContact::fit_known(const std::vector<Count>& rows, const Points& fri
         row.plane == near && std::binary_search(list.begin(), list.end(), row.sample))
       drift_.candidates.push_back({.row = row});
   if (drift_.candidates.empty()) return false;
-  load(rows, friction, samples_.count(), drift_);
+  load(rows, friction, drift_);
   if (drift_.solve(tolerance, slip) != Fit::found || drift_.added() || drift_.rows.empty()) return false;
   const Scalars& heights = drift_.heights[near];
   if (!search_.covers(near, heights) || !search_.in_front(near, heights, 0.5 * tolerance)) return false;
@@ -191,8 +200,9 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   touching_.clear();
   known_ = -1;
   move_planes(step);
-  bool any = rows.drift[0] >= 0 || near_;
-  for (std::size_t q = 0; q < end_.size() && !any; ++q)  // costs less than heights
+  if (solids_) find_tangents(step.around, step.t0, step.t1, step.x0, longest_way(step.x0, x1));
+  bool any = rows.drift[0] >= 0 || near_ || int(end_.size()) > flat_;
+  for (int q = 0; q < flat_ && !any; ++q)  // costs less than heights
     any = kernels::behind(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, behind_.data());
   near_ = false;
   for (std::size_t q = 0; q < end_.size() && any; ++q)
@@ -206,7 +216,7 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
       exchange.dissipated += book(step, drift_, 1 / step.h, x1, exchange);
     }
     rows.missed = std::max(rows.missed, drift_.missed());
-    save(drift_, samples_.count(), rows.drift, rows.drift_friction);
+    save(drift_, rows.drift, rows.drift_friction);
     for (const Candidate& candidate : drift_.candidates)
       if (candidate.gap <= touching * length_) touching_.push_back(candidate);
   }
@@ -217,7 +227,7 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
     });
   if (touching_.empty()) {
     close_.rows.clear();
-    save(close_, samples_.count(), rows.close, rows.close_friction);
+    save(close_, rows.close, rows.close_friction);
   } else if (wants_loss(step)) {
     start_v_ = before;
     start_force_ = step.spring + step.force;
@@ -240,12 +250,21 @@ StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Poi
     drift_.add_move(move_);
     if (!arrives_ || !gains(step, x1)) break;
   }
+  if (solids_) {  // other samples may have come to one
+    const double whole = longest_way(step.x0, x1 + move_);
+    if (!tangents_.covers(whole)) {
+      find_tangents(step.around, step.t0, step.t1, step.x0, 2 * whole);
+      for (std::size_t q = 0; q < end_.size(); ++q)
+        kernels::gaps(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data());
+      return meet(step, v, x1, rows);
+    }
+  }
   std::size_t known = 0;
   const Count before = impacts_;
   for (const SurfaceRow& row : drift_.rows) {
-    const Count number = Count(row.plane) * samples_.count() + row.sample;
-    while (known < rows.drift.size() && rows.drift[known] >= 0 && rows.drift[known] < number) ++known;
-    if (known < rows.drift.size() && rows.drift[known] == number) continue;
+    const Count own = number(row);
+    while (known < rows.drift.size() && rows.drift[known] >= 0 && rows.drift[known] < own) ++known;
+    if (known < rows.drift.size() && rows.drift[known] == own) continue;
     impacts_ += start_[row.plane].gap(samples_.at(row.sample, step.x0)) > touching * length_;
   }
   lands_ = impacts_ > before;
@@ -271,7 +290,7 @@ double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, dou
   for (std::size_t t = 0; t < stage.rows.size(); ++t) {
     const auto [q, s] = stage.rows[t];
     const Vec3 impulse = per_force * stage.force(int(t)), here = samples_.at(s, x1);
-    exchange.planes[q].add(-impulse, here - end_[q].point);
+    exchange.planes[obstacle_[q]].add(-impulse, here - end_[q].point);
     work += impulse.dot(end_[q].material_velocity(here));
   }
   exchange.work += work;
@@ -342,7 +361,7 @@ StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, c
   }
   for (std::size_t q = 0; q < end_.size(); ++q)
     kernels::gaps(step.body.points(), v.data(), end_[q].normal.data(), 0, close_.heights[q].data());
-  load(rows.close, rows.close_friction, samples_.count(), close_);
+  load(rows.close, rows.close_friction, close_);
   const auto slip_of = [&](const SurfaceRow& row) {
     const HalfSpace& plane = end_[row.plane];
     const bool turns = !plane.spin.isZero(0);
@@ -362,7 +381,7 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
   apply_stop(v);
   exchange.dissipated += book(step, close_, 1, step.x0, exchange);
   rows.missed = std::max(rows.missed, close_.missed());
-  save(close_, samples_.count(), rows.close, rows.close_friction);
+  save(close_, rows.close, rows.close_friction);
   return StepStatus::ok;
 }
 

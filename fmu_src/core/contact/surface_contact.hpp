@@ -21,6 +21,7 @@
 #include "contact/contact.hpp"
 #include "contact/sample_search.hpp"
 #include "contact/surface_stage.hpp"
+#include "contact/tangents.hpp"
 #include "model/run.hpp"
 
 namespace softffd {
@@ -37,8 +38,8 @@ class SurfaceContact {
 
   /// Before steps of size h from t0 on, with these half kicks.
   void begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h);
-  /// After `begin`, where the first kick is to be held: finds the samples that touch a plane at x.
-  void look(const Points& x);
+  /// After `begin`, where the first kick is to be held: finds the samples that touch an obstacle at x.
+  void look(const Drive& around, double time, const Points& x);
   /// As in contact.hpp. rows: of the state.
   StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange);
   StepStatus close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange);
@@ -57,6 +58,13 @@ class SurfaceContact {
 
  private:
   using Slip = std::function<Vec3(const SurfaceRow&)>;
+  void know(const Drive& around);
+  void resize(std::size_t planes);
+  void find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way);
+  /// By which the state knows a row.
+  Count number(const SurfaceRow& row) const { return Count(obstacle_[row.plane]) * samples_.count() + row.sample; }
+  void load(const std::vector<Count>& numbers, const Points& friction, SurfaceStage& stage) const;
+  void save(const SurfaceStage& stage, std::vector<Count>& numbers, Points& friction) const;
   void set_planes();
   void move_planes(const StepView& step);
   StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
@@ -79,6 +87,10 @@ class SurfaceContact {
   const Samples& samples_;
   double length_;
   SampleSearch search_;
+  Tangents tangents_;
+  bool solids_ = false;         ///< any obstacle is one
+  int flat_;                    ///< number of half-spaces, which come first; then planes of the tangents, one each
+  std::vector<int> obstacle_;  ///< whose plane it is
   SurfaceStage drift_, close_;
   std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at the start of the step, in its middle, at its end
   std::vector<double> friction_;

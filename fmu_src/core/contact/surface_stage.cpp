@@ -16,6 +16,8 @@ constexpr double aligned = 1 - 1e-15;
 SurfaceStage::SurfaceStage(const Samples& samples, int planes) : heights(planes), set_(samples) {}
 
 void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction) {
+  if (normals.size() != normals_.size()) set_.delassus().set_rows({});  // their planes may not be there
+  heights.resize(normals.size());
   normals_ = normals;
   friction_ = friction;
   cosines_.clear();

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "contact/reach.hpp"
+#include "contact/tangents.hpp"
 #include "contact/tolerances.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
@@ -37,6 +38,7 @@ bool squeezed(const Job& job, const State& state) {
   const auto& planes = job.drive.planes;
   for (std::size_t a = 0; a < planes.size(); ++a)
     for (std::size_t b = a + 1; b < planes.size(); ++b) {
+      if (planes[a].solid() || planes[b].solid()) continue;
       const HalfSpace one = planes[a].at(state.time), other = planes[b].at(state.time);
       if (one.normal.dot(other.normal) < use::opposite && touches(one) && touches(other)) return true;
     }
@@ -63,6 +65,15 @@ NearestObstacle nearest_obstacle(const Job& job, const State& state) {
   NearestObstacle nearest;
   for (const Plane& plane : job.drive.planes) {
     const HalfSpace here = plane.at(state.time);
+    if (plane.solid()) {
+      const Samples& samples = *job.model.body.samples;
+      for (int s = 0; s < samples.count(); ++s) {
+        const Vec3 place = samples.at(s, state.x);
+        const HalfSpace before = tangent(plane, here, place);
+        if (before.gap(place) < nearest.gap) nearest = {&plane, before, before.gap(place)};
+      }
+      continue;
+    }
     const double gap = least_gap(job.model.body, here, state.x);
     if (gap < nearest.gap) nearest = {&plane, here, gap};
   }

@@ -71,7 +71,7 @@ Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Sp
   kick_.prepare(model.body, 0.5 * span.h);
   if (surface_) {
     surface_->begin(model.body, masses_, drive, span.time(0), span.h);
-    surface_->look(run.path.motion.x);
+    surface_->look(drive, span.time(0), run.path.motion.x);
   } else {
     contact_.begin(drive, span.time(0), span.h);
   }

@@ -1,6 +1,7 @@
-/// Obstacle planes: rigid half-spaces in rigid motion.
+/// Obstacles in rigid motion: half-spaces behind planes, and solids of revolution (contact/tangents.hpp).
 #pragma once
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "model/rotation.hpp"
 
@@ -32,6 +33,11 @@ struct PlaneMotion {
   Vec3 acceleration = Vec3::Zero();          ///< [m/s2]
   Vec3 angular_acceleration = Vec3::Zero();  ///< [rad/s2]
   Vec3 normal_rate = Vec3::Zero();           ///< time derivative of `normal` before normalising [1/s]
+  double radius = 0;                         ///< of a solid about `point` [m]; 0: a half-space
+  double length = 0;                         ///< of a cylinder along `normal` [m]; 0: a sphere
+
+  bool solid() const { return radius > 0; }
+  double size() const { return std::hypot(radius, 0.5 * length); }  ///< of a solid: its furthest point from `point` [m]
 };
 
 /// The same from time `since` on, with a normal of unit length, which turns with the angular velocity, or, where a rate of the normal is

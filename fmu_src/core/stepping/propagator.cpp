@@ -52,6 +52,11 @@ Facts Propagator::facts(const Job& job, double H) const {
   facts.obstacles = !job.drive.planes.empty();
   facts.surface = facts.obstacles && job.model.body.samples;
   facts.pins = !job.drive.pins.empty();
+  if (facts.obstacles && job.drive.planes.back().solid()) {  // which leapfrog alone knows
+    facts.clear = false;
+    facts.within_reach = true;
+    facts.stiffness = 0;
+  }
   return facts;
 }
 

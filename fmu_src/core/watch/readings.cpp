@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "contact/tangents.hpp"
 #include "methods/traits.hpp"
 #include "model/rigid_motion.hpp"
 
@@ -36,7 +37,11 @@ double Readings::plane_jump(int q) const {
   const HalfSpace plane = drive.planes[q].at(drive.since);
   double jump = 0;
   if (const Samples* samples = model.body.samples.get()) {
-    for (int s = 0; s < samples->count(); ++s) jump = std::max(jump, -plane.gap(samples->at(s, before.path.motion.x)));
+    for (int s = 0; s < samples->count(); ++s) {
+      const Vec3 place = samples->at(s, before.path.motion.x);
+      const HalfSpace facing = drive.planes[q].solid() ? tangent(drive.planes[q], plane, place) : plane;
+      jump = std::max(jump, -facing.gap(place));
+    }
     return jump;
   }
   for (int p = 0; p < model.body.points(); ++p)

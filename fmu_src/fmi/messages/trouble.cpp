@@ -1,5 +1,6 @@
 #include "messages/trouble.hpp"
 
+#include "contact/tangents.hpp"
 #include "messages/logger.hpp"
 
 namespace softffd::fmi {
@@ -70,18 +71,20 @@ std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
                     those = d.samples ? " points of the surface" : what + "s";
   std::string text;
   for (std::size_t q = 0; q < scene.planes.size(); ++q) {
-    const PlaneMotion& plane = body.settings.planes[q];
-    const Vec3 normal = plane.normal / plane.normal.stableNorm();
+    Plane plane{body.settings.planes[q]};
+    plane.normal /= plane.normal.stableNorm();
+    const HalfSpace pose = plane.at(plane.since);
     int count = 0;
     double deepest = 0;
     for (const Vec3& place : places) {
-      const double depth = normal.dot(plane.point - place);
+      const double depth = -(plane.solid() ? tangent(plane, pose, place) : pose).gap(place);
       if (!(depth > slight * d.lattice.largest_side())) continue;
       ++count;
       deepest = std::max(deepest, depth);
     }
     if (count > 0)
-      text += (text.empty() ? "" : " and ") + std::to_string(count) + (count > 1 ? those + " start" : what + " starts") + " behind plane " +
+      text += (text.empty() ? "" : " and ") + std::to_string(count) + (count > 1 ? those + " start" : what + " starts") +
+              (!plane.solid() ? " behind plane " : plane.length > 0 ? " in cylinder " : " in sphere ") +
               scene.planes[q].name + ", by up to " + number(deepest) + " m";
   }
   return text.empty() ? text : text + ", and are moved out at once";

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 
@@ -130,6 +131,12 @@ void read_plane(Record& r, SceneFile& s) {
   s.planes.push_back(plane);
   s.definition.planes = int(s.planes.size());
 }
+/// The plane of the record before is a solid about its point.
+void read_solid(Record& r, SceneFile& s) {
+  if (s.planes.empty()) r.fail("there is no plane before it");
+  s.planes.back().radius = r.positive();
+  s.planes.back().length = r.at_least(0);
+}
 void read_pin(Record& r, SceneFile& s) {
   SceneFile::Pin pin;
   pin.name = r.word();
@@ -212,6 +219,7 @@ constexpr Reader readers[] = {
     {"region_internal_damping", read_region<&Region::internal_damping>},
     {"plane", read_plane},
     {"plane_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.planes, Part::input_planes); }},
+    {"solid", read_solid},
     {"pin", read_pin},
     {"pin_origin", read_pin_origin},
     {"pin_start", read_pin_start},
@@ -264,13 +272,20 @@ void check_complete(const SceneFile& s) {
 
 /// Planes are to meet these samples of the surface.
 void take_samples(SceneFile& s) {
+  const auto refuse = [](const std::string& what) { throw SceneFileError("resources/scene.txt: " + what); };
+  const auto solid = [](const PlaneMotion& plane) { return plane.solid(); };
+  const bool solids = std::ranges::any_of(s.planes, solid);
+  if (solids && s.samples.empty()) refuse("solids are met by samples of the surface, and there are none");
+  if (!std::ranges::is_partitioned(s.planes, std::not_fn(solid))) refuse("a plane comes after a solid");
   if (s.samples.empty() || s.planes.empty()) return;
   Definition& d = s.definition;
-  const auto refuse = [](const std::string& what) { throw SceneFileError("resources/scene.txt: " + what); };
+  d.solids = solids;
   for (const Vec3& place : s.samples) {
     const auto part = (place - d.lattice.origin).array() / d.lattice.size.array();
     if (!(part.minCoeff() >= -outside && part.maxCoeff() <= 1 + outside)) refuse("a sample of the surface lies outside of the box");
   }
+  if (solids && Method(s.method - 1) == Method::backward_euler)
+    refuse("backward_euler does not know solids; wanted auto, leapfrog, bm4, rkn12, dop853 or ros34pw2");
   if (!meets_surface(Method(s.method - 1)))
     refuse("the method does not know contact of the surface; wanted auto, leapfrog, bm4, rkn12, dop853, ros34pw2 or backward_euler");
   d.samples = std::make_shared<const Samples>(s.basis, d.lattice, s.samples);

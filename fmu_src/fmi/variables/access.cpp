@@ -35,7 +35,10 @@ Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) 
 }
 
 void Variables::check_method(double method) const {
-  const auto fits = [&](int value) { return !scene_.definition.samples || meets_surface(Method(value - 1)); };
+  const auto fits = [&](int value) {
+    const Method method = Method(value - 1);
+    return (!scene_.definition.samples || meets_surface(method)) && !(scene_.definition.solids && method == Method::backward_euler);
+  };
   if (method >= 1 && method <= method_count && fits(int(method))) return;
   std::string wanted;
   for (int value = 1; value <= method_count; ++value)

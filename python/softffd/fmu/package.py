@@ -68,7 +68,7 @@ _surface_samples = lru_cache(maxsize=1)(surface_samples)
 
 def scene_samples(scene: Scene) -> Samples | None:
     """The samples of the surface that the scene's planes meet; None where they meet the control points, and without planes."""
-    if scene.contact.of == "lattice" or not scene.plane:
+    if scene.contact.of == "lattice" or not scene.obstacles:
         return None
     assert scene.loaded_mesh is not None
     return _surface_samples(scene.loaded_mesh, scene.box, scene.contact.penetration)

@@ -51,9 +51,11 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
         for key in ("stiffness", "youngs_modulus", "damping", "internal_damping"):
             if (value := getattr(region, key)) is not None:
                 lines.append([f"region_{key}", value, *points])
-    for plane in scene.plane:
+    for plane in scene.obstacles:
         motion = [*plane.point, *plane.normal, *plane.velocity, *plane.angular_velocity]
         lines.append(["plane", plane.name, plane.motion, *motion, plane.friction])
+        if plane in scene.solids:
+            lines.append(["solid", plane.radius, plane.length])
         if plane.motion == "input":
             lines.append(["plane_inputs", *plane.input_components()])
     for pin in scene.pin:

@@ -15,7 +15,7 @@ from softffd.names import variable_names
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
-    from softffd.scene.sections import Pin, Plane
+    from softffd.scene.sections import Cylinder, Pin, Plane, Sphere
     from softffd.scene.selection import Selection
 
 STANDARD_GRAVITY = 9.80665
@@ -66,7 +66,7 @@ def _point(scene: Scene, p: int) -> dict[str, Any]:
     return {"i": p % nx, "j": p // nx % ny, "k": p // nx // ny}
 
 
-def _plane(plane: Plane) -> dict[str, Any]:
+def _plane(plane: Plane | Sphere | Cylinder) -> dict[str, Any]:
     return {
         "name": plane.name,
         "point": plane.point,
@@ -92,7 +92,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     def when(present: bool, **values: Any) -> list[dict[str, Any]]:
         return [values] if present else []
 
-    planes, pins = scene.plane, scene.pin
+    planes, pins = scene.obstacles, scene.pin
     surfaces, frames = [_plane(plane) for plane in planes], [_pin(scene, pin) for pin in pins if pin.motion == "input"]
     material, stiffness, gravity = scene.material, scene.material.stiffness, scene.environment.gravity
     methods = table()["method"]

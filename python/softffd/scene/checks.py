@@ -38,8 +38,9 @@ def cross_check(draft: Draft) -> list[Fault]:
 
 
 def _names(draft: Draft) -> Iterator[Fault]:
-    for section in ("plane", "pin", "load", "probe"):
-        owners: dict[str, KeyPath] = {}
+    obstacles: dict[str, KeyPath] = {}  # whose variables begin alike
+    for section in ("plane", "sphere", "cylinder", "pin", "load", "probe"):
+        owners = obstacles if section in ("plane", "sphere", "cylinder") else {}
         for position, item in enumerate(getattr(draft.scene, section)):
             path = (section, position, "name")
             if draft.sound(*path) and (owner := owners.setdefault(item.name, path)) != path:
@@ -48,7 +49,7 @@ def _names(draft: Draft) -> Iterator[Fault]:
 
 
 def _idle_inputs(draft: Draft) -> Iterator[Fault]:
-    for section in ("plane", "pin"):
+    for section in ("plane", "sphere", "cylinder", "pin"):
         for position, item in enumerate(getattr(draft.scene, section)):
             path = (section, position, "inputs")
             default = type(item).model_fields["inputs"].default

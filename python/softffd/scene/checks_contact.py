@@ -15,18 +15,29 @@ def contact_check(draft: Draft) -> Iterator[Fault]:
     if not draft.sound("contact", "of"):
         return
     if contact.of == "lattice":
+        yield from _solids_of_lattice(draft)
         if "penetration" in contact.model_fields_set and draft.sound("contact", "penetration"):
             text = f'wanted it beside of = "surface" only, got {contact.penetration:g} with of = "lattice"'
             yield Fault(("contact", "penetration"), text)
         return
     if draft.scene.mesh is None and draft.sound("mesh"):
         yield Fault(("contact", "of"), '"surface" needs a mesh, but the scene has no [mesh]; take "lattice" instead')
-    if draft.scene.plane:
+    if draft.scene.obstacles:
         yield from _method(draft)
+
+
+def _solids_of_lattice(draft: Draft) -> Iterator[Fault]:
+    for section in ("sphere", "cylinder"):
+        if getattr(draft.scene, section):
+            text = f'"lattice" knows planes alone, but the scene has a [[{section}]]; take "surface", which needs a [mesh]'
+            yield Fault(("contact", "of"), text)
 
 
 def _method(draft: Draft) -> Iterator[Fault]:
     method = draft.scene.solver.method
+    if method == "backward_euler" and draft.scene.solids and draft.sound("solver", "method"):
+        text = f'wanted "auto", "leapfrog", "bm4", "rkn12", "dop853" or "ros34pw2" beside a sphere or cylinder, got {toml_text(method)}'
+        yield Fault(("solver", "method"), text)
     if method not in MEETING and draft.sound("solver", "method"):
         wanted = " or ".join([", ".join(f'"{each}"' for each in MEETING[:-1]), f'"{MEETING[-1]}"'])
         text = f'wanted {wanted} beside contact.of = "surface", which it does not know, got {toml_text(method)}'

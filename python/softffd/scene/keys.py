@@ -16,6 +16,8 @@ class SceneKeys(sections.Section):
     environment: sections.Environment = key(sections.Environment(), "what acts everywhere")
     contact: sections.Contact = key(sections.Contact(), "what of the object the obstacles meet")
     plane: tuple[sections.Plane, ...] = key((), "obstacles: half-spaces")
+    sphere: tuple[sections.Sphere, ...] = key((), "obstacles: solid spheres")
+    cylinder: tuple[sections.Cylinder, ...] = key((), "obstacles: solid cylinders")
     pin: tuple[sections.Pin, ...] = key((), "control points attached to rigid frames")
     load: tuple[sections.Load, ...] = key((), "forces shared by several control points")
     inputs: sections.Inputs = key(sections.Inputs(), "inputs besides those of planes, pins and loads")
@@ -25,3 +27,13 @@ class SceneKeys(sections.Section):
     solver: sections.Solver = key(sections.Solver(), "how the motion is integrated")
     experiment: sections.Experiment = key(sections.Experiment(), "the FMU's default experiment")
     fmu: sections.Fmu = key(sections.Fmu(), "how the FMU shows itself to other tools")
+
+    @property
+    def solids(self) -> tuple[sections.Solid, ...]:
+        """Obstacles with an inside, in the order of the library."""
+        return (*self.sphere, *self.cylinder)
+
+    @property
+    def obstacles(self) -> tuple[sections.Plane | sections.Sphere | sections.Cylinder, ...]:
+        """All obstacles, in the order of the library."""
+        return (*self.plane, *self.sphere, *self.cylinder)

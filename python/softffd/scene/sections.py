@@ -335,6 +335,48 @@ class Plane(Section):
         return _components(PLANE_POSE, self.inputs) if self.motion == "input" else []
 
 
+class Solid(Section):
+    """An obstacle with an inside: what it has in common with others. Its variables have the names of a plane's."""
+
+    name: Name = key(..., NAME, examples=["ball"])
+    radius: Number = quantity(..., "m", "its radius", gt=0, examples=[0.5])
+    point: Vector = quantity((0.0, 0.0, 0.0), "m", "its centre")
+    velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of its centre")
+    angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about its centre")
+    friction: Number = quantity(0.4, "1", "Coulomb's coefficient of friction", ge=0)
+    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
+    inputs: PlaneInputs = key(
+        ("point", "velocity"),
+        "what of `point`, `normal` (a cylinder's axis), `velocity`, `angular_velocity` are inputs, or single components; "
+        "the rest are parameters, which hold at every communication point",
+    )
+
+    def input_components(self) -> list[str]:
+        """What is an input of pose and motion: "point.z", ..."""
+        return _components(PLANE_POSE, self.inputs) if self.motion == "input" else []
+
+
+class Sphere(Solid):
+    """An obstacle: a solid sphere about `point`; needs contact.of = "surface"."""
+
+    @property
+    def normal(self) -> tuple[float, float, float]:
+        """Of no meaning: a sphere looks alike from all sides."""
+        return (0.0, 0.0, 1.0)
+
+    @property
+    def length(self) -> float:
+        """None [m]."""
+        return 0.0
+
+
+class Cylinder(Solid):
+    """An obstacle: a solid cylinder with flat ends about `point`; needs contact.of = "surface"."""
+
+    length: Number = quantity(..., "m", "from end to end", gt=0, examples=[1.0])
+    normal: Direction = quantity((0.0, 0.0, 1.0), "1", "its axis; any length > 0")
+
+
 class Pin(Section):
     """Control points on a rigid frame, whose axes at rest are the world's."""
 

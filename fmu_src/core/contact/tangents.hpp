@@ -1,0 +1,52 @@
+/// Solid obstacles, as samples of the surface meet them: each sample near one stands before a half-space of its own.
+///
+///            .  n      the half-space behind the tangent at the point of the solid that is closest to the sample holds the whole solid,
+///         s  . /       which is convex: a sample that ends a step in front of it is outside. It is taken where the sample is when
+///      ----.-'----     the step begins, in the frame of the solid, and goes with the solid from there: a sample that starts
+///       ( solid )      before one side of a thin solid never ends behind the other.
+///
+/// A solid is a sphere, or a cylinder with flat ends, about the point of its pose; a cylinder's axis is the pose's normal.
+#pragma once
+#include <vector>
+
+#include "model/drive.hpp"
+#include "model/samples.hpp"
+
+namespace softffd {
+
+/// The half-space of a solid in this pose that is closest to x, or furthest in front of it where x is inside; it moves as the solid does.
+HalfSpace tangent(const Plane& solid, const HalfSpace& pose, const Vec3& x);
+
+struct Tangent {
+  int obstacle, sample;
+  HalfSpace start, middle, end;  ///< of the step
+};
+
+class Tangents {
+ public:
+  Tangents(const Samples& samples, double length) : samples_(samples), length_(length) {}
+
+  /// Of the samples that can come to a solid between t0 and t1, where no control point moves by more than `way` [m]; by obstacle and
+  /// sample. x0: control points at t0.
+  void find(const Drive& around, double t0, double t1, const Points& x0, double way);
+  const std::vector<Tangent>& found() const { return found_; }
+  /// Are the tangents those of such a way too?
+  bool covers(double way) const { return way <= way_; }
+
+ private:
+  struct Known {
+    double reserve = -1;  ///< samples within it were near then [m]; negative: none looked for yet
+    Points x;
+    HalfSpace pose;
+    std::vector<int> near;
+  };
+  void look(const Plane& solid, const HalfSpace& pose, const Points& x0, double reach, Known& known) const;
+
+  const Samples& samples_;
+  double length_;
+  double way_ = 0;
+  std::vector<Known> known_;  ///< of each obstacle
+  std::vector<Tangent> found_;
+};
+
+}  // namespace softffd

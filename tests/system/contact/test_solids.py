@@ -1,0 +1,142 @@
+"""Spheres and cylinders as obstacles, through the FMU: no point of the surface is ever inside, and forces balance."""
+
+import numpy as np
+import pytest
+
+import bodies
+from readings import vector
+from scenes import GRAVITY, MOVED, box
+from softffd import Scene, Simulation, simulate
+from softffd.errors import SceneError
+from softffd.fmu.package import scene_masses
+
+G = -GRAVITY[2]
+UNIT = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
+CENTRE = {"name": "centre", "at": [0.5, 0.5, 0.5]}
+
+
+@pytest.fixture
+def body(tmp_path):
+    """body(vertices and faces, keys) is a scene of a body in the unit box, with contact of its surface and steps of 1 ms."""
+
+    def made(shape, **keys) -> Scene:
+        keys = {"contact": {"of": "surface"}, "lattice": UNIT, "method": "leapfrog", "step": 1e-3, "communication_step": 0.02, **keys}
+        return box(mesh={"file": bodies.write(tmp_path / "body.obj", shape)}, stiffness=keys.pop("stiffness", 2e3), probe=[CENTRE], **keys)
+
+    return made
+
+
+def sphere_gap(places, centre, radius):
+    return np.linalg.norm(places - centre, axis=-1) - radius
+
+
+def cylinder_gap(places, centre, axis, radius, length):
+    """Signed distance from a solid cylinder [m]."""
+    arm = places - centre
+    height = arm @ axis
+    beside = np.linalg.norm(arm - height[..., None] * axis, axis=-1) - radius
+    above = np.abs(height) - length / 2
+    return np.minimum(np.maximum(beside, above), 0) + np.hypot(np.maximum(beside, 0), np.maximum(above, 0))
+
+
+def test_a_cube_rests_on_a_large_sphere(body):
+    """Held in place by nothing but balance: its face lies around the top."""
+    ball = {"name": "ball", "radius": 20.0, "point": [0.5, 0.5, -20.0], "friction": 0.4}
+    scene = body(bodies.cube(5, 0.0), gravity=GRAVITY, damping=1.0, sphere=[ball], offset=[0.0, 0.0, 0.02], stop_time=10.0)
+    result = simulate(scene)
+    assert vector(result, "plane.ball.reaction")[-1] == pytest.approx([0.0, 0.0, -G], abs=1e-9)
+    assert sphere_gap(result.deformed(row=slice(None)), np.array(ball["point"]), 20.0).min() >= -1e-12
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_disk_is_as_good_as_a_plane(body, friction):
+    """What meets the flat end of a wide cylinder moves as on a plane."""
+    keys = {"gravity": [1.0, 0.0, -9.81], "offset": [0.0, 0.0, 0.05], "rotation": {"axis": [1, 2, 0], "degrees": 3.0}, "stop_time": 1.0}
+    shape = bodies.cube(5, 0.0)
+    plane = simulate(body(shape, plane=[{"name": "ground", "friction": friction}], **keys))
+    disk = {"name": "ground", "radius": 10.0, "length": 2.0, "point": [0.0, 0.0, -1.0], "friction": friction}
+    solid = simulate(body(shape, cylinder=[disk], **keys))
+    assert np.abs(plane.positions - solid.positions).max() <= 1e-9
+    assert np.abs(vector(plane, "plane.ground.reaction") - vector(solid, "plane.ground.reaction")).max() <= 1e-6
+
+
+def test_a_body_slides_off_a_cylinder(body):
+    axis, centre = np.array([0.0, 1.0, 0.0]), np.array([0.35, 0.5, -0.5])
+    log = {"name": "log", "radius": 0.5, "length": 0.8, "point": list(centre), "normal": list(axis), "friction": 0.2}
+    ground = {"name": "ground", "point": [0.0, 0.0, -2.0], "friction": 0.2}
+    scene = body(bodies.sphere(3), gravity=GRAVITY, damping=0.1, cylinder=[log], plane=[ground], stop_time=2.0)
+    result = simulate(scene)
+    places = result.deformed(row=slice(None))
+    assert cylinder_gap(places, centre, axis, 0.5, 0.8).min() >= -1e-12
+    assert places[..., 2].min() >= -2 - 1e-12
+    assert np.abs(vector(result, "plane.log.reaction")).max() > 1
+    assert vector(result, "probe.centre")[-1][2] < -1
+
+
+def test_a_moving_sphere_gives_the_momentum_that_it_is_charged_with(body):
+    ball = {"name": "ball", "radius": 0.2, "point": [-0.5, 0.55, 0.5], "friction": 0.3, "velocity": [1.0, 0.0, 0.0], **MOVED}
+    scene = body(bodies.sphere(3), sphere=[ball], velocities="all", stop_time=1.0)
+    mass, H = scene_masses(scene).mass, 0.02
+    with Simulation(scene) as simulation:
+        impulse, deepest = np.zeros(3), np.inf
+        for step in range(50):
+            at = np.array([-0.5 + step * H, 0.55, 0.5])
+            simulation.plane["ball"].point = at
+            simulation.step()
+            impulse += H * np.array(simulation.plane["ball"].reaction)
+            deepest = min(deepest, sphere_gap(simulation.deformed(), at + [H, 0, 0], 0.2).min())
+            momentum = mass @ np.array(simulation.velocities).reshape(-1, 3)
+            assert np.abs(momentum + impulse).max() <= 1e-12
+        assert momentum[0] > 0.1
+        assert deepest >= -1e-12
+
+
+def test_what_starts_inside_is_moved_out(body):
+    ball = {"name": "ball", "radius": 0.2, "point": [0.5, 0.5, 0.1]}
+    result = simulate(body(bodies.sphere(3), sphere=[ball], stop_time=0.1))
+    assert sphere_gap(result.deformed(row=slice(None)), np.array(ball["point"]), 0.2).min() >= -1e-12
+    assert any("in sphere ball" in message.text for message in result.log)
+
+
+def test_a_thin_disk_is_not_passed(body):
+    """A fast body meets a disk a thousandth of what it moves in a step."""
+    disk = {"name": "disk", "radius": 3.0, "length": 1e-4, "point": [0.5, 0.5, -0.2], "friction": 0.0}
+    result = simulate(body(bodies.sphere(3), velocity=[0.0, 0.0, -100.0], cylinder=[disk], stiffness=1e5, stop_time=0.1))
+    places = result.deformed(row=slice(None))
+    assert places[..., 2].min() >= -0.2 + 5e-5 - 1e-12
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_sliding_over_a_sphere_converges(body, friction):
+    """Errors against the smallest step fall with the step."""
+    ball = {"name": "ball", "radius": 1.0, "point": [0.5, 0.5, -1.0 - 1e-3], "friction": friction}
+    keys = {"sphere": [ball], "gravity": GRAVITY, "velocity": [0.5, 0.0, 0.0], "damping": 0.5, "stop_time": 0.3}
+    shape = bodies.sphere(1)
+    low = shape[0][:, 2].min()
+    ends = [simulate(body(shape, offset=[0.0, 0.0, -low], step=h, **keys)).positions[-1] for h in (4e-4, 2e-4, 1e-4, 1e-5)]
+    errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
+    print(errors)
+    assert errors[2] < 0.6 * errors[1] < 0.6 * errors[0]
+
+
+def test_implicit_steps_and_the_lattice_refuse_them(body):
+    ball = {"name": "ball", "radius": 0.2}
+    with pytest.raises(SceneError, match='solver.method: wanted "auto", "leapfrog".* beside a sphere or cylinder, got "backward_euler"'):
+        body(bodies.sphere(1), sphere=[ball], method="backward_euler", step=0.0)
+    with pytest.raises(SceneError, match=r"contact.of: .lattice. knows planes alone, but the scene has a \[\[sphere\]\]"):
+        body(bodies.sphere(1), sphere=[ball], contact={"of": "lattice"})
+
+
+def test_a_state_continues_with_the_same_bits(body):
+    ball = {"name": "ball", "radius": 1.0, "point": [0.5, 0.5, -1.0]}
+    with Simulation(body(bodies.sphere(2), gravity=GRAVITY, sphere=[ball], stop_time=1.0)) as simulation:
+        for _ in range(20):
+            simulation.step()
+        state = simulation.save()
+        ends = []
+        for _ in range(2):
+            simulation.restore(state)
+            for _ in range(10):
+                simulation.step()
+            ends.append(np.array(simulation.positions))
+        assert (ends[0] == ends[1]).all()
