@@ -6,7 +6,7 @@ import pytest
 import bodies
 from readings import vector
 from scenes import GRAVITY, MOVED, box
-from softffd import Scene, Simulation, simulate
+from softffd import Scene, Simulation, deform, simulate
 from softffd.errors import SceneError
 from softffd.fmu.package import scene_masses
 
@@ -61,7 +61,7 @@ def test_a_disk_is_as_good_as_a_plane(body, friction):
 
 
 def test_a_body_slides_off_a_cylinder(body):
-    axis, centre = np.array([0.0, 1.0, 0.0]), np.array([0.35, 0.5, -0.5])
+    axis, centre = np.array([0.0, 1.0, 0.0]), np.array([0.2, 0.5, -0.5])
     log = {"name": "log", "radius": 0.5, "length": 0.8, "point": list(centre), "normal": list(axis), "friction": 0.2}
     ground = {"name": "ground", "point": [0.0, 0.0, -2.0], "friction": 0.2}
     scene = body(bodies.sphere(3), gravity=GRAVITY, damping=0.1, cylinder=[log], plane=[ground], stop_time=2.0)
@@ -70,12 +70,12 @@ def test_a_body_slides_off_a_cylinder(body):
     assert cylinder_gap(places, centre, axis, 0.5, 0.8).min() >= -1e-12
     assert places[..., 2].min() >= -2 - 1e-12
     assert np.abs(vector(result, "plane.log.reaction")).max() > 1
-    assert vector(result, "probe.centre")[-1][2] < -1
+    assert vector(result, "probe.centre")[-1][2] < 0.5 - 1
 
 
 def test_a_moving_sphere_gives_the_momentum_that_it_is_charged_with(body):
     ball = {"name": "ball", "radius": 0.2, "point": [-0.5, 0.55, 0.5], "friction": 0.3, "velocity": [1.0, 0.0, 0.0], **MOVED}
-    scene = body(bodies.sphere(3), sphere=[ball], velocities="all", stop_time=1.0)
+    scene = body(bodies.sphere(3), sphere=[ball], damping=0.0, velocities="all", stop_time=1.0)
     mass, H = scene_masses(scene).mass, 0.02
     with Simulation(scene) as simulation:
         impulse, deepest = np.zeros(3), np.inf
@@ -84,7 +84,7 @@ def test_a_moving_sphere_gives_the_momentum_that_it_is_charged_with(body):
             simulation.plane["ball"].point = at
             simulation.step()
             impulse += H * np.array(simulation.plane["ball"].reaction)
-            deepest = min(deepest, sphere_gap(simulation.deformed(), at + [H, 0, 0], 0.2).min())
+            deepest = min(deepest, sphere_gap(deform(scene.loaded_mesh, simulation.positions, origin=scene.box.origin, size=scene.box.size), at + [H, 0, 0], 0.2).min())
             momentum = mass @ np.array(simulation.velocities).reshape(-1, 3)
             assert np.abs(momentum + impulse).max() <= 1e-12
         assert momentum[0] > 0.1
