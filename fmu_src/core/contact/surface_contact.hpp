@@ -88,8 +88,8 @@ class SurfaceContact {
   double length_;
   SampleSearch search_;
   Tangents tangents_;
-  bool solids_ = false;         ///< any obstacle is one
-  int flat_;                    ///< number of half-spaces, which come first; then planes of the tangents, one each
+  bool solids_ = false;        ///< any obstacle is one
+  int flat_;                   ///< number of half-spaces, which come first; then planes of the tangents, one each
   std::vector<int> obstacle_;  ///< whose plane it is
   SurfaceStage drift_, close_;
   std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at the start of the step, in its middle, at its end

@@ -32,8 +32,8 @@ inline Vec3 centre_of_pressure(const HalfSpace& plane, const Impulse& on) {
   return pressing > 0 && arm.allFinite() ? plane.point + arm : plane.point;
 }
 
-/// The point next to a solid's own where an impulse on it acts [m]: about it the torque has the impulse's direction. Without an impulse: the
-/// solid's point.
+/// The point next to a solid's own where an impulse on it acts [m]: about it the torque has the impulse's direction. Without an impulse:
+/// the solid's point.
 inline Vec3 centre_of_force(const HalfSpace& pose, const Impulse& on) {
   const Vec3 arm = on.force.cross(on.torque) / on.force.squaredNorm();
   return arm.allFinite() ? Vec3(pose.point + arm) : pose.point;

@@ -84,7 +84,9 @@ std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
     }
     if (count > 0)
       text += (text.empty() ? "" : " and ") + std::to_string(count) + (count > 1 ? those + " start" : what + " starts") +
-              (!plane.solid() ? " behind plane " : plane.length > 0 ? " in cylinder " : " in sphere ") +
+              (!plane.solid()     ? " behind plane "
+               : plane.length > 0 ? " in cylinder "
+                                  : " in sphere ") +
               scene.planes[q].name + ", by up to " + number(deepest) + " m";
   }
   return text.empty() ? text : text + ", and are moved out at once";
