@@ -119,12 +119,18 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
         faces=np.asarray(faces, dtype=np.int64),
         skin=skin,
         is_cage=mesh is None,
-        planes=tuple(_track(i, name, up, *result.plane(name)) for i, name in enumerate(result.plane_names())),
+        planes=tuple(_track(i, name, up, *result.plane(name)) for i, name in enumerate(_flat(result))),
         pinned=_pinned(result.scene),
         up=up,
         centre=(low + high) / 2,
         half=(high - low) / 2,
     )
+
+
+def _flat(result):
+    """Names of the obstacles that are planes; solids are not drawn."""
+    solids = () if result.scene is None else [solid.name for solid in result.scene.solids]
+    return [name for name in result.plane_names() if name not in solids]
 
 
 def up_direction(scene):
