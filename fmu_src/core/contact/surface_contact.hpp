@@ -61,6 +61,7 @@ class SurfaceContact {
   void know(const Drive& around);
   void resize(std::size_t planes);
   void find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way);
+  void turn_tangents(const StepView& step, const Points& x1);
   /// By which the state knows a row.
   Count number(const SurfaceRow& row) const { return Count(obstacle_[row.plane]) * samples_.count() + row.sample; }
   void load(const std::vector<Count>& numbers, const Points& friction, SurfaceStage& stage) const;

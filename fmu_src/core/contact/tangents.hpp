@@ -3,7 +3,8 @@
 ///            .  n      the half-space behind the tangent at the point of the solid that is closest to the sample holds the whole solid,
 ///         s  . /       which is convex: a sample that ends a step in front of it is outside. It is taken where the sample is when
 ///      ----.-'----     the step begins, in the frame of the solid, and goes with the solid from there: a sample that starts
-///       ( solid )      before one side of a thin solid never ends behind the other.
+///       ( solid )      before one side of a thin solid never ends behind the other. Velocities at the end of the step go by the tangents
+///                      there, so that half of an impulse has the direction of either end.
 ///
 /// A solid is a sphere, or a cylinder with flat ends, about the point of its pose; a cylinder's axis is the pose's normal.
 #pragma once
