@@ -75,6 +75,7 @@ def _scene(title, pins, counts):
         material=SimpleNamespace(youngs_modulus=1e4),
         region=(),
         environment=SimpleNamespace(gravity=(0.0, 0.0, -9.81)),
+        solids=(),
         pin=tuple(SimpleNamespace(name=f"pin{n}", points=n) for n in range(len(pins))),
         select=lambda points: np.asarray(pins[points]),
     )
