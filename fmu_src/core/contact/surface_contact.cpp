@@ -228,10 +228,12 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   if (touching_.empty()) {
     close_.rows.clear();
     save(close_, rows.close, rows.close_friction);
-  } else if (wants_loss(step)) {
-    start_v_ = before;
-    start_force_ = step.spring + step.force;
+  } else {
     if (solids_) turn_tangents(step, x1);
+    if (wants_loss(step)) {
+      start_v_ = before;
+      start_force_ = step.spring + step.force;
+    }
   }
   return StepStatus::ok;
 }
