@@ -7,29 +7,26 @@ sample is behind it,
 
 W being the weights of all control points: those of a combination of samples are not behind the plane, and the entries of the difference
 sum to 0. Samples are chosen farthest first by the distance |W_v - W_s|_2, which is what deformation can separate, and alpha is the nearest
-combination of the samples nearest to a vertex, by pairwise Frank-Wolfe steps (Lacoste-Julien & Jaggi 2015).
+combination of samples near a vertex, by pairwise Frank-Wolfe steps (Lacoste-Julien & Jaggi 2015). Any alpha gives a bound: all vertices
+take a few steps with samples found block by block, and those whose e_v may be the largest are compared with the samples nearest to them.
 """
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from softffd.embedding.basis import weights
-from softffd.embedding.deform import lattice_coordinates
+from softffd.embedding.farthest_first import axis_weights, farthest_first, neighbours, products
 from softffd.lattice import LatticeBox
 from softffd.mesh.mesh import Mesh
 
 MOST = 5000
 """Samples of a mesh that has more vertices"""
-NEAREST, ROUNDS, ENOUGH = 16, 400, 1e-9
-"""Samples that a vertex is compared with; steps towards their nearest combination at most, and what more could gain that ends them"""
-_BLOCK = 1 << 21
-"""Numbers held at a time: 16 MB"""
-
-Axes = Sequence[np.ndarray]
-"""Weights of the control points of x, y and z (n, V) at the vertices, whose products are those of all"""
+NEAREST, AROUND, BLOCK = 16, 64, 16
+"""Samples that a vertex is compared with, of so many around a block of so many vertices at most"""
+FEW_ROUNDS, ROUNDS, ENOUGH = 20, 400, 1e-9
+"""Steps towards the nearest combination: of all vertices, and at most of those that go on; what more could gain that ends them"""
+_AT_ONCE, _GO_ON = 1 << 21, 256
+"""Numbers held at a time: 16 MB; vertices that go on together"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +51,7 @@ def surface_samples(mesh: Mesh, box: LatticeBox, penetration: float) -> Samples:
     places = used[np.sort(np.unique(used, axis=0, return_index=True)[1])]
     if len(places) <= MOST or penetration == 0:
         return Samples(places, len(places), 0.0)
-    at = lattice_coordinates(places, box.origin, box.size)
-    axes = [np.ascontiguousarray(weights(t, n, box.basis).T) for t, n in zip(at.T, box.points, strict=True)]
+    axes = axis_weights(places, box)
     order = farthest_first(axes, int(places[:, 2].argmin()), MOST)
     few, many, behind = 0, MOST, most_behind(axes, order)
     while behind <= penetration and many - few > MOST // 20:
@@ -67,56 +63,73 @@ def surface_samples(mesh: Mesh, box: LatticeBox, penetration: float) -> Samples:
     return Samples(places[np.sort(order[:many])], len(places), behind)
 
 
-def farthest_first(axes: Axes, first: int, count: int) -> np.ndarray:
-    """Indices (count,) of vertices, each the farthest from all before it, in weights; ties by index."""
-    squares = _products(axes, axes)
-    order, distance = np.empty(count, np.int64), np.full(len(squares), np.inf)
-    order[0] = first
-    for n in range(1, count):
-        last = order[n - 1]
-        near = _products(axes, [along[:, last, None] for along in axes])
-        np.minimum(distance, squares + squares[last] - 2 * near, out=distance)
-        order[n] = distance.argmax()
-    return order
+def most_behind(axes: np.ndarray, samples: np.ndarray) -> float:
+    """The largest e_v found of the vertices of weights (3, n, V) that are not among the samples (indices)."""
+    left, near = _samples_around(axes, samples)
+    if not len(left):
+        return 0.0
+    step = max(1, _AT_ONCE // max(2 * axes.shape[1] ** 3, NEAREST**2))
+    parts = [slice(start, start + step) for start in range(0, len(left), step)]
+    rough = np.concatenate([_behind(axes, near[part], left[part], FEW_ROUNDS) for part in parts])
+    order, most = np.argsort(-rough), 0.0
+    for start in range(0, len(order), _GO_ON):
+        part = order[start : start + _GO_ON]
+        if rough[part[0]] <= most:
+            break
+        nearest = _nearest(axes, samples, left[part], NEAREST)
+        most = max(most, np.minimum(rough[part], _behind(axes, nearest, left[part], ROUNDS)).max())
+    return float(most)
 
 
-def most_behind(axes: Axes, samples: np.ndarray) -> float:
-    """The largest e_v of the vertices that are not among the samples (indices)."""
-    left = np.setdiff1d(np.arange(axes[0].shape[1]), samples)
-    points = math.prod(len(along) for along in axes)
-    step = max(1, _BLOCK // max(len(samples), 2 * points, NEAREST**2))
-    blocks = (left[start : start + step] for start in range(0, len(left), step))
-    return max((float(_behind(axes, samples, block).max()) for block in blocks), default=0.0)
+def _samples_around(axes: np.ndarray, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The vertices (m,) that are no samples, some twice, and the samples nearest to each in weights, (m, NEAREST) or all.
+
+    Blocks are of samples too: those of the others alone would be wide where most vertices are samples.
+    """
+    blocks = neighbours(axes, BLOCK)
+    squares, near = products(axes, axes), []
+    step = max(1, _AT_ONCE // len(samples))
+    for block in (blocks[start : start + step] for start in range(0, len(blocks), step)):
+        around = _nearest(axes, samples, block[:, 0], AROUND)
+        theirs = axes[:, :, around].transpose(2, 0, 1, 3)
+        mine = axes[:, :, block].transpose(2, 0, 1, 3)
+        chosen = _least(squares[around][:, None] - 2 * (mine.swapaxes(2, 3) @ theirs).prod(axis=1), NEAREST)
+        near.append(np.take_along_axis(around[:, None], chosen, axis=2).reshape(-1, chosen.shape[2]))
+    left = ~np.isin(blocks.ravel(), samples)
+    return blocks.ravel()[left], np.concatenate(near)[left]
 
 
-def _products(some: Axes, others: Axes) -> np.ndarray:
-    """W_v . W_w, the same bits on every processor, which matrix products are not."""
-    x, y, z = ((a * b).sum(axis=0) for a, b in zip(some, others, strict=True))
-    return x * y * z
+def _nearest(axes: np.ndarray, samples: np.ndarray, vertices: np.ndarray, count: int) -> np.ndarray:
+    """The samples nearest to vertices (m,) in weights, (m, count) or all."""
+    theirs = axes[:, :, samples]
+    near = (axes[:, :, vertices].swapaxes(1, 2) @ theirs).prod(axis=0)
+    return samples[_least(products(theirs, theirs) - 2 * near, count)]
 
 
-def _behind(axes: Axes, samples: np.ndarray, vertices: np.ndarray) -> np.ndarray:
-    """e_v of some vertices, (m,)."""
-    near = math.prod(along[:, vertices].T @ along[:, samples] for along in axes)
-    distance = _products(axes, axes)[samples] - 2 * near
-    count = min(NEAREST, len(samples))
-    chosen = samples[np.argpartition(distance, count - 1, axis=1)[:, :count]]
-    mine, theirs = [along[:, vertices].T for along in axes], [along[:, chosen].transpose(1, 2, 0) for along in axes]
-    gram = math.prod(each @ each.transpose(0, 2, 1) for each in theirs)
-    aim = math.prod(np.einsum("vi,vsi->vs", own, each) for own, each in zip(mine, theirs, strict=True))
+def _least(values: np.ndarray, count: int) -> np.ndarray:
+    """Where the least `count` of the last axis are, or all."""
+    count = min(count, values.shape[-1])
+    return np.argpartition(values, count - 1, axis=-1)[..., :count]
+
+
+def _behind(axes: np.ndarray, near: np.ndarray, vertices: np.ndarray, rounds: int) -> np.ndarray:
+    """e_v (m,) of some vertices (m,) by the samples near them, (m, s)."""
+    mine, theirs = axes[:, :, vertices].transpose(0, 2, 1), axes[:, :, near].transpose(0, 2, 3, 1)
+    gram = (theirs @ theirs.swapaxes(2, 3)).prod(axis=0)
+    aim = (theirs @ mine[..., None])[..., 0].prod(axis=0)
     x, y, z = theirs
-    combined = np.einsum("vsi,vsj,vsk->vijk", _nearest_combination(gram, aim)[..., None] * x, y, z, optimize=True)
+    combined = np.einsum("vsi,vsj,vsk->vijk", _nearest_combination(gram, aim, rounds)[..., None] * x, y, z, optimize=True)
     return 0.5 * np.abs(np.einsum("vi,vj,vk->vijk", *mine) - combined).sum(axis=(1, 2, 3))
 
 
-def _nearest_combination(gram: np.ndarray, aim: np.ndarray) -> np.ndarray:
-    """Shares (m, s) >= 0 that sum to 1 and minimise 1/2 alpha . gram alpha - aim . alpha, for gram (m, s, s) and aim (m, s)."""
+def _nearest_combination(gram: np.ndarray, aim: np.ndarray, rounds: int) -> np.ndarray:
+    """Shares (m, s) >= 0 that sum to 1 and nearly minimise 1/2 alpha . gram alpha - aim . alpha, for gram (m, s, s) and aim (m, s)."""
     rows = np.arange(len(aim))
     shares = np.zeros_like(aim)
     first = (0.5 * np.einsum("vss->vs", gram) - aim).argmin(axis=1)
     shares[rows, first] = 1.0
     slope = gram[rows, first] - aim
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         to, away = slope.argmin(axis=1), np.where(shares > 0, slope, -np.inf).argmax(axis=1)
         gain = slope[rows, away] - slope[rows, to]
         if gain.max() < ENOUGH:

@@ -8,7 +8,8 @@ from scenes import box
 from softffd import load_scene
 from softffd.embedding.basis import weights
 from softffd.embedding.deform import deform
-from softffd.embedding.samples import MOST, farthest_first, most_behind, surface_samples
+from softffd.embedding.farthest_first import axis_weights, farthest_first
+from softffd.embedding.samples import MOST, most_behind, surface_samples
 from softffd.fmu.notes import samples_note
 from softffd.fmu.package import scene_masses, scene_samples
 from softffd.fmu.records import scene_records
@@ -17,11 +18,6 @@ from softffd.mesh.mesh import Mesh
 
 BOX = LatticeBox((4, 4, 4), (0.1, 0.1, 0.1), (0.8, 0.8, 0.8), "bezier")
 GROUND = {"name": "ground"}
-
-
-def axes_of(vertices, lattice=BOX):
-    at = (vertices - lattice.origin) / np.array(lattice.size)
-    return [weights(t, n, lattice.basis).T for t, n in zip(at.T, lattice.points, strict=True)]
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +49,7 @@ def test_of_many_vertices_some_are_taken_and_the_others_follow(sphere, reduced):
 
 
 def test_no_deformation_takes_others_further_behind_a_plane_than_is_said(sphere):
-    axes = axes_of(sphere.vertices)
+    axes = axis_weights(sphere.vertices, BOX)
     order = farthest_first(axes, int(sphere.vertices[:, 2].argmin()), 300)
     bound = most_behind(axes, order)
     assert 0.02 < bound < 0.035
@@ -68,6 +64,19 @@ def test_no_deformation_takes_others_further_behind_a_plane_than_is_said(sphere)
     assert 0.01 * bound < worst <= bound
 
 
+def test_the_worst_vertices_are_compared_with_the_samples_nearest_to_them():
+    vertices, _faces = bodies.sphere(5)
+    x, y, z = (vertices - 0.5).T / 0.4
+    bumpy = 0.5 + (vertices - 0.5) * (0.8 + 0.2 * np.sin(5 * x) * np.cos(7 * y) * np.sin(6 * z))[:, None]
+    axes = axis_weights(bumpy, BOX)
+    samples = farthest_first(axes, 0, 2500)
+    left = np.setdiff1d(np.arange(len(bumpy)), samples)
+    dense = np.einsum("ip,jp,kp->pijk", *axes).reshape(len(bumpy), -1)
+    bound = most_behind(axes, samples)
+    nearest = np.array([np.abs(dense[samples] - dense[each]).sum(axis=1).min() / 2 for each in left])
+    assert 0.3 < bound / nearest.max() < 0.5
+
+
 @pytest.mark.full
 def test_fewer_samples_are_taken_where_more_may_be_behind(sphere):
     found = surface_samples(sphere, BOX, 0.01)
@@ -78,13 +87,15 @@ def test_fewer_samples_are_taken_where_more_may_be_behind(sphere):
 def test_the_farthest_first_is_what_a_search_through_all_weights_finds():
     vertices = np.random.default_rng(3).uniform(0.1, 0.9, size=(60, 3))
     lattice = LatticeBox((5, 3, 6), (0.1, 0.1, 0.1), (0.8, 0.8, 0.8), "bspline")
-    x, y, z = axes_of(vertices, lattice)
+    axes = axis_weights(vertices, lattice)
+    at = (vertices - lattice.origin) / np.array(lattice.size)
+    x, y, z = (weights(t, n, lattice.basis).T for t, n in zip(at.T, lattice.points, strict=True))
     dense = np.einsum("iv,jv,kv->vijk", x, y, z).reshape(60, -1)
     chosen = [4]
     for _ in range(9):
         chosen.append(int(np.linalg.norm(dense[:, None] - dense[chosen], axis=2).min(axis=1).argmax()))
-    np.testing.assert_array_equal(farthest_first([x, y, z], 4, 10), chosen)
-    assert most_behind([x, y, z], np.arange(60)) == 0.0
+    np.testing.assert_array_equal(farthest_first(axes, 4, 10), chosen)
+    assert most_behind(axes, np.arange(60)) == 0.0
 
 
 def test_the_resources_carry_samples_only_where_planes_meet_the_surface(tmp_path):
