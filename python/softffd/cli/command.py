@@ -149,8 +149,8 @@ def _stability(options: argparse.Namespace) -> None:
     if options.random is not None:
         _random(options)
         return
-    if options.surface:
-        raise SoftffdError("--surface: wanted with --random N; the cases of surfaces run with --only surface")
+    if options.family != "lattice":
+        raise SoftffdError(f"--{options.family}: wanted with --random N; the cases of surfaces run with --only surface")
     with ProgressLine("running") as progress:
         report_stability(
             options.output, only=options.only, quick=options.quick, slowness=options.slowness, processes=_jobs(options), note=progress.note,
@@ -170,7 +170,7 @@ def _random(options: argparse.Namespace) -> None:
         raise SoftffdError("--random: wanted without --only and --quick, which choose among the cases; --seed S --random 1 runs one scene")
     with ProgressLine("running") as progress:
         report_random(
-            options.output, options.random, options.seed, surface=options.surface, processes=_jobs(options), slowness=options.slowness,
+            options.output, options.random, options.seed, family=options.family, processes=_jobs(options), slowness=options.slowness,
             note=progress.note, say=progress.say,
         )  # fmt: skip
     print(f"kept in {options.output}: random.csv, random.json")

@@ -62,8 +62,8 @@ def test_no_control_point_starts_behind_a_plane():
     for seed in range(40):
         scene = drawn(seed)
         with Drive(scene.document) as drive:
-            for point, normal in scene.half_spaces(0.0):
-                assert ((drive.x - point) @ normal).min() >= -1e-12, seed
+            for gaps in scene.gaps(drive.x, 0.0).values():
+                assert gaps.min() >= -1e-12, seed
 
 
 def test_a_course_goes_on_as_the_component_moves_its_plane():

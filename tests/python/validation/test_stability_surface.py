@@ -11,6 +11,7 @@ from softffd.validation.bodies import cube, sphere
 from softffd.validation.stability.cases import CASES
 from softffd.validation.stability.drawn import drawn
 from softffd.validation.stability.drawn_runs import FAULTS, RUNS, Job, _broken, judge, run_jobs
+from softffd.validation.stability.drawn_solids import drawn_solids
 from softffd.validation.stability.drawn_surface import drawn_surface
 from softffd.validation.stability.drawn_survey import line
 from softffd.validation.stability.drive import Drive
@@ -20,8 +21,6 @@ from softffd.validation.stability.verdict import Findings, behind, run_case
 SURFACE = [name for name in CASES if name.startswith("surface")]
 QUICK = ("surface: rest, 4^3, k = 100000", "surface: incline 20 deg, k = 10000", "surface: corner, k = 1000, friction 0.5",
          "surface: press, k = 1000")  # fmt: skip
-RIGHT_NOW = (1, 3)
-"""Seeds whose scenes run quickly and are right."""
 
 
 @pytest.mark.short(*QUICK)
@@ -56,24 +55,39 @@ def test_seeds_mean_the_same_scenes_with_a_body_in_the_box():
     assert not any("mass" in region for scene in scenes for region in scene.document["region"])
 
 
+def test_seeds_mean_solids_where_planes_were():
+    """Each touches what its plane touched, from below."""
+    kinds = set()
+    for seed in range(60):
+        flat, solid = drawn_surface(seed), drawn_solids(seed)
+        vertices = flat.surface[0]
+        assert set(solid.planes) == set(flat.planes)
+        assert all((gaps >= flat.gaps(vertices, 0.0)[name] - 1e-9).all() for name, gaps in solid.gaps(vertices, 0.0).items())
+        for name, (normal, course) in flat.planes.items():
+            assert solid.gaps(course.point[None], 0.0)[name] == pytest.approx(0.0, abs=1e-9)
+            assert solid.gaps(course.point[None] - 0.01 * normal, 0.0)[name] < 0
+        kinds |= {kind for kind in ("plane", "sphere", "cylinder") if solid.document[kind]}
+    assert kinds == {"sphere", "cylinder"}
+
+
 def test_a_vertex_behind_a_plane_is_found():
     seed = next(seed for seed in range(50) if drawn_surface(seed).planes and not drawn_surface(seed).pins)
     scene = drawn_surface(seed)
     with Drive(scene.document, surface=scene.surface) as drive:
         assert _broken(drive, scene) == ""
-        (point, _), *_ = [(course.point, normal) for normal, course in scene.planes.values()]
-        point += 2.0 * drive.side * scene.half_spaces(0.0)[0][1]
-        assert "of the box behind a plane" in _broken(drive, scene)
+        (point, normal), *_ = [(course.point, normal) for normal, course in scene.planes.values()]
+        point += 2.0 * drive.side * normal
+        assert "of the box behind obstacle" in _broken(drive, scene)
 
 
-@pytest.mark.parametrize("seed", RIGHT_NOW)
-def test_command_runs_scenes_of_surfaces(seed, tmp_path, capsys):
-    assert main(["stability", "--random", "1", "--seed", str(seed), "--surface", "-j", "1", "-o", str(tmp_path)]) == 0
+@pytest.mark.parametrize(("family", "seed"), [("surface", 1), ("surface", 3), ("solids", 1)])
+def test_command_runs_scenes_of_surfaces(family, seed, tmp_path, capsys):
+    assert main(["stability", "--random", "1", "--seed", str(seed), f"--{family}", "-j", "1", "-o", str(tmp_path)]) == 0
     (row,) = csv.DictReader((tmp_path / "random.csv").open())
     assert row["verdict"] == "right" and " vertices, " in row["scene"]
-    assert "--surface" in json.dumps(json.loads((tmp_path / "random.json").read_text()))
+    assert f"--{family}" in json.dumps(json.loads((tmp_path / "random.json").read_text()))
     capsys.readouterr()
-    assert main(["stability", "--surface", "-o", str(tmp_path)]) == 1
+    assert main(["stability", f"--{family}", "-o", str(tmp_path)]) == 1
     assert "wanted with --random N" in capsys.readouterr().err
 
 
@@ -84,5 +98,12 @@ ONCE_SILENT = (22, 95)
 @pytest.mark.short(*map(str, ONCE_SILENT))
 @pytest.mark.parametrize("seed", [*range(1, 41), *(seed for seed in ONCE_SILENT if seed > 40)])
 def test_auto_is_right_of_surfaces_too_or_says_that_it_is_not(seed):
-    judged = judge(drawn_surface(seed), list(run_jobs([Job(seed, run, True) for run in RUNS])))
+    judged = judge(drawn_surface(seed), list(run_jobs([Job(seed, run, "surface") for run in RUNS])))
+    assert judged.verdict not in FAULTS, line(judged)
+
+
+@pytest.mark.short("7", "22")
+@pytest.mark.parametrize("seed", range(1, 41))
+def test_auto_is_right_beside_solids_too_or_says_that_it_is_not(seed):
+    judged = judge(drawn_solids(seed), list(run_jobs([Job(seed, run, "solids") for run in RUNS])))
     assert judged.verdict not in FAULTS, line(judged)

@@ -15,6 +15,7 @@ import numpy as np
 
 from softffd.rotation import turned
 from softffd.validation.bodies import Shape
+from softffd.validation.obstacles import KINDS, gap
 from softffd.validation.stability.drive import Drive
 from softffd.validation.stability.scenes import GRAVITY
 
@@ -119,7 +120,7 @@ class Drawn:
     tolerance: float
     """Relative to the largest side"""
     planes: dict[str, tuple[np.ndarray, Course]]
-    """Normals at the start, and courses; all planes"""
+    """Normals or axes at the start, and courses; all obstacles"""
     pins: dict[str, Course] = field(default_factory=dict)
     """Those that move"""
     loads: dict[str, Ramp] = field(default_factory=dict)
@@ -137,10 +138,9 @@ class Drawn:
         """Sets all inputs for the next step [s]."""
         time = drive.time
         for name, (normal, course) in self.planes.items():
-            if self._moves("plane", name):
-                point, velocity, spin, _ = course.at(time)
-                pose = {"point": point, "normal": course.turned(normal, time), "velocity": velocity, "angular_velocity": spin}
-                drive.set(**{f"plane.{name}.{what}": value for what, value in pose.items()})
+            point, velocity, spin, _ = course.at(time)
+            pose = {"point": point, "normal": course.turned(normal, time), "velocity": velocity, "angular_velocity": spin}
+            drive.set(**{f"plane.{name}.{what}": pose[what] for what in self._inputs(name)})
         for name, course in self.pins.items():
             point, velocity, spin, (angle, _) = course.at(time)
             values: dict[str, Any] = {"position": point, "orientation": _quaternion(angle), "velocity": velocity, "angular_velocity": spin}
@@ -150,12 +150,17 @@ class Drawn:
             if ramp.linear:
                 drive.set_rates(f"load.{name}", (ramp.at(time + length) - ramp.at(time)) / length)
 
-    def half_spaces(self, time: float) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Point and normal of every plane at a time [s]."""
-        return [(course.at(time)[0], course.turned(normal, time)) for normal, course in self.planes.values()]
+    def gaps(self, places: np.ndarray, time: float) -> dict[str, np.ndarray]:
+        """How far places (n, 3) [m] are from every obstacle at a time [s], (n,) [m]; negative behind or in it."""
+        poses = {name: (course.at(time)[0], course.turned(normal, time)) for name, (normal, course) in self.planes.items()}
+        return {each["name"]: gap(kind, each, places, *poses[each["name"]]) for kind, each in self._obstacles()}
 
-    def _moves(self, section: str, name: str) -> bool:
-        return any(part["name"] == name and part["motion"] == "input" for part in self.document[section])
+    def _obstacles(self) -> list[tuple[str, dict[str, Any]]]:
+        return [(kind, each) for kind in KINDS for each in self.document.get(kind, ())]
+
+    def _inputs(self, name: str) -> list[str]:
+        """Of an obstacle."""
+        return next(each.get("inputs", []) for _, each in self._obstacles() if each["name"] == name)
 
     @property
     def words(self) -> str:
@@ -167,7 +172,7 @@ class Drawn:
             "k " + "/".join(f"{stiffness[kind]:.1e}" for kind in ("edge", "face", "body")),
             f"d {document['material']['damping']:.1e}",
             *(_region_words(region) for region in document["region"]),
-            *(f"plane {each['motion']}, mu {each['friction']:g}" for each in document["plane"]),
+            *(f"{kind} {each['motion']}, mu {each['friction']:g}" for kind, each in self._obstacles()),
             *(f"pin {each['motion']}" for each in document["pin"]),
             *(f"load {np.linalg.norm(ramp.force):.1e}{' ramped' * (ramp.length > 0)}" for ramp in self.loads.values()),
             f"tol {self.tolerance:.1e}",

@@ -23,6 +23,7 @@ import numpy as np
 
 from softffd.run.guard import Lost
 from softffd.validation.stability.drawn import Drawn, drawn
+from softffd.validation.stability.drawn_solids import drawn_solids
 from softffd.validation.stability.drawn_surface import drawn_surface
 from softffd.validation.stability.drive import Drive, Refused, StateTouched
 from softffd.validation.stability.scenes import GRAVITY
@@ -66,6 +67,9 @@ result that is not finite, a control point behind a plane, energy that has doubl
 state."""
 FAULTS = ("SILENT", "WRONG")
 
+FAMILIES = {"lattice": drawn, "surface": drawn_surface, "solids": drawn_solids}
+"""What meets obstacles, the control points or the object's own surface, and solid ones"""
+
 
 @dataclass(frozen=True)
 class Run:
@@ -96,13 +100,13 @@ class Job:
     seed: int
     run: str
     """One of RUNS"""
-    surface: bool = False
-    """Whether obstacles meet the object's own"""
+    family: str = "lattice"
+    """Of scenes: one of FAMILIES"""
 
     @property
     def scene(self) -> Drawn:
         """What the seed means."""
-        return drawn_surface(self.seed) if self.surface else drawn(self.seed)
+        return FAMILIES[self.family](self.seed)
 
 
 def patience(job: Job) -> float:
@@ -186,10 +190,10 @@ def _broken(drive: Drive, scene: Drawn) -> str:
     if scene.surface is None:
         held = {p for pin in scene.document["pin"] for p in drive.scene.select(pin["points"]).tolist()}
         free = np.delete(free, sorted(held), axis=0)
-    for point, normal in scene.half_spaces(drive.time):
-        behind = -float(((free - point) @ normal).min(initial=0.0)) / drive.side
+    for name, gaps in scene.gaps(free, drive.time).items():
+        behind = -float(gaps.min(initial=0.0)) / drive.side
         if behind > BEHIND:
-            return f"{behind:.1e} of the box behind a plane at {drive.time:.3g} s"
+            return f"{behind:.1e} of the box behind obstacle {name} at {drive.time:.3g} s"
     return ""
 
 

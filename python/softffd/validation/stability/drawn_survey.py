@@ -34,8 +34,8 @@ class Lot:
 
     seeds: list[int]
     judged: dict[int, Judged] = field(default_factory=dict)
-    surface: bool = False
-    """Of bodies whose own surface touches"""
+    family: str = "lattice"
+    """Of scenes"""
 
     @property
     def missing(self) -> list[int]:
@@ -64,7 +64,7 @@ def report_random(
     number: int,
     seed: int,
     *,
-    surface: bool = False,
+    family: str = "lattice",
     processes: int = 1,
     slowness: float = 1.0,
     note: Note = silent,
@@ -72,15 +72,15 @@ def report_random(
 ) -> Lot:
     """Runs the scenes of the seeds from `seed` on, so many, and keeps random.csv and random.json in `folder`.
 
-    surface: obstacles meet the object's own. processes: scenes at a time. slowness: runs may take so many times longer than usual. note:
+    family: of scenes, one of FAMILIES. processes: scenes at a time. slowness: runs may take so many times longer than usual. note:
     told how far it is; say: told each verdict but "right" and "no truth", and the summary. Raises SoftffdError in the end if there is a
     fault; KeyboardInterrupt on Ctrl-C once the table of what is done is kept.
     """
     for name, value, least in (("--random", number, 1), ("--seed", seed, 0)):
         if value < least:
             raise SoftffdError(f"{name} {value}: wanted at least {least}")
-    lot = Lot(list(range(seed, seed + number)), surface=surface)
-    about = conditions(["softffd stability", f"--random {number} --seed {seed}{' --surface' * surface}"])
+    lot, flag = Lot(list(range(seed, seed + number)), family=family), f" --{family}" * (family != "lattice")
+    about = conditions(["softffd stability", f"--random {number} --seed {seed}{flag}"])
     try:
         for judged in run(lot, processes, positive("slowness", slowness, None)):
             note(f"{len(lot.judged)} of {number} scenes")
@@ -94,7 +94,7 @@ def report_random(
     say(lot.summary())
     if faults := lot.faults():
         more = [f"  and {len(faults) - SHOWN} more in {folder}"] if len(faults) > SHOWN else []
-        again = f"softffd stability --random 1 --seed SEED{' --surface' * surface}"
+        again = f"softffd stability --random 1 --seed SEED{flag}"
         head = f"{len(faults)} scenes are wrong without a word; {again} runs one again:"
         raise SoftffdError("\n".join([head, *(f"  {line(judged)}" for judged in faults[:SHOWN]), *more]))
     return lot
@@ -102,7 +102,7 @@ def report_random(
 
 def run(lot: Lot, processes: int, slowness: float = 1.0) -> Iterator[Judged]:
     """Fills the lot; yields each scene as it is judged."""
-    jobs = [Job(seed, run, lot.surface) for seed in lot.seeds for run in RUNS]
+    jobs = [Job(seed, run, lot.family) for seed in lot.seeds for run in RUNS]
     runs: dict[int, list[Any]] = {seed: [] for seed in lot.seeds}
     for job, result in guarded(run_jobs, jobs, lambda job: slowness * patience(job), processes, TOGETHER * len(RUNS)):
         runs[job.seed].append(result)
