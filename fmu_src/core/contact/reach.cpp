@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/tangents.hpp"
 #include "model/arithmetic.hpp"
 #include "model/rigid_motion.hpp"
 
@@ -33,9 +34,25 @@ double least_gap(const Body& body, const HalfSpace& obstacle, const Points& x) {
   return least;
 }
 
+Facing facing(const Body& body, const Plane& obstacle, double t, const Points& x) {
+  const HalfSpace pose = obstacle.at(t);
+  if (!obstacle.solid()) return {pose, least_gap(body, pose, x)};
+  Facing nearest{pose, std::numeric_limits<double>::infinity()};
+  for (int s = 0; s < body.samples->count(); ++s) {
+    const Vec3 place = body.samples->at(s, x);
+    const HalfSpace here = tangent(obstacle, pose, place);
+    if (const double gap = here.gap(place); !(gap >= nearest.gap)) nearest = {here, gap};
+  }
+  return nearest;
+}
+
 bool off_obstacles(const Drive& around, double t, const Points& x, double gap) {
   for (const Plane& plane : around.planes) {
     const HalfSpace obstacle = plane.at(t);
+    if (plane.solid()) {
+      if (!(gap_between(plane, obstacle, x) > gap)) return false;
+      continue;
+    }
     for (int p = 0; p < x.rows(); ++p)
       if (!(obstacle.gap(row(x, p)) > gap)) return false;
   }
@@ -44,7 +61,7 @@ bool off_obstacles(const Drive& around, double t, const Points& x, double gap) {
 
 bool off_obstacles(const Body& body, const Drive& around, double t, const Points& x, double gap) {
   if (off_obstacles(around, t, x, gap)) return true;
-  const auto off = [&](const Plane& plane) { return least_gap(body, plane.at(t), x) > gap; };
+  const auto off = [&](const Plane& plane) { return facing(body, plane, t, x).gap > gap; };
   return body.samples && std::all_of(around.planes.begin(), around.planes.end(), off);
 }
 

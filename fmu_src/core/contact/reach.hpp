@@ -8,6 +8,13 @@ namespace softffd {
 /// Gap of what may meet the obstacle: the least of the control points', or, where it meets the surface, of the samples' [m].
 double least_gap(const Body& body, const HalfSpace& obstacle, const Points& x);
 
+/// Of an obstacle at time t the half-space that a control point, or a sample, is nearest to, or furthest behind, and its gap [m].
+struct Facing {
+  HalfSpace obstacle;
+  double gap;
+};
+Facing facing(const Body& body, const Plane& obstacle, double t, const Points& x);
+
 /// Is every point at x off all obstacles at time t, by more than `gap` [m]?
 bool off_obstacles(const Drive& around, double t, const Points& x, double gap);
 

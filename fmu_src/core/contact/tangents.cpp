@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "contact/tolerances.hpp"
 
@@ -12,7 +13,11 @@ namespace {
 /// A list of samples reaches so many times as far as it must, and at least this share of the box further: it is seldom made anew.
 constexpr double far_reach = 16, least_reserve = 1e-2;
 
-double largest_row(const Points& x) { return std::sqrt(x.square().rowwise().sum().maxCoeff()); }
+/// By how much any point's gap to a solid of this size may have become smaller.
+double way_since(const Points& x0, const HalfSpace& pose0, const Points& x, const HalfSpace& pose, double size) {
+  const double moved = std::sqrt((x - x0).square().rowwise().sum().maxCoeff()), turned = (pose.normal - pose0.normal).norm() * size;
+  return moved + (pose.point - pose0.point).norm() + turned;
+}
 
 /// v as the shortest turn from one unit vector to the other takes it.
 Vec3 swung(const Vec3& from, const Vec3& to, const Vec3& v) {
@@ -46,6 +51,13 @@ HalfSpace tangent(const Plane& solid, const HalfSpace& pose, const Vec3& x) {
   return above >= beside ? half_space(pose, up, half) : half_space(pose, outward, solid.radius);
 }
 
+double gap_between(const Plane& solid, const HalfSpace& pose, const Points& x) {
+  const HalfSpace between = tangent(solid, pose, x.colwise().mean().matrix().transpose());
+  double least = std::numeric_limits<double>::infinity();
+  for (int p = 0; p < x.rows(); ++p) least = std::min(least, between.gap(row(x, p)));
+  return least;
+}
+
 void Tangents::find(const Drive& around, double t0, double t1, const Points& x0, double way) {
   found_.clear();
   known_.resize(around.planes.size());
@@ -56,11 +68,20 @@ void Tangents::find(const Drive& around, double t0, double t1, const Points& x0,
     const HalfSpace start = solid.at(t0), middle = solid.at(0.5 * (t0 + t1)), end = solid.at(t1);
     const double size = solid.size(), own = (t1 - t0) * way_between(solid, t0, t1, size).speed;
     const double reach = way + own + touching * length_;
-    look(solid, start, x0, reach, known_[q]);
-    for (const int s : known_[q].near) {
+    Known& known = known_[q];
+    const double moved = known.reserve < 0 ? 0 : way_since(known.x, known.pose, x0, start, size);
+    if (moved + reach <= known.least) continue;
+    known.reserve -= moved;
+    if (!(known.reserve >= reach)) list(solid, start, x0, reach, known);
+    known.x = x0;
+    known.pose = start;
+    known.least = known.reserve;
+    for (const int s : known.near) {
       const Vec3 place = samples_.at(s, x0);
       const HalfSpace here = tangent(solid, start, place);
-      if (here.gap(place) > reach) continue;
+      const double gap = here.gap(place);
+      known.least = std::min(known.least, gap);
+      if (gap > reach) continue;
       const auto later = [&](const HalfSpace& pose) {
         return tangent(solid, pose, pose.point + swung(start.normal, pose.normal, place - start.point));
       };
@@ -70,21 +91,13 @@ void Tangents::find(const Drive& around, double t0, double t1, const Points& x0,
   }
 }
 
-/// Makes the list of samples anew where it may not hold all that are within reach.
-void Tangents::look(const Plane& solid, const HalfSpace& pose, const Points& x0, double reach, Known& known) const {
-  if (known.reserve >= 0) {
-    const double turned = (pose.normal - known.pose.normal).norm() * solid.size();
-    const double moved = largest_row(x0 - known.x) + (pose.point - known.pose.point).norm() + turned;
-    if (moved + reach <= known.reserve) return;
-  }
+void Tangents::list(const Plane& solid, const HalfSpace& pose, const Points& x0, double reach, Known& known) const {
   known.reserve = far_reach * reach + least_reserve * length_;
-  known.x = x0;
-  known.pose = pose;
   known.near.clear();
-  double apart = 0;  // of the solid's ball from the box of the control points
-  for (int axis = 0; axis < 3; ++axis)
-    apart = std::max({apart, x0.col(axis).minCoeff() - pose.point[axis], pose.point[axis] - x0.col(axis).maxCoeff()});
-  if (apart > solid.size() + known.reserve) return;
+  if (const double apart = gap_between(solid, pose, x0); apart > known.reserve) {
+    known.reserve = apart;
+    return;
+  }
   for (int s = 0; s < samples_.count(); ++s) {
     const Vec3 place = samples_.at(s, x0);
     if (tangent(solid, pose, place).gap(place) <= known.reserve) known.near.push_back(s);

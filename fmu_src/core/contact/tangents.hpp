@@ -18,6 +18,9 @@ namespace softffd {
 /// The half-space of a solid in this pose that is closest to x, or furthest in front of it where x is inside; it moves as the solid does.
 HalfSpace tangent(const Plane& solid, const HalfSpace& pose, const Vec3& x);
 
+/// How far all points are in front of the tangent that is nearest to their middle [m]: no sample is nearer to the solid.
+double gap_between(const Plane& solid, const HalfSpace& pose, const Points& x);
+
 struct Tangent {
   int obstacle, sample;
   HalfSpace start, middle, end;  ///< of the step
@@ -35,13 +38,15 @@ class Tangents {
   bool covers(double way) const { return way <= way_; }
 
  private:
+  /// Of an obstacle, when its samples were looked at last.
   struct Known {
-    double reserve = -1;  ///< samples within it were near then [m]; negative: none looked for yet
+    double least = -1;    ///< no sample was nearer [m]
+    double reserve = -1;  ///< those within it are in the list; negative: there is none
+    std::vector<int> near;
     Points x;
     HalfSpace pose;
-    std::vector<int> near;
   };
-  void look(const Plane& solid, const HalfSpace& pose, const Points& x0, double reach, Known& known) const;
+  void list(const Plane& solid, const HalfSpace& pose, const Points& x0, double reach, Known& known) const;
 
   const Samples& samples_;
   double length_;

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "contact/reach.hpp"
-#include "contact/tangents.hpp"
 #include "contact/tolerances.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
@@ -64,18 +63,8 @@ double slowest_period(const Job& job) {
 NearestObstacle nearest_obstacle(const Job& job, const State& state) {
   NearestObstacle nearest;
   for (const Plane& plane : job.drive.planes) {
-    const HalfSpace here = plane.at(state.time);
-    if (plane.solid()) {
-      const Samples& samples = *job.model.body.samples;
-      for (int s = 0; s < samples.count(); ++s) {
-        const Vec3 place = samples.at(s, state.x);
-        const HalfSpace before = tangent(plane, here, place);
-        if (before.gap(place) < nearest.gap) nearest = {&plane, before, before.gap(place)};
-      }
-      continue;
-    }
-    const double gap = least_gap(job.model.body, here, state.x);
-    if (gap < nearest.gap) nearest = {&plane, here, gap};
+    const Facing here = facing(job.model.body, plane, state.time, state.x);
+    if (here.gap < nearest.gap) nearest = {&plane, here.obstacle, here.gap};
   }
   return nearest;
 }
