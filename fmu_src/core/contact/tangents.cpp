@@ -98,10 +98,14 @@ void Tangents::list(const Plane& solid, const HalfSpace& pose, const Points& x0,
     known.reserve = apart;
     return;
   }
+  double least = std::numeric_limits<double>::infinity();
   for (int s = 0; s < samples_.count(); ++s) {
     const Vec3 place = samples_.at(s, x0);
-    if (tangent(solid, pose, place).gap(place) <= known.reserve) known.near.push_back(s);
+    const double gap = tangent(solid, pose, place).gap(place);
+    least = std::min(least, gap);
+    if (gap <= known.reserve) known.near.push_back(s);
   }
+  known.reserve = std::max(known.reserve, least);
 }
 
 }  // namespace softffd
