@@ -58,6 +58,7 @@ double DiskFriction::solve(const Disks& disks, std::vector<Vec3>& p) {
   }
   stuck_known_ = disks.parallel && free_.size() == p.size();
   if (free_.empty() || (stuck_known_ && stick(disks, p))) return 0;
+  spread(disks.rows);
   double best = look(disks, p);
   best_ = p;
   const auto keep = [&] {
@@ -98,6 +99,16 @@ double DiskFriction::sign(const Disks& disks, int t) const {
   return disks.rows.cosine(disks.rows.rows()[0].plane, disks.rows.rows()[t].plane) < 0 ? -1 : 1;
 }
 
+/// G, row by row.
+void DiskFriction::spread(const Delassus& rows) {
+  count_ = rows.size();
+  known_.assign(count_, 0);
+  columns_.resize(count_ * count_);
+  g_.resize(count_ * count_);
+  for (int t = 0; t < count_; ++t)
+    for (int u = 0; u <= t; ++u) g_[t * count_ + u] = g_[u * count_ + t] = rows(t, u);
+}
+
 /// Does everything stick? p becomes the friction that makes it, if that is within the disks.
 bool DiskFriction::stick(const Disks& disks, std::vector<Vec3>& p) {
   const int n = int(p.size());
@@ -117,7 +128,8 @@ bool DiskFriction::stick(const Disks& disks, std::vector<Vec3>& p) {
 
 Vec3 DiskFriction::slip_at(const Disks& disks, const std::vector<Vec3>& p, int t) const {
   Vec3 moved = Vec3::Zero();
-  for (const int u : free_) moved += disks.rows(t, u) * p[u];
+  const double* row = &g_[t * count_];
+  for (const int u : free_) moved += row[u] * p[u];
   return disks.slip[t] + tangential(disks.normals[disks.rows.rows()[t].plane], moved);
 }
 
@@ -126,87 +138,102 @@ double DiskFriction::look(const Disks& disks, const std::vector<Vec3>& p) {
   double worst = 0;
   slips_.resize(p.size());
   for (const int t : free_) {
-    const double own = disks.rows(t, t);
     slips_[t] = slip_at(disks, p, t);
-    worst = std::max(worst, own * (p[t] - into_disk(p[t] - slips_[t] / own, disks.limit[t])).norm());
+    worst = std::max(worst, own(t) * (p[t] - into_disk(p[t] - slips_[t] / own(t), disks.limit[t])).norm());
   }
   return worst;
 }
 
 void DiskFriction::sweep(const Disks& disks, std::vector<Vec3>& p) {
-  for (const int t : free_) p[t] = into_disk(p[t] - slip_at(disks, p, t) / disks.rows(t, t), disks.limit[t]);
+  for (const int t : free_) p[t] = into_disk(p[t] - slip_at(disks, p, t) / own(t), disks.limit[t]);
 }
 
 bool DiskFriction::slides(const Disks& disks, const std::vector<Vec3>& p, int t) const {
-  return (p[t] - slips_[t] / disks.rows(t, t)).norm() > disks.limit[t];
+  return (p[t] - slips_[t] / own(t)).norm() > disks.limit[t];
 }
 
-/// From p that was looked at: rows that stick have no slip, rows that slide, with their aim z and T = dp/dz, (1 - T) p + T slip(p) / G_tt =
-/// limit z/|z|.
+/// From p that was looked at. With a row's aim z = p - slip(p) / G_tt: one that sticks has no slip; one that slides has limit z/|z|, which
+/// turns with its aim by T = limit / |z| (1 - z z'/z.z), so that along z its friction is known, and across p = T (p - slip(p) / G_tt).
 bool DiskFriction::newton_step(const Disks& disks, std::vector<Vec3>& p) {
   sliding_.clear();
   for (const int t : free_)
     if (slides(disks, p, t)) sliding_.push_back(t);
-  if (stuck_known_ && 2 * sliding_.size() <= p.size()) return newton_step_of_few(disks, p);
-  const int n = int(free_.size());
-  slopes_.assign(4 * n * n, 0.0);
-  right_.assign(2 * n, 0.0);
-  const auto basis = [&](int t) { return tangents(disks.normals[disks.rows.rows()[t].plane]); };
-  for (int i = 0; i < n; ++i) {
-    const int t = free_[i];
-    const double own = disks.rows(t, t);
-    const Tangents here = basis(t);
-    const Eigen::Vector2d aim = here.transpose() * (p[t] - slips_[t] / own), slip = here.transpose() * disks.slip[t];
-    const bool sticks = !std::binary_search(sliding_.begin(), sliding_.end(), t);
-    const Eigen::Matrix2d turn = sticks ? Eigen::Matrix2d(Eigen::Matrix2d::Identity()) : turning(aim, disks.limit[t]);
-    Eigen::Vector2d wanted = -turn * slip / own;
-    if (!sticks) wanted += aim * (disks.limit[t] / aim.norm());
-    for (int a = 0; a < 2; ++a) right_[2 * i + a] = wanted[a];
-    for (int j = 0; j < n; ++j) {
-      const int u = free_[j];
-      Eigen::Matrix2d block = disks.rows(t, u) / own * turn;
-      if (!disks.parallel) block = block * (here.transpose() * basis(u));
-      if (i == j) block += Eigen::Matrix2d::Identity() - turn;
-      for (int a = 0; a < 2; ++a)
-        for (int b = 0; b < 2; ++b) slopes_[(2 * i + a) * 2 * n + 2 * j + b] = block(a, b);
+  if (stuck_known_ && 3 * sliding_.size() <= 2 * p.size()) return newton_step_of_few(disks, p);
+  unknowns_.clear();
+  auto slides_too = sliding_.begin();
+  for (const int t : free_) {
+    const Vec3& normal = disks.normals[disks.rows.rows()[t].plane];
+    if (slides_too != sliding_.end() && *slides_too == t) {
+      ++slides_too;
+      const Vec3 aim = p[t] - slips_[t] / own(t);
+      const double size = aim.norm();
+      p[t] = disks.limit[t] / size * aim;
+      unknowns_.push_back({t, normal.cross(aim) / size, disks.limit[t] / size});
+    } else {
+      const Tangents basis = tangents(normal);
+      p[t].setZero();
+      for (int a = 0; a < 2; ++a) unknowns_.push_back({t, basis.col(a), 1});
     }
   }
-  if (!eliminate(2 * n, slopes_, right_)) return false;
-  for (int i = 0; i < n; ++i) p[free_[i]] = basis(free_[i]) * Eigen::Vector2d(right_[2 * i], right_[2 * i + 1]);
+  const int n = int(unknowns_.size());
+  slopes_.resize(n * n);
+  right_.resize(n);
+  for (int i = 0; i < n; ++i) {
+    const auto& [t, along, turn] = unknowns_[i];
+    const double share = turn / own(t), *row = &g_[t * count_];
+    right_[i] = -share * along.dot(slip_at(disks, p, t));
+    for (int j = 0; j < n; ++j) slopes_[i * n + j] = share * row[unknowns_[j].row] * along.dot(unknowns_[j].along);
+    slopes_[i * n + i] += 1 - turn;
+  }
+  if (!eliminate(n, slopes_, right_)) return false;
+  for (int i = 0; i < n; ++i) p[unknowns_[i].row] += right_[i] * unknowns_[i].along;
   return true;
+}
+
+/// Columns of G^-1 of the rows that slide, with the signs of their planes, four at a time; those that are known stay.
+void DiskFriction::find_columns(const Disks& disks) {
+  constexpr int together = 4;
+  int wanted[together], found = 0;
+  const auto solve = [&] {
+    one_.assign(together * count_, 0.0);
+    for (int c = 0; c < found; ++c) one_[together * wanted[c] + c] = sign(disks, wanted[c]);
+    disks.rows.solve<together>(one_.data());
+    for (int c = 0; c < found; ++c) {
+      for (int t = 0; t < count_; ++t) columns_[wanted[c] * count_ + t] = sign(disks, t) * one_[together * t + c];
+      known_[wanted[c]] = 1;
+    }
+    found = 0;
+  };
+  for (const int t : sliding_)
+    if (!known_[t] && (wanted[found++] = t, found == together)) solve();
+  if (found > 0) solve();
 }
 
 /// The same where few rows slide, in their slips: p = stuck + G^-1 slips.
 bool DiskFriction::newton_step_of_few(const Disks& disks, std::vector<Vec3>& p) {
   const int n = int(p.size()), k = int(sliding_.size());
   const Tangents basis = tangents(disks.normals[disks.rows.rows()[0].plane]);
-  columns_.assign(std::size_t(k) * n, 0.0);
-  for (int j = 0; j < k; ++j) {
-    double* column = &columns_[std::size_t(j) * n];
-    column[sliding_[j]] = sign(disks, sliding_[j]);
-    disks.rows.solve(column);
-    for (int t = 0; t < n; ++t) column[t] *= sign(disks, t);
-  }
+  find_columns(disks);
   slopes_.assign(4 * k * k, 0.0);
   right_.assign(2 * k, 0.0);
   for (int i = 0; i < k; ++i) {
     const int t = sliding_[i];
-    const double own = disks.rows(t, t);
-    const Eigen::Vector2d aim = basis.transpose() * (p[t] - slips_[t] / own), stuck = basis.transpose() * stuck_[t];
+    const Eigen::Vector2d aim = basis.transpose() * (p[t] - slips_[t] / own(t)), stuck = basis.transpose() * stuck_[t];
     const Eigen::Matrix2d turn = turning(aim, disks.limit[t]), rest = Eigen::Matrix2d::Identity() - turn;
     const Eigen::Vector2d wanted = aim * (disks.limit[t] / aim.norm()) - rest * stuck;
     for (int a = 0; a < 2; ++a) {
       right_[2 * i + a] = wanted[a];
       for (int j = 0; j < k; ++j)
         for (int b = 0; b < 2; ++b)
-          slopes_[(2 * i + a) * 2 * k + 2 * j + b] = rest(a, b) * columns_[std::size_t(j) * n + t] + (i == j ? turn(a, b) / own : 0.0);
+          slopes_[(2 * i + a) * 2 * k + 2 * j + b] = rest(a, b) * column(sliding_[j])[t] + (i == j ? turn(a, b) / own(t) : 0.0);
     }
   }
   if (!eliminate(2 * k, slopes_, right_)) return false;
   p = stuck_;
   for (int j = 0; j < k; ++j) {
     const Vec3 slip = basis * Eigen::Vector2d(right_[2 * j], right_[2 * j + 1]);
-    for (int t = 0; t < n; ++t) p[t] += columns_[std::size_t(j) * n + t] * slip;
+    const double* moved = column(sliding_[j]);
+    for (int t = 0; t < n; ++t) p[t] += moved[t] * slip;
   }
   return true;
 }

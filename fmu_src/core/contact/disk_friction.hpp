@@ -28,11 +28,26 @@ class DiskFriction {
   void sweep(const Disks& disks, std::vector<Vec3>& p);
   bool newton_step(const Disks& disks, std::vector<Vec3>& p);
   bool newton_step_of_few(const Disks& disks, std::vector<Vec3>& p);
+  void spread(const Delassus& rows);
+  double own(int t) const { return g_[t * (count_ + 1)]; }
+  void find_columns(const Disks& disks);
+  const double* column(int t) const { return &columns_[t * count_]; }
   double sign(const Disks& disks, int t) const;
   Vec3 slip_at(const Disks& disks, const std::vector<Vec3>& p, int t) const;
   bool slides(const Disks& disks, const std::vector<Vec3>& p, int t) const;
 
-  std::vector<double> one_, slopes_, right_, columns_;
+  /// Of Newton's method.
+  struct Unknown {
+    int row;
+    Vec3 along;
+    double turn;  ///< of the row's friction by its aim, relative; 1: it sticks
+  };
+  int count_ = 0;
+  std::vector<double> g_;  ///< (count * count)
+  std::vector<Unknown> unknowns_;
+  std::vector<double> one_, slopes_, right_;
+  std::vector<double> columns_;  ///< of G^-1, (count) each, of rows that are known
+  std::vector<char> known_;
   std::vector<Vec3> best_, slips_;  ///< slips: with the friction that was looked at last
   std::vector<Vec3> stuck_;         ///< friction by which everything sticks
   bool stuck_known_ = false;
