@@ -134,7 +134,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
 
 def sizes(scene: Scene, mass: np.ndarray) -> dict[str, float]:
     """What is usual for a body of this size and mass that falls by its own length, for the variables' nominal values."""
-    length = max(scene.box.size)
+    length = max(scene.lattice_box.size)
     given = scene.environment.gravity
     gravity = (float(np.linalg.norm(given)) if given else 0.0) or STANDARD_GRAVITY
     speed = math.sqrt(gravity * length)

@@ -84,7 +84,7 @@ def test_a_moving_sphere_gives_the_momentum_that_it_is_charged_with(body):
             simulation.plane["ball"].point = at
             simulation.step()
             impulse += H * np.array(simulation.plane["ball"].reaction)
-            places = deform(scene.loaded_mesh, simulation.positions, origin=scene.box.origin, size=scene.box.size)
+            places = deform(scene.loaded_mesh, simulation.positions, origin=scene.lattice_box.origin, size=scene.lattice_box.size)
             deepest = min(deepest, sphere_gap(places, at + np.array([H, 0.0, 0.0]), 0.2).min())
             momentum = mass @ np.array(simulation.velocities).reshape(-1, 3)
             assert np.abs(momentum + impulse).max() <= 1e-12
