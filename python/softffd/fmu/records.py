@@ -52,9 +52,12 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
             if (value := getattr(region, key)) is not None:
                 lines.append([f"region_{key}", value, *points])
     for plane in scene.obstacles:
-        motion = [*plane.point, *plane.normal, *plane.velocity, *plane.angular_velocity]
+        normal = (0.0, 0.0, 1.0) if plane in scene.box else plane.normal
+        motion = [*plane.point, *normal, *plane.velocity, *plane.angular_velocity]
         lines.append(["plane", plane.name, plane.motion, *motion, plane.friction])
-        if plane in scene.solids:
+        if plane in scene.box:
+            lines.append(["box", *plane.size, *plane.rotation_vector()])
+        elif plane in scene.solids:
             lines.append(["solid", plane.radius, plane.length])
         if plane.motion == "input":
             lines.append(["plane_inputs", *plane.input_components()])

@@ -12,6 +12,7 @@ from softffd.fmu.values import list_of_values
 from softffd.installed import table
 from softffd.lattice import Point
 from softffd.names import variable_names
+from softffd.scene.sections import Box
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
@@ -66,11 +67,12 @@ def _point(scene: Scene, p: int) -> dict[str, Any]:
     return {"i": p % nx, "j": p // nx % ny, "k": p // nx // ny}
 
 
-def _plane(plane: Plane | Sphere | Cylinder) -> dict[str, Any]:
+def _plane(plane: Plane | Sphere | Cylinder | Box) -> dict[str, Any]:
+    turned = {"rotation": plane.rotation_vector()} if isinstance(plane, Box) else {"normal": plane.normal}
     return {
         "name": plane.name,
         "point": plane.point,
-        "normal": plane.normal,
+        **turned,
         "velocity": plane.velocity,
         "angular_velocity": plane.angular_velocity,
         "friction": plane.friction,
@@ -101,6 +103,8 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "forces": points(scene.inputs.forces),
         "loads": [{"name": load.name} for load in scene.load],
         **dict.fromkeys(("planes", "input_planes", "fixed_planes"), surfaces),
+        **dict.fromkeys(("input_normals", "fixed_normals"), [each for each in surfaces if "normal" in each]),
+        **dict.fromkeys(("input_boxes", "fixed_boxes"), [each for each in surfaces if "rotation" in each]),
         **dict.fromkeys(("input_pins", "fixed_pins"), frames),
         "always": [
             {

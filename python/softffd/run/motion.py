@@ -7,14 +7,14 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from softffd.names import parse_name, vector_names
-from softffd.rotation import between_directions, between_orientations
+from softffd.rotation import between_directions, between_orientations, quaternion
 
 
 def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step: float) -> dict[str, float]:
     """Velocities that take every pose given in `now` to the one in `then` after `step` [s] and that `now` does not give itself.
 
-    Names are those of the FMU's variables: plane.NAME.point gives .velocity, .normal gives .angular_velocity; pin.NAME.position and
-    .orientation likewise. Components that are not given count as zero change for points; rotations need the whole normal or quaternion.
+    Names are those of the FMU's variables: plane.NAME.point gives .velocity, .normal or .rotation gives .angular_velocity; pin.NAME.position and
+    .orientation likewise. Components that are not given count as zero change for points; rotations need the whole normal, rotation vector or quaternion.
     """
     derived: dict[str, float] = {}
     for pose, parts in _parts_with_poses(now).items():
@@ -42,11 +42,16 @@ def _difference(first: np.ndarray, last: np.ndarray) -> np.ndarray:
     return last - first
 
 
+def _between_rotations(first: np.ndarray, last: np.ndarray) -> np.ndarray:
+    return between_orientations(quaternion(first), quaternion(last))
+
+
 Rate = Callable[[np.ndarray, np.ndarray], np.ndarray]
 RATES: dict[str, tuple[str, Rate]] = {
     "plane_point": ("plane_velocity", _difference),
     "pin_position": ("pin_velocity", _difference),
     "plane_normal": ("plane_angular_velocity", between_directions),
+    "plane_rotation": ("plane_angular_velocity", _between_rotations),
     "pin_orientation": ("pin_angular_velocity", between_orientations),
 }
 """Families of poses: the velocity that follows from each, and how"""

@@ -3,6 +3,10 @@
 from softffd.scene import sections
 from softffd.scene.quantity import key
 
+SOLIDS = ("sphere", "cylinder", "box")
+OBSTACLES = ("plane", *SOLIDS)
+"""Sections of obstacles, in the order of the library"""
+
 
 class SceneKeys(sections.Section):
     """The keys of a scene file, each sound by itself."""
@@ -18,6 +22,7 @@ class SceneKeys(sections.Section):
     plane: tuple[sections.Plane, ...] = key((), "obstacles: half-spaces")
     sphere: tuple[sections.Sphere, ...] = key((), "obstacles: solid spheres")
     cylinder: tuple[sections.Cylinder, ...] = key((), "obstacles: solid cylinders")
+    box: tuple[sections.Box, ...] = key((), "obstacles: solid boxes")
     pin: tuple[sections.Pin, ...] = key((), "control points attached to rigid frames")
     load: tuple[sections.Load, ...] = key((), "forces shared by several control points")
     inputs: sections.Inputs = key(sections.Inputs(), "inputs besides those of planes, pins and loads")
@@ -29,11 +34,11 @@ class SceneKeys(sections.Section):
     fmu: sections.Fmu = key(sections.Fmu(), "how the FMU shows itself to other tools")
 
     @property
-    def solids(self) -> tuple[sections.Solid, ...]:
+    def solids(self) -> tuple[sections.Sphere | sections.Cylinder | sections.Box, ...]:
         """Obstacles with an inside, in the order of the library."""
-        return (*self.sphere, *self.cylinder)
+        return (*self.sphere, *self.cylinder, *self.box)
 
     @property
-    def obstacles(self) -> tuple[sections.Plane | sections.Sphere | sections.Cylinder, ...]:
+    def obstacles(self) -> tuple[sections.Plane | sections.Sphere | sections.Cylinder | sections.Box, ...]:
         """All obstacles, in the order of the library."""
-        return (*self.plane, *self.sphere, *self.cylinder)
+        return (*self.plane, *self.solids)

@@ -15,7 +15,7 @@ from softffd.rotation import quaternion, turned
 from softffd.scene.changes import changed
 from softffd.scene.document import find_scene, read_document, shipped_scenes, shown
 from softffd.scene.draft import unshared
-from softffd.scene.keys import SceneKeys
+from softffd.scene.keys import OBSTACLES, SceneKeys
 from softffd.scene.schema import schema
 from softffd.scene.sections import Pin
 from softffd.scene.selection import Selection, flat_indices
@@ -60,7 +60,7 @@ class Scene(SceneKeys):
         return scene
 
     def __repr__(self) -> str:
-        box, kinds = self.lattice_box, ("plane", "sphere", "cylinder", "pin", "load", "probe")
+        box, kinds = self.lattice_box, (*OBSTACLES, "pin", "load", "probe")
         counts, sides = (" × ".join(f"{n:.4g}" for n in triple) for triple in (box.points, box.size))
         mesh = f", mesh {self.mesh.file.name}" if self.mesh else ""
         parts = [f"{kind} {', '.join(part.name for part in found)}" for kind in kinds if (found := getattr(self, kind))]

@@ -100,8 +100,9 @@ Motion = Literal["fixed", "input"]
 
 
 PLANE_POSE = {"point": "xyz", "normal": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
+BOX_POSE = {"point": "xyz", "rotation": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
 PIN_POSE = {"position": "xyz", "orientation": "wxyz", "velocity": "xyz", "angular_velocity": "xyz"}
-"""Components of the vectors that say where a plane or a pin is and how it moves"""
+"""Components of the vectors that say where a plane, a box or a pin is and how it moves"""
 
 
 def _pose_words(pose: dict[str, str]) -> list[str]:
@@ -128,6 +129,7 @@ def _chosen_schema(pose: dict[str, str]) -> WithJsonSchema:
 
 
 PlaneInputs = Annotated[tuple[str, ...], _chosen_of(PLANE_POSE), _chosen_schema(PLANE_POSE)]
+BoxInputs = Annotated[tuple[str, ...], _chosen_of(BOX_POSE), _chosen_schema(BOX_POSE)]
 PinInputs = Annotated[tuple[str, ...], _chosen_of(PIN_POSE), _chosen_schema(PIN_POSE)]
 
 
@@ -335,16 +337,47 @@ class Plane(Section):
         return _components(PLANE_POSE, self.inputs) if self.motion == "input" else []
 
 
+class Rotation(Section):
+    """A rotation about an axis, right-handed."""
+
+    axis: Direction = key(..., "the axis, of any length > 0", examples=[[0.0, 1.0, 0.0]])
+    degrees: Number = key(..., "the angle in degrees", examples=[0.0])
+
+    def vector(self) -> tuple[float, float, float]:
+        """Along the axis, as long as the angle [rad]."""
+        x, y, z = self.axis
+        scale = math.radians(self.degrees) / math.hypot(x, y, z)
+        return x * scale, y * scale, z * scale
+
+
+def _rotation_table(value: Any) -> Any:
+    """Whatever may be a table of axis and degrees; radians are told in degrees."""
+    wanted = "{ axis = [x, y, z], degrees = }"
+    if not isinstance(value, dict | Rotation):
+        raise refusal(f"a table {wanted}")
+    if isinstance(value, dict) and "degrees" not in value and isinstance(angle := value.get("radians"), int | float):
+        raise refusal(wanted, nearest=f"degrees = {math.degrees(angle):.10g}")
+    return value
+
+
+RotationTable = Annotated[Rotation, BeforeValidator(_rotation_table)]
+
+
 class Solid(Section):
     """An obstacle with an inside: what it has in common with others. Its variables have the names of a plane's."""
 
     name: Name = key(..., NAME, examples=["ball"])
-    radius: Number = quantity(..., "m", "its radius", gt=0, examples=[0.5])
     point: Vector = quantity((0.0, 0.0, 0.0), "m", "its centre")
     velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of its centre")
     angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about its centre")
     friction: Number = quantity(0.4, "1", "Coulomb's coefficient of friction", ge=0)
     motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
+
+
+class Round(Solid):
+    """A solid of revolution."""
+
+    radius: Number = quantity(..., "m", "its radius", gt=0, examples=[0.5])
     inputs: PlaneInputs = key(
         ("point", "velocity"),
         "what of `point`, `normal` (a cylinder's axis), `velocity`, `angular_velocity` are inputs, or single components; "
@@ -356,7 +389,7 @@ class Solid(Section):
         return _components(PLANE_POSE, self.inputs) if self.motion == "input" else []
 
 
-class Sphere(Solid):
+class Sphere(Round):
     """An obstacle: a solid sphere about `point`; needs contact.of = "surface"."""
 
     @property
@@ -370,11 +403,33 @@ class Sphere(Solid):
         return 0.0
 
 
-class Cylinder(Solid):
+class Cylinder(Round):
     """An obstacle: a solid cylinder with flat ends about `point`; needs contact.of = "surface"."""
 
     length: Number = quantity(..., "m", "from end to end", gt=0, examples=[1.0])
     normal: Direction = quantity((0.0, 0.0, 1.0), "1", "its axis; any length > 0")
+
+
+class Box(Solid):
+    """An obstacle: a solid box about `point`; needs contact.of = "surface"."""
+
+    size: PositiveVector = quantity(..., "m", "its edges, > 0", examples=[[1.0, 1.0, 1.0]])
+    rotation: RotationTable | None = key(
+        None, "turned about `point`, { axis = [0, 1, 0], degrees = 35 }; absent: edges along the axes of the world"
+    )
+    inputs: BoxInputs = key(
+        ("point", "velocity"),
+        "what of `point`, `rotation`, `velocity`, `angular_velocity` are inputs, or single components; "
+        "the rest are parameters, which hold at every communication point",
+    )
+
+    def rotation_vector(self) -> tuple[float, float, float]:
+        """Along the axis, as long as the angle [rad]."""
+        return self.rotation.vector() if self.rotation else (0.0, 0.0, 0.0)
+
+    def input_components(self) -> list[str]:
+        """What is an input of pose and motion: "rotation.z", ..."""
+        return _components(BOX_POSE, self.inputs) if self.motion == "input" else []
 
 
 class Pin(Section):
@@ -411,29 +466,12 @@ class Inputs(Section):
     forces: Selection = key("none", "control points with a force input each: a selection")
 
 
-class Rotation(Section):
-    """A rotation about an axis, right-handed."""
-
-    axis: Direction = key(..., "the axis, of any length > 0", examples=[[0.0, 1.0, 0.0]])
-    degrees: Number = key(..., "the angle in degrees", examples=[0.0])
-
-
-def _rotation_table(value: Any) -> Any:
-    """Whatever may be a table of axis and degrees; radians are told in degrees."""
-    wanted = "{ axis = [x, y, z], degrees = }"
-    if not isinstance(value, dict | Rotation):
-        raise refusal(f"a table {wanted}")
-    if isinstance(value, dict) and "degrees" not in value and isinstance(angle := value.get("radians"), int | float):
-        raise refusal(wanted, nearest=f"degrees = {math.degrees(angle):.10g}")
-    return value
-
-
 class Initial(Section):
     """The state at the start: x0 = origin + stretch (X - origin) + offset, X the rest position, turned by the rotation."""
 
     stretch: Vector = quantity((1.0, 1.0, 1.0), "1", "factor per axis on the rest shape")
     offset: Vector = quantity((0.0, 0.0, 0.0), "m", "displacement of the whole object")
-    rotation: Annotated[Rotation, BeforeValidator(_rotation_table)] | None = key(
+    rotation: RotationTable | None = key(
         None,
         "the whole object turned about the centre of its box, { axis = [0, 1, 0], degrees = 35 }, with the points that pins hold; "
         "velocities stay those of the world frame; absent: not turned, and no parameter for it",
@@ -443,11 +481,7 @@ class Initial(Section):
 
     def rotation_vector(self) -> tuple[float, float, float]:
         """Along the axis, as long as the angle [rad]."""
-        if self.rotation is None:
-            return 0.0, 0.0, 0.0
-        x, y, z = self.rotation.axis
-        scale = math.radians(self.rotation.degrees) / math.hypot(x, y, z)
-        return x * scale, y * scale, z * scale
+        return self.rotation.vector() if self.rotation else (0.0, 0.0, 0.0)
 
 
 class Probe(Section):
