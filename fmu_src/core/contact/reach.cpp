@@ -35,8 +35,8 @@ double least_gap(const Body& body, const HalfSpace& obstacle, const Points& x) {
 }
 
 Facing facing(const Body& body, const Plane& obstacle, double t, const Points& x) {
-  const HalfSpace pose = obstacle.at(t);
-  if (!obstacle.solid()) return {pose, least_gap(body, pose, x)};
+  if (const HalfSpace plane = obstacle.at(t); !obstacle.solid()) return {plane, least_gap(body, plane, x)};
+  const SolidPose pose = obstacle.pose_at(t);
   Facing nearest{pose, std::numeric_limits<double>::infinity()};
   for (int s = 0; s < body.samples->count(); ++s) {
     const Vec3 place = body.samples->at(s, x);
@@ -48,11 +48,11 @@ Facing facing(const Body& body, const Plane& obstacle, double t, const Points& x
 
 bool off_obstacles(const Drive& around, double t, const Points& x, double gap) {
   for (const Plane& plane : around.planes) {
-    const HalfSpace obstacle = plane.at(t);
     if (plane.solid()) {
-      if (!(gap_between(plane, obstacle, x) > gap)) return false;
+      if (!(gap_between(plane, plane.pose_at(t), x) > gap)) return false;
       continue;
     }
+    const HalfSpace obstacle = plane.at(t);
     for (int p = 0; p < x.rows(); ++p)
       if (!(obstacle.gap(row(x, p)) > gap)) return false;
   }

@@ -243,7 +243,7 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
 void SurfaceContact::turn_tangents(const StepView& step, const Points& x1) {
   for (std::size_t i = 0; i < tangents_.found().size(); ++i) {
     const Plane& solid = step.around.planes[tangents_.found()[i].obstacle];
-    end_[flat_ + i] = tangent(solid, solid.at(step.t1), samples_.at(tangents_.found()[i].sample, x1));
+    end_[flat_ + i] = tangent(solid, solid.pose_at(step.t1), samples_.at(tangents_.found()[i].sample, x1));
   }
   set_planes();
 }

@@ -14,8 +14,9 @@ namespace {
 constexpr double far_reach = 16, least_reserve = 1e-2;
 
 /// By how much any point's gap to a solid of this size may have become smaller.
-double way_since(const Points& x0, const HalfSpace& pose0, const Points& x, const HalfSpace& pose, double size) {
-  const double moved = std::sqrt((x - x0).square().rowwise().sum().maxCoeff()), turned = (pose.normal - pose0.normal).norm() * size;
+double way_since(const Points& x0, const SolidPose& pose0, const Points& x, const SolidPose& pose, const Plane& solid) {
+  const double moved = std::sqrt((x - x0).square().rowwise().sum().maxCoeff());
+  const double turned = (solid.box() ? (pose.edges - pose0.edges).norm() : (pose.normal - pose0.normal).norm()) * solid.size();
   return moved + (pose.point - pose0.point).norm() + turned;
 }
 
@@ -31,9 +32,28 @@ HalfSpace half_space(const HalfSpace& pose, const Vec3& normal, double beyond) {
   return {pose.point, normal, normal.dot(pose.point) + beyond, pose.velocity, pose.spin};
 }
 
+/// Of a box, at the point that is closest.
+HalfSpace tangent_of_box(const Vec3& half, const SolidPose& pose, const Vec3& x) {
+  const Vec3 at = pose.edges.transpose() * (x - pose.point), closest = at.cwiseMax(-half).cwiseMin(half), out = at - closest;
+  if (const double distance = out.norm(); distance > 0) {
+    const Vec3 normal = out / distance;
+    return half_space(pose, pose.edges * normal, normal.dot(closest));
+  }
+  int face = 0;
+  (half - at.cwiseAbs()).minCoeff(&face);
+  return half_space(pose, at[face] < 0 ? Vec3(-pose.edges.col(face)) : Vec3(pose.edges.col(face)), half[face]);
+}
+
+/// The tangent of a sample at this place of the start, taken along with the solid to another pose.
+HalfSpace carried(const Plane& solid, const SolidPose& start, const HalfSpace& here, const Vec3& place, const SolidPose& pose) {
+  if (!solid.box()) return tangent(solid, pose, pose.point + swung(start.normal, pose.normal, place - start.point));
+  return half_space(pose, pose.edges * (start.edges.transpose() * here.normal), here.offset - here.normal.dot(start.point));
+}
+
 }  // namespace
 
-HalfSpace tangent(const Plane& solid, const HalfSpace& pose, const Vec3& x) {
+HalfSpace tangent(const Plane& solid, const SolidPose& pose, const Vec3& x) {
+  if (solid.box()) return tangent_of_box(0.5 * solid.sides, pose, x);
   const Vec3 arm = x - pose.point;
   const bool sphere = solid.length == 0;
   const double height = sphere ? 0 : pose.normal.dot(arm), half = 0.5 * solid.length;
@@ -51,7 +71,7 @@ HalfSpace tangent(const Plane& solid, const HalfSpace& pose, const Vec3& x) {
   return above >= beside ? half_space(pose, up, half) : half_space(pose, outward, solid.radius);
 }
 
-double gap_between(const Plane& solid, const HalfSpace& pose, const Points& x) {
+double gap_between(const Plane& solid, const SolidPose& pose, const Points& x) {
   const HalfSpace between = tangent(solid, pose, x.colwise().mean().matrix().transpose());
   double least = std::numeric_limits<double>::infinity();
   for (int p = 0; p < x.rows(); ++p) least = std::min(least, between.gap(row(x, p)));
@@ -65,11 +85,11 @@ void Tangents::find(const Drive& around, double t0, double t1, const Points& x0,
   for (std::size_t q = 0; q < around.planes.size(); ++q) {
     const Plane& solid = around.planes[q];
     if (!solid.solid()) continue;
-    const HalfSpace start = solid.at(t0), middle = solid.at(0.5 * (t0 + t1)), end = solid.at(t1);
-    const double size = solid.size(), own = (t1 - t0) * way_between(solid, t0, t1, size).speed;
+    const SolidPose start = solid.pose_at(t0), middle = solid.pose_at(0.5 * (t0 + t1)), end = solid.pose_at(t1);
+    const double own = (t1 - t0) * way_between(solid, t0, t1, solid.size()).speed;
     const double reach = way + own + touching * length_;
     Known& known = known_[q];
-    const double moved = known.reserve < 0 ? 0 : way_since(known.x, known.pose, x0, start, size);
+    const double moved = known.reserve < 0 ? 0 : way_since(known.x, known.pose, x0, start, solid);
     if (moved + reach <= known.least) continue;
     known.reserve -= moved;
     if (!(known.reserve >= reach)) list(solid, start, x0, reach, known);
@@ -82,16 +102,14 @@ void Tangents::find(const Drive& around, double t0, double t1, const Points& x0,
       const double gap = here.gap(place);
       known.least = std::min(known.least, gap);
       if (gap > reach) continue;
-      const auto later = [&](const HalfSpace& pose) {
-        return tangent(solid, pose, pose.point + swung(start.normal, pose.normal, place - start.point));
-      };
+      const auto later = [&](const SolidPose& pose) { return carried(solid, start, here, place, pose); };
       const bool rests = solid.at_rest() || t0 == t1;
       found_.push_back({int(q), s, here, rests ? here : later(middle), rests ? here : later(end)});
     }
   }
 }
 
-void Tangents::list(const Plane& solid, const HalfSpace& pose, const Points& x0, double reach, Known& known) const {
+void Tangents::list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known) const {
   known.reserve = far_reach * reach + least_reserve * length_;
   known.near.clear();
   if (const double apart = gap_between(solid, pose, x0); apart > known.reserve) {

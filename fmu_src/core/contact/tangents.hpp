@@ -6,7 +6,9 @@
 ///       ( solid )      before one side of a thin solid never ends behind the other. Velocities at the end of the step go by the tangents
 ///                      there, so that half of an impulse has the direction of either end.
 ///
-/// A solid is a sphere, or a cylinder with flat ends, about the point of its pose; a cylinder's axis is the pose's normal.
+/// A solid is a sphere, a cylinder with flat ends or a box, about the point of its pose; a cylinder's axis is the pose's normal. Tangents of a
+/// box go by a face, an edge or a corner: a sample that starts before a face stays in front of all of its plane until the step ends, and is
+/// past the edge for the next step only.
 #pragma once
 #include <vector>
 
@@ -16,10 +18,10 @@
 namespace softffd {
 
 /// The half-space of a solid in this pose that is closest to x, or furthest in front of it where x is inside; it moves as the solid does.
-HalfSpace tangent(const Plane& solid, const HalfSpace& pose, const Vec3& x);
+HalfSpace tangent(const Plane& solid, const SolidPose& pose, const Vec3& x);
 
 /// How far all points are in front of the tangent that is nearest to their middle [m]: no sample is nearer to the solid.
-double gap_between(const Plane& solid, const HalfSpace& pose, const Points& x);
+double gap_between(const Plane& solid, const SolidPose& pose, const Points& x);
 
 struct Tangent {
   int obstacle, sample;
@@ -44,9 +46,9 @@ class Tangents {
     double reserve = -1;  ///< those within it are in the list; negative: there is none
     std::vector<int> near;
     Points x;
-    HalfSpace pose;
+    SolidPose pose;
   };
-  void list(const Plane& solid, const HalfSpace& pose, const Points& x0, double reach, Known& known) const;
+  void list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known) const;
 
   const Samples& samples_;
   double length_;

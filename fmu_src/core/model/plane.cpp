@@ -5,7 +5,30 @@
 
 namespace softffd {
 
+namespace {
+
+/// The edges of a box, and its angular velocity.
+struct Turned {
+  Eigen::Matrix3d edges;
+  Vec3 spin;
+};
+
+Turned turned_box(const Plane& box, double age) {
+  const Vec3 rotation = box.rotation + age * box.rotation_rate;
+  const Vec3 turn = age * (box.angular_velocity + 0.5 * age * box.angular_acceleration);
+  const bool follows = !box.rotation_rate.isZero(0);
+  Turned now{{}, follows ? spin_of(rotation, box.rotation_rate) : Vec3(box.angular_velocity + age * box.angular_acceleration)};
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 edge = rotated(rotation, Vec3::Unit(axis));
+    now.edges.col(axis) = follows ? edge : rotated(turn, edge);
+  }
+  return now;
+}
+
+}  // namespace
+
 HalfSpace Plane::at(double time) const {
+  if (box()) return pose_at(time);
   const double age = time - since;
   const Vec3 here = point + age * (velocity + 0.5 * age * acceleration);
   const Vec3 speed = velocity + age * acceleration;
@@ -20,9 +43,18 @@ HalfSpace Plane::at(double time) const {
   return {here, n, n.dot(here), speed, angular_velocity + age * angular_acceleration};
 }
 
+SolidPose Plane::pose_at(double time) const {
+  if (!box()) return {at(time), {}};
+  const double age = time - since;
+  const Vec3 here = point + age * (velocity + 0.5 * age * acceleration);
+  const auto [edges, spin] = turned_box(*this, age);
+  const Vec3 up = edges.col(2);
+  return {{here, up, up.dot(here) + 0.5 * sides[2], velocity + age * acceleration, spin}, edges};
+}
+
 bool Plane::at_rest() const {
   return velocity.isZero(0) && angular_velocity.isZero(0) && acceleration.isZero(0) && angular_acceleration.isZero(0) &&
-         normal_rate.isZero(0);
+         normal_rate.isZero(0) && rotation_rate.isZero(0);
 }
 
 namespace {
@@ -40,8 +72,9 @@ Turning turning_by_rate(const Plane& plane, double a0, double a1) {
   return {across, across * (across + 2 * R.norm() / std::sqrt(least))};
 }
 
-/// Of a rotation vector w age + alpha age^2 / 2, whose derivative bounds the angular velocity.
+/// Of a rotation vector w age + alpha age^2 / 2, or of a box's own, whose derivative bounds the angular velocity.
 Turning turning_by_spin(const Plane& plane, double a0, double a1) {
+  if (const double rate = plane.rotation_rate.norm(); rate > 0) return {rate, 2 * rate * rate};
   const auto at = [&](double age) { return (plane.angular_velocity + age * plane.angular_acceleration).norm(); };
   const double rate = std::max(at(a0), at(a1));
   return {rate, plane.angular_acceleration.norm() + 2 * rate * rate};

@@ -1,4 +1,4 @@
-/// Obstacles in rigid motion: half-spaces behind planes, and solids of revolution (contact/tangents.hpp).
+/// Obstacles in rigid motion: half-spaces behind planes, and solids (contact/tangents.hpp).
 #pragma once
 #include <Eigen/Geometry>
 #include <cmath>
@@ -33,19 +33,30 @@ struct PlaneMotion {
   Vec3 acceleration = Vec3::Zero();          ///< [m/s2]
   Vec3 angular_acceleration = Vec3::Zero();  ///< [rad/s2]
   Vec3 normal_rate = Vec3::Zero();           ///< time derivative of `normal` before normalising [1/s]
-  double radius = 0;                         ///< of a solid about `point` [m]; 0: a half-space
+  double radius = 0;                         ///< of a solid of revolution about `point` [m]; 0: none
   double length = 0;                         ///< of a cylinder along `normal` [m]; 0: a sphere
+  Vec3 sides = Vec3::Zero();                 ///< of a box about `point` [m]; 0: none
+  Vec3 rotation = Vec3::Zero();              ///< of a box: the vector that turns its edges from the axes of the world [rad]
+  Vec3 rotation_rate = Vec3::Zero();         ///< its time derivative [rad/s]
 
-  bool solid() const { return radius > 0; }
-  double size() const { return std::hypot(radius, 0.5 * length); }  ///< of a solid: its furthest point from `point` [m]
+  bool box() const { return sides[0] > 0; }
+  bool solid() const { return radius > 0 || box(); }
+  /// Of a solid: its furthest point from `point` [m].
+  double size() const { return box() ? 0.5 * sides.norm() : std::hypot(radius, 0.5 * length); }
 };
 
-/// The same from time `since` on, with a normal of unit length, which turns with the angular velocity, or, where a rate of the normal is
-/// given, follows it.
+/// A solid at one moment. A box has no normal of its own: it is that of an end across the third edge.
+struct SolidPose : HalfSpace {
+  Eigen::Matrix3d edges;  ///< of a box: their directions, in columns
+};
+
+/// The same from time `since` on, with a normal of unit length, which turns with the angular velocity, or, where a rate of the normal or
+/// of the rotation is given, follows it.
 struct Plane : PlaneMotion {
   double since = 0;  ///< [s]
 
   HalfSpace at(double time) const;
+  SolidPose pose_at(double time) const;
   /// Is it the same at all times?
   bool at_rest() const;
 };

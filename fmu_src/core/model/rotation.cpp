@@ -36,6 +36,14 @@ Vec3 rotated(const Vec3& w, const Vec3& v) {
   return r.cosine * v + r.sine * axis.cross(v) + (1 - r.cosine) * axis.dot(v) * axis;
 }
 
+Vec3 spin_of(const Vec3& w, const Vec3& rate) {
+  const double angle = std::sqrt(w.dot(w));
+  if (angle == 0) return rate;
+  const Vec3 axis = w / angle, along = axis.dot(rate) * axis;
+  const SineCosine half = sine_cosine(0.5 * angle);
+  return along + 2 * half.sine / angle * (half.cosine * (rate - along) + half.sine * axis.cross(rate));
+}
+
 std::array<double, 4> quaternion(const Vec3& w) {
   const double angle = std::sqrt(w.dot(w));
   if (angle == 0) return {1, 0, 0, 0};

@@ -15,6 +15,9 @@ SineCosine sine_cosine(double angle);
 /// The vector v turned by the rotation vector w [rad] about the axis w.
 Vec3 rotated(const Vec3& w, const Vec3& v);
 
+/// The angular velocity [rad/s] of what a rotation vector w turns whose time derivative is this [rad/s].
+Vec3 spin_of(const Vec3& w, const Vec3& rate);
+
 /// The unit quaternion (w, x, y, z) of the rotation vector w [rad].
 std::array<double, 4> quaternion(const Vec3& w);
 

@@ -34,12 +34,12 @@ double Readings::pin_jump(int a) const {
 }
 
 double Readings::plane_jump(int q) const {
-  const HalfSpace plane = drive.planes[q].at(drive.since);
+  const SolidPose plane = drive.planes[q].pose_at(drive.since);
   double jump = 0;
   if (const Samples* samples = model.body.samples.get()) {
     for (int s = 0; s < samples->count(); ++s) {
       const Vec3 place = samples->at(s, before.path.motion.x);
-      const HalfSpace facing = drive.planes[q].solid() ? tangent(drive.planes[q], plane, place) : plane;
+      const HalfSpace facing = drive.planes[q].solid() ? tangent(drive.planes[q], plane, place) : HalfSpace(plane);
       jump = std::max(jump, -facing.gap(place));
     }
     return jump;

@@ -58,7 +58,7 @@ bool rests(const Motion& given) {
   return given.velocity.isZero(0) && given.angular_velocity.isZero(0) && given.acceleration.isZero(0) &&
          given.angular_acceleration.isZero(0);
 }
-bool still(const PlaneMotion& given) { return rests(given) && given.normal_rate.isZero(0); }
+bool still(const PlaneMotion& given) { return rests(given) && given.normal_rate.isZero(0) && given.rotation_rate.isZero(0); }
 bool still(const PinMotion& given) {
   return rests(given) && std::ranges::none_of(given.orientation_rate, [](double rate) { return rate != 0; });
 }

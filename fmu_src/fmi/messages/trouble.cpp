@@ -73,11 +73,11 @@ std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
   for (std::size_t q = 0; q < scene.planes.size(); ++q) {
     Plane plane{body.settings.planes[q]};
     plane.normal /= plane.normal.stableNorm();
-    const HalfSpace pose = plane.at(plane.since);
+    const SolidPose pose = plane.pose_at(plane.since);
     int count = 0;
     double deepest = 0;
     for (const Vec3& place : places) {
-      const double depth = -(plane.solid() ? tangent(plane, pose, place) : pose).gap(place);
+      const double depth = -(plane.solid() ? tangent(plane, pose, place) : HalfSpace(pose)).gap(place);
       if (!(depth > slight * d.lattice.largest_side())) continue;
       ++count;
       deepest = std::max(deepest, depth);
@@ -85,6 +85,7 @@ std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
     if (count > 0)
       text += (text.empty() ? "" : " and ") + std::to_string(count) + (count > 1 ? those + " start" : what + " starts") +
               (!plane.solid()     ? " behind plane "
+               : plane.box()      ? " in box "
                : plane.length > 0 ? " in cylinder "
                                   : " in sphere ") +
               scene.planes[q].name + ", by up to " + number(deepest) + " m";

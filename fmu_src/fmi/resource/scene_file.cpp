@@ -131,11 +131,16 @@ void read_plane(Record& r, SceneFile& s) {
   s.planes.push_back(plane);
   s.definition.planes = int(s.planes.size());
 }
-/// The plane of the record before is a solid about its point.
+/// The plane of the record before is a solid about its point: a sphere or cylinder, or a box.
 void read_solid(Record& r, SceneFile& s) {
   if (s.planes.empty()) r.fail("there is no plane before it");
   s.planes.back().radius = r.positive();
   s.planes.back().length = r.at_least(0);
+}
+void read_box(Record& r, SceneFile& s) {
+  if (s.planes.empty()) r.fail("there is no plane before it");
+  for (int axis = 0; axis < 3; ++axis) s.planes.back().sides[axis] = r.positive();
+  s.planes.back().rotation = r.vector();
 }
 void read_pin(Record& r, SceneFile& s) {
   SceneFile::Pin pin;
@@ -155,20 +160,20 @@ void read_pin_start(Record& r, SceneFile& s) {
   start.position = r.vector();
   for (double& component : start.orientation) component = r.number();
 }
-bool is_pose(Part part, std::string_view word) {
+bool is_pose(std::string_view kind, std::string_view word) {
   for (const FamilyInfo& info : families)
     for (char c : info.components)
-      if (info.part == part && word == std::string(info.pose) + "." + c) return true;
+      if (info.name.starts_with(kind) && !info.pose.empty() && word == std::string(info.pose) + "." + c) return true;
   return false;
 }
 /// The inputs of the plane or pin of the record before.
 template <class Moved>
-void read_inputs(Record& r, std::vector<Moved>& list, Part part) {
+void read_inputs(Record& r, std::vector<Moved>& list, std::string_view kind) {
   if (list.empty() || !list.back().moved_by_input) r.fail("there is nothing before it that inputs move");
   auto& inputs = list.back().inputs.emplace();
   while (r.more()) {
     const std::string_view word = r.word();
-    if (!is_pose(part, word)) r.fail("an unknown component of a pose");
+    if (!is_pose(kind, word)) r.fail("an unknown component of a pose");
     inputs.emplace(word);
   }
 }
@@ -218,12 +223,13 @@ constexpr Reader readers[] = {
     {"region_damping", read_region<&Region::damping>},
     {"region_internal_damping", read_region<&Region::internal_damping>},
     {"plane", read_plane},
-    {"plane_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.planes, Part::input_planes); }},
+    {"plane_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.planes, "plane."); }},
     {"solid", read_solid},
+    {"box", read_box},
     {"pin", read_pin},
     {"pin_origin", read_pin_origin},
     {"pin_start", read_pin_start},
-    {"pin_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.pins, Part::input_pins); }},
+    {"pin_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.pins, "pin."); }},
     {"load", read_load},
     {"probe",
      [](Record& r, SceneFile& s) {

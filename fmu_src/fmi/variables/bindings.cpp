@@ -26,6 +26,15 @@ std::vector<int> moved(const SceneFile& s) {
   return members;
 }
 
+std::vector<int> planes_that(const SceneFile& s, bool are_boxes) {
+  std::vector<int> members;
+  for (std::size_t q = 0; q < s.planes.size(); ++q)
+    if (s.planes[q].box() == are_boxes) members.push_back(int(q));
+  return members;
+}
+std::vector<int> with_normal(const SceneFile& s) { return planes_that(s, false); }
+std::vector<int> boxes(const SceneFile& s) { return planes_that(s, true); }
+
 template <auto list>
 bool by_input(const SceneFile& s, int member, std::string_view component) {
   const auto& one = (s.*list)[member];
@@ -51,8 +60,12 @@ constexpr PartBinding part_bindings[] = {
     {Part::forces, listed<&SceneFile::forces>, nullptr, true},
     {Part::loads, all<&SceneFile::loads>, name_in<&SceneFile::loads>},
     {Part::input_planes, all<planes>, name_in<planes>, false, by_input<planes>},
+    {Part::input_normals, with_normal, name_in<planes>, false, by_input<planes>},
+    {Part::input_boxes, boxes, name_in<planes>, false, by_input<planes>},
     {Part::input_pins, moved<pins>, name_in<pins>, false, by_input<pins>},
     {Part::fixed_planes, all<planes>, name_in<planes>, false, by_input<planes>},
+    {Part::fixed_normals, with_normal, name_in<planes>, false, by_input<planes>},
+    {Part::fixed_boxes, boxes, name_in<planes>, false, by_input<planes>},
     {Part::fixed_pins, moved<pins>, name_in<pins>, false, by_input<pins>},
     {Part::planes, all<planes>, name_in<planes>},
     {Part::always, [](const SceneFile&) { return one_if(true); }},
@@ -108,6 +121,7 @@ constexpr std::array<Binding, family_count> bindings{
     spread(Family::load),
     setting(Family::plane_point, of_plane<&PlaneMotion::point>),
     setting(Family::plane_normal, of_plane<&PlaneMotion::normal>, of_plane<&PlaneMotion::normal_rate>),
+    setting(Family::plane_rotation, of_plane<&PlaneMotion::rotation>, of_plane<&PlaneMotion::rotation_rate>),
     setting(Family::plane_velocity, of_plane<&PlaneMotion::velocity>, of_plane<&PlaneMotion::acceleration>),
     setting(Family::plane_angular_velocity, of_plane<&PlaneMotion::angular_velocity>, of_plane<&PlaneMotion::angular_acceleration>),
     setting(Family::pin_position, of_pin<&PinMotion::position>),
@@ -116,6 +130,7 @@ constexpr std::array<Binding, family_count> bindings{
     setting(Family::pin_angular_velocity, of_pin<&PinMotion::angular_velocity>, of_pin<&PinMotion::angular_acceleration>),
     setting(Family::fixed_plane_point, of_plane<&PlaneMotion::point>),
     setting(Family::fixed_plane_normal, of_plane<&PlaneMotion::normal>),
+    setting(Family::fixed_plane_rotation, of_plane<&PlaneMotion::rotation>),
     setting(Family::fixed_plane_velocity, of_plane<&PlaneMotion::velocity>),
     setting(Family::fixed_plane_angular_velocity, of_plane<&PlaneMotion::angular_velocity>),
     setting(Family::fixed_pin_position, of_pin<&PinMotion::position>),
