@@ -1,4 +1,4 @@
-"""Spheres and cylinders as obstacles, through the FMU: no point of the surface is ever inside, and forces balance."""
+"""Spheres, cylinders and boxes as obstacles, through the FMU: no point of the surface is ever inside, and forces balance."""
 
 import numpy as np
 import pytest
@@ -9,6 +9,7 @@ from scenes import GRAVITY, MOVED, box
 from softffd import Scene, Simulation, deform, simulate
 from softffd.errors import SceneError
 from softffd.fmu.package import scene_masses
+from softffd.rotation import turned
 
 G = -GRAVITY[2]
 UNIT = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
@@ -26,99 +27,185 @@ def body(tmp_path):
     return made
 
 
-def sphere_gap(places, centre, radius):
-    return np.linalg.norm(places - centre, axis=-1) - radius
+def gap(places, kind, solid, *, point=None, turn=None):
+    """Signed distance [m] from a solid as the scene has it, or from there moved to a point and turned by a rotation vector (a box)."""
+    arm = places - np.array(solid["point"] if point is None else point)
+    if kind == "sphere":
+        return np.linalg.norm(arm, axis=-1) - solid["radius"]
+    if kind == "cylinder":
+        axis = np.array(solid["normal"])
+        height = arm @ axis
+        beside = np.linalg.norm(arm - height[..., None] * axis, axis=-1) - solid["radius"]
+        out = np.stack([beside, np.abs(height) - solid["length"] / 2], axis=-1)
+    else:
+        back = -rotation_vector(solid) if turn is None else -turn
+        out = np.abs(turned(arm, np.broadcast_to(back, arm.shape))) - np.array(solid["size"]) / 2
+    return np.minimum(out.max(axis=-1), 0) + np.linalg.norm(np.maximum(out, 0), axis=-1)
 
 
-def cylinder_gap(places, centre, axis, radius, length):
-    """Signed distance from a solid cylinder [m]."""
-    arm = places - centre
-    height = arm @ axis
-    beside = np.linalg.norm(arm - height[..., None] * axis, axis=-1) - radius
-    above = np.abs(height) - length / 2
-    return np.minimum(np.maximum(beside, above), 0) + np.hypot(np.maximum(beside, 0), np.maximum(above, 0))
+def rotation_vector(solid):
+    given = solid.get("rotation", {"axis": [0.0, 0.0, 1.0], "degrees": 0.0})
+    return np.radians(given["degrees"]) * np.array(given["axis"]) / np.linalg.norm(given["axis"])
 
 
-def test_a_cube_rests_on_a_large_sphere(body):
+def deepest(result, kind, solid):
+    """The least gap of a vertex of the mesh at any communication point [m]."""
+    return gap(result.deformed(row=slice(None)), kind, solid).min()
+
+
+LARGE = {
+    "sphere": {"radius": 20.0, "point": [0.5, 0.5, -20.0]},
+    "cylinder": {"radius": 20.0, "length": 1.5, "normal": [0.0, 1.0, 0.0], "point": [0.5, 0.5, -20.0]},
+    "box": {"size": [1.5, 2.0, 0.5], "point": [0.5, 0.5, -0.25], "rotation": {"axis": [0, 0, 1], "degrees": 25.0}},
+}
+
+
+@pytest.mark.parametrize("kind", LARGE)
+def test_a_cube_rests_on_a_large_solid(body, kind):
     """Held in place by nothing but balance: its face lies around the top."""
-    ball = {"name": "ball", "radius": 20.0, "point": [0.5, 0.5, -20.0], "friction": 0.4}
-    scene = body(bodies.cube(5, 0.0), gravity=GRAVITY, damping=1.0, sphere=[ball], offset=[0.0, 0.0, 0.02], stop_time=10.0)
+    solid = {"name": "under", "friction": 0.4, **LARGE[kind]}
+    scene = body(bodies.cube(5, 0.0), gravity=GRAVITY, damping=1.0, offset=[0.0, 0.0, 0.02], stop_time=10.0, **{kind: [solid]})
     result = simulate(scene)
-    assert vector(result, "plane.ball.reaction")[-1] == pytest.approx([0.0, 0.0, -G], abs=1e-9)
-    assert sphere_gap(result.deformed(row=slice(None)), np.array(ball["point"]), 20.0).min() >= -1e-12
+    assert vector(result, "plane.under.reaction")[-1] == pytest.approx([0.0, 0.0, -G], abs=1e-9)
+    assert deepest(result, kind, solid) >= -1e-12
+
+
+FLAT = {
+    "disk": ("cylinder", {"radius": 10.0, "length": 2.0, "point": [0.0, 0.0, -1.0]}),
+    "box": ("box", {"size": [20.0, 20.0, 2.0], "point": [0.0, 0.0, -1.0]}),
+    "turned box": ("box", {"size": [20.0, 2.0, 20.0], "point": [0.0, 0.0, -1.0], "rotation": {"axis": [1, 0, 0], "degrees": 90.0}}),
+}
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_a_disk_is_as_good_as_a_plane(body, friction):
-    """What meets the flat end of a wide cylinder moves as on a plane."""
+@pytest.mark.parametrize("flat", FLAT)
+def test_a_flat_face_is_as_good_as_a_plane(body, flat, friction):
+    """What meets the flat end of a wide cylinder or a wide box moves as on a plane. A box that is not turned gives the same bits."""
     keys = {"gravity": [1.0, 0.0, -9.81], "offset": [0.0, 0.0, 0.05], "rotation": {"axis": [1, 2, 0], "degrees": 3.0}, "stop_time": 1.0}
-    shape = bodies.cube(5, 0.0)
-    plane = simulate(body(shape, plane=[{"name": "ground", "friction": friction}], **keys))
-    disk = {"name": "ground", "radius": 10.0, "length": 2.0, "point": [0.0, 0.0, -1.0], "friction": friction}
-    solid = simulate(body(shape, cylinder=[disk], **keys))
-    assert np.abs(plane.positions - solid.positions).max() <= 1e-9
-    assert np.abs(vector(plane, "plane.ground.reaction") - vector(solid, "plane.ground.reaction")).max() <= 1e-6
+    shape, (kind, solid) = bodies.cube(5, 0.0), FLAT[flat]
+    on_plane = simulate(body(shape, plane=[{"name": "ground", "friction": friction}], **keys))
+    on_solid = simulate(body(shape, **{kind: [{"name": "ground", "friction": friction, **solid}]}, **keys))
+    assert np.abs(on_plane.positions - on_solid.positions).max() <= (0 if flat == "box" else 1e-9)
+    assert np.abs(vector(on_plane, "plane.ground.reaction") - vector(on_solid, "plane.ground.reaction")).max() <= 1e-6
+    assert (on_plane.outputs["plane.ground.contacts"] == on_solid.outputs["plane.ground.contacts"]).all()
 
 
-def test_a_body_slides_off_a_cylinder(body):
-    axis, centre = np.array([0.0, 1.0, 0.0]), np.array([0.2, 0.5, -0.5])
-    log = {"name": "log", "radius": 0.5, "length": 0.8, "point": list(centre), "normal": list(axis), "friction": 0.2}
+STEEP = {
+    "cylinder": {"radius": 0.5, "length": 0.8, "point": [0.2, 0.5, -0.5], "normal": [0.0, 1.0, 0.0]},
+    "box": {"size": [1.0, 1.0, 0.3], "point": [0.1, 0.5, -0.5], "rotation": {"axis": [0, 1, 0], "degrees": 30.0}},
+}
+
+
+@pytest.mark.parametrize("kind", STEEP)
+def test_a_body_slides_off(body, kind):
+    """Over a cylinder's side, and over a tilted box's face and edge."""
+    solid = {"name": "log", "friction": 0.2, **STEEP[kind]}
     ground = {"name": "ground", "point": [0.0, 0.0, -2.0], "friction": 0.2}
-    scene = body(bodies.sphere(3), gravity=GRAVITY, damping=0.1, cylinder=[log], plane=[ground], stop_time=2.0)
+    scene = body(bodies.sphere(3), gravity=GRAVITY, damping=0.1, plane=[ground], stop_time=2.0, **{kind: [solid]})
     result = simulate(scene)
-    places = result.deformed(row=slice(None))
-    assert cylinder_gap(places, centre, axis, 0.5, 0.8).min() >= -1e-12
-    assert places[..., 2].min() >= -2 - 1e-12
+    assert deepest(result, kind, solid) >= -1e-12
+    assert result.deformed(row=slice(None))[..., 2].min() >= -2 - 1e-12
     assert np.abs(vector(result, "plane.log.reaction")).max() > 1
     assert vector(result, "probe.centre")[-1][2] < 0.5 - 1
 
 
-def test_a_moving_sphere_gives_the_momentum_that_it_is_charged_with(body):
-    ball = {"name": "ball", "radius": 0.2, "point": [-0.5, 0.55, 0.5], "friction": 0.3, "velocity": [1.0, 0.0, 0.0], **MOVED}
-    scene = body(bodies.sphere(3), sphere=[ball], damping=0.0, velocities="all", stop_time=1.0)
-    mass, H = scene_masses(scene).mass, 0.02
+SPIN = np.array([0.5, -1.0, 2.0])
+TURNED = {"motion": "input", "inputs": ["point", "rotation", "velocity", "angular_velocity"]}
+STRIKING = {"sphere": {"radius": 0.2, **MOVED}, "box": {"size": [0.4, 0.3, 0.2], "angular_velocity": SPIN.tolist(), **TURNED}}
+
+
+@pytest.mark.parametrize("kind", STRIKING)
+def test_a_moving_solid_gives_the_momentum_that_it_is_charged_with(body, kind):
+    """A box turns as it comes, by its rotation vector and angular velocity."""
+    solid = {"name": "ram", "point": [-0.5, 0.55, 0.5], "friction": 0.3, "velocity": [1.0, 0.0, 0.0], **STRIKING[kind]}
+    scene = body(bodies.sphere(3), damping=0.0, velocities="all", stop_time=1.0, **{kind: [solid]})
+    mass, H, least = scene_masses(scene).mass, 0.02, np.inf
     with Simulation(scene) as simulation:
-        impulse, deepest = np.zeros(3), np.inf
+        impulse, ram = np.zeros(3), simulation.plane["ram"]
         for step in range(50):
-            at = np.array([-0.5 + step * H, 0.55, 0.5])
-            simulation.plane["ball"].point = at
+            ram.point = [-0.5 + step * H, 0.55, 0.5]
+            if kind == "box":
+                ram.rotation = step * H * SPIN
             simulation.step()
-            impulse += H * np.array(simulation.plane["ball"].reaction)
+            impulse += H * np.array(ram.reaction)
             places = deform(scene.loaded_mesh, simulation.positions, origin=scene.lattice_box.origin, size=scene.lattice_box.size)
-            deepest = min(deepest, sphere_gap(places, at + np.array([H, 0.0, 0.0]), 0.2).min())
+            end = (step + 1) * H
+            least = min(least, gap(places, kind, solid, point=[-0.5 + end, 0.55, 0.5], turn=end * SPIN).min())
             momentum = mass @ np.array(simulation.velocities).reshape(-1, 3)
             assert np.abs(momentum + impulse).max() <= 1e-12
         assert momentum[0] > 0.1
-        assert deepest >= -1e-12
+        assert least >= -1e-12
 
 
-def test_what_starts_inside_is_moved_out(body):
-    ball = {"name": "ball", "radius": 0.2, "point": [0.5, 0.5, 0.1]}
-    result = simulate(body(bodies.sphere(3), sphere=[ball], stop_time=0.1))
-    assert sphere_gap(result.deformed(row=slice(None)), np.array(ball["point"]), 0.2).min() >= -1e-12
-    assert any("in sphere ball" in message.text for message in result.log)
+def test_a_box_turns_by_its_angular_velocity_as_by_its_rotation(body):
+    """A fixed one that turns from the start goes where the poses of an input have it, when these give its angular velocity."""
+    solid = {"name": "ram", "size": [1.2, 0.3, 0.2], "point": [0.5, 0.5, -0.2], "friction": 0.3, "angular_velocity": [0.0, 3.0, 0.0]}
+    keys = {"damping": 0.0, "stop_time": 0.5}
+    fixed = simulate(body(bodies.sphere(3), box=[solid], **keys))
+    assert np.abs(fixed.positions[-1] - fixed.positions[0]).max() > 1e-2
+    with Simulation(body(bodies.sphere(3), box=[solid | TURNED], **keys)) as simulation:
+        for step in range(25):
+            simulation.plane["ram"].rotation = [0.0, 3.0 * 0.02 * step, 0.0]
+            simulation.step()
+        assert np.abs(np.array(simulation.positions) - fixed.positions[-1]).max() <= 1e-12
 
 
-def test_a_thin_disk_is_not_passed(body):
-    """A fast body meets a disk a thousandth of what it moves in a step."""
-    disk = {"name": "disk", "radius": 3.0, "length": 1e-4, "point": [0.5, 0.5, -0.2], "friction": 0.0}
-    result = simulate(body(bodies.sphere(3), velocity=[0.0, 0.0, -100.0], cylinder=[disk], stiffness=1e5, stop_time=0.1))
-    places = result.deformed(row=slice(None))
-    assert places[..., 2].min() >= -0.2 + 5e-5 - 1e-12
+INSIDE = {
+    "sphere": {"radius": 0.2, "point": [0.5, 0.5, 0.1]},
+    "cylinder": {"radius": 0.2, "length": 1.0, "normal": [0.0, 1.0, 0.0], "point": [0.5, 0.5, 0.1]},
+    "box": {"size": [0.5, 0.5, 0.3], "point": [0.5, 0.5, 0.1], "rotation": {"axis": [0, 0, 1], "degrees": 20.0}},
+}
+
+
+@pytest.mark.parametrize("kind", INSIDE)
+def test_what_starts_inside_is_moved_out(body, kind):
+    solid = {"name": "thorn", **INSIDE[kind]}
+    result = simulate(body(bodies.sphere(3), stop_time=0.1, **{kind: [solid]}))
+    assert deepest(result, kind, solid) >= -1e-12
+    assert any(f"in {kind} thorn" in message.text for message in result.log)
+
+
+THIN = {"cylinder": {"radius": 3.0, "length": 1e-4}, "box": {"size": [6.0, 6.0, 1e-4]}}
+
+
+@pytest.mark.parametrize("kind", THIN)
+def test_a_thin_solid_is_not_passed(body, kind):
+    """A fast body meets what is a thousandth as thick as it moves in a step."""
+    disk = {"name": "disk", "point": [0.5, 0.5, -0.2], "friction": 0.0, **THIN[kind]}
+    result = simulate(body(bodies.sphere(3), velocity=[0.0, 0.0, -100.0], stiffness=1e5, stop_time=0.1, **{kind: [disk]}))
+    assert result.deformed(row=slice(None))[..., 2].min() >= -0.2 + 5e-5 - 1e-12
+
+
+def test_no_vertex_is_in_a_box_that_it_is_thrown_at_whatever_the_corner(body):
+    """Faces, edges and corners of boxes in every position, at speeds of several of their sides a step."""
+    random = np.random.default_rng(7)
+    touched = 0
+    for _ in range(12):
+        axis, way = random.normal(size=3), random.normal(size=3)
+        way /= np.linalg.norm(way)
+        solid = {"name": "crate", "size": random.uniform(0.02, 0.6, 3).tolist(), "point": (0.5 + way).tolist(), "friction": 0.3,
+                 "rotation": {"axis": axis.tolist(), "degrees": random.uniform(0, 180)}}  # fmt: skip
+        result = simulate(body(bodies.sphere(3), box=[solid], velocity=(20 * way).tolist(), step=2e-3, stop_time=0.1))
+        assert deepest(result, "box", solid) >= -1e-12
+        touched += np.abs(vector(result, "plane.crate.reaction")).max() > 0
+    assert touched >= 9
 
 
 @pytest.mark.parametrize(("friction", "ratio"), [(0.0, 3.5), (0.3, 1.8)], ids=["smooth", "rough"])
-@pytest.mark.parametrize("solid", ["sphere", "cylinder"])
+@pytest.mark.parametrize("solid", ["sphere", "cylinder", "box"])
 def test_sliding_in_lasting_contact_is_second_order_without_friction(body, solid, friction, ratio):
     """By how much the error against a small step falls when the step is halved: a cube slides on four corners."""
     sphere = {"name": "ball", "radius": 2.0, "point": [0.5, 0.5, -np.sqrt(4 - 0.5)], "friction": friction}
     log = {**sphere, "length": 10.0, "normal": [0.0, 1.0, 0.0], "point": [0.5, 0.5, -np.sqrt(4 - 0.25)]}
+    tilt, up = {"axis": [0, 1, 0], "degrees": 10.0}, np.array([np.sin(np.radians(10)), 0.0, np.cos(np.radians(10))])
+    slope = {"name": "slope", "size": [10.0, 10.0, 1.0], "rotation": tilt, "point": (np.full(3, 0.5) - up).tolist(), "friction": friction}
     keys = {
-        solid: [sphere if solid == "sphere" else log],
+        solid: [{"sphere": sphere, "cylinder": log, "box": slope}[solid]],
         "gravity": GRAVITY,
         "velocity": [0.5, 0.2, 0.0],
         "damping": 0.5,
         "stop_time": 0.2,
+        **({"rotation": tilt} if solid == "box" else {}),
     }
     ends = [simulate(body(bodies.cube(2, 0.0), step=h, **keys)).positions[-1] for h in (4e-4, 2e-4, 5e-6)]
     errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
@@ -133,9 +220,13 @@ def test_implicit_steps_and_the_lattice_refuse_them(body):
         body(bodies.sphere(1), sphere=[ball], contact={"of": "lattice"})
 
 
-def test_a_state_continues_with_the_same_bits(body):
-    ball = {"name": "ball", "radius": 1.0, "point": [0.5, 0.5, -1.0]}
-    with Simulation(body(bodies.sphere(2), gravity=GRAVITY, sphere=[ball], stop_time=1.0)) as simulation:
+UNDER = {"sphere": {"radius": 1.0, "point": [0.5, 0.5, -1.0]}, "box": {"size": [0.5, 0.4, 0.2], "point": [0.6, 0.5, -0.05]}}
+
+
+@pytest.mark.parametrize("kind", UNDER)
+def test_a_state_continues_with_the_same_bits(body, kind):
+    solid = {"name": "under", **UNDER[kind]}
+    with Simulation(body(bodies.sphere(2), gravity=GRAVITY, stop_time=1.0, **{kind: [solid]})) as simulation:
         for _ in range(20):
             simulation.step()
         state = simulation.save()
