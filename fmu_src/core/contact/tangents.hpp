@@ -6,9 +6,9 @@
 ///       ( solid )      before one side of a thin solid never ends behind the other. Velocities at the end of the step go by the tangents
 ///                      there, so that half of an impulse has the direction of either end.
 ///
-/// A solid is a sphere, a cylinder with flat ends or a box, about the point of its pose; a cylinder's axis is the pose's normal. Tangents of a
-/// box go by a face, an edge or a corner: a sample that starts before a face stays in front of all of its plane until the step ends, and is
-/// past the edge for the next step only.
+/// A solid is a sphere, a cylinder with flat ends or a box, about the point of its pose; a cylinder's axis is the pose's normal. Tangents
+/// of a box go by a face, an edge or a corner: a sample that starts before a face stays in front of all of that face's plane until the step
+/// ends, and is past an edge for the next step only.
 #pragma once
 #include <vector>
 

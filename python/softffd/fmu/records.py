@@ -10,6 +10,7 @@ import numpy as np
 
 from softffd.fmu.variables import internal_damping_present, method_value, spring_damping_present
 from softffd.lattice import LatticeBox, Point, point_at, to_flat
+from softffd.scene.sections import Box, Plane
 
 if TYPE_CHECKING:
     from softffd.embedding.mass import Masses
@@ -52,12 +53,12 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
             if (value := getattr(region, key)) is not None:
                 lines.append([f"region_{key}", value, *points])
     for plane in scene.obstacles:
-        normal = (0.0, 0.0, 1.0) if plane in scene.box else plane.normal
+        normal = (0.0, 0.0, 1.0) if isinstance(plane, Box) else plane.normal
         motion = [*plane.point, *normal, *plane.velocity, *plane.angular_velocity]
         lines.append(["plane", plane.name, plane.motion, *motion, plane.friction])
-        if plane in scene.box:
+        if isinstance(plane, Box):
             lines.append(["box", *plane.size, *plane.rotation_vector()])
-        elif plane in scene.solids:
+        elif not isinstance(plane, Plane):
             lines.append(["solid", plane.radius, plane.length])
         if plane.motion == "input":
             lines.append(["plane_inputs", *plane.input_components()])

@@ -96,6 +96,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
 
     planes, pins = scene.obstacles, scene.pin
     surfaces, frames = [_plane(plane) for plane in planes], [_pin(scene, pin) for pin in pins if pin.motion == "input"]
+    faced, boxes = ([each for each in surfaces if pose in each] for pose in ("normal", "rotation"))
     material, stiffness, gravity = scene.material, scene.material.stiffness, scene.environment.gravity
     methods = table()["method"]
     touching = TOUCHING[scene.contact.of]
@@ -103,8 +104,8 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "forces": points(scene.inputs.forces),
         "loads": [{"name": load.name} for load in scene.load],
         **dict.fromkeys(("planes", "input_planes", "fixed_planes"), surfaces),
-        **dict.fromkeys(("input_normals", "fixed_normals"), [each for each in surfaces if "normal" in each]),
-        **dict.fromkeys(("input_boxes", "fixed_boxes"), [each for each in surfaces if "rotation" in each]),
+        **dict.fromkeys(("input_normals", "fixed_normals"), faced),
+        **dict.fromkeys(("input_boxes", "fixed_boxes"), boxes),
         **dict.fromkeys(("input_pins", "fixed_pins"), frames),
         "always": [
             {

@@ -13,8 +13,9 @@ from softffd.rotation import between_directions, between_orientations, quaternio
 def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step: float) -> dict[str, float]:
     """Velocities that take every pose given in `now` to the one in `then` after `step` [s] and that `now` does not give itself.
 
-    Names are those of the FMU's variables: plane.NAME.point gives .velocity, .normal or .rotation gives .angular_velocity; pin.NAME.position and
-    .orientation likewise. Components that are not given count as zero change for points; rotations need the whole normal, rotation vector or quaternion.
+    Names are those of the FMU's variables: plane.NAME.point gives .velocity, .normal or .rotation gives .angular_velocity;
+    pin.NAME.position and .orientation likewise. Components that are not given count as zero change for points; rotations need the whole
+    normal, rotation vector or quaternion.
     """
     derived: dict[str, float] = {}
     for pose, parts in _parts_with_poses(now).items():

@@ -111,7 +111,9 @@ class Plane(Part):
     __slots__ = ()
     point = VectorField("(3,) m, at the communication point; of a plane that is no input: at the start")
     normal = VectorField("(3,); need not have unit length; the solid is on the other side")
-    rotation = VectorField("(3,) rad, of a box, which has no normal: along the axis and as long as the angle of its turn from the world's axes")
+    rotation = VectorField(
+        "(3,) rad, of a box, which has no normal: along the axis and as long as the angle of its turn from the world's axes"
+    )
     velocity = VectorField("(3,) m/s, of the obstacle at `point` during the step")
     angular_velocity = VectorField("(3,) rad/s, about `point`")
     friction = NumberField("Coulomb coefficient, >= 0")

@@ -149,25 +149,40 @@ class Result:
         return deform(mesh, positions, origin=self.lattice.origin, size=self.lattice.size, basis=self.lattice.basis)
 
     def plane_names(self) -> list[str]:
-        """Names of the obstacle planes, in the order of the scene."""
+        """Names of the obstacles, planes and then solids, in the order of the scene: what stands in plane.NAME.reaction.x."""
         return part_names("plane", [*self.parameters, *self.inputs])
 
     def plane(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Points (T, 3) [m] and normals (T, 3) of a plane over time; FmuError with the nearest name for one that is not there."""
+        """Points (T, 3) [m] and normals (T, 3) of an obstacle over time; FmuError with the nearest name for one that is not there.
+
+        Of a solid its centre and a cylinder's axis, a box's third edge; a sphere's says nothing.
+        """
         require_name("plane", name, self.plane_names())
+        age = self._age(name)
+        points = self._of_plane("point", name) + age * self._of_plane("velocity", name)
+        if self._is_box(name):
+            return points, self.edges(name)[..., 2]
+        return points, turned(self._of_plane("normal", name), age * self._of_plane("angular_velocity", name))
 
-        def vector(what: str) -> np.ndarray:
-            names = vector_names(f"plane_{what}", name)
-            columns = [self.inputs[key] if key in self.inputs else self.parameters[key] for key in names]
-            return np.stack([np.broadcast_to(column, self.time.shape) for column in columns], axis=1)
+    def edges(self, name: str) -> np.ndarray:
+        """Directions of a box's edges over time, in columns (T, 3, 3); FmuError with the nearest name for an obstacle that is no box."""
+        require_name("box", name, [each for each in self.plane_names() if self._is_box(each)])
+        rotation, turn = self._of_plane("rotation", name), self._age(name) * self._of_plane("angular_velocity", name)
+        return np.stack([turned(turned(np.broadcast_to(axis, turn.shape), rotation), turn) for axis in np.eye(3)], axis=-1)
 
-        points, normals = vector("point"), vector("normal")
-        pose = ("point", "normal", "velocity", "angular_velocity")
-        if not any(key in self.inputs for what in pose for key in vector_names(f"plane_{what}", name)):  # moved on since the start time
-            age = (self.time - self.time[0])[:, None]
-            points = points + age * vector("velocity")
-            normals = turned(normals, age * vector("angular_velocity"))
-        return points, normals
+    def _is_box(self, name: str) -> bool:
+        return any(key in values for key in vector_names("plane_rotation", name) for values in (self.inputs, self.parameters))
+
+    def _of_plane(self, what: str, name: str) -> np.ndarray:
+        """A vector of an obstacle's pose or motion over time, (T, 3)."""
+        columns = [self.inputs[key] if key in self.inputs else self.parameters[key] for key in vector_names(f"plane_{what}", name)]
+        return np.stack([np.broadcast_to(column, self.time.shape) for column in columns], axis=1)
+
+    def _age(self, name: str) -> np.ndarray:
+        """Since when an obstacle has moved on from the pose that is given, (T, 1) [s]: the start, or now where inputs give it."""
+        pose = ("point", "normal", "rotation", "velocity", "angular_velocity")
+        led = any(key in self.inputs for what in pose for key in vector_names(f"plane_{what}", name))
+        return np.zeros((len(self.time), 1)) if led else (self.time - self.time[0])[:, None]
 
     def save(self, path: str | Path) -> list[Path]:
         """Writes NAME.npz, all of the result in one file, for a path with that ending; for any other a folder of result.npz, result.csv and

@@ -37,7 +37,9 @@ def _solids_of_lattice(draft: Draft) -> Iterator[Fault]:
 def _method(draft: Draft) -> Iterator[Fault]:
     method = draft.scene.solver.method
     if method == "backward_euler" and draft.scene.solids and draft.sound("solver", "method"):
-        text = f'wanted "auto", "leapfrog", "bm4", "rkn12", "dop853" or "ros34pw2" beside a sphere, cylinder or box, got {toml_text(method)}'
+        text = (
+            f'wanted "auto", "leapfrog", "bm4", "rkn12", "dop853" or "ros34pw2" beside a sphere, cylinder or box, got {toml_text(method)}'
+        )
         yield Fault(("solver", "method"), text)
     if method not in MEETING and draft.sound("solver", "method"):
         wanted = " or ".join([", ".join(f'"{each}"' for each in MEETING[:-1]), f'"{MEETING[-1]}"'])

@@ -25,3 +25,14 @@ TEST(rotation_keeps_lengths) {
   CHECK_NEAR(rotated(w, v).norm(), v.norm(), 1e-14);
   CHECK_NEAR((rotated(-w, rotated(w, v)) - v).norm(), 0.0, 1e-14);
 }
+
+TEST(what_follows_a_rotation_vector_turns_with_its_spin) {
+  const Vec3 rate(0.4, -0.7, 1.1), v(4, 5, -6);
+  for (const double angle : {0.0, 1e-9, 0.1, 2.0, 3.2, 7.0}) {
+    const Vec3 w = angle * Vec3(0.6, 0, 0.8);
+    const double d = 1e-5;
+    const Vec3 measured = (rotated(w + d * rate, v) - rotated(w - d * rate, v)) / (2 * d);
+    CHECK_NEAR((measured - spin_of(w, rate).cross(rotated(w, v))).norm(), 0.0, 1e-8);  // d^2 and rounding over d
+    CHECK(spin_of(w, rate).norm() <= rate.norm() * (1 + 1e-15));
+  }
+}

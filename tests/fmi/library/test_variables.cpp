@@ -16,7 +16,7 @@ using softffd::Vec3;
 
 namespace {
 
-/// A scene with every part but the one that its stiffness leaves no place for.
+/// A scene with every part but the one that its stiffness leaves no place for, and boxes, which need a surface.
 const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiffness = 100, .initial = "1 1 1 0 0 0.5 1 0 0 0 0 0"}.text(
     "damping 0.05\ninternal_damping 0.001\ngravity 0 0 -9.81\ninitial_rotation 0 0 0\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 "
     "0.4\nplane lid input 0 0 9 0 0 "
@@ -27,7 +27,9 @@ const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiffness = 
 
 const std::vector<FamilyInfo> present = [] {
   std::vector<FamilyInfo> list(std::begin(families), std::end(families));
-  std::erase_if(list, [](const FamilyInfo& info) { return info.part == Part::modulus; });
+  std::erase_if(list, [](const FamilyInfo& info) {
+    return info.part == Part::modulus || info.part == Part::input_boxes || info.part == Part::fixed_boxes;
+  });
   return list;
 }();
 

@@ -214,10 +214,13 @@ def test_sliding_in_lasting_contact_is_second_order_without_friction(body, solid
 
 def test_implicit_steps_and_the_lattice_refuse_them(body):
     ball = {"name": "ball", "radius": 0.2}
-    with pytest.raises(SceneError, match=r'solver.method: wanted "auto", "leapfrog".* beside a sphere, cylinder or box, got "backward_euler"'):
+    with pytest.raises(
+        SceneError, match=r'solver.method: wanted "auto", "leapfrog".* beside a sphere, cylinder or box, got "backward_euler"'
+    ):
         body(bodies.sphere(1), sphere=[ball], method="backward_euler", step=0.0)
-    with pytest.raises(SceneError, match=r"contact.of: .lattice. knows planes alone, but the scene has a \[\[sphere\]\]"):
-        body(bodies.sphere(1), sphere=[ball], contact={"of": "lattice"})
+    for kind, solid in (("sphere", ball), ("box", {"name": "crate", "size": [1.0, 1.0, 1.0]})):
+        with pytest.raises(SceneError, match=rf"contact.of: .lattice. knows planes alone, but the scene has a \[\[{kind}\]\]"):
+            body(bodies.sphere(1), contact={"of": "lattice"}, **{kind: [solid]})
 
 
 UNDER = {"sphere": {"radius": 1.0, "point": [0.5, 0.5, -1.0]}, "box": {"size": [0.5, 0.4, 0.2], "point": [0.6, 0.5, -0.05]}}
