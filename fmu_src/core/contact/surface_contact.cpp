@@ -238,16 +238,6 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   return StepStatus::ok;
 }
 
-/// Tangents at the end of the drift in the place of those at its start: half of an impulse has the direction of either, which is second
-/// order.
-void SurfaceContact::turn_tangents(const StepView& step, const Points& x1) {
-  for (std::size_t i = 0; i < tangents_.found().size(); ++i) {
-    const Plane& solid = step.around.planes[tangents_.found()[i].obstacle];
-    end_[flat_ + i] = tangent(solid, solid.pose_at(step.t1), samples_.at(tangents_.found()[i].sample, x1));
-  }
-  set_planes();
-}
-
 /// The drift's stage; move_: by what it moves the points.
 StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
   const double way = step.h * largest_speed(v);

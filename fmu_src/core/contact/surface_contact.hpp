@@ -58,10 +58,6 @@ class SurfaceContact {
 
  private:
   using Slip = std::function<Vec3(const SurfaceRow&)>;
-  void know(const Drive& around);
-  void resize(std::size_t planes);
-  void find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way);
-  void turn_tangents(const StepView& step, const Points& x1);
   /// By which the state knows a row.
   Count number(const SurfaceRow& row) const { return Count(obstacle_[row.plane]) * samples_.count() + row.sample; }
   void load(const std::vector<Count>& numbers, const Points& friction, SurfaceStage& stage) const;
@@ -80,6 +76,11 @@ class SurfaceContact {
   bool gains(const StepView& step, const Points& x1) const;
   double book(const StepView& step, const SurfaceStage& stage, double per_force, const Points& x1, Exchange& exchange);
   double give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
+  // surface_solids.cpp
+  void know(const Drive& around);
+  void resize(std::size_t planes);
+  void find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way);
+  void turn_tangents(const StepView& step, const Points& x1);
   // surface_jumps.cpp
   bool gaps_at(const Drive& around, double time, const Points& x, double& deepest);
   void shift(Points& x) const;

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import bodies
 from scenes import GRAVITY, LED, MOVED, box
 from softffd import FmuError, SceneError, Simulation, package_fmu, simulate
 from softffd.fmu.component import Component
@@ -142,3 +143,27 @@ def test_names_that_are_none_and_inputs_of_what_is_fixed_are_refused(part, words
 def test_a_pin_has_names_of_its_own():
     with pytest.raises(SceneError, match=r"wanted a list of position, orientation, .* got .*point\.z"):
         box(pin=[{"name": "lid", "points": "z-", "motion": "input", "inputs": ["point.z"]}])
+
+
+def test_boxes_beside_other_obstacles_have_rotations_where_these_have_normals(tmp_path):
+    """The library and the description agree on what each reference stands for."""
+    mesh = {"file": bodies.write(tmp_path / "body.obj", bodies.cube(2, 0.0))}
+    turned = {"rotation": {"axis": [0, 0, 2], "degrees": 90.0}, "size": [1.0, 2.0, 3.0]}
+    solids = {
+        "sphere": [{"name": "ball", "radius": 1.0, "point": [0, 0, -9]}],
+        "cylinder": [{"name": "log", "radius": 1.0, "length": 2.0, "point": [0, 0, -5], "normal": [0, 1, 0], "motion": "input"}],
+        "box": [
+            {"name": "crate", "point": [9, 0, 0], **turned, "motion": "input", "inputs": ["rotation.z", "point.x"]},
+            {"name": "shelf", "point": [0, 9, 0], **turned},
+        ],
+    }
+    scene = box(plane=[LID], mesh=mesh, lattice={"origin": [0, 0, 0], "size": [1, 1, 1]}, contact={"of": "surface"}, **solids)
+    with Component(scene) as component:
+        component.set_up()
+        described = {name: v.start for name, v in component.by_name.items() if v.causality in ("input", "parameter") and v.type == "Real"}
+        assert dict(zip(described, component.block(list(described)).get(), strict=True)) == described
+        assert described["plane.crate.rotation.z"] == described["plane.shelf.rotation.z"] == pytest.approx(np.pi / 2)
+        assert "plane.crate.normal.z" not in described and "plane.log.rotation.z" not in described
+        assert [name for name in described if component.by_name[name].causality == "input" and "crate" in name] == [
+            "plane.crate.point.x", "plane.crate.rotation.z",
+        ]  # fmt: skip
