@@ -2,13 +2,15 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
 from softffd.show.raster import FIELD, Camera, Canvas
 from softffd.show.raster_mark import draw_arrow, draw_dots
 from softffd.show.raster_plane import Patch, draw_plane
-from softffd.show.stage import FREE, PINNED, VIEW, Stage, round_length
+from softffd.show.raster_solid import draw_solid
+from softffd.show.stage import FREE, PINNED, VIEW, Stage, beside, round_length
 from softffd.show.surface import ShadingNormals, face_normals
 from softffd.show.touch import INK, MARK
 
@@ -53,6 +55,9 @@ class Panels:
         self._paint = stage.skin.painter(stage.faces)
         moving = [shape.points.reshape(-1, 3) for shape in shapes if shape.frame is not None]
         points = np.concatenate(moving or [shapes[0].points.reshape(-1, 3)])
+        covered = np.stack([points.min(axis=0), points.max(axis=0)])
+        self._beside = {s.frame: [beside(covered, solid, s.frame) for solid in stage.solids] for s in shapes if s.frame is not None}
+        points = np.concatenate([points, *(ends for each in self._beside.values() for ends in each)])
         self._centre, self._half = _middle(points), np.ptp(points, axis=0) / 2
         self._distance = float(max(self._needed(shape) for shape in shapes))
 
@@ -63,7 +68,9 @@ class Panels:
         surface = stage.deformed(shape.points), stage.faces
         canvas.triangles(*surface, self._corner_normals(*surface), self._painter(shape.frame))
         if shape.frame is not None:
-            self._draw_obstacles(canvas, shape.frame, surface)
+            for solid in stage.solids:
+                draw_solid(canvas, *solid.surface(shape.frame), solid.form.faces, tint=solid.tint)
+            self._draw_planes(canvas, shape.frame, surface)
         self._draw_lattice(canvas, shape.points)
         if shape.frame is not None and self._touch:
             self._draw_touch(canvas, shape.frame)
@@ -78,8 +85,8 @@ class Panels:
         return shape.middle if shape.frame is None else self._centre
 
     def _needed(self, shape):
-        """The distance [m] from which the shape's lattice fits into the image, and its arrows."""
-        points = shape.points.reshape(-1, 3)
+        """The distance [m] from which the shape's lattice fits into the image, its arrows and what is beside it of solids."""
+        points = np.concatenate([shape.points.reshape(-1, 3), *map(_corners, self._beside.get(shape.frame, ()))])
         if self._touch and shape.frame is not None:
             points = np.concatenate([points, self._touch.arrows(shape.frame)[:, 1]])
         right, above, back = self._axes @ (points - self._target(shape)).T
@@ -91,7 +98,7 @@ class Panels:
             return self._normals.corners(vertices)
         return np.repeat(face_normals(vertices, faces)[:, None], 3, axis=1)
 
-    def _draw_obstacles(self, canvas, frame, surface):
+    def _draw_planes(self, canvas, frame, surface):
         reach, spacing = 0.8 * self._distance, round_length(0.15 * self._distance)
         floors = [(p.points[frame], p.normals[frame]) for p in self._stage.planes if p.is_floor]
         for plane in self._stage.planes:
@@ -131,6 +138,11 @@ def view_axes(up):
     flat = np.cos(turn) * east + np.sin(turn) * np.cross(up, east)
     right, back = np.cross(up, flat), np.cos(lift) * flat + np.sin(lift) * np.asarray(up)
     return np.stack([right, np.cross(back, right), back])
+
+
+def _corners(ends):
+    """Of a box with these ends (2, 3), (8, 3)."""
+    return np.array(list(product(*ends.T)))
 
 
 def _middle(points):

@@ -8,15 +8,24 @@ import numpy as np
 from softffd.embedding.deform import Embedding
 from softffd.errors import SoftffdError
 from softffd.lattice import index_grid, rest_grid
+from softffd.names import vector_names
+from softffd.scene.sections import Box, Sphere
 from softffd.show.skin import Skin, painted, skinned
+from softffd.show.solid import Form, form_of
 from softffd.show.surface import cage_surface
 
 FREE, PINNED = (0.90, 0.42, 0.05), (0.10, 0.10, 0.12)
 OBSTACLES = ((0.63, 0.67, 0.73), (0.34, 0.71, 0.91), (0.80, 0.47, 0.65), (0.0, 0.62, 0.45), (0.90, 0.62, 0.0))
-"""Colours that remain apart for the colour-blind, and from the object's paint: its control points, the planes in turn."""
+"""Colours that remain apart for the colour-blind, and from the object's paint: its control points, the obstacles in turn."""
 
 VIEW = (-1.0, 0.27)
 """From where one looks first, rad: about the up direction, and above the horizon."""
+
+BESIDE = 0.15
+"""How far beside the lattice a solid is in view, as a share of the diagonal of the lattice's box."""
+
+GLANCES = 50
+"""Frames, evenly chosen, whose solids are to be in view."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +44,39 @@ class PlaneTrack:
     normals: np.ndarray
     tangents: np.ndarray
 
+    def gap(self, frame, places):
+        """Distance of places (N, 3) [m] from it in a frame, negative behind it, (N,) [m]."""
+        return (places - self.points[frame]) @ self.normals[frame]
+
+
+@dataclass(frozen=True, eq=False)
+class SolidTrack:
+    """A solid obstacle over time.
+
+    `form`: its shape; `points` (T, 3) [m]: its centre; unit `normals` and `tangents` (T, 3): its third axis and its first.
+    """
+
+    name: str
+    tint: tuple[float, float, float]
+    form: Form
+    points: np.ndarray
+    normals: np.ndarray
+    tangents: np.ndarray
+
+    def axes(self, frame):
+        """Its axes in a frame, unit vectors as rows (3, 3)."""
+        normal, tangent = self.normals[frame], self.tangents[frame]
+        return np.stack([tangent, np.cross(normal, tangent), normal])
+
+    def surface(self, frame):
+        """Vertices (V, 3) [m] and their normals (V, 3) in a frame."""
+        axes = self.axes(frame)
+        return self.points[frame] + self.form.vertices @ axes, self.form.normals @ axes
+
+    def gap(self, frame, places):
+        """Signed distance of places (N, 3) [m] from it in a frame, negative inside, (N,) [m]."""
+        return self.form.gap((places - self.points[frame]) @ self.axes(frame).T)
+
 
 @dataclass(frozen=True, eq=False)
 class Stage:
@@ -44,7 +86,7 @@ class Stage:
     surface is embedded; `basis`: "bezier" or "bspline". `vertices` (V, 3) [m] and `faces` (F, 3): the surface at rest;
     `skin`: its colours. `is_cage`: the surface is the boundary of the volume itself.
     `pinned`: flat indices of attached control points. `up` (3,): unit. `centre`, `half` (3,) [m]: middle and half the
-    sides of the box of all that the lattice ever covers.
+    sides of the box of all that the lattice ever covers, and of solids what is beside it.
     """
 
     title: str
@@ -58,6 +100,7 @@ class Stage:
     skin: Skin
     is_cage: bool
     planes: tuple[PlaneTrack, ...]
+    solids: tuple[SolidTrack, ...]
     pinned: np.ndarray
     up: np.ndarray
     centre: np.ndarray
@@ -69,7 +112,7 @@ class Stage:
 
     @property
     def radius(self):
-        """Half the diagonal of the box of all that the lattice ever covers, m."""
+        """Half the diagonal of the box of all there is to see, m."""
         return float(np.linalg.norm(self.half))
 
     @cached_property
@@ -107,7 +150,13 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
         vertices, faces = cage_surface(origin, size, divisions=_divisions(positions))
         skin = painted(vertices, faces)
     up = up_direction(result.scene)
-    low, high = positions.min(axis=(0, 1, 2, 3)), positions.max(axis=(0, 1, 2, 3))
+    covered = np.stack([positions.min(axis=(0, 1, 2, 3)), positions.max(axis=(0, 1, 2, 3))])
+    tints = {name: OBSTACLES[number % len(OBSTACLES)] for number, name in enumerate(result.plane_names())}
+    known = () if result.scene is None else result.scene.solids
+    solids = tuple(_solid_track(solid, tints[solid.name], result, covered) for solid in known)
+    frames = np.unique(np.linspace(0, len(positions) - 1, GLANCES).astype(int))
+    seen = np.concatenate([covered, *(beside(covered, solid, frame) for solid in solids for frame in frames)])
+    low, high = seen.min(axis=0), seen.max(axis=0)
     return Stage(
         title=result.title,
         time=np.asarray(result.time, dtype=float),
@@ -119,7 +168,8 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
         faces=np.asarray(faces, dtype=np.int64),
         skin=skin,
         is_cage=mesh is None,
-        planes=tuple(_track(i, name, up, *result.plane(name)) for i, name in enumerate(_flat(result))),
+        planes=tuple(_track(name, tints[name], up, *result.plane(name)) for name in _flat(result)),
+        solids=solids,
         pinned=_pinned(result.scene),
         up=up,
         centre=(low + high) / 2,
@@ -128,9 +178,21 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
 
 
 def _flat(result):
-    """Names of the obstacles that are planes; solids are not drawn."""
+    """Names of the obstacles that are planes; without a scene all that could be one."""
     solids = () if result.scene is None else [solid.name for solid in result.scene.solids]
-    return [name for name in result.plane_names() if name not in solids]
+    values = [*result.parameters, *result.inputs]
+    return [name for name in result.plane_names() if name not in solids and set(vector_names("plane_normal", name)) <= set(values)]
+
+
+def beside(covered, solid, frame):
+    """What is in view of a solid in a frame, as a box: ends (2, 3) [m]; covered: those of the box that the lattice covers, and what it is
+    where the solid is far from it."""
+    margin = BESIDE * np.linalg.norm(covered[1] - covered[0])
+    least, most = covered[0] - margin, covered[1] + margin
+    places = solid.surface(frame)[0]
+    low, high = places.min(axis=0), places.max(axis=0)
+    near = (low <= most).all() and (high >= least).all()
+    return np.stack([low.clip(least, most), high.clip(least, most)]) if near else covered
 
 
 def up_direction(scene):
@@ -167,15 +229,30 @@ def _box(result, mesh, origin, size):
     return np.array(low if origin is None else origin, float), np.array(extent if size is None else size, float)
 
 
-def _track(number, name, up, points, normals):
-    """The tangents follow one world axis through the run, the one that the normal comes least close to."""
+def _track(name, tint, up, points, normals):
     normals = _unit(normals)
+    is_floor = bool((normals @ up > 0.7).all())
+    return PlaneTrack(name, tint, is_floor, np.asarray(points, dtype=float), normals, _tangents(normals))
+
+
+def _solid_track(solid, tint, result, covered):
+    """The pole of a sphere, which looks the same however it is turned, is where the lattice's box is."""
+    form = form_of(solid, float(np.linalg.norm(covered[1] - covered[0])))
+    points, normals = result.plane(solid.name)
+    if isinstance(solid, Box):
+        return SolidTrack(solid.name, tint, form, points, normals, result.edges(solid.name)[..., 0])
+    if isinstance(solid, Sphere):
+        way = covered.mean(axis=0) - points
+        normals = np.where(np.any(way, axis=1, keepdims=True), way, [0.0, 0.0, 1.0])
+    normals = _unit(normals)
+    return SolidTrack(solid.name, tint, form, points, normals, _tangents(normals))
+
+
+def _tangents(normals):
+    """Unit vectors (T, 3) across unit normals (T, 3), along one world axis through the run: that which the normal comes least close to."""
     axis, spare = np.eye(3)[np.abs(normals).max(axis=0).argsort()[:2]]
     axes = np.where(np.abs(normals @ axis)[:, None] < 0.999, axis, spare)
-    tangents = axes - normals * np.einsum("ta,ta->t", normals, axes)[:, None]
-    tint = OBSTACLES[number % len(OBSTACLES)]
-    is_floor = bool((normals @ up > 0.7).all())
-    return PlaneTrack(name, tint, is_floor, np.asarray(points, dtype=float), normals, _unit(tangents))
+    return _unit(axes - normals * np.einsum("ta,ta->t", normals, axes)[:, None])
 
 
 def _unit(vectors):

@@ -49,7 +49,7 @@ class Touch:
         """The control points (N, 3) [m] and the surface's vertices (M, 3) [m] on obstacles in a frame."""
         stage, none = self.stage, np.empty((0, 3))
         points = to_flat(stage.positions[frame])
-        if not self._near(frame, points, below=True).any():
+        if not self._may_touch(frame, points):
             return none, none  # nor is anything that is between them
         on_points = none if self.of == "surface" else points[self._near(frame, points)]
         if self.of == "lattice" or stage.is_cage:
@@ -58,19 +58,30 @@ class Touch:
         vertices = np.unique(vertices[self._near(frame, vertices)], axis=0)
         return on_points, vertices[np.linspace(0, len(vertices) - 1, min(len(vertices), MOST)).astype(int)]
 
-    def _near(self, frame, places, *, below=False):
-        """Which places (N, 3) [m] are on an obstacle in a frame; `below`: or behind one."""
-        found, limit = np.zeros(len(places), dtype=bool), NEAR * np.linalg.norm(self.stage.size)
-        for plane in self.stage.planes:
-            gap = (places - plane.points[frame]) @ plane.normals[frame]
-            found |= gap <= limit if below else np.abs(gap) <= limit
+    def _may_touch(self, frame, points):
+        """Is anything between the control points (N, 3) [m] on an obstacle? Of solids only that is known which is far from all of them."""
+        low, high = points.min(axis=0), points.max(axis=0)
+        middle, reach = (low + high) / 2, np.linalg.norm(high - low) / 2 + self._limit
+        return any((plane.gap(frame, points) <= self._limit).any() for plane in self.stage.planes) or any(
+            solid.gap(frame, middle[None])[0] <= reach for solid in self.stage.solids
+        )
+
+    def _near(self, frame, places):
+        """Which places (N, 3) [m] are on an obstacle in a frame."""
+        found = np.zeros(len(places), dtype=bool)
+        for obstacle in (*self.stage.planes, *self.stage.solids):
+            found |= np.abs(obstacle.gap(frame, places)) <= self._limit
         return found
+
+    @property
+    def _limit(self):
+        return NEAR * np.linalg.norm(self.stage.size)
 
 
 def touch_of(result, stage):
     """What to draw of the contacts of `result`; without arrows where reactions or centres of pressure were not recorded."""
     forces = {part.name: force for part, force in reactions(result).items() if part.kind == "plane"}
-    centres = {plane.name: vector_names("plane_centre", plane.name) for plane in stage.planes}
+    centres = {plane.name: vector_names("plane_centre", plane.name) for plane in (*stage.planes, *stage.solids)}
     drawn = [name for name, names in centres.items() if name in forces and all(each in result.outputs for each in names)]
     of = None if result.scene is None else result.scene.contact.of
     if not drawn:

@@ -1,0 +1,101 @@
+"""The shapes of solid obstacles: triangles for whoever draws them, and distances from them.
+
+A shape lies about the origin, along its own axes; a cylinder's axis is the third, and so is the pole of a sphere, around which
+its triangles are finest, so that a sphere far larger than the object is round where it comes near.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from softffd.scene.sections import Box, Cylinder, Sphere
+
+AROUND, RINGS = 64, 48
+"""Sides of what is round, and rings of a sphere from pole to pole"""
+
+FINEST = 2000
+"""Sides of a cylinder, at most"""
+
+SAGITTA = 1e-3
+"""By which the sides of a cylinder may be off the circle, as a share of what there is to see"""
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """`vertices` (V, 3) [m] with outward unit `normals` (V, 3), `faces` (F, 3); `beyond`: how far places (N, 3) [m] are beyond each of the
+    surfaces whose insides have the solid in common, (N, K) [m], for surfaces at right angles."""
+
+    vertices: np.ndarray
+    normals: np.ndarray
+    faces: np.ndarray
+    beyond: Callable[[np.ndarray], np.ndarray]
+
+    def gap(self, places):
+        """Signed distance of places (N, 3) [m], negative inside, (N,) [m]."""
+        beyond = self.beyond(places)
+        return np.linalg.norm(beyond.clip(0), axis=1) + beyond.max(axis=1).clip(max=0)
+
+
+def form_of(solid, scale):
+    """The form of a scene's sphere, cylinder or box, for pictures of a scene of a size `scale` [m]."""
+    return FORMS[type(solid)](solid, scale)
+
+
+def _sphere(solid, scale):
+    """Half of the rings are within `scale` of the pole."""
+    crowded = np.log2(max(2.0, np.pi * solid.radius / scale))
+    angle = np.pi * np.linspace(0, 1, RINGS + 1) ** crowded
+    profile = np.column_stack([np.sin(angle), np.cos(angle)])
+    lathed = _lathed([(solid.radius * profile, profile)], AROUND)
+    return Form(*lathed, lambda places: np.linalg.norm(places, axis=1, keepdims=True) - solid.radius)
+
+
+def _cylinder(solid, scale):
+    r, h = solid.radius, solid.length / 2
+    sides = np.clip(np.pi * np.sqrt(r / (2 * SAGITTA * scale)), AROUND, FINEST)
+    profile = [((0, h), (r, h), (0, 1)), ((r, h), (r, -h), (1, 0)), ((r, -h), (0, -h), (0, -1))]
+    lathed = _lathed([(np.array([a, b], float), np.array([out, out], float)) for a, b, out in profile], int(sides))
+
+    def beyond(places):
+        return np.column_stack([np.hypot(places[:, 0], places[:, 1]) - r, np.abs(places[:, 2]) - h])
+
+    return Form(*lathed, beyond)
+
+
+def _box(solid, scale):
+    half = np.array(solid.size) / 2
+    corners, normals = [], []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+                corners.append(np.roll([side, a, b], axis) * half)
+                normals.append(np.roll([side, 0.0, 0.0], axis))
+    faces = 4 * np.arange(6)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])
+    return Form(np.array(corners), np.array(normals), faces.reshape(-1, 3), lambda places: np.abs(places) - half)
+
+
+FORMS = {Sphere: _sphere, Cylinder: _cylinder, Box: _box}
+
+
+def _lathed(lines, sides):
+    """Vertices, normals and faces of what profiles leave around the third axis.
+
+    lines: pairs of places (P, 2) [m] and normals (P, 2), each as distance from the axis and height.
+    """
+    angle = np.linspace(0, 2 * np.pi, sides + 1)
+    vertices, normals, faces, first = [], [], [], 0
+    for places, out in lines:
+        vertices.append(_turned(places, angle))
+        normals.append(_turned(out, angle))
+        a = first + (np.arange(len(places) - 1)[:, None] * (sides + 1) + np.arange(sides)).ravel()
+        b = a + sides + 1
+        faces += [np.column_stack([a, b, a + 1]), np.column_stack([a + 1, b, b + 1])]
+        first += len(vertices[-1])
+    return np.concatenate(vertices), np.concatenate(normals), np.concatenate(faces)
+
+
+def _turned(profile, angle):
+    """Profile (P, 2) at each angle (A,), (P * A, 3)."""
+    around = np.stack([np.cos(angle), np.sin(angle)], axis=1) * profile[:, None, :1]
+    return np.concatenate([around, np.broadcast_to(profile[:, None, 1:], (*around.shape[:2], 1))], axis=2).reshape(-1, 3)
