@@ -131,6 +131,25 @@ void main() {
   colour = vec4(pow(min(light, 1.0), vec3(1.0 / 2.2)), 1);
 }
 
+//// solid-vertex
+layout(location = 0) in vec3 place;                   // along the solid's own axes
+layout(location = 1) in vec3 outward;
+uniform mat4 camera;
+uniform vec3 anchor, normal, tangent, tint;
+out vec3 world, shading, cell, shade;
+out vec2 skin_place;
+out float displacement, strain;
+void main() {
+  mat3 axes = mat3(tangent, cross(normal, tangent), normal);
+  world = anchor + axes * place;
+  shading = axes * outward;
+  shade = tint;
+  cell = vec3(0);
+  skin_place = vec2(0);
+  displacement = strain = 0.0;
+  gl_Position = camera * vec4(world, 1);
+}
+
 //// height-vertex
 // Shadow on a plane: the object's height above the patch, then the share of the sky that it hides from each texel.
 layout(location = 0) in vec3 coordinates;

@@ -61,7 +61,8 @@ def page_text(result, *, mesh=None, origin=None, size=None):
         "time": _text(stage.time[frames], "<f8"),
         "positions": _text(to_flat(stage.positions[frames]) - stage.centre, "<f4"),
         "pinned": stage.pinned.tolist(),
-        "planes": _planes(stage, frames),
+        "planes": [_obstacle(plane, stage, frames) | {"floor": plane.is_floor} for plane in stage.planes],
+        "solids": [_obstacle(solid, stage, frames) | _form(solid.form) for solid in stage.solids],
         "rows": _rows(result, stage, frames),
         "largest": _largest(stage, frames),
         "cells": [_cells(each) for each in cells_of(result, frames)],
@@ -151,13 +152,15 @@ def _sights(stage):
     }
 
 
-def _planes(stage, frames):
-    """Poses (T, 9): a point relative to the stage's centre [m], the unit normal, a unit tangent."""
-    poses = [np.hstack([p.points - stage.centre, p.normals, p.tangents])[frames] for p in stage.planes]
-    return [
-        {"name": plane.name, "tint": plane.tint, "floor": plane.is_floor, "poses": _text(pose, "<f4")}
-        for plane, pose in zip(stage.planes, poses, strict=True)
-    ]
+def _obstacle(track, stage, frames):
+    """Its name, its colour and its poses (T, 9): a point relative to the stage's centre [m], the unit normal, a unit tangent."""
+    poses = np.hstack([track.points - stage.centre, track.normals, track.tangents])[frames]
+    return {"name": track.name, "tint": track.tint, "poses": _text(poses, "<f4")}
+
+
+def _form(form):
+    """Vertices (V, 3) [m] along tangent, normal x tangent and normal, their normals (V, 3), and triangles (F, 3)."""
+    return {"vertices": _text(form.vertices, "<f4"), "normals": _text(form.normals, "<f4"), "triangles": _text(form.faces, "<u4")}
 
 
 def _touch(result, stage, frames):
@@ -174,7 +177,7 @@ def _touch(result, stage, frames):
 
 def _rows(result, stage, frames):
     """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J]."""
-    marks = {Part("plane", plane.name): _hex(plane.tint) for plane in stage.planes}
+    marks = {Part("plane", plane.name): _hex(plane.tint) for plane in (*stage.planes, *stage.solids)}
     rows = []
     for part, force in reactions(result).items():
         mark = marks.get(part, _hex(PINNED))
