@@ -17,6 +17,9 @@ AROUND, RINGS = 64, 48
 FINEST = 2000
 """Sides of a cylinder, at most"""
 
+MARCHES = 100
+"""Steps along a line, which are enough but for one that nearly grazes"""
+
 SAGITTA = 1e-3
 """By which the sides of a cylinder may be off the circle, as a share of what there is to see"""
 
@@ -35,6 +38,17 @@ class Form:
         """Signed distance of places (N, 3) [m], negative inside, (N,) [m]."""
         beyond = self.beyond(places)
         return np.linalg.norm(beyond.clip(0), axis=1) + beyond.max(axis=1).clip(max=0)
+
+    def entered(self, places, ways):
+        """How far from places (N, 3) [m] lines along unit ways (N, 3) enter it, (N,) [m]; 0 for lines that pass by.
+
+        From before it on, each time by the distance that nothing of it is nearer than.
+        """
+        size = np.linalg.norm(self.vertices, axis=1).max()
+        far = -size - np.linalg.norm(places, axis=1)
+        for _ in range(MARCHES):
+            far = far + self.gap(places + far[:, None] * ways)
+        return np.where(self.gap(places + far[:, None] * ways) <= 1e-6 * size, far, 0.0)
 
 
 def form_of(solid, scale):

@@ -63,19 +63,23 @@ class SolidTrack:
     normals: np.ndarray
     tangents: np.ndarray
 
-    def axes(self, frame):
-        """Its axes in a frame, unit vectors as rows (3, 3)."""
-        normal, tangent = self.normals[frame], self.tangents[frame]
-        return np.stack([tangent, np.cross(normal, tangent), normal])
+    @cached_property
+    def axes(self):
+        """Its axes, unit vectors as rows (T, 3, 3)."""
+        return np.stack([self.tangents, np.cross(self.normals, self.tangents), self.normals], axis=1)
 
     def surface(self, frame):
         """Vertices (V, 3) [m] and their normals (V, 3) in a frame."""
-        axes = self.axes(frame)
-        return self.points[frame] + self.form.vertices @ axes, self.form.normals @ axes
+        return self.points[frame] + self.form.vertices @ self.axes[frame], self.form.normals @ self.axes[frame]
 
     def gap(self, frame, places):
         """Signed distance of places (N, 3) [m] from it in a frame, negative inside, (N,) [m]."""
-        return self.form.gap((places - self.points[frame]) @ self.axes(frame).T)
+        return self.form.gap((places - self.points[frame]) @ self.axes[frame].T)
+
+    def entered(self, places, ways):
+        """Where the lines through places (T, 3) [m] along ways (T, 3) enter it, (T, 3) [m]; the places themselves where they pass by."""
+        arms, along = (np.einsum("tka,ta->tk", self.axes, each) for each in (places - self.points, _unit(ways)))
+        return places + _unit(ways) * self.form.entered(arms, along)[:, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,7 +260,9 @@ def _tangents(normals):
 
 
 def _unit(vectors):
-    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    """Vectors (..., 3) as long as 1; 0 remains."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.where(length > 0, length, 1.0)
 
 
 def _pinned(scene):
