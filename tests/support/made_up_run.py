@@ -1,11 +1,13 @@
 """A run that nothing simulated: a box that falls, turns, is squashed between two planes and springs back."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 
 from softffd.lattice import LatticeBox, rest_grid
 from softffd.run.result import Result
+from softffd.scene.sections import Box
 
 ORIGIN, SIZE = np.array([-1.0, -0.5, 0.2]), np.array([2.0, 1.0, 0.8])
 PRESS = {"velocity": (0.0, 0.0, -1.0), "angular_velocity": (0.0, 0.0, 0.0), "normal": (0.0, 0.0, -1.0)}
@@ -29,6 +31,17 @@ def made_up_run(*, counts=(4, 4, 4), frames=41, title="A soft box under a press"
         scene=_scene(title, pins, counts),
         lattice=LatticeBox(counts, tuple(ORIGIN), tuple(SIZE), "bezier"),
     )
+
+
+def with_solids(result, *solids):
+    """The run with solid obstacles of these sections, which move as these say, and touch nothing."""
+    values = {}
+    for solid in solids:
+        pose = {"rotation": solid.rotation_vector()} if isinstance(solid, Box) else {"normal": solid.normal}
+        pose |= {what: getattr(solid, what) for what in ("point", "velocity", "angular_velocity")}
+        values |= _vectors(f"plane.{solid.name}", pose)
+    scene = SimpleNamespace(**vars(result.scene) | {"solids": solids})
+    return replace(result, parameters=result.parameters | values, scene=scene)
 
 
 def rest_points(counts):

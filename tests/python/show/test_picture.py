@@ -58,6 +58,12 @@ def test_strip_is_wide_and_shows_the_shape_at_rest_without_obstacles(tmp_path):
     assert corners[0].mean() > max(c.mean() for c in corners[1:])
 
 
+def test_a_strip_marks_what_touches_and_the_forces_on_obstacles(tmp_path):
+    quarters = np.array_split(pixels(draw_strip(made_up_run(), tmp_path / "strip.png")), 4, axis=1)
+    yellow = [near(quarter, MARK, 0.03) for quarter in quarters]
+    assert yellow[0] == 0 and yellow[2] > 500 and yellow[3] > 100  # at rest, during, after
+
+
 def test_strip_takes_times_and_labels(tmp_path):
     one, two = (
         pixels(draw_strip(made_up_run(), tmp_path / "s.png", moments=times, labels=labels))

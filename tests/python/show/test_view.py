@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from made_up_run import ORIGIN, SIZE, made_up_run
+from made_up_run import ORIGIN, SIZE, made_up_run, with_solids
 from mesh_files import GREEN, RED, two_colours
 from softffd.embedding.deform import deform
 from softffd.errors import SoftffdError
 from softffd.lattice import rest_grid
 from softffd.mesh.mesh import Mesh, load_mesh
+from softffd.scene.sections import Box, Sphere
 from softffd.show import view
 from softffd.show.stage import stage_of
 from softffd.show.surface import cage_surface, split_at_creases
@@ -161,6 +162,32 @@ def test_planes_move_with_the_frames(tmp_path):
     assert [p["name"] for p in run["planes"]] == ["ground", "press"]
     assert np.ptp(ground, axis=0).max() == 0 and np.allclose(ground[0, 3:6], [0, 0, 1])
     assert np.isclose(np.ptp(press[:, 2]), 0.6, atol=1e-5)
+
+
+def test_solids_are_held_with_their_triangles_and_poses(tmp_path):
+    ball = Sphere(name="ball", radius=0.5, point=(1.0, 0.0, 0.7), velocity=(0.25, 0.0, 0.0))
+    crate = Box(name="crate", size=(0.4, 0.6, 1.0), point=(-1.0, 0.0, 0.7))
+    run = run_of(write_view(with_solids(made_up_run(), ball, crate), tmp_path / "view.html"))
+    assert [each["name"] for each in run["planes"]] == ["ground", "press"] and [each["name"] for each in run["solids"]] == ["ball", "crate"]
+    poses, centre = decoded(run["solids"][0]["poses"], "<f4", 9), ORIGIN - run["origin"]
+    assert np.allclose(poses[[0, -1], :3] + centre, [[1.0, 0.0, 0.7], [1.5, 0.0, 0.7]], atol=1e-6)
+    assert np.allclose(decoded(run["solids"][1]["poses"], "<f4", 9)[0, 3:], [0, 0, 1, 1, 0, 0])
+    vertices, triangles = (decoded(run["solids"][1][what], kind, 3) for what, kind in (("vertices", "<f4"), ("triangles", "<u4")))
+    assert np.allclose(np.abs(vertices), [0.2, 0.3, 0.5]) and len(triangles) == 12
+
+
+@needs_browser
+@pytest.mark.parametrize("shown", [True, False])
+def test_browser_draws_solids(tmp_path, shown):
+    ball = Sphere(name="ball", radius=0.5, point=(0.0, -1.0, 0.7))
+    result = replace(made_up_run(), inputs={}, parameters={})
+    page, shot = write_view(with_solids(result, ball), tmp_path / "view.html"), tmp_path / "shot.png"
+    if not shown:
+        page.write_text(page.read_text("utf-8").replace("obstacles: true", "obstacles: false"), "utf-8")
+    chromium(f"file://{page}#t=1.2", tmp_path, f"--screenshot={shot}")
+    red, green, blue = np.moveaxis(np.asarray(Image.open(shot).convert("RGB"))[80:450, 50:620] / 255.0, 2, 0)
+    grey = (0.3 < red) & (red < 0.75) & (np.abs(blue - red) < 0.12) & (np.abs(green - red) < 0.08)
+    assert (grey.sum() > 8000) == shown
 
 
 def test_readout_has_reactions_with_their_vectors_and_energies(tmp_path):
