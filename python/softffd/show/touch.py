@@ -29,8 +29,9 @@ MOST = 200
 class Touch:
     """What there is to see of contact in a run.
 
-    `starts` and `ways` (P, T, 3) [m]: of the arrows of P obstacles, from the centre of pressure, or where its line of action enters a solid,
-    along the force of the object on the obstacle; 0 where there is none. The largest force of the run has the longest arrow, a quarter of it one of half that length.
+    `starts` and `ways` (P, T, 3) [m]: of the arrows of P obstacles, along the force of the object on the obstacle, from the centre of
+    pressure, or where its line of action enters a solid; 0 where there is none. The largest force of the run has the longest arrow, a
+    quarter of it one of half that length.
     `of`: what touches, "lattice" or "surface"; None: either, for all that is known.
     """
 

@@ -186,7 +186,7 @@ def test_browser_draws_solids(tmp_path, shown):
         page.write_text(page.read_text("utf-8").replace("obstacles: true", "obstacles: false"), "utf-8")
     chromium(f"file://{page}#t=1.2", tmp_path, f"--screenshot={shot}")
     red, green, blue = np.moveaxis(np.asarray(Image.open(shot).convert("RGB"))[80:450, 50:620] / 255.0, 2, 0)
-    grey = (0.3 < red) & (red < 0.75) & (np.abs(blue - red) < 0.12) & (np.abs(green - red) < 0.08)
+    grey = (red > 0.3) & (red < 0.75) & (np.abs(blue - red) < 0.12) & (np.abs(green - red) < 0.08)
     assert (grey.sum() > 8000) == shown
 
 
