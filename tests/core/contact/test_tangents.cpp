@@ -147,6 +147,34 @@ TEST(every_sample_that_comes_to_a_solid_has_a_tangent) {
   CHECK(came > 1000 && looked < 20 * 3 * 50 * samples.count() / 2);
 }
 
+TEST(a_solid_that_turns_beside_a_body_at_rest_is_seen_when_it_comes) {
+  const Samples samples(Basis::bezier, {}, icosphere(2, 0.4, {0.5, 0.5, 0.5}));
+  const Points x = rest_positions({});
+  Plane cylinder, box;
+  cylinder.radius = 0.05;
+  cylinder.length = 1.8;
+  cylinder.normal = Vec3::UnitY();
+  box.sides = {0.1, 1.8, 0.1};
+  for (Plane& solid : {std::ref(cylinder), std::ref(box)}) {
+    solid.point = {-0.5, 0.5, 0.5};
+    solid.angular_velocity = {0, 0, -1};
+    Drive around;
+    around.planes = {solid};
+    Tangents tangents(samples, 1);
+    int came = 0;
+    for (int step = 0; step < 160; ++step) {
+      const double t1 = 0.01 * (step + 1);
+      tangents.find(around, 0.01 * step, t1, x, 0);
+      for (int s = 0; s < samples.count(); ++s) {
+        if (!holds(solid, solid.pose_at(t1), samples.at(s, x))) continue;
+        ++came;
+        CHECK(std::ranges::any_of(tangents.found(), [&](const Tangent& each) { return each.sample == s; }));
+      }
+    }
+    CHECK(came > 20);
+  }
+}
+
 TEST(a_box_turns_with_the_angular_velocity_that_it_has) {
   Random random;
   for (int trial = 0; trial < 200; ++trial) {

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from softffd.rotation import turned
+from softffd.rotation import between_orientations, quaternion, turned
+from softffd.scene.sections import Rotation
 from softffd.validation.bodies import Shape
 from softffd.validation.obstacles import KINDS, gap
 from softffd.validation.stability.drive import Drive
@@ -140,7 +141,7 @@ class Drawn:
         for name, (normal, course) in self.planes.items():
             point, velocity, spin, _ = course.at(time)
             pose = {"point": point, "normal": course.turned(normal, time), "velocity": velocity, "angular_velocity": spin}
-            drive.set(**{f"plane.{name}.{what}": pose[what] for what in self._inputs(name)})
+            drive.set(**{f"plane.{name}.{what}": pose[what] if what in pose else self._rotation(name, time) for what in self._inputs(name)})
         for name, course in self.pins.items():
             point, velocity, spin, (angle, _) = course.at(time)
             values: dict[str, Any] = {"position": point, "orientation": _quaternion(angle), "velocity": velocity, "angular_velocity": spin}
@@ -153,7 +154,22 @@ class Drawn:
     def gaps(self, places: np.ndarray, time: float) -> dict[str, np.ndarray]:
         """How far places (n, 3) [m] are from every obstacle at a time [s], (n,) [m]; negative behind or in it."""
         poses = {name: (course.at(time)[0], course.turned(normal, time)) for name, (normal, course) in self.planes.items()}
-        return {each["name"]: gap(kind, each, places, *poses[each["name"]]) for kind, each in self._obstacles()}
+        return {each["name"]: gap(kind, each, places, *poses[each["name"]], *self._across(each, time)) for kind, each in self._obstacles()}
+
+    def _across(self, obstacle: dict[str, Any], time: float) -> list[np.ndarray]:
+        """The first axis of a box."""
+        if "rotation" not in obstacle:
+            return []
+        first = turned(np.array([1.0, 0.0, 0.0]), np.array(Rotation(**obstacle["rotation"]).vector()))
+        return [self.planes[obstacle["name"]][1].turned(first, time)]
+
+    def _rotation(self, name: str, time: float) -> np.ndarray:
+        """Of a box, whole [rad]."""
+        obstacle = next(each for _, each in self._obstacles() if each["name"] == name)
+        whole = quaternion(np.array(Rotation(**obstacle["rotation"]).vector()))
+        for angle in self.planes[name][1].at(time)[3]:
+            whole = _product(quaternion(angle), whole)
+        return between_orientations(quaternion(np.zeros(3)), whole)
 
     def _obstacles(self) -> list[tuple[str, dict[str, Any]]]:
         return [(kind, each) for kind in KINDS for each in self.document.get(kind, ())]
@@ -190,6 +206,12 @@ def _quaternion(angle: np.ndarray) -> list[float]:
     size = float(np.linalg.norm(angle))
     axis = angle / size if size > 0 else angle
     return [math.cos(size / 2), *(math.sin(size / 2) * axis)]
+
+
+def _product(last: np.ndarray, first: np.ndarray) -> np.ndarray:
+    """Of quaternions: the turn `first`, then `last`."""
+    a, b = last[1:], first[1:]
+    return np.array([last[0] * first[0] - a @ b, *(last[0] * b + first[0] * a + np.cross(a, b))])
 
 
 def drawn(seed: int) -> Drawn:
