@@ -53,7 +53,8 @@ class Panels:
         self._paint = stage.skin.painter(stage.faces)
         moving = [shape.points.reshape(-1, 3) for shape in shapes if shape.frame is not None]
         points = np.concatenate(moving or [shapes[0].points.reshape(-1, 3)])
-        self._centre, self._half = _middle(points), np.ptp(points, axis=0) / 2
+        self._half = np.ptp(points, axis=0) / 2
+        self._centre = _middle(np.concatenate([points, *(self._solid_points(shape) for shape in shapes)]))
         self._distance = float(max(self._needed(shape) for shape in shapes))
 
     def image(self, shape):
@@ -63,7 +64,8 @@ class Panels:
         surface = stage.deformed(shape.points), stage.faces
         canvas.triangles(*surface, self._corner_normals(*surface), self._painter(shape.frame))
         if shape.frame is not None:
-            self._draw_obstacles(canvas, shape.frame, surface)
+            self._draw_solids(canvas, shape.frame)
+            self._draw_planes(canvas, shape.frame, surface)
         self._draw_lattice(canvas, shape.points)
         if shape.frame is not None and self._touch:
             self._draw_touch(canvas, shape.frame)
@@ -80,18 +82,32 @@ class Panels:
     def _needed(self, shape):
         """The distance [m] from which the shape's lattice fits into the image, and its arrows."""
         points = shape.points.reshape(-1, 3)
+        points = np.concatenate([points, self._solid_points(shape)])
         if self._touch and shape.frame is not None:
             points = np.concatenate([points, self._touch.arrows(shape.frame)[:, 1]])
         right, above, back = self._axes @ (points - self._target(shape)).T
         tall = FILLED * FIELD
         return (back + np.maximum(np.abs(right) * self._height / self._width, np.abs(above)) / tall).max()
 
+    def _solid_points(self, shape):
+        """Points (N, 3) [m] of the solids that are to be seen whole; large ones and those far away are not."""
+        stage, frame = self._stage, shape.frame
+        solids = [] if frame is None else stage.solids
+        far = [max(solid.size, np.linalg.norm(solid.points[frame] - stage.centre) / 2) for solid in solids]
+        return np.concatenate([np.empty((0, 3)), *(s.placed(frame)[0] for s, each in zip(solids, far, strict=True) if each < stage.radius)])
+
     def _corner_normals(self, vertices, faces):
         if self._normals:
             return self._normals.corners(vertices)
         return np.repeat(face_normals(vertices, faces)[:, None], 3, axis=1)
 
-    def _draw_obstacles(self, canvas, frame, surface):
+    def _draw_solids(self, canvas, frame):
+        for solid in self._stage.solids:
+            vertices, normals = solid.placed(frame)
+            tint = np.array(solid.tint)
+            canvas.triangles(vertices, solid.faces, normals[solid.faces], lambda face, _, tint=tint: np.broadcast_to(tint, (len(face), 3)))
+
+    def _draw_planes(self, canvas, frame, surface):
         reach, spacing = 0.8 * self._distance, round_length(0.15 * self._distance)
         floors = [(p.points[frame], p.normals[frame]) for p in self._stage.planes if p.is_floor]
         for plane in self._stage.planes:

@@ -89,7 +89,7 @@ def draw_strip(result, path, *, mesh=None, moments=None, labels=None, origin=Non
     if labels is None:
         labels = ["at rest" if frame is None else f"t = {stage.time[frame]:.4g} s" for frame in frames]
     figure = new_figure(3.6 * len(frames), 3.2, dpi=170)
-    _draw_panels(figure, stage, frames, labels, box=(0.0, 0.0, 1.0, 1.0))
+    _draw_panels(figure, stage, frames, labels, box=(0.0, 0.0, 1.0, 1.0), touch=touch_of(result, stage))
     return save_figure(figure, path)
 
 

@@ -9,6 +9,7 @@ from softffd.embedding.deform import Embedding
 from softffd.errors import SoftffdError
 from softffd.lattice import index_grid, rest_grid
 from softffd.show.skin import Skin, painted, skinned
+from softffd.show.solid import SolidTrack, solid_surface
 from softffd.show.surface import cage_surface
 
 FREE, PINNED = (0.90, 0.42, 0.05), (0.10, 0.10, 0.12)
@@ -58,6 +59,7 @@ class Stage:
     skin: Skin
     is_cage: bool
     planes: tuple[PlaneTrack, ...]
+    solids: tuple[SolidTrack, ...]
     pinned: np.ndarray
     up: np.ndarray
     centre: np.ndarray
@@ -108,6 +110,7 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
         skin = painted(vertices, faces)
     up = up_direction(result.scene)
     low, high = positions.min(axis=(0, 1, 2, 3)), positions.max(axis=(0, 1, 2, 3))
+    planes, solids = _obstacles(result, up, float(np.linalg.norm(high - low)) / 2)
     return Stage(
         title=result.title,
         time=np.asarray(result.time, dtype=float),
@@ -119,7 +122,8 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
         faces=np.asarray(faces, dtype=np.int64),
         skin=skin,
         is_cage=mesh is None,
-        planes=tuple(_track(i, name, up, *result.plane(name)) for i, name in enumerate(_flat(result))),
+        planes=planes,
+        solids=solids,
         pinned=_pinned(result.scene),
         up=up,
         centre=(low + high) / 2,
@@ -127,10 +131,18 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
     )
 
 
-def _flat(result):
-    """Names of the obstacles that are planes; solids are not drawn."""
-    solids = () if result.scene is None else [solid.name for solid in result.scene.solids]
-    return [name for name in result.plane_names() if name not in solids]
+def _obstacles(result, up, radius):
+    """Tracks of planes and of solids; without its scene a run tells of planes alone. radius: of the scene [m]."""
+    known = {} if result.scene is None else {solid.name: solid for solid in result.scene.solids}
+    planes, solids = [], []
+    for number, name in enumerate(result.plane_names()):
+        tint, pose = OBSTACLES[number % len(OBSTACLES)], _pose(*result.plane(name))
+        if name in known:
+            kind, keys = type(known[name]).__name__.lower(), known[name].model_dump()
+            solids.append(SolidTrack(name, tint, kind, keys, *solid_surface(kind, keys, radius), *pose))
+        else:
+            planes.append(PlaneTrack(name, tint, bool((pose[1] @ up > 0.7).all()), *pose))
+    return tuple(planes), tuple(solids)
 
 
 def up_direction(scene):
@@ -167,15 +179,14 @@ def _box(result, mesh, origin, size):
     return np.array(low if origin is None else origin, float), np.array(extent if size is None else size, float)
 
 
-def _track(number, name, up, points, normals):
-    """The tangents follow one world axis through the run, the one that the normal comes least close to."""
+def _pose(points, normals):
+    """Points [m], unit normals and tangents, (T, 3) each; these follow one world axis through the run, that which the normal comes least
+    close to."""
     normals = _unit(normals)
     axis, spare = np.eye(3)[np.abs(normals).max(axis=0).argsort()[:2]]
     axes = np.where(np.abs(normals @ axis)[:, None] < 0.999, axis, spare)
     tangents = axes - normals * np.einsum("ta,ta->t", normals, axes)[:, None]
-    tint = OBSTACLES[number % len(OBSTACLES)]
-    is_floor = bool((normals @ up > 0.7).all())
-    return PlaneTrack(name, tint, is_floor, np.asarray(points, dtype=float), normals, _unit(tangents))
+    return np.asarray(points, dtype=float), normals, _unit(tangents)
 
 
 def _unit(vectors):

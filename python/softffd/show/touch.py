@@ -49,7 +49,7 @@ class Touch:
         """The control points (N, 3) [m] and the surface's vertices (M, 3) [m] on obstacles in a frame."""
         stage, none = self.stage, np.empty((0, 3))
         points = to_flat(stage.positions[frame])
-        if not self._near(frame, points, below=True).any():
+        if not stage.solids and not self._near(frame, points, below=True).any():
             return none, none  # nor is anything that is between them
         on_points = none if self.of == "surface" else points[self._near(frame, points)]
         if self.of == "lattice" or stage.is_cage:
@@ -64,13 +64,15 @@ class Touch:
         for plane in self.stage.planes:
             gap = (places - plane.points[frame]) @ plane.normals[frame]
             found |= gap <= limit if below else np.abs(gap) <= limit
+        for solid in self.stage.solids:
+            found |= np.abs(solid.gap(places, frame)) <= limit
         return found
 
 
 def touch_of(result, stage):
     """What to draw of the contacts of `result`; without arrows where reactions or centres of pressure were not recorded."""
     forces = {part.name: force for part, force in reactions(result).items() if part.kind == "plane"}
-    centres = {plane.name: vector_names("plane_centre", plane.name) for plane in stage.planes}
+    centres = {plane.name: vector_names("plane_centre", plane.name) for plane in (*stage.planes, *stage.solids)}
     drawn = [name for name, names in centres.items() if name in forces and all(each in result.outputs for each in names)]
     of = None if result.scene is None else result.scene.contact.of
     if not drawn:

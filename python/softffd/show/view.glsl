@@ -95,6 +95,25 @@ void main() {
   gl_Position = camera * vec4(world, 1);
 }
 
+//// solid-vertex
+layout(location = 0) in vec3 own_place;               // about its centre, its axis along z
+layout(location = 1) in vec3 own_normal;
+uniform mat4 camera;
+uniform vec3 anchor, normal, tangent, tint;
+out vec3 world, shading, cell, shade;
+out vec2 skin_place;
+out float displacement, strain;
+void main() {
+  mat3 turn = mat3(tangent, cross(normal, tangent), normal);
+  world = anchor + turn * own_place;
+  shading = turn * own_normal;
+  shade = tint;
+  cell = vec3(0);
+  skin_place = vec2(0);
+  displacement = strain = 0.0;
+  gl_Position = camera * vec4(world, 1);
+}
+
 //// object-fragment
 precision highp float;
 in vec3 world, shading, cell, shade;

@@ -193,7 +193,7 @@ function write_page() {
   element("note").textContent = run.note;
   element("note").hidden = !run.note;
   element("grid").textContent = run.planes.length ? `grid: ${run.spacing} m` : "";
-  for (const name of ["obstacles", "contacts"]) element(name).hidden = !run.planes.length;
+  for (const name of ["obstacles", "contacts"]) element(name).hidden = !(run.planes.length + run.solids.length);
   element("pressed").hidden = !run.touch.arrows.length;
   for (const each of run.cells) element("colour").add(new Option(each.name === "von_mises" ? "stress" : each.name, each.name));
   element("ramp").style.background = `linear-gradient(90deg, ${Array.from({ length: 9 }, (_, i) => {

@@ -62,6 +62,7 @@ def page_text(result, *, mesh=None, origin=None, size=None):
         "positions": _text(to_flat(stage.positions[frames]) - stage.centre, "<f4"),
         "pinned": stage.pinned.tolist(),
         "planes": _planes(stage, frames),
+        "solids": _solids(stage, frames),
         "rows": _rows(result, stage, frames),
         "largest": _largest(stage, frames),
         "cells": [_cells(each) for each in cells_of(result, frames)],
@@ -160,6 +161,20 @@ def _planes(stage, frames):
     ]
 
 
+def _solids(stage, frames):
+    """Vertices about the solid's centre with its axis along z [m], normals, triangles, and poses as of planes."""
+    return [
+        {
+            "tint": solid.tint,
+            "vertices": _text(solid.vertices, "<f4"),
+            "normals": _text(solid.normals, "<f4"),
+            "triangles": _text(solid.faces, "<u4"),
+            "poses": _text(np.hstack([solid.points - stage.centre, solid.axes, solid.tangents])[frames], "<f4"),
+        }
+        for solid in stage.solids
+    ]
+
+
 def _touch(result, stage, frames):
     """Places touched (N, 3), as many of them as `counts` has for each frame; beginnings and ways of arrows (T, 3); all in m."""
     touch = touch_of(result, stage)
@@ -174,7 +189,7 @@ def _touch(result, stage, frames):
 
 def _rows(result, stage, frames):
     """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J]."""
-    marks = {Part("plane", plane.name): _hex(plane.tint) for plane in stage.planes}
+    marks = {Part("plane", plane.name): _hex(plane.tint) for plane in (*stage.planes, *stage.solids)}
     rows = []
     for part, force in reactions(result).items():
         mark = marks.get(part, _hex(PINNED))

@@ -6,7 +6,7 @@ const decode = (text, Type) => new Type(Uint8Array.from(atob(text), c => c.charC
 const [NX, NY, NZ] = run.counts, POINTS = NX * NY * NZ;
 const times = decode(run.time, Float64Array), LAST = times.length - 1;
 const history = decode(run.positions, Float32Array);
-for (const plane of run.planes) plane.poses = decode(plane.poses, Float32Array);
+for (const each of [...run.planes, ...run.solids]) each.poses = decode(each.poses, Float32Array);
 for (const row of run.rows) {
   row.values = decode(row.values, Float32Array);
   row.vectors = row.vectors && decode(row.vectors, Float32Array);
@@ -89,7 +89,7 @@ const SOURCES = Object.fromEntries(element("shaders").textContent.split(/^\/{4} 
   const end = text.indexOf("\n");
   return [text.slice(0, end), text.slice(end)];
 }));
-let object, lines, balls, points, ramp, cells, plain, skins, heights, planes;
+let object, lines, balls, points, ramp, cells, plain, skins, heights, planes, solids;
 
 function shader(type, source) {
   const made = gl.createShader(type);
@@ -179,6 +179,11 @@ function build() {
   heights = drawing_surface();
   planes = { program: program("plane-vertex", "plane-fragment"), occlusion: program("cover-vertex", "occlusion-fragment"),
     array: gl.createVertexArray(), surfaces: run.planes.map(drawing_surface) };
+  solids = { program: program("solid-vertex", "object-fragment"), shapes: run.solids.map(solid => {
+    const triangles = decode(solid.triangles, Uint32Array);
+    return { count: triangles.length, array: vertices([{ data: decode(solid.vertices, Float32Array), width: 3, type: gl.FLOAT },
+      { data: decode(solid.normals, Float32Array), width: 3, type: gl.FLOAT }], triangles) };
+  }) };
   build_touch();
 }
 
@@ -221,6 +226,7 @@ function draw(clock) {
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   gl.enable(gl.DEPTH_TEST);
   draw_object(common);
+  if (state.obstacles) draw_solids(common);
   gl.enable(gl.BLEND);
   gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   gl.depthMask(false);
@@ -245,12 +251,16 @@ function load_points() {
   gl.bindTexture(gl.TEXTURE_2D, points);
   gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, NX * NY, NZ, gl.RGBA, gl.FLOAT, texels);
   for (const plane of run.planes) place_plane(plane);
+  for (const solid of run.solids) solid.now = pose_of(solid);
+}
+function pose_of(obstacle) {
+  const pose = between(obstacle.poses, 9, frame_at(state.time)), normal = unit(pose.subarray(3, 6)), raw = pose.subarray(6, 9);
+  return { anchor: [...pose.subarray(0, 3)], normal, tangent: unit(plus(raw, -dot(raw, normal), normal)) };
 }
 // The patch drawn of a plane lies under the scene's centre; its grid is anchored to the obstacle's own point. A floor fades
 // out; any other plane is a plate with an edge, large enough for the scene, whose part below the floors is not drawn.
 function place_plane(plane) {
-  const pose = between(plane.poses, 9, frame_at(state.time)), normal = unit(pose.subarray(3, 6)), raw = pose.subarray(6, 9);
-  const anchor = [...pose.subarray(0, 3)], tangent = unit(plus(raw, -dot(raw, normal), normal));
+  const { anchor, normal, tangent } = pose_of(plane);
   const sides = [tangent, cross(normal, tangent)].map(side => dot(side.map(Math.abs), run.half) + 0.2 * run.radius);
   const reach = plane.floor ? 1.9 * run.radius : Math.max(...sides);
   const extent = plane.floor ? [1, 1] : sides.map(side => side / reach);
@@ -309,6 +319,14 @@ function draw_object(common) {
     gl.drawElements(gl.TRIANGLES, 3 * count, gl.UNSIGNED_INT, 12 * first);
     first += count;
   }
+}
+function draw_solids(common) {
+  bind(2, plain);
+  solids.shapes.forEach(({ count, array }, i) => {
+    use(solids.program, { ...common, ...run.solids[i].now, tint: run.solids[i].tint, ramp: 1, skin: 2, cells: 3, cage: 0, colouring: 0, largest: 1 });
+    gl.bindVertexArray(array);
+    gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+  });
 }
 function draw_planes(common) {
   const order = run.planes.map((plane, i) => [Math.hypot(...plus(plane.now.centre, -1, common.eye)), plane, i]).sort((a, b) => b[0] - a[0]);

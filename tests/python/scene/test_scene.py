@@ -94,7 +94,7 @@ def test_a_csv_beside_the_scene_is_its_default_input(tmp_path):
 
 
 def test_the_shipped_scenes_are_all_there():
-    promised = {"standard", "free_vibration", "car_bump", "car_drop", "press", "incline", "hanging", "spin"}
+    promised = {"standard", "free_vibration", "car_ball", "car_bump", "car_drop", "press", "incline", "hanging", "spin"}
     assert promised <= set(shipped_scenes())
 
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from softffd.rotation import turned
+from softffd.scene.obstacle import KINDS, gap
 from softffd.validation.bodies import Shape
-from softffd.validation.obstacles import KINDS, gap
 from softffd.validation.stability.drive import Drive
 from softffd.validation.stability.scenes import GRAVITY
 
