@@ -113,7 +113,7 @@ def test_every_array_has_the_number_of_elements_that_its_dimensions_say(mixed):
 def test_an_element_is_the_control_point_of_its_indices(mixed):
     host = mixed.host()
     host.begin()
-    rest = rest_grid(MIXED.lattice.points, MIXED.box.origin, MIXED.box.size)
+    rest = rest_grid(MIXED.lattice.points, MIXED.lattice_box.origin, MIXED.lattice_box.size)
     np.testing.assert_allclose(host.get("position")["position"], rest, atol=1e-15)  # a unit cube: rounding
     host.free()
 

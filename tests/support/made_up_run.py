@@ -71,7 +71,7 @@ def _scene(title, pins, counts):
         loaded_mesh=None,
         contact=SimpleNamespace(of="lattice"),
         lattice=SimpleNamespace(points=counts),
-        box=SimpleNamespace(size=tuple(SIZE)),
+        lattice_box=SimpleNamespace(size=tuple(SIZE)),
         material=SimpleNamespace(youngs_modulus=1e4),
         region=(),
         environment=SimpleNamespace(gravity=(0.0, 0.0, -9.81)),

@@ -15,26 +15,46 @@ constexpr double far_reach = 16, least_reserve = 1e-2;
 
 /// By how much any point's gap to a solid of this size may have become smaller.
 double way_since(const Points& x0, const HalfSpace& pose0, const Points& x, const HalfSpace& pose, double size) {
-  const double moved = std::sqrt((x - x0).square().rowwise().sum().maxCoeff()), turned = (pose.normal - pose0.normal).norm() * size;
+  const double moved = std::sqrt((x - x0).square().rowwise().sum().maxCoeff());
+  const double turned = ((pose.normal - pose0.normal).norm() + (pose.across - pose0.across).norm()) * size;
   return moved + (pose.point - pose0.point).norm() + turned;
 }
 
-/// v as the shortest turn from one unit vector to the other takes it.
-Vec3 swung(const Vec3& from, const Vec3& to, const Vec3& v) {
-  const Vec3 axis = from.cross(to);
-  const double cosine = from.dot(to);
-  if (axis.isZero(0) || cosine <= -1) return v;  // a solid of revolution looks alike from both ends
-  return v + axis.cross(v) + axis.cross(axis.cross(v)) / (1 + cosine);
+/// Rows: the axes of a box.
+Eigen::Matrix3d axes(const HalfSpace& pose) {
+  Eigen::Matrix3d frame;
+  frame << pose.across.transpose(), pose.normal.cross(pose.across).transpose(), pose.normal.transpose();
+  return frame;
+}
+
+/// The place that goes with a solid, in another pose of it.
+Vec3 carried(const Plane& solid, const HalfSpace& from, const HalfSpace& to, const Vec3& place) {
+  const Vec3 arm = place - from.point;
+  return to.point + (solid.box() ? Vec3(axes(to).transpose() * (axes(from) * arm)) : swung(from.normal, to.normal, arm));
 }
 
 HalfSpace half_space(const HalfSpace& pose, const Vec3& normal, double beyond) {
   return {pose.point, normal, normal.dot(pose.point) + beyond, pose.velocity, pose.spin};
 }
 
+/// From outside the closest point is within the sides; from inside the face that is nearest faces the place.
+HalfSpace tangent_of_box(const Vec3& half, const HalfSpace& pose, const Vec3& arm) {
+  const Eigen::Matrix3d frame = axes(pose);
+  const Vec3 place = frame * arm, closest = place.cwiseMax(-half).cwiseMin(half), away = place - closest;
+  if (const double distance = away.norm(); distance > 0) {
+    const Vec3 normal = away / distance;
+    return half_space(pose, frame.transpose() * normal, normal.dot(closest));
+  }
+  int axis = 0;
+  (place.cwiseAbs() - half).maxCoeff(&axis);
+  return half_space(pose, (place[axis] < 0 ? -1 : 1) * frame.row(axis).transpose(), half[axis]);
+}
+
 }  // namespace
 
 HalfSpace tangent(const Plane& solid, const HalfSpace& pose, const Vec3& x) {
   const Vec3 arm = x - pose.point;
+  if (solid.box()) return tangent_of_box(solid.half, pose, arm);
   const bool sphere = solid.length == 0;
   const double height = sphere ? 0 : pose.normal.dot(arm), half = 0.5 * solid.length;
   const Vec3 across = sphere ? arm : Vec3(arm - height * pose.normal);
@@ -82,9 +102,7 @@ void Tangents::find(const Drive& around, double t0, double t1, const Points& x0,
       const double gap = here.gap(place);
       known.least = std::min(known.least, gap);
       if (gap > reach) continue;
-      const auto later = [&](const HalfSpace& pose) {
-        return tangent(solid, pose, pose.point + swung(start.normal, pose.normal, place - start.point));
-      };
+      const auto later = [&](const HalfSpace& pose) { return tangent(solid, pose, carried(solid, start, pose, place)); };
       const bool rests = solid.at_rest() || t0 == t1;
       found_.push_back({int(q), s, here, rests ? here : later(middle), rests ? here : later(end)});
     }

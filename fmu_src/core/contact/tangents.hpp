@@ -6,7 +6,8 @@
 ///       ( solid )      before one side of a thin solid never ends behind the other. Velocities at the end of the step go by the tangents
 ///                      there, so that half of an impulse has the direction of either end.
 ///
-/// A solid is a sphere, or a cylinder with flat ends, about the point of its pose; a cylinder's axis is the pose's normal.
+/// A solid is a sphere, a cylinder with flat ends, or a box, about the point of its pose; the pose's normal is a cylinder's axis and a
+/// box's third one.
 #pragma once
 #include <vector>
 

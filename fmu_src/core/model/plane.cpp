@@ -13,11 +13,18 @@ HalfSpace Plane::at(double time) const {
     const Vec3 n = normal + age * normal_rate;
     const double squared = n.squaredNorm();
     const Vec3 unit = n / std::sqrt(squared);
-    return {here, unit, unit.dot(here), speed, n.cross(normal_rate) / squared};
+    HalfSpace there{here, unit, unit.dot(here), speed, n.cross(normal_rate) / squared};
+    if (box()) there.across = swung(normal, unit, swung(upright, normal, across));
+    return there;
   }
   const Vec3 turn = age * (angular_velocity + 0.5 * age * angular_acceleration);
   const Vec3 n = turn.isZero(0) ? normal : rotated(turn, normal);
-  return {here, n, n.dot(here), speed, angular_velocity + age * angular_acceleration};
+  HalfSpace there{here, n, n.dot(here), speed, angular_velocity + age * angular_acceleration};
+  if (box()) {
+    const Vec3 begin = swung(upright, normal, across);
+    there.across = turn.isZero(0) ? begin : rotated(turn, begin);
+  }
+  return there;
 }
 
 bool Plane::at_rest() const {

@@ -12,10 +12,11 @@ inline Vec3 tangential(const Vec3& normal, const Vec3& v) { return v - normal.do
 
 /// The obstacle at one moment: solid where normal . x < offset.
 struct HalfSpace {
-  Vec3 point, normal;  ///< [m], unit vector
-  double offset;       ///< normal . point [m]
-  Vec3 velocity;       ///< of the obstacle at `point` [m/s]
-  Vec3 spin;           ///< its angular velocity [rad/s]
+  Vec3 point, normal;          ///< [m], unit vector
+  double offset;               ///< normal . point [m]
+  Vec3 velocity;               ///< of the obstacle at `point` [m/s]
+  Vec3 spin;                   ///< its angular velocity [rad/s]
+  Vec3 across = Vec3::Zero();  ///< of a box: its first axis, unit vector
 
   double gap(const Vec3& x) const { return normal.dot(x) - offset; }
   /// Velocity of the obstacle's material at x [m/s].
@@ -33,11 +34,17 @@ struct PlaneMotion {
   Vec3 acceleration = Vec3::Zero();          ///< [m/s2]
   Vec3 angular_acceleration = Vec3::Zero();  ///< [rad/s2]
   Vec3 normal_rate = Vec3::Zero();           ///< time derivative of `normal` before normalising [1/s]
-  double radius = 0;                         ///< of a solid about `point` [m]; 0: a half-space
+  double radius = 0;                         ///< of a sphere or cylinder about `point` [m]; 0: neither
   double length = 0;                         ///< of a cylinder along `normal` [m]; 0: a sphere
+  Vec3 half = Vec3::Zero();                  ///< half the sides of a box about `point`, whose third axis is `normal` [m]; 0: no box
+  Vec3 across = Vec3::UnitX();               ///< its first axis, unit vector, while its third one is
+  Vec3 upright = Vec3::UnitZ();              ///< this; from there it goes with `normal` by the shortest turn
 
-  bool solid() const { return radius > 0; }
-  double size() const { return std::hypot(radius, 0.5 * length); }  ///< of a solid: its furthest point from `point` [m]
+  bool box() const { return half[0] > 0; }
+  bool solid() const { return radius > 0 || box(); }
+  double size() const {
+    return box() ? half.norm() : std::hypot(radius, 0.5 * length);
+  }  ///< of a solid: its furthest point from `point` [m]
 };
 
 /// The same from time `since` on, with a normal of unit length, which turns with the angular velocity, or, where a rate of the normal is

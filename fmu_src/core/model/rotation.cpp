@@ -50,4 +50,11 @@ Vec3 rotated(const std::array<double, 4>& q, const Vec3& v) {
   return v + q[0] * t + u.cross(t);
 }
 
+Vec3 swung(const Vec3& from, const Vec3& to, const Vec3& v) {
+  const Vec3 axis = from.cross(to);
+  const double cosine = from.dot(to);
+  if (axis.isZero(0) || cosine <= -1) return v;
+  return v + axis.cross(v) + axis.cross(axis.cross(v)) / (1 + cosine);
+}
+
 }  // namespace softffd

@@ -21,4 +21,7 @@ std::array<double, 4> quaternion(const Vec3& w);
 /// The vector v turned by the unit quaternion (w, x, y, z).
 Vec3 rotated(const std::array<double, 4>& quaternion, const Vec3& v);
 
+/// The vector v as the shortest turn takes it that takes one unit vector to another; unturned where that is any of half a turn.
+Vec3 swung(const Vec3& from, const Vec3& to, const Vec3& v);
+
 }  // namespace softffd

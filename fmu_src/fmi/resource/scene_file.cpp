@@ -137,6 +137,16 @@ void read_solid(Record& r, SceneFile& s) {
   s.planes.back().radius = r.positive();
   s.planes.back().length = r.at_least(0);
 }
+/// The plane of the record before is a box about its point: half its sides, its first axis and its third.
+void read_box(Record& r, SceneFile& s) {
+  if (s.planes.empty()) r.fail("there is no plane before it");
+  SceneFile::Plane& box = s.planes.back();
+  for (double& side : box.half) side = r.positive();
+  box.across = r.vector();
+  box.upright = r.vector();
+  if (std::abs(box.across.norm() - 1) > 1e-9 || std::abs(box.upright.norm() - 1) > 1e-9 || std::abs(box.across.dot(box.upright)) > 1e-9)
+    r.fail("a box's axes are no unit vectors at right angles");
+}
 void read_pin(Record& r, SceneFile& s) {
   SceneFile::Pin pin;
   pin.name = r.word();
@@ -220,6 +230,7 @@ constexpr Reader readers[] = {
     {"plane", read_plane},
     {"plane_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.planes, Part::input_planes); }},
     {"solid", read_solid},
+    {"box", read_box},
     {"pin", read_pin},
     {"pin_origin", read_pin_origin},
     {"pin_start", read_pin_start},

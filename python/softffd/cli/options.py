@@ -190,7 +190,7 @@ def _stability(add: Add) -> None:
     stability.add_argument("--seed", type=int, default=1, metavar="S", help="of the first of them, the next has S + 1; default 1")
     families = stability.add_mutually_exclusive_group()
     stability.set_defaults(family="lattice")
-    for family, words in (("surface", "the obstacles"), ("solids", "spheres and cylinders")):
+    for family, words in (("surface", "the obstacles"), ("solids", "spheres, cylinders and boxes")):
         words = f"with --random: of bodies whose own surface meets {words}"
         families.add_argument(f"--{family}", dest="family", action="store_const", const=family, help=words)
     stability.add_argument("-j", "--jobs", type=int, metavar="J", help="scenes at a time; default: the number of cores")

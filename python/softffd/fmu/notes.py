@@ -29,7 +29,7 @@ def read_notes(resources: Path) -> Iterator[str]:
 
 
 def shift_note(scene: Scene, masses: Masses) -> str | None:
-    if np.abs(masses.shift).max() < 1e-9 * max(scene.box.size):
+    if np.abs(masses.shift).max() < 1e-9 * max(scene.lattice_box.size):
         return None
     return f"mass.uniform_share moves the centre of mass by ({', '.join(f'{value:.3g}' for value in masses.shift)}) m"
 

@@ -71,7 +71,7 @@ def scene_samples(scene: Scene) -> Samples | None:
     if scene.contact.of == "lattice" or not scene.obstacles:
         return None
     assert scene.loaded_mesh is not None
-    return _surface_samples(scene.loaded_mesh, scene.box, scene.contact.penetration)
+    return _surface_samples(scene.loaded_mesh, scene.lattice_box, scene.contact.penetration)
 
 
 def _of_cells(scene: Scene, total: float) -> np.ndarray:
@@ -80,7 +80,7 @@ def _of_cells(scene: Scene, total: float) -> np.ndarray:
     cells = np.full([count - 1 for count in counts], total / math.prod(count - 1 for count in counts))
     for region in scene.region:
         if region.density is not None:
-            cells[cells_within(scene.select(region.points), counts)] = region.density * math.prod(scene.box.size) / cells.size
+            cells[cells_within(scene.select(region.points), counts)] = region.density * math.prod(scene.lattice_box.size) / cells.size
     return to_flat(shared_by_corners(cells)[..., None])[:, 0]
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from softffd.fmu.variables import internal_damping_present, method_value, spring_damping_present
 from softffd.lattice import LatticeBox, Point, point_at, to_flat
+from softffd.scene.sections import Box, Cylinder, Sphere
 
 if TYPE_CHECKING:
     from softffd.embedding.mass import Masses
@@ -54,7 +55,9 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
     for plane in scene.obstacles:
         motion = [*plane.point, *plane.normal, *plane.velocity, *plane.angular_velocity]
         lines.append(["plane", plane.name, plane.motion, *motion, plane.friction])
-        if plane in scene.solids:
+        if isinstance(plane, Box):
+            lines.append(["box", *(side / 2 for side in plane.size), *plane.across, *plane.normal])
+        elif isinstance(plane, Sphere | Cylinder):
             lines.append(["solid", plane.radius, plane.length])
         if plane.motion == "input":
             lines.append(["plane_inputs", *plane.input_components()])

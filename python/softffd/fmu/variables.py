@@ -15,7 +15,7 @@ from softffd.names import variable_names
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
-    from softffd.scene.sections import Cylinder, Pin, Plane, Sphere
+    from softffd.scene.sections import AnySolid, Pin, Plane
     from softffd.scene.selection import Selection
 
 STANDARD_GRAVITY = 9.80665
@@ -66,7 +66,7 @@ def _point(scene: Scene, p: int) -> dict[str, Any]:
     return {"i": p % nx, "j": p // nx % ny, "k": p // nx // ny}
 
 
-def _plane(plane: Plane | Sphere | Cylinder) -> dict[str, Any]:
+def _plane(plane: Plane | AnySolid) -> dict[str, Any]:
     return {
         "name": plane.name,
         "point": plane.point,
@@ -134,7 +134,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
 
 def sizes(scene: Scene, mass: np.ndarray) -> dict[str, float]:
     """What is usual for a body of this size and mass that falls by its own length, for the variables' nominal values."""
-    length = max(scene.box.size)
+    length = max(scene.lattice_box.size)
     given = scene.environment.gravity
     gravity = (float(np.linalg.norm(given)) if given else 0.0) or STANDARD_GRAVITY
     speed = math.sqrt(gravity * length)

@@ -76,7 +76,7 @@ def cell_stiffness(scene: Scene, parameters: Mapping[str, float]) -> np.ndarray:
 
 def _of_modulus(scene: Scene, modulus: float) -> np.ndarray:
     counts = np.array(scene.lattice.points)
-    sides = np.array(scene.box.size) / (counts - 1)
+    sides = np.array(scene.lattice_box.size) / (counts - 1)
     moduli = np.full(counts - 1, modulus)
     for region in scene.region:
         if region.youngs_modulus is not None:

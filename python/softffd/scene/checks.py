@@ -12,7 +12,7 @@ from softffd.scene.checks_contact import contact_check
 from softffd.scene.checks_material import material_check
 from softffd.scene.draft import Draft
 from softffd.scene.faults import Fault, KeyPath, path_text, toml_text
-from softffd.scene.sections import Lattice
+from softffd.scene.sections import SOLIDS, Lattice
 from softffd.scene.selection import flat_indices
 from softffd.scene.sound import box_is_given, box_is_sound, counts_are_sound
 
@@ -39,8 +39,8 @@ def cross_check(draft: Draft) -> list[Fault]:
 
 def _names(draft: Draft) -> Iterator[Fault]:
     obstacles: dict[str, KeyPath] = {}  # whose variables begin alike
-    for section in ("plane", "sphere", "cylinder", "pin", "load", "probe"):
-        owners = obstacles if section in ("plane", "sphere", "cylinder") else {}
+    for section in ("plane", *SOLIDS, "pin", "load", "probe"):
+        owners = obstacles if section in ("plane", *SOLIDS) else {}
         for position, item in enumerate(getattr(draft.scene, section)):
             path = (section, position, "name")
             if draft.sound(*path) and (owner := owners.setdefault(item.name, path)) != path:
@@ -49,7 +49,7 @@ def _names(draft: Draft) -> Iterator[Fault]:
 
 
 def _idle_inputs(draft: Draft) -> Iterator[Fault]:
-    for section in ("plane", "sphere", "cylinder", "pin"):
+    for section in ("plane", *SOLIDS, "pin"):
         for position, item in enumerate(getattr(draft.scene, section)):
             path = (section, position, "inputs")
             default = type(item).model_fields["inputs"].default

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from softffd.scene.draft import Draft
 from softffd.scene.faults import Fault, toml_text
+from softffd.scene.sections import SOLIDS
 
 MEETING = ("auto", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_euler")
 """Methods that may be asked for beside contact of the surface"""
@@ -27,7 +28,7 @@ def contact_check(draft: Draft) -> Iterator[Fault]:
 
 
 def _solids_of_lattice(draft: Draft) -> Iterator[Fault]:
-    for section in ("sphere", "cylinder"):
+    for section in SOLIDS:
         if getattr(draft.scene, section):
             text = f'"lattice" knows planes alone, but the scene has a [[{section}]]; take "surface", which needs a [mesh]'
             yield Fault(("contact", "of"), text)
@@ -36,7 +37,8 @@ def _solids_of_lattice(draft: Draft) -> Iterator[Fault]:
 def _method(draft: Draft) -> Iterator[Fault]:
     method = draft.scene.solver.method
     if method == "backward_euler" and draft.scene.solids and draft.sound("solver", "method"):
-        text = f'wanted "auto", "leapfrog", "bm4", "rkn12", "dop853" or "ros34pw2" beside a sphere or cylinder, got {toml_text(method)}'
+        wanted = '"auto", "leapfrog", "bm4", "rkn12", "dop853" or "ros34pw2"'
+        text = f"wanted {wanted} beside a sphere, cylinder or box, got {toml_text(method)}"
         yield Fault(("solver", "method"), text)
     if method not in MEETING and draft.sound("solver", "method"):
         wanted = " or ".join([", ".join(f'"{each}"' for each in MEETING[:-1]), f'"{MEETING[-1]}"'])

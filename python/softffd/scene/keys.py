@@ -18,6 +18,7 @@ class SceneKeys(sections.Section):
     plane: tuple[sections.Plane, ...] = key((), "obstacles: half-spaces")
     sphere: tuple[sections.Sphere, ...] = key((), "obstacles: solid spheres")
     cylinder: tuple[sections.Cylinder, ...] = key((), "obstacles: solid cylinders")
+    box: tuple[sections.Box, ...] = key((), "obstacles: solid boxes")
     pin: tuple[sections.Pin, ...] = key((), "control points attached to rigid frames")
     load: tuple[sections.Load, ...] = key((), "forces shared by several control points")
     inputs: sections.Inputs = key(sections.Inputs(), "inputs besides those of planes, pins and loads")
@@ -29,11 +30,11 @@ class SceneKeys(sections.Section):
     fmu: sections.Fmu = key(sections.Fmu(), "how the FMU shows itself to other tools")
 
     @property
-    def solids(self) -> tuple[sections.Solid, ...]:
+    def solids(self) -> tuple[sections.AnySolid, ...]:
         """Obstacles with an inside, in the order of the library."""
-        return (*self.sphere, *self.cylinder)
+        return tuple(solid for section in sections.SOLIDS for solid in getattr(self, section))
 
     @property
-    def obstacles(self) -> tuple[sections.Plane | sections.Sphere | sections.Cylinder, ...]:
+    def obstacles(self) -> tuple[sections.Plane | sections.AnySolid, ...]:
         """All obstacles, in the order of the library."""
-        return (*self.plane, *self.sphere, *self.cylinder)
+        return (*self.plane, *self.solids)

@@ -17,7 +17,7 @@ from softffd.scene.document import find_scene, read_document, shipped_scenes, sh
 from softffd.scene.draft import unshared
 from softffd.scene.keys import SceneKeys
 from softffd.scene.schema import schema
-from softffd.scene.sections import Pin
+from softffd.scene.sections import SOLIDS, Pin
 from softffd.scene.selection import Selection, flat_indices
 from softffd.scene.settle import settled
 from softffd.scene.template import template
@@ -60,7 +60,7 @@ class Scene(SceneKeys):
         return scene
 
     def __repr__(self) -> str:
-        box, kinds = self.box, ("plane", "sphere", "cylinder", "pin", "load", "probe")
+        box, kinds = self.lattice_box, ("plane", *SOLIDS, "pin", "load", "probe")
         counts, sides = (" × ".join(f"{n:.4g}" for n in triple) for triple in (box.points, box.size))
         mesh = f", mesh {self.mesh.file.name}" if self.mesh else ""
         parts = [f"{kind} {', '.join(part.name for part in found)}" for kind in kinds if (found := getattr(self, kind))]
@@ -115,7 +115,7 @@ class Scene(SceneKeys):
         return self._path.stem
 
     @property
-    def box(self) -> LatticeBox:
+    def lattice_box(self) -> LatticeBox:
         """Counts, box at rest and basis of the lattice."""
         lattice = self.lattice
         assert lattice.origin is not None and lattice.size is not None  # filled in
@@ -146,13 +146,13 @@ class Scene(SceneKeys):
         turn, origin = np.array(self.initial.rotation_vector()), self.pin_origin(pin)
         if not turn.any():
             return origin, (1.0, 0.0, 0.0, 0.0)
-        centre = np.array(self.box.origin) + np.array(self.box.size) / 2
+        centre = np.array(self.lattice_box.origin) + np.array(self.lattice_box.size) / 2
         at = centre + turned(np.array(origin) - centre, turn)
         return tuple(at.tolist()), tuple(quaternion(turn).tolist())
 
     def rest_positions(self) -> np.ndarray:
         """The control points at rest in flat order, (n, 3) [m]."""
-        return to_flat(rest_grid(self.lattice.points, self.box.origin, self.box.size))
+        return to_flat(rest_grid(self.lattice.points, self.lattice_box.origin, self.lattice_box.size))
 
 
 def load_scene(path_or_name: str | Path) -> Scene:

@@ -6,6 +6,7 @@ import unicodedata
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -19,6 +20,7 @@ from pydantic import (
 )
 
 from softffd.names import IDENTIFIER
+from softffd.rotation import turned
 from softffd.scene.quantity import (
     Number,
     PositiveVector,
@@ -335,11 +337,37 @@ class Plane(Section):
         return _components(PLANE_POSE, self.inputs) if self.motion == "input" else []
 
 
+class Rotation(Section):
+    """A rotation about an axis, right-handed."""
+
+    axis: Direction = key(..., "the axis, of any length > 0", examples=[[0.0, 1.0, 0.0]])
+    degrees: Number = key(..., "the angle in degrees", examples=[0.0])
+
+    @property
+    def vector(self) -> tuple[float, float, float]:
+        """Along the axis, as long as the angle [rad]."""
+        x, y, z = self.axis
+        scale = math.radians(self.degrees) / math.hypot(x, y, z)
+        return x * scale, y * scale, z * scale
+
+
+def _rotation_table(value: Any) -> Any:
+    """Whatever may be a table of axis and degrees; radians are told in degrees."""
+    wanted = "{ axis = [x, y, z], degrees = }"
+    if not isinstance(value, dict | Rotation):
+        raise refusal(f"a table {wanted}")
+    if isinstance(value, dict) and "degrees" not in value and isinstance(angle := value.get("radians"), int | float):
+        raise refusal(wanted, nearest=f"degrees = {math.degrees(angle):.10g}")
+    return value
+
+
+OptionalRotation = Annotated[Rotation, BeforeValidator(_rotation_table)] | None
+
+
 class Solid(Section):
     """An obstacle with an inside: what it has in common with others. Its variables have the names of a plane's."""
 
     name: Name = key(..., NAME, examples=["ball"])
-    radius: Number = quantity(..., "m", "its radius", gt=0, examples=[0.5])
     point: Vector = quantity((0.0, 0.0, 0.0), "m", "its centre")
     velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of its centre")
     angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about its centre")
@@ -347,8 +375,8 @@ class Solid(Section):
     motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
     inputs: PlaneInputs = key(
         ("point", "velocity"),
-        "what of `point`, `normal` (a cylinder's axis), `velocity`, `angular_velocity` are inputs, or single components; "
-        "the rest are parameters, which hold at every communication point",
+        "what of `point`, `normal` (a cylinder's axis, a box's third one), `velocity`, `angular_velocity` are inputs, or single "
+        "components; the rest are parameters, which hold at every communication point",
     )
 
     def input_components(self) -> list[str]:
@@ -358,6 +386,8 @@ class Solid(Section):
 
 class Sphere(Solid):
     """An obstacle: a solid sphere about `point`; needs contact.of = "surface"."""
+
+    radius: Number = quantity(..., "m", "its radius", gt=0, examples=[0.5])
 
     @property
     def normal(self) -> tuple[float, float, float]:
@@ -373,8 +403,39 @@ class Sphere(Solid):
 class Cylinder(Solid):
     """An obstacle: a solid cylinder with flat ends about `point`; needs contact.of = "surface"."""
 
+    radius: Number = quantity(..., "m", "its radius", gt=0, examples=[0.5])
     length: Number = quantity(..., "m", "from end to end", gt=0, examples=[1.0])
     normal: Direction = quantity((0.0, 0.0, 1.0), "1", "its axis; any length > 0")
+
+
+class Box(Solid):
+    """An obstacle: a solid box about `point`; needs contact.of = "surface". Its `normal`, where it is an input, is the direction of its
+    third axis, and the box turns with it by the shortest turn from where the scene has it."""
+
+    size: PositiveVector = quantity(..., "m", "its sides", examples=[[1.0, 1.0, 0.5]])
+    rotation: OptionalRotation = key(
+        None, "turned about its centre, { axis = [0, 0, 1], degrees = 45 }; absent: its sides are along the axes of the world"
+    )
+
+    @property
+    def across(self) -> tuple[float, float, float]:
+        """Its first axis, of unit length."""
+        return self._axis(0)
+
+    @property
+    def normal(self) -> tuple[float, float, float]:
+        """Its third axis, of unit length."""
+        return self._axis(2)
+
+    def _axis(self, number: int) -> tuple[float, float, float]:
+        turn = np.zeros(3) if self.rotation is None else np.array(self.rotation.vector)
+        x, y, z = turned(np.eye(3)[number], turn).tolist()
+        return x, y, z
+
+
+AnySolid = Sphere | Cylinder | Box
+SOLIDS = {"sphere": Sphere, "cylinder": Cylinder, "box": Box}
+"""Sections of obstacles with an inside"""
 
 
 class Pin(Section):
@@ -411,29 +472,12 @@ class Inputs(Section):
     forces: Selection = key("none", "control points with a force input each: a selection")
 
 
-class Rotation(Section):
-    """A rotation about an axis, right-handed."""
-
-    axis: Direction = key(..., "the axis, of any length > 0", examples=[[0.0, 1.0, 0.0]])
-    degrees: Number = key(..., "the angle in degrees", examples=[0.0])
-
-
-def _rotation_table(value: Any) -> Any:
-    """Whatever may be a table of axis and degrees; radians are told in degrees."""
-    wanted = "{ axis = [x, y, z], degrees = }"
-    if not isinstance(value, dict | Rotation):
-        raise refusal(f"a table {wanted}")
-    if isinstance(value, dict) and "degrees" not in value and isinstance(angle := value.get("radians"), int | float):
-        raise refusal(wanted, nearest=f"degrees = {math.degrees(angle):.10g}")
-    return value
-
-
 class Initial(Section):
     """The state at the start: x0 = origin + stretch (X - origin) + offset, X the rest position, turned by the rotation."""
 
     stretch: Vector = quantity((1.0, 1.0, 1.0), "1", "factor per axis on the rest shape")
     offset: Vector = quantity((0.0, 0.0, 0.0), "m", "displacement of the whole object")
-    rotation: Annotated[Rotation, BeforeValidator(_rotation_table)] | None = key(
+    rotation: OptionalRotation = key(
         None,
         "the whole object turned about the centre of its box, { axis = [0, 1, 0], degrees = 35 }, with the points that pins hold; "
         "velocities stay those of the world frame; absent: not turned, and no parameter for it",
@@ -443,11 +487,7 @@ class Initial(Section):
 
     def rotation_vector(self) -> tuple[float, float, float]:
         """Along the axis, as long as the angle [rad]."""
-        if self.rotation is None:
-            return 0.0, 0.0, 0.0
-        x, y, z = self.rotation.axis
-        scale = math.radians(self.rotation.degrees) / math.hypot(x, y, z)
-        return x * scale, y * scale, z * scale
+        return (0.0, 0.0, 0.0) if self.rotation is None else self.rotation.vector
 
 
 class Probe(Section):

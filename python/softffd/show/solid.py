@@ -19,8 +19,9 @@ FLAT = 1e-3
 class SolidTrack:
     """A solid obstacle over time.
 
-    `vertices` (V, 3) [m] about its centre with its axis along z, their unit `normals` (V, 3) and `faces` (F, 3): its surface; `tint` its
-    colour. `points` (T, 3) [m]: its centre; unit `axes` and, across them, unit `tangents` (T, 3). `kind`, `keys`: its section in the scene.
+    `vertices` (V, 3) [m] about its centre with its axis along z, those of a box along x, y and z, their unit `normals` (V, 3) and `faces`
+    (F, 3): its surface; `tint` its colour. `points` (T, 3) [m]: its centre; unit `axes` and, across them, unit `tangents` (T, 3), of a box
+    its third axis and its first. `kind`, `keys`: its section in the scene.
     """
 
     name: str
@@ -36,7 +37,7 @@ class SolidTrack:
 
     def gap(self, places, frame):
         """Signed distance (N,) [m] of places (N, 3) [m] in a frame; negative inside."""
-        return gap(self.kind, self.keys, places, self.points[frame], self.axes[frame])
+        return gap(self.kind, self.keys, places, self.points[frame], self.axes[frame], self.tangents[frame])
 
     def placed(self, frame):
         """Vertices (V, 3) [m] and normals (V, 3) in a frame."""
@@ -51,6 +52,8 @@ class SolidTrack:
 
 def solid_surface(kind, keys, radius):
     """Vertices (V, 3) [m], normals (V, 3) and faces (F, 3) of a solid about the origin; radius: of the scene that it is seen in [m]."""
+    if kind == "box":
+        return _box(np.array(keys["size"]) / 2)
     sides = int(np.clip(np.pi * np.sqrt(keys["radius"] / (2 * FLAT * radius)), LEAST_SIDES, MOST_SIDES))
     if kind == "sphere":
         lean = np.linspace(0, np.pi, sides // 2 + 1)
@@ -60,6 +63,20 @@ def solid_surface(kind, keys, radius):
     ends = np.array([(0, half), (out, half), (out, half), (out, -half), (out, -half), (0, -half)])
     normals = np.array([(0, 1), (0, 1), (1, 0), (1, 0), (0, -1), (0, -1)])
     return _turned(ends, normals, sides)
+
+
+def _box(half):
+    """A box of these half sides (3,) [m]."""
+    vertices, normals, faces = [], [], []
+    for axis in range(3):
+        for side in (-1, 1):
+            u, v = np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3]
+            out = side * np.eye(3)[axis]
+            first = len(vertices)
+            vertices += [half * (out + a * u + b * v) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+            normals += 4 * [out]
+            faces += [first + np.array(corners) for corners in ([(0, 1, 2), (0, 2, 3)] if side > 0 else [(0, 2, 1), (0, 3, 2)])]
+    return np.array(vertices), np.array(normals), np.array(faces)
 
 
 def _turned(profile, normals, sides):

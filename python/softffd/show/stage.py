@@ -8,6 +8,9 @@ import numpy as np
 from softffd.embedding.deform import Embedding
 from softffd.errors import SoftffdError
 from softffd.lattice import index_grid, rest_grid
+from softffd.names import vector_names
+from softffd.rotation import between_directions, turned
+from softffd.scene.sections import PLANE_POSE
 from softffd.show.skin import Skin, painted, skinned
 from softffd.show.solid import SolidTrack, solid_surface
 from softffd.show.surface import cage_surface
@@ -139,6 +142,8 @@ def _obstacles(result, up, radius):
         tint, pose = OBSTACLES[number % len(OBSTACLES)], _pose(*result.plane(name))
         if name in known:
             kind, keys = type(known[name]).__name__.lower(), known[name].model_dump()
+            if kind == "box":
+                pose = *pose[:2], _first_axes(result, known[name], pose[1])
             solids.append(SolidTrack(name, tint, kind, keys, *solid_surface(kind, keys, radius), *pose))
         else:
             planes.append(PlaneTrack(name, tint, bool((pose[1] @ up > 0.7).all()), *pose))
@@ -177,6 +182,16 @@ def _box(result, mesh, origin, size):
         low = result.positions[0].min(axis=(0, 1, 2))
         extent = result.positions[0].max(axis=(0, 1, 2)) - low
     return np.array(low if origin is None else origin, float), np.array(extent if size is None else size, float)
+
+
+def _first_axes(result, box, normals):
+    """Of a box (T, 3): it turns with its angular velocity from the start on, or as its third axis is given."""
+    spin = vector_names("plane_angular_velocity", box.name)
+    if any(key in result.inputs for what in PLANE_POSE for key in vector_names(f"plane_{what}", box.name)):
+        turns = np.stack([between_directions(np.array(box.normal), normal) for normal in normals])
+    else:
+        turns = np.multiply.outer(result.time - result.time[0], [result.parameters[key] for key in spin])
+    return turned(np.broadcast_to(box.across, normals.shape), turns)
 
 
 def _pose(points, normals):

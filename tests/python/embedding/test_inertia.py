@@ -93,8 +93,8 @@ def test_the_nearest_masses_are_found():
     """Of masses with these moments none are nearer to the lumped ones: to move along what the moments leave free pays in no direction."""
     scene = load_scene("car_drop").replace({"mass.inertia": "matched", "mass.uniform_share": 0.02})
     lumped, found = (scene_masses(each).mass for each in (scene.replace({"mass.inertia": "lumped"}), scene))
-    places = to_flat(scene.box.rest())
-    places = (places - places.mean(axis=0)) / scene.box.size
+    places = to_flat(scene.lattice_box.rest())
+    places = (places - places.mean(axis=0)) / scene.lattice_box.size
     rows = np.stack([np.ones(64), *places.T, *(places[:, a] * places[:, b] for a in range(3) for b in range(a + 1))])
     least = found.sum() * 0.02 / 64
     held = found < least * (1 + 1e-9)

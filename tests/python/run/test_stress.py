@@ -21,11 +21,11 @@ MATERIALS = {
 
 
 def sides_of(scene):
-    return np.array(scene.box.size) / (np.array(scene.lattice.points) - 1)
+    return np.array(scene.lattice_box.size) / (np.array(scene.lattice.points) - 1)
 
 
 def moved(scene, gradient):
-    return scene.box.rest() @ np.transpose(gradient)
+    return scene.lattice_box.rest() @ np.transpose(gradient)
 
 
 @pytest.mark.parametrize("gradient", [np.eye(3), [[1.2, 0.1, 0.0], [0.3, 0.9, -0.2], [0.0, 0.4, 1.1]]])

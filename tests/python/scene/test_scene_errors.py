@@ -16,7 +16,10 @@ TWENTY = "a" * 200
 CASES = [
     ({"titel": "x"}, 'titel: unknown key, did you mean "title"?'),
     ({"material": {"stifness": 1.0}}, 'material.stifness: unknown key, did you mean "stiffness"?'),
-    ({"material": {"friction": 1.0}}, "material.friction: unknown key here; it belongs in [[plane]] or [[sphere]] or [[cylinder]]"),
+    (
+        {"material": {"friction": 1.0}},
+        "material.friction: unknown key here; it belongs in [[plane]] or [[sphere]] or [[cylinder]] or [[box]]",
+    ),
     ({"solver": {"": 1}}, 'solver."": unknown key, wanted "method", "tolerance", "step", "most_work", "threads" or "error_estimate"'),
     ({"material": {"stiffness": -5}}, "material.stiffness: wanted >= 0 N/m, got -5"),
     (

@@ -1,4 +1,4 @@
-"""Spheres and cylinders as obstacles, through the FMU: no point of the surface is ever inside, and forces balance."""
+"""Spheres, cylinders and boxes as obstacles, through the FMU: no point of the surface is ever inside, and forces balance."""
 
 import numpy as np
 import pytest
@@ -9,6 +9,8 @@ from scenes import GRAVITY, MOVED, box
 from softffd import Scene, Simulation, deform, simulate
 from softffd.errors import SceneError
 from softffd.fmu.package import scene_masses
+from softffd.rotation import between_directions, turned
+from softffd.scene.obstacle import gap
 
 G = -GRAVITY[2]
 UNIT = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
@@ -26,17 +28,8 @@ def body(tmp_path):
     return made
 
 
-def sphere_gap(places, centre, radius):
-    return np.linalg.norm(places - centre, axis=-1) - radius
-
-
-def cylinder_gap(places, centre, axis, radius, length):
-    """Signed distance from a solid cylinder [m]."""
-    arm = places - centre
-    height = arm @ axis
-    beside = np.linalg.norm(arm - height[..., None] * axis, axis=-1) - radius
-    above = np.abs(height) - length / 2
-    return np.minimum(np.maximum(beside, above), 0) + np.hypot(np.maximum(beside, 0), np.maximum(above, 0))
+def sphere_gap(ball, places, centre=None):
+    return gap("sphere", ball, places, ball["point"] if centre is None else centre, None)
 
 
 def test_a_cube_rests_on_a_large_sphere(body):
@@ -45,19 +38,23 @@ def test_a_cube_rests_on_a_large_sphere(body):
     scene = body(bodies.cube(5, 0.0), gravity=GRAVITY, damping=1.0, sphere=[ball], offset=[0.0, 0.0, 0.02], stop_time=10.0)
     result = simulate(scene)
     assert vector(result, "plane.ball.reaction")[-1] == pytest.approx([0.0, 0.0, -G], abs=1e-9)
-    assert sphere_gap(result.deformed(row=slice(None)), np.array(ball["point"]), 20.0).min() >= -1e-12
+    assert sphere_gap(ball, result.deformed(row=slice(None))).min() >= -1e-12
+
+
+FLAT = {"cylinder": {"radius": 10.0, "length": 2.0}, "box": {"size": [20.0, 16.0, 2.0], "rotation": {"axis": [0, 0, 1], "degrees": 30.0}}}
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_a_disk_is_as_good_as_a_plane(body, friction):
-    """What meets the flat end of a wide cylinder moves as on a plane."""
+@pytest.mark.parametrize("solid", FLAT)
+def test_a_flat_face_is_as_good_as_a_plane(body, solid, friction):
+    """What meets the flat end of a wide cylinder, or a side of a box, moves as on a plane."""
     keys = {"gravity": [1.0, 0.0, -9.81], "offset": [0.0, 0.0, 0.05], "rotation": {"axis": [1, 2, 0], "degrees": 3.0}, "stop_time": 1.0}
     shape = bodies.cube(5, 0.0)
     plane = simulate(body(shape, plane=[{"name": "ground", "friction": friction}], **keys))
-    disk = {"name": "ground", "radius": 10.0, "length": 2.0, "point": [0.0, 0.0, -1.0], "friction": friction}
-    solid = simulate(body(shape, cylinder=[disk], **keys))
-    assert np.abs(plane.positions - solid.positions).max() <= 1e-9
-    assert np.abs(vector(plane, "plane.ground.reaction") - vector(solid, "plane.ground.reaction")).max() <= 1e-6
+    flat = {"name": "ground", "point": [0.0, 0.0, -1.0], "friction": friction, **FLAT[solid]}
+    other = simulate(body(shape, **{solid: [flat]}, **keys))
+    assert np.abs(plane.positions - other.positions).max() <= 1e-9
+    assert np.abs(vector(plane, "plane.ground.reaction") - vector(other, "plane.ground.reaction")).max() <= 1e-6
 
 
 def test_a_body_slides_off_a_cylinder(body):
@@ -67,7 +64,7 @@ def test_a_body_slides_off_a_cylinder(body):
     scene = body(bodies.sphere(3), gravity=GRAVITY, damping=0.1, cylinder=[log], plane=[ground], stop_time=2.0)
     result = simulate(scene)
     places = result.deformed(row=slice(None))
-    assert cylinder_gap(places, centre, axis, 0.5, 0.8).min() >= -1e-12
+    assert gap("cylinder", log, places, centre, axis).min() >= -1e-12
     assert places[..., 2].min() >= -2 - 1e-12
     assert np.abs(vector(result, "plane.log.reaction")).max() > 1
     assert vector(result, "probe.centre")[-1][2] < 0.5 - 1
@@ -84,8 +81,8 @@ def test_a_moving_sphere_gives_the_momentum_that_it_is_charged_with(body):
             simulation.plane["ball"].point = at
             simulation.step()
             impulse += H * np.array(simulation.plane["ball"].reaction)
-            places = deform(scene.loaded_mesh, simulation.positions, origin=scene.box.origin, size=scene.box.size)
-            deepest = min(deepest, sphere_gap(places, at + np.array([H, 0.0, 0.0]), 0.2).min())
+            places = deform(scene.loaded_mesh, simulation.positions, origin=scene.lattice_box.origin, size=scene.lattice_box.size)
+            deepest = min(deepest, sphere_gap(ball, places, at + np.array([H, 0.0, 0.0])).min())
             momentum = mass @ np.array(simulation.velocities).reshape(-1, 3)
             assert np.abs(momentum + impulse).max() <= 1e-12
         assert momentum[0] > 0.1
@@ -95,7 +92,7 @@ def test_a_moving_sphere_gives_the_momentum_that_it_is_charged_with(body):
 def test_what_starts_inside_is_moved_out(body):
     ball = {"name": "ball", "radius": 0.2, "point": [0.5, 0.5, 0.1]}
     result = simulate(body(bodies.sphere(3), sphere=[ball], stop_time=0.1))
-    assert sphere_gap(result.deformed(row=slice(None)), np.array(ball["point"]), 0.2).min() >= -1e-12
+    assert sphere_gap(ball, result.deformed(row=slice(None))).min() >= -1e-12
     assert any("in sphere ball" in message.text for message in result.log)
 
 
@@ -105,6 +102,76 @@ def test_a_thin_disk_is_not_passed(body):
     result = simulate(body(bodies.sphere(3), velocity=[0.0, 0.0, -100.0], cylinder=[disk], stiffness=1e5, stop_time=0.1))
     places = result.deformed(row=slice(None))
     assert places[..., 2].min() >= -0.2 + 5e-5 - 1e-12
+
+
+CRATE = {"name": "crate", "size": [0.8, 1.2, 0.6], "rotation": {"axis": [1.0, 2.0, 0.5], "degrees": 40.0}}
+
+
+def crate_axes(normal=None):
+    """The crate's third axis and its first, where its third is turned to another direction."""
+    axis = np.array(CRATE["rotation"]["axis"])
+    turn = np.radians(CRATE["rotation"]["degrees"]) * axis / np.linalg.norm(axis)
+    third, first = (turned(np.eye(3)[a], turn) for a in (2, 0))
+    return (third, first) if normal is None else (normal, turned(first, between_directions(third, normal)))
+
+
+def test_a_body_tumbles_over_a_box(body):
+    """Past its corner, its edges and its sides."""
+    crate = {**CRATE, "point": [0.3, 0.6, -0.6], "friction": 0.2}
+    ground = {"name": "ground", "point": [0.0, 0.0, -2.0], "friction": 0.2}
+    result = simulate(body(bodies.sphere(3), gravity=GRAVITY, damping=0.1, box=[crate], plane=[ground], stop_time=2.0))
+    places = result.deformed(row=slice(None))
+    assert -1e-12 <= gap("box", crate, places, np.array(crate["point"]), *crate_axes()).min() < 1e-9
+    assert np.abs(vector(result, "plane.crate.reaction")).max() > 1
+    assert vector(result, "probe.centre")[-1][2] < 0.5 - 1
+
+
+def test_what_starts_inside_a_box_is_moved_out(body):
+    crate = {**CRATE, "point": [0.5, 0.5, -0.2]}
+    result = simulate(body(bodies.sphere(3), box=[crate], stop_time=0.1))
+    assert gap("box", crate, result.deformed(row=slice(None)), np.array(crate["point"]), *crate_axes()).min() >= -1e-12
+    assert any("in box crate" in message.text for message in result.log)
+
+
+def test_a_thin_box_is_not_passed(body):
+    board = {"name": "board", "size": [6.0, 6.0, 1e-4], "point": [0.5, 0.5, -0.2], "friction": 0.0}
+    result = simulate(body(bodies.sphere(3), velocity=[0.0, 0.0, -100.0], box=[board], stiffness=1e5, stop_time=0.1))
+    assert result.deformed(row=slice(None))[..., 2].min() >= -0.2 + 5e-5 - 1e-12
+
+
+def test_a_turning_box_gives_the_momentum_that_it_is_charged_with(body):
+    """Pushed and tipped by inputs, which are told all; no vertex is inside at any communication point."""
+    inputs = ["point", "normal", "velocity", "angular_velocity"]
+    crate = {**CRATE, "point": [0.5, 0.6, -0.75], "friction": 0.3, "motion": "input", "inputs": inputs}
+    scene = body(bodies.sphere(3), box=[crate], damping=0.0, velocities="all", stop_time=1.0)
+    mass, H = scene_masses(scene).mass, 0.02
+    up, spin = np.array([0.0, 0.1, 1.0]), np.array([0.3, -0.4, 0.0])
+    with Simulation(scene) as simulation:
+        impulse, deepest = np.zeros(3), np.inf
+        for step in range(50):
+            poses = [(np.array(crate["point"]) + n * H * up, turned(crate_axes()[0], n * H * spin)) for n in (step, step + 1)]
+            obstacle = simulation.plane["crate"]
+            (obstacle.point, obstacle.normal), obstacle.velocity = poses[0], up
+            obstacle.angular_velocity = between_directions(poses[0][1], poses[1][1]) / H
+            simulation.step()
+            impulse += H * np.array(simulation.plane["crate"].reaction)
+            places = deform(scene.loaded_mesh, simulation.positions, origin=scene.lattice_box.origin, size=scene.lattice_box.size)
+            deepest = min(deepest, gap("box", crate, places, poses[1][0], *crate_axes(poses[1][1])).min())
+            momentum = mass @ np.array(simulation.velocities).reshape(-1, 3)
+            assert np.abs(momentum + impulse).max() <= 1e-12
+        assert momentum[2] > 0.1
+        assert deepest >= -1e-12
+
+
+def test_a_box_that_turns_by_itself_turns_about_all_axes(body):
+    """A cube that lies on the middle of a turning table goes round with it."""
+    table = {"name": "table", "size": [3.0, 3.0, 0.5], "point": [0.5, 0.5, -0.25], "friction": 2.0, "angular_velocity": [0.0, 0.0, 0.5]}
+    start = {"angular_velocity": [0.0, 0.0, 0.5]}
+    result = simulate(body(bodies.cube(5, 0.0), gravity=GRAVITY, damping=0.0, box=[table], stop_time=1.0, **start))
+    first, last = result.positions[0].reshape(-1, 3), result.positions[-1].reshape(-1, 3)
+    middle = np.array([0.5, 0.5, 0.0])
+    wanted = middle + turned(first - middle, np.broadcast_to([0.0, 0.0, 0.5], first.shape))
+    assert np.abs(wanted - last)[:, :2].max() < 0.02
 
 
 @pytest.mark.parametrize(("friction", "ratio"), [(0.0, 3.5), (0.3, 1.8)], ids=["smooth", "rough"])
@@ -127,7 +194,9 @@ def test_sliding_in_lasting_contact_is_second_order_without_friction(body, solid
 
 def test_implicit_steps_and_the_lattice_refuse_them(body):
     ball = {"name": "ball", "radius": 0.2}
-    with pytest.raises(SceneError, match=r'solver.method: wanted "auto", "leapfrog".* beside a sphere or cylinder, got "backward_euler"'):
+    with pytest.raises(
+        SceneError, match=r'solver.method: wanted "auto", "leapfrog".* beside a sphere, cylinder or box, got "backward_euler"'
+    ):
         body(bodies.sphere(1), sphere=[ball], method="backward_euler", step=0.0)
     with pytest.raises(SceneError, match=r"contact.of: .lattice. knows planes alone, but the scene has a \[\[sphere\]\]"):
         body(bodies.sphere(1), sphere=[ball], contact={"of": "lattice"})

@@ -220,7 +220,7 @@ def test_no_vertex_is_ever_behind_planes_that_move(body, method):
             simulation.step()
             there = start + 0.02 * np.array([0.0, 0.0, -0.3])
             turn = turned(normal / np.linalg.norm(normal), np.array([0.0, 0.2 * 0.02, 0.0]))
-            surface = deform(scene.loaded_mesh, simulation.positions, origin=scene.box.origin, size=scene.box.size)
+            surface = deform(scene.loaded_mesh, simulation.positions, origin=scene.lattice_box.origin, size=scene.lattice_box.size)
             floor.append(surface[:, 2].min())
             plate.append(((surface - there) @ turn).min())
             for what, values in (("point", there), ("normal", turn)):

@@ -66,7 +66,7 @@ class Rig:
         self.communication_step = positive("communication step", step, scene.experiment.communication_step)
         self.stop_time = scene.experiment.stop_time
         self.scene = scene
-        self.side = max(scene.box.size)
+        self.side = max(scene.lattice_box.size)
         self.damped = spring_damping_present(scene)
         self.contact = bool(scene.plane)
         require_memory(self.stop_time, self.communication_step, 24 * math.prod(scene.lattice.points))

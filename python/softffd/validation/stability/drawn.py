@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from softffd.rotation import turned
+from softffd.rotation import between_directions, turned
 from softffd.scene.obstacle import KINDS, gap
+from softffd.scene.sections import Rotation
 from softffd.validation.bodies import Shape
 from softffd.validation.stability.drive import Drive
 from softffd.validation.stability.scenes import GRAVITY
@@ -153,7 +154,15 @@ class Drawn:
     def gaps(self, places: np.ndarray, time: float) -> dict[str, np.ndarray]:
         """How far places (n, 3) [m] are from every obstacle at a time [s], (n,) [m]; negative behind or in it."""
         poses = {name: (course.at(time)[0], course.turned(normal, time)) for name, (normal, course) in self.planes.items()}
-        return {each["name"]: gap(kind, each, places, *poses[each["name"]]) for kind, each in self._obstacles()}
+        return {each["name"]: gap(kind, each, places, *poses[each["name"]], *self._across(each, time)) for kind, each in self._obstacles()}
+
+    def _across(self, obstacle: dict[str, Any], time: float) -> list[np.ndarray]:
+        """The first axis of a box, which goes with its third one."""
+        if "rotation" not in obstacle:
+            return []
+        upright, course = self.planes[obstacle["name"]]
+        first = turned(np.array([1.0, 0.0, 0.0]), Rotation(**obstacle["rotation"]).vector)
+        return [turned(first, between_directions(upright, course.turned(upright, time)))]
 
     def _obstacles(self) -> list[tuple[str, dict[str, Any]]]:
         return [(kind, each) for kind in KINDS for each in self.document.get(kind, ())]

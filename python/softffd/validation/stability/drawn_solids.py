@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from softffd.rotation import between_directions, turned
+from softffd.scene.sections import SOLIDS
 from softffd.validation.stability.drawn import Course, Drawn, Draws
 from softffd.validation.stability.drawn_surface import drawn_surface
 
@@ -18,19 +20,23 @@ def drawn_solids(seed: int) -> Drawn:
     """The scene of a seed, of a body beside solids."""
     scene, draws = drawn_surface(seed), Draws(OWN + seed)
     size = max(scene.document["lattice"]["size"])
-    sections: dict[str, Any] = {"plane": [], "sphere": [], "cylinder": []}
+    sections: dict[str, Any] = {"plane": [], **{section: [] for section in SOLIDS}}
     courses = {}
     for plane in scene.document["plane"]:
         normal, course = scene.planes[plane["name"]]
         kind, shape, axis, depth = _solid(draws, size, normal)
         point = course.point - depth * normal
         keys = plane | shape | {"point": point.tolist()}
-        if kind == "sphere":
+        if kind != "cylinder":
             del keys["normal"]
-        if "inputs" in keys:
-            keys["inputs"] = [each for each in keys["inputs"] if each in keys or "velocity" in each]
+        if kind == "sphere" and "inputs" in keys:
+            keys["inputs"] = [each for each in keys["inputs"] if each != "normal"]
         sections[kind].append(keys)
-        courses[plane["name"]] = axis, Course(point, course.turning_at, course.velocities, course.spins)
+        spins = course.spins
+        if kind == "box":  # its inputs tell of no turn about its third axis
+            first = spins[0] - (spins[0] @ axis) * axis
+            spins = first, -first
+        courses[plane["name"]] = axis, Course(point, course.turning_at, course.velocities, spins)
     return replace(scene, document=scene.document | sections, planes=courses)
 
 
@@ -39,7 +45,22 @@ def _solid(draws: Draws, size: float, normal: np.ndarray) -> tuple[str, dict[str
     radius, length = draws.log(0.1, 10.0) * size, draws.log(0.3, 10.0) * size
     across = np.cross(normal, draws.direction())
     across = across / np.sqrt((across**2).sum())
-    if draws.chance(0.4):
-        return "sphere", {"radius": radius}, normal, radius
-    axis, depth = (normal, length / 2) if draws.chance(0.3) else (across, radius)
-    return "cylinder", {"radius": radius, "length": length, "normal": axis.tolist()}, axis, depth
+    kind = draws.one_of(("sphere", "cylinder", "cylinder", "box", "box"))
+    flat = draws.chance(0.4)
+    if kind == "sphere":
+        return kind, {"radius": radius}, normal, radius
+    if kind == "cylinder":
+        axis, depth = (normal, length / 2) if flat else (across, radius)
+        return kind, {"radius": radius, "length": length, "normal": axis.tolist()}, axis, depth
+    return _box(draws, size, normal, flat)
+
+
+def _box(draws: Draws, size: float, normal: np.ndarray, flat: bool) -> tuple[str, dict[str, Any], np.ndarray, float]:
+    """Flat: with a side up; else with a corner."""
+    sides = [draws.log(0.2, 5.0) * size for _ in "xyz"]
+    turn = between_directions(np.array([0.0, 0.0, 1.0]), normal if flat else draws.direction())
+    angle = float(np.sqrt((turn**2).sum()))
+    rotation = {"axis": (turn / angle).tolist() if angle > 0 else [0.0, 0.0, 1.0], "degrees": float(np.degrees(angle))}
+    axes = np.array([turned(each, turn) for each in np.eye(3)])
+    depth = float((np.array(sides) / 2 * np.abs((axes * normal).sum(axis=1))).sum())
+    return "box", {"size": sides, "rotation": rotation}, axes[2], depth

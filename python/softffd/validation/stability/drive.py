@@ -44,12 +44,12 @@ class Drive:
 
     def __init__(self, document: Mapping[str, Any] | Scene, settings: Mapping[str, Any] | None = None, *, surface: Shape | None = None):
         self.scene = _observed(document) if surface is None else _of_surface(document, surface)
-        self.side = max(self.scene.box.size)
+        self.side = max(self.scene.lattice_box.size)
         self.rest = self.scene.rest_positions()
         self.resolved = resolved(self.scene)
         self.body = Body.of(self.resolved)
         self.mass = self.body.mass
-        samples, box = scene_samples(self.scene), self.scene.box
+        samples, box = scene_samples(self.scene), self.scene.lattice_box
         self._samples = None if samples is None else Embedding(samples.places, box.origin, box.size, box.points, box.basis)
         with _refusals():
             self.simulation = Simulation(self.scene, start_values=settings)
@@ -144,7 +144,7 @@ class Drive:
     @property
     def touching(self) -> np.ndarray:
         """What obstacles meet (n, 3) [m]: control points, or points of the surface."""
-        return self.x if self._samples is None else self._samples.deform(to_grid(self.x, self.scene.box.points))
+        return self.x if self._samples is None else self._samples.deform(to_grid(self.x, self.scene.lattice_box.points))
 
     def reaction(self, plane: str) -> np.ndarray:
         """Mean force of the object on a plane or pin over the last step (3,) [N]; name as in the FMU: "plane.ground"."""
