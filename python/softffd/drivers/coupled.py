@@ -33,13 +33,15 @@ def write_plate_ssp(
     """Writes a system of a scene's FMU (`body`) and a plate (`plate`) and returns its path.
 
     scene: a scene, its file or shipped name; by default a box of 1 kg that the plate rests on.
-    plane: the input plane that is the plate's surface; by default the scene's only one. The plate starts with its pose and velocity.
+    plane: the input obstacle that is the plate's surface, or a solid that moves as the plate does; by default the scene's only one. The
+        plate starts with its pose and velocity.
     plate: further start values of the plate, e.g. {"mass": 2.0}; see softffd/drivers/plate.py.
-    Raises SoftffdError where the scene has no such plane or no reactions.
+    Raises SoftffdError where the scene has no such obstacle or no reactions.
     """
     scene = scene if isinstance(scene, Scene) else load_scene(scene or SCENE)
     surface = _surface(scene, plane)
-    start = {f"initial.{key}": getattr(surface, key) for key in ("point", "velocity", "normal")} | dict(plate or {})
+    poses = ("point", "velocity") if surface in scene.solids else ("point", "velocity", "normal")
+    start = {f"initial.{key}": getattr(surface, key) for key in poses} | dict(plate or {})
     moved = [name for name in surface.input_components() if name.startswith(("point", "velocity"))]
     exchanged = [*moved, *(f"reaction.{axis}" for axis in "xyz")]
     ends = [(f"plate.{name}", f"body.{_variable(surface.name, name)}") for name in exchanged]
@@ -54,7 +56,7 @@ def _variable(plane: str, name: str) -> str:
 
 
 def _surface(scene: Scene, name: str | None) -> Any:
-    inputs = {plane.name: plane for plane in scene.plane if plane.motion == "input"}
+    inputs = {each.name: each for each in scene.obstacles if each.motion == "input"}
     if not scene.outputs.reactions:
         raise SoftffdError(f"{scene.name}: a coupled plate needs outputs.reactions = true")
     if name is None and len(inputs) == 1:

@@ -48,6 +48,11 @@ def test_scenes_with_obstacles_leave_out_what_would_be_leapfrog_and_are_unconfir
     assert not records.reference.confirmed and "unconfirmed" in str(records.reference)
 
 
+def test_solids_count_as_obstacles():
+    with Rig(load_scene("car_post").replace({"experiment.stop_time": 0.02})) as rig:
+        assert rig.contact
+
+
 def test_rkn12_is_left_out_where_there_is_damping(folder):
     records = measure(load_scene("driven.toml"), methods=["rkn12", "dop853"], quick=True, repeats=1)
     assert records.names() == ["dop853"] and "damping" in records.left_out["rkn12"]

@@ -7,9 +7,10 @@ import bodies
 from readings import vector
 from scenes import GRAVITY, MOVED, box
 from softffd import Scene, Simulation, deform, simulate
-from softffd.errors import SceneError
+from softffd.errors import SceneError, SoftffdError
 from softffd.fmu.package import scene_masses
 from softffd.rotation import turned
+from softffd.validation.twin import build_twin
 
 G = -GRAVITY[2]
 UNIT = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
@@ -253,3 +254,9 @@ def test_a_state_continues_with_the_same_bits(body, kind):
                 simulation.step()
             ends.append(np.array(simulation.positions))
         assert (ends[0] == ends[1]).all()
+
+
+def test_the_twin_has_no_solids_and_says_so(body, tmp_path):
+    scene = body(bodies.sphere(1), sphere=[{"name": "ball", "radius": 0.2, "point": [0.5, 0.5, -1.0]}])
+    with pytest.raises(SoftffdError, match="the twin has planes alone, wanted none of these, got ball"):
+        build_twin(scene, tmp_path / "twin.fmu")

@@ -5,8 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import bodies
 from coupled_parts import BODY_MASS, GRAVITY, MECHANICAL, PLANE, REST_ENERGY, Part, body_fmu, run_explicitly
+from scenes import box
+from softffd import package_fmu
 from softffd.fmu.component import Component
+from softffd.fmu.package import scene_masses
+
+MOTION_START = [f"initial.{family}.{axis}" for family in ("point", "velocity") for axis in "xyz"]
 
 
 def test_momentum_of_plate_and_body_balances_to_rounding(drivers):
@@ -27,6 +33,37 @@ def test_momentum_of_plate_and_body_balances_to_rounding(drivers):
     left = plate + body + step * reaction + step * np.cumsum(ground, axis=0) - weight - first
     assert abs(reaction[:, 0]).max() > 1 and reaction[:, 2].max() > 50  # there was friction and a hard landing
     assert abs(left).max() < 1e-12 * abs(weight).max(), "momenta of some 20 N s, summed over 200 steps"
+
+
+SOLIDS = {
+    "sphere": {"radius": 0.3},
+    "cylinder": {"radius": 0.3, "length": 2.0, "normal": [0.0, 1.0, 0.0]},
+    "box": {"size": [0.6, 0.6, 0.6], "rotation": {"axis": [1, 2, 0], "degrees": 20.0}},
+}
+
+
+@pytest.mark.parametrize("solid", SOLIDS)
+def test_a_solid_that_falls_on_a_body_gives_it_its_momentum(drivers, tmp_path, solid):
+    """What moves with the plate is a solid; without gravity on the body all momentum is that of plate, body and the step under way."""
+    keys = {"name": "plate", "point": [0.5, 0.5, 1.1], "velocity": [0.0, 0.0, -2.0], "motion": "input", "friction": 0.3}
+    scene = box(
+        mesh={"file": bodies.write(tmp_path / "ball.obj", bodies.sphere(3))},
+        lattice={"origin": [0.0] * 3, "size": [1.0] * 3},
+        contact={"of": "surface"},
+        velocities="all",
+        reactions=True,
+        damping=0.0,
+        **{solid: [keys | SOLIDS[solid]]},
+    )
+    velocities = [f"velocity[{i},{j},{k}].{axis}" for k in range(4) for j in range(4) for i in range(4) for axis in "xyz"]
+    plate = {"mass": 3.0, "gravity.z": 0.0} | dict(zip(MOTION_START, (*keys["point"], *keys["velocity"]), strict=True))
+    step = 2e-3
+    run = run_explicitly(drivers, package_fmu(scene, tmp_path / "body.fmu"), step, 100, plate_start=plate, read=velocities)
+    rows = np.array(run.rows)
+    body = np.einsum("p,tpa->ta", scene_masses(scene).mass, rows[:, 6:].reshape(len(rows), 64, 3))
+    left = rows[:, :3] + body + step * rows[:, 3:6] - [0.0, 0.0, -6.0]
+    assert rows[:, 5].max() > 20
+    assert abs(left).max() < 1e-12 * 6.0
 
 
 def energy_error(drivers, fmu, step: float, *, delay: int = 1) -> float:

@@ -1,8 +1,10 @@
 """The plate on the body as a system structure, in other people's masters."""
 
+import io
 import json
 import re
 import shutil
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +12,10 @@ import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssv
 
+import bodies
 import importers
 from coupled_parts import PLANE, body_fmu, run_explicitly
+from scenes import box
 from softffd import SoftffdError, load_scene, simulate, write_ssp
 from softffd.cli.command import main
 from softffd.drivers.coupled import write_plate_ssp
@@ -97,6 +101,20 @@ def test_a_plane_that_is_none_of_the_scenes_is_refused(tmp_path):
         write_plate_ssp(tmp_path / "x.ssp", plane="ground")
     with pytest.raises(SoftffdError, match="there is none"):
         write_plate_ssp(tmp_path / "x.ssp", "free_vibration")
+
+
+def test_a_solid_moves_with_the_plate(tmp_path):
+    sections = {"mesh": {"file": bodies.write(tmp_path / "b.obj", bodies.sphere(1))}, "contact": {"of": "surface"}}
+    sections["lattice"] = {"origin": [0.0] * 3, "size": [1.0] * 3}
+    ram = {"name": "ram", "size": [1.0, 1.0, 0.2], "point": [0.5, 0.5, 1.2], "motion": "input"}
+    path = write_plate_ssp(tmp_path / "ram.ssp", box(**sections, reactions=True, box=[ram]), plate={"mass": 2.0})
+    with zipfile.ZipFile(path) as system:
+        ends = re.findall(r'startConnector="([^"]*)"[^>]*endConnector="([^"]*)"', system.read("SystemStructure.ssd").decode())
+        plate = next(name for name in system.namelist() if name.endswith("plate.fmu"))
+        with zipfile.ZipFile(io.BytesIO(system.read(plate))) as fmu:
+            description = fmu.read("modelDescription.xml").decode()
+    assert all(pair in [set(each) for each in ends] for name in ("point.x", "reaction.z") for pair in [{name, f"plane.ram.{name}"}])
+    assert re.search(r'name="initial.point.z"[^>]*>\s*<Real[^>]*start="1.2"', description)
 
 
 LOW_BOX = """

@@ -68,7 +68,7 @@ class Rig:
         self.scene = scene
         self.side = max(scene.lattice_box.size)
         self.damped = spring_damping_present(scene)
-        self.contact = bool(scene.plane)
+        self.contact = bool(scene.obstacles)
         require_memory(self.stop_time, self.communication_step, 24 * math.prod(scene.lattice.points))
         self.times = communication_points(self.stop_time, self.communication_step)
         self._steps = step_lengths(self.times, self.communication_step)

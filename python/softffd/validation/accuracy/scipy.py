@@ -44,7 +44,7 @@ def sweep_scipy(rig: Rig, records: Records, *, quick: bool = False, note: Note =
     Raises SoftffdError where SciPy is not installed.
     """
     solve_ivp = solver()
-    if rig.scene.plane or rig.scene.pin:
+    if rig.contact or rig.scene.pin:
         records.left_out |= {f"SciPy {name}": "has no contact and no pins" for name in SOLVERS}
         return
     if rig.scene.material.volume_stiffness > 0:

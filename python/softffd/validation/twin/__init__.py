@@ -54,10 +54,14 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
     Its variables are those of the component, references, units and starts included, but for the outputs
     energy.* and solver.*. With solver.step = 0 it takes a step that is stable in any configuration; a
     solver.step that is given is taken as it is, where the component shortens one above its bound.
-    Raises SoftffdError where pythonfmu is not installed and for scenes with a volume stiffness or internal damping.
+    Raises SoftffdError where pythonfmu is not installed and for scenes with a volume stiffness, internal damping, solids or contact of the
+    surface.
     """
     if scene.material.volume_stiffness > 0:
         raise SoftffdError(f"material.volume_stiffness: the twin has none, wanted 0 Pa, got {scene.material.volume_stiffness:g}")
+    if scene.solids:
+        names = ", ".join(solid.name for solid in scene.solids)
+        raise SoftffdError(f"sphere, cylinder, box: the twin has planes alone, wanted none of these, got {names}")
     if scene.contact.of != "lattice" and scene.plane:
         raise SoftffdError('contact.of: the twin meets control points, wanted "lattice", got "surface"')
     if internal_damping_present(scene):
