@@ -49,7 +49,7 @@ def test_scenes_with_obstacles_leave_out_what_would_be_leapfrog_and_are_unconfir
 
 
 def test_solids_count_as_obstacles():
-    with Rig(load_scene("car_post").replace({"experiment.stop_time": 0.02})) as rig:
+    with Rig(load_scene("car_ball").replace({"experiment.stop_time": 0.02})) as rig:
         assert rig.contact
 
 
