@@ -10,7 +10,6 @@ import numpy as np
 
 from softffd.fmu.variables import internal_damping_present, method_value, spring_damping_present
 from softffd.lattice import LatticeBox, Point, point_at, to_flat
-from softffd.scene.sections import Box, Plane
 
 if TYPE_CHECKING:
     from softffd.embedding.mass import Masses
@@ -23,6 +22,8 @@ T = TypeVar("T")
 
 def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) -> str:
     """All records but the guid; what the scene does not need is absent."""
+    from softffd.scene.sections import Box, Plane  # brings pydantic along, which those who have an FMU do without
+
     lattice, material, outputs = scene.lattice, scene.material, scene.outputs
     basis: list[list[object]] = [["basis", lattice.basis]] if lattice.basis != "bezier" else []
     lines: list[list[object]] = [

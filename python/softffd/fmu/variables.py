@@ -12,11 +12,10 @@ from softffd.fmu.values import list_of_values
 from softffd.installed import table
 from softffd.lattice import Point
 from softffd.names import variable_names
-from softffd.scene.sections import Box
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
-    from softffd.scene.sections import Cylinder, Pin, Plane, Sphere
+    from softffd.scene.sections import Box, Cylinder, Pin, Plane, Sphere
     from softffd.scene.selection import Selection
 
 STANDARD_GRAVITY = 9.80665
@@ -68,6 +67,8 @@ def _point(scene: Scene, p: int) -> dict[str, Any]:
 
 
 def _plane(plane: Plane | Sphere | Cylinder | Box) -> dict[str, Any]:
+    from softffd.scene.sections import Box  # brings pydantic along, which those who have an FMU do without
+
     turned = {"rotation": plane.rotation_vector()} if isinstance(plane, Box) else {"normal": plane.normal}
     return {
         "name": plane.name,
