@@ -83,8 +83,8 @@ void Contact::begin(const Drive& around, double t0, double h) {
 }
 
 StepStatus Contact::drift(const StepView& step, const Points& before, Points& v, Points& x1, Exchange& exchange) {
-  const bool same = find(step, x1), at_hand = same && at_hand_;
-  if (at_hand_ && !same)
+  const bool at_hand = same_ && at_hand_;
+  if (at_hand_ && !same_)
     for (int o = 0; o < used_; ++o) put(octets_[o], x1, v);
   at_hand_ = false;
   if (touched_.empty()) {
@@ -95,7 +95,7 @@ StepStatus Contact::drift(const StepView& step, const Points& before, Points& v,
     const Plane& plane = step.around.planes[q];
     if (!approach_[q].still) approach_[q] = {plane.at(step.t0), plane.at(0.5 * (step.t0 + step.t1)), end_[q], plane.friction, step.h};
   }
-  if (!(same && grouped_ == step.body.version) && !group(step, x1)) return StepStatus::pin_behind_plane;
+  if (!(same_ && grouped_ == step.body.version) && !group(step, x1)) return StepStatus::pin_behind_plane;
   if (!at_hand) gather(step, before, v, x1);
   for (int o = 0; o < used_; ++o) impacts_ += std::popcount(meet(approach_[octets_[o].plane], touching * step.body.length, octets_[o]));
   for (int o = 0; o < used_; ++o) {
@@ -109,8 +109,8 @@ StepStatus Contact::drift(const StepView& step, const Points& before, Points& v,
   return StepStatus::ok;
 }
 
-/// Which points are behind planes, each once. Returns whether they are those of the last time; with several planes it does not look.
-bool Contact::find(const StepView& step, const Points& x1) {
+/// Each once. With several planes it does not look whether they are those of the last time.
+void Contact::find(const StepView& step, const Points& x1) {
   const int n = step.body.points(), row = bytes(n);
   behind_.swap(were_);
   bool any = false;
@@ -118,16 +118,16 @@ bool Contact::find(const StepView& step, const Points& x1) {
     if (!approach_[q].still) end_[q] = step.around.planes[q].at(step.t1);
     any = kernels::behind(n, x1.data(), end_[q].normal.data(), end_[q].offset, &behind_[q * row]) || any;
   }
-  if (any && end_.size() == 1 && behind_ == were_) return true;
+  same_ = any && end_.size() == 1 && behind_ == were_;
+  if (same_) return;
   touched_.clear();
-  if (!any) return false;
+  if (!any) return;
   for (std::size_t i = 0; i < behind_.size(); ++i)
     for (unsigned left = behind_[i]; left; left &= left - 1) {
       const int p = 8 * int(i % row) + std::countr_zero(left);
       if (!marked_[p]) marked_[p] = 1, touched_.push_back(p);
     }
   for (const int p : touched_) marked_[p] = 0;
-  return false;
 }
 
 /// Which octets the points that were found go to.

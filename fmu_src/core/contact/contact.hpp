@@ -55,7 +55,9 @@ class Contact {
   /// Before steps of size h from t0 on.
   void begin(const Drive& around, double t0, double h);
 
-  /// After the free drift x1 = x0 + h v: corrects x1 and v of the points that would be behind a plane. `before`: v before the kick.
+  /// Which points the free drift x1 = x0 + h v has taken behind a plane.
+  void find(const StepView& step, const Points& x1);
+  /// Then: corrects x1 and v of these. `before`: v before the kick.
   StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, Exchange& exchange);
 
   /// After the closing half kick: corrects v of the points that the last drift corrected.
@@ -66,13 +68,14 @@ class Contact {
   StepStatus close_and_go_on(const StepView& step, Points& v, Points& x1, Exchange& exchange);
 
   bool touched() const { return !touched_.empty(); }
-  /// The points that the last drift took behind a plane.
+  /// Of those a bit each, eight in a byte, plane by plane.
+  const std::vector<unsigned char>& behind() const { return behind_; }
+  /// The points that were found.
   const std::vector<int>& points() const { return touched_; }
   /// Impacts so far: points that came onto a plane, not those that stayed on one.
   Count impacts() const { return impacts_; }
 
  private:
-  bool find(const StepView& step, const Points& x1);
   void gather(const StepView& step, const Points& before, const Points& v, const Points& x1);
   bool group(const StepView& step, const Points& x1);
   StepStatus book_close(const StepView& step, Points& v, Exchange& exchange);
@@ -90,10 +93,11 @@ class Contact {
 
   std::vector<HalfSpace> start_, end_;        ///< the planes at a moment that is looked at, and at the end of the step
   std::vector<Approach> approach_;            ///< the planes during a step in which points touch
-  std::vector<unsigned char> behind_, were_;  ///< plane by plane the points that the last two drifts took behind it, a bit each
+  std::vector<unsigned char> behind_, were_;  ///< by the last two drifts
   std::vector<int> touched_;                  ///< those of the last
   std::vector<Octet> octets_;                 ///< those of them that no pin holds, by plane; the first so many:
   int used_ = 0;
+  bool same_ = false;      ///< the points found are those of the last time
   bool at_hand_ = false;   ///< octets hold the step that has begun
   Count grouped_ = -1;     ///< version of the body of which octets hold the points that the last drift touched; -1: of none
   Octet unsettled_;        ///< before its closing correction

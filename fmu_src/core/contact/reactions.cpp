@@ -33,6 +33,7 @@ void Reactions::open(const StepView& step, const Points& v0) {
   x_ = step.x0 + step.h * held_;
   std::fill(rested_.begin(), rested_.end(), 0);
   trial_.begin(step.around, step.t0, step.h);
+  trial_.find(step, x_);
   if (trial_.drift(step, v0, held_, x_, nowhere_) != StepStatus::ok) return clear();
   find(step);
   for (const int p : trial_.points()) {  // those that land now are not held yet

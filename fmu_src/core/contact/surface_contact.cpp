@@ -196,9 +196,7 @@ Vec3 SurfaceContact::aim(const StepView& step, const Vec3& free, const SurfaceRo
   return target + share * tangential(end_[row.plane].normal, free - target);
 }
 
-StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange) {
-  touching_.clear();
-  known_ = -1;
+void SurfaceContact::find(const StepView& step, const Points& x1, const SurfaceRows& rows) {
   move_planes(step);
   if (solids_) find_tangents(step.around, step.t0, step.t1, step.x0, longest_way(step.x0, x1));
   bool any = rows.drift[0] >= 0 || near_ || int(end_.size()) > flat_;
@@ -207,7 +205,13 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   near_ = false;
   for (std::size_t q = 0; q < end_.size() && any; ++q)
     near_ = kernels::gaps(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data()) || near_;
-  if (near_ || rows.drift[0] >= 0) {
+  near_ = near_ || rows.drift[0] >= 0;
+}
+
+StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange) {
+  touching_.clear();
+  known_ = -1;
+  if (near_) {
     if (const StepStatus status = meet(step, v, x1, rows); status != StepStatus::ok) return status;
     if (!drift_.rows.empty()) {
       x1 += move_;

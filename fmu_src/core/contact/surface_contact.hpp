@@ -40,7 +40,9 @@ class SurfaceContact {
   void begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h);
   /// After `begin`, where the first kick is to be held: finds the samples that touch an obstacle at x.
   void look(const Drive& around, double time, const Points& x);
-  /// As in contact.hpp. rows: of the state.
+  /// Looks whether the free drift to x1 may bring the surface to an obstacle. rows: of the state.
+  void find(const StepView& step, const Points& x1, const SurfaceRows& rows);
+  /// Then, as in contact.hpp.
   StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange);
   StepStatus close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange);
   /// Energy that contact took in the step that `close` has ended, less the work of the obstacles' own motion [J], where kicks are those of
@@ -52,6 +54,8 @@ class SurfaceContact {
   /// else changes.
   StepStatus hold(const StepView& step, Points& v, const SurfaceRows& rows) { return stop(lasting_, step, v, rows); }
 
+  /// Was anything near that was found?
+  bool near() const { return near_; }
   /// Does any sample touch a plane after the last drift?
   bool touched() const { return !touching_.empty(); }
   Count impacts() const { return impacts_; }
@@ -109,7 +113,7 @@ class SurfaceContact {
   Scalars weights_;               ///< of a sample
   Points given_;                  ///< by obstacles to the control points [N s]
   Points start_v_, start_force_;  ///< at the start of a step with contact
-  bool near_ = false;             ///< a control point is behind a plane
+  bool near_ = false;             ///< a control point is behind a plane, or a sample was on one
   std::vector<unsigned char> behind_;  ///< which
   bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
   bool lands_ = false;                 ///< any sample does

@@ -204,14 +204,15 @@ struct Add : Keep {
   }
 };
 
-/// Forces that move the points. keeps: what lies between is stored too. large: what is the same for all points is read at
-/// the first ones; where little is read the question costs more.
+/// Forces that move the points, from velocities `before` to v. keeps: of some blocks what lies between two kicks is stored. large: what is
+/// the same for all points is read at the first ones; where little is read the question costs more.
 template <int kicks, bool keeps, bool large>
 struct Move {
   int points;
   Stage stage;
   const double *outside, *x;
-  double *v, *next, *forces = nullptr, *between = nullptr;
+  double *before, *v, *next;
+  SpringPass::Between between;
   template <int n>
   INLINED Triple<n> begin(int) const {
     return {};
@@ -225,15 +226,13 @@ struct Move {
       a[k] = load<n>(stage.kicks[k].a + q), b[k] = load<n>(stage.kicks[k].b + q);
     }
     const double* acting = outside + (large && stage.even_outside ? 0 : p);
+    const bool kept = keeps && between.blocks[p / lanes] > 0;
     const auto move = [&](int column, const Lanes<n>& spring) INLINED {
       const int i = column + p;
-      if constexpr (keeps) store<n>(forces + i, spring);
       const Lanes<n> f = spring + load<n>(acting + column);
-      Lanes<n> w = load<n>(v + i);
-      for (int k = 0; k < kicks; ++k) {
-        if (keeps && k > 0) store<n>(between + i, w);
-        w = a[k] * w + b[k] * f;
-      }
+      Lanes<n> w = a[0] * load<n>(before + i) + b[0] * f;
+      if (kept) store<n>(between.force + i, spring), store<n>(before + i, w);
+      if constexpr (kicks > 1) w = a[1] * w + b[1] * f;
       store<n>(v + i, w);
       store<n>(next + i, load<n>(x + i) + stage.h * w);
     };
@@ -247,12 +246,11 @@ struct Move {
       for (int q = p; q < points; ++q) {
         const int i = c * points + q;
         const double f = all[c][q - p] + outside[i];
-        if constexpr (keeps) forces[i] = all[c][q - p];
-        for (int k = 0; k < kicks; ++k) {
-          if (keeps && k > 0) between[i] = v[i];
-          v[i] = stage.kicks[k].a[q] * v[i] + stage.kicks[k].b[q] * f;
-        }
-        next[i] = x[i] + stage.h * v[i];
+        double w = stage.kicks[0].a[q] * before[i] + stage.kicks[0].b[q] * f;
+        if (keeps && between.blocks[q / lanes] > 0) between.force[i] = all[c][q - p], before[i] = w;
+        if constexpr (kicks > 1) w = stage.kicks[1].a[q] * w + stage.kicks[1].b[q] * f;
+        v[i] = w;
+        next[i] = x[i] + stage.h * w;
       }
   }
 };
@@ -268,18 +266,18 @@ INNER void add_dashpots(const SpringPass& pass, SpringPass::Part& part, const do
 }
 
 template <int n, bool wraps>
-INNER void advance(const SpringPass& pass, SpringPass::Part& part, const Stage& stage, const double* outside, const double* x, double* v,
-                   double* next) {
+INNER void advance(const SpringPass& pass, SpringPass::Part& part, const Stage& stage, const double* outside, const double* x, double* before,
+                   double* v, double* next, const SpringPass::Between& between) {
+  const auto move = [&]<int kicks, bool keeps>() INLINED {
+    sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}},
+                    Move<kicks, keeps, wraps>{pass.points, stage, outside, x, before, v, next, between});
+  };
   if (stage.count == 1)
-    sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Move<1, false, wraps>{pass.points, stage, outside, x, v, next});
+    move.template operator()<1, false>();
+  else if (between.blocks)
+    move.template operator()<2, true>();
   else
-    sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Move<2, false, wraps>{pass.points, stage, outside, x, v, next});
-}
-
-template <int n, bool wraps>
-INNER void advance_kept(const SpringPass& pass, SpringPass::Part& part, const Stage& stage, const double* outside, const double* x,
-                        double* f, double* between, double* v, double* next) {
-  sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}}, Move<2, true, wraps>{pass.points, stage, outside, x, v, next, f, between});
+    move.template operator()<2, false>();
 }
 
 const auto near_force = chosen<force<2, false>, force<4, false>, force<8, false>>();
@@ -288,8 +286,6 @@ const auto near_dashpots = chosen<add_dashpots<2, false>, add_dashpots<4, false>
 const auto far_dashpots = chosen<add_dashpots<2, true>, add_dashpots<4, true>, add_dashpots<8, true>>();
 const auto near_advance = chosen<advance<2, false>, advance<4, false>, advance<8, false>>();
 const auto far_advance = chosen<advance<2, true>, advance<4, true>, advance<8, true>>();
-const auto near_advance_kept = chosen<advance_kept<2, false>, advance_kept<4, false>, advance_kept<8, false>>();
-const auto far_advance_kept = chosen<advance_kept<2, true>, advance_kept<4, true>, advance_kept<8, true>>();
 
 }  // namespace kernels
 
@@ -378,14 +374,10 @@ void SpringPass::add_dashpot_force(const double* x, const double* v, double drif
   each_part([&](Part& part) { (wraps ? kernels::far_dashpots : kernels::near_dashpots)(*this, part, x, v, drift, f); });
 }
 
-void SpringPass::advance(const Stage& stage, const double* outside, const double* x, double* v, double* next) const {
-  each_part([&](Part& part) { (wraps ? kernels::far_advance : kernels::near_advance)(*this, part, stage, outside, x, v, next); });
-}
-
-void SpringPass::advance(const Stage& stage, const double* outside, const double* x, double* f, double* between, double* v,
-                         double* next) const {
+void SpringPass::advance(const Stage& stage, const double* outside, const double* x, double* before, double* v, double* next,
+                         const Between& between) const {
   each_part([&](Part& part) {
-    (wraps ? kernels::far_advance_kept : kernels::near_advance_kept)(*this, part, stage, outside, x, f, between, v, next);
+    (wraps ? kernels::far_advance : kernels::near_advance)(*this, part, stage, outside, x, before, v, next, between);
   });
 }
 

@@ -76,11 +76,15 @@ struct SpringPass {
   /// per length.
   void add_dashpot_force(const double* x, const double* v, double drift, double* f) const;
 
-  /// The stage from positions x and velocities v; next: the positions after it. All (3 * points); outside forces [N].
-  void advance(const Stage& stage, const double* outside, const double* x, double* v, double* next) const;
-
-  /// The same, of two kicks, with what lies between: the forces at x and the velocities after the first kick.
-  void advance(const Stage& stage, const double* outside, const double* x, double* f, double* between, double* v, double* next) const;
+  /// What is kept of the moment between two kicks.
+  struct Between {
+    const unsigned char* blocks = nullptr;  ///< of those blocks of points for which this is not 0; null: of none
+    double* force = nullptr;                ///< the forces at x (3 * points)
+  };
+  /// The stage from positions x and velocities `before`, to positions `next` and velocities v; outside forces [N]; all (3 * points). `before`
+  /// and v may be the same; of blocks that are kept those after the first kick go to `before`.
+  void advance(const Stage& stage, const double* outside, const double* x, double* before, double* v, double* next,
+               const Between& between) const;
 
   struct alignas(64) Block {
     double of[lanes] = {};

@@ -59,11 +59,12 @@ class Springs {
   void force(const Points& x, Points& f) const { pass_.force(x.data(), f.data()); }
   /// A stage by these forces and the outside ones [N] from x and v to the positions `next`, all (points, 3).
   void advance(const Stage& stage, const Points& outside, const Points& x, Points& v, Points& next) const {
-    pass_.advance(stage, outside.data(), x.data(), v.data(), next.data());
+    pass_.advance(stage, outside.data(), x.data(), v.data(), v.data(), next.data(), {});
   }
-  /// The same, of two kicks, with what lies between: the forces at x and the velocities after the first kick.
-  void advance(const Stage& stage, const Points& outside, const Points& x, Points& f, Points& between, Points& v, Points& next) const {
-    pass_.advance(stage, outside.data(), x.data(), f.data(), between.data(), v.data(), next.data());
+  /// The same from velocities `before` to v.
+  void advance(const Stage& stage, const Points& outside, const Points& x, Points& before, Points& v, Points& next,
+               const SpringPass::Between& between) const {
+    pass_.advance(stage, outside.data(), x.data(), before.data(), v.data(), next.data(), between);
   }
   /// f -= C(x) v: what the dashpots exert on points at x that move with v, c ((v_b - v_a).u) u on the first point of a spring along the
   /// unit vector u, the opposite on the second. All (points, 3). A motion as a rigid body is not braked. With a drift [s] they go by the

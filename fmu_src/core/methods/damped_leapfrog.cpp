@@ -115,6 +115,10 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
   if (!planes) return StepStatus::ok;
   const double work = exchange.work, dissipated = exchange.dissipated;
   const Count before = impacts();
+  if (surface_)
+    surface_->find(view, next_, path.surface);
+  else
+    contact_.find(view, next_);
   const StepStatus status = surface_ ? surface_->drift(view, before_, state.v, next_, path.surface, exchange)
                                      : contact_.drift(view, before_, state.v, next_, exchange);
   lands_ = impacts() > before;

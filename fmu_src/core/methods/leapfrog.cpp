@@ -1,5 +1,7 @@
 #include "methods/leapfrog.hpp"
 
+#include <algorithm>
+
 #include "methods/traits.hpp"
 
 namespace softffd {
@@ -49,13 +51,17 @@ double damping_loss(const Body& body, double h, const Points& v0, const Points& 
 /// Is what damping takes to be booked?
 bool losses(const Body& body, const Drive& around) { return around.watch && body.damped && !around.damping_unwatched; }
 
+/// Steps for which what lies between kicks is kept of a block that has touched a plane: looking it up costs as much as some ten of them.
+constexpr unsigned char keep_for = 100;
+
 /// Is what ramped forces or damping do in a step to be booked?
 bool booked(const Body& body, const Drive& around) { return around.watch && (around.ramped || losses(body, around)); }
 
 }  // namespace
 
 Leapfrog::Leapfrog(int points, int planes)
-    : kicks_(points), contact_(points, planes), before_(points, 3), start_(points, 3), next_(points, 3), force_(points, 3) {}
+    : kicks_(points), contact_(points, planes), before_(points, 3), start_(points, 3), next_(points, 3), force_(points, 3),
+      keep_((points + SpringPass::lanes - 1) / SpringPass::lanes) {}
 
 Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
   if (model.body.springs.dashpots()) {
@@ -129,9 +135,8 @@ StepStatus Leapfrog::open(const StepView& view, Path& path) {
   kicks_.open(state.spring, view.force, before_, state.x, state.v, next_);
   if (!around.pins.empty()) drift_pins(view, before_, state.v, next_, exchange);
   if (!around.planes.empty()) {
-    const StepStatus status = surface_ ? surface_->drift(view, before_, state.v, next_, path.surface, exchange)
-                                       : contact_.drift(view, before_, state.v, next_, exchange);
-    if (status != StepStatus::ok) return status;
+    find(view, path);
+    if (const StepStatus status = meet(view, path); status != StepStatus::ok) return status;
   }
   if (around.watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (view.t0 + view.t1), next_ - state.x);
   state.x.swap(next_);
@@ -157,26 +162,60 @@ StepStatus Leapfrog::close(const StepView& view, Path& path) {
   return StepStatus::ok;
 }
 
+/// Looks for contact after the free drift.
+void Leapfrog::find(const StepView& view, const Path& path) {
+  if (surface_)
+    surface_->find(view, next_, path.surface);
+  else
+    contact_.find(view, next_);
+}
+
+template <class See>
+void Leapfrog::each_found(const See& see) {
+  if (surface_ && surface_->near()) std::for_each(keep_.begin(), keep_.end(), see);
+  if (surface_ || !contact_.touched()) return;
+  for (std::size_t i = 0; i < contact_.behind().size(); ++i)
+    if (contact_.behind()[i]) see(keep_[i % keep_.size()]);
+}
+
+StepStatus Leapfrog::meet(const StepView& view, Path& path) {
+  if (keeps_)
+    for (unsigned char& steps : keep_) steps -= steps > 0;
+  each_found([](unsigned char& steps) { steps = keep_for; });
+  keeps_ = std::any_of(keep_.begin(), keep_.end(), [](unsigned char steps) { return steps > 0; });
+  return surface_ ? surface_->drift(view, before_, path.motion.v, next_, path.surface, path.exchange)
+                  : contact_.drift(view, before_, path.motion.v, next_, path.exchange);
+}
+
 /// The end of a step and the next one up to the end of its drift, in one pass over all points; those that touch a plane are corrected.
+/// That takes what lies between: it is kept of blocks of points that have touched one of late.
 StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, Path& path) {
   State& state = path.motion;
-  Exchange& exchange = path.exchange;
   if (surface_ && surface_->touched()) {  // which moves all points
     const StepStatus status = close(last, path);
     return status == StepStatus::ok ? open(next, path) : status;
   }
   if (last.around.ramped) last.around.force_at(last.t1, force_);
-  last.body.springs.advance(kicks_.stage(last.around.even), last.force, state.x, state.spring, before_, state.v, next_);
-  if (surface_) {
-    const StepStatus status = surface_->drift(next, before_, state.v, next_, path.surface, exchange);
-    state.x.swap(next_);
-    return status;
-  }
-  StepStatus status = contact_.close_and_go_on(last, before_, next_, exchange);
+  before_.swap(state.v);
+  last.body.springs.advance(kicks_.stage(last.around.even), last.force, state.x, before_, state.v, next_, {keeps_ ? keep_.data() : nullptr, state.spring.data()});
+  StepStatus status = surface_ ? StepStatus::ok : contact_.close_and_go_on(last, before_, next_, path.exchange);
   if (status != StepStatus::ok) return status;
-  status = contact_.drift(next, before_, state.v, next_, exchange);
+  find(next, path);
+  bool kept = true;
+  each_found([&](unsigned char steps) { kept = kept && steps > 0; });
+  if (!kept) recall(last, state);
+  status = meet(next, path);
   state.x.swap(next_);
   return status;
+}
+
+/// What lies between, of the blocks of which it was not kept.
+void Leapfrog::recall(const StepView& last, State& state) {
+  last.body.internal_force(state.x, state.spring);
+  Points closed = before_;
+  kicks_.close(state.spring, last.force, closed);
+  for (int p = 0; p < closed.rows(); ++p)
+    if (keep_[p / SpringPass::lanes] == 0) set_row(before_, p, row(closed, p));
 }
 
 }  // namespace softffd

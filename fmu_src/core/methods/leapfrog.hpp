@@ -19,11 +19,18 @@ class Leapfrog final : public Integrator {
   StepStatus open(const StepView& view, Path& path);
   StepStatus close(const StepView& view, Path& path);
   StepStatus close_and_open(const StepView& last, const StepView& next, Path& path);
+  void find(const StepView& view, const Path& path);
+  template <class See>
+  void each_found(const See& see);
+  StepStatus meet(const StepView& view, Path& path);
+  void recall(const StepView& last, State& state);
 
   HalfKicks kicks_;
   Contact contact_;
   Points before_, start_, next_;             ///< velocities before a half kick and before the step, positions after the drift
   Points force_;                             ///< outside forces now, where they ramp
+  std::vector<unsigned char> keep_;          ///< (blocks) for how many steps what lies between kicks is still kept
+  bool keeps_ = false;                       ///< of any
   std::unique_ptr<SurfaceContact> surface_;  ///< for bodies with samples of their surface
   std::unique_ptr<DampedLeapfrog> damped_;   ///< for bodies with internal damping; most have none
 };

@@ -104,6 +104,32 @@ TEST(a_stage_is_forces_kicks_and_a_drift_to_the_last_bit) {
   }
 }
 
+TEST(of_some_blocks_a_stage_keeps_what_lies_between_its_kicks) {
+  for (const std::array<int, 3> counts : several) {
+    const Lattice lattice{counts};
+    Springs springs(lattice, Topology::distinct);
+    springs.set_stiffness({1000, 700, 300}, {});
+    const Points x = crumpled(lattice), outside = 3 * x.reverse(), start = x.square();
+    const int points = int(x.rows());
+    const Scalars a = 0.8 + 0.1 * x.col(0).sin(), b = 0.01 * a;
+    const Stage::Kick kick{a.data(), b.data()};
+    Points spring(points, 3), w = start, v(points, 3), next(points, 3), unused(points, 3);
+    springs.force(x, spring);
+    springs.advance({{kick, kick}, 2, 0.3}, outside, x, w, unused);
+    std::vector<unsigned char> blocks((points + SpringPass::lanes - 1) / SpringPass::lanes);
+    for (std::size_t i = 0; i < blocks.size(); i += 2) blocks[i] = 1;
+    Points before = start, f = Points::Constant(points, 3, -1);
+    springs.advance({{kick, kick}, 2, 0.3}, outside, x, before, v, next, {blocks.data(), f.data()});
+    CHECK((v == w).all() && (next == x + 0.3 * w).all());
+    for (int p = 0; p < points; ++p)
+      for (int axis = 0; axis < 3; ++axis) {
+        const bool kept = p / SpringPass::lanes % 2 == 0;
+        CHECK(f(p, axis) == (kept ? spring(p, axis) : -1));
+        CHECK(before(p, axis) == (kept ? a[p] * start(p, axis) + b[p] * (spring(p, axis) + outside(p, axis)) : start(p, axis)));
+      }
+  }
+}
+
 TEST(a_team_gives_the_bits_of_one_thread) {
   for (const std::array<int, 3> counts : several) {
     const Lattice lattice{counts};
