@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "contact/surface_loops.hpp"
 #include "contact/tolerances.hpp"
 
 namespace softffd {
@@ -27,8 +28,10 @@ SampleSearch::SampleSearch(const Samples& samples, int planes, double length)
 bool SampleSearch::covers(int q, const Scalars& heights) {
   Known& known = planes_[q];
   const double touch = touching * length_;
-  known.away = heights.minCoeff() > touch;
-  return known.away || (known.reserve > 0 && (known.heights - heights).maxCoeff() < known.reserve - 2 * touch);
+  if (known.heights.size() == 0) known.heights = heights;
+  const kernels::Descent way = kernels::descent(heights.size(), known.heights.data(), heights.data());
+  known.away = way.least > touch;
+  return known.away || (known.reserve > 0 && way.most < known.reserve - 2 * touch);
 }
 
 bool SampleSearch::is_long(int q) const { return near(q).size() > long_list; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "contact/surface_loops.hpp"
 #include "contact/tolerances.hpp"
 
 namespace softffd {
@@ -28,7 +29,9 @@ StepStatus status_of(Fit fit) {
 
 SurfaceRow decoded(Count number, int samples) { return {int(number / samples), int(number % samples)}; }
 
-double largest_speed(const Points& v) { return v.abs().maxCoeff(); }
+double largest_speed(const Points& v) { return kernels::largest(v.size(), v.data()); }
+
+void add_scaled(double a, const Points& x, Points& y) { kernels::add_scaled(y.size(), a, x.data(), y.data()); }
 
 /// By which any point has moved.
 double longest_way(const Points& from, const Points& to) { return std::sqrt((to - from).square().rowwise().sum().maxCoeff()); }
@@ -214,8 +217,8 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   if (near_) {
     if (const StepStatus status = meet(step, v, x1, rows); status != StepStatus::ok) return status;
     if (!drift_.rows.empty()) {
-      x1 += move_;
-      v += move_ / step.h;
+      add_scaled(1, drift_.move(), x1);
+      add_scaled(1 / step.h, drift_.move(), v);
       exchange.contacts_resolved += Count(drift_.rows.size());
       exchange.dissipated += book(step, drift_, 1 / step.h, x1, exchange);
     }
@@ -236,13 +239,13 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
     if (solids_) turn_tangents(step, x1);
     if (wants_loss(step)) {
       start_v_ = before;
-      start_force_ = step.spring + step.force;
+      if (lands_) start_force_ = step.spring + step.force;
     }
   }
   return StepStatus::ok;
 }
 
-/// The drift's stage; move_: by what it moves the points.
+/// The drift's stage.
 StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
   const double way = step.h * largest_speed(v);
   arrives_ = false;
@@ -253,12 +256,10 @@ StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Poi
     };
     if (at_once) drift_.heights = free_;
     if (const StepStatus status = fit(rows.drift, rows.drift_friction, way, std::ref(slip_of)); status != StepStatus::ok) return status;
-    move_.setZero(x1.rows(), 3);
-    drift_.add_move(move_);
     if (!arrives_ || !gains(step, x1)) break;
   }
   if (solids_) {  // other samples may have come to one
-    const double whole = longest_way(step.x0, x1 + move_);
+    const double whole = longest_way(step.x0, x1 + drift_.move());
     if (!tangents_.covers(whole)) {
       find_tangents(step.around, step.t0, step.t1, step.x0, 2 * whole);
       for (std::size_t q = 0; q < end_.size(); ++q)
@@ -283,7 +284,7 @@ bool SurfaceContact::gains(const StepView& step, const Points& x1) const {
   double gain = 0, size = 0;
   for (std::size_t t = 0; t < drift_.rows.size(); ++t) {
     const auto [plane, sample] = drift_.rows[t];
-    const Vec3 begin = samples_.at(sample, step.x0), end = samples_.at(sample, x1), by = 0.5 * samples_.at(sample, move_);
+    const Vec3 begin = samples_.at(sample, step.x0), end = samples_.at(sample, x1), by = 0.5 * samples_.at(sample, drift_.move());
     const double each = drift_.force(int(t)).dot(end + by - begin - step.h * middle_[plane].material_velocity(0.5 * (begin + end)));
     gain += each;
     size += std::abs(each);
@@ -328,14 +329,8 @@ double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage
 /// Velocities after the closing kick, with these samples in front of their planes.
 StepStatus SurfaceContact::stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows) {
   const StepStatus status = find_stop(candidates, step, v, rows);
-  if (status == StepStatus::ok) apply_stop(v);
+  if (status == StepStatus::ok) add_scaled(1, close_.move(), v);
   return status;
-}
-
-void SurfaceContact::apply_stop(Points& v) {
-  closing_.setZero(v.rows(), 3);
-  close_.add_move(closing_);
-  v += closing_;
 }
 
 /// As fit_known.
@@ -385,7 +380,7 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
     if (known_ >= 0) list_touching();
     if (const StepStatus status = find_stop(touching_, step, v, rows); status != StepStatus::ok) return status;
   }
-  apply_stop(v);
+  add_scaled(1, close_.move(), v);
   exchange.dissipated += book(step, close_, 1, step.x0, exchange);
   rows.missed = std::max(rows.missed, close_.missed());
   save(close_, rows.close, rows.close_friction);
@@ -399,15 +394,14 @@ double SurfaceContact::loss(const StepView& step, const Points& v1) const {
   if (touching_.empty()) return 0;
   const int n = step.body.points();
   const Scalars &opening = step.kicks.opening_mass(), &closing = step.kicks.closing_mass();
+  const Points &move = drift_.move(), &stop = close_.move();
   const double rate = 1 / step.h;
-  double lost = 0;
-  for (int axis = 0; axis < 3; ++axis)
+  double lost = kernels::energy_taken(n, opening.data(), rate, move.data(), closing.data(), stop.data(), start_v_.data(), v1.data());
+  for (int axis = 0; lands_ && axis < 3; ++axis)
     for (int p = 0; p < n; ++p) {
-      const double given = rate * opening[p] * move_(p, axis), after = closing[p] * closing_(p, axis);
-      lost -= (given + after) * 0.5 * (start_v_(p, axis) + v1(p, axis));
-      if (!lands_) continue;
+      const double more = rate * opening[p] * move(p, axis) - closing[p] * stop(p, axis);
       const double force = 0.5 * (start_force_(p, axis) + step.spring(p, axis) + step.force(p, axis));
-      lost += (given - after) * 0.5 * step.h * step.body.inverse_mass[p] * force;
+      lost += more * 0.5 * step.h * step.body.inverse_mass[p] * force;
     }
   return lost;
 }

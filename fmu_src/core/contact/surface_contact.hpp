@@ -74,7 +74,6 @@ class SurfaceContact {
   StepStatus stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows);
   StepStatus find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v, const SurfaceRows& rows);
   bool find_stop_of_known(const StepView& step, const Points& v, const SurfaceRows& rows);
-  void apply_stop(Points& v);
   StepStatus meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
   bool gains(const StepView& step, const Points& x1) const;
@@ -109,7 +108,6 @@ class SurfaceContact {
       lasting_;                   ///< of these, between drift and closing, those that touched before the drift; where first kicks are held
   bool holds_ = false;            ///< they are
   double slack_ = 0;              ///< of the last closing [m/s]
-  Points move_, closing_;         ///< what the stages have added to positions [m] and velocities [m/s]
   Scalars weights_;               ///< of a sample
   Points given_;                  ///< by obstacles to the control points [N s]
   Points start_v_, start_force_;  ///< at the start of a step with contact

@@ -31,9 +31,9 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
     for (std::size_t q = 0; q < end_.size(); ++q)
       kernels::gaps(body.points(), x.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data());
     const std::vector<Count> none;
-    const StepStatus status = fit(none, move_, 0, [](const SurfaceRow&) { return Vec3(Vec3::Zero()); });
+    const StepStatus status = fit(none, {}, 0, [](const SurfaceRow&) { return Vec3(Vec3::Zero()); });
     if (status != StepStatus::ok) return status;
-    drift_.add_move(x);
+    x += drift_.move();
     moved = true;
     if (!solids_ || clear()) return StepStatus::ok;  // before solids other samples may have come
   }

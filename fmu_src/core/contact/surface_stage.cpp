@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "contact/surface_loops.hpp"
 #include "model/plane.hpp"
 
 namespace softffd {
@@ -56,8 +57,8 @@ Fit SurfaceStage::solve(double tolerance, const std::function<Vec3(const Surface
       share[t] = limit > 0 ? Vec3(p_[t] / limit) : Vec3::Zero();
     }
   }
-  force_.resize(rows.size());
-  for (std::size_t t = 0; t < rows.size(); ++t) force_[t] = set_.forces()[t] * normals_[rows[t].plane] + p_[t];
+  find_forces();
+  find_move();
   return Fit::found;
 }
 
@@ -85,10 +86,10 @@ bool SurfaceStage::hold(double tolerance, const std::function<Vec3(const Surface
     const double load = normal.dot(force_[t]), limit = friction_[plane] * load;
     if (!(load >= 0 && (!rough || tangential(normal, force_[t]).squaredNorm() <= limit * limit))) return false;
   }
-  hold_move_.setZero(heights[plane].size(), 3);
-  add_move(force_, hold_move_);
+  find_move();
+  const std::ptrdiff_t points = move_.rows();
   for (int a = 0; a < 3; ++a)
-    if (normal[a] != 0) heights[plane] += normal[a] * hold_move_.col(a);
+    if (normal[a] != 0) kernels::add_scaled(points, normal[a], &move_(0, a), heights[plane].data());
   std::size_t active = 0;
   for (Candidate& candidate : candidates) {
     candidate.gap = samples.at(candidate.row.sample, heights[plane].data()) - candidate.bound;
@@ -134,8 +135,14 @@ Vec3 SurfaceStage::moved_by_normals(int t) const {
   return moved;
 }
 
-void SurfaceStage::add_move(const std::vector<Vec3>& force, Points& move) const {
-  for (std::size_t t = 0; t < rows.size(); ++t) set_.delassus().push(int(t), force[t], move);
+void SurfaceStage::find_forces() {
+  force_.resize(rows.size());
+  for (std::size_t t = 0; t < rows.size(); ++t) force_[t] = set_.forces()[t] * normals_[rows[t].plane] + p_[t];
+}
+
+void SurfaceStage::find_move() {
+  move_.setZero(begin_[0].size(), 3);
+  for (std::size_t t = 0; t < rows.size(); ++t) set_.delassus().push(int(t), force_[t], move_);
 }
 
 }  // namespace softffd

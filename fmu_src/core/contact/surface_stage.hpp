@@ -39,13 +39,7 @@ class SurfaceStage {
   bool added() const { return !held_ && set_.added(); }  ///< a row to those that were active before
   double pinned_violation() const { return held_ ? 0 : set_.pinned_violation(); }
   double compliance(int t) const { return set_.delassus()(t, t); }
-  /// move += y - y0, (points, 3).
-  void add_move(Points& move) const {
-    if (held_)
-      move += hold_move_;
-    else
-      add_move(force_, move);
-  }
+  const Points& move() const { return move_; }  ///< y - y0
   /// By how much Coulomb's law has been missed: a share of the slip on parallel planes, of the largest force on others.
   double missed() const { return missed_; }
 
@@ -55,7 +49,8 @@ class SurfaceStage {
   bool parallel() const;
   double rub(bool parallel);
   Vec3 moved_by_normals(int t) const;
-  void add_move(const std::vector<Vec3>& force, Points& move) const;
+  void find_forces();
+  void find_move();
   // turning_friction.cpp
   Fit take_turns(double tolerance);
   Fit alternate(double tolerance, bool& rests);
@@ -73,13 +68,12 @@ class SurfaceStage {
   std::vector<Vec3> force_, p_;
   std::vector<Vec3> whole_slip_;  ///< of the active rows at y0, along normals too
   std::vector<double> wanted_;    ///< of the active rows: bound less height at y0
-  Points move_, last_move_;       ///< y - y0 at the ends of the last turns
+  Points move_, last_move_;       ///< y - y0 by the forces, and at the end of the turn before
   const std::function<Vec3(const SurfaceRow&)>* slip_of_ = nullptr;
   std::vector<double> limits_;
   std::vector<Vec3> slips_, before_;
   bool held_ = false;         ///< by the rows at hand
   std::vector<double> hold_;  ///< (rows, three and one that is not used)
-  Points hold_move_;
   double missed_ = 0;
 };
 

@@ -133,10 +133,8 @@ void SurfaceStage::carry(const std::vector<SurfaceRow>& from) {
 /// By what share of the move from y0 this turn has changed it.
 double SurfaceStage::change() {
   last_move_.swap(move_);
-  move_.setZero(heights[0].size(), 3);
-  std::vector<Vec3> force;
-  for (std::size_t t = 0; t < rows.size(); ++t) force.push_back(set_.forces()[t] * normals_[rows[t].plane] + p_[t]);
-  add_move(force, move_);
+  find_forces();
+  find_move();
   const double size = move_.abs().maxCoeff();
   return size > 0 ? (move_ - last_move_).abs().maxCoeff() / size : 0;
 }

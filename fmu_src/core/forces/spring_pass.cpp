@@ -266,8 +266,8 @@ INNER void add_dashpots(const SpringPass& pass, SpringPass::Part& part, const do
 }
 
 template <int n, bool wraps>
-INNER void advance(const SpringPass& pass, SpringPass::Part& part, const Stage& stage, const double* outside, const double* x, double* before,
-                   double* v, double* next, const SpringPass::Between& between) {
+INNER void advance(const SpringPass& pass, SpringPass::Part& part, const Stage& stage, const double* outside, const double* x,
+                   double* before, double* v, double* next, const SpringPass::Between& between) {
   const auto move = [&]<int kicks, bool keeps>() INLINED {
     sweep<n, wraps>(pass, part, Stretch{pass.kinds, {x}},
                     Move<kicks, keeps, wraps>{pass.points, stage, outside, x, before, v, next, between});

@@ -81,8 +81,8 @@ struct SpringPass {
     const unsigned char* blocks = nullptr;  ///< of those blocks of points for which this is not 0; null: of none
     double* force = nullptr;                ///< the forces at x (3 * points)
   };
-  /// The stage from positions x and velocities `before`, to positions `next` and velocities v; outside forces [N]; all (3 * points). `before`
-  /// and v may be the same; of blocks that are kept those after the first kick go to `before`.
+  /// The stage from positions x and velocities `before`, to positions `next` and velocities v; outside forces [N]; all (3 * points).
+  /// `before` and v may be the same; of blocks that are kept those after the first kick go to `before`.
   void advance(const Stage& stage, const double* outside, const double* x, double* before, double* v, double* next,
                const Between& between) const;
 

@@ -60,7 +60,12 @@ bool booked(const Body& body, const Drive& around) { return around.watch && (aro
 }  // namespace
 
 Leapfrog::Leapfrog(int points, int planes)
-    : kicks_(points), contact_(points, planes), before_(points, 3), start_(points, 3), next_(points, 3), force_(points, 3),
+    : kicks_(points),
+      contact_(points, planes),
+      before_(points, 3),
+      start_(points, 3),
+      next_(points, 3),
+      force_(points, 3),
       keep_((points + SpringPass::lanes - 1) / SpringPass::lanes) {}
 
 Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
@@ -197,7 +202,8 @@ StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, 
   }
   if (last.around.ramped) last.around.force_at(last.t1, force_);
   before_.swap(state.v);
-  last.body.springs.advance(kicks_.stage(last.around.even), last.force, state.x, before_, state.v, next_, {keeps_ ? keep_.data() : nullptr, state.spring.data()});
+  last.body.springs.advance(kicks_.stage(last.around.even), last.force, state.x, before_, state.v, next_,
+                            {keeps_ ? keep_.data() : nullptr, state.spring.data()});
   StepStatus status = surface_ ? StepStatus::ok : contact_.close_and_go_on(last, before_, next_, path.exchange);
   if (status != StepStatus::ok) return status;
   find(next, path);

@@ -9,19 +9,24 @@ namespace softffd {
 namespace kernels {
 namespace {
 
-/// Sums of x_i y_j z_k values(i, j, k) for four control points per axis, the usual case; line, layer: from one to the next. So many
+/// Sums of x_i y_j z_k values(i, j, k) for four control points per axis, the usual case; line, layer: from one to the next. Of so many
 /// columns of values, to `sums`.
-INNER void weigh_columns(In factors, const double* values, int line, int layer, int columns, std::ptrdiff_t column, double* sums) {
+template <int columns>
+INNER void weigh_columns(In factors, const double* values, int line, int layer, std::ptrdiff_t column, double* sums) {
   const double *x = factors, *y = factors + 4, *z = factors + 8;
-  for (int c = 0; c < columns; ++c, values += column) {
-    Lanes<4> sum{};
-    for (int j = 0; j < 4; ++j) {
-      Lanes<4> along = z[0] * load<4>(values + j * line);
-      for (int k = 1; k < 4; ++k) along += z[k] * load<4>(values + j * line + k * layer);
-      sum += y[j] * along;
-    }
-    sum *= load<4>(x);
-    sums[c] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  Lanes<4> sum[columns]{};
+  for (int j = 0; j < 4; ++j) {
+    Lanes<4> along[columns];
+    for (int k = 0; k < 4; ++k)
+      for (int c = 0; c < columns; ++c) {
+        const Lanes<4> each = z[k] * load<4>(values + j * line + k * layer + c * column);
+        along[c] = k == 0 ? each : along[c] + each;
+      }
+    for (int c = 0; c < columns; ++c) sum[c] += y[j] * along[c];
+  }
+  for (int c = 0; c < columns; ++c) {
+    sum[c] *= load<4>(x);
+    sums[c] = (sum[c][0] + sum[c][1]) + (sum[c][2] + sum[c][3]);
   }
 }
 
@@ -36,7 +41,8 @@ INNER void add_lines(In factor, In more, double* values, int lines, int line, in
     }
 }
 
-const auto weigh_columns_here = chosen<weigh_columns>();
+const auto weigh_one = chosen<weigh_columns<1>>();
+const auto weigh_three = chosen<weigh_columns<3>>();
 const auto add_lines_here = chosen<add_lines>();
 
 }  // namespace
@@ -75,20 +81,21 @@ Samples::Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& p
 
 double Samples::at(int s, const double* values) const {
   double sum;
-  at(s, values, 1, 0, &sum);
+  at<1>(s, values, 0, &sum);
   return sum;
 }
 
 Vec3 Samples::at(int s, const Points& x) const {
   Vec3 place;
-  at(s, x.data(), 3, x.rows(), place.data());
+  at<3>(s, x.data(), x.rows(), place.data());
   return place;
 }
 
-void Samples::at(int s, const double* values, int columns, std::ptrdiff_t column, double* sums) const {
+template <int columns>
+void Samples::at(int s, const double* values, std::ptrdiff_t column, double* sums) const {
   const int line = counts_[0], layer = counts_[0] * counts_[1];
   values += begin(s);
-  if (fours_) return kernels::weigh_columns_here(factors(s), values, line, layer, columns, column, sums);
+  if (fours_) return (columns == 1 ? kernels::weigh_one : kernels::weigh_three)(factors(s), values, line, layer, column, sums);
   const double *x = factors(s), *y = x + width_[0], *z = y + width_[1];
   for (int c = 0; c < columns; ++c) sums[c] = weigh(x, y, z, width_, values + c * column, line, layer);
 }
@@ -105,7 +112,7 @@ void Samples::weights(int s, const Scalars& scale, double* out) const {
 double Samples::product(int t, int s, const double* of_s) const {
   if (fours_ && first_[t] == first_[s]) {
     double sum;
-    kernels::weigh_columns_here(factors(t), of_s, 4, 16, 1, 0, &sum);
+    kernels::weigh_one(factors(t), of_s, 4, 16, 0, &sum);
     return sum;
   }
   std::array<const double*, 3> factor{factors(t), factors(t) + width_[0], factors(t) + width_[0] + width_[1]};

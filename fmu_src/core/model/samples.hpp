@@ -37,7 +37,8 @@ class Samples {
   void add(int s, const Vec3& factor, const double* of_s, Points& values) const;
 
  private:
-  void at(int s, const double* values, int columns, std::ptrdiff_t column, double* sums) const;
+  template <int columns>
+  void at(int s, const double* values, std::ptrdiff_t column, double* sums) const;
   void add(int s, const double* factor, const double* of_s, double* values, int columns, std::ptrdiff_t column) const;
   /// Number of the first point that counts.
   int begin(int s) const { return first_[s][0] + counts_[0] * (first_[s][1] + counts_[1] * first_[s][2]); }
