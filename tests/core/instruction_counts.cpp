@@ -4,6 +4,7 @@
 
 #ifdef SOFTFFD_COUNTS_INSTRUCTIONS
 #include <cstdio>
+#include <memory>
 #include <vector>
 
 #include "embedding/deform.hpp"
@@ -29,7 +30,8 @@ void print(const char* name, std::int64_t count) { std::printf("%s\t%lld\n", nam
 
 /// One kilogram, some steps after its start.
 struct Box {
-  Box(Method method, const std::array<int, 3>& points, const Vec3& stretch, int planes) : body(definition(points, stretch, planes)) {
+  Box(Method method, const std::array<int, 3>& points, const Vec3& stretch, int planes, const std::vector<Vec3>& vertices = {})
+      : body(definition(points, stretch, planes, vertices)) {
     body.settings.stiffness = {1e3, 1e3, 1e3};
     body.settings.method = method;
     body.settings.step = h;
@@ -38,12 +40,13 @@ struct Box {
     body.initialize(0);
     go_on(16);
   }
-  static Definition definition(const std::array<int, 3>& points, const Vec3& stretch, int planes) {
+  static Definition definition(const std::array<int, 3>& points, const Vec3& stretch, int planes, const std::vector<Vec3>& vertices) {
     Definition definition;
     definition.lattice.counts = points;
     definition.mass.assign(definition.lattice.points(), 1.0 / definition.lattice.points());
     definition.stretch = stretch;
     definition.planes = planes;
+    if (!vertices.empty()) definition.samples = std::make_shared<Samples>(Basis::bezier, definition.lattice, vertices);
     return definition;
   }
   void go_on(int steps) { body.advance(steps * h); }
@@ -54,6 +57,9 @@ struct Box {
   }
   SoftBody body;
 };
+
+/// Of a body on three feet.
+const std::vector<Vec3> feet{{0.2, 0.2, 0}, {0.8, 0.25, 0}, {0.5, 0.8, 0}, {0.5, 0.5, 1}};
 
 std::int64_t of_vertices(int side, bool bspline) {
   constexpr int vertices = 64;
@@ -73,11 +79,13 @@ std::int64_t of_vertices(int side, bool bspline) {
 
 int main() {
   std::printf("%s %d\t%s\n", compiler, major, set[static_cast<int>(kernels::instructions())]);
-  Box bare(Method::leapfrog, {4, 4, 4}, {1.02, 1, 1}, 0), resting(Method::leapfrog, {4, 4, 4}, {1, 1, 1}, 1);
+  Box bare(Method::leapfrog, {4, 4, 4}, {1.02, 1, 1}, 0), resting(Method::leapfrog, {4, 4, 4}, {1, 1, 1}, 1),
+      standing(Method::leapfrog, {4, 4, 4}, {1, 1, 1}, 1, feet);
   Box implicit(Method::backward_euler, {3, 3, 3}, {1.02, 1, 1}, 0);
   print("a communication step of one step", bare.counted(1));
   print("a communication step of 16 steps", bare.counted(16));
   print("8 steps with 16 points on a plane", resting.counted(8));
+  print("8 steps with 3 vertices on a plane", standing.counted(8));
   print("an implicit step, 3 x 3 x 3", implicit.counted(1));
   print("64 vertices, 4 x 4 x 4, Bezier", of_vertices(4, false));
   print("64 vertices, 12 x 12 x 12, B-splines", of_vertices(12, true));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/surface_loops.hpp"
+
 namespace softffd {
 
 void Delassus::set_masses(const Scalars& inverse) {
@@ -53,6 +55,13 @@ void Delassus::raise(const std::vector<double>& forces, const std::vector<Scalar
     for (std::size_t r = 0; r < fields_.size(); ++r)
       if (const double along = cosine(int(q), int(r)); along != 0) heights[q] += along * fields_[r];
   }
+}
+
+void Delassus::push(const std::vector<Vec3>& forces, Points& move) const {
+  if (size() > 0 && samples_->support() == move.rows())  // the weights of all points, in their order
+    return kernels::weighted_sums(samples_->support(), size(), forces[0].data(), over_mass_.data(), move.data());
+  move.setZero();
+  for (int t = 0; t < size(); ++t) samples_->add(rows_[t].sample, forces[t], over_mass(t), move);
 }
 
 void Delassus::prepare(SurfaceRow row, Column& column) const {

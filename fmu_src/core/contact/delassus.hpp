@@ -50,16 +50,17 @@ class Delassus {
   /// Sorts the rows, and factors anew where they were not.
   void sort();
 
-  /// b (size, columns), row by row, becomes A^-1 b.
-  template <int columns = 1>
-  void solve(double* b) const {
-    factor_.solve<columns>(b);
-  }
+  /// b becomes A^-1 b.
+  void solve(double* b) const { factor_.solve(b); }
+  /// The same with `together` columns, b (size, together) row by row.
+  static constexpr int together = RowFactor::together;
+  void solve_together(double* b) const { factor_.solve_together(b); }
   /// heights = begin, (planes)(points) both, moved by these forces of the rows.
   void raise(const std::vector<double>& forces, const std::vector<Scalars>& begin, std::vector<Scalars>& heights);
   /// values_i += f W_si / m_i for row s.
   void push(int s, double f, double* values) const { samples_->add(rows_[s].sample, f, over_mass(s), values); }
-  void push(int s, const Vec3& f, Points& values) const { samples_->add(rows_[s].sample, f, over_mass(s), values); }
+  /// What these forces of all rows move the body by, to (points, 3).
+  void push(const std::vector<Vec3>& forces, Points& move) const;
 
  private:
   static std::size_t start(int row) { return RowFactor::start(row); }

@@ -192,12 +192,12 @@ bool DiskFriction::newton_step(const Disks& disks, std::vector<Vec3>& p) {
 
 /// Columns of G^-1 of the rows that slide, with the signs of their planes, four at a time; those that are known stay.
 void DiskFriction::find_columns(const Disks& disks) {
-  constexpr int together = 4;
+  constexpr int together = Delassus::together;
   int wanted[together], found = 0;
   const auto solve = [&] {
     one_.assign(together * count_, 0.0);
     for (int c = 0; c < found; ++c) one_[together * wanted[c] + c] = sign(disks, wanted[c]);
-    disks.rows.solve<together>(one_.data());
+    disks.rows.solve_together(one_.data());
     for (int c = 0; c < found; ++c) {
       for (int t = 0; t < count_; ++t) columns_[wanted[c] * count_ + t] = sign(disks, t) * one_[together * t + c];
       known_[wanted[c]] = 1;

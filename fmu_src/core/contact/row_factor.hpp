@@ -36,32 +36,28 @@ class RowFactor {
     l_.push_back(std::sqrt(left));
     ++size_;
   }
-  /// b <- L^-1 b, b <- L'^-1 b, (size, columns) row by row.
-  template <int columns = 1>
+  /// b <- L^-1 b, b <- L'^-1 b.
   void forward(double* b) const {
     for (int i = 0; i < size_; ++i) {
       const double* row = &l_[start(i)];
-      double sum[columns];
-      for (int c = 0; c < columns; ++c) sum[c] = b[i * columns + c];
-      for (int j = 0; j < i; ++j)
-        for (int c = 0; c < columns; ++c) sum[c] -= row[j] * b[j * columns + c];
-      for (int c = 0; c < columns; ++c) b[i * columns + c] = sum[c] / row[i];
+      for (int j = 0; j < i; ++j) b[i] -= row[j] * b[j];
+      b[i] /= row[i];
     }
   }
-  template <int columns = 1>
   void backward(double* b) const {
     for (int i = size_ - 1; i >= 0; --i) {
       const double* row = &l_[start(i)];
-      for (int c = 0; c < columns; ++c) b[i * columns + c] /= row[i];
-      for (int j = 0; j < i; ++j)
-        for (int c = 0; c < columns; ++c) b[j * columns + c] -= row[j] * b[i * columns + c];
+      b[i] /= row[i];
+      for (int j = 0; j < i; ++j) b[j] -= row[j] * b[i];
     }
   }
-  template <int columns = 1>
   void solve(double* b) const {
-    forward<columns>(b);
-    backward<columns>(b);
+    forward(b);
+    backward(b);
   }
+  /// The same with `together` columns, b (size, together) row by row.
+  static constexpr int together = 4;
+  void solve_together(double* b) const;
 
  private:
   /// Of a row's own element, what rounding may leave of it beside the others.

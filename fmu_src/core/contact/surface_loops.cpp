@@ -17,6 +17,21 @@ INNER void add_scaled(std::size_t n, double a, const double* x, double* __restri
 }
 
 template <int n>
+INNER void weighted_sums(int points, int rows, const double* f, const double* w, double* sums) {
+  const auto at = [&]<int m>(int i, Register<m>) INLINED {
+    Lanes<m> sum[3]{};
+    for (int t = 0; t < rows; ++t) {
+      const Lanes<m> weight = load<m>(w + std::ptrdiff_t(t) * points + i);
+      for (int axis = 0; axis < 3; ++axis) sum[axis] += f[3 * t + axis] * weight;
+    }
+    for (int axis = 0; axis < 3; ++axis) store<m>(sums + axis * points + i, sum[axis]);
+  };
+  int i = 0;
+  for (; i + n <= points; i += n) at(i, Register<n>{});
+  for (; i < points; ++i) at(i, Register<1>{});
+}
+
+template <int n>
 INNER Descent descent(std::size_t count, const double* before, const double* heights) {
   constexpr int registers = side_by_side / n;
   Lanes<n> least[registers], rise[registers], none[registers]{};
@@ -63,6 +78,7 @@ INNER double energy_taken(int points, const double* m0, double a, const double* 
 }  // namespace loops
 
 decltype(add_scaled) add_scaled = chosen<loops::add_scaled>();
+decltype(weighted_sums) weighted_sums = chosen<loops::weighted_sums<2>, loops::weighted_sums<4>, loops::weighted_sums<8>>();
 decltype(descent) descent = chosen<loops::descent<2>, loops::descent<4>, loops::descent<8>>();
 decltype(energy_taken) energy_taken = chosen<loops::energy_taken<2>, loops::energy_taken<4>, loops::energy_taken<8>>();
 

@@ -7,6 +7,9 @@ namespace softffd::kernels {
 /// y += a x, n values each.
 extern void (*const add_scaled)(std::size_t n, double a, const double* x, double* y);
 
+/// sums (3 * points) = sum over rows of f_t (3 each) w_t (points each), one row after the other.
+extern void (*const weighted_sums)(int points, int rows, const double* f, const double* w, double* sums);
+
 /// The least of n >= 8 heights, and by how much any has come down at most; NaN if any is NaN or infinite.
 struct Descent {
   double least, most;

@@ -70,7 +70,7 @@ bool SurfaceStage::hold(double tolerance, const std::function<Vec3(const Surface
   const bool rough = friction_[plane] > 0;
   Delassus& delassus = set_.delassus();
   const Samples& samples = delassus.samples();
-  constexpr int columns = 4;  // three, as vectors have them
+  constexpr int columns = Delassus::together;  // three are used
   hold_.assign(columns * n, 0.0);
   for (std::size_t t = 0, c = 0; t < rows.size(); ++t) {
     while (candidates[c].row < rows[t]) ++c;
@@ -79,7 +79,7 @@ bool SurfaceStage::hold(double tolerance, const std::function<Vec3(const Surface
     const Vec3 away = gap * normal + across;
     for (int a = 0; a < 3; ++a) hold_[columns * t + a] = -away[a];
   }
-  delassus.solve<columns>(hold_.data());
+  delassus.solve_together(hold_.data());
   force_.resize(n);
   for (int t = 0; t < n; ++t) {
     force_[t] = Vec3(hold_[columns * t], hold_[columns * t + 1], hold_[columns * t + 2]);
@@ -141,8 +141,8 @@ void SurfaceStage::find_forces() {
 }
 
 void SurfaceStage::find_move() {
-  move_.setZero(begin_[0].size(), 3);
-  for (std::size_t t = 0; t < rows.size(); ++t) set_.delassus().push(int(t), force_[t], move_);
+  move_.resize(begin_[0].size(), 3);
+  set_.delassus().push(force_, move_);
 }
 
 }  // namespace softffd

@@ -66,6 +66,7 @@ Leapfrog::Leapfrog(int points, int planes)
       start_(points, 3),
       next_(points, 3),
       force_(points, 3),
+      closed_(points, 3),
       keep_((points + SpringPass::lanes - 1) / SpringPass::lanes) {}
 
 Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
@@ -218,10 +219,10 @@ StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, 
 /// What lies between, of the blocks of which it was not kept.
 void Leapfrog::recall(const StepView& last, State& state) {
   last.body.internal_force(state.x, state.spring);
-  Points closed = before_;
-  kicks_.close(state.spring, last.force, closed);
-  for (int p = 0; p < closed.rows(); ++p)
-    if (keep_[p / SpringPass::lanes] == 0) set_row(before_, p, row(closed, p));
+  closed_ = before_;
+  kicks_.close(state.spring, last.force, closed_);
+  for (int p = 0; p < closed_.rows(); ++p)
+    if (keep_[p / SpringPass::lanes] == 0) set_row(before_, p, row(closed_, p));
 }
 
 }  // namespace softffd

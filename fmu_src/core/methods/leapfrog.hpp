@@ -29,6 +29,7 @@ class Leapfrog final : public Integrator {
   Contact contact_;
   Points before_, start_, next_;             ///< velocities before a half kick and before the step, positions after the drift
   Points force_;                             ///< outside forces now, where they ramp
+  Points closed_;                            ///< velocities after the closing kick, where they were not kept
   std::vector<unsigned char> keep_;          ///< (blocks) for how many steps what lies between kicks is still kept
   bool keeps_ = false;                       ///< of any
   std::unique_ptr<SurfaceContact> surface_;  ///< for bodies with samples of their surface
