@@ -226,7 +226,7 @@ struct Move {
       a[k] = load<n>(stage.kicks[k].a + q), b[k] = load<n>(stage.kicks[k].b + q);
     }
     const double* acting = outside + (large && stage.even_outside ? 0 : p);
-    const bool kept = keeps && between.blocks[p / lanes] > 0;
+    const bool kept = keeps && between.until[p / lanes] >= between.now;
     const auto move = [&](int column, const Lanes<n>& spring) INLINED {
       const int i = column + p;
       const Lanes<n> f = spring + load<n>(acting + column);
@@ -247,7 +247,7 @@ struct Move {
         const int i = c * points + q;
         const double f = all[c][q - p] + outside[i];
         double w = stage.kicks[0].a[q] * before[i] + stage.kicks[0].b[q] * f;
-        if (keeps && between.blocks[q / lanes] > 0) between.force[i] = all[c][q - p], before[i] = w;
+        if (keeps && between.until[q / lanes] >= between.now) between.force[i] = all[c][q - p], before[i] = w;
         if constexpr (kicks > 1) w = stage.kicks[1].a[q] * w + stage.kicks[1].b[q] * f;
         v[i] = w;
         next[i] = x[i] + stage.h * w;
@@ -274,7 +274,7 @@ INNER void advance(const SpringPass& pass, SpringPass::Part& part, const Stage& 
   };
   if (stage.count == 1)
     move.template operator()<1, false>();
-  else if (between.blocks)
+  else if (between.until)
     move.template operator()<2, true>();
   else
     move.template operator()<2, false>();

@@ -78,8 +78,9 @@ struct SpringPass {
 
   /// What is kept of the moment between two kicks.
   struct Between {
-    const unsigned char* blocks = nullptr;  ///< of those blocks of points for which this is not 0; null: of none
-    double* force = nullptr;                ///< the forces at x (3 * points)
+    const Count* until = nullptr;  ///< of blocks of points for which this is not less than `now`; null: of none
+    Count now = 0;
+    double* force = nullptr;  ///< the forces at x (3 * points)
   };
   /// The stage from positions x and velocities `before`, to positions `next` and velocities v; outside forces [N]; all (3 * points).
   /// `before` and v may be the same; of blocks that are kept those after the first kick go to `before`.

@@ -52,7 +52,7 @@ double damping_loss(const Body& body, double h, const Points& v0, const Points& 
 bool losses(const Body& body, const Drive& around) { return around.watch && body.damped && !around.damping_unwatched; }
 
 /// Steps for which what lies between kicks is kept of a block that has touched a plane: looking it up costs as much as some ten of them.
-constexpr unsigned char keep_for = 100;
+constexpr Count keep_for = 100;
 
 /// Is what ramped forces or damping do in a step to be booked?
 bool booked(const Body& body, const Drive& around) { return around.watch && (around.ramped || losses(body, around)); }
@@ -67,7 +67,7 @@ Leapfrog::Leapfrog(int points, int planes)
       next_(points, 3),
       force_(points, 3),
       closed_(points, 3),
-      keep_((points + SpringPass::lanes - 1) / SpringPass::lanes) {}
+      keep_until_((points + SpringPass::lanes - 1) / SpringPass::lanes, -1) {}
 
 Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
   if (model.body.springs.dashpots()) {
@@ -178,17 +178,15 @@ void Leapfrog::find(const StepView& view, const Path& path) {
 
 template <class See>
 void Leapfrog::each_found(const See& see) {
-  if (surface_ && surface_->near()) std::for_each(keep_.begin(), keep_.end(), see);
+  if (surface_ && surface_->near()) std::for_each(keep_until_.begin(), keep_until_.end(), see);
   if (surface_ || !contact_.touched()) return;
   for (std::size_t i = 0; i < contact_.behind().size(); ++i)
-    if (contact_.behind()[i]) see(keep_[i % keep_.size()]);
+    if (contact_.behind()[i]) see(keep_until_[i % keep_until_.size()]);
 }
 
 StepStatus Leapfrog::meet(const StepView& view, Path& path) {
-  if (keeps_)
-    for (unsigned char& steps : keep_) steps -= steps > 0;
-  each_found([](unsigned char& steps) { steps = keep_for; });
-  keeps_ = std::any_of(keep_.begin(), keep_.end(), [](unsigned char steps) { return steps > 0; });
+  ++step_;
+  each_found([&](Count& until) { until = any_until_ = step_ + keep_for; });
   return surface_ ? surface_->drift(view, before_, path.motion.v, next_, path.surface, path.exchange)
                   : contact_.drift(view, before_, path.motion.v, next_, path.exchange);
 }
@@ -204,12 +202,12 @@ StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, 
   if (last.around.ramped) last.around.force_at(last.t1, force_);
   before_.swap(state.v);
   last.body.springs.advance(kicks_.stage(last.around.even), last.force, state.x, before_, state.v, next_,
-                            {keeps_ ? keep_.data() : nullptr, state.spring.data()});
+                            {any_until_ < step_ ? nullptr : keep_until_.data(), step_, state.spring.data()});
   StepStatus status = surface_ ? StepStatus::ok : contact_.close_and_go_on(last, before_, next_, path.exchange);
   if (status != StepStatus::ok) return status;
   find(next, path);
   bool kept = true;
-  each_found([&](unsigned char steps) { kept = kept && steps > 0; });
+  each_found([&](Count until) { kept = kept && until >= step_; });
   if (!kept) recall(last, state);
   status = meet(next, path);
   state.x.swap(next_);
@@ -222,7 +220,7 @@ void Leapfrog::recall(const StepView& last, State& state) {
   closed_ = before_;
   kicks_.close(state.spring, last.force, closed_);
   for (int p = 0; p < closed_.rows(); ++p)
-    if (keep_[p / SpringPass::lanes] == 0) set_row(before_, p, row(closed_, p));
+    if (keep_until_[p / SpringPass::lanes] < step_) set_row(before_, p, row(closed_, p));
 }
 
 }  // namespace softffd

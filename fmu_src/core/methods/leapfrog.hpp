@@ -27,11 +27,12 @@ class Leapfrog final : public Integrator {
 
   HalfKicks kicks_;
   Contact contact_;
-  Points before_, start_, next_;             ///< velocities before a half kick and before the step, positions after the drift
-  Points force_;                             ///< outside forces now, where they ramp
-  Points closed_;                            ///< velocities after the closing kick, where they were not kept
-  std::vector<unsigned char> keep_;          ///< (blocks) for how many steps what lies between kicks is still kept
-  bool keeps_ = false;                       ///< of any
+  Points before_, start_, next_;  ///< velocities before a half kick and before the step, positions after the drift
+  Points force_;                  ///< outside forces now, where they ramp
+  Points closed_;                 ///< velocities after the closing kick, where they were not kept
+  Count step_ = 0;
+  std::vector<Count> keep_until_;            ///< (blocks) step up to which what lies between kicks is kept
+  Count any_until_ = -1;                     ///< of any
   std::unique_ptr<SurfaceContact> surface_;  ///< for bodies with samples of their surface
   std::unique_ptr<DampedLeapfrog> damped_;   ///< for bodies with internal damping; most have none
 };

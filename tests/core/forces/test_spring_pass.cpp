@@ -116,10 +116,10 @@ TEST(of_some_blocks_a_stage_keeps_what_lies_between_its_kicks) {
     Points spring(points, 3), w = start, v(points, 3), next(points, 3), unused(points, 3);
     springs.force(x, spring);
     springs.advance({{kick, kick}, 2, 0.3}, outside, x, w, unused);
-    std::vector<unsigned char> blocks((points + SpringPass::lanes - 1) / SpringPass::lanes);
-    for (std::size_t i = 0; i < blocks.size(); i += 2) blocks[i] = 1;
+    std::vector<Count> until((points + SpringPass::lanes - 1) / SpringPass::lanes);
+    for (std::size_t i = 0; i < until.size(); i += 2) until[i] = 1;
     Points before = start, f = Points::Constant(points, 3, -1);
-    springs.advance({{kick, kick}, 2, 0.3}, outside, x, before, v, next, {blocks.data(), f.data()});
+    springs.advance({{kick, kick}, 2, 0.3}, outside, x, before, v, next, {until.data(), 1, f.data()});
     CHECK((v == w).all() && (next == x + 0.3 * w).all());
     for (int p = 0; p < points; ++p)
       for (int axis = 0; axis < 3; ++axis) {
