@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -96,3 +97,16 @@ class Stepper:
 
     def __exit__(self, *_exception) -> None:
         self.sim.close()
+
+
+def require_same_continuation(scene: Scene, ready: Callable[[Simulation], bool]) -> None:
+    """A run of the scene goes on with the same bits in an instance that gets its state after 20 steps, when it has to be `ready`."""
+    with Simulation(scene) as first, Simulation(scene) as second:
+        for _ in range(20):
+            first.step()
+        assert ready(first)
+        second.restore(bytes(first.save()))
+        for simulation in (first, second):
+            for _ in range(10):
+                simulation.step()
+        np.testing.assert_array_equal(second.positions, first.positions)

@@ -22,8 +22,8 @@ constexpr int most_rounds = 1000, most_drops = 300;
 }  // namespace
 
 template <class Metric>
-Fit DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance,
-                                   const std::vector<double>& known) {
+StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance,
+                                          const std::vector<double>& known) {
   heights_ = &heights;
   pinned_ = 0;
   hot_.clear();
@@ -58,11 +58,11 @@ Fit DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, std::vect
         most_violated(candidates, tolerance);
       }
       if (refine(candidates, tolerance)) spread();
-      return Fit::found;
+      return StepStatus::ok;
     }
-    if (const Fit fit = add(candidates, chosen); fit != Fit::found) return fit;
+    if (const StepStatus status = add(candidates, chosen); status != StepStatus::ok) return status;
   }
-  return Fit::too_many;
+  return StepStatus::not_finite;
 }
 
 /// Forces of the rows that were active, without those that would pull: a start with l >= 0.
@@ -158,13 +158,13 @@ int DualActiveSetIn<Metric>::most_violated(std::vector<Candidate>& candidates, d
 }
 
 template <class Metric>
-Fit DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates, int chosen) {
+StepStatus DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates, int chosen) {
   const Candidate& candidate = candidates[chosen];
   delassus_.prepare(candidate.row, column_);
   if (column_.own == 0) {
     at_hand_[chosen] = 2;
     pinned_ = std::max(pinned_, -candidate.gap);
-    return Fit::found;
+    return StepStatus::ok;
   }
   double gap = candidate.gap, force = 0;
   for (int drops = 0; drops <= most_drops; ++drops) {
@@ -175,7 +175,7 @@ Fit DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates, int c
         unload = forces_[t] / column_.response[t], first = t;
     double met = column_.left > independent * column_.own ? -gap / column_.left : infinity;
     if (met == infinity && unload == infinity) {
-      if (!(column_.left > dependent * column_.own)) return Fit::no_room;
+      if (!(column_.left > dependent * column_.own)) return StepStatus::impossible_planes;
       met = -gap / column_.left;
     }
     const double by = std::min(met, unload);
@@ -190,7 +190,7 @@ Fit DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates, int c
       bounds_.push_back(candidate.bound);
       wanted_.push_back(candidate.bound - height(candidate.row, begin_));
       renew_forces();
-      return Fit::found;
+      return StepStatus::ok;
     }
     const SurfaceRow leaving = active()[first];
     at_hand_[std::lower_bound(candidates.begin(), candidates.end(), leaving,
@@ -198,7 +198,7 @@ Fit DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates, int c
              candidates.begin()] = 0;
     leave(first, &column_);
   }
-  return Fit::too_many;
+  return StepStatus::not_finite;
 }
 
 /// Afresh by the factor, so that no rounding adds up.

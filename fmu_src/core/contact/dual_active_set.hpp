@@ -22,8 +22,6 @@ struct Candidate {
   double gap = 0;  ///< result: height less bound at y, to rounding
 };
 
-enum class Fit { found, no_room, too_many };
-
 /// Metric: Delassus, or what has its functions.
 template <class Metric>
 class DualActiveSetIn {
@@ -40,8 +38,10 @@ class DualActiveSetIn {
   double pinned_violation() const { return pinned_; }
 
   /// heights: (planes) of y0, become those of y. candidates: sorted by row; the active ones must be among them. known: forces of the active
-  /// rows that y0 has already, so that large forces that hold each other lose no digits; none: zero.
-  Fit solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance, const std::vector<double>& known = {});
+  /// rows that y0 has already, so that large forces that hold each other lose no digits; none: zero. Not finite: not found in so many
+  /// steps.
+  StepStatus solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance,
+                   const std::vector<double>& known = {});
 
  private:
   void warm();
@@ -52,7 +52,7 @@ class DualActiveSetIn {
   void spread();
   bool refine(const std::vector<Candidate>& candidates, double tolerance);
   int most_violated(std::vector<Candidate>& candidates, double tolerance);
-  Fit add(const std::vector<Candidate>& candidates, int chosen);
+  StepStatus add(const std::vector<Candidate>& candidates, int chosen);
   void renew_forces();
   double height(const SurfaceRow& row, const std::vector<Scalars>& heights) const {
     return delassus_.samples().at(row.sample, heights[row.plane].data());

@@ -18,15 +18,6 @@ constexpr double no_gain = 1e-10;
 /// Of its limit, friction that a step begins to look at.
 constexpr double most_share = 2;
 
-StepStatus status_of(Fit fit) {
-  switch (fit) {
-    case Fit::found: return StepStatus::ok;
-    case Fit::no_room: return StepStatus::impossible_planes;
-    case Fit::too_many: break;
-  }
-  return StepStatus::not_finite;
-}
-
 SurfaceRow decoded(Count number, int samples) { return {int(number / samples), int(number % samples)}; }
 
 double largest_speed(const Points& v) { return kernels::largest(v.size(), v.data()); }
@@ -141,7 +132,7 @@ StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& fri
     for (const Tangent& each : tangents_.found())
       drift_.candidates.push_back({.row = {flat_ + int(&each - tangents_.found().data()), each.sample}});
     load(rows, friction, drift_);
-    if (const StepStatus status = status_of(drift_.solve(tolerance, slip)); status != StepStatus::ok) return status;
+    if (const StepStatus status = drift_.solve(tolerance, slip); status != StepStatus::ok) return status;
     bool covered = true;
     for (int q = 0; q < flat_; ++q)
       if (!search_.covers(q, drift_.heights[q])) {
@@ -171,7 +162,7 @@ bool SurfaceContact::fit_known(const std::vector<Count>& rows, const Points& fri
       drift_.candidates.push_back({.row = row});
   if (drift_.candidates.empty()) return false;
   load(rows, friction, drift_);
-  if (drift_.solve(tolerance, slip) != Fit::found || drift_.added() || drift_.rows.empty()) return false;
+  if (drift_.solve(tolerance, slip) != StepStatus::ok || drift_.added() || drift_.rows.empty()) return false;
   const Scalars& heights = drift_.heights[near];
   if (!search_.covers(near, heights) || !search_.in_front(near, heights, 0.5 * tolerance)) return false;
   known_ = near;
@@ -370,7 +361,7 @@ StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, c
     return Vec3(samples_.at(row.sample, v) - (turns ? plane.material_velocity(samples_.at(row.sample, x1)) : plane.velocity));
   };
   slack_ = row_slack * fastest;
-  return status_of(close_.solve(slack_, std::ref(slip_of)));
+  return close_.solve(slack_, std::ref(slip_of));
 }
 
 StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange) {

@@ -30,14 +30,14 @@ void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vecto
   set_.delassus().set_cosines(cosines_);
 }
 
-Fit SurfaceStage::solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
+StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
   begin_ = heights;
   missed_ = 0;
   set_.delassus().set_rows(rows);
   held_ = hold(tolerance, slip);
-  if (held_) return Fit::found;
+  if (held_) return StepStatus::ok;
   heights = begin_;
-  if (const Fit fit = set_.solve(candidates, heights, tolerance); fit != Fit::found) return fit;
+  if (const StepStatus status = set_.solve(candidates, heights, tolerance); status != StepStatus::ok) return status;
   before_.swap(share);
   share.assign(set_.active().size(), Vec3::Zero());
   for (std::size_t t = 0, u = 0; t < share.size(); ++t) {
@@ -50,8 +50,8 @@ Fit SurfaceStage::solve(double tolerance, const std::function<Vec3(const Surface
     slip_of_ = &slip;
     if (parallel())
       missed_ = rub(true);
-    else if (const Fit fit = take_turns(tolerance); fit != Fit::found)
-      return fit;
+    else if (const StepStatus status = take_turns(tolerance); status != StepStatus::ok)
+      return status;
     for (std::size_t t = 0; t < rows.size(); ++t) {
       const double limit = friction_[rows[t].plane] * set_.forces()[t];
       share[t] = limit > 0 ? Vec3(p_[t] / limit) : Vec3::Zero();
@@ -59,7 +59,7 @@ Fit SurfaceStage::solve(double tolerance, const std::function<Vec3(const Surface
   }
   find_forces();
   find_move();
-  return Fit::found;
+  return StepStatus::ok;
 }
 
 /// By the rows of one plane at hand, all sticking, with all candidates in front.

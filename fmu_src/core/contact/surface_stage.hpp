@@ -34,7 +34,7 @@ class SurfaceStage {
   std::vector<Vec3> share;
 
   /// slip: of a row at y0, beyond where it would be if it stuck. On success rows and share are those that are active now.
-  Fit solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
+  StepStatus solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
   const Vec3& force(int t) const { return force_[t]; }   ///< of an active row
   bool added() const { return !held_ && set_.added(); }  ///< a row to those that were active before
   double pinned_violation() const { return held_ ? 0 : set_.pinned_violation(); }
@@ -52,11 +52,11 @@ class SurfaceStage {
   void find_forces();
   void find_move();
   // turning_friction.cpp
-  Fit take_turns(double tolerance);
-  Fit alternate(double tolerance, bool& rests);
-  Fit balance(double tolerance, bool& rests);
+  StepStatus take_turns(double tolerance);
+  StepStatus alternate(double tolerance, bool& rests);
+  StepStatus balance(double tolerance, bool& rests);
   bool sweep(std::vector<double>& normal);
-  Fit settle(double tolerance);
+  StepStatus settle(double tolerance);
   void carry(const std::vector<SurfaceRow>& from);
   double change();
 

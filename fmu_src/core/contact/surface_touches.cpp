@@ -15,15 +15,6 @@ constexpr double exact_roundings = 4;
 /// Of the way that a force alone would move its sample, where others hold it: what is left of the sum is known no better.
 constexpr double response_roundings = 2;
 
-StepStatus status_of(Fit fit) {
-  switch (fit) {
-    case Fit::found: return StepStatus::ok;
-    case Fit::no_room: return StepStatus::impossible_planes;
-    case Fit::too_many: break;
-  }
-  return StepStatus::not_finite;
-}
-
 constexpr auto by_row = [](const auto& a, const auto& b) { return a.row < b.row; };
 
 }  // namespace
@@ -141,8 +132,7 @@ StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
     if (looks == 0) all_covered(heights_);
     list_candidates();
     set_.delassus().set_rows(start_);
-    if (const StepStatus status = status_of(set_.solve(candidates_, heights_, problem.slack, loads_)); status != StepStatus::ok)
-      return status;
+    if (const StepStatus status = set_.solve(candidates_, heights_, problem.slack, loads_); status != StepStatus::ok) return status;
     if (set_.pinned_violation() > pin_slack * length_) return StepStatus::pin_behind_plane;
     lost = take_loads() || lost;
     find_move(forces_);

@@ -22,14 +22,14 @@ constexpr double balanced = 1e-13;
 
 }  // namespace
 
-Fit SurfaceStage::take_turns(double tolerance) {
+StepStatus SurfaceStage::take_turns(double tolerance) {
   bool rests = false;
   move_.setZero(heights[0].size(), 3);
   last_move_ = move_;
   const bool few = rows.size() <= few_rows;
   for (const bool sweeps : {few, !few}) {
-    const Fit fit = sweeps ? balance(tolerance, rests) : alternate(tolerance, rests);
-    if (fit != Fit::found || rests) return fit;
+    const StepStatus status = sweeps ? balance(tolerance, rests) : alternate(tolerance, rests);
+    if (status != StepStatus::ok || rests) return status;
   }
   double excess = 0, largest = 0;
   for (std::size_t t = 0; t < rows.size(); ++t) {
@@ -37,26 +37,26 @@ Fit SurfaceStage::take_turns(double tolerance) {
     largest = std::max(largest, set_.forces()[t]);
   }
   if (largest > 0) missed_ = excess / largest;
-  return Fit::found;
+  return StepStatus::ok;
 }
 
 /// Friction at the normal forces, normal forces at the friction.
-Fit SurfaceStage::alternate(double tolerance, bool& rests) {
+StepStatus SurfaceStage::alternate(double tolerance, bool& rests) {
   for (int turn = 0; turn < most_turns && !rests; ++turn) {
     const bool solved = rub(false) <= solvable;
-    if (const Fit fit = settle(tolerance); fit != Fit::found) return fit;
+    if (const StepStatus status = settle(tolerance); status != StepStatus::ok) return status;
     rests = change() <= settled;
-    if (!solved && !rests) return Fit::found;
+    if (!solved && !rests) return StepStatus::ok;
     for (std::size_t t = 0; t < rows.size(); ++t) {
       const double limit = friction_[rows[t].plane] * set_.forces()[t];
       share[t] = limit > 0 ? Vec3(p_[t] / limit) : Vec3::Zero();
     }
   }
-  return Fit::found;
+  return StepStatus::ok;
 }
 
 /// Row by row: what keeps it from its plane, and what stops it or rubs against its slip.
-Fit SurfaceStage::balance(double tolerance, bool& rests) {
+StepStatus SurfaceStage::balance(double tolerance, bool& rests) {
   std::vector<double> normal;
   for (int round = 0; round < most_rounds && !rests; ++round) {
     wanted_.clear();
@@ -72,11 +72,11 @@ Fit SurfaceStage::balance(double tolerance, bool& rests) {
     const int sweeps = std::clamp(swept / int(rows.size() * rows.size() + 1), least_sweeps, most_sweeps);
     for (int i = 0; i < sweeps && !done; ++i) done = sweep(normal);
     const std::vector<SurfaceRow> before = rows;
-    if (const Fit fit = settle(tolerance); fit != Fit::found) return fit;
+    if (const StepStatus status = settle(tolerance); status != StepStatus::ok) return status;
     change();
     rests = done && std::includes(before.begin(), before.end(), rows.begin(), rows.end());
   }
-  return Fit::found;
+  return StepStatus::ok;
 }
 
 /// Returns whether it has changed next to nothing.
@@ -100,20 +100,20 @@ bool SurfaceStage::sweep(std::vector<double>& normal) {
 }
 
 /// The normal forces at this friction, which only active rows have.
-Fit SurfaceStage::settle(double tolerance) {
+StepStatus SurfaceStage::settle(double tolerance) {
   while (true) {
     heights = begin_;
     for (std::size_t t = 0; t < rows.size(); ++t)
       for (std::size_t q = 0; q < heights.size(); ++q)
         if (const double along = normals_[q].dot(p_[t]); along != 0) set_.delassus().push(int(t), along, heights[q].data());
-    if (const Fit fit = set_.solve(candidates, heights, tolerance); fit != Fit::found) return fit;
-    if (set_.active() == rows) return Fit::found;
+    if (const StepStatus status = set_.solve(candidates, heights, tolerance); status != StepStatus::ok) return status;
+    if (set_.active() == rows) return StepStatus::ok;
     const std::vector<SurfaceRow> before = rows;
     rows = set_.active();
     carry(before);
     const bool lost = std::any_of(before.begin(), before.end(),
                                   [&](const SurfaceRow& row) { return !std::binary_search(rows.begin(), rows.end(), row); });
-    if (!lost) return Fit::found;
+    if (!lost) return StepStatus::ok;
   }
 }
 

@@ -84,7 +84,7 @@ TEST(random_crowded_problems_are_solved_exactly) {
     Problem problem = random_problem(random, 4 + i % 60, 1 + i % 3, i % 2 == 1);
     DualActiveSet solver = solver_of(problem);
     std::vector<Scalars> heights = problem.heights;
-    CHECK(solver.solve(problem.candidates, heights, 1e-15) == Fit::found);
+    CHECK(solver.solve(problem.candidates, heights, 1e-15) == StepStatus::ok);
     check_optimal(problem, solver, heights);
   }
 }
@@ -95,7 +95,7 @@ TEST(a_small_problem_has_the_solution_that_trying_all_sets_finds) {
     Problem problem = random_problem(random, 3, 2, false);
     DualActiveSet solver = solver_of(problem);
     std::vector<Scalars> heights = problem.heights;
-    CHECK(solver.solve(problem.candidates, heights, 1e-15) == Fit::found);
+    CHECK(solver.solve(problem.candidates, heights, 1e-15) == StepStatus::ok);
     const int n = int(problem.candidates.size());
     Eigen::MatrixXd a(n, n);
     Eigen::VectorXd wanted(n);
@@ -141,7 +141,7 @@ TEST(rows_that_were_active_before_lead_to_the_same_solution) {
     std::vector<SurfaceRow> before;
     for (std::size_t c = 0; c < problem.candidates.size(); c += 9) before.push_back(problem.candidates[c].row);
     warm.delassus().set_rows(before);
-    CHECK(warm.solve(problem.candidates, b, 1e-15) == Fit::found);
+    CHECK(warm.solve(problem.candidates, b, 1e-15) == StepStatus::ok);
     for (std::size_t q = 0; q < a.size(); ++q) CHECK((a[q] - b[q]).abs().maxCoeff() < 1e-12);
     std::vector<Scalars> c = problem.heights;
     warm.delassus().set_rows(cold.active());
@@ -156,7 +156,7 @@ TEST(plates_without_room_between_are_found_out) {
   problem.heights = {Scalars::Constant(64, -0.1), Scalars::Constant(64, 0.05)};
   problem.candidates = {{{0, 0}}, {{1, 0}}};
   DualActiveSet solver = solver_of(problem);
-  CHECK(solver.solve(problem.candidates, problem.heights, 1e-15) == Fit::no_room);
+  CHECK(solver.solve(problem.candidates, problem.heights, 1e-15) == StepStatus::impossible_planes);
 }
 
 TEST(a_sample_of_pinned_points_is_reported_and_not_moved) {
@@ -165,7 +165,7 @@ TEST(a_sample_of_pinned_points_is_reported_and_not_moved) {
   problem.heights = {Scalars::Constant(64, -0.1)};
   problem.candidates = {{{0, 0}}};
   DualActiveSet solver = solver_of(problem);
-  CHECK(solver.solve(problem.candidates, problem.heights, 1e-15) == Fit::found);
+  CHECK(solver.solve(problem.candidates, problem.heights, 1e-15) == StepStatus::ok);
   CHECK_NEAR(solver.pinned_violation(), 0.1, 1e-15);
   CHECK(solver.active().empty());
 }

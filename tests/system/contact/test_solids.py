@@ -5,27 +5,14 @@ import pytest
 
 import bodies
 from readings import vector
-from scenes import GRAVITY, MOVED, box
-from softffd import Scene, Simulation, deform, simulate
+from scenes import GRAVITY, MOVED
+from softffd import Simulation, deform, simulate
 from softffd.errors import SceneError, SoftffdError
 from softffd.fmu.package import scene_masses
 from softffd.rotation import turned
 from softffd.validation.twin import build_twin
 
 G = -GRAVITY[2]
-UNIT = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
-CENTRE = {"name": "centre", "at": [0.5, 0.5, 0.5]}
-
-
-@pytest.fixture
-def body(tmp_path):
-    """body(vertices and faces, keys) is a scene of a body in the unit box, with contact of its surface and steps of 1 ms."""
-
-    def made(shape, **keys) -> Scene:
-        keys = {"contact": {"of": "surface"}, "lattice": UNIT, "method": "leapfrog", "step": 1e-3, "communication_step": 0.02, **keys}
-        return box(mesh={"file": bodies.write(tmp_path / "body.obj", shape)}, stiffness=keys.pop("stiffness", 2e3), probe=[CENTRE], **keys)
-
-    return made
 
 
 def gap(places, kind, solid, *, point=None, turn=None):

@@ -13,23 +13,11 @@ from scenes import GRAVITY, MOVED, box
 from softffd import Scene, Simulation, deform, load_mesh, simulate
 from softffd.fmu.package import scene_masses, scene_samples
 from softffd.rotation import turned
+from stepping import require_same_continuation
 
 G = -GRAVITY[2]
-UNIT = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
-CENTRE = {"name": "centre", "at": [0.5, 0.5, 0.5]}
 GROUND = {"name": "ground", "friction": 0.4}
 DATA = Path(__file__).parents[2] / "data"
-
-
-@pytest.fixture
-def body(tmp_path):
-    """body(vertices and faces, keys) is a scene of a body in the unit box, with contact of its surface and steps of 1 ms."""
-
-    def made(shape, **keys) -> Scene:
-        keys = {"contact": {"of": "surface"}, "lattice": UNIT, "method": "leapfrog", "step": 1e-3, "communication_step": 0.02, **keys}
-        return box(mesh={"file": bodies.write(tmp_path / "body.obj", shape)}, stiffness=keys.pop("stiffness", 2e3), probe=[CENTRE], **keys)
-
-    return made
 
 
 @pytest.fixture
@@ -242,15 +230,7 @@ def test_vertices_that_are_left_out_are_behind_by_no_more_than_is_said(body):
 def test_a_state_continues_with_the_same_bits(body):
     shape = bodies.sphere(2)
     scene = body(shape, gravity=GRAVITY, damping=0.1, plane=[GROUND], offset=[0.0, 0.0, -0.05], angular_velocity=[2.0, 1.0, 0.0], step=0.0)
-    with Simulation(scene) as first, Simulation(scene) as second:
-        for _ in range(20):
-            first.step()
-        assert first["plane.ground.contacts"] > 0
-        second.restore(bytes(first.save()))
-        for simulation in (first, second):
-            for _ in range(10):
-                simulation.step()
-        np.testing.assert_array_equal(second.positions, first.positions)
+    require_same_continuation(scene, lambda simulation: simulation["plane.ground.contacts"] > 0)
 
 
 @pytest.mark.parametrize(("inertia", "rigid"), [("lumped", 0.4365), ("matched", 0.6084)])
