@@ -58,6 +58,7 @@ void Delassus::raise(const std::vector<double>& forces, const std::vector<Scalar
 }
 
 void Delassus::push(const std::vector<Vec3>& forces, Points& move) const {
+  move.resize(inverse_.size(), 3);
   if (size() > 0 && samples_->support() == move.rows())  // the weights of all points, in their order
     return kernels::weighted_sums(samples_->support(), size(), forces[0].data(), over_mass_.data(), move.data());
   move.setZero();

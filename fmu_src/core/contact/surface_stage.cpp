@@ -140,9 +140,6 @@ void SurfaceStage::find_forces() {
   for (std::size_t t = 0; t < rows.size(); ++t) force_[t] = set_.forces()[t] * normals_[rows[t].plane] + p_[t];
 }
 
-void SurfaceStage::find_move() {
-  move_.resize(begin_[0].size(), 3);
-  set_.delassus().push(force_, move_);
-}
+void SurfaceStage::find_move() { set_.delassus().push(force_, move_); }
 
 }  // namespace softffd

@@ -93,3 +93,15 @@ def test_a_state_of_a_damped_body_continues_with_the_same_bits(body):
     keys = {"angular_velocity": [2.0, 1.0, 0.0], "offset": [0.0, 0.0, -0.05], "step": 0.0}
     scene = body(bodies.sphere(2), plane=[{"name": "ground", "friction": 0.4}], **keys)
     require_same_continuation(scene, lambda simulation: simulation["plane.ground.contacts"] > 0)
+
+
+UNDER = {"sphere": {"radius": 2.0, "point": [0.5, 0.5, -2.2]}, "box": {"size": [3.0, 3.0, 1.0], "point": [0.5, 0.5, -0.7]}}
+
+
+@pytest.mark.parametrize("kind", UNDER)
+def test_a_damped_body_falls_on_a_solid(body, kind):
+    """While no sample is within reach there is no half-space at all."""
+    result = simulate(body(bodies.cube(3, 0.0), stop_time=0.4, **{kind: [{"name": "under", **UNDER[kind]}]}))
+    fall = vector(result, "plane.under.reaction")[:, 2]
+    assert (fall[:10] == 0).all()
+    assert fall.min() < -9.81
