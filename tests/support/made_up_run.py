@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from softffd.lattice import LatticeBox, rest_grid
+from softffd.obstacles import Obstacles
 from softffd.run.result import Result
 from softffd.scene.sections import Box
 
@@ -30,6 +31,7 @@ def made_up_run(*, counts=(4, 4, 4), frames=41, title="A soft box under a press"
         summary={"title": title},
         scene=_scene(title, pins, counts),
         lattice=LatticeBox(counts, tuple(ORIGIN), tuple(SIZE), "bezier"),
+        obstacles=Obstacles("lattice"),
     )
 
 
@@ -40,8 +42,7 @@ def with_solids(result, *solids):
         pose = {"rotation": solid.rotation_vector()} if isinstance(solid, Box) else {"normal": solid.normal}
         pose |= {what: getattr(solid, what) for what in ("point", "velocity", "angular_velocity")}
         values |= _vectors(f"plane.{solid.name}", pose)
-    scene = SimpleNamespace(**vars(result.scene) | {"solids": solids})
-    return replace(result, parameters=result.parameters | values, scene=scene)
+    return replace(result, parameters=result.parameters | values, obstacles=Obstacles("lattice", tuple(solid.shape() for solid in solids)))
 
 
 def rest_points(counts):
@@ -82,7 +83,6 @@ def _scene(title, pins, counts):
     return SimpleNamespace(
         title=title,
         loaded_mesh=None,
-        contact=SimpleNamespace(of="lattice"),
         lattice=SimpleNamespace(points=counts),
         lattice_box=SimpleNamespace(size=tuple(SIZE)),
         material=SimpleNamespace(youngs_modulus=1e4),

@@ -27,7 +27,7 @@ from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import Block, number_of
 from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
 from softffd.fmu.notes import read_notes
-from softffd.fmu.records import PinRecord, read_lattice, read_pins
+from softffd.fmu.records import PinRecord, read_lattice, read_obstacles, read_pins
 from softffd.fmu.scalars import read_interface3
 from softffd.fmu.unpacking import unpack
 from softffd.lattice import LatticeBox
@@ -98,6 +98,8 @@ class Component:
         self._slave, self._library = slave, slave.dll
         self.lattice: LatticeBox | None = read_lattice(Path(self._folder) / "resources")
         """Of an FMU of this package"""
+        self.obstacles = read_obstacles(Path(self._folder) / "resources")
+        """Likewise"""
         instance = c_void_p(slave.component)
         self._calls = {name: _bound(getattr(slave.dll, name), instance, self.check) for name in CALLS}
         self._keep_loop_calls()

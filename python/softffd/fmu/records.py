@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
 from softffd.fmu.variables import internal_damping_present, method_value, spring_damping_present
 from softffd.lattice import LatticeBox, Point, point_at, to_flat
+from softffd.obstacles import Obstacles, SolidShape
 
 if TYPE_CHECKING:
     from softffd.embedding.mass import Masses
@@ -148,6 +149,23 @@ def read_pins(resources: Path) -> list[PinRecord]:
         elif key == "pin_origin":
             found[-1] = found[-1]._replace(origin=_three(float, words))
     return found
+
+
+def read_obstacles(resources: Path) -> Obstacles | None:
+    """What there is to say of the obstacles of an FMU of this package; None in another one."""
+    found, name, lines = [], "", _lines(resources)
+    for key, *words in lines:
+        if key == "plane":
+            name = words[0]
+        elif key == "box":
+            found.append(SolidShape(name, "box", _three(float, words[:3])))
+        elif key == "solid":
+            radius, length = map(float, words)
+            kind: Literal["sphere", "cylinder"] = "cylinder" if length > 0 else "sphere"
+            found.append(SolidShape(name, kind, (2 * radius, 2 * radius, length or 2 * radius)))
+    if not lines:
+        return None
+    return Obstacles("surface" if any(key == "sample" for key, *_ in lines) else "lattice", tuple(found))
 
 
 def read_points(resources: Path, key: str) -> list[Point]:

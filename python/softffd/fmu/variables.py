@@ -67,10 +67,19 @@ def _point(scene: Scene, p: int) -> dict[str, Any]:
 
 
 def _plane(plane: Plane | Sphere | Cylinder | Box) -> dict[str, Any]:
-    from softffd.scene.sections import Box  # brings pydantic along, which those who have an FMU do without
+    from softffd.scene.sections import Box, Plane, Sphere  # brings pydantic along, which those who have an FMU do without
 
     turned = {"rotation": plane.rotation_vector()} if isinstance(plane, Box) else {"normal": plane.normal}
+    if isinstance(plane, Plane):
+        words = {
+            "point_of": f"Point of the obstacle plane {plane.name}",
+            "normal_of": f"Normal of the obstacle plane {plane.name}, out of it",
+        }
+    else:
+        axis = "A sphere's normal is of no meaning: {}" if isinstance(plane, Sphere) else "Axis of the {}"
+        words = {"point_of": f"Centre of the {plane.shape()}", "normal_of": axis.format(plane.shape())}
     return {
+        **words,
         "name": plane.name,
         "point": plane.point,
         **turned,

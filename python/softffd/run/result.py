@@ -16,6 +16,7 @@ from softffd.errors import MeshError, SoftffdError, UnknownName
 from softffd.files import replacing, require_writable
 from softffd.lattice import LatticeBox, all_points
 from softffd.names import ByName, part_names, variable_names, vector_names
+from softffd.obstacles import Obstacles
 from softffd.rotation import turned
 from softffd.run import shown
 from softffd.run.deformation import deformation
@@ -77,6 +78,8 @@ class Result:
     """Counts, box at rest and basis, as the FMU has them; None for an FMU that is not of this package"""
     plain_names: bool = False
     """Whether names at control points are the plain ones (fmu.names), in `outputs`, `inputs` and the files"""
+    obstacles: Obstacles | None = None
+    """What meets them, and shapes of solid ones, as the FMU has them; None for an FMU that is not of this package"""
     log: tuple[Message, ...] = ()
     """All that the component said"""
     sceneless: str = ""

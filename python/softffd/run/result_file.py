@@ -24,6 +24,7 @@ import numpy as np
 from softffd import __version__
 from softffd.errors import SceneError, SoftffdError
 from softffd.lattice import LatticeBox
+from softffd.obstacles import Obstacles, SolidShape
 from softffd.scene.document import shown
 
 if TYPE_CHECKING:
@@ -88,6 +89,7 @@ def _header(result: Result) -> dict[str, Any]:
         "summary": result.summary,
         "lattice": result.lattice and asdict(result.lattice),
         "plain_names": result.plain_names,
+        "obstacles": result.obstacles and asdict(result.obstacles),
         "log": [list(message) for message in result.log],
         "scene": result.scene and {
             "path": result.scene.path,
@@ -127,9 +129,16 @@ def _fields(header: dict[str, Any], arrays: dict[str, np.ndarray], path: Path) -
         "scene": scene,
         "lattice": box and LatticeBox(tuple(box["points"]), tuple(box["origin"]), tuple(box["size"]), box["basis"]),
         "plain_names": header["plain_names"],
+        "obstacles": _obstacles(header.get("obstacles")),
         "log": tuple(Message(*message) for message in header["log"]),
         "sceneless": why,
     }
+
+
+def _obstacles(kept: dict[str, Any] | None) -> Obstacles | None:
+    if kept is None:
+        return None
+    return Obstacles(kept["meet"], tuple(SolidShape(each["name"], each["kind"], tuple(each["size"])) for each in kept["solids"]))
 
 
 def _scene(kept: dict[str, Any], path: Path) -> tuple[Scene | None, str]:

@@ -223,7 +223,7 @@ class _Recorder:
         parameters = {v.name: self.starts[v.name] for v in component.variables("parameter")}
         return Result(
             self.times, positions, others, held, parameters, summary, scene, component.lattice, component.interface.plain,
-            tuple(self.simulation.log),
+            component.obstacles, tuple(self.simulation.log),
         )  # fmt: skip
 
 

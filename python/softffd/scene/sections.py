@@ -19,6 +19,7 @@ from pydantic import (
 )
 
 from softffd.names import IDENTIFIER
+from softffd.obstacles import SolidShape
 from softffd.scene.quantity import (
     Number,
     PositiveVector,
@@ -402,12 +403,20 @@ class Sphere(Round):
         """None [m]."""
         return 0.0
 
+    def shape(self) -> SolidShape:
+        """What there is to see."""
+        return SolidShape(self.name, "sphere", (2 * self.radius,) * 3)
+
 
 class Cylinder(Round):
     """An obstacle: a solid cylinder with flat ends about `point`; needs contact.of = "surface"."""
 
     length: Number = quantity(..., "m", "from end to end", gt=0, examples=[1.0])
     normal: Direction = quantity((0.0, 0.0, 1.0), "1", "its axis; any length > 0")
+
+    def shape(self) -> SolidShape:
+        """What there is to see."""
+        return SolidShape(self.name, "cylinder", (2 * self.radius, 2 * self.radius, self.length))
 
 
 class Box(Solid):
@@ -422,6 +431,10 @@ class Box(Solid):
         "what of `point`, `rotation`, `velocity`, `angular_velocity` are inputs, or single components; "
         "the rest are parameters, which hold at every communication point",
     )
+
+    def shape(self) -> SolidShape:
+        """What there is to see."""
+        return SolidShape(self.name, "box", self.size)
 
     def rotation_vector(self) -> tuple[float, float, float]:
         """Along the axis, as long as the angle [rad]."""

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from softffd.scene.sections import Box, Cylinder, Sphere
-
 AROUND, RINGS = 64, 48
 """Sides of what is round, and rings of a sphere from pole to pole"""
 
@@ -52,8 +50,8 @@ class Form:
 
 
 def form_of(solid, scale):
-    """The form of a scene's sphere, cylinder or box, for pictures of a scene of a size `scale` [m]."""
-    return FORMS[type(solid)](solid, scale)
+    """The form of a SolidShape, for pictures of a scene of a size `scale` [m]."""
+    return FORMS[solid.kind](solid, scale)
 
 
 def _sphere(solid, scale):
@@ -89,7 +87,7 @@ def _box(solid, scale):
     return Form(np.array(corners), np.array(normals), faces.reshape(-1, 3), lambda places: np.abs(places) - half)
 
 
-FORMS = {Sphere: _sphere, Cylinder: _cylinder, Box: _box}
+FORMS = {"sphere": _sphere, "cylinder": _cylinder, "box": _box}
 
 
 def _lathed(lines, sides):

@@ -9,7 +9,6 @@ from softffd.embedding.deform import Embedding
 from softffd.errors import SoftffdError
 from softffd.lattice import index_grid, rest_grid
 from softffd.names import vector_names
-from softffd.scene.sections import Box, Sphere
 from softffd.show.skin import Skin, painted, skinned
 from softffd.show.solid import Form, form_of
 from softffd.show.surface import cage_surface
@@ -156,8 +155,7 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
     up = up_direction(result.scene)
     covered = np.stack([positions.min(axis=(0, 1, 2, 3)), positions.max(axis=(0, 1, 2, 3))])
     tints = {name: OBSTACLES[number % len(OBSTACLES)] for number, name in enumerate(result.plane_names())}
-    known = () if result.scene is None else result.scene.solids
-    solids = tuple(_solid_track(solid, tints[solid.name], result, covered) for solid in known)
+    solids = tuple(_solid_track(solid, tints[solid.name], result, covered) for solid in _solids(result))
     frames = np.unique(np.linspace(0, len(positions) - 1, GLANCES).astype(int))
     seen = np.concatenate([covered, *(beside(covered, solid, frame) for solid in solids for frame in frames)])
     low, high = seen.min(axis=0), seen.max(axis=0)
@@ -181,10 +179,13 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
     )
 
 
+def _solids(result):
+    return () if result.obstacles is None else result.obstacles.solids
+
+
 def _flat(result):
-    """Names of the obstacles that are planes; without a scene all that could be one."""
-    solids = () if result.scene is None else [solid.name for solid in result.scene.solids]
-    values = [*result.parameters, *result.inputs]
+    """Names of the obstacles that are planes; in other FMUs what could be one."""
+    solids, values = [solid.name for solid in _solids(result)], [*result.parameters, *result.inputs]
     return [name for name in result.plane_names() if name not in solids and set(vector_names("plane_normal", name)) <= set(values)]
 
 
@@ -243,9 +244,9 @@ def _solid_track(solid, tint, result, covered):
     """The pole of a sphere, which looks the same however it is turned, is where the lattice's box is."""
     form = form_of(solid, float(np.linalg.norm(covered[1] - covered[0])))
     points, normals = result.plane(solid.name)
-    if isinstance(solid, Box):
+    if solid.kind == "box":
         return SolidTrack(solid.name, tint, form, points, normals, result.edges(solid.name)[..., 0])
-    if isinstance(solid, Sphere):
+    if solid.kind == "sphere":
         way = covered.mean(axis=0) - points
         normals = np.where(np.any(way, axis=1, keepdims=True), way, [0.0, 0.0, 1.0])
     normals = _unit(normals)

@@ -84,7 +84,7 @@ def touch_of(result, stage):
     forces = {part.name: force for part, force in reactions(result).items() if part.kind == "plane"}
     centres = {plane.name: vector_names("plane_centre", plane.name) for plane in (*stage.planes, *stage.solids)}
     drawn = [name for name, names in centres.items() if name in forces and all(each in result.outputs for each in names)]
-    of = None if result.scene is None else result.scene.contact.of
+    of = None if result.obstacles is None else result.obstacles.meet
     if not drawn:
         return Touch(stage, of, np.empty((0, len(stage.time), 3)), np.empty((0, len(stage.time), 3)))
     starts = np.stack([np.stack([result.outputs[each] for each in centres[name]], axis=1) for name in drawn])

@@ -2,12 +2,15 @@
 
 import numpy as np
 import pytest
+from fmpy import read_model_description
 
 import bodies
 from scenes import GRAVITY, LED, MOVED, box
-from softffd import FmuError, SceneError, Simulation, package_fmu, simulate
+from softffd import FmuError, Result, Scene, SceneError, Simulation, package_fmu, simulate
 from softffd.fmu.component import Component
 from softffd.fmu.package import write_folder
+from softffd.obstacles import Obstacles
+from softffd.show.stage import stage_of
 
 POSES = {"plane": ("point", "normal", "velocity", "angular_velocity"), "pin": ("position", "orientation", "velocity", "angular_velocity")}
 LID = {"name": "lid", "point": [0.1, 0.2, 1.3], "normal": [0.1, 0.0, -1.0], "velocity": [0.3, 0.0, 0.0], "motion": "input"}
@@ -145,9 +148,9 @@ def test_a_pin_has_names_of_its_own():
         box(pin=[{"name": "lid", "points": "z-", "motion": "input", "inputs": ["point.z"]}])
 
 
-def test_boxes_beside_other_obstacles_have_rotations_where_these_have_normals(tmp_path):
-    """The library and the description agree on what each reference stands for."""
-    mesh = {"file": bodies.write(tmp_path / "body.obj", bodies.cube(2, 0.0))}
+def beside_solids(folder) -> Scene:
+    """A body above a plane, with a ball, a log and two boxes around."""
+    mesh = {"file": bodies.write(folder / "body.obj", bodies.cube(2, 0.0))}
     turned = {"rotation": {"axis": [0, 0, 2], "degrees": 90.0}, "size": [1.0, 2.0, 3.0]}
     solids = {
         "sphere": [{"name": "ball", "radius": 1.0, "point": [0, 0, -9]}],
@@ -157,8 +160,12 @@ def test_boxes_beside_other_obstacles_have_rotations_where_these_have_normals(tm
             {"name": "shelf", "point": [0, 9, 0], **turned},
         ],
     }
-    scene = box(plane=[LID], mesh=mesh, lattice={"origin": [0, 0, 0], "size": [1, 1, 1]}, contact={"of": "surface"}, **solids)
-    with Component(scene) as component:
+    return box(plane=[LID], mesh=mesh, lattice={"origin": [0, 0, 0], "size": [1, 1, 1]}, contact={"of": "surface"}, **solids)
+
+
+def test_boxes_beside_other_obstacles_have_rotations_where_these_have_normals(tmp_path):
+    """The library and the description agree on what each reference stands for."""
+    with Component(beside_solids(tmp_path)) as component:
         component.set_up()
         described = {name: v.start for name, v in component.by_name.items() if v.causality in ("input", "parameter") and v.type == "Real"}
         assert dict(zip(described, component.block(list(described)).get(), strict=True)) == described
@@ -167,3 +174,22 @@ def test_boxes_beside_other_obstacles_have_rotations_where_these_have_normals(tm
         assert [name for name in described if component.by_name[name].causality == "input" and "crate" in name] == [
             "plane.crate.point.x", "plane.crate.rotation.z",
         ]  # fmt: skip
+
+
+def test_an_fmu_alone_knows_its_solids_and_says_what_they_are(tmp_path):
+    """So that pictures of its runs, kept ones too, show them."""
+    scene = beside_solids(tmp_path)
+    fmu = package_fmu(scene, tmp_path / "solids.fmu")
+    result = simulate(fmu, stop_time=0.1)
+    assert result.scene is None and result.obstacles == Obstacles("surface", tuple(solid.shape() for solid in scene.solids))
+    assert [solid.kind for solid in result.obstacles.solids] == ["sphere", "cylinder", "box", "box"]
+    result.save(tmp_path / "run.npz")
+    stage = stage_of(Result.load(tmp_path / "run.npz"))
+    assert [solid.name for solid in stage.solids] == ["ball", "log", "crate", "shelf"]
+    assert [plane.name for plane in stage.planes] == ["lid"]
+    said = {v.name: v.description for v in read_model_description(fmu).modelVariables}
+    assert said["plane.ball.point.x"].startswith("Centre of the sphere ball of radius 1 m, x")
+    assert said["plane.ball.normal.x"].startswith("A sphere's normal is of no meaning")
+    assert said["plane.log.normal.x"].startswith("Axis of the cylinder log of radius 1 m and length 2 m")
+    assert said["plane.crate.point.x"].startswith("Centre of the box crate of 1 x 2 x 3 m at the communication point, x")
+    assert said["plane.lid.normal.z"].startswith("Normal of the obstacle plane lid, out of it")

@@ -21,7 +21,7 @@ VOLUMES = {"ball": np.pi / 6, "post": 0.18 * np.pi, "crate": 0.24}
 
 @SOLIDS
 def test_the_triangles_enclose_the_volume_and_look_outwards(solid):
-    form = form_of(solid, 1.0)
+    form = form_of(solid.shape(), 1.0)
     a, b, c = np.moveaxis(form.vertices[form.faces], 1, 0)
     areas = np.cross(b - a, c - a)
     way = np.sign(np.einsum("fa,fka->f", areas, form.normals[form.faces]))
@@ -34,7 +34,7 @@ def test_the_triangles_enclose_the_volume_and_look_outwards(solid):
 @pytest.mark.parametrize("radius", [0.1, 1.0, 100.0, 1e4])
 def test_a_sphere_is_round_near_its_pole_however_large(radius):
     """By how much triangles cut through it within half of the scene's size."""
-    form = form_of(Sphere(name="ball", radius=radius), 1.0)
+    form = form_of(Sphere(name="ball", radius=radius).shape(), 1.0)
     middles = form.vertices[form.faces].mean(axis=1)
     near = np.linalg.norm(middles - [0.0, 0.0, radius], axis=1) < 0.5
     assert -form.gap(middles[near]).min() < 2e-3
@@ -42,13 +42,13 @@ def test_a_sphere_is_round_near_its_pole_however_large(radius):
 
 def test_distances_are_those_from_faces_edges_and_corners():
     places = np.array([[0.0, 0.0, 1.5], [0.6, 0.0, 1.4], [0.0, 0.0, 0.9], [0.2, 0.0, 0.0]])
-    assert form_of(POST, 1.0).gap(places) == pytest.approx([0.5, 0.5, -0.1, -0.1])
-    assert form_of(CRATE, 1.0).gap(np.array([[0.4, 0.5, 0.6], [0.0, 0.6, 0.0], [0.1, 0.0, 0.0]])) == pytest.approx([0.3, 0.3, -0.1])
+    assert form_of(POST.shape(), 1.0).gap(places) == pytest.approx([0.5, 0.5, -0.1, -0.1])
+    assert form_of(CRATE.shape(), 1.0).gap(np.array([[0.4, 0.5, 0.6], [0.0, 0.6, 0.0], [0.1, 0.0, 0.0]])) == pytest.approx([0.3, 0.3, -0.1])
 
 
 @SOLIDS
 def test_a_line_enters_where_the_surface_is(solid):
-    form, ways = form_of(solid, 1.0), np.array([[0.0, 0.0, -1.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
+    form, ways = form_of(solid.shape(), 1.0), np.array([[0.0, 0.0, -1.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
     places = np.array([[0.05, 0.0, 0.1], [0.0, 0.0, 0.1], [5.0, 0.0, 0.0]])
     found = form.entered(places, ways)
     assert np.abs(form.gap(places + found[:, None] * ways)[:2]).max() < 1e-5

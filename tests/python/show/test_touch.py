@@ -1,13 +1,13 @@
 """What pictures and page show of contact."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from made_up_run import ORIGIN, SIZE, made_up_run
 from softffd.mesh.mesh import Mesh
+from softffd.obstacles import Obstacles
 from softffd.show.stage import stage_of
 from softffd.show.surface import cage_surface
 from softffd.show.touch import LONGEST, MOST, touch_of
@@ -15,8 +15,7 @@ from softffd.show.touch import LONGEST, MOST, touch_of
 
 def seen(*, of="lattice", divisions=None, **changes):
     """The contacts of the made-up run; with `divisions` its object is a mesh that fills the box."""
-    result = replace(made_up_run(), **changes)
-    result.scene.contact = SimpleNamespace(of=of)
+    result = replace(made_up_run(), obstacles=Obstacles(of), **changes)
     mesh = None if divisions is None else Mesh(*cage_surface(ORIGIN, SIZE, divisions=divisions))
     return result, touch_of(result, stage_of(result, mesh=mesh))
 
@@ -56,7 +55,7 @@ def test_of_many_vertices_some_are_shown():
     assert len(vertices) == MOST and np.ptp(vertices, axis=0)[:2] == pytest.approx(SIZE[:2], rel=0.05)
 
 
-def test_without_a_scene_whatever_is_on_an_obstacle_touches():
-    result = replace(made_up_run(), scene=None)
+def test_of_another_fmu_whatever_is_on_an_obstacle_touches():
+    result = replace(made_up_run(), obstacles=None)
     mesh = Mesh(*cage_surface(ORIGIN, SIZE, divisions=6))
     assert [len(each) for each in touch_of(result, stage_of(result, mesh=mesh)).places(40)] == [16, 49]
