@@ -186,6 +186,7 @@ StepStatus SoftBody::refresh_drive() {
     plane.normal /= size;
     plane.normal_rate /= size;
     plane.since = plane.moved_by_input ? time : start_time_;
+    if (!plane.at(time).normal.allFinite()) return StepStatus::not_finite;  // a turn beyond all numbers
   }
   for (std::size_t a = 0; a < drive_.pins.size(); ++a) {
     const double size = Eigen::Map<const Eigen::Vector4d>(settings.pins[a].orientation.data()).stableNorm();

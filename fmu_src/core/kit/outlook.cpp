@@ -64,7 +64,7 @@ NearestObstacle nearest_obstacle(const Job& job, const State& state) {
   NearestObstacle nearest;
   for (const Plane& plane : job.drive.planes) {
     const Facing here = facing(job.model.body, plane, state.time, state.x);
-    if (here.gap < nearest.gap) nearest = {&plane, here.obstacle, here.gap};
+    if (!nearest.plane || !(here.gap >= nearest.gap)) nearest = {&plane, here.obstacle, here.gap};
   }
   return nearest;
 }

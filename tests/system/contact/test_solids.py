@@ -247,3 +247,12 @@ def test_the_twin_has_no_solids_and_says_so(body, tmp_path):
     scene = body(bodies.sphere(1), sphere=[{"name": "ball", "radius": 0.2, "point": [0.5, 0.5, -1.0]}])
     with pytest.raises(SoftffdError, match="the twin has planes alone, wanted none of these, got ball"):
         build_twin(scene, tmp_path / "twin.fmu")
+
+
+@pytest.mark.parametrize("turn", [{"rotation": {"axis": [0, 0, 1], "degrees": 1e300}}, {"angular_velocity": [0.0, 0.0, 1e300]}])
+def test_a_box_turned_beyond_all_numbers_is_refused(body, turn):
+    """Of an angle whose square overflows no sine is known: neither a crash, nor a box that is not there."""
+    box = {"name": "under", "size": [3.0, 3.0, 1.0], "point": [0.5, 0.5, -0.55], **turn}
+    scene = body(bodies.cube(2, 0.0), gravity=GRAVITY, box=[box], method="auto", step=0.0, stop_time=0.3)
+    with pytest.raises(SoftffdError, match="not finite"):
+        simulate(scene)
