@@ -101,9 +101,10 @@ Motion = Literal["fixed", "input"]
 
 
 PLANE_POSE = {"point": "xyz", "normal": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
+SPHERE_POSE = {"point": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
 BOX_POSE = {"point": "xyz", "rotation": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
 PIN_POSE = {"position": "xyz", "orientation": "wxyz", "velocity": "xyz", "angular_velocity": "xyz"}
-"""Components of the vectors that say where a plane, a box or a pin is and how it moves"""
+"""Components of the vectors that say where a plane, a sphere, a box or a pin is and how it moves"""
 
 
 def _pose_words(pose: dict[str, str]) -> list[str]:
@@ -130,6 +131,7 @@ def _chosen_schema(pose: dict[str, str]) -> WithJsonSchema:
 
 
 PlaneInputs = Annotated[tuple[str, ...], _chosen_of(PLANE_POSE), _chosen_schema(PLANE_POSE)]
+SphereInputs = Annotated[tuple[str, ...], _chosen_of(SPHERE_POSE), _chosen_schema(SPHERE_POSE)]
 BoxInputs = Annotated[tuple[str, ...], _chosen_of(BOX_POSE), _chosen_schema(BOX_POSE)]
 PinInputs = Annotated[tuple[str, ...], _chosen_of(PIN_POSE), _chosen_schema(PIN_POSE)]
 
@@ -381,7 +383,7 @@ class Round(Solid):
     radius: Number = quantity(..., "m", "its radius", gt=0, examples=[0.5])
     inputs: PlaneInputs = key(
         ("point", "velocity"),
-        "what of `point`, `normal` (a cylinder's axis), `velocity`, `angular_velocity` are inputs, or single components; "
+        "what of `point`, `normal`, `velocity`, `angular_velocity` are inputs, or single components; "
         "the rest are parameters, which hold at every communication point",
     )
 
@@ -392,6 +394,12 @@ class Round(Solid):
 
 class Sphere(Round):
     """An obstacle: a solid sphere about `point`; needs contact.of = "surface"."""
+
+    inputs: SphereInputs = key(
+        ("point", "velocity"),
+        "what of `point`, `velocity`, `angular_velocity` are inputs, or single components; "
+        "the rest are parameters, which hold at every communication point",
+    )
 
     @property
     def normal(self) -> tuple[float, float, float]:

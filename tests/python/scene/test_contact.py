@@ -29,3 +29,10 @@ def test_what_contact_of_the_surface_does_not_go_with_is_refused_by_name(tmp_pat
     assert told.value.problems == [line]
     if "solver" in keys:  # without planes nothing is met
         assert scene_from({key: value for key, value in document.items() if key != "plane"}).contact.of == "surface"
+
+
+def test_a_sphere_that_looks_alike_from_all_sides_has_no_normal_to_move():
+    with pytest.raises(SceneError) as told:
+        scene_from({"sphere": [{"name": "ball", "radius": 1.0, "motion": "input", "inputs": ["point", "normal"]}]})
+    wanted = 'wanted a list of point, velocity, angular_velocity or their components, such as "point.z"'
+    assert told.value.problems[0] == f'sphere[0].inputs: {wanted}, got ["point", "normal"]'

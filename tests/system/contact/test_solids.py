@@ -5,7 +5,7 @@ import pytest
 
 import bodies
 from readings import vector
-from scenes import GRAVITY, MOVED
+from scenes import GRAVITY
 from softffd import Simulation, deform, simulate
 from softffd.errors import SceneError, SoftffdError
 from softffd.fmu.package import scene_masses
@@ -98,8 +98,9 @@ def test_a_body_slides_off(body, kind):
 
 
 SPIN = np.array([0.5, -1.0, 2.0])
+CARRIED = {"motion": "input", "inputs": ["point", "velocity", "angular_velocity"]}
 TURNED = {"motion": "input", "inputs": ["point", "rotation", "velocity", "angular_velocity"]}
-STRIKING = {"sphere": {"radius": 0.2, **MOVED}, "box": {"size": [0.4, 0.3, 0.2], "angular_velocity": SPIN.tolist(), **TURNED}}
+STRIKING = {"sphere": {"radius": 0.2, **CARRIED}, "box": {"size": [0.4, 0.3, 0.2], "angular_velocity": SPIN.tolist(), **TURNED}}
 
 
 @pytest.mark.parametrize("kind", STRIKING)
