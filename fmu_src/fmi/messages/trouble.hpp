@@ -14,6 +14,6 @@ std::string without_direction(const SceneFile& scene, const SoftBody& body);
 std::string behind_planes(const SceneFile& scene, const SoftBody& body);
 
 /// What to do about it.
-inline constexpr const char* clear_of_planes = "to start clear of it move the plane or initial.offset, or turn the plane's normal round";
+inline constexpr const char* clear_of_planes = "to start clear of it move the obstacle or initial.offset, or turn a plane's normal round";
 
 }  // namespace softffd::fmi

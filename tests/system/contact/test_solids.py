@@ -257,3 +257,11 @@ def test_a_box_turned_beyond_all_numbers_is_refused(body, turn):
     scene = body(bodies.cube(2, 0.0), gravity=GRAVITY, box=[box], method="auto", step=0.0, stop_time=0.3)
     with pytest.raises(SoftffdError, match="not finite"):
         simulate(scene)
+
+
+def test_who_starts_inside_a_solid_is_told_to_move_it(body):
+    ball = {"name": "ball", "radius": 2.0, "point": [0.5, 0.5, -1.9]}
+    with Simulation(body(bodies.cube(3, 0.0), sphere=[ball])) as simulation:
+        simulation.step()
+        told = " ".join(simulation.warnings)
+    assert "start in sphere ball, by up to 0.1 m, and are moved out at once; to start clear of it move the obstacle" in told
