@@ -123,17 +123,17 @@ class Canvas:
         y = self.height / 2 - np.arange(self.height, dtype=np.float32) - 0.5
         return x / self.focal, y / self.focal
 
-    def in_pixels(self, values):
-        """Values (height, width) of the fine pixels by pixel, (P, 4)."""
-        return values.reshape(self.height // 2, 2, self.width // 2, 2).swapaxes(1, 2).reshape(-1, 4)
+    def in_pixels(self, held):
+        """Which fine pixels are `held` (height, width), by pixel: four bytes of a number (P,), left to right and down."""
+        pairs = held.view(np.uint16)
+        return np.stack([pairs[::2], pairs[1::2]], axis=-1).view(np.uint32).ravel()
 
     def lay(self, pixel, shown, colour, opacity):
-        """Lay colours (3, P) over the fine pixels, as far as they are `shown` (P, 4), of pixels `pixel` (P,) with opacity (P,)."""
+        """Lay colours (3, P) over the fine pixels, as far as they are `shown`, as `in_pixels` has it, of pixels `pixel` (P,) with opacity (P,)."""
         row, column = np.divmod(pixel, self.width // 2)
         first = 2 * (row * self.width + column)
-        for n, fine in enumerate((first, first + 1, first + self.width, first + self.width + 1)):
-            here = np.flatnonzero(shown[:, n])
-            self.blend(fine[here], colour[:, here], opacity[here])
+        for fine, here in zip((0, 1, self.width, self.width + 1), shown.view(bool).reshape(-1, 4).T, strict=True):
+            self.blend(first + fine, colour, opacity * here)
 
     def blend(self, pixel, colour, opacity):
         """Lay `colour` (3,) or (3, P) over the fine pixels `pixel` (P,) with `opacity` (P,)."""
@@ -150,11 +150,11 @@ def fragments(screen, faces, width, height):
     """
     for start in range(0, len(faces), FACES):
         block = faces[start : start + FACES]
-        edge, row, face = _rows(screen[block], height)
-        slope, constant = edge[face, :, 0], edge[face, :, 1] * (row[:, None] + 0.5) + edge[face, :, 2]
+        corners = screen.T[:, block.T]  # by coordinate and corner
+        edge, row, face = _rows(*corners[:2], height)
+        slope, constant = edge[0][:, face], edge[1][:, face] * (row + 0.5) + edge[2][:, face]
         first, last = _span(slope, constant, width)
-        heights = screen[block, 2][face]  # of the corners, as depths
-        depths = [np.einsum("rk,rk->r", each, heights) for each in (slope, constant)]
+        depths = [(each * corners[2][:, face]).sum(axis=0) for each in (slope, constant)]
         count = np.maximum(last - first + 1, 0)
         ends = np.cumsum(count)
         cuts = np.searchsorted(ends, np.arange(FRAGMENTS, ends[-1] + FRAGMENTS, FRAGMENTS)) + 1 if len(ends) else []
@@ -170,23 +170,22 @@ def fragments(screen, faces, width, height):
 def _shares(slope, constant, line, column, some):
     """At the numbers `some` of what is in these columns of these rows."""
     here = line[some]
-    return slope[here] * (column[some, None] + 0.5) + constant[here]
+    return (slope[:, here] * (column[some] + 0.5) + constant[:, here]).T
 
 
-def _rows(corners, height):
-    """Edge functions (F, 3, 3), and all pairs row (R,), face (R,) that may touch.
+def _rows(x, y, height):
+    """Edge functions (3, 3, F) of triangles with corners x, y (3, F), and all pairs row (R,), face (R,) that may touch.
 
-    The values of a face's edge functions at (x, y, 1) are the barycentric shares of its corners.
+    The products of a face's edge functions, the first axis, with (x, y, 1) are the barycentric shares of its corners, the second.
     """
-    x, y = corners[:, :, 0], corners[:, :, 1]
-    nx, ny, px, py = np.roll(x, -1, 1), np.roll(y, -1, 1), np.roll(x, 1, 1), np.roll(y, 1, 1)
-    edge = np.stack([ny - py, px - nx, nx * py - px * ny], axis=2)
-    area = edge[:, :, 2].sum(axis=1)
-    edge /= np.where(area == 0, np.inf, area)[:, None, None]
-    low = np.ceil(y.min(axis=1) - 0.5).clip(0, height).astype(np.int64)
-    high = np.floor(y.max(axis=1) - 0.5).clip(-1, height - 1).astype(np.int64)
+    nx, ny, px, py = x[[1, 2, 0]], y[[1, 2, 0]], x[[2, 0, 1]], y[[2, 0, 1]]
+    edge = np.stack([ny - py, px - nx, nx * py - px * ny])
+    area = edge[2].sum(axis=0)
+    edge /= np.where(area == 0, np.inf, area)
+    low = np.ceil(y.min(axis=0) - 0.5).clip(0, height).astype(np.int64)
+    high = np.floor(y.max(axis=0) - 0.5).clip(-1, height - 1).astype(np.int64)
     count = np.where(area == 0, 0, np.maximum(high - low + 1, 0))
-    face = np.repeat(np.arange(len(corners)), count)
+    face = np.repeat(np.arange(len(area)), count)
     return edge, np.repeat(low - np.cumsum(count) + count, count) + np.arange(count.sum()), face
 
 
@@ -194,8 +193,8 @@ def _span(slope, constant, width):
     """First and last column of each row whose centre has slope * x + constant >= 0 for all three edges."""
     with np.errstate(divide="ignore", invalid="ignore"):
         bound = -constant / slope
-    low = np.where(slope > 0, bound, np.where((slope == 0) & (constant < 0), np.inf, -np.inf)).max(axis=1)
-    high = np.where(slope < 0, bound, np.inf).min(axis=1)
+    low = np.where(slope > 0, bound, np.where((slope == 0) & (constant < 0), np.inf, -np.inf)).max(axis=0)
+    high = np.where(slope < 0, bound, np.inf).min(axis=0)
     return np.ceil(low - 0.5).clip(0, width).astype(np.int64), np.floor(high - 0.5).clip(-1, width - 1).astype(np.int64)
 
 

@@ -92,14 +92,14 @@ def draw_plane(canvas, patch, *, surface=None):
 
 
 def _seen(canvas, patch):
-    """Pixels (P,) in which the patch is nearest somewhere, in which of their four fine ones it is (P, 4), and on its two axes the places of
-    their middles (2, P) and their sizes (2, P) [m]."""
+    """Pixels (P,) in which the patch is nearest somewhere, in which of their four fine ones it is, as `in_pixels` has it, and on its two
+    axes the places of their middles (2, P) and their sizes (2, P) [m]."""
     right, above, back = np.float32(canvas.camera.axes @ patch.frame.T)
     away = np.float32(patch.frame @ (canvas.camera.eye - patch.foot))
     x, y = canvas.sight()
     toward = (back[2] - x * right[2] - y[:, None] * above[2]) * np.sign(away[2])  # by 1 / |away_2| it is 1 / distance
     seen = canvas.in_pixels((toward > 0) & (np.abs(away[2]) * canvas.depth.reshape(toward.shape) <= 1.0005 * toward))
-    pixel = np.flatnonzero(seen.view(np.uint32))  # any of four, at once
+    pixel = np.flatnonzero(seen)
     row, column = np.divmod(pixel, canvas.width // 2)
     x, y = x.reshape(-1, 2).mean(axis=1)[column], y.reshape(-1, 2).mean(axis=1)[row]
     toward = (back[2] - x * right[2] - y * above[2]) * np.sign(away[2])
