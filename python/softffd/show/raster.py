@@ -150,11 +150,12 @@ def fragments(screen, faces, width, height):
     """
     for start in range(0, len(faces), FACES):
         block = faces[start : start + FACES]
-        corners = screen.T[:, block.T]  # by coordinate and corner
+        corners = screen.T.take(block.T, axis=1)  # by coordinate and corner; what `take` gives is contiguous
         edge, row, face = _rows(*corners[:2], height)
-        slope, constant = edge[0][:, face], edge[1][:, face] * (row + 0.5) + edge[2][:, face]
+        slope, constant = edge[0].take(face, axis=1), (edge[1].take(face, axis=1) * (row + 0.5) + edge[2].take(face, axis=1))
         first, last = _span(slope, constant, width)
-        depths = [(each * corners[2][:, face]).sum(axis=0) for each in (slope, constant)]
+        heights = corners[2].take(face, axis=1)  # as depths
+        depths = [np.einsum("kr,kr->r", each, heights) for each in (slope, constant)]
         count = np.maximum(last - first + 1, 0)
         ends = np.cumsum(count)
         cuts = np.searchsorted(ends, np.arange(FRAGMENTS, ends[-1] + FRAGMENTS, FRAGMENTS)) + 1 if len(ends) else []
@@ -170,7 +171,7 @@ def fragments(screen, faces, width, height):
 def _shares(slope, constant, line, column, some):
     """At the numbers `some` of what is in these columns of these rows."""
     here = line[some]
-    return (slope[:, here] * (column[some] + 0.5) + constant[:, here]).T
+    return (slope.take(here, axis=1) * (column[some] + 0.5) + constant.take(here, axis=1)).T
 
 
 def _rows(x, y, height):
