@@ -72,7 +72,7 @@ class Canvas:
         for pixel, face, shares, depth in fragments(self.project(points), faces, self.width, self.height):
             np.maximum.at(self.depth, pixel, depth)
             won = np.flatnonzero(depth == self.depth[pixel])
-            pixel, face, share = pixel[won], face[won], np.float32(shares(won))
+            pixel, face, share = pixel[won], face[won], np.ascontiguousarray(shares(won), dtype=np.float32)
             normal = np.einsum("pk,pka->pa", share, normals[face])
             length = np.sqrt(np.einsum("pa,pa->p", normal, normal))
             length[length == 0] = 1

@@ -24,17 +24,18 @@ class Skin:
         of_corners = np.float32(self.tints)[faces]
         even = bool((of_corners == of_corners[:, :1]).all())
         images = [np.asarray(picture.convert("RGB"), dtype=np.float32) / 255 for picture in self.pictures]
-        uv = np.float32(self.uv)
+        uv = np.float32(self.uv)[faces]
 
         def paint(face, share):
             colours = of_corners[face, 0] if even else np.einsum("pk,pka->pa", share, of_corners[face])
             for number, image in enumerate(images):
                 held = np.flatnonzero(self.picture_of[face] == number)
-                place = np.einsum("pk,pka->pa", share[held], uv[faces[face[held]]])
+                place = np.einsum("pk,pka->ap", share[held], uv[face[held]])
                 place -= np.floor(place)
                 rows, columns = image.shape[:2]
-                row = ((1 - place[:, 1]) * rows).astype(int).clip(0, rows - 1)
-                colours[held] *= image[row, (place[:, 0] * columns).astype(int).clip(0, columns - 1)]
+                row = ((1 - place[1]) * rows).astype(int).clip(0, rows - 1)
+                texel = row * columns + (place[0] * columns).astype(int).clip(0, columns - 1)
+                colours[held] *= image.reshape(-1, 3).take(texel, axis=0)
             return colours
 
         return paint
