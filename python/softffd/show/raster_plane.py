@@ -43,6 +43,16 @@ class Patch:
         """Rows tangent, normal x tangent, normal."""
         return np.stack([self.tangent, np.cross(self.normal, self.tangent), self.normal])
 
+    def window(self, canvas):
+        """The first row and column of pixels that may be its, and those after the last, (2, 2); all where it reaches behind the eye."""
+        most = np.array([canvas.height, canvas.width]) // 2
+        half = np.full(2, self.reach) if self.plate is None else self.plate
+        corners = self.foot + half * [[-1, -1], [-1, 1], [1, -1], [1, 1]] @ self.frame[:2]
+        if ((corners - canvas.camera.eye) @ canvas.camera.axes[2]).max() >= 0:
+            return np.stack([0 * most, most])
+        at = canvas.project(corners)[:, 1::-1] / 2
+        return np.stack([at.min(axis=0) - 1, at.max(axis=0) + 2]).clip(0, most).astype(int)
+
     def share(self, place, size):
         """How much of the pixels at the places (2, P) [m] from the foot, along the frame's first axes, with sizes (2, P) [m], is its."""
         if self.plate is None:
@@ -81,7 +91,7 @@ def draw_plane(canvas, patch, *, surface=None):
     pixel, seen, place, size = _seen(canvas, patch)
     share = patch.share(place, size)
     within = np.flatnonzero(share > 0)
-    pixel, seen, place, size, share = pixel[within], seen[within], place[:, within], size[:, within], share[within]
+    pixel, seen, place, size, share = pixel[within], seen[within], place.take(within, axis=1), size.take(within, axis=1), share[within]
     line = patch.lines(place, size)
     cover = (opacity if front else 0.10) + (1 - opacity) * line * (1.0 if front else 0.5)
     colour = np.multiply.outer(np.float32(patch.tint), 1 - 0.55 * line)
@@ -96,21 +106,24 @@ def _seen(canvas, patch):
     axes the places of their middles (2, P) and their sizes (2, P) [m]."""
     right, above, back = np.float32(canvas.camera.axes @ patch.frame.T)
     away = np.float32(patch.frame @ (canvas.camera.eye - patch.foot))
-    x, y = canvas.sight()
+    (top, left), (low, end) = patch.window(canvas)
+    x, y = (slopes[2 * a : 2 * b] for slopes, a, b in zip(canvas.sight(), (left, top), (end, low), strict=True))
+    depth = canvas.depth.reshape(canvas.height, canvas.width)[2 * top : 2 * low, 2 * left : 2 * end]
     toward = (back[2] - x * right[2] - y[:, None] * above[2]) * np.sign(away[2])  # by 1 / |away_2| it is 1 / distance
-    seen = canvas.in_pixels((toward > 0) & (np.abs(away[2]) * canvas.depth.reshape(toward.shape) <= 1.0005 * toward))
-    pixel = np.flatnonzero(seen)
-    row, column = np.divmod(pixel, canvas.width // 2)
+    shown = canvas.in_pixels((toward > 0) & (np.abs(away[2]) * depth <= 1.0005 * toward))
+    row, column = np.divmod(np.flatnonzero(shown), end - left)
+    shown = shown[shown > 0]
     x, y = x.reshape(-1, 2).mean(axis=1)[column], y.reshape(-1, 2).mean(axis=1)[row]
     toward = (back[2] - x * right[2] - y * above[2]) * np.sign(away[2])
+    pixel = (top + row) * (canvas.width // 2) + left + column
     before = toward > 0
-    pixel, x, y = pixel[before], x[before], y[before]
+    pixel, shown, x, y = pixel[before], shown[before], x[before], y[before]
     distance = np.abs(away[2]) / toward[before]
     place = np.stack([away[a] + distance * (x * right[a] + y * above[a] - back[a]) for a in (0, 1)])
     size = [  # |d place / d column| + |d place / d row|, where place = away - away_2 slope_a / slope_2
         sum(np.abs(step[a] + (place[a] - away[a]) * step[2] / away[2]) for step in (right, above)) * distance for a in (0, 1)
     ]
-    return pixel, seen[pixel], place, 2 * np.stack(size) / canvas.focal
+    return pixel, shown, place, 2 * np.stack(size) / canvas.focal
 
 
 def _grid(at, size, spacing):
