@@ -129,7 +129,7 @@ class Canvas:
         return np.stack([pairs[::2], pairs[1::2]], axis=-1).view(np.uint32).ravel()
 
     def lay(self, pixel, shown, colour, opacity):
-        """Lay colours (3, P) over the fine pixels, as far as they are `shown`, as `in_pixels` has it, of pixels `pixel` (P,) with opacity (P,)."""
+        """Lay colours (3, P) with opacity (P,) over the fine ones of pixels `pixel` (P,) that are `shown` (P,), as `in_pixels` has it."""
         row, column = np.divmod(pixel, self.width // 2)
         first = 2 * (row * self.width + column)
         for fine, here in zip((0, 1, self.width, self.width + 1), shown.view(bool).reshape(-1, 4).T, strict=True):
