@@ -41,7 +41,7 @@ class Canvas:
         self.camera, self.width, self.height = camera, 2 * width, 2 * height
         share = np.linspace(0.0, 1.0, self.height, dtype=np.float32)[:, None]
         rows = [(1 - share) * np.float32(high) + share * np.float32(low) for high, low in zip(top, bottom, strict=True)]
-        self._colour = np.stack([np.broadcast_to(each, (self.height, self.width)).ravel() for each in rows])
+        self._colour = np.repeat(rows, self.width, axis=2).reshape(3, -1)
         self.depth = np.zeros(self.width * self.height, dtype=np.float32)
         self.focal = self.height / (2 * FIELD)
         self._key = _unit(camera.axes.T @ [-0.45, 0.35, 0.55] + 0.6 * np.asarray(camera.up))
@@ -154,6 +154,8 @@ def fragments(screen, faces, width, height):
         edge, row, face = _rows(*corners[:2], height)
         slope, constant = edge[0].take(face, axis=1), (edge[1].take(face, axis=1) * (row + 0.5) + edge[2].take(face, axis=1))
         first, last = _span(slope, constant, width)
+        begin = row * width
+        constant += slope * (0.5 - begin)  # a pixel's number in the place of its column's middle
         heights = corners[2].take(face, axis=1)  # as depths
         depths = [np.einsum("kr,kr->r", each, heights) for each in (slope, constant)]
         count = np.maximum(last - first + 1, 0)
@@ -161,17 +163,19 @@ def fragments(screen, faces, width, height):
         cuts = np.searchsorted(ends, np.arange(FRAGMENTS, ends[-1] + FRAGMENTS, FRAGMENTS)) + 1 if len(ends) else []
         for low, high in zip([0, *cuts[:-1]], cuts, strict=False):
             n = count[low:high]
-            x = np.repeat(first[low:high] - np.cumsum(n) + n, n) + np.arange(n.sum())
+            pixel = np.repeat((begin + first)[low:high] - np.cumsum(n) + n, n)
+            pixel += np.arange(len(pixel))
             line = np.repeat(np.arange(low, low + len(n)), n)
-            per_column, at_zero = (np.repeat(each[low:high], n) for each in depths)
-            shares = partial(_shares, slope, constant, line, x)
-            yield np.repeat(row[low:high] * width, n) + x, start + face[line], shares, np.float32(per_column * (x + 0.5) + at_zero)
+            depth, at_zero = (np.repeat(each[low:high], n) for each in depths)
+            depth *= pixel
+            depth += at_zero
+            yield pixel, start + face[line], partial(_shares, slope, constant, line, pixel), np.float32(depth)
 
 
-def _shares(slope, constant, line, column, some):
-    """At the numbers `some` of what is in these columns of these rows."""
+def _shares(slope, constant, line, pixel, some):
+    """At the numbers `some` of the pixels in these lines."""
     here = line[some]
-    return (slope.take(here, axis=1) * (column[some] + 0.5) + constant.take(here, axis=1)).T
+    return (slope.take(here, axis=1) * pixel[some] + constant.take(here, axis=1)).T
 
 
 def _rows(x, y, height):
