@@ -164,9 +164,8 @@ def png_of(figure):
     """The figure as the bytes of a PNG: drawn once, where savefig first asks what it takes, and without transparency."""
     canvas, stream = figure.canvas, BytesIO()
     canvas.draw()
-    Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3]).save(
-        stream, format="png", dpi=(figure.dpi, figure.dpi), compress_level=COMPRESSION
-    )
+    image = Image.frombuffer("RGBA", canvas.get_width_height(), canvas.buffer_rgba()).convert("RGB")
+    image.save(stream, format="png", dpi=(figure.dpi, figure.dpi), compress_level=COMPRESSION)
     return stream.getvalue()
 
 
