@@ -10,8 +10,9 @@ from functools import cached_property, partial
 import numpy as np
 
 FIELD = 0.29
-FACES = 1 << 16
-FRAGMENTS = 1 << 20
+FACES = 1 << 11
+FRAGMENTS = 1 << 16
+"""Worked on at a time: so few that their arrays stay where the memory allocator has had them before, which saves a tenth of the time."""
 
 
 @dataclass(frozen=True, eq=False)
