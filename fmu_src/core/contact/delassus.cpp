@@ -27,11 +27,17 @@ void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
   const int n = size(), width = samples_->support();
   over_mass_.resize(std::size_t(n) * width);
   for (int s = 0; s < n; ++s) samples_->weights(rows_[s].sample, inverse_, &over_mass_[std::size_t(s) * width]);
+  find_range();
   g_.resize(start(n));
   for (int s = 0; s < n; ++s)
     for (int t = 0; t <= s; ++t) g_[start(s) + t] = element(rows_[s], over_mass(s), rows_[t], over_mass(t));
   factor(0);
   sorted_ = true;
+}
+
+void Delassus::find_range() {
+  const int points = int(inverse_.size());
+  range_ = samples_->support() == points ? Samples::range(over_mass_.data(), size(), points) : PointRange{0, points};
 }
 
 /// The same bits from either side.
@@ -58,10 +64,11 @@ void Delassus::raise(const std::vector<double>& forces, const std::vector<Scalar
 }
 
 void Delassus::push(const std::vector<Vec3>& forces, Points& move) const {
-  move.resize(inverse_.size(), 3);
-  if (size() > 0 && samples_->support() == move.rows())  // the weights of all points, in their order
-    return kernels::weighted_sums(samples_->support(), size(), forces[0].data(), over_mass_.data(), move.data());
-  move.setZero();
+  const int points = int(inverse_.size());
+  move.resize(points, 3);
+  if (range_ != PointRange{0, points} || samples_->support() != points) move.setZero();
+  if (samples_->support() == points)  // the weights of all points, in their order
+    return kernels::weighted_sums(points, range_, size(), forces.data()->data(), over_mass_.data(), move.data());
   for (int t = 0; t < size(); ++t) samples_->add(rows_[t].sample, forces[t], over_mass(t), move);
 }
 
@@ -90,6 +97,7 @@ void Delassus::append(const Column& column) {
   over_mass_.insert(over_mass_.end(), column.over_mass.begin(), column.over_mass.end());
   g_.insert(g_.end(), column.g.begin(), column.g.end());
   g_.push_back(column.own);
+  find_range();
   factor_.append(column.half, column.left);
   sorted_ = false;
 }
@@ -102,6 +110,7 @@ void Delassus::drop(int row, Column* column) {
   over_mass_.erase(over_mass_.begin() + std::size_t(row) * width, over_mass_.begin() + std::size_t(row + 1) * width);
   rows_.erase(rows_.begin() + row);
   g_.resize(start(size()));
+  find_range();
   factor(row);
   if (!column) return;
   column->g.erase(column->g.begin() + row);

@@ -59,6 +59,8 @@ class Delassus {
   void raise(const std::vector<double>& forces, const std::vector<Scalars>& begin, std::vector<Scalars>& heights);
   /// values_i += f W_si / m_i for row s.
   void push(int s, double f, double* values) const { samples_->add(rows_[s].sample, f, over_mass(s), values); }
+  /// Points that rows move; all where not all points count at a sample.
+  PointRange range() const { return range_; }
   /// What these forces of all rows move the body by, to (points, 3).
   void push(const std::vector<Vec3>& forces, Points& move) const;
 
@@ -67,6 +69,7 @@ class Delassus {
   const double* over_mass(int s) const { return &over_mass_[std::size_t(s) * samples_->support()]; }
   double element(const SurfaceRow& a, const double* of_a, const SurfaceRow& b, const double* of_b) const;
   void factor(int from);
+  void find_range();
 
   const Samples* samples_;
   Scalars inverse_;
@@ -74,7 +77,8 @@ class Delassus {
   int planes_ = 0;
   std::vector<SurfaceRow> rows_;
   std::vector<double> over_mass_;  ///< W / m of each row, (support) each
-  std::vector<double> g_;          ///< lower triangle, row by row
+  PointRange range_;
+  std::vector<double> g_;  ///< lower triangle, row by row
   RowFactor factor_;
   std::vector<Scalars> fields_;  ///< of the planes' forces, along their normals
   bool sorted_ = true;

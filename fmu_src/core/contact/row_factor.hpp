@@ -17,6 +17,7 @@ class RowFactor {
   void factor(int size, int from, Element a, Own own) {
     size_ = size;
     l_.resize(start(size));
+    inverse_.resize(size);
     for (int i = from; i < size; ++i) {
       double* row = &l_[start(i)];
       double left = own(i);
@@ -24,16 +25,18 @@ class RowFactor {
         const double* other = &l_[start(j)];
         double sum = a(i, j);
         for (int m = 0; m < j; ++m) sum -= row[m] * other[m];
-        row[j] = sum / other[j];
+        row[j] = sum * inverse_[j];
         left -= row[j] * row[j];
       }
       row[i] = std::sqrt(std::max(left, least * own(i)));
+      inverse_[i] = 1 / row[i];
     }
   }
   /// half = L^-1 a of the new row's elements a; left: its own less |half|^2, > 0.
   void append(const std::vector<double>& half, double left) {
     l_.insert(l_.end(), half.begin(), half.end());
     l_.push_back(std::sqrt(left));
+    inverse_.push_back(1 / l_.back());
     ++size_;
   }
   /// b <- L^-1 b, b <- L'^-1 b.
@@ -41,13 +44,13 @@ class RowFactor {
     for (int i = 0; i < size_; ++i) {
       const double* row = &l_[start(i)];
       for (int j = 0; j < i; ++j) b[i] -= row[j] * b[j];
-      b[i] /= row[i];
+      b[i] *= inverse_[i];
     }
   }
   void backward(double* b) const {
     for (int i = size_ - 1; i >= 0; --i) {
       const double* row = &l_[start(i)];
-      b[i] /= row[i];
+      b[i] *= inverse_[i];
       for (int j = 0; j < i; ++j) b[j] -= row[j] * b[i];
     }
   }
@@ -64,7 +67,7 @@ class RowFactor {
   static constexpr double least = 1e-16;
 
   int size_ = 0;
-  std::vector<double> l_;
+  std::vector<double> l_, inverse_;  ///< and of its diagonal 1 / L_ii
 };
 
 }  // namespace softffd

@@ -9,20 +9,12 @@ namespace softffd {
 
 namespace {
 
-/// What rounding may leave of a row: of the box and of distances, and of speeds.
-constexpr double row_slack = 1e-14;
 /// Looks for samples until those that a stage has brought to a plane are among them.
 constexpr int most_looks = 20;
 /// Share of what contact does to the kinetic energy that is rounding.
 constexpr double no_gain = 1e-10;
 /// Of its limit, friction that a step begins to look at.
 constexpr double most_share = 2;
-
-SurfaceRow decoded(Count number, int samples) { return {int(number / samples), int(number % samples)}; }
-
-double largest_speed(const Points& v) { return kernels::largest(v.size(), v.data()); }
-
-void add_scaled(double a, const Points& x, Points& y) { kernels::add_scaled(y.size(), a, x.data(), y.data()); }
 
 /// By which any point has moved.
 double longest_way(const Points& from, const Points& to) { return std::sqrt((to - from).square().rowwise().sum().maxCoeff()); }
@@ -72,6 +64,7 @@ SurfaceContact::SurfaceContact(const Body& body, int planes)
       friction_(planes, 0.0),
       still_(planes, 0),
       normals_(planes),
+      at_hand_(samples_),
       behind_(body.points() / 8 + 1) {
   for (SurfaceStage* stage : {&drift_, &close_})
     for (Scalars& heights : stage->heights) heights.setZero(body.points());
@@ -115,14 +108,26 @@ void SurfaceContact::move_planes(const StepView& step) {
   if (moved) set_planes();
 }
 
+/// Heights of the control points; returns whether any is behind an obstacle.
+bool SurfaceContact::find_heights(const Points& x1) {
+  bool behind = false;
+  for (std::size_t q = 0; q < end_.size(); ++q)
+    behind = kernels::gaps(int(x1.rows()), x1.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data()) || behind;
+  return behind;
+}
+
+double SurfaceContact::slack_of_rows() const {
+  double far = length_;
+  for (const HalfSpace& plane : end_) far = std::max(far, length_ + std::abs(plane.offset));
+  return row_slack * far;
+}
+
 /// Solves for the samples near the planes, and again if it has brought others there. rows: of the state; way: by which a point moves [m].
 StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip) {
-  double far = length_;
-  for (std::size_t q = 0; q < end_.size(); ++q) far = std::max(far, length_ + std::abs(end_[q].offset));
   free_ = drift_.heights;
   for (int q = 0; q < flat_; ++q)
     if (!search_.covers(q, free_[q])) search_.look(q, free_[q], way);
-  const double tolerance = row_slack * far;
+  const double tolerance = slack_of_rows();
   if (fit_known(rows, friction, tolerance, slip)) return StepStatus::ok;
   for (int looks = 0; looks < most_looks; ++looks) {
     drift_.heights = free_;
@@ -157,8 +162,7 @@ bool SurfaceContact::fit_known(const std::vector<Count>& rows, const Points& fri
   drift_.candidates.clear();
   const std::vector<int>& list = search_.near(near);
   for (std::size_t t = 0; t < rows.size() && rows[t] >= 0; ++t)
-    if (const SurfaceRow row = decoded(rows[t], samples_.count());
-        row.plane == near && std::binary_search(list.begin(), list.end(), row.sample))
+    if (const SurfaceRow row = row_of(rows[t]); row.plane == near && std::binary_search(list.begin(), list.end(), row.sample))
       drift_.candidates.push_back({.row = row});
   if (drift_.candidates.empty()) return false;
   load(rows, friction, drift_);
@@ -196,27 +200,25 @@ void SurfaceContact::find(const StepView& step, const Points& x1, const SurfaceR
   bool any = rows.drift[0] >= 0 || near_ || int(end_.size()) > flat_;
   for (int q = 0; q < flat_ && !any; ++q)  // costs less than heights
     any = kernels::behind(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, behind_.data());
-  near_ = false;
-  for (std::size_t q = 0; q < end_.size() && any; ++q)
-    near_ = kernels::gaps(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data()) || near_;
-  near_ = near_ || rows.drift[0] >= 0;
+  near_ = (any && find_heights(x1)) || rows.drift[0] >= 0;
 }
 
 StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange) {
   touching_.clear();
   known_ = -1;
+  places_known_ = false;
   if (near_) {
-    if (const StepStatus status = meet(step, v, x1, rows); status != StepStatus::ok) return status;
+    places_known_ = hold_drift(step, v, x1, rows);
+    if (const StepStatus status = places_known_ ? StepStatus::ok : meet(step, v, x1, rows); status != StepStatus::ok) return status;
     if (!drift_.rows.empty()) {
-      add_scaled(1, drift_.move(), x1);
-      add_scaled(1 / step.h, drift_.move(), v);
+      drift_.give(1 / step.h, v, &x1);
       exchange.contacts_resolved += Count(drift_.rows.size());
-      exchange.dissipated += book(step, drift_, 1 / step.h, x1, exchange);
+      if (!places_known_) find_places(drift_, x1);
+      places_known_ = true;
+      exchange.dissipated += book(step, drift_, 1 / step.h, exchange);
     }
     rows.missed = std::max(rows.missed, drift_.missed());
     save(drift_, rows.drift, rows.drift_friction);
-    for (const Candidate& candidate : drift_.candidates)
-      if (candidate.gap <= touching * length_) touching_.push_back(candidate);
   }
   if (holds_)
     std::erase_if(lasting_, [&, at = touching_.begin()](const Candidate& candidate) mutable {
@@ -253,8 +255,7 @@ StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Poi
     const double whole = longest_way(step.x0, x1 + drift_.move());
     if (!tangents_.covers(whole)) {
       find_tangents(step.around, step.t0, step.t1, step.x0, 2 * whole);
-      for (std::size_t q = 0; q < end_.size(); ++q)
-        kernels::gaps(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data());
+      find_heights(x1);
       return meet(step, v, x1, rows);
     }
   }
@@ -267,6 +268,8 @@ StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Poi
     impacts_ += start_[row.plane].gap(samples_.at(row.sample, step.x0)) > touching * length_;
   }
   lands_ = impacts_ > before;
+  for (const Candidate& candidate : drift_.candidates)
+    if (candidate.gap <= touching * length_) touching_.push_back(candidate);
   return StepStatus::ok;
 }
 
@@ -283,14 +286,26 @@ bool SurfaceContact::gains(const StepView& step, const Points& x1) const {
   return gain > no_gain * size;
 }
 
+/// Where the rows of a stage are.
+void SurfaceContact::find_places(const SurfaceStage& stage, const Points& x1) {
+  places_.clear();
+  for (const SurfaceRow& row : stage.rows) places_.push_back(samples_.at(row.sample, x1));
+}
+
 /// Impulses of a stage with forces times per_force [N s]. Returns the work of the own motion of obstacles and pins [J].
-double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, double per_force, const Points& x1, Exchange& exchange) {
+double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
   double work = 0;
+  Impulse taken;
   for (std::size_t t = 0; t < stage.rows.size(); ++t) {
-    const auto [q, s] = stage.rows[t];
-    const Vec3 impulse = per_force * stage.force(int(t)), here = samples_.at(s, x1);
-    exchange.planes[obstacle_[q]].add(-impulse, here - end_[q].point);
-    work += impulse.dot(end_[q].material_velocity(here));
+    const int q = stage.rows[t].plane;
+    const Vec3 impulse = per_force * stage.force(int(t));
+    taken.add(-impulse, places_[t] - end_[q].point);
+    if (q >= flat_ || !still_[q]) work += impulse.dot(end_[q].material_velocity(places_[t]));
+    if (t + 1 < stage.rows.size() && stage.rows[t + 1].plane == q) continue;
+    Impulse& plane = exchange.planes[obstacle_[q]];
+    plane.force += taken.force;
+    plane.torque += taken.torque;
+    taken = {};
   }
   exchange.work += work;
   return step.around.pins.empty() ? work : work + give_pins(step, stage, per_force, exchange);
@@ -319,8 +334,10 @@ double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage
 
 /// Velocities after the closing kick, with these samples in front of their planes.
 StepStatus SurfaceContact::stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows) {
-  const StepStatus status = find_stop(candidates, step, v, rows);
-  if (status == StepStatus::ok) add_scaled(1, close_.move(), v);
+  places_known_ = false;
+  const bool held = recall(rows.close, close_) && hold_close(step, v, candidates);
+  const StepStatus status = held ? StepStatus::ok : find_stop(candidates, step, v, rows);
+  if (status == StepStatus::ok) close_.give(1, v);
   return status;
 }
 
@@ -332,7 +349,7 @@ bool SurfaceContact::find_stop_of_known(const StepView& step, const Points& v, c
   known.clear();
   const std::vector<int>& list = search_.near(known_);
   for (std::size_t t = 0; t < rows.close.size() && rows.close[t] >= 0; ++t) {
-    const SurfaceRow row = decoded(rows.close[t], samples_.count());
+    const SurfaceRow row = row_of(rows.close[t]);
     if (row.plane == known_ && std::binary_search(list.begin(), list.end(), row.sample) &&
         samples_.at(row.sample, drift_.heights[known_].data()) <= touching * length_)
       known.push_back({.row = row});
@@ -367,12 +384,16 @@ StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, c
 StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange) {
   if (touching_.empty()) return StepStatus::ok;
   if (holds_) lasting_ = touching_;
-  if (known_ < 0 || !find_stop_of_known(step, v, rows)) {
-    if (known_ >= 0) list_touching();
-    if (const StepStatus status = find_stop(touching_, step, v, rows); status != StepStatus::ok) return status;
+  close_.rows = drift_.rows;
+  if (!hold_close(step, v, touching_)) {
+    if (known_ < 0 || !find_stop_of_known(step, v, rows)) {
+      if (known_ >= 0) list_touching();
+      if (const StepStatus status = find_stop(touching_, step, v, rows); status != StepStatus::ok) return status;
+    }
+    find_places(close_, step.x0);
   }
-  add_scaled(1, close_.move(), v);
-  exchange.dissipated += book(step, close_, 1, step.x0, exchange);
+  close_.give(1, v);
+  exchange.dissipated += book(step, close_, 1, exchange);
   rows.missed = std::max(rows.missed, close_.missed());
   save(close_, rows.close, rows.close_friction);
   return StepStatus::ok;

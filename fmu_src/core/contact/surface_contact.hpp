@@ -17,14 +17,19 @@
 /// on planes at rest; were th to make it, the stage is done again with th = 0.
 ///
 /// The rows that are active, and the friction on them, are where the next step begins to look; they belong to the state (model/run.hpp).
+/// While a body rests, rolls or sways on one plane they do for nearly every step (surface_hold.cpp). The closing begins with those of the
+/// drift: of crowded samples many would carry the body as well, and friction on others could not hold what those hold.
 #pragma once
 #include "contact/contact.hpp"
+#include "contact/sample_rows.hpp"
 #include "contact/sample_search.hpp"
 #include "contact/surface_stage.hpp"
 #include "contact/tangents.hpp"
 #include "model/run.hpp"
 
 namespace softffd {
+
+inline double largest_speed(const Points& v) { return kernels::largest(v.size(), v.data()); }
 
 class SurfaceContact {
  public:
@@ -64,10 +69,13 @@ class SurfaceContact {
   using Slip = std::function<Vec3(const SurfaceRow&)>;
   /// By which the state knows a row.
   Count number(const SurfaceRow& row) const { return Count(obstacle_[row.plane]) * samples_.count() + row.sample; }
+  SurfaceRow row_of(Count number) const { return {int(number / samples_.count()), int(number % samples_.count())}; }
   void load(const std::vector<Count>& numbers, const Points& friction, SurfaceStage& stage) const;
   void save(const SurfaceStage& stage, std::vector<Count>& numbers, Points& friction) const;
   void set_planes();
   void move_planes(const StepView& step);
+  bool find_heights(const Points& x1);
+  double slack_of_rows() const;
   StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
   bool fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip);
   void list_touching();
@@ -77,8 +85,14 @@ class SurfaceContact {
   StepStatus meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
   bool gains(const StepView& step, const Points& x1) const;
-  double book(const StepView& step, const SurfaceStage& stage, double per_force, const Points& x1, Exchange& exchange);
+  void find_places(const SurfaceStage& stage, const Points& x1);
+  double book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
   double give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
+  // surface_hold.cpp
+  bool recall(const std::vector<Count>& numbers, SurfaceStage& stage) const;
+  bool hold_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
+  bool list_held(double h, const Points& v);
+  bool hold_close(const StepView& step, const Points& v, const std::vector<Candidate>& candidates);
   // surface_solids.cpp
   void know(const Drive& around);
   void resize(std::size_t planes);
@@ -105,13 +119,18 @@ class SurfaceContact {
   std::vector<Candidate> touching_;  ///< after the last drift; or of these those that were active before it,
   int known_ = -1;                   ///< where a long list of this plane alone has no other that matters
   std::vector<Candidate>
-      lasting_;                   ///< of these, between drift and closing, those that touched before the drift; where first kicks are held
-  bool holds_ = false;            ///< they are
-  double slack_ = 0;              ///< of the last closing [m/s]
-  Scalars weights_;               ///< of a sample
-  Points given_;                  ///< by obstacles to the control points [N s]
-  Points start_v_, start_force_;  ///< at the start of a step with contact
-  bool near_ = false;             ///< a control point is behind a plane, or a sample was on one
+      lasting_;         ///< of these, between drift and closing, those that touched before the drift; where first kicks are held
+  bool holds_ = false;  ///< they are
+  double slack_ = 0;    ///< of the last closing [m/s]
+  SampleRows at_hand_;  ///< the rows that may hold, and of these:
+  std::vector<Vec3> begin_, away_;     ///< where they are at t0, or how fast they move; how far from where they are to be
+  std::vector<double> gaps_, bounds_;  ///< heights after a stage, and what they are to be
+  std::vector<Vec3> places_;           ///< of the rows of a stage at t1
+  bool places_known_ = false;          ///< they are those of the drift's rows
+  Scalars weights_;                    ///< of a sample
+  Points given_;                       ///< by obstacles to the control points [N s]
+  Points start_v_, start_force_;       ///< at the start of a step with contact
+  bool near_ = false;                  ///< a control point is behind a plane, or a sample was on one
   std::vector<unsigned char> behind_;  ///< which
   bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
   bool lands_ = false;                 ///< any sample does

@@ -28,8 +28,7 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
   const bool free = std::none_of(body.pinned.begin(), body.pinned.end(), [](bool pinned) { return pinned; });
   for (int looks = 0; looks < most_looks; ++looks) {
     if (free) shift(x);
-    for (std::size_t q = 0; q < end_.size(); ++q)
-      kernels::gaps(body.points(), x.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data());
+    find_heights(x);
     const std::vector<Count> none;
     const StepStatus status = fit(none, {}, 0, [](const SurfaceRow&) { return Vec3(Vec3::Zero()); });
     if (status != StepStatus::ok) return status;
@@ -61,13 +60,9 @@ const std::vector<int>& SurfaceContact::near(int q, const HalfSpace& plane, cons
 
 /// Planes without friction and heights above them; deepest: of the samples [m]. Returns whether any control point is behind one.
 bool SurfaceContact::gaps_at(const Drive& around, double time, const Points& x, double& deepest) {
-  bool any = false;
   for (int q = 0; q < flat_; ++q) end_[q] = around.planes[q].at(time);
   if (solids_) find_tangents(around, time, time, x, 0);
-  for (std::size_t q = 0; q < end_.size(); ++q) {
-    any = kernels::gaps(int(x.rows()), x.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data()) || any;
-  }
-  if (!any) return false;
+  if (!find_heights(x)) return false;
   set_planes();
   for (int q = 0; q < flat_; ++q) {
     if (!search_.covers(q, drift_.heights[q])) search_.look(q, drift_.heights[q], 0);

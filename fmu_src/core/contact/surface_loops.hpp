@@ -2,13 +2,25 @@
 #pragma once
 #include <cstddef>
 
+#include "model/samples.hpp"
+
 namespace softffd::kernels {
 
-/// y += a x, n values each.
-extern void (*const add_scaled)(std::size_t n, double a, const double* x, double* y);
+/// sums (3 * points) of these points = sum over rows of f_t (3 each) w_t (points each), one row after the other.
+extern void (*const weighted_sums)(int points, PointRange range, int rows, const double* f, const double* w, double* sums);
 
-/// sums (3 * points) = sum over rows of f_t (3 each) w_t (points each), one row after the other.
-extern void (*const weighted_sums)(int points, int rows, const double* f, const double* w, double* sums);
+/// Of each row the sums over these points of its weights w_t (points each) times x, (3 * points), to (3 each); or times values (points).
+extern void (*const row_places)(int points, PointRange range, int rows, const double* w, const double* x, double* places);
+extern void (*const row_values)(int points, PointRange range, int rows, const double* w, const double* values, double* sums);
+
+/// heights (points) += normal . move, (3 * points), of these points.
+extern void (*const raise)(int points, PointRange range, const double normal[3], const double* move, double* heights);
+
+/// v += a move and, where there is an x, x += move of these points; (3 * points) all.
+extern void (*const move_points)(int points, PointRange range, const double* move, double a, double* v, double* x);
+
+/// speeds_p = normal . v_p (points). Returns the largest |v_p|^2; NaN if any is NaN or infinite.
+extern double (*const speeds)(int points, const double normal[3], const double* v, double* speeds);
 
 /// The least of n >= 8 heights, and by how much any has come down at most; NaN if any is NaN or infinite.
 struct Descent {

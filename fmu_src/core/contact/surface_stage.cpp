@@ -34,9 +34,6 @@ StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const 
   begin_ = heights;
   missed_ = 0;
   set_.delassus().set_rows(rows);
-  held_ = hold(tolerance, slip);
-  if (held_) return StepStatus::ok;
-  heights = begin_;
   if (const StepStatus status = set_.solve(candidates, heights, tolerance); status != StepStatus::ok) return status;
   before_.swap(share);
   share.assign(set_.active().size(), Vec3::Zero());
@@ -62,45 +59,34 @@ StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const 
   return StepStatus::ok;
 }
 
-/// By the rows of one plane at hand, all sticking, with all candidates in front.
-bool SurfaceStage::hold(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
-  if (rows.empty() || candidates.front().row.plane != candidates.back().row.plane) return false;
+bool SurfaceStage::hold(const std::vector<Vec3>& away) {
   const int plane = rows[0].plane, n = int(rows.size());
   const Vec3& normal = normals_[plane];
-  const bool rough = friction_[plane] > 0;
+  const double friction = friction_[plane];
   Delassus& delassus = set_.delassus();
-  const Samples& samples = delassus.samples();
   constexpr int columns = Delassus::together;  // three are used
-  hold_.assign(columns * n, 0.0);
-  for (std::size_t t = 0, c = 0; t < rows.size(); ++t) {
-    while (candidates[c].row < rows[t]) ++c;
-    const double gap = samples.at(rows[t].sample, heights[plane].data()) - candidates[c].bound;
-    const Vec3 across = rough ? tangential(normal, slip(rows[t])) : Vec3(Vec3::Zero());
-    const Vec3 away = gap * normal + across;
-    for (int a = 0; a < 3; ++a) hold_[columns * t + a] = -away[a];
-  }
-  delassus.solve_together(hold_.data());
-  force_.resize(n);
+  missed_ = 0;
+  delassus.set_rows(rows);
+  columns_.resize(columns * n);
   for (int t = 0; t < n; ++t) {
-    force_[t] = Vec3(hold_[columns * t], hold_[columns * t + 1], hold_[columns * t + 2]);
-    const double load = normal.dot(force_[t]), limit = friction_[plane] * load;
-    if (!(load >= 0 && (!rough || tangential(normal, force_[t]).squaredNorm() <= limit * limit))) return false;
+    double* to = &columns_[columns * t];
+    for (int a = 0; a < 3; ++a) to[a] = -away[t][a];
+    to[3] = 0;
+  }
+  delassus.solve_together(columns_.data());
+  force_.resize(n);
+  share.resize(n);
+  for (int t = 0; t < n; ++t) {
+    const double* from = &columns_[columns * t];
+    force_[t] = Vec3(from[0], from[1], from[2]);
+    const double load = normal.dot(force_[t]), limit = friction * load;
+    const Vec3 rubbed = tangential(normal, force_[t]);
+    if (!(load >= 0 && (friction == 0 || rubbed.squaredNorm() <= limit * limit))) return false;
+    share[t] = limit > 0 ? Vec3(1 / limit * rubbed) : Vec3(Vec3::Zero());
   }
   find_move();
-  const std::ptrdiff_t points = move_.rows();
-  for (int a = 0; a < 3; ++a)
-    if (normal[a] != 0) kernels::add_scaled(points, normal[a], &move_(0, a), heights[plane].data());
-  std::size_t active = 0;
-  for (Candidate& candidate : candidates) {
-    candidate.gap = samples.at(candidate.row.sample, heights[plane].data()) - candidate.bound;
-    const bool here = active < rows.size() && candidate.row == rows[active];
-    active += here;
-    if (!(candidate.gap >= -tolerance && (!here || candidate.gap <= tolerance))) return false;
-  }
-  for (int t = 0; t < n; ++t) {
-    const double limit = friction_[plane] * normal.dot(force_[t]);
-    share[t] = limit > 0 ? Vec3(tangential(normal, force_[t]) / limit) : Vec3(Vec3::Zero());
-  }
+  for (std::size_t q = 0; q < heights.size(); ++q)
+    kernels::raise(int(move_.rows()), delassus.range(), normals_[q].data(), move_.data(), heights[q].data());
   return true;
 }
 

@@ -7,13 +7,14 @@
 /// both are exact. Planes of different directions need both at once: they take turns (Acary, Cadoux, Lemarechal & Malick 2011) until y
 /// rests; normal forces are always last, so that no sample is behind a plane, whatever friction has come to.
 ///
-/// In nearly every step of lasting contact the rows at hand do, and all of them stick. Then G f undoes gaps and slips at once, which is
-/// tried first: three right sides for one factor, and a look at the other candidates.
+/// In nearly every step of lasting contact the rows at hand do, and all of them stick. Then G f undoes gaps and slips at once: three right
+/// sides for one factor. That is `hold`, to be tried before `solve`; what other samples do then is for the caller to look at.
 #pragma once
 #include <functional>
 
 #include "contact/disk_friction.hpp"
 #include "contact/dual_active_set.hpp"
+#include "contact/surface_loops.hpp"
 
 namespace softffd {
 
@@ -33,18 +34,24 @@ class SurfaceStage {
   std::vector<SurfaceRow> rows;
   std::vector<Vec3> share;
 
+  /// Do the rows at hand, all of one plane, push it and stick? away: how far each is from where it is to be at y0, along its normal and,
+  /// where there is friction, across. On success heights of all planes are those of y.
+  bool hold(const std::vector<Vec3>& away);
   /// slip: of a row at y0, beyond where it would be if it stuck. On success rows and share are those that are active now.
   StepStatus solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
-  const Vec3& force(int t) const { return force_[t]; }   ///< of an active row
-  bool added() const { return !held_ && set_.added(); }  ///< a row to those that were active before
-  double pinned_violation() const { return held_ ? 0 : set_.pinned_violation(); }
+  const Vec3& force(int t) const { return force_[t]; }  ///< of an active row
+  bool added() const { return set_.added(); }           ///< a row to those that were active before
+  double pinned_violation() const { return set_.pinned_violation(); }
   double compliance(int t) const { return set_.delassus()(t, t); }
   const Points& move() const { return move_; }  ///< y - y0
+  /// v += a (y - y0); and x, where there is one, += y - y0.
+  void give(double a, Points& v, Points* x = nullptr) const {
+    kernels::move_points(int(v.rows()), set_.delassus().range(), move_.data(), a, v.data(), x ? x->data() : nullptr);
+  }
   /// By how much Coulomb's law has been missed: a share of the slip on parallel planes, of the largest force on others.
   double missed() const { return missed_; }
 
  private:
-  bool hold(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
   bool rubs() const;
   bool parallel() const;
   double rub(bool parallel);
@@ -72,8 +79,7 @@ class SurfaceStage {
   const std::function<Vec3(const SurfaceRow&)>* slip_of_ = nullptr;
   std::vector<double> limits_;
   std::vector<Vec3> slips_, before_;
-  bool held_ = false;         ///< by the rows at hand
-  std::vector<double> hold_;  ///< (rows, three and one that is not used)
+  std::vector<double> columns_;  ///< (rows, three and one that is not used)
   double missed_ = 0;
 };
 

@@ -11,6 +11,8 @@ inline constexpr double pin_slack = 1e-9;
 /// Share of the box and the distance from the origin by which a position may be behind a plane in computations; of the speeds, where
 /// velocities are computed from a difference of positions, ten times as much.
 inline constexpr double position_slack = 1e-14, velocity_slack = 1e-13;
+/// What rounding may leave of a row of a sample: of the box and of distances, and of speeds.
+inline constexpr double row_slack = 1e-14;
 /// Determinant of the Gram matrix of unit normals below which they count as dependent.
 inline constexpr double dependent = 1e-14;
 /// Share of the box's largest side and of the distances in it that no computation can tell from zero.

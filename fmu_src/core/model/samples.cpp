@@ -109,6 +109,14 @@ void Samples::weights(int s, const Scalars& scale, double* out) const {
     }
 }
 
+PointRange Samples::range(const double* weights, int samples, int points) {
+  PointRange range{points, 0};
+  for (int s = 0; s < samples; ++s, weights += points)
+    for (int p = 0; p < points; ++p)
+      if (weights[p] != 0) range = {std::min(range.begin, p / 8 * 8), std::max(range.end, std::min(points, p / 8 * 8 + 8))};
+  return range;
+}
+
 double Samples::product(int t, int s, const double* of_s) const {
   if (fours_ && first_[t] == first_[s]) {
     double sum;

@@ -11,6 +11,12 @@
 
 namespace softffd {
 
+/// Control points from `begin` to before `end`.
+struct PointRange {
+  int begin = 0, end = 0;
+  bool operator==(const PointRange&) const = default;
+};
+
 class Samples {
  public:
   /// places: at rest [m], in the box of the lattice.
@@ -28,6 +34,8 @@ class Samples {
 
   /// out = W_si scale_i of the points that count at s, (support).
   void weights(int s, const Scalars& scale, double* out) const;
+  /// Points by eights of which these weights, (points) each, are not 0 for some sample; all others are.
+  static PointRange range(const double* weights, int samples, int points);
   /// The sum of W_ti times what `weights` gives of s.
   double product(int t, int s, const double* of_s) const;
   /// values_i = value for the points whose weight is not 0.

@@ -131,6 +131,20 @@ TEST(a_small_problem_has_the_solution_that_trying_all_sets_finds) {
   }
 }
 
+TEST(rows_that_depend_on_each_other_are_no_start_and_change_nothing) {
+  Random random;
+  for (int i = 0; i < 200; ++i) {
+    Problem problem = random_problem(random, 80, 1, i % 2 == 1);
+    DualActiveSet solver = solver_of(problem);
+    std::vector<SurfaceRow> all;  // more than points have heights
+    for (const Candidate& candidate : problem.candidates) all.push_back(candidate.row);
+    solver.delassus().set_rows(all);
+    std::vector<Scalars> heights = problem.heights;
+    CHECK(solver.solve(problem.candidates, heights, 1e-15) == StepStatus::ok);
+    check_optimal(problem, solver, heights);
+  }
+}
+
 TEST(rows_that_were_active_before_lead_to_the_same_solution) {
   Random random;
   for (int i = 0; i < 40; ++i) {
