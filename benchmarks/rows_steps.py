@@ -6,6 +6,7 @@ import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 from boxes import STEP, box
 from measured import NotMeasured, Pair, require_alike, row
@@ -54,14 +55,20 @@ of_size(16)
 of_size(32, goal=1.0)
 
 
-@row("steps", "32^3 with two threads", "with one thread, wall time", goal=1 / 1.7)
-def two_threads() -> Iterator[Pair]:
-    """On two processors: there is nothing to measure on one."""
-    count = steps_of(32)
-    with all_processors(2), Simulation(box(32, solver={"threads": 2})) as two, Simulation(box(32)) as one:
-        for each in (one, two):
-            each.step(STEP)
-        yield Pair(lambda: wall_time(lambda: two.step(count * STEP)), lambda: wall_time(lambda: one.step(count * STEP)), per=count)
+def of_two_threads(name: str, together: int, goal: float | None = None) -> None:
+    """A row for 32^3 points with two threads, of so many internal steps in a communication step."""
+
+    @row("steps", name, "with one thread, wall time", goal=goal)
+    def two_threads() -> Iterator[Pair]:
+        """On two processors: there is nothing to measure on one."""
+        with all_processors(2), Simulation(box(32, solver={"threads": 2})) as two, Simulation(box(32)) as one:
+            for each in (one, two):
+                each.step(STEP)
+            yield Pair(*(partial(wall_time, partial(each.step, together * STEP)) for each in (two, one)), per=together)
+
+
+of_two_threads("32^3 with two threads", 100, goal=1 / 1.7)
+of_two_threads("the same, 10 steps a communication step", 10)
 
 
 def wall_time(call: Callable[[], object]) -> float:
