@@ -149,40 +149,6 @@ StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& fri
   return StepStatus::not_finite;
 }
 
-/// The same for the rows of the state alone. Where a list is long and in front of its plane then, the list would not change it, to the bit.
-bool SurfaceContact::fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip) {
-  known_ = -1;
-  int near = -1;
-  for (int q = 0; q < flat_; ++q) {
-    if (search_.near(q).empty()) continue;
-    if (near >= 0 || !search_.is_long(q)) return false;
-    near = q;
-  }
-  if (near < 0 || holds_ || solids_) return false;
-  drift_.candidates.clear();
-  const std::vector<int>& list = search_.near(near);
-  for (std::size_t t = 0; t < rows.size() && rows[t] >= 0; ++t)
-    if (const SurfaceRow row = row_of(rows[t]); row.plane == near && std::binary_search(list.begin(), list.end(), row.sample))
-      drift_.candidates.push_back({.row = row});
-  if (drift_.candidates.empty()) return false;
-  load(rows, friction, drift_);
-  if (drift_.solve(tolerance, slip) != StepStatus::ok || drift_.added() || drift_.rows.empty()) return false;
-  const Scalars& heights = drift_.heights[near];
-  if (!search_.covers(near, heights) || !search_.in_front(near, heights, 0.5 * tolerance)) return false;
-  known_ = near;
-  return true;
-}
-
-/// Of all samples near the plane, where those were not listed.
-void SurfaceContact::list_touching() {
-  touching_.clear();
-  for (const int s : search_.near(known_)) {
-    const double gap = samples_.at(s, drift_.heights[known_].data());
-    if (gap <= touching * length_) touching_.push_back({.row = {known_, s}, .gap = gap});
-  }
-  known_ = -1;
-}
-
 /// Where a sample is to be tangentially at the end of the drift: it sticks from the moment on at which it is on its plane.
 Vec3 SurfaceContact::aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once) {
   const Vec3 begin = samples_.at(row.sample, step.x0);
@@ -339,23 +305,6 @@ StepStatus SurfaceContact::stop(const std::vector<Candidate>& candidates, const 
   const StepStatus status = held ? StepStatus::ok : find_stop(candidates, step, v, rows);
   if (status == StepStatus::ok) close_.give(1, v);
   return status;
-}
-
-/// As fit_known.
-bool SurfaceContact::find_stop_of_known(const StepView& step, const Points& v, const SurfaceRows& rows) {
-  const HalfSpace& plane = end_[known_];
-  if (!plane.spin.isZero(0)) return false;
-  std::vector<Candidate>& known = close_.candidates;
-  known.clear();
-  const std::vector<int>& list = search_.near(known_);
-  for (std::size_t t = 0; t < rows.close.size() && rows.close[t] >= 0; ++t) {
-    const SurfaceRow row = row_of(rows.close[t]);
-    if (row.plane == known_ && std::binary_search(list.begin(), list.end(), row.sample) &&
-        samples_.at(row.sample, drift_.heights[known_].data()) <= touching * length_)
-      known.push_back({.row = row});
-  }
-  return find_stop(known, step, v, rows) == StepStatus::ok && !close_.added() &&
-         search_.in_front(known_, close_.heights[known_], 0.5 * slack_ - plane.normal.dot(plane.velocity));
 }
 
 StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v,

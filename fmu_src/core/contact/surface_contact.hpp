@@ -77,11 +77,8 @@ class SurfaceContact {
   bool find_heights(const Points& x1);
   double slack_of_rows() const;
   StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
-  bool fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip);
-  void list_touching();
   StepStatus stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows);
   StepStatus find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v, const SurfaceRows& rows);
-  bool find_stop_of_known(const StepView& step, const Points& v, const SurfaceRows& rows);
   StepStatus meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
   bool gains(const StepView& step, const Points& x1) const;
@@ -93,6 +90,9 @@ class SurfaceContact {
   bool hold_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   bool list_held(double h, const Points& v);
   bool hold_close(const StepView& step, const Points& v, const std::vector<Candidate>& candidates);
+  bool fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip);
+  bool find_stop_of_known(const StepView& step, const Points& v, const SurfaceRows& rows);
+  void list_touching();
   // surface_solids.cpp
   void know(const Drive& around);
   void resize(std::size_t planes);
