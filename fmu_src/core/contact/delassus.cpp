@@ -67,8 +67,8 @@ void Delassus::push(const std::vector<Vec3>& forces, Points& move) const {
   const int points = int(inverse_.size());
   move.resize(points, 3);
   if (range_ != PointRange{0, points} || samples_->support() != points) move.setZero();
-  if (samples_->support() == points)  // the weights of all points, in their order
-    return kernels::weighted_sums(points, range_, size(), forces.data()->data(), over_mass_.data(), move.data());
+  if (size() > 0 && samples_->support() == points)  // the weights of all points, in their order
+    return kernels::weighted_sums(points, range_, size(), forces.front().data(), over_mass_.data(), move.data());
   for (int t = 0; t < size(); ++t) samples_->add(rows_[t].sample, forces[t], over_mass(t), move);
 }
 
