@@ -27,7 +27,8 @@ void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
   const int n = size(), width = samples_->support();
   over_mass_.resize(std::size_t(n) * width);
   for (int s = 0; s < n; ++s) samples_->weights(rows_[s].sample, inverse_, &over_mass_[std::size_t(s) * width]);
-  find_range();
+  range_ = {int(inverse_.size()), 0};
+  find_range(0);
   g_.resize(start(n));
   for (int s = 0; s < n; ++s)
     for (int t = 0; t <= s; ++t) g_[start(s) + t] = element(rows_[s], over_mass(s), rows_[t], over_mass(t));
@@ -35,9 +36,13 @@ void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
   sorted_ = true;
 }
 
-void Delassus::find_range() {
+/// With those of the rows from here on. A row that is dropped leaves its own, which cost time and change nothing.
+void Delassus::find_range(int from) {
   const int points = int(inverse_.size());
-  range_ = samples_->support() == points ? Samples::range(over_mass_.data(), size(), points) : PointRange{0, points};
+  const PointRange more = samples_->support() == points
+                              ? Samples::range(over_mass_.data() + std::size_t(from) * points, size() - from, points)
+                              : PointRange{0, points};
+  range_ = {std::min(range_.begin, more.begin), std::max(range_.end, more.end)};
 }
 
 /// The same bits from either side.
@@ -66,9 +71,9 @@ void Delassus::raise(const std::vector<double>& forces, const std::vector<Scalar
 void Delassus::push(const std::vector<Vec3>& forces, Points& move) const {
   const int points = int(inverse_.size());
   move.resize(points, 3);
-  if (range_ != PointRange{0, points} || samples_->support() != points) move.setZero();
-  if (size() > 0 && samples_->support() == points)  // the weights of all points, in their order
-    return kernels::weighted_sums(points, range_, size(), forces.front().data(), over_mass_.data(), move.data());
+  const bool dense = size() > 0 && samples_->support() == points;  // the weights of all points, in their order
+  if (!dense || range_ != PointRange{0, points}) move.setZero();
+  if (dense) return kernels::weighted_sums(points, range_, size(), forces.front().data(), over_mass_.data(), move.data());
   for (int t = 0; t < size(); ++t) samples_->add(rows_[t].sample, forces[t], over_mass(t), move);
 }
 
@@ -97,7 +102,7 @@ void Delassus::append(const Column& column) {
   over_mass_.insert(over_mass_.end(), column.over_mass.begin(), column.over_mass.end());
   g_.insert(g_.end(), column.g.begin(), column.g.end());
   g_.push_back(column.own);
-  find_range();
+  find_range(size() - 1);
   factor_.append(column.half, column.left);
   sorted_ = false;
 }
@@ -110,7 +115,6 @@ void Delassus::drop(int row, Column* column) {
   over_mass_.erase(over_mass_.begin() + std::size_t(row) * width, over_mass_.begin() + std::size_t(row + 1) * width);
   rows_.erase(rows_.begin() + row);
   g_.resize(start(size()));
-  find_range();
   factor(row);
   if (!column) return;
   column->g.erase(column->g.begin() + row);

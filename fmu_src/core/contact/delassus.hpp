@@ -59,7 +59,7 @@ class Delassus {
   void raise(const std::vector<double>& forces, const std::vector<Scalars>& begin, std::vector<Scalars>& heights);
   /// values_i += f W_si / m_i for row s.
   void push(int s, double f, double* values) const { samples_->add(rows_[s].sample, f, over_mass(s), values); }
-  /// Points that rows move; all where not all points count at a sample.
+  /// Points that rows move, and perhaps others; all where not all points count at a sample.
   PointRange range() const { return range_; }
   /// What these forces of all rows move the body by, to (points, 3).
   void push(const std::vector<Vec3>& forces, Points& move) const;
@@ -69,7 +69,7 @@ class Delassus {
   const double* over_mass(int s) const { return &over_mass_[std::size_t(s) * samples_->support()]; }
   double element(const SurfaceRow& a, const double* of_a, const SurfaceRow& b, const double* of_b) const;
   void factor(int from);
-  void find_range();
+  void find_range(int from);
 
   const Samples* samples_;
   Scalars inverse_;

@@ -58,17 +58,14 @@ INNER void add_stiffness_bounds(const SpringRow& springs, int points, const doub
   }
 }
 
-/// step: from one point's coefficients to the next one's; 0: they are the same for all.
-template <int step>
 INNER void kick(std::size_t n, const double* a, const double* b, const double* f, const double* g, double* __restrict v) {
-  for (std::size_t i = 0; i < n; ++i) v[i] = a[step * i] * v[i] + b[step * i] * (f[i] + g[i]);
+  for (std::size_t i = 0; i < n; ++i) v[i] = a[i] * v[i] + b[i] * (f[i] + g[i]);
 }
 
-template <int step>
 INNER void kick_and_drift(std::size_t n, const double* a, const double* b, const double* f, const double* g, double h, const double* v,
                           const double* x, double* __restrict w, double* __restrict y) {
   for (std::size_t i = 0; i < n; ++i) {
-    w[i] = a[step * i] * v[i] + b[step * i] * (f[i] + g[i]);
+    w[i] = a[i] * v[i] + b[i] * (f[i] + g[i]);
     y[i] = x[i] + h * w[i];
   }
 }
@@ -228,10 +225,8 @@ INNER void subtract_stiffness_product(const SpringRow& springs, int points, cons
 }  // namespace loops
 
 decltype(add_stiffness_bounds) add_stiffness_bounds = chosen<loops::add_stiffness_bounds>();
-decltype(kick) kick = chosen<loops::kick<1>>();
-decltype(kick) even_kick = chosen<loops::kick<0>>();
-decltype(kick_and_drift) kick_and_drift = chosen<loops::kick_and_drift<1>>();
-decltype(kick_and_drift) even_kick_and_drift = chosen<loops::kick_and_drift<0>>();
+decltype(kick) kick = chosen<loops::kick>();
+decltype(kick_and_drift) kick_and_drift = chosen<loops::kick_and_drift>();
 decltype(drift) drift = chosen<loops::drift>();
 decltype(accelerate) accelerate = chosen<loops::accelerate>();
 decltype(accelerate_damped) accelerate_damped = chosen<loops::accelerate_damped>();

@@ -22,14 +22,11 @@ struct SpringRow {
 extern void (*const add_stiffness_bounds)(const SpringRow& springs, int points, const double* x, const double* first, const double* second,
                                           double* s, double* bounds);
 
-/// v = a v + b (f + g), n values each; even: a and b are one number each.
+/// v = a v + b (f + g), n values each.
 extern void (*const kick)(std::size_t n, const double* a, const double* b, const double* f, const double* g, double* v);
-extern void (*const even_kick)(std::size_t n, const double* a, const double* b, const double* f, const double* g, double* v);
-/// w = a v + b (f + g) and y = x + h w, n values each; even: a and b are one number each.
+/// w = a v + b (f + g) and y = x + h w, n values each.
 extern void (*const kick_and_drift)(std::size_t n, const double* a, const double* b, const double* f, const double* g, double h,
                                     const double* v, const double* x, double* w, double* y);
-extern void (*const even_kick_and_drift)(std::size_t n, const double* a, const double* b, const double* f, const double* g, double h,
-                                         const double* v, const double* x, double* w, double* y);
 /// y = x + h v, n values each.
 extern void (*const drift)(std::size_t n, double h, const double* x, const double* v, double* y);
 

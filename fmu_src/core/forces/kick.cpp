@@ -3,7 +3,7 @@
 namespace softffd {
 
 void KickCoefficients::apply(const Points& spring, const Points& outside, Points& v) const {
-  (even ? kernels::even_kick : kernels::kick)(v.size(), a.data(), b.data(), spring.data(), outside.data(), v.data());
+  kernels::kick(v.size(), a.data(), b.data(), spring.data(), outside.data(), v.data());
 }
 
 void HalfKicks::prepare(const Body& body, double h) {

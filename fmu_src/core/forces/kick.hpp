@@ -33,8 +33,8 @@ class HalfKicks {
 
   /// With the drift after it, from v0 and x0: v and x.
   void open(const Points& spring, const Points& external, const Points& v0, const Points& x0, Points& v, Points& x) const {
-    const auto kick = open_.even ? kernels::even_kick_and_drift : kernels::kick_and_drift;
-    kick(v.size(), open_.a.data(), open_.b.data(), spring.data(), external.data(), h_, v0.data(), x0.data(), v.data(), x.data());
+    kernels::kick_and_drift(v.size(), open_.a.data(), open_.b.data(), spring.data(), external.data(), h_, v0.data(), x0.data(), v.data(),
+                            x.data());
   }
   void close(const Points& spring, const Points& external, Points& v) const { close_.apply(spring, external, v); }
 
