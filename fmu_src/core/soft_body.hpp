@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "contact/surface_contact.hpp"
+#include "contact/surface/surface_contact.hpp"
 #include "forces/cells.hpp"
 #include "forces/regions.hpp"
 #include "stepping/propagator.hpp"

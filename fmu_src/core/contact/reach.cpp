@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "contact/tangents.hpp"
+#include "contact/surface/tangents.hpp"
 #include "model/arithmetic.hpp"
 #include "model/rigid_motion.hpp"
 

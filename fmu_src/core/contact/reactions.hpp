@@ -5,7 +5,7 @@
 /// stay so. Therefore the kick takes these forces with the others; before the rule decides, the point alone gives back what they would
 /// have given it, so that the rule finds the whole reaction, and momentum is what it books.
 #pragma once
-#include "contact/surface_contact.hpp"
+#include "contact/surface/surface_contact.hpp"
 
 namespace softffd {
 

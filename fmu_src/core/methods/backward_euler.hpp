@@ -1,6 +1,7 @@
-/// Backward Euler with exact contact (contact/implicit_contact.hpp) as a method: steps that are long beside a stiff body's vibrations.
+/// Backward Euler with exact contact (contact/implicit/implicit_contact.hpp) as a method: steps that are long beside a stiff body's
+/// vibrations.
 #pragma once
-#include "contact/implicit_contact.hpp"
+#include "contact/implicit/implicit_contact.hpp"
 #include "methods/integrator.hpp"
 #include "methods/traits.hpp"
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <memory>
 
-#include "contact/surface_contact.hpp"
+#include "contact/surface/surface_contact.hpp"
 #include "methods/damped_leapfrog.hpp"
 
 namespace softffd {

@@ -1,4 +1,4 @@
-/// Obstacles in rigid motion: half-spaces behind planes, and solids (contact/tangents.hpp).
+/// Obstacles in rigid motion: half-spaces behind planes, and solids (contact/surface/tangents.hpp).
 #pragma once
 #include <Eigen/Geometry>
 #include <cmath>

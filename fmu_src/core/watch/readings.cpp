@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "contact/tangents.hpp"
+#include "contact/surface/tangents.hpp"
 #include "methods/traits.hpp"
 #include "model/rigid_motion.hpp"
 

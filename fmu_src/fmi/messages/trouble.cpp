@@ -1,6 +1,6 @@
 #include "messages/trouble.hpp"
 
-#include "contact/tangents.hpp"
+#include "contact/surface/tangents.hpp"
 #include "messages/logger.hpp"
 
 namespace softffd::fmi {

@@ -1,7 +1,7 @@
 /// A box in implicit contact, and a run of it that is held at every step against what must be true.
 #pragma once
 #include "check.hpp"
-#include "contact/implicit_contact.hpp"
+#include "contact/implicit/implicit_contact.hpp"
 
 namespace softffd {
 

@@ -1,0 +1,127 @@
+#include "contact/implicit/linear_contact.hpp"
+
+#include <algorithm>
+
+namespace softffd {
+
+namespace {
+
+constexpr int most_rounds = 14;
+/// Of the largest force: pulls that are no reason to end a touch, loads that need not be found.
+constexpr double load_slack = 1e-9;
+/// Share of what the loads of sliding points lack that may be left for the next iteration.
+constexpr double loads_left = 1e-4;
+/// Of responses from which those loads are combined: hundred times better.
+constexpr double of_products = 1e-6;
+/// From this round on touches end one by one and friction is cautious: slower, but without circles.
+constexpr int careful_round = 6;
+
+void project(const ContactSet& contacts, Points& u) {
+  for (int p : contacts.points()) set_row(u, p, contacts.projector(p) * row(u, p));
+}
+
+}  // namespace
+
+LinearContact::LinearContact(const Lattice& lattice) : matrix_(lattice), gmres_(3 * lattice.points()), lack_(3 * lattice.points()) {
+  for (Points* points : {&change, &reaction, &prescribed_, &friction_, &response_, &made_, &moved_}) points->setZero(lattice.points(), 3);
+}
+
+bool LinearContact::solve(const StepProblem& problem, ContactSet& contacts, bool cautious) {
+  fresh = settled = false;
+  if (stale_) {
+    matrix_.linearise(problem);
+    contacts.fix_friction_stiffness(cautious);
+  }
+  for (int round = 0; round < most_rounds; ++round) {
+    if (!solve_with_touches(problem, contacts, cautious)) return false;
+    const double pull = load_slack * std::max(problem.force_scale, contacts.largest_load());
+    bool changed = contacts.release_pulling(pull, round < careful_round);
+    moved_ = problem.x + change;
+    if (contacts.add_violated(moved_, problem.slack)) {
+      contacts.find_new_friction(problem.x0, problem.u, problem.h);
+      changed = true;
+    }
+    if (!changed && !cautious && round < careful_round) {
+      contacts.scale_friction(problem.body.length, problem.stiffness_scale);
+      changed = contacts.stop_reversals(change);
+    }
+    settled = !changed;
+    if (settled) return true;
+    cautious = cautious || round >= careful_round;
+    contacts.fix_friction_stiffness(cautious);
+    stale_ = true;
+  }
+  return true;
+}
+
+bool LinearContact::solve_with_touches(const StepProblem& problem, ContactSet& contacts, bool cautious) {
+  for (;;) {
+    if (stale_) {
+      contacts.constrain(matrix_.assemble(problem));
+      matrix_.factor();
+      fresh = true;
+      stale_ = false;
+    }
+    solve_free_part(problem, contacts);
+    if (std::isfinite(kernels::largest(change.size(), change.data()))) break;
+    if (!matrix_.soften(problem)) return false;
+    stale_ = true;
+  }
+  matrix_.forces_of(problem, change, reaction);
+  reaction -= problem.residual;
+  contacts.find_loads(reaction, change);
+  if (!cautious) couple_loads(problem, contacts);
+  return true;
+}
+
+void LinearContact::solve_free_part(const StepProblem& problem, const ContactSet& contacts) {
+  change = problem.residual;
+  if (contacts.prescribe(problem.x, prescribed_)) {
+    matrix_.forces_of(problem, prescribed_, made_);
+    change -= made_;
+  }
+  for (int p : contacts.points()) {
+    Vec3 force = row(change, p);
+    for (int i = 0; i < contacts.touches(p); ++i) force += ContactSet::linear_friction(contacts.touch(p, i), row(prescribed_, p));
+    set_row(change, p, force);
+  }
+  project(contacts, change);
+  for (int p = 0; p < problem.body.points(); ++p)
+    if (problem.body.pinned[p]) set_row(change, p, Vec3::Zero());
+  matrix_.solve(change);
+  project(contacts, change);
+  change += prescribed_;
+}
+
+/// (1 - B) more = lack, where B takes the loads of sliding points to the loads that their friction causes. A few responses are enough:
+/// the loads of neighbours act much the same.
+void LinearContact::couple_loads(const StepProblem& problem, ContactSet& contacts) {
+  const int n = contacts.sliding();
+  if (n == 0) return;
+  contacts.lacking_loads(lack_);
+  const double lack = kernels::largest(n, lack_.data()), slight = load_slack * std::max(problem.force_scale, contacts.largest_load());
+  if (!(lack > slight)) return;
+  const Scalars& more = gmres_.solve(n, lack_, std::max(loads_left, slight / lack), [&](const Scalars& loads, Scalars& left) {
+    respond(problem, contacts, loads, of_products);
+    contacts.loads_of(made_, friction_, response_, left);
+    for (int i = 0; i < n; ++i) left[i] = loads[i] - left[i];
+  });
+  respond(problem, contacts, more, ConjugateGradients::exact);
+  if (!std::isfinite(kernels::largest(response_.size(), response_.data()))) return;
+  change += response_;
+  reaction += made_;
+  contacts.use_loads(more);
+  contacts.find_loads(reaction, change);
+}
+
+/// The motion that the friction of these loads causes, and the forces that it takes.
+void LinearContact::respond(const StepProblem& problem, const ContactSet& contacts, const Scalars& loads, double accuracy) {
+  contacts.friction_of(loads, friction_);
+  response_ = friction_;
+  project(contacts, response_);
+  matrix_.solve(response_, accuracy);
+  project(contacts, response_);
+  matrix_.forces_of(problem, response_, made_);
+}
+
+}  // namespace softffd

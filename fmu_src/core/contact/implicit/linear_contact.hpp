@@ -1,0 +1,43 @@
+/// One Newton step of an implicit step with contact: the equations linearised at x, with as many touches as it takes,
+///
+///      A dx = residual + sum of (load n + friction),      load >= 0,  gap(x + dx) >= 0,  load gap = 0,      A = K + diagonal.
+///
+/// Active set: with the touches as they are, the normal motions are prescribed and the loads are what these equations lack; a touch that
+/// pulls ends, a point that the motion takes behind a plane begins to touch. The loads come from the linear equations, so that their sum
+/// is the momentum that the body lost, to rounding, whatever the stiffness.
+///
+/// Friction of a sliding point is its load, found in this very solution, times mu, against its slip. This makes the equations
+/// unsymmetric; the factor is that of the symmetric part, and a few iterations on the loads do the rest (gmres.hpp).
+#pragma once
+#include "contact/implicit/contact_set.hpp"
+#include "contact/implicit/step_matrix.hpp"
+#include "matrix/gmres.hpp"
+
+namespace softffd {
+
+class LinearContact : public StepSolution {
+ public:
+  explicit LinearContact(const Lattice& lattice);
+
+  /// The next solution is to start from new matrices.
+  void refresh() { stale_ = true; }
+  /// Finds `change`, `reaction` and the touches with their loads. cautious: friction by its majorant and with the loads used, which
+  /// converges slower but does not run in circles. Returns false if the equations have no finite solution.
+  bool solve(const StepProblem& problem, ContactSet& contacts, bool cautious);
+
+  const StepMatrix& matrix() const { return matrix_; }
+
+ private:
+  bool solve_with_touches(const StepProblem& problem, ContactSet& contacts, bool cautious);
+  void solve_free_part(const StepProblem& problem, const ContactSet& contacts);
+  void couple_loads(const StepProblem& problem, ContactSet& contacts);
+  void respond(const StepProblem& problem, const ContactSet& contacts, const Scalars& loads, double accuracy);
+
+  StepMatrix matrix_;
+  Gmres gmres_;
+  Points prescribed_, friction_, response_, made_, moved_;
+  Scalars lack_;
+  bool stale_ = true;
+};
+
+}  // namespace softffd

@@ -1,0 +1,122 @@
+#include "contact/implicit/step_delassus.hpp"
+
+#include <algorithm>
+
+namespace softffd {
+
+void StepDelassus::set_planes(const std::vector<Vec3>& normals) {
+  normals_ = normals;
+  rows_.clear();
+  factor(0);
+}
+
+void StepDelassus::set_matrix(StepMatrix& matrix, const Body& body) {
+  matrix_ = &matrix;
+  body_ = &body;
+  for (const auto& response : responses_) index_[response->sample] = -1;
+  responses_.clear();
+  rows_.clear();
+  factor(0);
+}
+
+void StepDelassus::set_rows(const std::vector<SurfaceRow>& rows) {
+  if (rows == rows_) return;
+  rows_ = rows;
+  factor(0);
+}
+
+void StepDelassus::factor(int from) {
+  factor_.factor(
+      size(), from, [&](int i, int j) { return element(rows_[i], rows_[j]); }, [&](int i) { return element(rows_[i], rows_[i]); });
+}
+
+double StepDelassus::element(const SurfaceRow& a, const SurfaceRow& b) {
+  return normals_[a.plane].dot((*this)(a.sample, b.sample) * normals_[b.plane]);
+}
+
+Eigen::Matrix3d StepDelassus::operator()(int s, int t) {
+  response(s);
+  response(t);
+  return compliance(index_[s], index_[t]);
+}
+
+Eigen::Matrix3d StepDelassus::compliance(int i, int j) const {
+  return i < j ? Eigen::Matrix3d(responses_[j]->compliance[i]) : Eigen::Matrix3d(responses_[i]->compliance[j].transpose());
+}
+
+const StepDelassus::Response& StepDelassus::response(int s) {
+  if (index_[s] >= 0) return *responses_[index_[s]];
+  index_[s] = int(responses_.size());
+  Response& made = *responses_.emplace_back(std::make_unique<Response>());
+  made.sample = s;
+  for (int axis = 0; axis < 3; ++axis) {
+    Points& moved = made.moved[axis];
+    moved.setZero(body_->points(), 3);
+    spread(s, Vec3::Unit(axis), moved);
+    for (int p = 0; p < body_->points(); ++p)
+      if (body_->pinned[p]) set_row(moved, p, Vec3::Zero());
+    matrix_->solve(moved);
+  }
+  for (const auto& other : responses_) {
+    Eigen::Matrix3d block;
+    for (int axis = 0; axis < 3; ++axis) block.col(axis) = samples_->at(other->sample, made.moved[axis]);
+    made.compliance.push_back(block);
+  }
+  Eigen::Matrix3d& own = made.compliance.back();
+  own = (0.5 * (own + own.transpose())).eval();
+  return made;
+}
+
+void StepDelassus::add(const Response& response, const Vec3& f, Points& u) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (f[axis] != 0) u += f[axis] * response.moved[axis];
+}
+
+void StepDelassus::spread(int s, const Vec3& f, Points& forces) const {
+  weights_.resize(samples_->support());
+  samples_->weights(s, Scalars::Ones(forces.rows()), weights_.data());
+  for (int axis = 0; axis < 3; ++axis)
+    if (f[axis] != 0) samples_->add(s, f[axis], weights_.data(), &forces(0, axis));
+}
+
+void StepDelassus::prepare(SurfaceRow row, Column& column) {
+  column.row = row;
+  column.own = element(row, row);
+  project(column);
+}
+
+void StepDelassus::project(Column& column) {
+  column.half.resize(size());
+  for (int t = 0; t < size(); ++t) column.half[t] = element(column.row, rows_[t]);
+  factor_.forward(column.half.data());
+  column.left = column.own;
+  for (const double each : column.half) column.left -= each * each;
+  column.response = column.half;
+  factor_.backward(column.response.data());
+}
+
+void StepDelassus::append(const Column& column) {
+  rows_.push_back(column.row);
+  factor_.append(column.half, column.left);
+}
+
+void StepDelassus::drop(int row, Column* column) {
+  rows_.erase(rows_.begin() + row);
+  factor(row);
+  if (column) project(*column);
+}
+
+void StepDelassus::sort() {
+  std::vector<SurfaceRow> rows = rows_;
+  std::sort(rows.begin(), rows.end());
+  set_rows(rows);
+}
+
+void StepDelassus::raise(const std::vector<double>& forces, const std::vector<Scalars>& begin, std::vector<Scalars>& heights) {
+  move_.setZero(begin[0].size(), 3);
+  for (std::size_t t = 0; t < forces.size(); ++t) add_response(rows_[t].sample, forces[t] * normals_[rows_[t].plane], move_);
+  for (std::size_t q = 0; q < heights.size(); ++q)
+    heights[q] = begin[q] + normals_[q][0] * move_.col(0) + normals_[q][1] * move_.col(1) + normals_[q][2] * move_.col(2);
+}
+
+}  // namespace softffd

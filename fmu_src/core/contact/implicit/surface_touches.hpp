@@ -1,0 +1,89 @@
+/// Samples of the object's surface that meet planes, in implicit steps: no sample is behind a plane at the end of a step.
+///
+/// The linearised equations A dx = r + sum_s W_s f_s with as many forces as Coulomb's law and the planes take,
+///
+///      load n . f_s >= 0,  gap_s(x + dx) >= 0,  their product 0,       friction at most mu times the load, against the slip of the step.
+///
+/// Gaps and slips are linear in the control points; so the step's end obeys the law itself, not a linearisation of it, and no row enters A:
+///
+/// Without friction that minimises 1/2 dx . A dx - r . dx subject to the gaps (dual_active_set.hpp), in the metric of A
+/// (step_delassus.hpp). With friction the same, at the friction at hand, says which rows are active; all forces of these follow together
+/// (coulomb_rows.hpp); and again, until no sample is behind a plane.
+///
+/// What sticks ends the step where its plane's material has taken it, so that nothing creeps. Forces of the step before are where the next
+/// one begins to look: at rest they are the solution. They belong to the state.
+#pragma once
+#include "contact/feasible.hpp"
+#include "contact/implicit/coulomb_rows.hpp"
+#include "contact/implicit/implicit_touches.hpp"
+#include "contact/implicit/step_delassus.hpp"
+#include "contact/surface/dual_active_set.hpp"
+#include "contact/surface/sample_search.hpp"
+
+namespace softffd {
+
+class SurfaceTouches final : public ImplicitTouches {
+ public:
+  SurfaceTouches(const Samples& samples, double length, int planes);
+
+  void open(const Step& step) override;
+  const HalfSpace& plane(int q) const override { return end_[q]; }
+  Vec3 material_velocity(int q, const Vec3& x) const override { return middle_[q].material_velocity(x); }
+  bool possible(const Vec3& x, double slack) override;
+  bool pins_pass() const override { return true; }
+  void guess(const Step& step, const Points& force, const Points& x) override;
+  void find_friction(const Step&, const Points&, bool, double, double) override {}  // it follows from the forces
+  void refresh() override { stale_ = true; }
+  StepStatus solve(const StepProblem& problem, bool cautious) override;
+  StepSolution& solution() override { return solution_; }
+  const StepMatrix& matrix() const override { return matrix_; }
+  void add_forces(Points& f) const override;
+  double largest_load() const override;
+  void keep_in_front(const Body&, Points&) const override {}  // to rounding they are
+  void find_reactions(std::vector<Reaction>& reactions) const override;
+  Vec3 value(const Reaction& reaction, const Points& values) const override { return samples_.at(reaction.at, values); }
+  void hold(State& state) const override;
+
+ private:
+  /// A row and the force on it [N].
+  struct Force {
+    SurfaceRow row;
+    Vec3 force;
+  };
+  bool solve_free(const StepProblem& problem);
+  StepStatus find_forces(const StepProblem& problem);
+  StepStatus press(const StepProblem& problem, bool& lost);
+  void find_loads();
+  bool in_front(double slack);
+  bool take_loads();
+  bool rub(const StepProblem& problem);
+  bool rubs() const;
+  void find_move(const std::vector<Force>& forces);
+  void find_heights(const StepProblem& problem, std::vector<Scalars>& heights) const;
+  void list_candidates();
+  bool all_covered(const std::vector<Scalars>& heights);
+  Vec3 place(const StepProblem& problem, const SurfaceRow& row) const;
+
+  const Samples& samples_;
+  double length_;
+  std::vector<HalfSpace> middle_, end_;  ///< the planes in the middle and at the end of the step
+  std::vector<double> friction_;         ///< (planes) coefficients
+  std::vector<Vec3> normals_;            ///< (planes)
+  SampleSearch search_;
+  StepMatrix matrix_;
+  DualActiveSetIn<StepDelassus> set_;
+  CoulombRows rows_;
+  CoulombRows::Problem coulomb_;
+  std::vector<Force> forces_, before_, active_;  ///< of the rows, sorted; before: at the linearisation
+  std::vector<SurfaceRow> start_;                ///< rows that are loaded already
+  std::vector<double> loads_;                    ///< theirs [N]
+  StepSolution solution_;
+  Points free_, move_;  ///< dx with the forces before; with those at hand [m]
+  std::vector<Scalars> heights_;
+  std::vector<Candidate> candidates_;
+  FeasibleSet feasible_;
+  double doubt_ = 0;  ///< rounding of move_ [m]
+  bool stale_ = true;
+};
+
+}  // namespace softffd

@@ -1,0 +1,370 @@
+#include "contact/surface/surface_contact.hpp"
+
+#include <algorithm>
+
+#include "contact/surface/surface_loops.hpp"
+#include "contact/tolerances.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// Looks for samples until those that a stage has brought to a plane are among them.
+constexpr int most_looks = 20;
+/// Share of what contact does to the kinetic energy that is rounding.
+constexpr double no_gain = 1e-10;
+/// Of its limit, friction that a step begins to look at.
+constexpr double most_share = 2;
+
+/// By which any point has moved.
+double longest_way(const Points& from, const Points& to) { return std::sqrt((to - from).square().rowwise().sum().maxCoeff()); }
+
+}  // namespace
+
+/// Rows of the state, of which those among the candidates can be active.
+void SurfaceContact::load(const std::vector<Count>& numbers, const Points& friction, SurfaceStage& stage) const {
+  stage.rows.clear();
+  stage.share.clear();
+  auto at = stage.candidates.begin();
+  for (std::size_t t = 0; t < numbers.size() && numbers[t] >= 0; ++t) {
+    while (at != stage.candidates.end() && number(at->row) < numbers[t]) ++at;
+    if (at == stage.candidates.end()) return;
+    if (number(at->row) != numbers[t]) continue;
+    stage.rows.push_back(at->row);
+    const Vec3 share = softffd::row(friction, int(t));
+    stage.share.push_back(share.norm() <= most_share ? share : Vec3(Vec3::Zero()));  // a state may hold anything
+    ++at;
+  }
+}
+
+void SurfaceContact::save(const SurfaceStage& stage, std::vector<Count>& numbers, Points& friction) const {
+  const std::size_t known = std::min(numbers.size(), stage.rows.size());
+  for (std::size_t t = 0; t < known; ++t) {
+    numbers[t] = number(stage.rows[t]);
+    set_row(friction, int(t), stage.share[t]);
+  }
+  for (std::size_t t = known; t < numbers.size() && numbers[t] >= 0; ++t) {
+    numbers[t] = -1;
+    set_row(friction, int(t), Vec3::Zero());
+  }
+}
+
+SurfaceContact::SurfaceContact(const Body& body, int planes)
+    : samples_(*body.samples),
+      length_(body.length),
+      search_(samples_, planes, length_),
+      tangents_(samples_, length_),
+      flat_(planes),
+      obstacle_(planes),
+      drift_(samples_, planes),
+      close_(samples_, planes),
+      start_(planes),
+      middle_(planes),
+      end_(planes),
+      friction_(planes, 0.0),
+      still_(planes, 0),
+      normals_(planes),
+      at_hand_(samples_),
+      behind_(body.points() / 8 + 1) {
+  for (SurfaceStage* stage : {&drift_, &close_})
+    for (Scalars& heights : stage->heights) heights.setZero(body.points());
+  for (int q = 0; q < planes; ++q) obstacle_[q] = q;
+}
+
+void SurfaceContact::set_planes() {
+  for (std::size_t q = 0; q < end_.size(); ++q) normals_[q] = end_[q].normal;
+  drift_.set_planes(normals_, friction_);
+  close_.set_planes(normals_, friction_);
+}
+
+void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h) {
+  if (h != h_ || body.version != version_) {
+    h_ = h;
+    version_ = body.version;
+    const auto inverse = [&](const Scalars& mass) { return Scalars(body.inverse_mass.head(body.points()) * body.mass / mass); };
+    drift_.set_masses(inverse(kicks.opening_mass()));
+    close_.set_masses(inverse(kicks.closing_mass()));
+  }
+  know(around);
+  for (int q = 0; q < flat_; ++q) {
+    friction_[q] = around.planes[q].friction;
+    still_[q] = around.planes[q].at_rest();
+    start_[q] = middle_[q] = end_[q] = around.planes[q].at(t0);
+  }
+  set_planes();
+  holds_ = false;
+}
+
+void SurfaceContact::move_planes(const StepView& step) {
+  bool moved = false;
+  for (int q = 0; q < flat_; ++q) {
+    if (still_[q]) continue;
+    const Plane& plane = step.around.planes[q];
+    start_[q] = plane.at(step.t0);
+    middle_[q] = plane.at(0.5 * (step.t0 + step.t1));
+    end_[q] = plane.at(step.t1);
+    moved = true;
+  }
+  if (moved) set_planes();
+}
+
+/// Heights of the control points; returns whether any is behind an obstacle.
+bool SurfaceContact::find_heights(const Points& x1) {
+  bool behind = false;
+  for (std::size_t q = 0; q < end_.size(); ++q)
+    behind = kernels::gaps(int(x1.rows()), x1.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data()) || behind;
+  return behind;
+}
+
+double SurfaceContact::slack_of_rows() const {
+  double far = length_;
+  for (const HalfSpace& plane : end_) far = std::max(far, length_ + std::abs(plane.offset));
+  return row_slack * far;
+}
+
+/// Solves for the samples near the planes, and again if it has brought others there. rows: of the state; way: by which a point moves [m].
+StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip) {
+  free_ = drift_.heights;
+  for (int q = 0; q < flat_; ++q)
+    if (!search_.covers(q, free_[q])) search_.look(q, free_[q], way);
+  const double tolerance = slack_of_rows();
+  if (fit_known(rows, friction, tolerance, slip)) return StepStatus::ok;
+  for (int looks = 0; looks < most_looks; ++looks) {
+    drift_.heights = free_;
+    drift_.candidates.clear();
+    for (int q = 0; q < flat_; ++q)
+      for (const int s : search_.near(q)) drift_.candidates.push_back({.row = {q, s}});
+    for (const Tangent& each : tangents_.found())
+      drift_.candidates.push_back({.row = {flat_ + int(&each - tangents_.found().data()), each.sample}});
+    load(rows, friction, drift_);
+    if (const StepStatus status = drift_.solve(tolerance, slip); status != StepStatus::ok) return status;
+    bool covered = true;
+    for (int q = 0; q < flat_; ++q)
+      if (!search_.covers(q, drift_.heights[q])) {
+        search_.look(q, drift_.heights[q], way);
+        covered = false;
+      }
+    if (covered) return drift_.pinned_violation() > pin_slack * length_ ? StepStatus::pin_behind_plane : StepStatus::ok;
+  }
+  return StepStatus::not_finite;
+}
+
+/// Where a sample is to be tangentially at the end of the drift: it sticks from the moment on at which it is on its plane.
+Vec3 SurfaceContact::aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once) {
+  const Vec3 begin = samples_.at(row.sample, step.x0);
+  const Vec3 target = begin + step.h * middle_[row.plane].material_velocity(0.5 * (begin + free));
+  const double gap = start_[row.plane].gap(begin);
+  if (at_once || gap <= touching * length_) return target;
+  arrives_ = true;
+  const double left = end_[row.plane].gap(free), share = left < 0 ? gap / (gap - left) : 1;
+  return target + share * tangential(end_[row.plane].normal, free - target);
+}
+
+void SurfaceContact::find(const StepView& step, const Points& x1, const SurfaceRows& rows) {
+  move_planes(step);
+  if (solids_) find_tangents(step.around, step.t0, step.t1, step.x0, longest_way(step.x0, x1));
+  bool any = rows.drift[0] >= 0 || near_ || int(end_.size()) > flat_;
+  for (int q = 0; q < flat_ && !any; ++q)  // costs less than heights
+    any = kernels::behind(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, behind_.data());
+  near_ = (any && find_heights(x1)) || rows.drift[0] >= 0;
+}
+
+StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange) {
+  touching_.clear();
+  known_ = -1;
+  places_known_ = false;
+  if (near_) {
+    places_known_ = hold_drift(step, v, x1, rows);
+    if (const StepStatus status = places_known_ ? StepStatus::ok : meet(step, v, x1, rows); status != StepStatus::ok) return status;
+    if (!drift_.rows.empty()) {
+      drift_.give(1 / step.h, v, &x1);
+      exchange.contacts_resolved += Count(drift_.rows.size());
+      if (!places_known_) find_places(drift_, x1);
+      places_known_ = true;
+      exchange.dissipated += book(step, drift_, 1 / step.h, exchange);
+    }
+    rows.missed = std::max(rows.missed, drift_.missed());
+    save(drift_, rows.drift, rows.drift_friction);
+  }
+  if (holds_)
+    std::erase_if(lasting_, [&, at = touching_.begin()](const Candidate& candidate) mutable {
+      while (at != touching_.end() && at->row < candidate.row) ++at;
+      return at == touching_.end() || at->row != candidate.row;
+    });
+  if (touching_.empty()) {
+    close_.rows.clear();
+    save(close_, rows.close, rows.close_friction);
+  } else {
+    if (solids_) turn_tangents(step, x1);
+    if (wants_loss(step)) {
+      start_v_ = before;
+      if (lands_) start_force_ = step.spring + step.force;
+    }
+  }
+  return StepStatus::ok;
+}
+
+/// The drift's stage.
+StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
+  const double way = step.h * largest_speed(v);
+  arrives_ = false;
+  for (const bool at_once : {false, true}) {
+    const auto slip_of = [&](const SurfaceRow& row) {
+      const Vec3 free = samples_.at(row.sample, x1);
+      return Vec3(free - aim(step, free, row, at_once));
+    };
+    if (at_once) drift_.heights = free_;
+    if (const StepStatus status = fit(rows.drift, rows.drift_friction, way, std::ref(slip_of)); status != StepStatus::ok) return status;
+    if (!arrives_ || !gains(step, x1)) break;
+  }
+  if (solids_) {  // other samples may have come to one
+    const double whole = longest_way(step.x0, x1 + drift_.move());
+    if (!tangents_.covers(whole)) {
+      find_tangents(step.around, step.t0, step.t1, step.x0, 2 * whole);
+      find_heights(x1);
+      return meet(step, v, x1, rows);
+    }
+  }
+  std::size_t known = 0;
+  const Count before = impacts_;
+  for (const SurfaceRow& row : drift_.rows) {
+    const Count own = number(row);
+    while (known < rows.drift.size() && rows.drift[known] >= 0 && rows.drift[known] < own) ++known;
+    if (known < rows.drift.size() && rows.drift[known] == own) continue;
+    impacts_ += start_[row.plane].gap(samples_.at(row.sample, step.x0)) > touching * length_;
+  }
+  lands_ = impacts_ > before;
+  for (const Candidate& candidate : drift_.candidates)
+    if (candidate.gap <= touching * length_) touching_.push_back(candidate);
+  return StepStatus::ok;
+}
+
+/// Would the drift's forces add to the kinetic energy, as the planes see it?
+bool SurfaceContact::gains(const StepView& step, const Points& x1) const {
+  double gain = 0, size = 0;
+  for (std::size_t t = 0; t < drift_.rows.size(); ++t) {
+    const auto [plane, sample] = drift_.rows[t];
+    const Vec3 begin = samples_.at(sample, step.x0), end = samples_.at(sample, x1), by = 0.5 * samples_.at(sample, drift_.move());
+    const double each = drift_.force(int(t)).dot(end + by - begin - step.h * middle_[plane].material_velocity(0.5 * (begin + end)));
+    gain += each;
+    size += std::abs(each);
+  }
+  return gain > no_gain * size;
+}
+
+/// Where the rows of a stage are.
+void SurfaceContact::find_places(const SurfaceStage& stage, const Points& x1) {
+  places_.clear();
+  for (const SurfaceRow& row : stage.rows) places_.push_back(samples_.at(row.sample, x1));
+}
+
+/// Impulses of a stage with forces times per_force [N s]. Returns the work of the own motion of obstacles and pins [J].
+double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
+  double work = 0;
+  Impulse taken;
+  for (std::size_t t = 0; t < stage.rows.size(); ++t) {
+    const int q = stage.rows[t].plane;
+    const Vec3 impulse = per_force * stage.force(int(t));
+    taken.add(-impulse, places_[t] - end_[q].point);
+    if (q >= flat_ || !still_[q]) work += impulse.dot(end_[q].material_velocity(places_[t]));
+    if (t + 1 < stage.rows.size() && stage.rows[t + 1].plane == q) continue;
+    Impulse& plane = exchange.planes[obstacle_[q]];
+    plane.force += taken.force;
+    plane.torque += taken.torque;
+    taken = {};
+  }
+  exchange.work += work;
+  return step.around.pins.empty() ? work : work + give_pins(step, stage, per_force, exchange);
+}
+
+/// Pins take what obstacles give the points that they hold: of each sample the share that its weights give these. Returns
+/// the work of the pins' own motion [J].
+double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
+  const int n = step.body.points();
+  weights_.resize(samples_.support());
+  given_.setZero(n, 3);
+  const Scalars once = Scalars::Ones(n);
+  for (std::size_t t = 0; t < stage.rows.size(); ++t) {
+    const int s = stage.rows[t].sample;
+    samples_.weights(s, once, weights_.data());
+    samples_.add(s, per_force * stage.force(int(t)), weights_.data(), given_);
+  }
+  double work = 0;
+  step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {
+    const Vec3 impulse = -row(given_, held.point);
+    exchange.push(exchange.pins[held.pin], impulse, held.arm, held.velocity());
+    work += impulse.dot(held.velocity());
+  });
+  return work;
+}
+
+/// Velocities after the closing kick, with these samples in front of their planes.
+StepStatus SurfaceContact::stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows) {
+  places_known_ = false;
+  const bool held = recall(rows.close, close_) && hold_close(step, v, candidates);
+  const StepStatus status = held ? StepStatus::ok : find_stop(candidates, step, v, rows);
+  if (status == StepStatus::ok) close_.give(1, v);
+  return status;
+}
+
+StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v,
+                                     const SurfaceRows& rows) {
+  const Points& x1 = step.x0;  // of this end of the step
+  if (&candidates != &close_.candidates) close_.candidates = candidates;
+  double fastest = largest_speed(v);
+  for (Candidate& candidate : close_.candidates) {
+    const HalfSpace& plane = end_[candidate.row.plane];
+    const bool turns = !plane.spin.isZero(0);
+    candidate.bound = plane.normal.dot(turns ? plane.material_velocity(samples_.at(candidate.row.sample, x1)) : plane.velocity);
+    fastest = std::max(fastest, std::abs(candidate.bound));
+  }
+  for (std::size_t q = 0; q < end_.size(); ++q)
+    kernels::gaps(step.body.points(), v.data(), end_[q].normal.data(), 0, close_.heights[q].data());
+  load(rows.close, rows.close_friction, close_);
+  const auto slip_of = [&](const SurfaceRow& row) {
+    const HalfSpace& plane = end_[row.plane];
+    const bool turns = !plane.spin.isZero(0);
+    return Vec3(samples_.at(row.sample, v) - (turns ? plane.material_velocity(samples_.at(row.sample, x1)) : plane.velocity));
+  };
+  slack_ = row_slack * fastest;
+  return close_.solve(slack_, std::ref(slip_of));
+}
+
+StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange) {
+  if (touching_.empty()) return StepStatus::ok;
+  if (holds_) lasting_ = touching_;
+  close_.rows = drift_.rows;
+  if (!hold_close(step, v, touching_)) {
+    if (known_ < 0 || !find_stop_of_known(step, v, rows)) {
+      if (known_ >= 0) list_touching();
+      if (const StepStatus status = find_stop(touching_, step, v, rows); status != StepStatus::ok) return status;
+    }
+    find_places(close_, step.x0);
+  }
+  close_.give(1, v);
+  exchange.dissipated += book(step, close_, 1, exchange);
+  rows.missed = std::max(rows.missed, close_.missed());
+  save(close_, rows.close, rows.close_friction);
+  return StepStatus::ok;
+}
+
+/// Its impulses J change the kinetic energy by J . w, where w is the mean of the velocities at both ends of the step. Where a sample lands
+/// they also move the points in the step, on which the forces F work: half a step at the drift and as much less at the closing. Lasting
+/// contact balances the part of F that this takes for work, and does none.
+double SurfaceContact::loss(const StepView& step, const Points& v1) const {
+  if (touching_.empty()) return 0;
+  const int n = step.body.points();
+  const Scalars &opening = step.kicks.opening_mass(), &closing = step.kicks.closing_mass();
+  const Points &move = drift_.move(), &stop = close_.move();
+  const double rate = 1 / step.h;
+  double lost = kernels::energy_taken(n, opening.data(), rate, move.data(), closing.data(), stop.data(), start_v_.data(), v1.data());
+  for (int axis = 0; lands_ && axis < 3; ++axis)
+    for (int p = 0; p < n; ++p) {
+      const double more = rate * opening[p] * move(p, axis) - closing[p] * stop(p, axis);
+      const double force = 0.5 * (start_force_(p, axis) + step.spring(p, axis) + step.force(p, axis));
+      lost += more * 0.5 * step.h * step.body.inverse_mass[p] * force;
+    }
+  return lost;
+}
+
+}  // namespace softffd

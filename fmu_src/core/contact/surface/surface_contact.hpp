@@ -1,0 +1,142 @@
+/// Contact of the object's own surface with obstacle planes, explicit: no sample of the surface is behind a plane at the end of any
+/// internal step. Control points may be.
+///
+/// The gap of a sample is linear in the control points, n . Q_s(x) - c with Q_s(x) = sum W_si x_i, so that what the obstacles do is one
+/// convex problem of the whole body (surface_stage.hpp), twice a step as with contact of control points (contact.hpp):
+///
+///      drift   x1 = x0 + h v is moved to the nearest body that no plane cuts, in the metric of the masses; v by the move over h
+///      close   velocities after the closing half kick likewise, for the samples that touch a plane at t1
+///
+/// A sample that arrives at the share th of the step gets (1 - th) of its impulse at the drift and the rest at the closing, which is second
+/// order. Friction brakes the slip after the impact alone: at the drift a sample that arrives is to stick where it would be if it had slid
+/// freely until then,
+///
+///      target = Q_s(x0) + h w + th (its free slip),      one that was on the plane at t0: th = 0,
+///
+/// with the velocity w of the obstacle's material; what sticks stays at its target, so that nothing creeps. Contact adds no kinetic energy
+/// on planes at rest; were th to make it, the stage is done again with th = 0.
+///
+/// The rows that are active, and the friction on them, are where the next step begins to look; they belong to the state (model/run.hpp).
+/// While a body rests, rolls or sways on one plane they do for nearly every step (surface_hold.cpp). The closing begins with those of the
+/// drift: of crowded samples many would carry the body as well, and friction on others could not hold what those hold.
+#pragma once
+#include "contact/contact.hpp"
+#include "contact/surface/sample_rows.hpp"
+#include "contact/surface/sample_search.hpp"
+#include "contact/surface/surface_stage.hpp"
+#include "contact/surface/tangents.hpp"
+#include "model/run.hpp"
+
+namespace softffd {
+
+inline double largest_speed(const Points& v) { return kernels::largest(v.size(), v.data()); }
+
+class SurfaceContact {
+ public:
+  SurfaceContact(const Body& body, int planes);
+
+  /// Moves the body out of planes at a communication point; velocities stay. As a whole where nothing is pinned and that does; the rest is
+  /// pushed in. Sets `moved` if there was any.
+  StepStatus clear_jumps(const Body& body, const Drive& around, double time, Points& x, bool& moved);
+  /// Samples on each plane, counted.
+  void count(const Drive& around, double time, const Points& x, std::vector<Count>& contacts);
+
+  /// Before steps of size h from t0 on, with these half kicks.
+  void begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h);
+  /// After `begin`, where the first kick is to be held: finds the samples that touch an obstacle at x.
+  void look(const Drive& around, double time, const Points& x);
+  /// Looks whether the free drift to x1 may bring the surface to an obstacle. rows: of the state.
+  void find(const StepView& step, const Points& x1, const SurfaceRows& rows);
+  /// Then, as in contact.hpp.
+  StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange);
+  StepStatus close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange);
+  /// Energy that contact took in the step that `close` has ended, less the work of the obstacles' own motion [J], where kicks are those of
+  /// kick.hpp. v1: velocities at its end.
+  double loss(const StepView& step, const Points& v1) const;
+  /// Where it is not asked for, nothing is kept for it.
+  static bool wants_loss(const StepView& step) { return step.around.watch || !step.body.damped; }
+  /// Velocities with the samples held that touch at this end of the step, before its drift, and did at the other end, after it; nothing
+  /// else changes.
+  StepStatus hold(const StepView& step, Points& v, const SurfaceRows& rows) { return stop(lasting_, step, v, rows); }
+
+  /// Was anything near that was found?
+  bool near() const { return near_; }
+  /// Does any sample touch a plane after the last drift?
+  bool touched() const { return !touching_.empty(); }
+  Count impacts() const { return impacts_; }
+
+ private:
+  using Slip = std::function<Vec3(const SurfaceRow&)>;
+  /// By which the state knows a row.
+  Count number(const SurfaceRow& row) const { return Count(obstacle_[row.plane]) * samples_.count() + row.sample; }
+  SurfaceRow row_of(Count number) const { return {int(number / samples_.count()), int(number % samples_.count())}; }
+  void load(const std::vector<Count>& numbers, const Points& friction, SurfaceStage& stage) const;
+  void save(const SurfaceStage& stage, std::vector<Count>& numbers, Points& friction) const;
+  void set_planes();
+  void move_planes(const StepView& step);
+  bool find_heights(const Points& x1);
+  double slack_of_rows() const;
+  StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
+  StepStatus stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows);
+  StepStatus find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v, const SurfaceRows& rows);
+  StepStatus meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
+  Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
+  bool gains(const StepView& step, const Points& x1) const;
+  void find_places(const SurfaceStage& stage, const Points& x1);
+  double book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
+  double give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
+  // surface_hold.cpp
+  bool recall(const std::vector<Count>& numbers, SurfaceStage& stage) const;
+  bool hold_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
+  bool list_held(double h, const Points& v);
+  bool hold_close(const StepView& step, const Points& v, const std::vector<Candidate>& candidates);
+  bool fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip);
+  bool find_stop_of_known(const StepView& step, const Points& v, const SurfaceRows& rows);
+  void list_touching();
+  // surface_solids.cpp
+  void know(const Drive& around);
+  void resize(std::size_t planes);
+  void find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way);
+  void turn_tangents(const StepView& step, const Points& x1);
+  // surface_jumps.cpp
+  bool gaps_at(const Drive& around, double time, const Points& x, double& deepest);
+  void shift(Points& x) const;
+  const std::vector<int>& near(int q, const HalfSpace& plane, const Points& x);
+
+  const Samples& samples_;
+  double length_;
+  SampleSearch search_;
+  Tangents tangents_;
+  bool solids_ = false;        ///< any obstacle is one
+  int flat_;                   ///< number of half-spaces, which come first; then planes of the tangents, one each
+  std::vector<int> obstacle_;  ///< whose plane it is
+  SurfaceStage drift_, close_;
+  std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at the start of the step, in its middle, at its end
+  std::vector<double> friction_;
+  std::vector<char> still_;
+  std::vector<Vec3> normals_;
+  std::vector<Scalars> free_;        ///< heights before a stage
+  std::vector<Candidate> touching_;  ///< after the last drift; or of these those that were active before it,
+  int known_ = -1;                   ///< where a long list of this plane alone has no other that matters
+  std::vector<Candidate>
+      lasting_;         ///< of these, between drift and closing, those that touched before the drift; where first kicks are held
+  bool holds_ = false;  ///< they are
+  double slack_ = 0;    ///< of the last closing [m/s]
+  SampleRows at_hand_;  ///< the rows that may hold, and of these:
+  std::vector<Vec3> begin_, away_;     ///< where they are at t0, or how fast they move; how far from where they are to be
+  std::vector<double> gaps_, bounds_;  ///< heights after a stage, and what they are to be
+  std::vector<Vec3> places_;           ///< of the rows of a stage at t1
+  bool places_known_ = false;          ///< they are those of the drift's rows
+  Scalars weights_;                    ///< of a sample
+  Points given_;                       ///< by obstacles to the control points [N s]
+  Points start_v_, start_force_;       ///< at the start of a step with contact
+  bool near_ = false;                  ///< a control point is behind a plane, or a sample was on one
+  std::vector<unsigned char> behind_;  ///< which
+  bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
+  bool lands_ = false;                 ///< any sample does
+  Count version_ = -1;
+  double h_ = -1;
+  Count impacts_ = 0;
+};
+
+}  // namespace softffd

@@ -1,0 +1,183 @@
+/// Lasting contact with one plane, most steps of a body that rests, rolls or sways: the samples that touched before do again, all of them
+/// press and stick, and nothing else has come near. It is found without a list of candidates, by the rows of the state alone, and looked
+/// at afterwards; where it is not so, the stage is solved from its beginning: where a long list of samples is near, at first with these
+/// rows alone too, of which some may slide.
+#include <algorithm>
+
+#include "contact/surface/surface_contact.hpp"
+#include "contact/surface/surface_loops.hpp"
+#include "contact/tolerances.hpp"
+
+namespace softffd {
+
+/// Rows of the state, all of one plane that is no solid's tangent; false where they are others, or none.
+bool SurfaceContact::recall(const std::vector<Count>& numbers, SurfaceStage& stage) const {
+  std::vector<SurfaceRow>& rows = stage.rows;
+  std::size_t n = 0;
+  bool known = true;
+  for (; n < numbers.size() && numbers[n] >= 0; ++n)
+    known = known && n < rows.size() && rows[n].plane < flat_ && number(rows[n]) == numbers[n];
+  if (n == 0) return false;
+  if (!known || rows.size() != n) {
+    rows.clear();
+    for (std::size_t t = 0; t < n; ++t) {
+      const SurfaceRow row = row_of(numbers[t]);
+      if (row.plane >= flat_ || (t > 0 && !(rows.back() < row))) return false;  // a state may hold anything
+      rows.push_back(row);
+    }
+  }
+  return rows.front().plane == rows.back().plane;
+}
+
+/// The drift's stage.
+bool SurfaceContact::hold_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
+  if (solids_ || !recall(rows.drift, drift_)) return false;
+  const int q = drift_.rows.front().plane;
+  const HalfSpace& plane = end_[q];
+  at_hand_.set(drift_.rows);
+  at_hand_.at(step.x0, begin_);
+  at_hand_.at(x1, places_);
+  away_.resize(places_.size());
+  for (std::size_t t = 0; t < away_.size(); ++t) {
+    if (start_[q].gap(begin_[t]) > touching * length_) return false;  // it arrives
+    Vec3 slip = places_[t] - begin_[t];
+    if (!still_[q]) slip -= step.h * middle_[q].material_velocity(0.5 * (begin_[t] + places_[t]));
+    away_[t] = plane.gap(places_[t]) * plane.normal;
+    if (friction_[q] > 0) away_[t] += tangential(plane.normal, slip);
+  }
+  if (!drift_.hold(away_)) return false;
+  if (!list_held(step.h, v)) {
+    touching_.clear();
+    find_heights(x1);
+    return false;
+  }
+  for (std::size_t t = 0; t < away_.size(); ++t) places_[t] -= away_[t];
+  lands_ = false;
+  return true;
+}
+
+/// Are the rows at hand on their plane after the drift, and all other samples in front of theirs? Lists those that touch; where many are
+/// near and no control point that counts for one is behind the plane, the rows alone.
+bool SurfaceContact::list_held(double h, const Points& v) {
+  const double slack = slack_of_rows();
+  const std::vector<SurfaceRow>& rows = drift_.rows;
+  const int own = rows.front().plane;
+  bool alone = true;
+  for (int q = 0; q < flat_; ++q) {
+    if (!search_.covers(q, drift_.heights[q])) search_.look(q, drift_.heights[q], h * largest_speed(v));
+    alone = alone && (q == own || search_.near(q).empty());
+  }
+  at_hand_.at(drift_.heights[own], gaps_);
+  for (const double gap : gaps_)
+    if (!(std::abs(gap) <= slack)) return false;
+  if (alone && !holds_ && search_.is_long(own) && search_.in_front(own, drift_.heights[own], 0.5 * slack)) {
+    for (std::size_t t = 0; t < rows.size(); ++t) touching_.push_back({.row = rows[t], .gap = gaps_[t]});
+    known_ = own;
+    return true;
+  }
+  std::size_t found = 0;
+  for (int q = 0; q < flat_; ++q)
+    for (const int s : search_.near(q)) {
+      const bool row = found < rows.size() && rows[found] == SurfaceRow{q, s};
+      const double gap = row ? gaps_[found++] : samples_.at(s, drift_.heights[q].data());
+      if (!(gap >= -slack)) return false;
+      if (gap <= touching * length_) touching_.push_back({.row = {q, s}, .gap = gap});
+    }
+  return found == rows.size();
+}
+
+/// The closing's stage by its rows, where these candidates are to stay in front of their planes.
+bool SurfaceContact::hold_close(const StepView& step, const Points& v, const std::vector<Candidate>& candidates) {
+  const std::vector<SurfaceRow>& rows = close_.rows;
+  if (rows.empty() || rows.front().plane != rows.back().plane) return false;
+  const int own = rows.front().plane;
+  const HalfSpace& plane = end_[own];
+  const bool turns = !plane.spin.isZero(0);
+  at_hand_.set(rows);
+  if (!places_known_) at_hand_.at(step.x0, places_);
+  at_hand_.at(v, begin_);
+  double fastest = std::sqrt(kernels::speeds(step.body.points(), plane.normal.data(), v.data(), close_.heights[own].data()));
+  for (int q = 0; q < int(end_.size()); ++q)
+    if (q != own) kernels::gaps(step.body.points(), v.data(), end_[q].normal.data(), 0, close_.heights[q].data());
+  away_.resize(rows.size());
+  bounds_.resize(rows.size());
+  for (std::size_t t = 0; t < rows.size(); ++t) {
+    const Vec3 material = turns ? plane.material_velocity(places_[t]) : plane.velocity, slip = begin_[t] - material;
+    bounds_[t] = plane.normal.dot(material);
+    away_[t] = friction_[own] > 0 ? slip : Vec3(plane.normal.dot(slip) * plane.normal);
+    fastest = std::max(fastest, std::abs(bounds_[t]));
+  }
+  slack_ = row_slack * fastest;
+  if (!close_.hold(away_)) return false;
+  at_hand_.at(close_.heights[own], gaps_);
+  for (std::size_t t = 0; t < rows.size(); ++t)
+    if (!(std::abs(gaps_[t] - bounds_[t]) <= slack_)) return false;
+  const double slack = velocity_slack * fastest;
+  if (known_ >= 0 && !turns && search_.in_front(known_, close_.heights[known_], 0.5 * slack - plane.normal.dot(plane.velocity)))
+    return true;
+  if (known_ >= 0) list_touching();
+  for (std::size_t c = 0, t = 0; c < candidates.size(); ++c) {
+    const SurfaceRow& row = candidates[c].row;
+    while (t < rows.size() && rows[t] < row) ++t;
+    if (t < rows.size() && rows[t] == row) continue;
+    const HalfSpace& its = end_[row.plane];
+    const bool its_turns = !its.spin.isZero(0);
+    const double bound = its.normal.dot(its_turns ? its.material_velocity(samples_.at(row.sample, step.x0)) : its.velocity);
+    if (!(samples_.at(row.sample, close_.heights[row.plane].data()) >= bound - slack)) return false;
+  }
+  return true;
+}
+
+/// As `fit` for the rows of the state alone, sticking or not. Where a list is long and in front of its plane then, the list would not
+/// change it, to the bit.
+bool SurfaceContact::fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip) {
+  known_ = -1;
+  int near = -1;
+  for (int q = 0; q < flat_; ++q) {
+    if (search_.near(q).empty()) continue;
+    if (near >= 0 || !search_.is_long(q)) return false;
+    near = q;
+  }
+  if (near < 0 || holds_ || solids_) return false;
+  drift_.candidates.clear();
+  const std::vector<int>& list = search_.near(near);
+  for (std::size_t t = 0; t < rows.size() && rows[t] >= 0; ++t)
+    if (const SurfaceRow row = row_of(rows[t]); row.plane == near && std::binary_search(list.begin(), list.end(), row.sample))
+      drift_.candidates.push_back({.row = row});
+  if (drift_.candidates.empty()) return false;
+  load(rows, friction, drift_);
+  if (drift_.solve(tolerance, slip) != StepStatus::ok || drift_.added() || drift_.rows.empty()) return false;
+  const Scalars& heights = drift_.heights[near];
+  if (!search_.covers(near, heights) || !search_.in_front(near, heights, 0.5 * tolerance)) return false;
+  known_ = near;
+  return true;
+}
+
+/// Of all samples near the plane, where those were not listed.
+void SurfaceContact::list_touching() {
+  touching_.clear();
+  for (const int s : search_.near(known_)) {
+    const double gap = samples_.at(s, drift_.heights[known_].data());
+    if (gap <= touching * length_) touching_.push_back({.row = {known_, s}, .gap = gap});
+  }
+  known_ = -1;
+}
+
+/// As fit_known.
+bool SurfaceContact::find_stop_of_known(const StepView& step, const Points& v, const SurfaceRows& rows) {
+  const HalfSpace& plane = end_[known_];
+  if (!plane.spin.isZero(0)) return false;
+  std::vector<Candidate>& known = close_.candidates;
+  known.clear();
+  const std::vector<int>& list = search_.near(known_);
+  for (std::size_t t = 0; t < rows.close.size() && rows.close[t] >= 0; ++t) {
+    const SurfaceRow row = row_of(rows.close[t]);
+    if (row.plane == known_ && std::binary_search(list.begin(), list.end(), row.sample) &&
+        samples_.at(row.sample, drift_.heights[known_].data()) <= touching * length_)
+      known.push_back({.row = row});
+  }
+  return find_stop(known, step, v, rows) == StepStatus::ok && !close_.added() &&
+         search_.in_front(known_, close_.heights[known_], 0.5 * slack_ - plane.normal.dot(plane.velocity));
+}
+
+}  // namespace softffd

@@ -1,0 +1,101 @@
+/// Between steps: samples that planes have jumped over, and those that touch.
+#include <algorithm>
+
+#include "contact/surface/surface_contact.hpp"
+#include "contact/tolerances.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// Moves out of solids that one after the other may need.
+constexpr int most_looks = 50;
+
+}  // namespace
+
+StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, double time, Points& x, bool& moved) {
+  const auto clear = [&] {
+    double deepest = 0;
+    return !gaps_at(around, time, x, deepest) || deepest >= -position_slack * (length_ + row(x, 0).norm());
+  };
+  know(around);
+  if (clear()) return StepStatus::ok;
+  if (body.version != version_) {
+    version_ = body.version;
+    h_ = -1;
+    drift_.set_masses(body.inverse_mass.head(body.points()));
+  }
+  const bool free = std::none_of(body.pinned.begin(), body.pinned.end(), [](bool pinned) { return pinned; });
+  for (int looks = 0; looks < most_looks; ++looks) {
+    if (free) shift(x);
+    find_heights(x);
+    const std::vector<Count> none;
+    const StepStatus status = fit(none, {}, 0, [](const SurfaceRow&) { return Vec3(Vec3::Zero()); });
+    if (status != StepStatus::ok) return status;
+    x += drift_.move();
+    moved = true;
+    if (!solids_ || clear()) return StepStatus::ok;  // before solids other samples may have come
+  }
+  return StepStatus::impossible_planes;
+}
+
+void SurfaceContact::look(const Drive& around, double time, const Points& x) {
+  touching_.clear();
+  for (int q = 0; q < flat_; ++q)
+    for (const int s : near(q, end_[q], x))
+      if (samples_.at(s, drift_.heights[q].data()) <= touching * length_) touching_.push_back({.row = {q, s}});
+  if (solids_) find_tangents(around, time, time, x, 0);
+  for (int q = flat_; q < int(end_.size()); ++q) touching_.push_back({.row = {q, tangents_.found()[q - flat_].sample}});
+  lasting_ = touching_;
+  holds_ = true;
+}
+
+/// Samples near plane q where it is now, all that touch it among them; their heights are those of drift_.
+const std::vector<int>& SurfaceContact::near(int q, const HalfSpace& plane, const Points& x) {
+  Scalars& heights = drift_.heights[q];
+  kernels::gaps(int(x.rows()), x.data(), plane.normal.data(), plane.offset, heights.data());
+  if (!search_.covers(q, heights)) search_.look(q, heights, 0);
+  return search_.near(q);
+}
+
+/// Planes without friction and heights above them; deepest: of the samples [m]. Returns whether any control point is behind one.
+bool SurfaceContact::gaps_at(const Drive& around, double time, const Points& x, double& deepest) {
+  for (int q = 0; q < flat_; ++q) end_[q] = around.planes[q].at(time);
+  if (solids_) find_tangents(around, time, time, x, 0);
+  if (!find_heights(x)) return false;
+  set_planes();
+  for (int q = 0; q < flat_; ++q) {
+    if (!search_.covers(q, drift_.heights[q])) search_.look(q, drift_.heights[q], 0);
+    for (const int s : search_.near(q)) deepest = std::min(deepest, samples_.at(s, drift_.heights[q].data()));
+  }
+  for (int q = flat_; q < int(end_.size()); ++q)
+    deepest = std::min(deepest, samples_.at(tangents_.found()[q - flat_].sample, drift_.heights[q].data()));
+  return true;
+}
+
+/// Moves the whole body by the shortest way that brings its samples in front of all planes, if there is one: that strains nothing.
+void SurfaceContact::shift(Points& x) const {
+  std::vector<Constraint> constraints;
+  for (std::size_t q = 0; q < end_.size(); ++q) {
+    const bool flat = int(q) < flat_;
+    double least = samples_.at(flat ? 0 : tangents_.found()[q - flat_].sample, drift_.heights[q].data());
+    for (int s = 1; flat && s < samples_.count(); ++s) least = std::min(least, samples_.at(s, drift_.heights[q].data()));
+    constraints.push_back({.normal = end_[q].normal, .bound = -least});
+  }
+  FeasibleSet feasible(int(end_.size()));
+  Vec3 by = Vec3::Zero();
+  if (!feasible.project(constraints, position_slack * length_, by)) return;
+  for (int axis = 0; axis < 3; ++axis) x.col(axis) += by[axis];
+}
+
+void SurfaceContact::count(const Drive& around, double time, const Points& x, std::vector<Count>& contacts) {
+  know(around);
+  std::ranges::fill(contacts, 0);
+  if (solids_) tangents_.find(around, time, time, x, 0);
+  for (const Tangent& each : tangents_.found()) ++contacts[each.obstacle];
+  for (int q = 0; q < flat_; ++q) {
+    for (const int s : near(q, around.planes[q].at(time), x)) contacts[q] += samples_.at(s, drift_.heights[q].data()) <= touching * length_;
+  }
+}
+
+}  // namespace softffd

@@ -1,0 +1,64 @@
+/// Solids among the obstacles of the surface: tangents, found anew in each step, are planes of one sample each.
+#include <algorithm>
+
+#include "contact/surface/surface_contact.hpp"
+
+namespace softffd {
+
+/// Solids, which come after the planes, have rows by their tangents alone.
+void SurfaceContact::know(const Drive& around) {
+  solids_ = around.planes.back().solid();
+  if (!solids_) return;
+  touching_.clear();
+  lasting_.clear();
+  flat_ = int(std::count_if(around.planes.begin(), around.planes.end(), [](const Plane& plane) { return !plane.solid(); }));
+  resize(flat_);
+}
+
+void SurfaceContact::resize(std::size_t planes) {
+  for (auto* each : {&start_, &middle_, &end_}) each->resize(planes);
+  friction_.resize(planes);
+  normals_.resize(planes);
+  obstacle_.resize(planes);
+}
+
+/// The tangents of what can come to a solid from t0 to t1, if no point moves further than this [m].
+void SurfaceContact::find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way) {
+  std::vector<std::pair<Count, Candidate>> lasting;
+  for (const Candidate& candidate : lasting_) lasting.push_back({number(candidate.row), candidate});
+  tangents_.find(around, t0, t1, x0, way);
+  resize(flat_ + tangents_.found().size());
+  int q = flat_;
+  for (const Tangent& each : tangents_.found()) {
+    start_[q] = each.start;
+    middle_[q] = each.middle;
+    end_[q] = each.end;
+    friction_[q] = around.planes[each.obstacle].friction;
+    obstacle_[q++] = each.obstacle;
+  }
+  set_planes();
+  for (SurfaceStage* stage : {&drift_, &close_})
+    for (Scalars& heights : stage->heights) heights.resize(x0.rows());
+  lasting_.clear();
+  for (auto& [known, candidate] : lasting) {
+    if (candidate.row.plane >= flat_) {
+      const auto at = std::ranges::find(tangents_.found(), known,
+                                        [&](const Tangent& each) { return Count(each.obstacle) * samples_.count() + each.sample; });
+      if (at == tangents_.found().end()) continue;
+      candidate.row.plane = flat_ + int(at - tangents_.found().begin());
+    }
+    lasting_.push_back(candidate);
+  }
+}
+
+/// Tangents at the end of the drift in the place of those at its start: half of an impulse has the direction of either, which is second
+/// order.
+void SurfaceContact::turn_tangents(const StepView& step, const Points& x1) {
+  for (std::size_t i = 0; i < tangents_.found().size(); ++i) {
+    const Plane& solid = step.around.planes[tangents_.found()[i].obstacle];
+    end_[flat_ + i] = tangent(solid, solid.pose_at(step.t1), samples_.at(tangents_.found()[i].sample, x1));
+  }
+  set_planes();
+}
+
+}  // namespace softffd

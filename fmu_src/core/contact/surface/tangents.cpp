@@ -1,0 +1,129 @@
+#include "contact/surface/tangents.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "contact/tolerances.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// A list of samples reaches so many times as far as it must, and at least this share of the box further: it is seldom made anew.
+constexpr double far_reach = 16, least_reserve = 1e-2;
+
+/// By how much any point's gap to a solid of this size may have become smaller.
+double way_since(const Points& x0, const SolidPose& pose0, const Points& x, const SolidPose& pose, const Plane& solid) {
+  const double moved = std::sqrt((x - x0).square().rowwise().sum().maxCoeff());
+  const double turned = (solid.box() ? (pose.edges - pose0.edges).norm() : (pose.normal - pose0.normal).norm()) * solid.size();
+  return moved + (pose.point - pose0.point).norm() + turned;
+}
+
+/// v as the shortest turn from one unit vector to the other takes it.
+Vec3 swung(const Vec3& from, const Vec3& to, const Vec3& v) {
+  const Vec3 axis = from.cross(to);
+  const double cosine = from.dot(to);
+  if (axis.isZero(0) || cosine <= -1) return v;  // a solid of revolution looks alike from both ends
+  return v + axis.cross(v) + axis.cross(axis.cross(v)) / (1 + cosine);
+}
+
+HalfSpace half_space(const HalfSpace& pose, const Vec3& normal, double beyond) {
+  return {pose.point, normal, normal.dot(pose.point) + beyond, pose.velocity, pose.spin};
+}
+
+/// Of a box, at the point that is closest.
+HalfSpace tangent_of_box(const Vec3& half, const SolidPose& pose, const Vec3& x) {
+  const Vec3 at = pose.edges.transpose() * (x - pose.point), closest = at.cwiseMax(-half).cwiseMin(half), out = at - closest;
+  if (const double distance = out.norm(); distance > 0) {
+    const Vec3 normal = out / distance;
+    return half_space(pose, pose.edges * normal, normal.dot(closest));
+  }
+  int face = 0;
+  (half - at.cwiseAbs()).minCoeff(&face);
+  return half_space(pose, at[face] < 0 ? Vec3(-pose.edges.col(face)) : Vec3(pose.edges.col(face)), half[face]);
+}
+
+/// The tangent of a sample at this place of the start, taken along with the solid to another pose.
+HalfSpace carried(const Plane& solid, const SolidPose& start, const HalfSpace& here, const Vec3& place, const SolidPose& pose) {
+  if (!solid.box()) return tangent(solid, pose, pose.point + swung(start.normal, pose.normal, place - start.point));
+  return half_space(pose, pose.edges * (start.edges.transpose() * here.normal), here.offset - here.normal.dot(start.point));
+}
+
+}  // namespace
+
+HalfSpace tangent(const Plane& solid, const SolidPose& pose, const Vec3& x) {
+  if (solid.box()) return tangent_of_box(0.5 * solid.sides, pose, x);
+  const Vec3 arm = x - pose.point;
+  const bool sphere = solid.length == 0;
+  const double height = sphere ? 0 : pose.normal.dot(arm), half = 0.5 * solid.length;
+  const Vec3 across = sphere ? arm : Vec3(arm - height * pose.normal);
+  const double distance = across.norm();
+  const Vec3 aside = sphere ? pose.normal : pose.normal.unitOrthogonal();
+  const Vec3 outward = distance > 0 ? Vec3(across / distance) : aside;
+  if (sphere) return half_space(pose, outward, solid.radius);
+  const Vec3 up = height < 0 ? Vec3(-pose.normal) : pose.normal;
+  const double above = std::abs(height) - half, beside = distance - solid.radius;
+  if (above > 0 && beside > 0) {  // the edge is closest
+    const double away = std::hypot(above, beside);
+    return half_space(pose, (above * up + beside * outward) / away, (above * half + beside * solid.radius) / away);
+  }
+  return above >= beside ? half_space(pose, up, half) : half_space(pose, outward, solid.radius);
+}
+
+double gap_between(const Plane& solid, const SolidPose& pose, const Points& x) {
+  const HalfSpace between = tangent(solid, pose, x.colwise().mean().matrix().transpose());
+  double least = std::numeric_limits<double>::infinity();
+  for (int p = 0; p < x.rows(); ++p) least = std::min(least, between.gap(row(x, p)));
+  return least;
+}
+
+void Tangents::find(const Drive& around, double t0, double t1, const Points& x0, double way) {
+  found_.clear();
+  known_.resize(around.planes.size());
+  way_ = way;
+  for (std::size_t q = 0; q < around.planes.size(); ++q) {
+    const Plane& solid = around.planes[q];
+    if (!solid.solid()) continue;
+    const SolidPose start = solid.pose_at(t0), middle = solid.pose_at(0.5 * (t0 + t1)), end = solid.pose_at(t1);
+    const double own = (t1 - t0) * way_between(solid, t0, t1, solid.size()).speed;
+    const double reach = way + own + touching * length_;
+    Known& known = known_[q];
+    const double moved = known.reserve < 0 ? 0 : way_since(known.x, known.pose, x0, start, solid);
+    if (moved + reach <= known.least) continue;
+    known.reserve -= moved;
+    if (!(known.reserve >= reach)) list(solid, start, x0, reach, known);
+    known.x = x0;
+    known.pose = start;
+    known.least = known.reserve;
+    for (const int s : known.near) {
+      const Vec3 place = samples_.at(s, x0);
+      const HalfSpace here = tangent(solid, start, place);
+      const double gap = here.gap(place);
+      known.least = std::min(known.least, gap);
+      if (gap > reach) continue;
+      const auto later = [&](const SolidPose& pose) { return carried(solid, start, here, place, pose); };
+      const bool rests = solid.at_rest() || t0 == t1;
+      found_.push_back({int(q), s, here, rests ? here : later(middle), rests ? here : later(end)});
+    }
+  }
+}
+
+void Tangents::list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known) const {
+  known.reserve = far_reach * reach + least_reserve * length_;
+  known.near.clear();
+  if (const double apart = gap_between(solid, pose, x0); apart > known.reserve) {
+    known.reserve = apart;
+    return;
+  }
+  double least = std::numeric_limits<double>::infinity();
+  for (int s = 0; s < samples_.count(); ++s) {
+    const Vec3 place = samples_.at(s, x0);
+    const double gap = tangent(solid, pose, place).gap(place);
+    least = std::min(least, gap);
+    if (gap <= known.reserve) known.near.push_back(s);
+  }
+  known.reserve = std::max(known.reserve, least);
+}
+
+}  // namespace softffd

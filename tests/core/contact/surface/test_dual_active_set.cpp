@@ -1,0 +1,203 @@
+#include "contact/surface/dual_active_set.hpp"
+
+#include <algorithm>
+
+#include "check.hpp"
+#include "dense.hpp"
+#include "random_numbers.hpp"
+
+using namespace softffd;
+
+namespace {
+
+/// A crushed lattice with samples all over it, planes, and heights of the samples that want mending.
+struct Problem {
+  Lattice lattice;
+  Samples samples;
+  Scalars inverse_mass;
+  std::vector<Vec3> normals;
+  std::vector<Scalars> heights;
+  std::vector<Candidate> candidates;
+};
+
+std::vector<Vec3> places(Random& random, int count, bool crowded) {
+  std::vector<Vec3> list;
+  for (int s = 0; s < count; ++s) {
+    Vec3 place(random(0, 1), random(0, 1), random(0, 1));
+    if (crowded && s > 2) place = 0.97 * list[s % 3] + 0.03 * place;
+    list.push_back(s % 7 == 6 ? list[s - 1] : place);  // the same place twice
+  }
+  return list;
+}
+
+Problem random_problem(Random& random, int count, int planes, bool crowded, Basis basis = Basis::bezier, int n = 4) {
+  Lattice lattice{.counts = {n, n, n}};
+  Problem problem{lattice, Samples(basis, lattice, places(random, count, crowded)), Scalars::Zero(lattice.points()), {}, {}, {}};
+  for (double& m : problem.inverse_mass) m = 1 / random(0.05, 20);
+  const Points x = rest_positions(lattice);
+  for (int q = 0; q < planes; ++q) {
+    problem.normals.push_back(Vec3(random(-0.4, 0.4), random(-0.4, 0.4) + (q == 1), 1 - (q == 2)).normalized());
+    Scalars h(lattice.points());
+    for (int p = 0; p < lattice.points(); ++p) h[p] = problem.normals[q].dot(row(x, p)) - 0.4 + random(-0.4, 0.4);
+    problem.heights.push_back(h);
+    for (int s = 0; s < count; ++s) problem.candidates.push_back({{q, s}, random(-0.05, 0.05)});
+  }
+  return problem;
+}
+
+DualActiveSet solver_of(const Problem& problem) {
+  DualActiveSet solver(problem.samples);
+  std::vector<double> cosines;
+  for (const Vec3& p : problem.normals)
+    for (const Vec3& q : problem.normals) cosines.push_back(p == q ? 1 : p.dot(q));
+  solver.delassus().set_cosines(cosines);
+  solver.delassus().set_masses(problem.inverse_mass);
+  return solver;
+}
+
+/// Everything that makes y the solution: no row violated, forces that push, at rows that are met.
+void check_optimal(const Problem& problem, const DualActiveSet& solver, const std::vector<Scalars>& heights) {
+  for (const Candidate& c : problem.candidates) CHECK(problem.samples.at(c.row.sample, heights[c.row.plane].data()) - c.bound >= -4e-15);
+  for (std::size_t t = 0; t < solver.active().size(); ++t) {
+    const SurfaceRow row = solver.active()[t];
+    const auto c = std::find_if(problem.candidates.begin(), problem.candidates.end(), [&](const Candidate& c) { return c.row == row; });
+    CHECK(solver.forces()[t] >= 0);
+    CHECK_NEAR(problem.samples.at(row.sample, heights[row.plane].data()), c->bound, 4e-15);
+  }
+  CHECK(std::is_sorted(solver.active().begin(), solver.active().end()));
+  for (int q = 0; q < int(problem.normals.size()); ++q) {  // heights are those of the forces
+    Scalars h = problem.heights[q];
+    for (std::size_t t = 0; t < solver.active().size(); ++t) {
+      const double f = solver.forces()[t] * problem.normals[q].dot(problem.normals[solver.active()[t].plane]);
+      const Embedding at = embed(Basis::bezier, problem.lattice, problem.samples.place(solver.active()[t].sample));
+      for (std::size_t i = 0; i < at.points.size(); ++i) h[at.points[i]] += f * at.weights[i] * problem.inverse_mass[at.points[i]];
+    }
+    CHECK((h - heights[q]).abs().maxCoeff() < 1e-12 * (1 + h.abs().maxCoeff()));
+  }
+}
+
+}  // namespace
+
+TEST(random_crowded_problems_are_solved_exactly) {
+  Random random;
+  for (int i = 0; i < 400; ++i) {
+    Problem problem = random_problem(random, 4 + i % 60, 1 + i % 3, i % 2 == 1);
+    DualActiveSet solver = solver_of(problem);
+    std::vector<Scalars> heights = problem.heights;
+    CHECK(solver.solve(problem.candidates, heights, 1e-15) == StepStatus::ok);
+    check_optimal(problem, solver, heights);
+  }
+}
+
+TEST(a_small_problem_has_the_solution_that_trying_all_sets_finds) {
+  Random random;
+  for (int i = 0; i < 60; ++i) {
+    Problem problem = random_problem(random, 3, 2, false);
+    DualActiveSet solver = solver_of(problem);
+    std::vector<Scalars> heights = problem.heights;
+    CHECK(solver.solve(problem.candidates, heights, 1e-15) == StepStatus::ok);
+    const int n = int(problem.candidates.size());
+    Eigen::MatrixXd a(n, n);
+    Eigen::VectorXd wanted(n);
+    for (int s = 0; s < n; ++s) {
+      const SurfaceRow& one = problem.candidates[s].row;
+      wanted[s] = problem.candidates[s].bound - problem.samples.at(one.sample, problem.heights[one.plane].data());
+      std::vector<double> over_mass(problem.samples.support());
+      problem.samples.weights(one.sample, problem.inverse_mass, over_mass.data());
+      for (int t = 0; t < n; ++t) {
+        const SurfaceRow& other = problem.candidates[t].row;
+        a(s, t) = problem.normals[one.plane].dot(problem.normals[other.plane]) *
+                  problem.samples.product(other.sample, one.sample, over_mass.data());
+      }
+    }
+    bool found = false;
+    for (int set = 0; set < 1 << n && !found; ++set) {
+      std::vector<int> rows;
+      for (int s = 0; s < n; ++s)
+        if (set >> s & 1) rows.push_back(s);
+      const Eigen::VectorXd force = dense::solve(a(rows, rows), wanted(rows).matrix());
+      const Eigen::VectorXd gap = a(Eigen::all, rows) * force - wanted;
+      if ((rows.empty() || force.minCoeff() >= 0) && gap.minCoeff() >= -1e-12) {
+        found = true;
+        Eigen::VectorXd all = Eigen::VectorXd::Zero(n);
+        for (std::size_t t = 0; t < rows.size(); ++t) all[rows[t]] = force[t];
+        for (std::size_t t = 0; t < solver.active().size(); ++t)
+          for (int s = 0; s < n; ++s)
+            if (problem.candidates[s].row == solver.active()[t]) all[s] -= solver.forces()[t];
+        CHECK(all.cwiseAbs().maxCoeff() < 1e-9 * (1 + force.sum()));
+      }
+    }
+    CHECK(found);
+  }
+}
+
+TEST(rows_that_depend_on_each_other_are_no_start_and_change_nothing) {
+  Random random;
+  for (int i = 0; i < 200; ++i) {
+    Problem problem = random_problem(random, 80, 1, i % 2 == 1);
+    DualActiveSet solver = solver_of(problem);
+    std::vector<SurfaceRow> all;  // more than points have heights
+    for (const Candidate& candidate : problem.candidates) all.push_back(candidate.row);
+    solver.delassus().set_rows(all);
+    std::vector<Scalars> heights = problem.heights;
+    CHECK(solver.solve(problem.candidates, heights, 1e-15) == StepStatus::ok);
+    check_optimal(problem, solver, heights);
+  }
+}
+
+TEST(rows_that_were_active_before_lead_to_the_same_solution) {
+  Random random;
+  for (int i = 0; i < 40; ++i) {
+    Problem problem = random_problem(random, 40, 1 + i % 2, false);
+    DualActiveSet cold = solver_of(problem), warm = cold;
+    std::vector<Scalars> a = problem.heights, b = a;
+    cold.solve(problem.candidates, a, 1e-15);
+    std::vector<SurfaceRow> before;
+    for (std::size_t c = 0; c < problem.candidates.size(); c += 9) before.push_back(problem.candidates[c].row);
+    warm.delassus().set_rows(before);
+    CHECK(warm.solve(problem.candidates, b, 1e-15) == StepStatus::ok);
+    for (std::size_t q = 0; q < a.size(); ++q) CHECK((a[q] - b[q]).abs().maxCoeff() < 1e-12);
+    std::vector<Scalars> c = problem.heights;
+    warm.delassus().set_rows(cold.active());
+    warm.solve(problem.candidates, c, 1e-15);
+    for (std::size_t q = 0; q < a.size(); ++q) CHECK((a[q] == c[q]).all());
+  }
+}
+
+TEST(plates_without_room_between_are_found_out) {
+  const Lattice lattice{};
+  Problem problem{lattice, Samples(Basis::bezier, lattice, {{0.5, 0.5, 0.5}}), Scalars::Ones(64), {{0, 0, 1}, {0, 0, -1}}, {}, {}};
+  problem.heights = {Scalars::Constant(64, -0.1), Scalars::Constant(64, 0.05)};
+  problem.candidates = {{{0, 0}}, {{1, 0}}};
+  DualActiveSet solver = solver_of(problem);
+  CHECK(solver.solve(problem.candidates, problem.heights, 1e-15) == StepStatus::impossible_planes);
+}
+
+TEST(a_sample_of_pinned_points_is_reported_and_not_moved) {
+  const Lattice lattice{};
+  Problem problem{lattice, Samples(Basis::bezier, lattice, {{0.5, 0.5, 0.5}}), Scalars::Zero(64), {{0, 0, 1}}, {}, {}};
+  problem.heights = {Scalars::Constant(64, -0.1)};
+  problem.candidates = {{{0, 0}}};
+  DualActiveSet solver = solver_of(problem);
+  CHECK(solver.solve(problem.candidates, problem.heights, 1e-15) == StepStatus::ok);
+  CHECK_NEAR(solver.pinned_violation(), 0.1, 1e-15);
+  CHECK(solver.active().empty());
+}
+
+TEST(samples_of_splines_meet_where_their_points_overlap) {
+  Random random;
+  const Lattice lattice{.counts = {8, 6, 9}};
+  const Samples samples(Basis::bspline, lattice, places(random, 30, false));
+  Scalars inverse(lattice.points());
+  for (double& m : inverse) m = random(0.1, 3);
+  std::vector<double> of_s(samples.support());
+  for (int s = 0; s < 30; ++s)
+    for (int t = 0; t < 30; ++t) {
+      samples.weights(s, inverse, of_s.data());
+      Scalars spread = Scalars::Zero(lattice.points());
+      samples.add(s, 1, of_s.data(), spread.data());
+      const Embedding at = embed(Basis::bspline, lattice, samples.place(t));
+      CHECK_NEAR(samples.product(t, s, of_s.data()), at(spread), 1e-14);
+      CHECK_NEAR(samples.at(t, spread.data()), at(spread), 1e-14);
+    }
+}
