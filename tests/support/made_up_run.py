@@ -8,7 +8,7 @@ import numpy as np
 from softffd.lattice import LatticeBox, rest_grid
 from softffd.obstacles import Obstacles
 from softffd.run.result import Result
-from softffd.scene.sections import Box
+from softffd.scene.rigid import Box
 
 ORIGIN, SIZE = np.array([-1.0, -0.5, 0.2]), np.array([2.0, 1.0, 0.8])
 PRESS = {"velocity": (0.0, 0.0, -1.0), "angular_velocity": (0.0, 0.0, 0.0), "normal": (0.0, 0.0, -1.0)}

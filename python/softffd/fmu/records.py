@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) -> str:
     """All records but the guid; what the scene does not need is absent."""
-    from softffd.scene.sections import Box, Plane  # brings pydantic along, which those who have an FMU do without
+    from softffd.scene.rigid import Box, Plane  # brings pydantic along, which those who have an FMU do without
 
     lattice, material, outputs = scene.lattice, scene.material, scene.outputs
     basis: list[list[object]] = [["basis", lattice.basis]] if lattice.basis != "bezier" else []

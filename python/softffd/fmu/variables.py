@@ -14,8 +14,8 @@ from softffd.lattice import Point
 from softffd.names import variable_names
 
 if TYPE_CHECKING:
+    from softffd.scene.rigid import Box, Cylinder, Pin, Plane, Sphere
     from softffd.scene.scene import Scene
-    from softffd.scene.sections import Box, Cylinder, Pin, Plane, Sphere
     from softffd.scene.selection import Selection
 
 STANDARD_GRAVITY = 9.80665
@@ -67,7 +67,7 @@ def _point(scene: Scene, p: int) -> dict[str, Any]:
 
 
 def _plane(plane: Plane | Sphere | Cylinder | Box) -> dict[str, Any]:
-    from softffd.scene.sections import Box, Plane, Sphere  # brings pydantic along, which those who have an FMU do without
+    from softffd.scene.rigid import Box, Plane, Sphere  # brings pydantic along, which those who have an FMU do without
 
     turned = {"rotation": plane.rotation_vector()} if isinstance(plane, Box) else {"normal": plane.normal}
     if isinstance(plane, Plane):

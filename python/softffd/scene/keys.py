@@ -1,17 +1,18 @@
 """All keys of a scene file, section by section, before anything is filled in or checked across sections."""
 
-from softffd.scene import sections
+from softffd.scene import rigid, sections
 from softffd.scene.quantity import key
+from softffd.scene.section import Section, Text
 
 SOLIDS = ("sphere", "cylinder", "box")
 OBSTACLES = ("plane", *SOLIDS)
 """Sections of obstacles, in the order of the library"""
 
 
-class SceneKeys(sections.Section):
+class SceneKeys(Section):
     """The keys of a scene file, each sound by itself."""
 
-    title: sections.Text = key("Soft object", "what the scene shows, in one line: the FMU's description")
+    title: Text = key("Soft object", "what the scene shows, in one line: the FMU's description")
     lattice: sections.Lattice = key(sections.Lattice(), "the volume around the object and its springs")
     mesh: sections.MeshFile | None = key(None, "the embedded object; absent: the box alone")
     mass: sections.Mass = key(sections.Mass(), "mass and how it is spread")
@@ -19,11 +20,11 @@ class SceneKeys(sections.Section):
     region: tuple[sections.Region, ...] = key((), "local overrides; later ones win")
     environment: sections.Environment = key(sections.Environment(), "what acts everywhere")
     contact: sections.Contact = key(sections.Contact(), "what of the object the obstacles meet")
-    plane: tuple[sections.Plane, ...] = key((), "obstacles: half-spaces")
-    sphere: tuple[sections.Sphere, ...] = key((), "obstacles: solid spheres")
-    cylinder: tuple[sections.Cylinder, ...] = key((), "obstacles: solid cylinders")
-    box: tuple[sections.Box, ...] = key((), "obstacles: solid boxes")
-    pin: tuple[sections.Pin, ...] = key((), "control points attached to rigid frames")
+    plane: tuple[rigid.Plane, ...] = key((), "obstacles: half-spaces")
+    sphere: tuple[rigid.Sphere, ...] = key((), "obstacles: solid spheres")
+    cylinder: tuple[rigid.Cylinder, ...] = key((), "obstacles: solid cylinders")
+    box: tuple[rigid.Box, ...] = key((), "obstacles: solid boxes")
+    pin: tuple[rigid.Pin, ...] = key((), "control points attached to rigid frames")
     load: tuple[sections.Load, ...] = key((), "forces shared by several control points")
     inputs: sections.Inputs = key(sections.Inputs(), "inputs besides those of planes, pins and loads")
     initial: sections.Initial = key(sections.Initial(), "the state at the start")
@@ -34,11 +35,11 @@ class SceneKeys(sections.Section):
     fmu: sections.Fmu = key(sections.Fmu(), "how the FMU shows itself to other tools")
 
     @property
-    def solids(self) -> tuple[sections.Sphere | sections.Cylinder | sections.Box, ...]:
+    def solids(self) -> tuple[rigid.Sphere | rigid.Cylinder | rigid.Box, ...]:
         """Obstacles with an inside, in the order of the library."""
         return (*self.sphere, *self.cylinder, *self.box)
 
     @property
-    def obstacles(self) -> tuple[sections.Plane | sections.Sphere | sections.Cylinder | sections.Box, ...]:
+    def obstacles(self) -> tuple[rigid.Plane | rigid.Sphere | rigid.Cylinder | rigid.Box, ...]:
         """All obstacles, in the order of the library."""
         return (*self.plane, *self.solids)

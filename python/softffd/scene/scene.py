@@ -16,8 +16,8 @@ from softffd.scene.changes import changed
 from softffd.scene.document import find_scene, read_document, shipped_scenes, shown
 from softffd.scene.draft import unshared
 from softffd.scene.keys import OBSTACLES, SceneKeys
+from softffd.scene.rigid import Pin
 from softffd.scene.schema import schema
-from softffd.scene.sections import Pin
 from softffd.scene.selection import Selection, flat_indices
 from softffd.scene.settle import settled
 from softffd.scene.template import template

@@ -13,7 +13,8 @@ from softffd.scene.checks_contact import MEETING
 from softffd.scene.draft import Draft, read_draft
 from softffd.scene.faults import Fault, in_file_order, toml_text
 from softffd.scene.keys import SceneKeys
-from softffd.scene.sections import Contact, Lattice, Mass, Material, MeshFile, Section, Stiffness
+from softffd.scene.section import Section
+from softffd.scene.sections import Contact, Lattice, Mass, Material, MeshFile, Stiffness
 
 if TYPE_CHECKING:
     from softffd.mesh.mesh import Mesh

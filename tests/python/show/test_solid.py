@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from made_up_run import ORIGIN, SIZE, made_up_run, with_solids
-from softffd.scene.sections import Box, Cylinder, Rotation, Sphere
+from softffd.scene.rigid import Box, Cylinder, Sphere
+from softffd.scene.section import Rotation
 from softffd.show.panel import Panels, Shape
 from softffd.show.solid import form_of
 from softffd.show.stage import BESIDE, FREE, OBSTACLES, stage_of

@@ -16,7 +16,7 @@ from softffd.embedding.deform import deform
 from softffd.errors import SoftffdError
 from softffd.lattice import rest_grid
 from softffd.mesh.mesh import Mesh, load_mesh
-from softffd.scene.sections import Box, Sphere
+from softffd.scene.rigid import Box, Sphere
 from softffd.show import view
 from softffd.show.stage import stage_of
 from softffd.show.surface import cage_surface, split_at_creases

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from softffd.rotation import between_orientations, quaternion, turned
-from softffd.scene.sections import Rotation
+from softffd.scene.section import Rotation
 from softffd.validation.bodies import Shape
 from softffd.validation.obstacles import KINDS, gap
 from softffd.validation.stability.drive import Drive

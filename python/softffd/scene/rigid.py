@@ -1,0 +1,182 @@
+"""The sections of what is rigid beside the object and may be moved by inputs: planes, solids and pins. SI units."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, WithJsonSchema
+
+from softffd.obstacles import SolidShape
+from softffd.scene.quantity import Number, PositiveVector, Vector, key, quantity, refusal
+from softffd.scene.section import NAME, Direction, Name, RotationTable, Section
+from softffd.scene.selection import Selection
+from softffd.spelling import nearest_of
+
+Motion = Literal["fixed", "input"]
+
+PLANE_POSE = {"point": "xyz", "normal": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
+SPHERE_POSE = {"point": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
+BOX_POSE = {"point": "xyz", "rotation": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
+PIN_POSE = {"position": "xyz", "orientation": "wxyz", "velocity": "xyz", "angular_velocity": "xyz"}
+"""Components of the vectors that say where a plane, a sphere, a box or a pin is and how it moves"""
+
+
+def _pose_words(pose: dict[str, str]) -> list[str]:
+    """Names of the vectors, each followed by its components."""
+    return [word for vector, components in pose.items() for word in (vector, *(f"{vector}.{each}" for each in components))]
+
+
+def _chosen_of(pose: dict[str, str]) -> BeforeValidator:
+    words = _pose_words(pose)
+    wanted = f'a list of {", ".join(pose)} or their components, such as "{words[3]}"'
+
+    def check(value: Any) -> Any:
+        if not isinstance(value, list | tuple) or not value:
+            raise refusal(wanted)
+        if unknown := [each for each in value if each not in words]:
+            raise refusal(wanted, nearest=nearest_of(str(unknown[0]), words))
+        return value
+
+    return BeforeValidator(check)
+
+
+def _chosen_schema(pose: dict[str, str]) -> WithJsonSchema:
+    return WithJsonSchema({"type": "array", "items": {"enum": _pose_words(pose)}, "minItems": 1})
+
+
+PlaneInputs = Annotated[tuple[str, ...], _chosen_of(PLANE_POSE), _chosen_schema(PLANE_POSE)]
+SphereInputs = Annotated[tuple[str, ...], _chosen_of(SPHERE_POSE), _chosen_schema(SPHERE_POSE)]
+BoxInputs = Annotated[tuple[str, ...], _chosen_of(BOX_POSE), _chosen_schema(BOX_POSE)]
+PinInputs = Annotated[tuple[str, ...], _chosen_of(PIN_POSE), _chosen_schema(PIN_POSE)]
+
+
+def _components(pose: dict[str, str], chosen: tuple[str, ...]) -> list[str]:
+    """All components that are chosen, by themselves or with their vector, in the pose's order."""
+    return [f"{vector}.{each}" for vector in pose for each in pose[vector] if {vector, f"{vector}.{each}"} & set(chosen)]
+
+
+class Plane(Section):
+    """An obstacle: the half-space behind the plane is solid."""
+
+    name: Name = key(..., NAME, examples=["ground"])
+    point: Vector = quantity((0.0, 0.0, 0.0), "m", "a point of the plane")
+    normal: Direction = quantity((0.0, 0.0, 1.0), "1", "points out of the solid; any length > 0")
+    velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of the obstacle at `point`")
+    angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about `point`")
+    friction: Number = quantity(0.4, "1", "Coulomb's coefficient of friction", ge=0)
+    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
+    inputs: PlaneInputs = key(
+        ("point", "velocity"),
+        'what of `point`, `normal`, `velocity`, `angular_velocity` are inputs, or single components: "point.z"; '
+        "the rest are parameters, which hold at every communication point",
+    )
+
+    def input_components(self) -> list[str]:
+        """What is an input of pose and motion: "point.z", ..."""
+        return _components(PLANE_POSE, self.inputs) if self.motion == "input" else []
+
+
+class Solid(Section):
+    """An obstacle with an inside: what it has in common with others. Its variables have the names of a plane's."""
+
+    name: Name = key(..., NAME, examples=["ball"])
+    point: Vector = quantity((0.0, 0.0, 0.0), "m", "its centre")
+    velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of its centre")
+    angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about its centre")
+    friction: Number = quantity(0.4, "1", "Coulomb's coefficient of friction", ge=0)
+    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
+
+
+class Round(Solid):
+    """A solid of revolution."""
+
+    radius: Number = quantity(..., "m", "its radius", gt=0, examples=[0.5])
+    inputs: PlaneInputs = key(
+        ("point", "velocity"),
+        "what of `point`, `normal`, `velocity`, `angular_velocity` are inputs, or single components; "
+        "the rest are parameters, which hold at every communication point",
+    )
+
+    def input_components(self) -> list[str]:
+        """What is an input of pose and motion: "point.z", ..."""
+        return _components(PLANE_POSE, self.inputs) if self.motion == "input" else []
+
+
+class Sphere(Round):
+    """An obstacle: a solid sphere about `point`; needs contact.of = "surface"."""
+
+    inputs: SphereInputs = key(
+        ("point", "velocity"),
+        "what of `point`, `velocity`, `angular_velocity` are inputs, or single components; "
+        "the rest are parameters, which hold at every communication point",
+    )
+
+    @property
+    def normal(self) -> tuple[float, float, float]:
+        """Of no meaning: a sphere looks alike from all sides."""
+        return (0.0, 0.0, 1.0)
+
+    @property
+    def length(self) -> float:
+        """None [m]."""
+        return 0.0
+
+    def shape(self) -> SolidShape:
+        """What there is to see."""
+        return SolidShape(self.name, "sphere", (2 * self.radius,) * 3)
+
+
+class Cylinder(Round):
+    """An obstacle: a solid cylinder with flat ends about `point`; needs contact.of = "surface"."""
+
+    length: Number = quantity(..., "m", "from end to end", gt=0, examples=[1.0])
+    normal: Direction = quantity((0.0, 0.0, 1.0), "1", "its axis; any length > 0")
+
+    def shape(self) -> SolidShape:
+        """What there is to see."""
+        return SolidShape(self.name, "cylinder", (2 * self.radius, 2 * self.radius, self.length))
+
+
+class Box(Solid):
+    """An obstacle: a solid box about `point`; needs contact.of = "surface"."""
+
+    size: PositiveVector = quantity(..., "m", "its edges, > 0", examples=[[1.0, 1.0, 1.0]])
+    rotation: RotationTable | None = key(
+        None, "turned about `point`, { axis = [0, 1, 0], degrees = 35 }; absent: edges along the axes of the world"
+    )
+    inputs: BoxInputs = key(
+        ("point", "velocity"),
+        "what of `point`, `rotation`, `velocity`, `angular_velocity` are inputs, or single components; "
+        "the rest are parameters, which hold at every communication point",
+    )
+
+    def shape(self) -> SolidShape:
+        """What there is to see."""
+        return SolidShape(self.name, "box", self.size)
+
+    def rotation_vector(self) -> tuple[float, float, float]:
+        """Along the axis, as long as the angle [rad]."""
+        return self.rotation.vector() if self.rotation else (0.0, 0.0, 0.0)
+
+    def input_components(self) -> list[str]:
+        """What is an input of pose and motion: "rotation.z", ..."""
+        return _components(BOX_POSE, self.inputs) if self.motion == "input" else []
+
+
+class Pin(Section):
+    """Control points on a rigid frame, whose axes at rest are the world's."""
+
+    name: Name = key(..., NAME, examples=["base"])
+    points: Selection = key(..., "the pinned control points: a selection of at least one", examples=["z-"])
+    origin: Vector | None = quantity(
+        None, "m", "origin of the frame at rest: what its position and velocity are those of, and its torque is about; default: the "
+        "centroid of the points"
+    )  # fmt: skip
+    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
+    inputs: PinInputs = key(
+        ("position", "velocity"),
+        'what of `position`, `orientation`, `velocity`, `angular_velocity` of the frame are inputs, or single components: "position.z"; '
+        "the rest are parameters, which hold at every communication point",
+    )
+
+    def input_components(self) -> list[str]:
+        """What is an input of pose and motion: "position.z", ..."""
+        return _components(PIN_POSE, self.inputs) if self.motion == "input" else []
