@@ -1,0 +1,260 @@
+import base64
+import json
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from made_up_run import ORIGIN, SIZE, made_up_run, with_solids
+from pages import decoded, page_of_two_colours, run_of
+from softffd.embedding.deform import deform
+from softffd.scene.rigid import Sphere
+from softffd.show.stage import stage_of
+from softffd.show.surface import split_at_creases
+from softffd.show.view import write_view
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--hide-scrollbars",
+    "--window-size=900,600",
+    "--virtual-time-budget=2000",
+]
+needs_browser = pytest.mark.usefixtures("browser")
+
+
+@pytest.fixture
+def browser():
+    """In one place, so that pytest says it in one line."""
+    if CHROMIUM is None:
+        pytest.skip("no chromium on this machine to look at the page with")
+
+
+ASK_THE_SHADER = """
+<pre id="answer"></pre><script>
+const asked = gl.createProgram(), outputs = ["world", "shading", "displacement", "strain"];
+gl.attachShader(asked, shader(gl.VERTEX_SHADER, HEADING + SOURCES.volume + SOURCES["object-vertex"]));
+gl.attachShader(asked, shader(gl.FRAGMENT_SHADER, "#version 300 es" + SOURCES["object-fragment"]));
+gl.transformFeedbackVaryings(asked, outputs, gl.INTERLEAVED_ATTRIBS);
+gl.linkProgram(asked);
+gl.useProgram(asked);
+gl.uniform3fv(gl.getUniformLocation(asked, "origin"), run.origin);
+gl.uniform3fv(gl.getUniformLocation(asked, "size"), run.size);
+gl.uniform1i(gl.getUniformLocation(asked, "cells"), 3);
+const count = decode(run.coordinates, Float32Array).length / 3, found = new Float32Array(8 * count), answers = [];
+const target = gl.createBuffer();
+gl.bindBuffer(gl.TRANSFORM_FEEDBACK_BUFFER, target);
+gl.bufferData(gl.TRANSFORM_FEEDBACK_BUFFER, found.byteLength, gl.DYNAMIC_READ);
+gl.bindVertexArray(object.array);
+for (const time of TIMES) {
+  state.time = time;
+  load_points();
+  gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, target);
+  gl.enable(gl.RASTERIZER_DISCARD);
+  gl.beginTransformFeedback(gl.POINTS);
+  gl.drawArrays(gl.POINTS, 0, count);
+  gl.endTransformFeedback();
+  gl.disable(gl.RASTERIZER_DISCARD);
+  gl.getBufferSubData(gl.TRANSFORM_FEEDBACK_BUFFER, 0, found);
+  answers.push(Array.from(found));
+}
+document.getElementById("answer").textContent = JSON.stringify(answers);
+</script>
+"""
+
+
+USE_THE_CONTROLS = """
+<pre id="answer"></pre><script>
+function after(key, what) {
+  document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+  return what();
+}
+function pointer(type, x) {
+  canvas.dispatchEvent(new PointerEvent(type, { pointerId: 1, clientX: x, clientY: 9, buttons: 1 }));
+}
+canvas.setPointerCapture = () => {};
+const seconds_shown = () => +state.time.toFixed(6), before = { ...camera };
+const answer = { space: [state.playing, after(" ", () => state.playing), element("play").getAttribute("aria-label")] };
+set_playing(false);
+go_to(1);
+last_clock = 2000;
+state.playing = true;
+advance(960);
+answer.late_frame = seconds_shown();
+state.playing = false;
+answer.frames = [".", ",", "Home", "End"].map(key => after(key, seconds_shown));
+Object.assign(element("slider"), { value: 0.5 }).dispatchEvent(new Event("input"));
+answer.slider = seconds_shown();
+answer.lattice = [after("l", () => state.lattice), element("lattice").getAttribute("aria-pressed")];
+element("lattice").click();
+answer.lattice.push(state.lattice);
+set_colour("strain");
+answer.contacts = [after("k", () => state.contacts), element("contacts").getAttribute("aria-pressed")];
+answer.colours = ["c", "c", "c"].map(key => after(key, () => element("colour").value));
+answer.speed = [after("[", () => state.speed), after("]", () => state.speed)];
+pointer("pointerdown", 10);
+pointer("pointermove", 60);
+pointer("pointerup", 60);
+answer.dragged = camera.yaw < before.yaw;
+canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: -100 }));
+answer.zoomed = camera.distance < before.distance;
+element("reset").click();
+answer.reset = camera.yaw === before.yaw && Math.abs(camera.distance - before.distance) < 1e-9;
+document.getElementById("answer").textContent = JSON.stringify(answer);
+</script>
+"""
+
+
+def chromium(page, folder, *arguments, without_3d=False):
+    flags = [*FLAGS, f"--user-data-dir={folder / 'profile'}", *(["--disable-3d-apis"] if without_3d else [])]
+    done = subprocess.run([CHROMIUM, *flags, *arguments, page], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return done.stdout
+
+
+@needs_browser
+@pytest.mark.parametrize("shown", [True, False])
+def test_browser_draws_solids(tmp_path, shown):
+    ball = Sphere(name="ball", radius=0.5, point=(0.0, -1.0, 0.7))
+    result = replace(made_up_run(), inputs={}, parameters={})
+    page, shot = write_view(with_solids(result, ball), tmp_path / "view.html"), tmp_path / "shot.png"
+    if not shown:
+        page.write_text(page.read_text("utf-8").replace("obstacles: true", "obstacles: false"), "utf-8")
+    chromium(f"file://{page}#t=1.2", tmp_path, f"--screenshot={shot}")
+    red, green, blue = np.moveaxis(np.asarray(Image.open(shot).convert("RGB"))[80:450, 50:620] / 255.0, 2, 0)
+    grey = (red > 0.3) & (red < 0.75) & (np.abs(blue - red) < 0.12) & (np.abs(green - red) < 0.08)
+    assert (grey.sum() > 8000) == shown
+
+
+@needs_browser
+@pytest.mark.parametrize("shown", [True, False])
+def test_browser_draws_dots_and_arrows_in_yellow(tmp_path, shown):
+    page, shot = write_view(made_up_run(), tmp_path / "view.html"), tmp_path / "shot.png"
+    if not shown:
+        page.write_text(page.read_text("utf-8").replace("contacts: true", "contacts: false"), "utf-8")
+    chromium(f"file://{page}#t=1.2", tmp_path, f"--screenshot={shot}")
+    red, green, blue = np.moveaxis(np.asarray(Image.open(shot).convert("RGB"))[80:520, 50:620] / 255.0, 2, 0)
+    yellow = np.argwhere((red > 0.9) & (green > 0.75) & (blue < 0.15))
+    assert len(yellow) > 600 if shown else len(yellow) == 0
+    if shown:  # one arrow goes up from the press, one down from the ground
+        assert np.ptp(yellow[:, 0]) > 150
+
+
+@needs_browser
+@pytest.mark.parametrize("folded", [False, True])
+def test_browser_colours_the_cells(tmp_path, folded):
+    """The share of the scale 1 everywhere: the ramp's dark end; turned inside out: grey."""
+    page, shot = write_view(made_up_run(), tmp_path / "view.html"), tmp_path / "shot.png"
+    values = base64.b64encode(bytes([0, 255] if folded else [255, 0]) * (41 * 27)).decode()
+    text = re.sub(r'("name":"von_mises".*?"values":")[^"]*', lambda match: match[1] + values, page.read_text("utf-8"))
+    page.write_text(text.replace("lattice: true", "lattice: false").replace("obstacles: true", "obstacles: false"), "utf-8")
+    shown = chromium(f"file://{page}#t=1.2&colour=von_mises", tmp_path, f"--screenshot={shot}", "--dump-dom")
+    assert "von Mises stress" in re.search(r'id="quantity">(.*?)<', shown)[1]
+    middle = np.asarray(Image.open(shot).convert("RGB"))[285:310, 370:500].reshape(-1, 3) / 255.0
+    red, _, blue = np.median(middle, axis=0)
+    assert abs(blue - red) < 0.08 if folded else blue - red > 0.2
+
+
+@needs_browser
+@pytest.mark.short("counts0-bezier", "counts2-bspline")
+@pytest.mark.parametrize(
+    ("counts", "basis"), [((4, 4, 4), "bezier"), ((2, 8, 5), "bezier"), ((5, 9, 3), "bspline"), ((32, 6, 12), "bspline")]
+)
+def test_shader_evaluates_the_volume_its_normals_and_its_strain(tmp_path, counts, basis):
+    result = made_up_run(counts=counts)
+    result = replace(result, lattice=replace(result.lattice, basis=basis))
+    page = write_view(result, tmp_path / "view.html")
+    question = ASK_THE_SHADER.replace("TIMES", json.dumps([0.0, 1.2, 1.225]))
+    page.write_text(page.read_text("utf-8").replace("</body>", question + "</body>"), "utf-8")
+    shown = chromium(f"file://{page}#t=0", tmp_path, "--dump-dom")
+    run, answers = run_of(page), json.loads(re.search(r'<pre id="answer">(.*?)</pre>', shown)[1])
+    rest = stage_of(result).vertices[split_at_creases(stage_of(result).vertices, stage_of(result).faces)[0]]
+    normals = decoded(run["normals"], "<i2", 4)[:, :3] / 32767
+    frames = [result.positions[0], result.positions[24], (result.positions[24] + result.positions[25]) / 2]
+    for answer, positions in zip(np.reshape(answers, (3, -1, 8)), frames, strict=True):
+        place, gradient = volume(rest, positions, basis)
+        cofactor = np.linalg.det(gradient)[:, None, None] * np.linalg.inv(gradient).transpose(0, 2, 1)
+        green = (np.einsum("vab,vac->vbc", gradient, gradient) - np.eye(3)) / 2
+        assert np.allclose(answer[:, :3] - run["origin"] + ORIGIN, place, atol=2e-6)
+        assert np.allclose(answer[:, 3:6], np.einsum("vab,vb->va", cofactor, normals), atol=1e-3)
+        assert np.allclose(answer[:, 6], np.linalg.norm(place - rest, axis=1), atol=2e-6)
+        assert np.allclose(answer[:, 7], np.linalg.norm(green, axis=(1, 2)), atol=1e-4)
+
+
+def volume(rest, positions, basis):
+    """Q (V, 3) and its gradient (V, 3, 3) by central differences; inside, or one-sided at the box's faces."""
+    box = {"origin": ORIGIN, "size": SIZE, "basis": basis}
+    columns = []
+    for axis in np.eye(3):
+        ahead, behind = (np.clip(rest + s * 1e-5 * axis, ORIGIN, ORIGIN + SIZE) for s in (1, -1))
+        way = ((ahead - behind) @ axis)[:, None]
+        columns.append((deform(ahead, positions, **box) - deform(behind, positions, **box)) / way)
+    return deform(np.clip(rest, ORIGIN, ORIGIN + SIZE), positions, **box), np.stack(columns, axis=-1)
+
+
+@needs_browser
+def test_browser_shows_object_lattice_and_ground_and_no_error(tmp_path):
+    page = write_view(made_up_run(), tmp_path / "view.html")
+    shot = tmp_path / "shot.png"
+    chromium(f"file://{page}#t=1.2&colour=paint", tmp_path, f"--screenshot={shot}")
+    image = np.asarray(Image.open(shot).convert("RGB")) / 255.0
+    scene = image[100:500, 50:620]
+    blue = (scene[..., 2] - scene[..., 0] > 0.25).mean()
+    orange = (scene[..., 0] - scene[..., 2] > 0.4).mean()
+    assert 0.05 < blue < 0.6 and 0.002 < orange < 0.2
+    assert len(np.unique((scene[300:] * 255).reshape(-1, 3).astype(int), axis=0)) > 200
+    lit = chromium(f"file://{page}#t=1.2", tmp_path, "--dump-dom")
+    assert re.search(r'id="message"[^>]* hidden', lit) and "1.20" in re.search(r'<b id="now">(.*?)</b>', lit)[1]
+
+
+@needs_browser
+@pytest.mark.parametrize("name", ["kd.obj", "pictures.glb"])
+def test_browser_shows_the_colours_of_the_mesh(name, tmp_path):
+    shot = tmp_path / "shot.png"
+    chromium(f"file://{page_of_two_colours(tmp_path, name)[1]}#t=1", tmp_path, f"--screenshot={shot}")
+    red, green, blue = np.moveaxis(np.asarray(Image.open(shot).convert("RGB"))[80:520, :620] / 255.0, 2, 0)
+    reddish, greenish = np.argwhere(red > 2 * np.maximum(green, blue)), np.argwhere(green > 1.3 * np.maximum(red, blue))
+    assert len(reddish) > 3000 and len(greenish) > 3000
+    assert np.median(greenish[:, 0]) < np.median(reddish[:, 0])
+
+
+@needs_browser
+def test_keys_buttons_and_pointers_do_what_they_say(tmp_path):
+    page = write_view(made_up_run(), tmp_path / "view.html")
+    page.write_text(page.read_text("utf-8").replace("</body>", USE_THE_CONTROLS + "</body>"), "utf-8")
+    shown = chromium(f"file://{page}#t=1", tmp_path, "--dump-dom")
+    assert json.loads(re.search(r'<pre id="answer">(.*?)</pre>', shown)[1]) == {
+        "space": [False, True, "Pause"],
+        "late_frame": 1.0,
+        "frames": [1.05, 1.0, 0.0, 2.0],
+        "slider": 0.5,
+        "lattice": [False, "false", True],
+        "contacts": [False, "false"],
+        "colours": ["von_mises", "stretch", "paint"],
+        "speed": [0.5, 1],
+        "dragged": True,
+        "zoomed": True,
+        "reset": True,
+    }
+
+
+@needs_browser
+def test_browser_without_webgl_says_what_is_missing(tmp_path):
+    page = write_view(made_up_run(), tmp_path / "view.html")
+    shown = chromium(f"file://{page}", tmp_path, "--dump-dom", without_3d=True)
+    assert "WebGL 2" in re.search(r'id="message"[^>]*>(.*?)</div>', shown, re.S)[1]
+    assert not re.search(r'id="message"[^>]* hidden', shown) and re.search(r'id="bar"[^>]* hidden', shown)
