@@ -1,0 +1,180 @@
+#include <cstdio>
+
+#include "check.hpp"
+#include "surface_bodies.hpp"
+
+using namespace softffd;
+
+namespace {
+
+Vec3 angular_momentum(const SoftBody& body) {
+  Vec3 sum = Vec3::Zero();
+  for (int p = 0; p < 64; ++p) sum += row(body.state().x, p).cross(row(body.state().v, p)) / 64;
+  return sum;
+}
+
+}  // namespace
+
+TEST(impulses_on_the_planes_are_what_the_body_loses) {
+  SoftBody body = tumbling(1e-3, 2);
+  body.settings.gravity.setZero();
+  body.settings.planes[1].angular_velocity.setZero();
+  body.initialize(0);
+  double touched = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 momentum = body.state().v.colwise().mean().matrix().transpose(), angular = angular_momentum(body);
+    CHECK(body.advance(0.01) == StepStatus::ok);
+    const Vec3 now = body.state().v.colwise().mean().matrix().transpose();
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    for (int q = 0; q < 2; ++q) {
+      const Vec3 on = body.readings().plane_reaction(q);
+      force += on;
+      const Vec3 point = body.settings.planes[q].point + body.state().time * body.settings.planes[q].velocity;
+      torque += body.readings().plane_torque(q) + point.cross(on);
+    }
+    touched += force.norm();
+    CHECK((now - momentum + 0.01 * force).norm() < 1e-13);
+    if (body.settings.planes[1].velocity.isZero(0)) CHECK((angular_momentum(body) - angular + 0.01 * torque).norm() < 1e-13);
+  }
+  CHECK(touched > 1);
+}
+
+TEST(energy_is_kept_but_for_what_is_booked) {
+  std::vector<double> errors;
+  for (const double h : {4e-4, 2e-4}) {
+    Definition definition;
+    Sphere sphere{.level = 2, .height = 0.02};
+    definition.mass.assign(64, 1.0 / 64);
+    definition.planes = 2;
+    definition.offset = {0, 0, -0.08};
+    definition.velocity = {1, 0, -1};
+    definition.watch_energy = true;
+    definition.samples = std::make_shared<Samples>(sphere.samples());
+    SoftBody body(definition);
+    body.settings.stiffness = {2e3, 2e3, 2e3};
+    body.settings.gravity = {0, 0, -9.81};
+    body.settings.step = h;
+    body.settings.planes[0].friction = 0.5;
+    body.settings.planes[1] = {{1.2, 0, 0}, {-1, 0, 0.1}, {-0.5, 0, 0}, {0, 0.2, 0}, 0.3, false};
+    body.initialize(0);
+    const auto energy = [&] {
+      const Readings now = body.readings();
+      return now.kinetic_energy() + now.elastic_energy() + now.gravity_energy() + body.run().dissipated - body.run().work;
+    };
+    const double begin = energy();
+    double worst = 0;
+    for (int i = 0; i < 50; ++i) {
+      CHECK(body.advance(0.01) == StepStatus::ok);
+      worst = std::max(worst, std::abs(energy() - begin));
+    }
+    errors.push_back(worst);
+    CHECK(body.run().dissipated > 0.1);
+  }
+  CHECK(errors[1] < 0.02 && errors[0] > 2.5 * errors[1]);
+}
+
+TEST(cutting_and_restoring_changes_no_bit_in_contact_of_the_surface) {
+  std::vector<Points> ends;
+  for (const int parts : {1, 2, 5}) {
+    SoftBody body = tumbling(1e-3, 2, 0.02);
+    body.initialize(0.7);
+    for (int i = 0; i < 20 * parts; ++i) CHECK(body.advance(0.05 / parts) == StepStatus::ok);
+    ends.push_back(body.state().x);
+  }
+  CHECK((ends[0] == ends[1]).all());
+  CHECK((ends[0] == ends[2]).all());
+  for (const double step : {1e-3, 0.0}) {
+    SoftBody body = tumbling(step, 2, 0.02), other = tumbling(step, 2, 0.02);
+    body.initialize(0);
+    for (int i = 0; i < 4; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+    other.initialize(0);
+    other.restore(body.run(), 0);
+    bool touched = false;
+    for (int i = 0; i < 20; ++i) {
+      if (body.run().path.surface.drift[0] >= 0) {
+        touched = true;
+        other.restore(body.run(), 0);
+      }
+      CHECK(body.advance(0.01) == StepStatus::ok);
+      CHECK(other.advance(0.01) == StepStatus::ok);
+      CHECK((body.state().x == other.state().x).all() && (body.state().v == other.state().v).all());
+    }
+    CHECK(touched);
+  }
+}
+
+TEST(what_is_pinned_stays_and_the_rest_gives_way) {
+  Sphere sphere{.level = 3, .height = 0.02, .damping = 0.5};
+  Definition definition;
+  definition.mass.assign(64, 1.0 / 64);
+  definition.planes = 1;
+  definition.offset = {0, 0, -0.08};
+  definition.pins.emplace_back();
+  for (int p = 48; p < 64; ++p) definition.pins[0].points.push_back(p);
+  definition.samples = std::make_shared<Samples>(sphere.samples());
+  SoftBody body(definition);
+  body.settings.stiffness = {2e3, 2e3, 2e3};
+  body.settings.damping = 0.5;
+  body.settings.step = 1e-3;
+  body.settings.pins[0].position = Vec3(0.5, 0.5, 1) + definition.offset;
+  body.settings.planes[0] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 0.05}, Vec3::Zero(), 0.4, false};
+  CHECK(body.initialize(0) == StepStatus::ok);
+  double force = 0;
+  for (int i = 0; i < 200; ++i) {
+    CHECK(body.advance(0.01) == StepStatus::ok);
+    CHECK(lowest(sphere.samples(), body) >= body.state().time * 0.05 - 1e-12);
+    CHECK_NEAR(body.state().x(63, 2), 0.92, 1e-15);
+    force = -body.readings().plane_reaction(0).z();
+  }
+  CHECK(force > 100);
+  CHECK_NEAR(body.readings().pin_reaction(0).z(), force, 0.02 * force);
+}
+
+TEST(automatic_steps_follow_a_landing_by_the_tolerance_and_state_their_error) {
+  const auto landed = [](double h, double tolerance) {
+    SoftBody body = tumbling(h);
+    body.settings.planes[0].friction = 0;
+    body.settings.horizon = 0.15;
+    body.settings.tolerance = tolerance;
+    CHECK(body.initialize(0) == StepStatus::ok);
+    for (int i = 0; i < 15; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+    return body;
+  };
+  const SoftBody fine = landed(2e-6, 1e-4);
+  for (const double tolerance : {1e-3, 3e-4, 1e-4, 3e-5}) {
+    const SoftBody body = landed(0, tolerance);
+    const double error = apart(fine.state().x, body.state().x), stated = body.readings().stated_error();
+    std::printf("  tolerance %g: error %.2g, stated %.2g m\n", tolerance, error, stated);
+    CHECK(body.readings().method() == Method::leapfrog && body.readings().reason() == Reason::contact);
+    CHECK(error < 3 * tolerance && error < 3 * stated);
+  }
+}
+
+TEST(a_stiff_body_with_samples_falls_by_its_modes_and_rests_in_implicit_steps) {
+  for (const double stiffness : {1e5, 1e6}) {
+    const Sphere sphere{.level = 1, .height = 0.02, .stiffness = stiffness, .friction = 0};
+    SoftBody fine = sphere.body(), body = sphere.body();
+    fine.settings.method = Method::leapfrog;
+    fine.settings.step = 4e-6;
+    body.settings.horizon = 0.5;
+    for (SoftBody* each : {&fine, &body}) {
+      CHECK(each->initialize(0) == StepStatus::ok);
+      for (int i = 0; i < 25; ++i) CHECK(each->advance(0.02) == StepStatus::ok);
+    }
+    std::printf("  k %g: apart %.3g m\n", stiffness, apart(fine.state().x, body.state().x));
+    CHECK(apart(fine.state().x, body.state().x) < 1e-4);  // the tolerance
+    for (int i = 0; i < 125; ++i) CHECK(body.advance(0.02) == StepStatus::ok);
+    CHECK(body.readings().method() == Method::backward_euler);
+    CHECK_NEAR(body.readings().plane_reaction(0).z(), -9.81, 1e-9);
+    CHECK(lowest(sphere.samples(), body) >= -1e-12);
+  }
+}
+
+TEST(steps_of_backward_euler_alone_are_implicit_ones) {
+  SoftBody body = Sphere{.level = 1, .height = 0.001, .stiffness = 1e7}.body();
+  body.settings.method = Method::backward_euler;
+  CHECK(body.initialize(0) == StepStatus::ok);
+  for (int i = 0; i < 200; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+  CHECK(body.readings().method() == Method::backward_euler);
+  CHECK_NEAR(body.readings().plane_reaction(0).z(), -9.81, 1e-9);
+}
