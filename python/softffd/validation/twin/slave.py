@@ -7,7 +7,9 @@ from pathlib import Path
 from xml.etree import ElementTree as Xml
 
 from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
 
+from .fixtures import TwinError
 from .model import Model
 
 SCENE, DESCRIPTION = "scene.json", "description.xml"
@@ -40,7 +42,12 @@ class TwinSlave(Fmi2Slave):
         self._initialized = True
 
     def do_step(self, current_time, step_size):
-        self._model.advance(self._values, step_size)
+        """A step that cannot be done is discarded: exceptions spoil the interpreter's memory on their way through pythonfmu 0.7."""
+        try:
+            self._model.advance(self._values, step_size)
+        except TwinError as error:
+            self.log(str(error), Fmi2Status.error)
+            return False
         self._outputs = None
         return True
 
