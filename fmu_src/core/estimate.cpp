@@ -103,10 +103,10 @@ double ErrorEstimate::follow_slopes(double H) {
   const Settings& settings = shadow_.settings;
   double kink = 0, bend = 0;
   for (int i = 0; i < tally_.slopes.size(); ++i) {
-    const double change = H * (settings.force_bend[0](i) + H * settings.force_bend[1](i) / 2);
-    kink = std::max(kink, std::abs(settings.force_rate(i) - tally_.slopes(i)));
+    const double change = H * ((*settings.force_bend[0])(i) + H * (*settings.force_bend[1])(i) / 2);
+    kink = std::max(kink, std::abs((*settings.force_rate)(i) - tally_.slopes(i)));
     bend = std::max(bend, std::abs(change));
-    tally_.slopes(i) = settings.force_rate(i) + change;
+    tally_.slopes(i) = (*settings.force_rate)(i) + change;
   }
   return kink + bend > 0 ? kink / (kink + bend) : settings.pins.empty() ? 0 : 1;
 }

@@ -58,8 +58,8 @@ Run empty_run(const Definition& definition) {
   run.contacts.resize(definition.planes);
   run.centres.resize(definition.planes, Vec3::Zero());
   State& motion = run.path.motion;
-  for (Points* points : {&motion.x, &motion.v, &motion.spring, &motion.previous, &run.course.bound_x, &run.course.factored.x, &run.outside})
-    points->setZero(n, 3);
+  for (Points* points : {&motion.x, &motion.v, &motion.spring}) points->setZero(n, 3);
+  for (MarkedPoints* points : {&motion.previous, &run.course.bound_x, &run.course.factored.x, &run.outside}) points->change().setZero(n, 3);
   motion.holds.assign(definition.planes, Points::Zero(n, 3));
   if (definition.samples && definition.planes > 0) {
     const int rows = std::min({most_surface_rows, 3 * n, definition.samples->count() * definition.planes});
@@ -127,9 +127,9 @@ SoftBody::SoftBody(Definition definition)
     drive_.pins.push_back(make_pin(definition_, definition_.pins[a], pin_origins_[a]));
   drive_.planes.resize(definition_.planes);
   if (definition_.samples && definition_.planes > 0) surface_ = std::make_unique<SurfaceContact>(model_.body, definition_.planes);
-  for (Points* points : {&settings.force, &settings.force_rate, &settings.force_bend[0], &settings.force_bend[1], &drive_.force,
-                         &drive_.force_rate, &drive_.force_bend[0], &drive_.force_bend[1], &begin_})
-    points->setZero(n, 3);
+  for (MarkedPoints* points : {&settings.force, &settings.force_rate, &settings.force_bend[0], &settings.force_bend[1]})
+    points->change().setZero(n, 3);
+  for (Points* points : {&drive_.force, &drive_.force_rate, &drive_.force_bend[0], &drive_.force_bend[1], &begin_}) points->setZero(n, 3);
   settings.planes.resize(definition_.planes);
   settings.pins.resize(definition_.pins.size());
   for (std::size_t a = 0; a < pin_origins_.size(); ++a) settings.pins[a].position = pin_origins_[a];
@@ -197,15 +197,24 @@ StepStatus SoftBody::refresh_drive() {
     for (double& component : pin.orientation_rate) component /= size;
     pin.since = time;
   }
-  for (int axis = 0; axis < 3; ++axis) drive_.force.col(axis) = settings.force.col(axis) + settings.gravity[axis] * model_.body.weight;
-  drive_.force_rate = settings.force_rate;
-  drive_.bent = any(settings.force_bend[0]) || any(settings.force_bend[1]);
-  drive_.ramped = drive_.bent || any(settings.force_rate);
-  if (drive_.bent) drive_.force_bend = settings.force_bend;
-  drive_.even = !drive_.ramped;
-  for (int axis = 0; axis < 3; ++axis) drive_.even = drive_.even && all_alike(drive_.force.col(axis));
+  refresh_forces();
   drive_.since = time;
   return StepStatus::ok;
+}
+
+void SoftBody::refresh_forces() {
+  const auto& [bend, more_bend] = settings.force_bend;
+  const Loads loads{{settings.force.mark(), settings.force_rate.mark(), bend.mark(), more_bend.mark()}, settings.gravity, model_.body.version};
+  if (loads == loads_) return;
+  loads_ = loads;
+  force_mark_ = MarkedPoints::new_mark();
+  for (int axis = 0; axis < 3; ++axis) drive_.force.col(axis) = settings.force->col(axis) + settings.gravity[axis] * model_.body.weight;
+  drive_.bent = any(*bend) || any(*more_bend);
+  drive_.ramped = drive_.bent || any(*settings.force_rate);
+  if (drive_.ramped) drive_.force_rate = *settings.force_rate;
+  if (drive_.bent) drive_.force_bend = {*bend, *more_bend};
+  drive_.even = !drive_.ramped;
+  for (int axis = 0; axis < 3; ++axis) drive_.even = drive_.even && all_alike(drive_.force.col(axis));
 }
 
 StepStatus SoftBody::clear_jumps(bool& moved) {
@@ -245,7 +254,7 @@ StepStatus SoftBody::initialize(double t0) {
   motion.previous_h = 0;
   for (Points& forces : motion.holds) forces.setZero();
   motion.held_rows.forget();
-  Points bound_x = std::move(now_.course.bound_x), factored_x = std::move(now_.course.factored.x);
+  MarkedPoints bound_x = std::move(now_.course.bound_x), factored_x = std::move(now_.course.factored.x);
   now_.course = {};
   now_.course.bound_x = std::move(bound_x);
   now_.course.factored.x = std::move(factored_x);
@@ -258,7 +267,7 @@ StepStatus SoftBody::initialize(double t0) {
   now_.dissipated = now_.work = 0;
   now_.energy = {};
   now_.contacts_resolved = 0;
-  now_.outside = drive_.force;
+  now_.outside.copy(drive_.force, force_mark_);
   bool moved = place_pins(false);
   const StepStatus cleared = clear_jumps(moved);
   if (cleared != StepStatus::ok) return cleared;
@@ -285,10 +294,11 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   const bool published = settings.method == Method::central_difference && (!drive_.planes.empty() || !drive_.pins.empty());
   const bool watched = !published;
   if (definition_.watch_energy) now_.work += potential_energy() - now_.potential;
-  if (definition_.watch_energy || watched) begin_ = motion.x;
+  if (moved) begin_ = motion.x;
+  const Points& begin = moved ? begin_ : before_.path.motion.x;
   if (!watched) now_.energy.kinetic_elastic = -1;
-  const double jump = (drive_.force - now_.outside).abs().maxCoeff();
-  if (watched && jump > 0) jolt(now_.energy, model_.body, motion.spring, now_.outside, drive_.force);
+  const double jump = now_.outside.mark() == force_mark_ ? 0 : (drive_.force - *now_.outside).abs().maxCoeff();
+  if (watched && jump > 0) jolt(now_.energy, model_.body, motion.spring, *now_.outside, drive_.force);
   const double booked = watched ? open_account(now_, before_, model_, drive_, changed, moved) : 0;
   if (!all_finite(now_.energy)) return StepStatus::not_finite;  // forces whose squares are no numbers
   drive_.damping_unwatched = !definition_.watch_energy;         // the account does not need it
@@ -301,14 +311,17 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
                         .step_factor = step_factor * settings.step_factor};
   const StepStatus ran = propagator_.advance({model_, drive_, request, now_}, H);
   if (ran != StepStatus::ok) return ran;
-  drive_.force_at(motion.time, now_.outside);
-  if (watched) close_account(now_, model_, drive_, begin_, booked);
+  if (drive_.ramped)
+    drive_.force_at(motion.time, now_.outside.change());
+  else
+    now_.outside.copy(drive_.force, force_mark_);
+  if (watched) close_account(now_, model_, drive_, begin, booked);
   look_at_planes();
   now_.contacts_resolved += exchange.contacts_resolved;
   if (definition_.watch_energy) {
     now_.potential = potential_energy();
     now_.dissipated += exchange.dissipated;
-    now_.work += exchange.work + (settings.force * (motion.x - begin_)).sum();
+    now_.work += exchange.work + (*settings.force * (motion.x - begin)).sum();
   }
   return finite(now_) ? StepStatus::ok : StepStatus::not_finite;
 }

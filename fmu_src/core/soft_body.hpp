@@ -59,14 +59,22 @@ struct Settings : Material {
   double step_factor = 1;                    ///< of the internal step that would be taken otherwise
   double horizon = 1;                        ///< length of the run [s]
   double most_work = thresholds::most_work;  ///< of a communication step, in evaluations of the spring forces of 4 x 4 x 4 points
-  Points force;                              ///< loads and point forces at the communication point (points, 3) [N]
-  Points force_rate;                         ///< their time derivative [N/s]
-  std::array<Points, 2> force_bend;          ///< their second and third [N/s2, N/s3]
+  MarkedPoints force;                        ///< loads and point forces at the communication point (points, 3) [N]
+  MarkedPoints force_rate;                   ///< their time derivative [N/s]
+  std::array<MarkedPoints, 2> force_bend;    ///< their second and third [N/s2, N/s3]
   std::vector<PlaneMotion> planes;
   std::vector<PinMotion> pins;
 };
 
 class SoftBody {
+  /// What the outside forces come from.
+  struct Loads {
+    std::array<Count, 4> marks{};
+    Vec3 gravity = Vec3::Zero();
+    Count version = -1; ///< of the body
+    bool operator==(const Loads&) const = default;
+  };
+
  public:
   explicit SoftBody(Definition definition);
 
@@ -104,6 +112,7 @@ class SoftBody {
  private:
   void refresh_model();
   StepStatus refresh_drive();
+  void refresh_forces();
   StepStatus clear_jumps(bool& moved);
   void look_at_planes();  ///< who touches them, and where they are pressed
   bool place_pins(bool book);
@@ -121,7 +130,9 @@ class SoftBody {
   Propagator propagator_;
   Contact jumps_;
   std::unique_ptr<SurfaceContact> surface_;  ///< where planes meet the surface: its jumps
-  Points begin_;                             ///< positions at the start of the communication step, where energy is watched
+  Points begin_;                             ///< positions at the start of the communication step, where they are not those of before
+  Loads loads_{};                            ///< that drive_.force is of
+  Count force_mark_ = 0;                     ///< of drive_.force
   double divided_ = 1;     ///< by how much the last communication step's internal steps had to be divided to have a result
   double work_done_ = 0;   ///< of the last call
   double came_ = 0;        ///< by which the last call's first attempt moved the time [s]

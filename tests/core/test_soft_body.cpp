@@ -89,7 +89,7 @@ TEST(a_call_does_no_more_than_its_work) {
           body.settings.stiffness = {stiffness, stiffness, stiffness};
           body.settings.damping = 0.01;
           body.settings.gravity = {0, 0, gravity};
-          body.settings.force(5, 2) = force;
+          body.settings.force.change()(5, 2) = force;
           body.settings.planes[0] = {{0, 0, -0.01}, {0, 0, 1}, {0, 0, 1}, Vec3::Zero(), 0.3, true};
           body.settings.most_work = 50'000;
           body.initialize(0);
@@ -107,7 +107,7 @@ TEST(forces_whose_squares_are_no_numbers_are_refused_before_a_step) {
   SoftBody body(definition);
   body.settings.stiffness = {1e8, 1e8, 1e8};
   body.settings.planes[0] = {{0, 0, 0}, {0, 0, 1}, Vec3::Zero(), Vec3::Zero(), 0, false};
-  body.settings.force(0, 2) = -1e300;
+  body.settings.force.change()(0, 2) = -1e300;
   body.initialize(0);
   CHECK(body.advance(0.1) == StepStatus::not_finite);
   CHECK(body.work_done() == 0);
@@ -133,8 +133,8 @@ TEST(forces_that_jump_are_no_gain_of_energy) {
   body.initialize(0);
   body.settings.step = 0.95 * body.readings().stable_step();
   for (int i = 0; i < 4000; ++i) {
-    body.settings.force.setZero();
-    if (i / 200 % 2 == 0) body.settings.force(0, 0) = -(body.settings.force(63, 0) = 40);
+    body.settings.force.change().setZero();
+    if (i / 200 % 2 == 0) body.settings.force.change()(0, 0) = -(body.settings.force.change()(63, 0) = 40);
     CHECK(body.advance(body.settings.step) == StepStatus::ok);
     if (body.readings().gains_energy()) {
       CHECK(!body.readings().gains_energy());
@@ -153,8 +153,8 @@ TEST(a_damped_body_under_a_load_that_grows_is_watched) {
     body.initialize(0);
     const double before = body.readings().elastic_energy();
     for (int i = 0; i < 100; ++i) {
-      body.settings.force(63, 0) = 20 * (i % 20) * 0.05;
-      body.settings.force_rate(63, 0) = 20 / 0.2;  // up to 20 N, and at once back
+      body.settings.force.change()(63, 0) = 20 * (i % 20) * 0.05;
+      body.settings.force_rate.change()(63, 0) = 20 / 0.2;  // up to 20 N, and at once back
       CHECK(body.advance(0.01) == StepStatus::ok);
       CHECK(body.run().energy.kinetic_elastic >= 0);
       CHECK(!body.readings().gains_energy());
@@ -169,7 +169,7 @@ TEST(a_gain_of_a_damped_body_under_a_load_that_grows_is_seen) {
   body.settings.stiffness = {1e3, 1e3, 1e3};
   body.settings.damping = 1e-6;
   body.settings.step = 1e-3;
-  body.settings.force_rate(63, 0) = 1e-6;
+  body.settings.force_rate.change()(63, 0) = 1e-6;
   body.initialize(0);
   for (int i = 0; i < 20; ++i) CHECK(body.advance(0.1) == StepStatus::ok);
   CHECK(!body.readings().gains_energy());
@@ -203,7 +203,7 @@ TEST(a_moved_pin_carries_its_points_and_gets_their_momentum) {
 TEST(mass_scales_every_point) {
   SoftBody body(stretched());
   body.settings.mass = 8;
-  body.settings.force(3, 0) = 1;
+  body.settings.force.change()(3, 0) = 1;
   body.initialize(0);
   body.advance(0.01);
   CHECK_NEAR(body.state().v(3, 0), 0.01 / (8.0 / 64), 1e-12);

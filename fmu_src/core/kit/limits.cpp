@@ -21,7 +21,7 @@ double bound(const Job& job) {
   Course& course = job.run.course;
   if (course.bound < 0 || deformed_since_bound(job)) {
     course.bound = job.model.stability.frequency(job.model.body, job.run.path.motion.x);
-    course.bound_x = job.run.path.motion.x;
+    course.bound_x.change() = job.run.path.motion.x;
   }
   return course.bound;
 }
@@ -34,7 +34,7 @@ bool deformed_since_bound(const Job& job) {
     kernels::SpringRow edges = row.view();
     if (body.volume) edges.stiffness = row.multiplicity.data();  // edges without stiffness count too
     const double limit = relative * row.rest_length[0];
-    const double change = kernels::largest_change(edges, body.points(), job.run.path.motion.x.data(), job.run.course.bound_x.data());
+    const double change = kernels::largest_change(edges, body.points(), job.run.path.motion.x.data(), job.run.course.bound_x->data());
     if (!(change <= limit * limit)) return true;
   }
   return false;

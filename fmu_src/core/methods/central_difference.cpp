@@ -10,10 +10,11 @@ namespace {
 
 /// Eq. (11): the position one step back that gives the velocity and acceleration at hand.
 void start(const Body& body, const Points& force, double h, State& state) {
+  Points& previous = state.previous.change();
   for (int axis = 0; axis < 3; ++axis) {
     const auto v = state.v.col(axis);
     const auto acceleration = (state.spring.col(axis) + force.col(axis) - body.damping * v) / body.mass;
-    state.previous.col(axis) = state.x.col(axis) - h * v + 0.5 * h * h * acceleration;
+    previous.col(axis) = state.x.col(axis) - h * v + 0.5 * h * h * acceleration;
   }
   state.previous_h = h;
 }
@@ -35,12 +36,11 @@ Vec3 collide(double friction, const HalfSpace& now, double inertia, double h, co
 }  // namespace
 
 void CentralDifference::step(const Body& body, const Drive& around, double t, double h, const State& state, Exchange* exchange) {
-  force_ = around.force;
-  if (around.ramped) around.force_at(t, force_);
+  around.force_at(t, force_);
   for (int axis = 0; axis < 3; ++axis) {
     const auto inertia = body.mass / (h * h), drag = body.damping / (2 * h);
     next_.col(axis) =
-        (2 * inertia * state.x.col(axis) - (inertia - drag) * state.previous.col(axis) + state.spring.col(axis) + force_.col(axis)) /
+        (2 * inertia * state.x.col(axis) - (inertia - drag) * state.previous->col(axis) + state.spring.col(axis) + force_.col(axis)) /
         (inertia + drag);
   }
   for (std::size_t q = 0; q < around.planes.size(); ++q) {
@@ -48,7 +48,7 @@ void CentralDifference::step(const Body& body, const Drive& around, double t, do
     for (int p = 0; p < body.points(); ++p) {
       if (body.pinned[p]) continue;
       Vec3 next = row(next_, p);
-      const Vec3 x = row(state.x, p), previous = row(state.previous, p), free = next;
+      const Vec3 x = row(state.x, p), previous = row(*state.previous, p), free = next;
       const double inertia = body.mass[p] / (h * h) + body.damping[p] / (2 * h);
       const Vec3 impulse = collide(around.planes[q].friction, now, inertia, h, x, previous, next);
       if (impulse.isZero(0)) continue;
@@ -69,7 +69,7 @@ void CentralDifference::step(const Body& body, const Drive& around, double t, do
   });
   if (around.watch && exchange && body.damped && !around.damping_unwatched) {
     double power = 0;
-    for (int axis = 0; axis < 3; ++axis) power += (body.damping * ((next_.col(axis) - state.previous.col(axis)) / (2 * h)).square()).sum();
+    for (int axis = 0; axis < 3; ++axis) power += (body.damping * ((next_.col(axis) - state.previous->col(axis)) / (2 * h)).square()).sum();
     exchange->dissipated += h * power;
   }
 }
@@ -83,12 +83,12 @@ Outcome CentralDifference::advance(const Model& model, const Drive& drive, const
   for (Count i = 0; i < span.steps; ++i) {
     step(model.body, drive, span.time(i), span.h, state, &run.path.exchange);
     if (drive.watch && drive.ramped) run.path.exchange.work += drive.ramp_dot(span.time(i) + 0.5 * span.h, next_ - state.x);
-    state.previous.swap(state.x);
+    state.previous.change().swap(state.x);
     state.x.swap(next_);
     model.body.internal_force(state.x, state.spring);
   }
   step(model.body, drive, span.time(span.steps), span.h, state, nullptr);
-  state.v = (next_ - state.previous) / (2 * span.h);
+  state.v = (next_ - *state.previous) / (2 * span.h);
   return {.work = double(span.steps) * traits(Method::central_difference).work};
 }
 

@@ -61,7 +61,8 @@ Ros34pw2::Ros34pw2(const Lattice& lattice, int pins)
       diagonal_(lattice.points()),
       sums_(6 * lattice.points()) {
   const int n = lattice.points();
-  for (Points* points : {&factored.x, &held_.x, &mass_, &damping_, &free_, &stage_x_, &stage_v_, &spring_, &outside_, &p_, &q_, &zero_,
+  for (MarkedPoints* points : {&factored.x, &held_.x}) points->change().setZero(n, 3);
+  for (Points* points : {&mass_, &damping_, &free_, &stage_x_, &stage_v_, &spring_, &outside_, &p_, &q_, &zero_,
                          &pin_velocity_, &pin_acceleration_, &pin_rate_, &correction_})
     points->setZero(n, 3);
   for (auto* list : {&x_, &v_})
@@ -77,7 +78,7 @@ void Ros34pw2::factorize(const Body& body) {
       damping_(p, axis) = free_(p, axis) * body.damping[p];
     }
   diagonal_ = body.mass / (g * g) + body.damping / g;
-  assemble(body, factored.x, diagonal_, sums_, matrix_, 1 / g);
+  assemble(body, *factored.x, diagonal_, sums_, matrix_, 1 / g);
   matrix_.factor();
   held_ = factored;
   version_ = body.version;
@@ -86,11 +87,11 @@ void Ros34pw2::factorize(const Body& body) {
 
 void Ros34pw2::use_factor(const Body& body, double h, const Points& x) {
   if (factored.h != h || factored.uses >= most_uses) {
-    factored.x = x;
+    factored.x.change() = x;
     factored.h = h;
     factored.uses = 0;
   }
-  if (held_.h != h || version_ != body.version || !same(held_.x, factored.x)) factorize(body);
+  if (held_.h != h || version_ != body.version || !same(*held_.x, *factored.x)) factorize(body);
   ++factored.uses;
 }
 
@@ -107,8 +108,8 @@ bool Ros34pw2::pins_move(const Equations& equations, double t, double h) {
   }
   const auto zero = [](const Points& points) { return kernels::largest(points.size(), points.data()) == 0; };
   if (zero(pin_velocity_) && zero(pin_acceleration_)) return false;
-  stiffness_force(body, factored.x, pin_velocity_, pin_rate_);
-  if (dashpots) body.springs.add_dashpot_force(factored.x, pin_acceleration_, pin_rate_);
+  stiffness_force(body, *factored.x, pin_velocity_, pin_rate_);
+  if (dashpots) body.springs.add_dashpot_force(*factored.x, pin_acceleration_, pin_rate_);
   return true;
 }
 
@@ -196,7 +197,7 @@ void Ros34pw2::add_dashpots(const Body& body, Points& right) {
   correction_.setZero();
   body.springs.add_dashpot_force(stage_x_, stage_v_, correction_);
   outside_ = -free_ * (stage_v_ + p_);
-  body.springs.add_dashpot_force(factored.x, outside_, correction_);
+  body.springs.add_dashpot_force(*factored.x, outside_, correction_);
   right += free_ * correction_;
 }
 
@@ -205,11 +206,11 @@ void Ros34pw2::add_dashpots(const Body& body, Points& right) {
 void Ros34pw2::record_stage(const Equations& equations, double weight, double at, double ahead, int i) {
   if (!equations.around.pins.empty()) {
     outside_ = x_[i] + ahead * pin_velocity_;
-    stiffness_force(equations.body, factored.x, outside_, correction_);
+    stiffness_force(equations.body, *factored.x, outside_, correction_);
     if (equations.body.springs.dashpots()) {
       equations.body.springs.add_dashpot_force(stage_x_, stage_v_, correction_);
       outside_ = v_[i] + ahead * pin_acceleration_;
-      equations.body.springs.add_dashpot_force(factored.x, outside_, correction_);
+      equations.body.springs.add_dashpot_force(*factored.x, outside_, correction_);
     }
     spring_ += correction_;
   }

@@ -43,7 +43,8 @@ struct Drive {
   }
   /// out = forces at time t.
   void force_at(double t, Points& out) const {
-    for (Eigen::Index i = 0; i < out.size(); ++i) out(i) = force(i) + ramp(i, t);
+    out = force;
+    for (Eigen::Index i = 0; ramped && i < out.size(); ++i) out(i) += ramp(i, t);
   }
   /// Calls visit(PinnedPoint) for the points of all pins at time t.
   template <class Visit>

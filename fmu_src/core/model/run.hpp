@@ -146,7 +146,7 @@ static_assert(visits_every_field<RaceRecord>);
 
 /// What stepping has learnt and spent.
 struct Course {
-  Points bound_x;                                        ///< configuration that `bound` belongs to
+  MarkedPoints bound_x;                                  ///< configuration that `bound` belongs to
   double bound = -1;                                     ///< bound of omega [rad/s]; negative: none yet
   std::array<Calibration, method_count> calibrations{};  ///< of the methods of fixed steps
   std::array<double, method_count> controlled{};         ///< steps of the methods with error control [s]; 0: none yet
@@ -244,7 +244,7 @@ struct Run {
   EnergyAccount energy;
   double exchange_time = 1;                        ///< length of the last communication step [s]
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
-  Points outside;                                  ///< outside forces at the end of the last communication step [N]
+  MarkedPoints outside;                            ///< outside forces at the end of the last communication step [N]
   Count contacts_resolved = 0;
   std::vector<Count> contacts;  ///< control points, or samples of the surface, on each plane at the communication point
   std::vector<Vec3> centres;    ///< of pressure on each plane in the last communication step, where the plane was at its end [m]

@@ -15,6 +15,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "model/marked_points.hpp"
 #include "model/types.hpp"
 
 namespace softffd {
@@ -67,6 +68,10 @@ void each_leaf(T& value, Leaf&& leaf) {
     Plain::visit(value, [&](auto&... fields) { (each_leaf(fields, leaf), ...); });
   else if constexpr (visiting::is_list<Plain>::value)
     for (auto& element : value) each_leaf(element, leaf);
+  else if constexpr (std::is_same_v<T, const MarkedPoints>)
+    leaf(*value);
+  else if constexpr (std::is_same_v<T, MarkedPoints>)
+    leaf(value.change());
   else
     leaf(value);
 }

@@ -95,9 +95,9 @@ EnergyAccount account_at_start(const Run& before, const Model& model, const Driv
   EnergyAccount account = before.energy;
   if (changed || account.kinetic_elastic < 0) return account;
   const State& motion = before.path.motion;
-  jolt(account, model.body, motion.spring, before.outside, drive.force);
+  jolt(account, model.body, motion.spring, *before.outside, drive.force);
   look(account, {model.body, drive}, motion, staggered_step(before), 0);
-  jolt(account, model.body, motion.spring, drive.force, before.outside);
+  jolt(account, model.body, motion.spring, drive.force, *before.outside);
   return account;
 }
 

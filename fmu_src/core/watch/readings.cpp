@@ -71,7 +71,7 @@ Vibration Readings::set_off(double kink, Points& scratch, Points& more) const {
   const bool followed = is_implicit(before.course.method);
   const State& start = before.path.motion;
   if (followed) {
-    scratch = drive.force - before.outside;
+    scratch = drive.force - *before.outside;
   } else {  // what is left over of the forces once they hold the body on its turn
     const RigidMotion rigid = rigid_motion(model.body.mass, start.x, start.v);
     scratch = drive.force + start.spring;

@@ -140,6 +140,7 @@ void Variables::set_tolerance(double tolerance) {
 
 /// Forces of points and loads, or their rates, on the control points.
 void Variables::spread(const Table& table, Points& force) const {
+  force.setZero();
   const auto& points = members(Part::forces);
   for (std::size_t n = 0; n < points.size(); ++n) force.row(points[n]) += vector(table, Family::force, n).array().transpose();
   for (std::size_t n = 0; n < scene_.loads.size(); ++n)
@@ -183,18 +184,21 @@ bool Variables::apply(Settings& settings) {
     }
   }
   settings.method = method_of(numbers[row_of(Family::solver_method)][0]);
-  settings.force.setZero();
-  spread(numbers, settings.force);
-  Points* const force_rates[] = {&settings.force_rate, &settings.force_bend[0], &settings.force_bend[1]};
-  for (int order = 1; order <= highest_order; ++order) {
-    force_rates[order - 1]->setZero();
-    if (values_.rated) spread(values_.rates[order - 1], *force_rates[order - 1]);
-  }
+  spread_forces(settings);
   follow_pose(Family::plane_point, settings.planes);
   follow_pose(Family::pin_position, settings.pins);
   if (scene_.rotation) turn_fixed_pins(settings);
   values_.changed = false;
   return std::exchange(values_.material_changed, false);
+}
+
+/// Most runs have no rates: what is 0 is not made 0 again.
+void Variables::spread_forces(Settings& settings) {
+  if (count(row_of(Family::force)) + count(row_of(Family::load)) == 0) return;
+  spread(values_.numbers, settings.force.change());
+  MarkedPoints* const force_rates[] = {&settings.force_rate, &settings.force_bend[0], &settings.force_bend[1]};
+  for (int n = 0; n < highest_order && (values_.rated || rates_spread_); ++n) spread(values_.rates[n], force_rates[n]->change());
+  rates_spread_ = values_.rated;
 }
 
 void Variables::forget_rates() {

@@ -117,6 +117,7 @@ class Variables {
   void turn_fixed_pins(Settings& settings) const;
   void check_method(double method) const;
   void spread(const Table& table, Points& force) const;
+  void spread_forces(Settings& settings);
   double read(const Variable& variable, const Observed& observed);
   void forget_seen();
   static int highest_order_of(Family family);
@@ -125,6 +126,7 @@ class Variables {
   std::array<std::vector<int>, family_count> members_;  ///< by part; there are no more parts than families
   std::array<std::vector<int>, family_count> chosen_;   ///< by row, of poses: the places that are there
   std::vector<Embedding> probes_;
+  bool rates_spread_ = true;                  ///< the settings may have rates of forces that are not 0
   std::vector<Vec3> pin_origins_;             ///< at rest [m]
   std::vector<std::size_t> differenced_;      ///< the rows of `begun_` and `seen_` that have any
   std::array<Meant, 2> last_set_, last_got_;  ///< by type

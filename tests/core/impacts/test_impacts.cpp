@@ -152,8 +152,8 @@ TEST(obstacles_loads_damping_and_lattices_of_every_kind_are_as_by_fine_leapfrog)
        {},
        [](Settings& s, double time) {
          for (int axis = 0; axis < 3; ++axis) {
-           s.force.row(5)[axis] = 40 * time * (axis - 1);
-           s.force_rate.row(5)[axis] = 40 * (axis - 1);
+           s.force.change().row(5)[axis] = 40 * time * (axis - 1);
+           s.force_rate.change().row(5)[axis] = 40 * (axis - 1);
          }
        }},
       {"damped on one side", tilted,

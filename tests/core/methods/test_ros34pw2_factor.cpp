@@ -32,10 +32,10 @@ TEST(a_fresh_factor_belongs_to_the_state_at_hand) {
   const Equations equations{s.body, s.around};
   Ros34pw2 method(s.lattice, 0);
   const Result r = run(method, s, 5);
-  CHECK(same_bits(method.factored.x, s.start.x) && method.factored.uses == 5);
+  CHECK(same_bits(*method.factored.x, s.start.x) && method.factored.uses == 5);
   method.refresh();
   method.attempt(equations, s.duration, s.duration / 5, r.state);
-  CHECK(same_bits(method.factored.x, r.state.x) && method.factored.uses == 1 && method.factorizations() == 2);
+  CHECK(same_bits(*method.factored.x, r.state.x) && method.factored.uses == 1 && method.factorizations() == 2);
   method.attempt(equations, s.duration, s.duration / 7, r.state);
   CHECK(method.factored.h == s.duration / 7 && method.factorizations() == 3);
 }

@@ -21,7 +21,7 @@ struct Bursting : Bench {
   }
   static double side(const Points& x) { return x.col(0).maxCoeff() - x.col(0).minCoeff(); }
   /// By which the edges have become longer since the bound was computed, relative to their rest length.
-  double since_bound() const { return side(run.path.motion.x) - side(run.course.bound_x); }
+  double since_bound() const { return side(run.path.motion.x) - side(*run.course.bound_x); }
 };
 
 /// Whether leapfrog's step is calibrated anew when the forces jump by this fraction, between the time for that and the usual one.
@@ -34,7 +34,7 @@ bool calibrates_after(double jump) {
   body.settings.method = Method::leapfrog;
   body.settings.tolerance = 1e-5;
   const double H = 1e-3;
-  const auto pull = [&](double force) { body.settings.force(0, 0) = -(body.settings.force(63, 0) = force); };
+  const auto pull = [&](double force) { body.settings.force.change()(0, 0) = -(body.settings.force.change()(63, 0) = force); };
   pull(10);
   CHECK(body.initialize(0) == StepStatus::ok);
   const auto known = [&] { return body.run().course.calibrations[std::size_t(Method::leapfrog)]; };

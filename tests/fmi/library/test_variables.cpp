@@ -282,8 +282,8 @@ TEST(values_reach_their_places_in_the_settings) {
   CHECK(s.tolerance == scene.get(reference_of(Family::solver_tolerance)) && s.step == scene.get(reference_of(Family::solver_step)));
   const Vec3 load = value3(Family::load), own = value3(Family::force, 0), other = value3(Family::force, 1);
   for (int c = 0; c < 3; ++c) {
-    CHECK(s.force(1, c) == load[c] / 2 && s.force(2, c) == own[c] + load[c] / 2 && s.force(3, c) == other[c]);
-    CHECK(s.force(0, c) == 0);
+    CHECK((*s.force)(1, c) == load[c] / 2 && (*s.force)(2, c) == own[c] + load[c] / 2 && (*s.force)(3, c) == other[c]);
+    CHECK((*s.force)(0, c) == 0);
   }
 }
 
@@ -322,13 +322,13 @@ TEST(rates_of_inputs_reach_their_places_and_hold_for_one_step) {
   scene.rate(reference_of(Family::pin_velocity, 0), 1, 7);
   scene.rate(reference_of(Family::pin_position, 1), 1, 8);
   scene.variables.apply(s);
-  CHECK(s.force_rate(1, 1) == 5 && s.force_bend[0](2, 1) == 10 && s.force_bend[1](2, 1) == 15);
+  CHECK((*s.force_rate)(1, 1) == 5 && (*s.force_bend[0])(2, 1) == 10 && (*s.force_bend[1])(2, 1) == 15);
   CHECK(s.planes[1].acceleration == Vec3(0, 0, 4) && s.planes[1].normal_rate == Vec3(5, 0, 0) && s.pins[1].orientation_rate[3] == 6);
   CHECK(s.pins[1].velocity == Vec3(0, 8, 0) && s.pins[1].acceleration == Vec3::Zero());  // the rate of a pose wins
   scene.variables.forget_rates();
   CHECK(scene.variables.changed());
   scene.variables.apply(s);
-  CHECK(s.force_rate.isZero(0) && s.force_bend[0].isZero(0) && s.planes[1].acceleration == Vec3::Zero());
+  CHECK(s.force_rate->isZero(0) && s.force_bend[0]->isZero(0) && s.planes[1].acceleration == Vec3::Zero());
   CHECK(s.pins[1].velocity == Vec3::Zero() && s.pins[1].orientation_rate[3] == 0);
 }
 

@@ -25,7 +25,8 @@ struct Bench {
     State& motion = run.path.motion;
     motion.x = rest_positions(lattice);
     motion.x.col(0) *= 1.1;
-    for (Points* points : {&motion.v, &motion.spring, &motion.previous, &run.course.bound_x, &run.course.factored.x}) points->setZero(n, 3);
+    for (Points* points : {&motion.v, &motion.spring}) points->setZero(n, 3);
+    for (MarkedPoints* points : {&motion.previous, &run.course.bound_x, &run.course.factored.x}) points->change().setZero(n, 3);
     model.body.internal_force(motion.x, motion.spring);
   }
   static Body body(const Lattice& lattice) {
