@@ -104,7 +104,7 @@ double ErrorEstimate::follow_slopes(double H) {
   double kink = 0, bend = 0;
   for (int i = 0; i < tally_.slopes.size(); ++i) {
     const double change = H * ((*settings.force_bend[0])(i) + H * (*settings.force_bend[1])(i) / 2);
-    kink = std::max(kink, std::abs((*settings.force_rate)(i) - tally_.slopes(i)));
+    kink = std::max(kink, std::abs((*settings.force_rate)(i)-tally_.slopes(i)));
     bend = std::max(bend, std::abs(change));
     tally_.slopes(i) = (*settings.force_rate)(i) + change;
   }

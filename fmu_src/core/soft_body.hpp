@@ -71,7 +71,7 @@ class SoftBody {
   struct Loads {
     std::array<Count, 4> marks{};
     Vec3 gravity = Vec3::Zero();
-    Count version = -1; ///< of the body
+    Count version = -1;  ///< of the body
     bool operator==(const Loads&) const = default;
   };
 

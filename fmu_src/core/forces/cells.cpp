@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <limits>
+#include <utility>
 
 #include "machine/lanes.hpp"
 
@@ -137,7 +138,8 @@ const auto add_squares = chosen<loops::add_squares>();
 
 }  // namespace kernels
 
-Cells::Cells(const Lattice& lattice) : points_(lattice.points()), edges_(Scalars::Zero(9 * points_)), pulls_(Scalars::Zero(9 * points_)) {
+Cells::Cells(const Lattice& lattice, std::shared_ptr<Team> team)
+    : team_(std::move(team)), points_(lattice.points()), edges_(Scalars::Zero(9 * points_)), pulls_(Scalars::Zero(9 * points_)) {
   const auto& n = lattice.counts;
   offset_ = {lattice.index(1, 0, 0), lattice.index(0, 1, 0), lattice.index(0, 0, 1)};
   for (int axis = 0; axis < 3; ++axis) per_length_[axis] = (n[axis] - 1) / lattice.size[axis];
@@ -149,7 +151,10 @@ Cells::Cells(const Lattice& lattice) : points_(lattice.points()), edges_(Scalars
 }
 
 const Scalars& Cells::smallest(const Points& x) const {
-  kernels::corner_volumes(points_, lanes(), offset_.data(), per_length_.data(), absent_.data(), x.data(), smallest_.data());
+  in_parts(team_.get(), lanes(), [&](std::ptrdiff_t p, std::ptrdiff_t end) {
+    kernels::corner_volumes(points_, int(end - p), offset_.data(), per_length_.data(), absent_.data() + p, x.data() + p,
+                            smallest_.data() + p);
+  });
   return smallest_;
 }
 

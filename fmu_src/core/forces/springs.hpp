@@ -74,6 +74,8 @@ class Springs {
   void add_dashpot_force(const Points& x, const Points& v, double* f, double drift = 0) const {
     if (dashpots()) pass_.add_dashpot_force(x.data(), v.data(), drift, f);
   }
+  /// That shares what the body has much of; null: nobody.
+  Team* team() const { return pass_.team.get(); }
   /// Elastic energy at x [J].
   double energy(const Points& x) const;
   /// Number of springs; a doubled segment counts twice.

@@ -28,14 +28,19 @@ double bound(const Job& job) {
 
 bool deformed_since_bound(const Job& job) {
   const Body& body = job.model.body;
+  const Points &x = job.run.path.motion.x, &bound_x = *job.run.course.bound_x;
   const double relative = body.volume ? thresholds::deformation_with_volume : thresholds::deformation;
   for (const Springs::Row& row : body.springs.rows()) {
     if (row.direction.kind() != SpringKind::edge) break;
     kernels::SpringRow edges = row.view();
     if (body.volume) edges.stiffness = row.multiplicity.data();  // edges without stiffness count too
     const double limit = relative * row.rest_length[0];
-    const double change = kernels::largest_change(edges, body.points(), job.run.path.motion.x.data(), job.run.course.bound_x->data());
-    if (!(change <= limit * limit)) return true;
+    const auto exceeds = [&](std::ptrdiff_t lane, std::ptrdiff_t end) {
+      const kernels::SpringRow part{edges.begin + int(lane), int(end - lane), edges.offset, edges.stiffness + lane,
+                                    edges.rest_length + lane};
+      return !(kernels::largest_change(part, body.points(), x.data(), bound_x.data()) <= limit * limit);
+    };
+    if (in_any_part(body.springs.team(), edges.lanes, exceeds)) return true;
   }
   return false;
 }

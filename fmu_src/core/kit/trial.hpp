@@ -8,7 +8,8 @@ namespace softffd {
 template <class Part>
 class [[nodiscard]] Trial {
  public:
-  Trial(Part& part, Part& buffer) : part_(part), before_(buffer) { assign(before_, part_); }
+  /// team: shares the copying.
+  Trial(Part& part, Part& buffer, Team* team = nullptr) : part_(part), before_(buffer), team_(team) { assign(before_, part_, team_); }
   ~Trial() {
     if (open_) back();
   }
@@ -18,11 +19,12 @@ class [[nodiscard]] Trial {
   /// What follows stays.
   void keep() { open_ = false; }
   /// To try once more.
-  void back() { assign(part_, before_); }
+  void back() { assign(part_, before_, team_); }
   const Part& before() const { return before_; }
 
  private:
   Part &part_, &before_;
+  Team* team_;
   bool open_ = true;
 };
 

@@ -62,8 +62,8 @@ Ros34pw2::Ros34pw2(const Lattice& lattice, int pins)
       sums_(6 * lattice.points()) {
   const int n = lattice.points();
   for (MarkedPoints* points : {&factored.x, &held_.x}) points->change().setZero(n, 3);
-  for (Points* points : {&mass_, &damping_, &free_, &stage_x_, &stage_v_, &spring_, &outside_, &p_, &q_, &zero_,
-                         &pin_velocity_, &pin_acceleration_, &pin_rate_, &correction_})
+  for (Points* points : {&mass_, &damping_, &free_, &stage_x_, &stage_v_, &spring_, &outside_, &p_, &q_, &zero_, &pin_velocity_,
+                         &pin_acceleration_, &pin_rate_, &correction_})
     points->setZero(n, 3);
   for (auto* list : {&x_, &v_})
     for (Points& u : *list) u.setZero(n, 3);

@@ -15,6 +15,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "machine/team.hpp"
 #include "model/marked_points.hpp"
 #include "model/types.hpp"
 
@@ -78,12 +79,12 @@ void each_leaf(T& value, Leaf&& leaf) {
 
 /// to = from; arrays of numbers as memory, for which the C library has wider registers than this is compiled for.
 template <class T>
-void assign(T& to, const T& from) {
+void assign(T& to, const T& from, Team* team = nullptr) {
   if constexpr (Visited<T>) {
-    T::visit(to, [&](auto&... into) { T::visit(from, [&](const auto&... value) { (assign(into, value), ...); }); });
+    T::visit(to, [&](auto&... into) { T::visit(from, [&](const auto&... value) { (assign(into, value, team), ...); }); });
   } else if constexpr (requires { to.resizeLike(from); }) {
     to.resizeLike(from);
-    std::copy_n(from.data(), from.size(), to.data());
+    in_parts(team, from.size(), [&](std::ptrdiff_t i, std::ptrdiff_t end) { std::copy_n(from.data() + i, end - i, to.data() + i); });
   } else {
     to = from;
   }
@@ -91,14 +92,17 @@ void assign(T& to, const T& from) {
 
 /// Whether all numbers are finite.
 template <class T>
-bool all_finite(const T& value) {
+bool all_finite(const T& value, Team* team = nullptr) {
   bool finite = true;
   each_leaf(value, [&](const auto& leaf) {
     using Leaf = std::remove_cvref_t<decltype(leaf)>;
     if constexpr (std::is_same_v<Leaf, double>)
       finite = finite && std::isfinite(leaf);
     else if constexpr (!std::is_integral_v<Leaf> && !std::is_enum_v<Leaf>)
-      finite = finite && (leaf - leaf).sum() == 0;  // NaN of what is none; several at a time, as allFinite() is not
+      finite = finite && !in_any_part(team, leaf.size(), [&](std::ptrdiff_t i, std::ptrdiff_t end) {
+                 const Eigen::Map<const Scalars> part(leaf.data() + i, end - i);
+                 return (part - part).sum() != 0;  // NaN of what is none; several at a time, as allFinite() is not
+               });
   });
   return finite;
 }
