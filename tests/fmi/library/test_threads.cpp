@@ -130,8 +130,8 @@ TEST(an_instance_may_wander_from_thread_to_thread) {
 }
 
 TEST(instances_with_threads_of_their_own_give_the_bits_of_one) {
-  const small_scene::Box box{.side = 11};
-  const unsigned count = 3 * 11 * 11 * 11;
+  const small_scene::Box box{.side = 15};  // so large that threads share more than the forces
+  const unsigned count = 3 * 15 * 15 * 15;
   const auto end = [&](const std::string& uri) {
     const fmi2CallbackFunctions callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
     fmi2Component c = fmi2Instantiate("shared", fmi2CoSimulation, "{g}", uri.c_str(), &callbacks, fmi2False, fmi2False);
