@@ -5,7 +5,8 @@
 ///
 /// Whoever comes first takes a piece, its own before others': a helper that the system lets wait costs nothing, and in the child of a fork,
 /// which has no helpers, the one that asks does all. What a piece does must not depend on who does it. Between two rounds helpers spin for
-/// some microseconds and then sleep. They have the floating-point environment that results assume, and no signal is delivered to them.
+/// half a millisecond, most of it letting others run, and then sleep. They have the floating-point environment that results assume, and no
+/// signal is delivered to them.
 #pragma once
 #include <algorithm>
 #include <atomic>
