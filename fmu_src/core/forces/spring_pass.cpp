@@ -83,11 +83,12 @@ struct Rate {
   }
 };
 
-/// Ways from points to their neighbours.
+/// Ways from points to their neighbours. Where an address comes from is hidden from the compiler, which else works out those of all
+/// directions and coordinates before a loop over registers of points, more than the processor keeps at hand.
 template <int n>
 INNER Triple<n> way(const double* to, std::ptrdiff_t column, const Triple<n>& from) {
-  const Triple<n> there = load<n>(to, column);
-  return {there.x - from.x, there.y - from.y, there.z - from.z};
+  __asm__("" : "+r"(to));
+  return {load<n>(to) - from.x, load<n>(to + column) - from.y, load<n>(to + 2 * column) - from.z};
 }
 
 /// What the springs of n points give these by the law goes to the rings. x: the law's arrays at these points.
