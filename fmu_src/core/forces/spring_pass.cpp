@@ -111,21 +111,32 @@ INNER void give(const Law& law, const SpringPass::Offsets& offsets, const Spring
   });
 }
 
-/// The forces on the n points at `slot` in the rings, added to f: what their springs give them less what they give the springs that end
-/// there.
+/// Where the springs stand in the rings that end at the points from `slot` on. Of a block in one piece: its first block is behind a ring's
+/// end once more.
+template <bool wraps>
+INNER SpringPass::Offsets ending(const SpringPass::Offsets& offsets, std::ptrdiff_t length, std::ptrdiff_t slot) {
+  SpringPass::Offsets places;
+  for (std::size_t d = 0; d < ways; ++d) {
+    const std::ptrdiff_t back = slot - offsets[d];
+    places[d] = wraps && back < 0 ? back + length : back;
+  }
+  return places;
+}
+
+/// The forces on n points of the block at `slot` in the rings, added to f: what their springs give them less what they give the springs
+/// that end there.
 template <int n, bool wraps>
-INNER Triple<n> take(const SpringPass::Offsets& offsets, unsigned first, unsigned second, std::ptrdiff_t length, const double* rings,
-                     std::ptrdiff_t slot, const Triple<n>& f) {
+INNER Triple<n> take(const SpringPass::Offsets& ends, unsigned first, unsigned second, const double* rings, std::ptrdiff_t slot, int lane,
+                     const Triple<n>& f) {
   constexpr std::ptrdiff_t row = stride(wraps);
   Lanes<n> fx = f.x, fy = f.y, fz = f.z;
   each_way([&](std::size_t d) INLINED {
     if (first >> d & 1) {
-      const double* given = rings + slot;
+      const double* given = rings + slot + lane;
       fx += load<n>(given), fy += load<n>(given + row), fz += load<n>(given + 2 * row);
     }
     if (second >> d & 1) {
-      const std::ptrdiff_t back = slot - offsets[d];
-      const double* taken = rings + (wraps && back < 0 ? back + length : back);
+      const double* taken = rings + ends[d] + lane;
       fx -= load<n>(taken), fy -= load<n>(taken + row), fz -= load<n>(taken + 2 * row);
     }
     rings += 3 * row;
@@ -156,9 +167,11 @@ INNER void sweep(const SpringPass& pass, SpringPass::Part& part, const Law& law,
     behind[i] = end;
   }
   const auto use_block = [&](int block, std::ptrdiff_t slot) INLINED {
-    for (int p = block * lanes; p < (block + 1) * lanes; p += n, slot += n)
-      use.template at<n>(p,
-                         take<n, wraps>(offsets, pass.first.at<n>(p), pass.second.at<n>(p), length, rings, slot, use.template begin<n>(p)));
+    const SpringPass::Offsets ends = ending<wraps>(offsets, length, slot);
+    for (int lane = 0; lane < lanes; lane += n) {
+      const int p = block * lanes + lane;
+      use.template at<n>(p, take<n, wraps>(ends, pass.first.at<n>(p), pass.second.at<n>(p), rings, slot, lane, use.template begin<n>(p)));
+    }
   };
   std::ptrdiff_t slot = pass.before, before = 0, column = pass.points;
   const int past_tail = part.lead * lanes - pass.tail;
