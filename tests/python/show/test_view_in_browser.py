@@ -127,6 +127,7 @@ def chromium(page, folder, *arguments, without_3d=False):
 
 
 @needs_browser
+@pytest.mark.short("True")
 @pytest.mark.parametrize("shown", [True, False])
 def test_browser_draws_solids(tmp_path, shown):
     ball = Sphere(name="ball", radius=0.5, point=(0.0, -1.0, 0.7))
@@ -141,6 +142,7 @@ def test_browser_draws_solids(tmp_path, shown):
 
 
 @needs_browser
+@pytest.mark.short("True")
 @pytest.mark.parametrize("shown", [True, False])
 def test_browser_draws_dots_and_arrows_in_yellow(tmp_path, shown):
     page, shot = write_view(made_up_run(), tmp_path / "view.html"), tmp_path / "shot.png"
@@ -155,6 +157,7 @@ def test_browser_draws_dots_and_arrows_in_yellow(tmp_path, shown):
 
 
 @needs_browser
+@pytest.mark.short("True")
 @pytest.mark.parametrize("folded", [False, True])
 def test_browser_colours_the_cells(tmp_path, folded):
     """The share of the scale 1 everywhere: the ramp's dark end; turned inside out: grey."""
@@ -170,7 +173,7 @@ def test_browser_colours_the_cells(tmp_path, folded):
 
 
 @needs_browser
-@pytest.mark.short("counts0-bezier", "counts2-bspline")
+@pytest.mark.short("counts2-bspline")
 @pytest.mark.parametrize(
     ("counts", "basis"), [((4, 4, 4), "bezier"), ((2, 8, 5), "bezier"), ((5, 9, 3), "bspline"), ((32, 6, 12), "bspline")]
 )
@@ -222,6 +225,7 @@ def test_browser_shows_object_lattice_and_ground_and_no_error(tmp_path):
 
 
 @needs_browser
+@pytest.mark.short("pictures.glb")
 @pytest.mark.parametrize("name", ["kd.obj", "pictures.glb"])
 def test_browser_shows_the_colours_of_the_mesh(name, tmp_path):
     shot = tmp_path / "shot.png"

@@ -20,7 +20,7 @@ from softffd.validation.stability.scenes import DOWN, ORIGIN, Z, box, plane
 from softffd.validation.stability.verdict import Findings, behind, run_case
 
 SURFACE = [name for name in CASES if name.startswith("surface")]
-QUICK = ("surface: rest, 4^3, k = 100000", "surface: incline 20 deg, k = 10000", "surface: corner, k = 1000, friction 0.5",
+QUICK = ("surface: rest, 4^3, k = 100000", "surface: incline 25 deg, k = 1e+06", "surface: corner, k = 1000, friction 0.5",
          "surface: press, k = 1000")  # fmt: skip
 
 

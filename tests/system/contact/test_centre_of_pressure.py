@@ -53,6 +53,7 @@ def test_a_sphere_presses_below_its_centre_of_mass(tmp_path):
     assert vector(result, "plane.ground.centre")[-1] == pytest.approx([*middle[:2], 0.0], abs=1e-6)
 
 
+@pytest.mark.short("lattice")
 @pytest.mark.parametrize("of", TOUCHING)
 def test_of_a_thrown_body_the_centre_is_below_it_and_takes_all_torque_but_the_normals(body, of):
     thrown = {"velocity": [1.5, 0.3, -1.0], "angular_velocity": [2.0, 4.0, 1.0]}
