@@ -101,12 +101,13 @@ double ErrorEstimate::lost_vibration(const SoftBody& body) const {
 /// changed, only a pin can set off something.
 double ErrorEstimate::follow_slopes(double H) {
   const Settings& settings = shadow_.settings;
+  const Points &rate = *settings.force_rate, &second = *settings.force_bend[0], &third = *settings.force_bend[1];
   double kink = 0, bend = 0;
   for (int i = 0; i < tally_.slopes.size(); ++i) {
-    const double change = H * ((*settings.force_bend[0])(i) + H * (*settings.force_bend[1])(i) / 2);
-    kink = std::max(kink, std::abs((*settings.force_rate)(i)-tally_.slopes(i)));
+    const double change = H * (second(i) + H * third(i) / 2);
+    kink = std::max(kink, std::abs(rate(i) - tally_.slopes(i)));
     bend = std::max(bend, std::abs(change));
-    tally_.slopes(i) = (*settings.force_rate)(i) + change;
+    tally_.slopes(i) = rate(i) + change;
   }
   return kink + bend > 0 ? kink / (kink + bend) : settings.pins.empty() ? 0 : 1;
 }

@@ -32,7 +32,7 @@ struct Definition {
   Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();             ///< x0 = origin + stretch (X - origin) + offset, then turned
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< [m/s], [rad/s] about the centre of the box at x0
   bool watch_energy = false;                                      ///< accumulate dissipated energy and work
-  std::shared_ptr<Team> team = {};                                ///< shares the work on the forces; null: one thread does it
+  std::shared_ptr<Team> team = {};                                ///< shares the loops over many numbers; null: one thread does them
 };
 
 /// Before pins and planes move points (points, 3) [m]. rotation: vector [rad] by which the body starts turned about the centre of its box.
@@ -67,14 +67,6 @@ struct Settings : Material {
 };
 
 class SoftBody {
-  /// What the outside forces come from.
-  struct Loads {
-    std::array<Count, 4> marks{};
-    Vec3 gravity = Vec3::Zero();
-    Count version = -1;  ///< of the body
-    bool operator==(const Loads&) const = default;
-  };
-
  public:
   explicit SoftBody(Definition definition);
 
@@ -119,6 +111,14 @@ class SoftBody {
   double potential_energy() const { return readings().elastic_energy() + readings().gravity_energy(); }
   void take_material();
   StepStatus advance_from_here(double H, double step_factor, bool changed);
+
+  /// What the outside forces come from.
+  struct Loads {
+    std::array<Count, 4> marks{};
+    Vec3 gravity = Vec3::Zero();
+    Count version = -1;  ///< of the body
+    bool operator==(const Loads&) const = default;
+  };
 
   Definition definition_;
   Model model_;

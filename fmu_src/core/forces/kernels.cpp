@@ -222,6 +222,60 @@ INNER void subtract_stiffness_product(const SpringRow& springs, int points, cons
   give_both_ends(springs, points, scratch, f);
 }
 
+/// Least 1 - l/r that counts: keeps the matrix of a spring without length finite.
+constexpr double lowest = -1e6;
+
+INNER void spring_matrices(int lanes, double softening, double per_time, In x0, In y0, In z0, In x1, In y1, In z1, In k, In l, In dashpot,
+                           Out xx, Out yy, Out zz, Out xy, Out xz, Out yz) {
+  for (int p = 0; p < lanes; ++p) {
+    const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
+    const double r2 = dx * dx + dy * dy + dz * dz + smallest_square;
+    const double stretched = 1.0 - l[p] / std::sqrt(r2), finite = stretched > lowest ? stretched : lowest;
+    const double e = finite > 0 ? finite : softening * finite;
+    const double c = (k[p] * (1.0 - e) + per_time * dashpot[p]) / r2, ke = k[p] * e;
+    xx[p] = c * dx * dx + ke;
+    yy[p] = c * dy * dy + ke;
+    zz[p] = c * dz * dz + ke;
+    xy[p] = c * dx * dy;
+    xz[p] = c * dx * dz;
+    yz[p] = c * dy * dz;
+  }
+}
+
+INNER void add_spring_matrices(const SpringRow& springs, const double* dashpot, int points, const double* x, double softening,
+                               double per_time, double* block, double* sums) {
+  const int lanes = springs.lanes;
+  const double *a = x + springs.begin, *b = a + springs.offset;
+  spring_matrices(lanes, softening, per_time, a, a + points, a + 2 * points, b, b + points, b + 2 * points, springs.stiffness,
+                  springs.rest_length, dashpot, block, block + lanes, block + 2 * lanes, block + 3 * lanes, block + 4 * lanes,
+                  block + 5 * lanes);
+  for (int c = 0; c < 6; c += 3)
+    for (int offset : {0, springs.offset}) {
+      const double* three = block + c * lanes;
+      double* sum = sums + c * points + springs.begin + offset;
+      add(lanes, three, three + lanes, three + 2 * lanes, sum, sum + points, sum + 2 * points);
+    }
+}
+
+INNER void spring_products(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In xx, In yy, In zz, In xy, In xz, In yz, Out sx, Out sy,
+                           Out sz) {
+  for (int p = 0; p < lanes; ++p) {
+    const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
+    sx[p] = xx[p] * dx + xy[p] * dy + xz[p] * dz;
+    sy[p] = xy[p] * dx + yy[p] * dy + yz[p] * dz;
+    sz[p] = xz[p] * dx + yz[p] * dy + zz[p] * dz;
+  }
+}
+
+INNER void subtract_spring_products(const SpringRow& springs, int points, const double* block, const double* u, double* f,
+                                    double* scratch) {
+  const int lanes = springs.lanes;
+  const double *a = u + springs.begin, *b = a + springs.offset;
+  spring_products(lanes, a, a + points, a + 2 * points, b, b + points, b + 2 * points, block, block + lanes, block + 2 * lanes,
+                  block + 3 * lanes, block + 4 * lanes, block + 5 * lanes, scratch, scratch + lanes, scratch + 2 * lanes);
+  give_both_ends(springs, points, scratch, f);
+}
+
 }  // namespace loops
 
 decltype(add_stiffness_bounds) add_stiffness_bounds = chosen<loops::add_stiffness_bounds>();
@@ -237,5 +291,7 @@ decltype(gaps) gaps = chosen<loops::gaps>();
 decltype(behind) behind = chosen<loops::behind<2>, loops::behind<4>, loops::behind<8>>();
 decltype(largest_change) largest_change = chosen<loops::largest_change<2>, loops::largest_change<4>, loops::largest_change<8>>();
 decltype(subtract_stiffness_product) subtract_stiffness_product = chosen<loops::subtract_stiffness_product>();
+decltype(add_spring_matrices) add_spring_matrices = chosen<loops::add_spring_matrices>();
+decltype(subtract_spring_products) subtract_spring_products = chosen<loops::subtract_spring_products>();
 
 }  // namespace softffd::kernels

@@ -88,16 +88,12 @@ void StepDelassus::prepare(SurfaceRow row, Column& column) {
 void StepDelassus::project(Column& column) {
   column.half.resize(size());
   for (int t = 0; t < size(); ++t) column.half[t] = element(column.row, rows_[t]);
-  factor_.forward(column.half.data());
-  column.left = column.own;
-  for (const double each : column.half) column.left -= each * each;
-  column.response = column.half;
-  factor_.backward(column.response.data());
+  factor_.project(column);
 }
 
 void StepDelassus::append(const Column& column) {
   rows_.push_back(column.row);
-  factor_.append(column.half, column.left);
+  factor_.append(column);
 }
 
 void StepDelassus::drop(int row, Column* column) {

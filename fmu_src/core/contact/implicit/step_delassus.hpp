@@ -28,10 +28,8 @@ class StepDelassus {
   const Samples& samples() const { return *samples_; }
   void set_rows(const std::vector<SurfaceRow>& rows);
 
-  struct Column {
+  struct Column : RowFactor::Column {
     SurfaceRow row;
-    std::vector<double> half, response;
-    double own = 0, left = 0;
   };
   void prepare(SurfaceRow row, Column& column);
   void project(Column& column);

@@ -90,11 +90,7 @@ void Delassus::prepare(SurfaceRow row, Column& column) const {
 void Delassus::project(Column& column) const {
   column.half.resize(size());
   for (int t = 0; t < size(); ++t) column.half[t] = cosine(column.row.plane, rows_[t].plane) * column.g[t];
-  factor_.forward(column.half.data());
-  column.left = column.own;
-  for (const double each : column.half) column.left -= each * each;
-  column.response = column.half;
-  factor_.backward(column.response.data());
+  factor_.project(column);
 }
 
 void Delassus::append(const Column& column) {
@@ -103,7 +99,7 @@ void Delassus::append(const Column& column) {
   g_.insert(g_.end(), column.g.begin(), column.g.end());
   g_.push_back(column.own);
   find_range(size() - 1);
-  factor_.append(column.half, column.left);
+  factor_.append(column);
   sorted_ = false;
 }
 

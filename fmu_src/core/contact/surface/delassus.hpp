@@ -37,11 +37,9 @@ class Delassus {
   double operator()(int s, int t) const { return s < t ? g_[start(t) + s] : g_[start(s) + t]; }
 
   /// A row that might be appended: its column of G and what the rows at hand leave of its own compliance.
-  struct Column {
+  struct Column : RowFactor::Column {  ///< of A; its own element is G_ss
     SurfaceRow row;
-    std::vector<double> over_mass, g;    ///< W / m; G with the rows at hand
-    std::vector<double> half, response;  ///< L^-1 a and A^-1 a of its column a of A
-    double own = 0, left = 0;            ///< G_ss, and that less |L^-1 a|^2
+    std::vector<double> over_mass, g;  ///< W / m; G with the rows at hand
   };
   void prepare(SurfaceRow row, Column& column) const;  ///< all of it
   void project(Column& column) const;                  ///< half, response, left, after rows were dropped

@@ -32,10 +32,23 @@ class RowFactor {
       inverse_[i] = 1 / row[i];
     }
   }
-  /// half = L^-1 a of the new row's elements a; left: its own less |half|^2, > 0.
-  void append(const std::vector<double>& half, double left) {
-    l_.insert(l_.end(), half.begin(), half.end());
-    l_.push_back(std::sqrt(left));
+  /// What a row that may be appended comes to beside those at hand, whose elements with it are a.
+  struct Column {
+    std::vector<double> half, response;  ///< L^-1 a and A^-1 a
+    double own = 0, left = 0;            ///< its own element, and that less |L^-1 a|^2
+  };
+  /// Of a column that has a in `half`, and its own.
+  void project(Column& column) const {
+    forward(column.half.data());
+    column.left = column.own;
+    for (const double each : column.half) column.left -= each * each;
+    column.response = column.half;
+    backward(column.response.data());
+  }
+  /// Where something is left, > 0.
+  void append(const Column& column) {
+    l_.insert(l_.end(), column.half.begin(), column.half.end());
+    l_.push_back(std::sqrt(column.left));
     inverse_.push_back(1 / l_.back());
     ++size_;
   }
