@@ -1,88 +1,16 @@
 #include "variables/variables.hpp"
 
 #include <cmath>
-#include <cstring>
-#include <memory>
 #include <set>
 
 #include "check.hpp"
 #include "small_scene.hpp"
+#include "whole_scene.hpp"
 
-using namespace softffd::fmi;
-using softffd::ErrorEstimate;
+using namespace whole_scene;
 using softffd::Settings;
 using softffd::SoftBody;
 using softffd::Vec3;
-
-namespace {
-
-/// A scene with every part but the one that its stiffness leaves no place for, and boxes, which need a surface.
-const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiffness = 100, .initial = "1 1 1 0 0 0.5 1 0 0 0 0 0"}.text(
-    "damping 0.05\ninternal_damping 0.001\ngravity 0 0 -9.81\ninitial_rotation 0 0 0\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 "
-    "0.4\nplane lid input 0 0 9 0 0 "
-    "-1 0 0 -1 0 0 0 0.1\n"
-    "pin foot fixed 0\npin hand input 7\npin arm input 3\npin_inputs position.z orientation.w\nload push 1 2\nforces 2 3\nvelocities "
-    "5\nprobe nose 0.5 0.5 1\nreactions\nenergy\nsolver\n"
-    "error_estimate\n");
-
-const std::vector<FamilyInfo> present = [] {
-  std::vector<FamilyInfo> list(std::begin(families), std::end(families));
-  std::erase_if(list, [](const FamilyInfo& info) {
-    return info.part == Part::modulus || info.part == Part::input_boxes || info.part == Part::fixed_boxes;
-  });
-  return list;
-}();
-
-struct Scene {
-  SceneFile file = parse_scene(text);
-  SoftBody body{file.definition};
-  Variables variables{file, body.settings};
-  ErrorEstimate estimate{file.definition};
-
-  Scene() {
-    variables.apply(body.settings);
-    body.initialize(0);
-    estimate.initialize(body, 0);
-  }
-  double get(fmi2ValueReference reference, Type type = Type::Real) {
-    double value = NAN;
-    variables.get(type, &reference, 1, &value, body, &estimate);
-    return value;
-  }
-  void set(fmi2ValueReference reference, double value, Type type = Type::Real, Phase phase = instantiated) {
-    variables.set(phase, type, &reference, 1, &value);
-  }
-  void rate(fmi2ValueReference reference, int order, double value) { variables.set_input_derivatives(&reference, 1, &order, &value); }
-  double output_rate(fmi2ValueReference reference, int order = 1) {
-    double value = NAN;
-    variables.get_output_derivatives(&reference, 1, &order, &value, body, &estimate);
-    return value;
-  }
-};
-
-fmi2ValueReference reference_of(Family family, int index = 0) { return unsigned(family) << 24 | unsigned(index); }
-
-/// What a call is refused with; empty: it is not.
-template <class Call>
-std::string refusal(Call&& call) {
-  try {
-    call();
-  } catch (const CallError& error) {
-    return error.what();
-  }
-  return {};
-}
-
-/// Number of variables of a family: as many indices as have a name.
-int count(const Scene& scene, const FamilyInfo& info) {
-  int n = 0;
-  while (scene.variables.name(reference_of(info.family, n)).find("value reference") != 0) ++n;
-  return n;
-}
-
-bool settable(const FamilyInfo& info) { return info.causality != Causality::output; }
-
-}  // namespace
 
 TEST(every_family_has_variables_with_names_of_their_own) {
   const Scene scene;
@@ -310,88 +238,6 @@ TEST(only_changes_of_the_material_ask_for_it_anew) {
     scene.set(reference_of(info.family), 1, info.type);
     CHECK(scene.variables.apply(scene.body.settings) == info.material);
   }
-}
-
-TEST(rates_of_inputs_reach_their_places_and_hold_for_one_step) {
-  Scene scene;
-  Settings& s = scene.body.settings;
-  for (int order : {1, 2, 3}) scene.rate(reference_of(Family::load, 1), order, 10.0 * order);
-  scene.rate(reference_of(Family::plane_velocity, 2), 1, 4);
-  scene.rate(reference_of(Family::plane_normal, 0), 1, 5);
-  scene.rate(reference_of(Family::pin_orientation, 3), 1, 6);
-  scene.rate(reference_of(Family::pin_velocity, 0), 1, 7);
-  scene.rate(reference_of(Family::pin_position, 1), 1, 8);
-  scene.variables.apply(s);
-  CHECK((*s.force_rate)(1, 1) == 5 && (*s.force_bend[0])(2, 1) == 10 && (*s.force_bend[1])(2, 1) == 15);
-  CHECK(s.planes[1].acceleration == Vec3(0, 0, 4) && s.planes[1].normal_rate == Vec3(5, 0, 0) && s.pins[1].orientation_rate[3] == 6);
-  CHECK(s.pins[1].velocity == Vec3(0, 8, 0) && s.pins[1].acceleration == Vec3::Zero());  // the rate of a pose wins
-  scene.variables.forget_rates();
-  CHECK(scene.variables.changed());
-  scene.variables.apply(s);
-  CHECK(s.force_rate->isZero(0) && s.force_bend[0]->isZero(0) && s.planes[1].acceleration == Vec3::Zero());
-  CHECK(s.pins[1].velocity == Vec3::Zero() && s.pins[1].orientation_rate[3] == 0);
-}
-
-TEST(rates_that_no_input_takes_are_refused) {
-  Scene scene;
-  for (const FamilyInfo& info : present) {
-    if (info.type != Type::Real) continue;
-    const auto said = [&](int order, double value) { return refusal([&] { scene.rate(reference_of(info.family), order, value); }); };
-    if (info.causality != Causality::input) {
-      CHECK(said(1, 1).find(": is no input") != std::string::npos);
-      continue;
-    }
-    const int highest = info.family == Family::force || info.family == Family::load ? 3 : 1;
-    for (int order = 1; order <= highest; ++order) CHECK(said(order, 1).empty() && !said(order, NAN).empty());
-    CHECK(said(0, 1).find(": wanted a derivative of order 1") != std::string::npos);
-    CHECK(said(highest + 1, 1).find(": wanted a derivative of order 1") != std::string::npos);
-  }
-}
-
-TEST(real_outputs_alone_have_a_derivative_and_of_first_order_alone) {
-  Scene scene;
-  for (const FamilyInfo& info : present) {
-    const auto said = [&](int order) { return refusal([&] { scene.output_rate(reference_of(info.family), order); }); };
-    const bool real = info.type == Type::Real, output = info.causality == Causality::output;
-    CHECK(said(1).empty() == (real && output));
-    CHECK(output || !real || said(1).find(": is no output") != std::string::npos);
-    for (const int order : {-1, 0, 2, 3})
-      CHECK(!(real && output) || said(order).find(": wanted a derivative of order 1") != std::string::npos);
-  }
-}
-
-TEST(the_derivative_of_a_position_or_probe_is_its_velocity) {
-  Scene scene;
-  CHECK(scene.output_rate(reference_of(Family::position, 3 * 5)) == 1 && scene.output_rate(reference_of(Family::position, 3 * 7)) == 0);
-  CHECK(scene.output_rate(reference_of(Family::probe, 0)) == 0.75);  // three of the four corners above move
-}
-
-TEST(the_derivative_of_any_other_output_is_its_change_over_the_last_step) {
-  Scene scene;
-  const auto wanted = [](const FamilyInfo& info) {
-    return info.causality == Causality::output && info.type == Type::Real && info.family != Family::position &&
-           info.family != Family::probe && info.family != Family::solver_stable_step;
-  };
-  CHECK(scene.output_rate(reference_of(Family::solver_stable_step)) == 0);
-  std::vector<std::pair<fmi2ValueReference, double>> before;
-  for (const FamilyInfo& info : present)
-    for (int n = 0; wanted(info) && n < count(scene, info); ++n) {
-      before.emplace_back(reference_of(info.family, n), scene.get(reference_of(info.family, n)));
-      CHECK(scene.output_rate(before.back().first) == 0);  // no step yet
-    }
-  scene.variables.begin_step(scene.body, &scene.estimate);
-  CHECK(scene.body.advance(0.125) == softffd::StepStatus::ok);
-  scene.estimate.follow(scene.body, 0.125);
-  CHECK(scene.output_rate(reference_of(Family::energy_kinetic)) == 0);  // not done yet
-  scene.variables.end_step(0.125);
-  int changed = 0;
-  for (const auto& [reference, value] : before) {
-    CHECK(scene.output_rate(reference) == (scene.get(reference) - value) / 0.125);
-    changed += scene.output_rate(reference) != 0;
-  }
-  CHECK(changed > int(before.size()) / 2);
-  scene.variables.reset();
-  for (const auto& [reference, value] : before) CHECK(scene.output_rate(reference) == 0);
 }
 
 TEST(a_part_that_the_scene_has_not_has_no_variables) {
