@@ -8,7 +8,8 @@ from typing import Any
 
 from rows_parts import GROUP
 
-from softffd.show.picture import INK, SOFT, new_figure
+from softffd.show.figure import new_figure
+from softffd.show.sheet import INK, SOFT
 
 
 def draw(document: Mapping[str, Any], path: Path) -> None:

@@ -23,7 +23,7 @@ PACKAGE_ROOMS = [
 ]
 """The shipped scenes are data, and the package's own __init__ knows everybody."""
 
-ASKED = {"run/shown.py": {"show.picture", "show.view"}}
+ASKED = {"run/shown.py": {"show.figure", "show.picture", "show.view"}}
 """The one place that looks up: a result's picture and page are drawn when it is asked for them, by the room that stands on it."""
 
 CPP_FILES = sorted(file.relative_to(CPP).as_posix() for file in CPP.rglob("*.[ch]pp"))

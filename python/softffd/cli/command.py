@@ -9,6 +9,7 @@ import shlex
 import sys
 import webbrowser
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -83,6 +84,7 @@ def _build(options: argparse.Namespace) -> None:
 def _run(options: argparse.Namespace) -> None:
     from softffd.cli.keep import keep_run, require_no_results, run_scene_or_fmu
     from softffd.cli.told import told_after, told_before
+    from softffd.show.drawing import drawing
 
     settings = dict(setting(text) for text in options.settings)
     folder = options.output or Path(f"softffd-{Path(options.what).stem}")
@@ -90,7 +92,7 @@ def _run(options: argparse.Namespace) -> None:
     if not options.overwrite:
         require_no_results(folder)
     interrupted = None
-    with ProgressLine("packaging") as progress:
+    with ProgressLine("packaging") as progress, nullcontext() if options.no_pictures else drawing() as draw:
 
         def begun(simulation: Simulation, inputs: Inputs) -> None:
             progress.say(told_before(simulation, inputs))
@@ -104,7 +106,7 @@ def _run(options: argparse.Namespace) -> None:
             )  # fmt: skip
         except Interrupted as stop:
             result, interrupted = stop.result, stop
-        files = keep_run(result, folder, progress.stage, pictures=not options.no_pictures, colour=options.colour)
+        files = keep_run(result, folder, progress.stage, draw=draw, colour=options.colour)
     print(told_after(result.summary))
     print(f"  kept in {folder}: {', '.join(file.name for file in files)}")
     if interrupted:

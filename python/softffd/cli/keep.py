@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import shlex
 import tomllib
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -20,6 +21,11 @@ from softffd.run.result import KEPT, Result
 from softffd.run.simulate import Begun, Interpolation, Progress, simulate
 from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
+
+if TYPE_CHECKING:
+    from softffd.show.sheet import Sheet
+
+Draw = Callable[["Sheet", Path], None]
 
 RESULTS = (KEPT, "result.csv", "summary.json")
 """What every run is kept in."""
@@ -91,10 +97,11 @@ def _mesh_scene(file: Path, error: bool, given: dict[str, Any]) -> Scene:
     return scene.replace({"solver.error_estimate": True}) if error else scene
 
 
-def keep_run(result: Result, folder: Path, stage: Note = silent, *, pictures: bool = True, colour: str | None = None) -> list[Path]:
+def keep_run(result: Result, folder: Path, stage: Note = silent, *, draw: Draw | None, colour: str | None = None) -> list[Path]:
     """Writes results, picture, interactive page and, with a mesh, its last shape; returns the files.
 
-    stage: is told what is being done. pictures: without, neither picture nor page, and those of an earlier run go.
+    stage: is told what is being done. draw: of `drawing`, whose block's end is when the picture is there; without, neither picture nor
+    page, and those of an earlier run go.
     colour: of the picture, as in `Result.plot`.
     """
     stage("writing the numbers")
@@ -104,12 +111,12 @@ def keep_run(result: Result, folder: Path, stage: Note = silent, *, pictures: bo
         return files
     mesh = result.loaded_mesh
     picture, page = folder / "picture.png", folder / "view.html"
-    if pictures:
-        from softffd.show.picture import draw_run
+    if draw:
+        from softffd.show.picture import run_sheet
         from softffd.show.view import write_view
 
         stage("drawing picture.png")
-        draw_run(result, picture, mesh=mesh, colour=colour)
+        draw(run_sheet(result, mesh=mesh, colour=colour), picture)
         stage("writing view.html")
         write_view(result, page, mesh=mesh)
         files += [picture, page]

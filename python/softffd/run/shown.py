@@ -38,9 +38,10 @@ def in_words(result: Result) -> str:
 
 def picture(result: Result, path: str | Path | None = None, *, colour: str | None = None) -> Figure:
     """The picture of the run, written to `path` where one is given."""
-    from softffd.show.picture import run_figure, save_figure
+    from softffd.show.figure import figure_of, save_figure
+    from softffd.show.picture import run_sheet
 
-    figure = run_figure(result, mesh=result.loaded_mesh, colour=colour)
+    figure = figure_of(run_sheet(result, mesh=result.loaded_mesh, colour=colour))
     if path is not None:
         save_figure(figure, path)
     return figure
@@ -65,7 +66,7 @@ def in_notebook(result: Result) -> str:
     said = f'<pre style="white-space: pre-wrap">{html.escape(in_words(result))}</pre>'
     if not result.has_positions:
         return said
-    from softffd.show.picture import png_of
+    from softffd.show.figure import png_of
     from softffd.show.view import page_text
 
     image = base64.b64encode(png_of(picture(result))).decode("ascii")

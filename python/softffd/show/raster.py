@@ -5,7 +5,7 @@ linear on the screen; the largest is the nearest, and 0 is infinitely far.
 """
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -63,27 +63,49 @@ class Canvas:
     def triangles(self, points, faces, normals, paint):
         """Draw `faces` (F, 3) of `points` (V, 3) [m].
 
-        normals: of the corners, (F, 3, 3), either way round. paint: gives the colours (P, 3), 0 .. 1, of places on the
-        surface by face (P,) and shares of its corners (P, 3).
+        normals: of the corners, (F, 3, 3), either way round. paint: gives the colours (3, P), 0 .. 1, of places on the
+        surface by face (P,) and shares of its corners (3, P).
         """
-        a, b, c = (points[faces[:, k]] for k in range(3))
-        facets = np.cross(b - a, c - a)
-        facets *= np.where(np.einsum("fa,fa->f", facets, self.camera.eye - a) < 0, -1.0, 1.0)[:, None]
-        facets, normals = np.float32(_unit(facets)), np.float32(normals)
-        for pixel, face, shares, depth in fragments(self.project(points), faces, self.width, self.height):
-            np.maximum.at(self.depth, pixel, depth)
-            won = np.flatnonzero(depth == self.depth[pixel])
-            pixel, face, share = pixel[won], face[won], np.ascontiguousarray(shares(won), dtype=np.float32)
-            normal = np.einsum("pk,pka->pa", share, normals[face])
-            length = np.sqrt(np.einsum("pa,pa->p", normal, normal))
+        screen = self.project(points)
+        shown, nearest = self._nearest(screen, faces)
+        seen, number = _numbered(nearest, len(faces))  # what is worked out for each face is for these, often few of many
+        corners = faces[seen].T
+        facets = np.float32(self._facets(*(points[each].T for each in corners)))
+        normals = np.float32(normals[seen]).transpose(2, 1, 0).copy()
+        edges = edge_functions(*screen[corners].transpose(2, 0, 1)[:2])
+        for low in range(0, len(shown), FRAGMENTS):
+            pixel, face, here = (each[low : low + FRAGMENTS] for each in (shown, nearest, number))
+            share = shares(edges, pixel, here, self.width)
+            normal = np.einsum("kp,akp->ap", share, normals.take(here, axis=2))
+            length = np.sqrt(_dot(normal, normal))
             length[length == 0] = 1
-            length[np.einsum("pa,pa->p", normal, facets[face]) < 0] *= -1
-            self._colour[:, pixel] = self._lit(normal, length, np.ascontiguousarray(paint(face, share).T, dtype=np.float32) ** 2.2)
+            length[_dot(normal, facets.take(here, axis=1)) < 0] *= -1
+            self._colour[:, pixel] = self._lit(normal, length, np.float32(paint(face, share)) ** 2.2)
+
+    def _nearest(self, screen, faces):
+        """The pixels (P,) where one of the faces (P,) is the nearest thing; takes over their depths."""
+        nearest = np.full(len(self.depth), -1, dtype=np.int32)
+        for pixel, face, depth in fragments(screen, faces, self.width, self.height):
+            near = np.flatnonzero(depth >= self.depth[pixel])
+            pixel, face, depth = pixel[near], face[near], depth[near]
+            np.maximum.at(self.depth, pixel, depth)
+            won = depth == self.depth[pixel]
+            nearest[pixel[won]] = face[won]
+        shown = np.flatnonzero(nearest >= 0)
+        return shown, nearest[shown]
+
+    def _facets(self, a, b, c):
+        """Normals (3, F) of triangles with these corners (3, F), towards the eye."""
+        facets = np.cross(b - a, c - a, axis=0)
+        return facets * np.where(_dot(facets, self.camera.eye[:, None] - a) < 0, -1.0, 1.0)
 
     def _lit(self, normal, length, colour):
-        """Light from colours (3, P) with normals (P, 3) of these lengths (P,), below 0 where they point the other way."""
+        """Light from colours (3, P) with normals (3, P) of these lengths (P,), below 0 where they point the other way."""
         key, up, back = np.float32([self._key, self.camera.up, self.camera.axes[2]])
-        along = partial(_cosines, normal, length)
+
+        def along(direction):
+            return _dot(direction[:, None], normal) / length
+
         diffuse = ((along(key) + 0.15) / 1.15).clip(0, None)
         sky = 0.5 + 0.5 * along(up)
         gloss = along(_unit(key + back)).clip(0.5, None) ** 70  # where it is less it is nothing, but slow
@@ -99,7 +121,7 @@ class Canvas:
         side = np.hstack([along[:, 1:], -along[:, :1], np.zeros((len(a), 1))]) * width
         corners = np.stack([a - side, a + side, b - side, b + side], axis=1).reshape(-1, 3)
         quads = 4 * np.arange(len(a))[:, None, None] + np.array([[0, 1, 2], [1, 3, 2]])
-        for pixel, _, _, depth in fragments(corners, quads.reshape(-1, 3), self.width, self.height):
+        for pixel, _, depth in fragments(corners, quads.reshape(-1, 3), self.width, self.height):
             self.blend(pixel, colour, np.where(depth >= 0.999 * self.depth[pixel], opacity, hidden))
 
     def balls(self, points, *, radius, colours, hidden=0.12):
@@ -144,21 +166,21 @@ class Canvas:
 
 
 def fragments(screen, faces, width, height):
-    """What triangles cover: yields pixel (P,), face (P,), a function that gives the barycentric shares (N, 3) of some of these, by their
-    numbers (N,), and depth (P,), in blocks.
+    """What triangles cover: yields pixel (P,), face (P,) and depth (P,), in blocks.
 
     screen: (V, 3) as from `Canvas.project`. A pixel counts where its centre is inside or on the edge.
     """
+    places = np.ascontiguousarray(screen.T)  # `take` copies the whole of what is not, each time
     for start in range(0, len(faces), FACES):
-        block = faces[start : start + FACES]
-        corners = screen.T.take(block.T, axis=1)  # by coordinate and corner; what `take` gives is contiguous
-        edge, row, face = _rows(*corners[:2], height)
+        corners = places.take(faces[start : start + FACES].T, axis=1)  # by coordinate and corner; what `take` gives is contiguous
+        edge = edge_functions(*corners[:2])
+        row, face = _rows(corners[1], edge[2].sum(axis=0) > 0, height)
         slope, constant = edge[0].take(face, axis=1), (edge[1].take(face, axis=1) * (row + 0.5) + edge[2].take(face, axis=1))
         first, last = _span(slope, constant, width)
         begin = row * width
         constant += slope * (0.5 - begin)  # a pixel's number in the place of its column's middle
         heights = corners[2].take(face, axis=1)  # as depths
-        depths = [np.einsum("kr,kr->r", each, heights) for each in (slope, constant)]
+        depths = [_dot(each, heights) for each in (slope, constant)]
         count = np.maximum(last - first + 1, 0)
         ends = np.cumsum(count)
         cuts = np.searchsorted(ends, np.arange(FRAGMENTS, ends[-1] + FRAGMENTS, FRAGMENTS)) + 1 if len(ends) else []
@@ -166,33 +188,37 @@ def fragments(screen, faces, width, height):
             n = count[low:high]
             pixel = np.repeat((begin + first)[low:high] - np.cumsum(n) + n, n)
             pixel += np.arange(len(pixel))
-            line = np.repeat(np.arange(low, low + len(n)), n)
             depth, at_zero = (np.repeat(each[low:high], n) for each in depths)
             depth *= pixel
             depth += at_zero
-            yield pixel, start + face[line], partial(_shares, slope, constant, line, pixel), np.float32(depth)
+            yield pixel, start + np.repeat(face[low:high], n), np.float32(depth)
 
 
-def _shares(slope, constant, line, pixel, some):
-    """At the numbers `some` of the pixels in these lines."""
-    here = line[some]
-    return (slope.take(here, axis=1) * pixel[some] + constant.take(here, axis=1)).T
-
-
-def _rows(x, y, height):
-    """Edge functions (3, 3, F) of triangles with corners x, y (3, F), and all pairs row (R,), face (R,) that may touch.
+def edge_functions(x, y):
+    """Edge functions (3, 3, F) of triangles with corners x, y (3, F); 0 for one without area.
 
     The products of a face's edge functions, the first axis, with (x, y, 1) are the barycentric shares of its corners, the second.
     """
     nx, ny, px, py = x[[1, 2, 0]], y[[1, 2, 0]], x[[2, 0, 1]], y[[2, 0, 1]]
     edge = np.stack([ny - py, px - nx, nx * py - px * ny])
     area = edge[2].sum(axis=0)
-    edge /= np.where(area == 0, np.inf, area)
+    return edge / np.where(area == 0, np.inf, area)
+
+
+def shares(edges, pixel, face, width):
+    """Barycentric shares (3, P) of the middles of pixels (P,) in faces (P,) with these edge functions."""
+    row, column = np.divmod(pixel, width)
+    x, y, constant = (each.take(face, axis=1) for each in edges)
+    return np.float32(x * (column + 0.5) + y * (row + 0.5) + constant)
+
+
+def _rows(y, real, height):
+    """All pairs row (R,), face (R,) that may touch of faces with corners at y (3, F), of those that are `real` (F,)."""
     low = np.ceil(y.min(axis=0) - 0.5).clip(0, height).astype(np.int64)
     high = np.floor(y.max(axis=0) - 0.5).clip(-1, height - 1).astype(np.int64)
-    count = np.where(area == 0, 0, np.maximum(high - low + 1, 0))
-    face = np.repeat(np.arange(len(area)), count)
-    return edge, np.repeat(low - np.cumsum(count) + count, count) + np.arange(count.sum()), face
+    count = np.where(real, np.maximum(high - low + 1, 0), 0)
+    face = np.repeat(np.arange(len(real)), count)
+    return np.repeat(low - np.cumsum(count) + count, count) + np.arange(count.sum()), face
 
 
 def _span(slope, constant, width):
@@ -204,9 +230,16 @@ def _span(slope, constant, width):
     return np.ceil(low - 0.5).clip(0, width).astype(np.int64), np.floor(high - 0.5).clip(-1, width - 1).astype(np.int64)
 
 
-def _cosines(vectors, length, direction):
-    """Of the angles of vectors (P, 3) with a unit vector; without the linear algebra library, whose threads go on spinning after each."""
-    return np.einsum("pa,a->p", vectors, direction) / length
+def _numbered(values, count):
+    """Which of 0 .. count - 1 are among the values (P,), (S,) in order, and the values' places in that (P,)."""
+    held = np.zeros(count, dtype=bool)
+    held[values] = True
+    return np.flatnonzero(held), (np.cumsum(held) - 1)[values]
+
+
+def _dot(a, b):
+    """Of vectors (3, P); without the linear algebra library, whose threads go on spinning after each."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def _unit(vectors):

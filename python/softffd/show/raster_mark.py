@@ -49,6 +49,6 @@ def draw_dots(canvas, points, *, radius, colour, outline, hidden=0.4):
 
 def _fill(canvas, screen, faces, colour, hidden):
     """Lay triangles `faces` of screen positions (N, 3) over the picture, each pixel once."""
-    for pixel, _, _, depth in fragments(screen, faces, canvas.width, canvas.height):
+    for pixel, _, depth in fragments(screen, faces, canvas.width, canvas.height):
         pixel, first = np.unique(pixel, return_index=True)
         canvas.blend(pixel, colour, np.where(depth[first] >= 0.99 * canvas.depth[pixel], 1.0, hidden))

@@ -171,7 +171,7 @@ def _heights(vertices, faces, foot, frame, reach):
 def _covered(screen, faces):
     """Texels and depths of the triangles, or, where these are hardly larger than a texel, of their vertices."""
     if len(faces) <= DENSE:
-        return ((pixel, depth) for pixel, _, _, depth in fragments(screen, faces, TEXELS, TEXELS))
+        return ((pixel, depth) for pixel, _, depth in fragments(screen, faces, TEXELS, TEXELS))
     column, row = np.floor(screen[:, :2]).astype(np.int64).T
     within = (column >= 0) & (column < TEXELS) & (row >= 0) & (row < TEXELS)
     return [((row * TEXELS + column)[within], screen[within, 2].astype(np.float32))]

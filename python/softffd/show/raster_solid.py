@@ -14,7 +14,7 @@ def draw_solid(canvas, vertices, normals, faces, *, tint):
     near = NEAR * np.linalg.norm(camera.eye - camera.target)
     corners = _in_front(corners, (camera.eye - corners[..., :3]) @ camera.axes[2] - near)
     flat, normals = corners[..., :3].reshape(-1, 3), corners[..., 3:]
-    canvas.triangles(flat, np.arange(len(flat)).reshape(-1, 3), normals, lambda face, _: np.broadcast_to(np.float32(tint), (len(face), 3)))
+    canvas.triangles(flat, np.arange(len(flat)).reshape(-1, 3), normals, lambda *_: np.float32(tint)[:, None])
 
 
 def _in_front(corners, ahead):

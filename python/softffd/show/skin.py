@@ -1,9 +1,14 @@
 """What colours a surface in pictures and page: a tint at every vertex, and the pictures that it is multiplied with."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from PIL import Image
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 PAINT = (0.15, 0.45, 0.68)
 """Of what has no colour of its own."""
@@ -20,22 +25,22 @@ class Skin:
     pictures: tuple[Image.Image, ...] = ()
 
     def painter(self, faces):
-        """A function that gives the colours (P, 3) of places on the surface, by face (P,) and shares of its corners (P, 3)."""
-        of_corners = np.float32(self.tints)[faces]
+        """A function that gives the colours (3, P) of places on the surface, by face (P,) and shares of its corners (3, P)."""
+        of_corners = np.float32(self.tints).T[:, faces.T]
         even = bool((of_corners == of_corners[:, :1]).all())
         images = [np.asarray(picture.convert("RGB"), dtype=np.float32) / 255 for picture in self.pictures]
-        uv = np.float32(self.uv)[faces]
+        uv = np.float32(self.uv).T[:, faces.T]
 
         def paint(face, share):
-            colours = of_corners[face, 0] if even else np.einsum("pk,pka->pa", share, of_corners[face])
+            colours = of_corners[:, 0].take(face, axis=1) if even else np.einsum("kp,akp->ap", share, of_corners.take(face, axis=2))
             for number, image in enumerate(images):
                 held = np.flatnonzero(self.picture_of[face] == number)
-                place = np.einsum("pk,pka->ap", share[held], uv[face[held]])
+                place = np.einsum("kp,akp->ap", share[:, held], uv.take(face[held], axis=2))
                 place -= np.floor(place)
                 rows, columns = image.shape[:2]
                 row = ((1 - place[1]) * rows).astype(int).clip(0, rows - 1)
                 texel = row * columns + (place[0] * columns).astype(int).clip(0, columns - 1)
-                colours[held] *= image.reshape(-1, 3).take(texel, axis=0)
+                colours[:, held] *= image.reshape(-1, 3).T.take(texel, axis=1)
             return colours
 
         return paint

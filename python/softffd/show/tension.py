@@ -4,13 +4,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
-from matplotlib.ticker import EngFormatter, MaxNLocator
 
 from softffd.errors import SoftffdError
 from softffd.run.parts import require_name
+from softffd.show.sheet import Scale
 
 RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)
 """The second: cells that are turned inside out, which have no stress."""
@@ -40,34 +37,32 @@ class Tension:
     """Tints (V, 3) of the stage's vertices by frame, and what they mean."""
 
     tints: dict
-    scale: Normalize
+    ends: tuple[float, float]
     words: str
     unit: str
 
-    def draw_scale(self, figure, box):
-        """The scale in `box` (left, bottom, width, height; shares of the figure), its words before it."""
-        bar = figure.colorbar(ScalarMappable(self.scale, RAMP), cax=figure.add_axes(box), orientation="horizontal")
-        bar.ax.xaxis.set_major_formatter(EngFormatter(unit=self.unit, sep=" "))
-        bar.ax.xaxis.set_major_locator(MaxNLocator(6))
-        bar.ax.tick_params(labelsize=8.5, length=2)
-        figure.text(box[0] - 0.01, box[1] + box[3] / 2, self.words, fontsize=9.5, ha="right", va="center")
+    def scale(self, box):
+        """The scale in `box` of a sheet."""
+        return Scale(box, RAMP, self.ends, self.unit, self.words)
 
 
 def tension_of(result, stage, frames, colour):
     """The Tension of a name of COLOURS in `frames`. Between the centres of cells it is linear, beyond them that of the nearest.
     SoftffdError where the result does not know it."""
+    from matplotlib import colormaps
+
     require_name("colour", colour, list(COLOURS))
     words, unit, measure = COLOURS[colour]
     cells = {frame: measure(result, frame) for frame in frames}
     every = np.concatenate([values[np.isfinite(values)] for values in cells.values()] or [np.zeros(0)])
-    scale = Normalize(*_ends(colour, every))
+    low, high = _ends(colour, every)
     tints = {}
     for frame, values in cells.items():
         of_vertices = _at_vertices(values, stage)
-        tint = colormaps[RAMP](scale(of_vertices))[:, :3]
+        tint = colormaps[RAMP]((of_vertices - low) / (high - low))[:, :3]
         tint[~np.isfinite(of_vertices)] = FOLDED
         tints[frame] = tint
-    return Tension(tints, scale, words, unit)
+    return Tension(tints, (low, high), words, unit)
 
 
 @dataclass(frozen=True, eq=False)

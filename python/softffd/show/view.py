@@ -13,7 +13,6 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from matplotlib import colormaps
 
 from softffd.embedding.basis import parameter
 from softffd.embedding.deform import deform
@@ -33,6 +32,9 @@ MOST_POINT_BYTES = 24e6
 
 MOST_TEXELS = 1024
 SAMPLES = 1000
+RAMP = ("ffffd9", "edf8b1", "c7e9b4", "7fcdbb", "41b6c4", "1d91c0", "225ea8", "253494", "081d58")
+"""From little to much: ColorBrewer's YlGnBu with nine classes (Harrower & Brewer 2003)."""
+
 ENERGY_MARKS = {"kinetic": "#0072b2", "elastic": "#d55e00"}
 
 
@@ -121,12 +123,14 @@ def _surface(stage):
 
 
 def _colours(stage):
-    ramp = colormaps["YlGnBu"](np.linspace(0.1, 1.0, 64))[:, :3]
+    given = np.array([list(bytes.fromhex(colour)) for colour in RAMP])
+    places = np.linspace(0.1, 1.0, 64) * (len(RAMP) - 1)
+    ramp = np.stack([np.interp(places, np.arange(len(RAMP)), channel) for channel in given.T], axis=1)
     return {
         "free": FREE,
         "fixed": PINNED,
         "pictures": [_image(picture) for picture in stage.skin.pictures],
-        "ramp": (255 * ramp).astype(int).ravel().tolist(),
+        "ramp": ramp.round().astype(int).ravel().tolist(),
     }
 
 

@@ -12,7 +12,6 @@ from softffd import load_scene, package_fmu, simulate
 from softffd.cli.command import main
 from softffd.cli.told import told_after
 from softffd.run.findings import findings
-from softffd.show.picture import draw_run
 
 
 def test_error_of_a_built_fmu_needs_the_variable(folder, capsys):
@@ -29,7 +28,8 @@ def test_an_estimated_error_is_in_the_summary_in_words_and_on_the_picture(tmp_pa
     assert "with an estimated error of 3.2e-05 m" in told_after(results["estimated"].summary)
     rows = []
     for name, result in results.items():
-        with Image.open(draw_run(result, tmp_path / f"{name}.png")) as image:
+        result.plot(tmp_path / f"{name}.png")
+        with Image.open(tmp_path / f"{name}.png") as image:
             rows.append(np.asarray(image.convert("L"))[: image.height // 15, image.width // 2 :])
     assert rows[0].min() == 255 and rows[1].min() < 150  # words in the upper right corner, beside the title
 

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from io import BytesIO
 from itertools import pairwise
 
 import numpy as np
@@ -10,22 +11,23 @@ from mesh_files import two_colours
 from softffd.errors import SoftffdError
 from softffd.lattice import rest_grid
 from softffd.mesh.mesh import load_mesh
+from softffd.show.figure import figure_of, png_of
 from softffd.show.panel import Panels, Shape, view_axes
-from softffd.show.picture import draw_history, draw_run, draw_strip
+from softffd.show.picture import history_sheet, run_sheet, strip_sheet
 from softffd.show.stage import FREE, PINNED, stage_of
 from softffd.show.touch import MARK
 
 
-def pixels(path):
-    return np.asarray(Image.open(path).convert("RGB")) / 255.0
+def pixels(sheet):
+    return np.asarray(Image.open(BytesIO(png_of(figure_of(sheet)))).convert("RGB")) / 255.0
 
 
 def near(image, colour, tolerance=0.12):
     return (np.abs(image - colour).max(axis=-1) < tolerance).sum()
 
 
-def test_picture_of_a_run_shows_four_moments_and_curves(tmp_path):
-    image = pixels(draw_run(made_up_run(), tmp_path / "picture.png"))
+def test_picture_of_a_run_shows_four_moments_and_curves():
+    image = pixels(run_sheet(made_up_run()))
     assert image.shape == (988, 1690, 3)
     upper, lower = image[80:560], image[640:]
     quarters = np.array_split(upper, 4, axis=1)
@@ -34,56 +36,54 @@ def test_picture_of_a_run_shows_four_moments_and_curves(tmp_path):
     assert near(lower, (0.0, 0.447, 0.698)) > 300 and near(lower, (0.835, 0.369, 0.0)) > 300
 
 
-def test_a_picture_marks_what_touches_and_the_forces_on_obstacles(tmp_path):
+def test_a_picture_marks_what_touches_and_the_forces_on_obstacles():
     result = made_up_run()
     quiet = {name: values for name, values in result.outputs.items() if ".centre." not in name}
-    image, plain = (pixels(draw_run(each, tmp_path / "p.png"))[80:545] for each in (result, replace(result, outputs=quiet)))
+    image, plain = (pixels(run_sheet(each))[80:545] for each in (result, replace(result, outputs=quiet)))
     yellow, dots = ([near(quarter, MARK, 0.03) for quarter in np.array_split(each, 4, axis=1)] for each in (image, plain))
     assert yellow[0] == dots[0] == 0  # it falls
     assert min(yellow[2:]) > 100 and max(yellow) > 500
     assert min(dots[2:]) > 100 and max(dots) < max(yellow) - 300  # without centres no arrows
 
 
-def test_without_reactions_and_energies_the_picture_shows_the_height(tmp_path):
+def test_without_reactions_and_energies_the_picture_shows_the_height():
     bare = replace(made_up_run(), outputs={}, inputs={}, parameters={}, scene=None)
-    image = pixels(draw_run(bare, tmp_path / "picture.png"))
+    image = pixels(run_sheet(bare))
     assert near(image[640:], (0.0, 0.447, 0.698)) > 300
 
 
-def test_strip_is_wide_and_shows_the_shape_at_rest_without_obstacles(tmp_path):
-    image = pixels(draw_strip(made_up_run(), tmp_path / "strip.png"))
+def test_strip_is_wide_and_shows_the_shape_at_rest_without_obstacles():
+    image = pixels(strip_sheet(made_up_run()))
     height, width, _ = image.shape
     assert width > 4 * height
     corners = [quarter[int(0.8 * height), 20] for quarter in np.array_split(image, 4, axis=1)]
     assert corners[0].mean() > max(c.mean() for c in corners[1:])
 
 
-def test_a_strip_marks_what_touches_and_the_forces_on_obstacles(tmp_path):
-    quarters = np.array_split(pixels(draw_strip(made_up_run(), tmp_path / "strip.png")), 4, axis=1)
+def test_a_strip_marks_what_touches_and_the_forces_on_obstacles():
+    quarters = np.array_split(pixels(strip_sheet(made_up_run())), 4, axis=1)
     yellow = [near(quarter, MARK, 0.03) for quarter in quarters]
     assert yellow[0] == 0 and yellow[2] > 500 and yellow[3] > 100  # at rest, during, after
 
 
-def test_strip_takes_times_and_labels(tmp_path):
+def test_strip_takes_times_and_labels():
     one, two = (
-        pixels(draw_strip(made_up_run(), tmp_path / "s.png", moments=times, labels=labels))
-        for times, labels in (((1.2,), ("pressed",)), ((None, 2.0), None))
+        pixels(strip_sheet(made_up_run(), moments=times, labels=labels)) for times, labels in (((1.2,), ("pressed",)), ((None, 2.0), None))
     )
     assert two.shape[1] == 2 * one.shape[1]
 
 
-def test_history_needs_no_positions(tmp_path):
+def test_history_needs_no_positions():
     result = made_up_run()
     result.positions[:] = np.nan
-    assert near(pixels(draw_history(result, tmp_path / "history.png")), (0.0, 0.447, 0.698)) > 300
+    assert near(pixels(history_sheet(result)), (0.0, 0.447, 0.698)) > 300
 
 
-def test_a_run_without_recorded_positions_is_refused(tmp_path):
+def test_a_run_without_recorded_positions_is_refused():
     result = made_up_run()
     result.positions[:, 0] = np.nan
     with pytest.raises(SoftffdError, match="16 of its 64 control points"):
-        draw_run(result, tmp_path / "picture.png")
-    assert not list(tmp_path.iterdir())
+        run_sheet(result)
 
 
 def test_every_lattice_is_inside_its_image_and_fills_it():
@@ -117,7 +117,7 @@ def test_a_picture_shows_the_colours_of_the_mesh(name, tmp_path):
     origin, size = mesh.bounds[0], np.ptp(mesh.bounds, axis=0)
     result = made_up_run()
     at_rest = replace(result, positions=np.tile(rest_grid((4, 4, 4), origin, size), (len(result.time), 1, 1, 1, 1)))
-    image = pixels(draw_strip(at_rest, tmp_path / "s.png", mesh=mesh, moments=[None], origin=origin, size=size))
+    image = pixels(strip_sheet(at_rest, mesh=mesh, moments=[None], origin=origin, size=size))
     red, green, blue = image[..., 0], image[..., 1], image[..., 2]
     reddish, greenish = np.argwhere(red > 2 * np.maximum(green, blue)), np.argwhere(green > 1.3 * np.maximum(red, blue))
     assert len(reddish) > 3000 and len(greenish) > 3000
@@ -125,8 +125,8 @@ def test_a_picture_shows_the_colours_of_the_mesh(name, tmp_path):
     assert not ((blue > red + 0.2) & (blue > green + 0.1)).any()
 
 
-def test_picture_of_a_real_mesh(real_meshes, tmp_path):
+def test_picture_of_a_real_mesh(real_meshes):
     mesh = load_mesh(real_meshes / "spot.obj", up="y")
     origin, size = mesh.bounds[0], np.ptp(mesh.bounds, axis=0)
-    image = pixels(draw_strip(made_up_run(), tmp_path / "s.png", mesh=mesh, moments=[1.2], origin=origin, size=size))
+    image = pixels(strip_sheet(made_up_run(), mesh=mesh, moments=[1.2], origin=origin, size=size))
     assert ((image[..., 2] > image[..., 0] + 0.2).sum()) > 3000

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from softffd.show.raster import Camera, Canvas, fragments
+from softffd.show.raster import Camera, Canvas, edge_functions, fragments, shares
 from softffd.show.raster_plane import Patch, draw_plane
 
 EAST, NORTH, UP = np.eye(3)
@@ -12,7 +12,7 @@ def canvas(*, eye=(0.0, -10.0, 0.0), size=100):
 
 
 def plain(*colour):
-    return lambda face, _share: np.tile(np.float32(colour), (len(face), 1))
+    return lambda face, _share: np.tile(np.float32(colour)[:, None], len(face))
 
 
 def square(y, half=1.0):
@@ -30,9 +30,10 @@ def test_two_triangles_cover_each_pixel_of_a_rectangle_once():
 
 def test_shares_reproduce_the_place_of_the_pixel():
     corners = np.array([[1.0, 2.0, 0.3], [60.0, 7.0, 0.5], [20.0, 50.0, 0.9]])
-    for pixel, _, shares, depth in fragments(corners, np.array([[2, 1, 0]]), 64, 64):
-        place = shares(np.arange(len(pixel))) @ corners[[2, 1, 0]]
-        assert np.allclose(place[:, 0], pixel % 64 + 0.5) and np.allclose(place[:, 1], pixel // 64 + 0.5)
+    faces = np.array([[2, 1, 0]])
+    for pixel, face, depth in fragments(corners, faces, 64, 64):
+        place = shares(edge_functions(*corners[faces.T].transpose(2, 0, 1)[:2]), pixel, face, 64).T @ corners[[2, 1, 0]]
+        assert np.allclose(place[:, 0], pixel % 64 + 0.5, atol=1e-4) and np.allclose(place[:, 1], pixel // 64 + 0.5, atol=1e-4)
         assert np.allclose(depth, place[:, 2], atol=1e-6)
 
 

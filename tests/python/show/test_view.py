@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib import colormaps
 from PIL import Image
 
 from made_up_run import ORIGIN, SIZE, made_up_run, with_solids
@@ -162,3 +163,9 @@ def test_a_run_without_recorded_positions_is_refused(tmp_path):
     with pytest.raises(SoftffdError, match=r'outputs.positions = "all"'):
         write_view(result, tmp_path / "view.html")
     assert not list(tmp_path.iterdir())
+
+
+def test_the_scale_has_the_colours_of_its_map(tmp_path):
+    ramp = np.array(run_of(write_view(made_up_run(), tmp_path / "view.html"))["ramp"]).reshape(-1, 3)
+    wanted = 255 * colormaps["YlGnBu"](np.linspace(0.1, 1.0, len(ramp)))[:, :3]
+    assert np.abs(ramp - wanted).max() < 2.3  # matplotlib has steps of 1/256 of the map, in which a channel changes by up to 2.2

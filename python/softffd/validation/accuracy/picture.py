@@ -3,7 +3,8 @@
 import numpy as np
 from matplotlib.ticker import EngFormatter, LogLocator, NullFormatter
 
-from softffd.show.picture import CURVES, INK, SOFT, new_figure, png_of
+from softffd.show.figure import CURVES, new_figure, png_of
+from softffd.show.sheet import INK, SOFT
 from softffd.validation.accuracy.records import CHOSEN, CLAIM, LEVELS, PUBLISHED
 
 LOOKS = {

@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
-from softffd.show.picture import INK, SOFT, new_figure, png_of
+from softffd.show.figure import new_figure, png_of
+from softffd.show.sheet import INK, SOFT
 from softffd.validation.stability.cell import CLASSES, Panel, omega
 from softffd.validation.stability.survey import Survey
 
