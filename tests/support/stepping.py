@@ -17,7 +17,11 @@ class Stepper:
     def __init__(self, scene: Scene, *, start_values: dict[str, Any] | None = None, **setup: float | None):
         """setup: start_time, stop_time, tolerance."""
         self.sim = Simulation(scene, start_values=start_values, **setup)
-        self.sim.initialize()
+        try:
+            self.sim.initialize()
+        except BaseException:
+            self.sim.close()
+            raise
 
     def restart(self, start_values: dict[str, Any], start_time: float = 0.0, stop_time: float | None = None, **setup: float | None) -> None:
         """Resets and initializes once more; forgets the messages so far."""

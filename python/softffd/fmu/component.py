@@ -5,12 +5,11 @@ This is the thin layer over the C functions, which a host drives through softffd
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from ctypes import POINTER, byref, c_char, c_double, c_int, c_size_t, c_uint, c_void_p, cast, create_string_buffer
 from functools import cached_property
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -73,7 +72,8 @@ class Component:
         """Is called with every message"""
         self._states: set[int] = set()
         self._slave: Any = None
-        self._folder = mkdtemp(prefix="softffd-")
+        self._unpacked = TemporaryDirectory(prefix="softffd-", ignore_cleanup_errors=True)
+        self._folder = self._unpacked.name
         try:
             self._open(source)
         except BaseException:
@@ -346,7 +346,7 @@ class Component:
             self._slave = None
             self._calls = dict.fromkeys(CALLS, _closed)
             self._keep_loop_calls()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        self._unpacked.cleanup()
 
     def __enter__(self) -> Component:
         return self

@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import signal
 import sys
+import tempfile
 import time as clock
 import traceback
 from collections.abc import Callable, Iterator, Sequence
@@ -83,12 +84,15 @@ class _Batch:
     deadline: float = 0.0
     results: Any = field(init=False)
     process: Any = field(init=False)
+    scratch: tempfile.TemporaryDirectory[str] = field(init=False)
+    """The process's temporary files, which it may have no time to remove"""
     started: bool = field(init=False)
 
     def begin(self) -> None:
         context: Any = multiprocessing.get_context(_way(self.work))
         self.results, sender = context.Pipe(duplex=False)
-        self.process = context.Process(target=_serve, args=(self.work, self.left, sender), daemon=True)
+        self.scratch = tempfile.TemporaryDirectory(prefix="softffd-", ignore_cleanup_errors=True)
+        self.process = context.Process(target=_serve, args=(self.work, self.left, sender, self.scratch.name), daemon=True)
         with _no_script():
             self.process.start()
         sender.close()
@@ -114,6 +118,7 @@ class _Batch:
         self.process.kill()
         self.process.join()
         self.results.close()
+        self.scratch.cleanup()
 
     def _patience(self) -> float:
         return self.patience(self.left[0]) if self.started else START_UP
@@ -145,8 +150,9 @@ def _no_script() -> Iterator[None]:
         sys.modules["__main__"] = script
 
 
-def _serve(work: Work, jobs: list[Any], sender: Any) -> None:
+def _serve(work: Work, jobs: list[Any], sender: Any, scratch: str) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends this process
+    tempfile.tempdir = scratch
     sender.send(None)
     try:
         for result in work(jobs):

@@ -22,7 +22,7 @@ BYTES = 0.02
 def shown(mesh):
     """The colours (F, 3) at the middles of the faces, as pictures show them."""
     _, faces, skin = skinned(mesh)
-    return skin.painter(faces)(np.arange(len(faces)), np.full((len(faces), 3), 1 / 3))
+    return skin.painter(faces)(np.arange(len(faces)), np.full((3, len(faces)), 1 / 3)).T
 
 
 def require_two_colours(mesh):

@@ -4,14 +4,18 @@ import csv
 import json
 import math
 import os
+import tempfile
 import time
 from collections.abc import Iterator
+from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from softffd.cli.command import main
 from softffd.errors import SoftffdError, UnknownName
+from softffd.run import guard
 from softffd.run.guard import Lost, abreast, guarded
 from softffd.validation.stability import survey as survey_module
 from softffd.validation.stability.border import borders, grows
@@ -29,14 +33,19 @@ REFUSED_NOW = ("opposite planes meet", "force not a number", "force 1e308 N")
 
 def at_once(jobs) -> Iterator[str]:
     """One result per job: itself, a hang, a crash, a fault."""
-    for job in jobs:
-        if job == "hang":
-            time.sleep(60)
-        if job == "crash":
-            os._exit(3)
-        if job == "fault":
-            raise ValueError("a fault")
-        yield job
+    with tempfile.TemporaryDirectory():  # which a process that is ended does not remove
+        for job in jobs:
+            yield result_of(job)
+
+
+def result_of(job) -> str:
+    if job == "hang":
+        time.sleep(60)
+    if job == "crash":
+        os._exit(3)
+    if job == "fault":
+        raise ValueError("a fault")
+    return job
 
 
 def test_hang_crash_and_fault_are_results_and_the_next_jobs_run():
@@ -47,6 +56,13 @@ def test_hang_crash_and_fault_are_results_and_the_next_jobs_run():
     assert [results[1].how, results[3].how, results[4].how] == ["hang", "crash", "fault"]
     assert "status 3" in results[3].words
     assert "a fault" in results[4].words
+
+
+def test_nothing_is_left_of_the_temporary_files_of_processes(monkeypatch, tmp_path):
+    there = SimpleNamespace(TemporaryDirectory=partial(tempfile.TemporaryDirectory, dir=tmp_path))
+    monkeypatch.setattr(guard, "tempfile", there)
+    seen = [len(list(tmp_path.glob("*/*"))) for _ in guarded(at_once, ["one", "hang", "crash", "two"], lambda job: 1.0)]
+    assert seen[0] == 1 and not list(tmp_path.iterdir())
 
 
 def test_batches_run_abreast_and_each_keeps_its_order():

@@ -3,6 +3,8 @@
 With names of scenes or importers after the file it prints those cells alone.
 """
 
+import atexit
+import shutil
 import sys
 import tempfile
 from collections.abc import Callable
@@ -132,8 +134,9 @@ def run_fmpy(run: Run) -> tuple[list[str], dict[str, np.ndarray]]:
 
 @cache
 def fmu_of(scene: str, changes: tuple[tuple[str, object], ...]) -> Path:
-    folder = Path(tempfile.mkdtemp(prefix="softffd-importers-"))
-    return package_fmu(load_scene(scene).replace(dict(changes)) if changes else load_scene(scene), folder / f"{scene}.fmu")
+    folder = tempfile.mkdtemp(prefix="softffd-importers-")
+    atexit.register(shutil.rmtree, folder)
+    return package_fmu(load_scene(scene).replace(dict(changes)) if changes else load_scene(scene), Path(folder) / f"{scene}.fmu")
 
 
 @cache

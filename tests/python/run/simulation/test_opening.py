@@ -1,5 +1,8 @@
 """What a simulation is opened from, and what it leaves behind."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 from zipfile import ZipFile
 
@@ -31,6 +34,12 @@ def test_a_closed_simulation_answers_instead_of_crashing(sim):
         with pytest.raises(FmuError, match="closed"):
             call()
     sim.close()
+
+
+def test_an_opened_component_that_nobody_closes_leaves_no_folder_behind(tmp_path):
+    script = "from softffd import load_scene; from softffd.fmu.component import Component; opened = Component(load_scene('press'))"
+    subprocess.run([sys.executable, "-c", script], env=os.environ | {"TMPDIR": str(tmp_path)}, check=True)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_run_leaves_no_folder_behind(monkeypatch, tmp_path):
