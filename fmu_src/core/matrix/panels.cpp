@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "machine/instructions.hpp"
+#include "machine/lanes.hpp"
 
 namespace softffd::kernels {
 
@@ -71,8 +71,10 @@ INNER void solve_lower(int columns, int rows, std::size_t stride, const double* 
     const double* panel = l + j * stride + j;
     double s[block];
     for (int i = 0; i < block; ++i) s[i] = y[j + i];
+#pragma GCC unroll 8
     for (int k = 0; k < block; ++k) {
       s[k] *= inverse[j + k];
+#pragma GCC unroll 8
       for (int i = k + 1; i < block; ++i) s[i] -= panel[k * stride + i] * s[k];
     }
     for (int i = 0; i < block; ++i) y[j + i] = s[i];
@@ -80,28 +82,37 @@ INNER void solve_lower(int columns, int rows, std::size_t stride, const double* 
   }
 }
 
-/// Products of four columns with y, in eight partial sums each whatever the vector width.
-INNER void multiply_four(int blocks, std::size_t stride, const double* l, In y, double sums[4]) {
-  double parts[4][block] = {};
-  for (int b = 0; b < blocks; ++b)
-    for (int j = 0; j < 4; ++j)
-      for (int i = 0; i < block; ++i) parts[j][i] += l[j * stride + b * block + i] * y[b * block + i];
+/// s -= products of four columns with y, in eight partial sums each, n of them in a register.
+template <int n>
+INNER void subtract_multiplied(int blocks, std::size_t stride, const double* l, const double* y, double* s) {
+  Lanes<n> parts[4][block / n] = {};
+  for (int b = 0; b < blocks; ++b, l += block, y += block)
+    for (int i = 0; i < block / n; ++i) {
+      const Lanes<n> rows = load<n>(y + i * n);
+      for (int j = 0; j < 4; ++j) parts[j][i] += load<n>(l + j * stride + i * n) * rows;
+    }
   for (int j = 0; j < 4; ++j) {
-    const double* p = parts[j];
-    sums[j] = ((p[0] + p[4]) + (p[1] + p[5])) + ((p[2] + p[6]) + (p[3] + p[7]));
+    double p[block];
+    for (int i = 0; i < block / n; ++i) store<n>(p + i * n, parts[j][i]);
+    s[j] -= ((p[0] + p[4]) + (p[1] + p[5])) + ((p[2] + p[6]) + (p[3] + p[7]));
   }
 }
 
+template <int n>
 INNER void solve_upper(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y) {
   for (int j = columns - block; j >= 0; j -= block) {
     const double* panel = l + j * stride + j;
     double s[block];
-    for (int k = 0; k < block; k += 4) multiply_four((rows - j) / block - 1, stride, panel + k * stride + block, y + j + block, s + k);
+    for (int k = 0; k < block; ++k) s[k] = y[j + k];
+    for (int k = 0; k < block; k += 4)
+      subtract_multiplied<n>((rows - j) / block - 1, stride, panel + k * stride + block, y + j + block, s + k);
+#pragma GCC unroll 8
     for (int k = block - 1; k >= 0; --k) {
-      double sum = y[j + k] - s[k];
-      for (int i = k + 1; i < block; ++i) sum -= panel[k * stride + i] * y[j + i];
-      y[j + k] = sum * inverse[j + k];
+#pragma GCC unroll 8
+      for (int i = k + 1; i < block; ++i) s[k] -= panel[k * stride + i] * s[i];
+      s[k] *= inverse[j + k];
     }
+    for (int k = 0; k < block; ++k) y[j + k] = s[k];
   }
 }
 
@@ -110,6 +121,6 @@ INNER void solve_upper(int columns, int rows, std::size_t stride, const double* 
 decltype(subtract_products) subtract_products = chosen<loops::subtract_products>();
 decltype(factor_panel) factor_panel = chosen<loops::factor_panel>();
 decltype(solve_lower) solve_lower = chosen<loops::solve_lower>();
-decltype(solve_upper) solve_upper = chosen<loops::solve_upper>();
+decltype(solve_upper) solve_upper = chosen<loops::solve_upper<2>, loops::solve_upper<4>, loops::solve_upper<8>>();
 
 }  // namespace softffd::kernels
