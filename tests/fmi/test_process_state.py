@@ -94,6 +94,7 @@ assert locale.localeconv()["decimal_point"] == point
 
 
 @pytest.mark.skipif(not LINUX, reason="localedef of glibc")
+@pytest.mark.short("ps_AF")
 @pytest.mark.parametrize("name", ["de_DE", "ps_AF"])
 def test_the_hosts_locale_neither_matters_nor_changes(tmp_path, name):
     """A comma and a decimal point of two bytes."""

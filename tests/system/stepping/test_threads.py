@@ -39,7 +39,7 @@ def states(scene):
     return found
 
 
-@pytest.mark.short("leapfrog-*", "bm4-bare", "dop853-bare")
+@pytest.mark.short("leapfrog-energy", "leapfrog-ground", "leapfrog-estimate", "dop853-bare")
 @pytest.mark.parametrize("parts", [{}, {"energy": True}, GROUND, {"error_estimate": True}], ids=["bare", "energy", "ground", "estimate"])
 @pytest.mark.parametrize("method", ["leapfrog", "bm4", "dop853"])
 def test_threads_give_the_bits_of_one(method, parts):
