@@ -87,7 +87,7 @@ INNER void solve_lower(int columns, int rows, std::size_t stride, const double* 
     const double* panel = l + j * stride + j;
     double s[block];
     for (int i = 0; i < block; ++i) s[i] = y[j + i];
-#pragma GCC unroll 8
+#pragma GCC unroll 8  // only then s is in registers
     for (int k = 0; k < block; ++k) {
       s[k] *= inverse[j + k];
 #pragma GCC unroll 8

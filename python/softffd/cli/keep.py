@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shlex
 import tomllib
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -23,9 +22,7 @@ from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
 
 if TYPE_CHECKING:
-    from softffd.show.sheet import Sheet
-
-Draw = Callable[["Sheet", Path], None]
+    from softffd.show.drawing import Draw
 
 RESULTS = (KEPT, "result.csv", "summary.json")
 """What every run is kept in."""

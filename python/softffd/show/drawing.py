@@ -8,6 +8,7 @@ import os
 import pickle
 import signal
 import sys
+from collections.abc import Callable
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
@@ -15,6 +16,10 @@ from subprocess import DEVNULL, PIPE, Popen
 from tempfile import TemporaryDirectory
 
 from softffd.files import write_bytes
+from softffd.show.sheet import Sheet
+
+Draw = Callable[[Sheet, Path], None]
+"""Draws a sheet to a path (PNG)."""
 
 LIBRARY = "softffd.show.figure"
 """The module that loads it."""

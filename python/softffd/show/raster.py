@@ -70,12 +70,12 @@ class Canvas:
         shown, nearest = self._nearest(screen, faces)
         seen, number = _numbered(nearest, len(faces))  # what is worked out for each face is for these, often few of many
         corners = faces[seen].T
-        facets = np.float32(self._facets(*(points[each].T for each in corners)))
+        facets = self._facets(*(points[each].T for each in corners))
         normals = np.float32(normals[seen]).transpose(2, 1, 0).copy()
         edges = edge_functions(*screen[corners].transpose(2, 0, 1)[:2])
         for low in range(0, len(shown), FRAGMENTS):
             pixel, face, here = (each[low : low + FRAGMENTS] for each in (shown, nearest, number))
-            share = shares(edges, pixel, here, self.width)
+            share = np.float32(shares(edges, pixel, here, self.width))
             normal = np.einsum("kp,akp->ap", share, normals.take(here, axis=2))
             length = np.sqrt(_dot(normal, normal))
             length[length == 0] = 1
@@ -209,7 +209,7 @@ def shares(edges, pixel, face, width):
     """Barycentric shares (3, P) of the middles of pixels (P,) in faces (P,) with these edge functions."""
     row, column = np.divmod(pixel, width)
     x, y, constant = (each.take(face, axis=1) for each in edges)
-    return np.float32(x * (column + 0.5) + y * (row + 0.5) + constant)
+    return x * (column + 0.5) + y * (row + 0.5) + constant
 
 
 def _rows(y, real, height):
