@@ -4,7 +4,7 @@ import sys
 
 
 def main() -> int:
-    """Runs the command line; returns its exit status. An interrupt ends it quietly during its imports too, which take half a second."""
+    """Runs the command line; returns its exit status. An interrupt ends it quietly during its imports too."""
     try:
         from softffd.cli.command import main as run
 

@@ -1,4 +1,7 @@
-"""The command line: what each command of `softffd` does; what can be typed stands in options.py."""
+"""The command line: what each command of `softffd` does; what can be typed stands in options.py.
+
+Each command loads what it needs itself: what reads scenes and runs them takes a third of a second.
+"""
 
 from __future__ import annotations
 
@@ -11,17 +14,16 @@ import webbrowser
 from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from softffd.cli.options import parse, setting
 from softffd.errors import Interrupted, SoftffdError
 from softffd.files import require_writable
-from softffd.run.inputs import Inputs
 from softffd.run.progress import ProgressLine
-from softffd.run.simulation import Simulation
-from softffd.scene.of_mesh import scene_of_mesh
-from softffd.scene.scene import load_scene, schema, shipped_scenes
-from softffd.scene.template import template
+
+if TYPE_CHECKING:
+    from softffd.run.inputs import Inputs
+    from softffd.run.simulation import Simulation
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -63,6 +65,7 @@ def _build(options: argparse.Namespace) -> None:
     from softffd.fmu.package import package_fmu, scene_masses, scene_samples
     from softffd.fmu.variables import number_of_variables, size_warning
     from softffd.installed import least_glibc, libraries
+    from softffd.scene.scene import load_scene
 
     scene = load_scene(options.scene)
     with ProgressLine("packaging"):
@@ -82,17 +85,18 @@ def _build(options: argparse.Namespace) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from softffd.cli.keep import keep_run, require_no_results, run_scene_or_fmu
-    from softffd.cli.told import told_after, told_before
     from softffd.show.drawing import drawing
 
     settings = dict(setting(text) for text in options.settings)
     folder = options.output or Path(f"softffd-{Path(options.what).stem}")
     require_writable(folder)
-    if not options.overwrite:
-        require_no_results(folder)
     interrupted = None
     with ProgressLine("packaging") as progress, nullcontext() if options.no_pictures else drawing() as draw:
+        from softffd.cli.keep import keep_run, require_no_results, run_scene_or_fmu  # while what draws is loaded beside
+        from softffd.cli.told import told_after, told_before
+
+        if not options.overwrite:
+            require_no_results(folder)
 
         def begun(simulation: Simulation, inputs: Inputs) -> None:
             progress.say(told_before(simulation, inputs))
@@ -188,6 +192,8 @@ def _drivers(options: argparse.Namespace) -> None:
 
 
 def _scenes(_options: argparse.Namespace) -> None:
+    from softffd.scene.scene import load_scene, shipped_scenes
+
     names = shipped_scenes()
     width = max(map(len, names))
     for name in names:
@@ -195,6 +201,9 @@ def _scenes(_options: argparse.Namespace) -> None:
 
 
 def _new(options: argparse.Namespace) -> None:
+    from softffd.scene.of_mesh import scene_of_mesh
+    from softffd.scene.template import template
+
     path = Path(options.name if options.name.endswith(".toml") else f"{options.name}.toml")
     if not path.name.removesuffix(".toml").strip(". "):
         raise SoftffdError(f'"{options.name}": wanted the name of a scene, e.g. softffd new mine')
@@ -222,6 +231,7 @@ def _view(options: argparse.Namespace) -> None:
 def _info(options: argparse.Namespace) -> None:
     from softffd.cli.info import told_info
     from softffd.fmu.component import Component
+    from softffd.scene.scene import load_scene
 
     what = options.what if options.what.endswith(".fmu") else load_scene(options.what)
     with ProgressLine("packaging"):
@@ -231,6 +241,8 @@ def _info(options: argparse.Namespace) -> None:
 
 
 def _schema(_options: argparse.Namespace) -> None:
+    from softffd.scene.scene import schema
+
     print(json.dumps(schema(), indent=2))
 
 

@@ -1,8 +1,10 @@
 """Drawing of sheets in a process beside, which loads the library for it while the run is under way.
 
 The library takes as long to load as a picture to draw, and a run of a small scene no longer than either. A sheet goes to the process as a
-file, and its picture comes back as one.
+file, its images, which are made here meanwhile, as another, and its picture comes back as one.
 """
+
+from __future__ import annotations
 
 import os
 import pickle
@@ -10,15 +12,19 @@ import signal
 import sys
 from collections.abc import Callable
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from subprocess import DEVNULL, PIPE, Popen
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 from softffd.files import write_bytes
-from softffd.show.sheet import Sheet
 
-Draw = Callable[[Sheet, Path], None]
+if TYPE_CHECKING:
+    from softffd.show.sheet import Sheet
+
+Draw = Callable[["Sheet", Path], None]
 """Draws a sheet to a path (PNG)."""
 
 LIBRARY = "softffd.show.figure"
@@ -37,12 +43,17 @@ def drawing():
     with TemporaryDirectory(prefix="softffd-") as name, _process(Path(name)) as process:
         given = []
 
+        def hand_over(part, path):
+            path.write_bytes(pickle.dumps(part))
+            with suppress(OSError):  # it has ended: what it leaves undone is drawn below
+                process.stdin.write(f"{path}\n".encode())
+
         def draw(sheet, path):
             drawn = Path(name) / f"{len(given)}.png"
-            given.append((sheet, path, drawn))
-            drawn.with_suffix(".sheet").write_bytes(pickle.dumps(sheet))
-            with suppress(OSError):  # it has ended: what it leaves undone is drawn below
-                process.stdin.write(f"{drawn}\n".encode())
+            hand_over(replace(sheet, images=tuple), drawn.with_suffix(".sheet"))
+            images = sheet.images()
+            hand_over(images, drawn.with_suffix(".images"))
+            given.append((replace(sheet, images=lambda: images), path, drawn))
 
         yield draw
         for sheet, path, drawn in given:
@@ -69,13 +80,19 @@ def _draw(sheet, path):
 
 
 def _serve():
-    """Draws what the lines of the standard input name, and says a line after each."""
+    """Draws the sheets that the lines of the standard input name, with the images that the line after each names, and says a line then."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends this process
-    import_module(LIBRARY)  # before it is needed
+    figure = import_module(LIBRARY)  # before it is needed
+
+    def handed_over(line):
+        path = Path(line.rstrip("\n"))
+        return path, pickle.loads(path.read_bytes())
 
     for line in sys.stdin:
-        path = Path(line.rstrip("\n"))
-        _draw(pickle.loads(path.with_suffix(".sheet").read_bytes()), path)
+        path, sheet = handed_over(line)
+        begun = figure.drawn(sheet)
+        _, images = handed_over(sys.stdin.readline())
+        path.with_suffix(".png").write_bytes(figure.finished(begun, images))
         print("drawn", flush=True)
 
 

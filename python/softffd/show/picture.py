@@ -1,6 +1,7 @@
 """Pictures of a run: its telling moments in a row, and the curves of its reactions and energies below."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -33,8 +34,9 @@ def run_sheet(result, *, mesh=None, origin=None, size=None, colour=None):
     captions = [f"{what}, t = {stage.time[frame]:.4g} s" for frame, what in moments.items()]
     low = 0.45 if tension else 0.40
     sheet = Sheet(13.0, 7.6, dpi=130)
-    images, below = _panels(sheet, stage, list(moments), captions, box=(0.02, low, 0.96, 0.93 - low), tension=tension, touch=touch)
-    words = [Words(stage.title, (0.02, 0.965), 15, "left", weight="bold"), *below]
+    box = (0.02, low, 0.96, 0.93 - low)
+    images = partial(_images, sheet, stage, list(moments), box=box, tension=tension, touch=touch)
+    words = [Words(stage.title, (0.02, 0.965), 15, "left", weight="bold"), *_captions(sheet, captions, box)]
     if (error := result.summary.get("estimated_error_m")) is not None:
         quantities = ((result.summary["run_time_s"], "s"), (error, "m"))
         words.append(Words("run time {}, estimated error {}", (0.98, 0.965), 10.5, "right", SOFT, quantities=quantities))
@@ -61,8 +63,9 @@ def strip_sheet(result, *, mesh=None, moments=None, labels=None, origin=None, si
     if labels is None:
         labels = ["at rest" if frame is None else f"t = {stage.time[frame]:.4g} s" for frame in frames]
     sheet = Sheet(3.6 * len(frames), 3.2, dpi=170)
-    images, words = _panels(sheet, stage, frames, labels, box=(0.0, 0.0, 1.0, 1.0), touch=touch_of(result, stage))
-    return replace(sheet, images=images, words=words)
+    box = (0.0, 0.0, 1.0, 1.0)
+    images = partial(_images, sheet, stage, frames, box=box, touch=touch_of(result, stage))
+    return replace(sheet, images=images, words=tuple(_captions(sheet, labels, box)))
 
 
 def history_sheet(result):
@@ -77,23 +80,32 @@ def _four_frames(result):
     return [None, max(0, before), worst, len(result.time) - 1]
 
 
-def _panels(sheet, stage, frames, captions, *, box, touch, tension=None):
-    """Images side by side in `box` of the sheet, and their captions below."""
-    left, bottom, width, height = box
-    pitch = (width + GAP) / len(frames)
-    across, up = sheet.width * sheet.dpi, sheet.height * sheet.dpi
-    caption_height = CAPTION / sheet.height
-    bottom, height = bottom + caption_height, height - caption_height
+def _images(sheet, stage, frames, *, box, touch, tension=None):
+    """The object in `frames`, side by side in `box` of the sheet."""
+    _, bottom, _, height = box
+    across, up, low = sheet.width * sheet.dpi, sheet.height * sheet.dpi, CAPTION / sheet.height
+    lefts, width = _columns(box, len(frames))
     shapes = [Shape(stage, frame) for frame in frames]
     tints = tension.tints if tension else {}
-    panels = Panels(stage, shapes, round((pitch - GAP) * across), round(height * up), tints=tints, touch=touch)
-    images, words = [], []
-    for i, (shape, caption) in enumerate(zip(shapes, captions, strict=True)):
-        pixels = (255 * panels.image(shape) + 0.5).astype(np.uint8)
-        images.append(Image(pixels, round((left + i * pitch) * across), round(bottom * up)))
-        middle = left + i * pitch + (pitch - GAP) / 2
-        words.append(Words(caption, (middle, bottom - caption_height / 2), 11.5))
-    return tuple(images), tuple(words)
+    panels = Panels(stage, shapes, round(width * across), round((height - low) * up), tints=tints, touch=touch)
+    return tuple(
+        Image((255 * panels.image(shape) + 0.5).astype(np.uint8), round(left * across), round((bottom + low) * up))
+        for shape, left in zip(shapes, lefts, strict=True)
+    )
+
+
+def _captions(sheet, captions, box):
+    """A line below each of the images in `box`."""
+    lefts, width = _columns(box, len(captions))
+    middle = box[1] + CAPTION / sheet.height / 2
+    return [Words(caption, (left + width / 2, middle), 11.5) for caption, left in zip(captions, lefts, strict=True)]
+
+
+def _columns(box, count):
+    """The left edges of images side by side in `box`, and their width, as shares of the sheet."""
+    left, _, width, _ = box
+    pitch = (width + GAP) / count
+    return [left + i * pitch for i in range(count)], pitch - GAP
 
 
 def _curves(result, *, bottom, top, marks=()):

@@ -10,12 +10,13 @@ from softffd.show.drawing import drawing
 from softffd.show.figure import figure_of, png_of
 from softffd.show.sheet import Curves, Image, Scale, Sheet, Words
 
+IMAGE = Image(np.random.default_rng(1).integers(0, 255, (40, 60, 3), np.uint8), 20, 2)
 TIME = np.linspace(0.0, 2.0, 50)
 SHEET = Sheet(
     3.0, 2.0, 100,
-    images=(Image(np.random.default_rng(1).integers(0, 255, (40, 60, 3), np.uint8), 20, 150),),
+    images=lambda: (IMAGE,),
     words=(Words("in {}, by {}", (0.5, 0.9), 9, quantities=((1.5e-3, "s"), (2e-6, "m"))),),
-    curves=(Curves((0.2, 0.2, 0.7, 0.4), "force", "N", TIME, {"one": TIME**2, "two": np.sin(TIME)}, True, (0.5,)),),
+    curves=(Curves((0.2, 0.4, 0.7, 0.2), "force", "N", TIME, {"one": TIME**2, "two": np.sin(TIME)}, True, (0.5,)),),
     scale=Scale((0.4, 0.7, 0.4, 0.03), "viridis", (0.0, 2.0), "Pa", "stress"),
 )  # fmt: skip
 
