@@ -18,8 +18,7 @@ double sum(const Octet::Number& of, unsigned lanes, double sum) {
     for (const double each : of) sum += each;
     return sum;
   }
-  for (int lane = 0; lane < Octet::lanes; ++lane)
-    if (lanes >> lane & 1) sum += of[lane];
+  for (unsigned left = lanes; left; left &= left - 1) sum += of[std::countr_zero(left)];
   return sum;
 }
 

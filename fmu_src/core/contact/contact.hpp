@@ -68,6 +68,8 @@ class Contact {
   StepStatus close_and_go_on(const StepView& step, Points& v, Points& x1, Exchange& exchange);
 
   bool touched() const { return !touched_.empty(); }
+  /// Are they those that the drift before it touched, of one plane?
+  bool same() const { return same_; }
   /// Of those a bit each, eight in a byte, plane by plane.
   const std::vector<unsigned char>& behind() const { return behind_; }
   /// The points that were found.

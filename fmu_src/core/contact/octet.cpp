@@ -35,10 +35,7 @@ INNER void put(const Octet& octet, int lane, const Triple<n>& v, Points& to) {
     at[0] = v.x[i], at[to.rows()] = v.y[i], at[2 * to.rows()] = v.z[i];
   }
 }
-template <int n>
-INNER Triple<n> spread(const Vec3& v) {
-  return {v.x() - Lanes<n>{}, v.y() - Lanes<n>{}, v.z() - Lanes<n>{}};
-}
+INNER Uniform uniform(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 template <int n>
 INNER Lanes<n> positive(const Lanes<n>& a) {
   return a > 0.0 ? a : Lanes<n>{};
@@ -47,11 +44,11 @@ INNER Lanes<n> positive(const Lanes<n>& a) {
 /// HalfSpace, lane by lane.
 template <int n>
 INNER Lanes<n> gap(const HalfSpace& plane, const Triple<n>& x) {
-  return dot(spread<n>(plane.normal), x) - plane.offset;
+  return dot(uniform(plane.normal), x) - plane.offset;
 }
 template <int n>
 INNER Triple<n> material_velocity(const HalfSpace& plane, const Triple<n>& x) {
-  return spread<n>(plane.velocity) + cross(spread<n>(plane.spin), x - spread<n>(plane.point));
+  return uniform(plane.velocity) + cross(uniform(plane.spin), x - uniform(plane.point));
 }
 /// The same of a plane that may be known to stay.
 template <int n, bool still>
@@ -60,17 +57,17 @@ INNER Triple<n> surface_velocity(const HalfSpace& plane, const Triple<n>& x) {
   return material_velocity(plane, x);
 }
 /// Its product with another vector.
-template <int n, bool still>
-INNER Lanes<n> with_surface(const Triple<n>& other, const Triple<n>& surface) {
+template <int n, bool still, class Other>
+INNER Lanes<n> with_surface(const Other& other, const Triple<n>& surface) {
   if constexpr (still) return Lanes<n>{};
   return dot(other, surface);
 }
 template <int n>
-INNER Triple<n> tangential(const Triple<n>& normal, const Triple<n>& v) {
+INNER Triple<n> tangential(const Uniform& normal, const Triple<n>& v) {
   return v - dot(normal, v) * normal;
 }
 template <int n, bool still>
-INNER Triple<n> along_plane(const Triple<n>& normal, const Triple<n>& surface) {
+INNER Triple<n> along_plane(const Uniform& normal, const Triple<n>& surface) {
   if constexpr (still) return {};
   return tangential(normal, surface);
 }
@@ -102,16 +99,17 @@ struct Corrected {
 template <int n>
 struct Meeting {
   const Approach& plane;
-  Triple<n> normal, x0, v;  ///< v: of the free drift
-  Lanes<n> gap0, gap1;      ///< at both ends of the free drift
-  Lanes<n> wall;            ///< normal velocity of the plane where the point is
-  Triple<n> wall_t;         ///< tangential velocity of its surface
+  Uniform normal;
+  Triple<n> x0, v;      ///< v: of the free drift
+  Lanes<n> gap0, gap1;  ///< at both ends of the free drift
+  Lanes<n> wall;        ///< normal velocity of the plane where the point is
+  Triple<n> wall_t;     ///< tangential velocity of its surface
   Lanes<n> inertia;
 };
 
 template <int n>
 INNER Triple<n> snapped(const HalfSpace& plane, const Triple<n>& x) {
-  return x - gap(plane, x) * spread<n>(plane.normal);
+  return x - gap(plane, x) * uniform(plane.normal);
 }
 
 template <int n>
@@ -142,14 +140,15 @@ template <int n>
 INNER void note(const HalfSpace& plane, const Triple<n>& x1, const Triple<n>& impulse, int lane, Octet& octet) {
   const Triple<n> reaction = Triple<n>{} - impulse;
   store<n>(octet.impulse, lane, reaction);
-  store<n>(octet.torque, lane, cross(x1 - spread<n>(plane.point), reaction));
+  store<n>(octet.torque, lane, cross(x1 - uniform(plane.point), reaction));
 }
 
 template <int n, bool still>
 INNER unsigned meet_plane(const Approach& plane, double touching, Octet& octet) {
   unsigned landed = 0, on = 0;
   for (int lane = 0; lane < Octet::lanes; lane += n) {
-    const Triple<n> normal = spread<n>(plane.end.normal), x0 = load<n>(octet.x0, lane), v = load<n>(octet.v, lane);
+    const Uniform normal = uniform(plane.end.normal);
+    const Triple<n> x0 = load<n>(octet.x0, lane), v = load<n>(octet.v, lane);
     const Lanes<n> gap0 = gap(plane.start, x0), gap1 = gap(plane.end, load<n>(octet.x1, lane));
     const Meeting<n> meeting{plane,
                              normal,
@@ -213,7 +212,8 @@ INNER void put_both(const Octet& octet, Points& x1, Points& v) {
 
 template <int n, bool still>
 INNER void settle_some(const Approach& plane, const Points& kicked, const Points& spring, const Points& outside, int lane, Octet& octet) {
-  const Triple<n> normal = spread<n>(plane.end.normal), x1 = load<n>(octet.x1, lane), before = load<n>(octet.v, lane);
+  const Uniform normal = uniform(plane.end.normal);
+  const Triple<n> x1 = load<n>(octet.x1, lane), before = load<n>(octet.v, lane);
   const Triple<n> v = fetch<n>(octet, kicked, lane);
   store<n>(octet.spring, lane, fetch<n>(octet, spring, lane));
   store<n>(octet.outside, lane, fetch<n>(octet, outside, lane));

@@ -164,11 +164,11 @@ INNER bool gaps(int points, const double* x, const double normal[3], double offs
   return behind != 0;
 }
 
-/// Of the points at x that a register holds: a bit each from the one of `lane` on.
+/// Of the points at x that a register holds: a bit each.
 template <int n>
-INNER Comparison<n> behind_some(int lane, int points, const double* x, const double normal[3], double offset) {
+INNER unsigned behind_some(int points, const double* x, const double normal[3], double offset) {
   const Triple<n> at = load<n>(x, points);
-  return (normal[0] * at.x + normal[1] * at.y + normal[2] * at.z - offset < 0.0) & each_bit<n>(lane);
+  return bits<n>(normal[0] * at.x + normal[1] * at.y + normal[2] * at.z - offset < 0.0);
 }
 
 template <int n>
@@ -177,14 +177,13 @@ INNER bool behind(int points, const double* x, const double plane_normal[3], dou
   unsigned any = 0;
   int p = 0;
   for (; p + 8 <= points; p += 8) {
-    Comparison<n> some{};
-    for (int lane = 0; lane < 8; lane += n) some |= behind_some<n>(lane, points, x + p + lane, normal, offset);
-    const unsigned block = joined<n>(some);
+    unsigned block = 0;
+    for (int lane = 0; lane < 8; lane += n) block |= behind_some<n>(points, x + p + lane, normal, offset) << lane;
     *found++ = static_cast<unsigned char>(block);
     any |= block;
   }
   unsigned block = 0;
-  for (int lane = 0; p + lane < points; ++lane) block |= joined<1>(behind_some<1>(lane, points, x + p + lane, normal, offset));
+  for (int lane = 0; p + lane < points; ++lane) block |= behind_some<1>(points, x + p + lane, normal, offset) << lane;
   if (p < points) *found = static_cast<unsigned char>(block);
   return (any | block) != 0;
 }

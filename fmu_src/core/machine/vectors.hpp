@@ -4,6 +4,12 @@
 
 namespace softffd::kernels {
 
+/// A vector that is the same in all lanes. Its operations are of a number with a register, which processors have; a register filled with
+/// the number first is filled lane by lane by some compilers.
+struct Uniform {
+  double x, y, z;
+};
+
 template <int n>
 INNER Triple<n> operator+(const Triple<n>& a, const Triple<n>& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
@@ -26,7 +32,24 @@ INNER Lanes<n> dot(const Triple<n>& a, const Triple<n>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 template <int n>
-INNER Triple<n> cross(const Triple<n>& a, const Triple<n>& b) {
+INNER Triple<n> operator+(const Uniform& a, const Triple<n>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <int n>
+INNER Triple<n> operator-(const Triple<n>& a, const Uniform& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class Factor>
+INNER Triple<sizeof(Factor) / sizeof(double)> operator*(const Factor& factor, const Uniform& a) {
+  return {factor * a.x, factor * a.y, factor * a.z};
+}
+template <int n>
+INNER Lanes<n> dot(const Uniform& a, const Triple<n>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+/// Of two, either of which may be uniform.
+template <class A, int n>
+INNER Triple<n> cross(const A& a, const Triple<n>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <int n>

@@ -180,13 +180,17 @@ template <class See>
 void Leapfrog::each_found(const See& see) {
   if (surface_ && surface_->near()) std::for_each(keep_until_.begin(), keep_until_.end(), see);
   if (surface_ || !contact_.touched()) return;
-  for (std::size_t i = 0; i < contact_.behind().size(); ++i)
-    if (contact_.behind()[i]) see(keep_until_[i % keep_until_.size()]);
+  for (auto at = contact_.behind().begin(); at != contact_.behind().end();)
+    for (Count& until : keep_until_)
+      if (*at++) see(until);
 }
+
+/// Were the points found in the step before too, and what lies between is kept of their blocks for so many steps more?
+bool Leapfrog::lasts(Count steps) const { return !surface_ && contact_.same() && any_until_ >= step_ + steps; }
 
 StepStatus Leapfrog::meet(const StepView& view, Path& path) {
   ++step_;
-  each_found([&](Count& until) { until = any_until_ = step_ + keep_for; });
+  if (!lasts(keep_for / 2)) each_found([&](Count& until) { until = any_until_ = step_ + keep_for; });
   return surface_ ? surface_->drift(view, before_, path.motion.v, next_, path.surface, path.exchange)
                   : contact_.drift(view, before_, path.motion.v, next_, path.exchange);
 }
@@ -207,7 +211,7 @@ StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, 
   if (status != StepStatus::ok) return status;
   find(next, path);
   bool kept = true;
-  each_found([&](Count until) { kept = kept && until >= step_; });
+  if (!lasts(0)) each_found([&](Count until) { kept = kept && until >= step_; });
   if (!kept) recall(last, state);
   status = meet(next, path);
   state.x.swap(next_);

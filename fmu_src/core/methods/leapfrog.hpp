@@ -22,6 +22,7 @@ class Leapfrog final : public Integrator {
   void find(const StepView& view, const Path& path);
   template <class See>
   void each_found(const See& see);
+  bool lasts(Count steps) const;
   StepStatus meet(const StepView& view, Path& path);
   void recall(const StepView& last, State& state);
 
