@@ -357,7 +357,8 @@ double SurfaceContact::loss(const StepView& step, const Points& v1) const {
   const Scalars &opening = step.kicks.opening_mass(), &closing = step.kicks.closing_mass();
   const Points &move = drift_.move(), &stop = close_.move();
   const double rate = 1 / step.h;
-  double lost = kernels::energy_taken(n, opening.data(), rate, move.data(), closing.data(), stop.data(), start_v_.data(), v1.data());
+  const PointRange range{std::min(drift_.range().begin, close_.range().begin), std::max(drift_.range().end, close_.range().end)};
+  double lost = kernels::energy_taken(n, range, opening.data(), rate, move.data(), closing.data(), stop.data(), start_v_.data(), v1.data());
   for (int axis = 0; lands_ && axis < 3; ++axis)
     for (int p = 0; p < n; ++p) {
       const double more = rate * opening[p] * move(p, axis) - closing[p] * stop(p, axis);

@@ -155,8 +155,8 @@ INNER Descent descent(std::size_t count, const double* before, const double* hei
 }
 
 template <int n>
-INNER double energy_taken(int points, const double* m0, double a, const double* u, const double* m1, const double* w, const double* v0,
-                          const double* v1) {
+INNER double energy_taken(int points, PointRange range, const double* m0, double a, const double* u, const double* m1, const double* w,
+                          const double* v0, const double* v1) {
   constexpr int registers = side_by_side / n;
   Lanes<n> sum[registers]{};
   double taken = 0;
@@ -165,10 +165,10 @@ INNER double energy_taken(int points, const double* m0, double a, const double* 
       const Lanes<m> given = load<m>(m0 + i) * (a * load<m>(u + i)) + load<m>(m1 + i) * load<m>(w + i);
       return given * (0.5 * (load<m>(v0 + i) + load<m>(v1 + i)));
     };
-    int i = 0;
-    for (; i + side_by_side <= points; i += side_by_side)
+    int i = range.begin;
+    for (; i + side_by_side <= range.end; i += side_by_side)
       for (int r = 0; r < registers; ++r) sum[r] += at(i + r * n, Register<n>{});
-    for (; i < points; ++i) taken -= at(i, Register<1>{})[0];
+    for (; i < range.end; ++i) taken -= at(i, Register<1>{})[0];
   }
   for (int r = 0; r < registers; ++r)
     for (int lane = 0; lane < n; ++lane) taken -= sum[r][lane];

@@ -29,8 +29,8 @@ struct Descent {
 extern Descent (*const descent)(std::size_t n, const double* before, const double* heights);
 
 /// The energy that velocity changes a u at the beginning of a step and w at its end take [J], of points that move with v0 and v1 there:
-/// -sum (m0 a u + m1 w) (v0 + v1) / 2. Masses (points), all else (3 * points).
-extern double (*const energy_taken)(int points, const double* m0, double a, const double* u, const double* m1, const double* w,
-                                    const double* v0, const double* v1);
+/// -sum (m0 a u + m1 w) (v0 + v1) / 2 over these points. Masses (points), all else (3 * points).
+extern double (*const energy_taken)(int points, PointRange range, const double* m0, double a, const double* u, const double* m1,
+                                    const double* w, const double* v0, const double* v1);
 
 }  // namespace softffd::kernels

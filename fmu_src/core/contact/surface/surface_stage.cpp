@@ -86,7 +86,7 @@ bool SurfaceStage::hold(const std::vector<Vec3>& away) {
   }
   find_move();
   for (std::size_t q = 0; q < heights.size(); ++q)
-    kernels::raise(int(move_.rows()), delassus.range(), normals_[q].data(), move_.data(), heights[q].data());
+    kernels::raise(int(move_.rows()), range(), normals_[q].data(), move_.data(), heights[q].data());
   return true;
 }
 

@@ -43,10 +43,11 @@ class SurfaceStage {
   bool added() const { return set_.added(); }           ///< a row to those that were active before
   double pinned_violation() const { return set_.pinned_violation(); }
   double compliance(int t) const { return set_.delassus()(t, t); }
-  const Points& move() const { return move_; }  ///< y - y0
+  const Points& move() const { return move_; }                  ///< y - y0
+  PointRange range() const { return set_.delassus().range(); }  ///< of the points that move
   /// v += a (y - y0); and x, where there is one, += y - y0.
   void give(double a, Points& v, Points* x = nullptr) const {
-    kernels::move_points(int(v.rows()), set_.delassus().range(), move_.data(), a, v.data(), x ? x->data() : nullptr);
+    kernels::move_points(int(v.rows()), range(), move_.data(), a, v.data(), x ? x->data() : nullptr);
   }
   /// By how much Coulomb's law has been missed: a share of the slip on parallel planes, of the largest force on others.
   double missed() const { return missed_; }
