@@ -35,6 +35,22 @@ TEST(pins_receive_to_rounding_what_the_body_loses) {
 
 TEST(unwatched_steps_have_the_same_bits) { check_unwatched_steps<Leapfrog>(); }
 
+TEST(steps_in_contact_have_the_bits_of_those_that_are_watched) {  // which keep what lies between two kicks of all points
+  Scene s = soft(true, false, {{4, 4, 4}});
+  s.duration = 4;
+  s.around.force.col(2) -= 0.1;
+  s.around.planes.resize(1);
+  s.around.planes[0].point.z() = -0.01;
+  s.around.planes[0].friction = 0.1;
+  constexpr int steps = 4000;  // of blocks that touch it is kept for 100
+  Leapfrog method(s.body.points(), 1);
+  const Result watched = run_method(method, s, steps), unwatched = run_method(method, s, steps, false);
+  CHECK((watched.state.x == unwatched.state.x).all() && (watched.state.v == unwatched.state.v).all());
+  const Count least = 5 * steps, most = 13 * steps;  // of 16 points some come and go
+  CHECK(watched.exchange.contacts_resolved > least && watched.exchange.contacts_resolved < most);
+  std::printf("  %lld contacts\n", static_cast<long long>(watched.exchange.contacts_resolved));
+}
+
 namespace {
 
 /// On a plane from the beginning, pressed so that the lower layer stays there, while it slides and the upper one swings.
