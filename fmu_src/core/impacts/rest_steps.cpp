@@ -1,6 +1,7 @@
 #include "impacts/rest_steps.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -18,6 +19,8 @@ namespace {
 
 namespace use = thresholds;
 constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Sine of the angle between two obstacles that hold a body in one direction only [1].
+constexpr double same_plane = 1e-6;
 
 /// The centre moves, and the attitude turns, by the mean of the velocities at both ends; the deformation stays.
 void follow_mean_velocity(const Job& job, const State& from, double h) {
@@ -35,6 +38,27 @@ void follow_mean_velocity(const Job& job, const State& from, double h) {
     const Vec3 arm = row(motion.x, p) - end.centre;
     set_row(motion.x, p, centre + (turns ? Vec3(correction * arm) : arm));
   }
+}
+
+/// The centre moves by the mean of the velocities along the obstacles that were touched; the rest stays, so that no gap changes.
+void slide_by_mean_velocity(const Job& job, const Path& from, double h) {
+  const Body& body = job.model.body;
+  State& motion = job.run.path.motion;
+  std::array<Vec3, 3> across;  // orthogonal
+  int count = 0;
+  const auto along = [&](Vec3 v) {
+    for (int i = 0; i < count; ++i) v -= across[i].dot(v) * across[i];
+    return v;
+  };
+  for (std::size_t q = 0; q < job.drive.planes.size() && count < 3; ++q) {
+    if (job.run.path.exchange.planes[q].force == from.exchange.planes[q].force) continue;
+    const Vec3 normal = along(job.drive.planes[q].at(motion.time).normal);
+    if (normal.norm() > same_plane) across[count++] = normal.normalized();
+  }
+  if (count == 0) return;
+  const Vec3 begin = rigid_motion(body.mass, from.motion.x, from.motion.v).velocity;
+  const Vec3 shift = along(0.5 * h * (begin - rigid_motion(body.mass, motion.x, motion.v).velocity));
+  for (int axis = 0; axis < 3; ++axis) motion.x.col(axis) += shift[axis];
 }
 
 }  // namespace
@@ -73,33 +97,48 @@ bool RestSteps::doubted(const Beside& at, double h) {
   return true;
 }
 
-/// The first step takes up what velocities are left.
+/// The first step takes up what velocities are left. Windows go on where a contact's state changes within it.
 StepStatus RestSteps::settle(const Beside& at) {
   const Job& job = at.job;
   Path& path = job.run.path;
+  StiffContact& stiff = path.stiff;
   const double time = path.motion.time, h = std::min(at.end - time, use::settling_steps * at.limit);
+  const double most = use::event_share * allowed(job, h);
   Trial trial(path, start_);
   const Step taken = step(at, h < at.end - time ? time + h : at.end, true);
-  if (taken.status == StepStatus::ok && taken.lost <= use::settling_loss * allowed_loss(job, path.stiff.pressing)) {
-    path.stiff.error += use::quiet_energy * job.request.tolerance;
-    path.stiff.settling = false;
-    path.stiff.step = use::rest_growth * h;
+  const bool steady = taken.status == StepStatus::ok && event_of(at, taken, start_, most).error <= most;
+  if (steady && taken.lost <= use::settling_loss * allowed_loss(job, stiff.pressing)) {
+    stiff.error += use::quiet_energy * job.request.tolerance;
+    stiff.settling = false;
+    stiff.step = use::rest_growth * h;
     trial.keep();
     return StepStatus::ok;
   }
   trial.back();
   trial.keep();
-  doubted(at, 0);
+  if (taken.status == StepStatus::ok && !steady)
+    stiff.begin(Phase::contact);
+  else
+    doubted(at, 0);
   return StepStatus::ok;
 }
 
-/// To the end, unless energy is lost: then nothing is trusted any more.
+/// Error of a step of h that may be left at the end of the run [m].
+double RestSteps::allowed(const Job& job, double h) const {
+  const double tolerance = job.request.tolerance * power(job.request.step_factor, 2);
+  return std::min(use::rest_share, use::rest_rate * h / left_of_run(job)) * tolerance;
+}
+
+/// To the end, unless energy is lost or a contact's state changes: then nothing is trusted any more.
 bool RestSteps::step_once(const Beside& at) {
-  StiffContact& stiff = at.job.run.path.stiff;
+  Path& path = at.job.run.path;
+  StiffContact& stiff = path.stiff;
   {
-    Trial trial(at.job.run.path, start_);
-    const Step taken = step(at, at.end, false);
-    if (taken.status == StepStatus::ok && std::abs(taken.lost) < allowed_loss(at.job, taken.pressing)) {
+    const double most = use::event_share * allowed(at.job, at.end - path.motion.time);
+    Trial trial(path, start_);
+    const Step taken = step(at, at.end);
+    const bool steady = taken.status == StepStatus::ok && event_of(at, taken, start_, most).error <= most;
+    if (steady && std::abs(taken.lost) < allowed_loss(at.job, taken.pressing)) {
       --stiff.rest_trust;
       stiff.pressing = taken.pressing;
       trial.keep();
@@ -111,34 +150,104 @@ bool RestSteps::step_once(const Beside& at) {
   return false;
 }
 
+/// What changes in a step of a body that is not held, and when. Outside forces are linear in the step, and taken at its middle: what sticks
+/// by the middle's forces may slide by those of the end, and what slides by them may have stuck for a part of it.
+RestSteps::Event RestSteps::event_of(const Beside& at, const Step& taken, const Path& from, double slight) const {
+  const Job& job = at.job;
+  const State& motion = job.run.path.motion;
+  const Slip& slip = taken.slip;
+  const double h = motion.time - from.motion.time;
+  if (!job.drive.pins.empty() || (slip.stopped == 0 && !job.drive.ramped)) return {};
+  const Outlook ahead = outlook(job, motion);
+  const double along = std::max(ahead.along_plane, h);
+  Event event{0, slip.load > 0 ? 2 * slip.stopped / slip.load * along : 0};
+  if (!job.drive.ramped) return event;
+  Vec3 rate = Vec3::Zero();  // of the outside forces [N/s]
+  for (int axis = 0; axis < 3; ++axis)
+    for (int p = 0; p < motion.x.rows(); ++p) {
+      const Eigen::Index i = p + axis * motion.x.rows();
+      rate[axis] += (job.drive.ramp(i, motion.time) - job.drive.ramp(i, from.motion.time)) / h;
+    }
+  const double mass = job.model.body.mass.sum();
+  const auto consider = [&](double grows, double spare, double speed, double length) {  // [N/s], [N], [m/s], [s]
+    if (!(grows > 0)) return;
+    const double when = spare > 0 ? 0.5 * h + spare / grows : 0.5 * h - speed * mass / (grows * h);
+    if (!(when > 0 && when < h)) return;
+    const double wrong = spare > 0 ? h - when : when, error = 0.5 * grows / mass * wrong * wrong * length;
+    if (error > event.error) event = {when, error};
+  };
+  const double rubs = slip.friction.norm();
+  if (slip.load > 0 && rubs > 0 && slip.before * along <= slight * slip.load) {
+    const double coefficient = (slip.spare + rubs) / slip.load;
+    const double grows = coefficient * rate.dot(ahead.normal) - rate.dot(slip.friction) / rubs;
+    consider(grows, slip.loosened > 0 ? 0 : slip.spare, slip.loosened / slip.load, along);
+  }
+  if (from.stiff.pressing > 0) {
+    const double before = rigid_motion(job.model.body.mass, from.motion.x, from.motion.v).velocity.dot(ahead.normal);
+    const double after = rigid_motion(job.model.body.mass, motion.x, motion.v).velocity.dot(ahead.normal);
+    consider(rate.dot(ahead.normal), taken.pressing, after - before, std::max(ahead.along_normal, h));
+  }
+  return event;
+}
+
+/// The first step, no longer than to where an event lies that matters: next becomes its end. The path goes on from there.
+RestSteps::Step RestSteps::step_before_event(const Beside& at, double& next, double allowed, Event& event) {
+  Path& path = at.job.run.path;
+  const double time = path.motion.time, whole = next - time;
+  double length = whole, free = 0;  // free: without an event
+  for (int tries = 0;; ++tries) {
+    next = length == whole ? next : time + length;
+    const Step taken = step(at, next);
+    if (taken.status != StepStatus::ok) return taken;
+    event = event_of(at, taken, start_, allowed);
+    const bool last = length == free || tries == use::most_event_tries || length <= at.limit;
+    if (event.error > allowed && !last) {
+      const double shorter = event.at > 0 ? std::clamp(event.at, length * use::event_shrink, 0.9 * length) : length * use::event_shrink;
+      length = free > 0 ? free : shorter;
+    } else {
+      const Slip& slip = taken.slip;
+      const double slows = slip.before - slip.along;
+      if (last || length == whole || free > 0 || !(slows > 0)) return taken;
+      const double before = slip.before / slip.load * std::max(outlook(at.job, path.motion).along_plane, whole);
+      const double short_of = std::min(use::event_shrink, allowed / (2 * before));
+      const double longer = std::min(length * slip.before / slows * (1 - short_of), whole);
+      if (!(longer > 2 * length)) return taken;
+      free = length;
+      length = longer;
+    }
+    assign(path, start_);
+  }
+}
+
 StepStatus RestSteps::step_twice(const Beside& at, double next) {
   const Job& job = at.job;
   Path& path = job.run.path;
   StiffContact& stiff = path.stiff;
-  const double tolerance = job.request.tolerance * power(job.request.step_factor, 2);
-  const double time = path.motion.time, h = next - time;
+  const double time = path.motion.time, wanted = next;
   Trial trial(path, start_);
-  Step taken = step(at, next, false);
+  Event event;
+  Step taken = step_before_event(at, next, use::event_share * allowed(job, next - time), event);
+  const double h = next - time;
+  const bool cut = next != wanted;
   double error = infinity, lost = 0;
   if (taken.status == StepStatus::ok) {
     std::swap(coarse_, path);
     trial.back();
     for (const double until : {time + 0.5 * h, next}) {
-      if (taken.status == StepStatus::ok) taken = step(at, until, false);
+      if (taken.status == StepStatus::ok) taken = step(at, until);
       lost += taken.lost;
     }
     if (taken.status == StepStatus::ok) error = outcome_of(job, coarse_.motion, path.motion, outlook(job, path.motion));
   }
-  const double allowed = std::min(use::rest_share, use::rest_rate * h / left_of_run(job)) * tolerance;
-  const double factor = error > 0 ? use::window_safety * std::sqrt(allowed / error) : use::rest_growth;
+  const double most = allowed(job, h), factor = error > 0 ? use::window_safety * std::sqrt(most / error) : use::rest_growth;
   const bool quiet = std::abs(lost) < allowed_loss(job, taken.pressing);
-  if (error <= allowed && quiet) {
-    const bool easy = next == at.end && error < use::easy_rest * allowed;
+  if (error <= most && quiet) {
+    const bool easy = next == at.end && error < use::easy_rest * most;
     if (easy) std::swap(path, coarse_);  // a step as those that are trusted: others would set off what is at rest
     if (h >= use::worth_resting * at.limit) stiff.doubts = 0;
-    stiff.error += easy ? 2 * error : error;
+    stiff.error += (easy ? 2 * error : error) + event.error;
     stiff.pressing = taken.pressing;
-    stiff.step = h * std::clamp(factor, use::next_shrink, use::rest_growth);
+    if (!cut) stiff.step = h * std::clamp(factor, use::next_shrink, use::rest_growth);
     stiff.rest_trust = easy ? stiff.next_rest_trust : 0;
     stiff.next_rest_trust = easy ? std::min(2 * stiff.next_rest_trust, use::longest_rest_trust) : 1;
     trial.keep();
@@ -152,7 +261,7 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
   return StepStatus::ok;
 }
 
-/// A step of backward Euler; unless settling its rigid motion takes the mean velocity.
+/// A step of backward Euler, its rigid motion by the mean velocity. settling: along the obstacles alone.
 RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   const Job& job = at.job;
   Path& path = job.run.path;
@@ -163,7 +272,7 @@ RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   const double most = std::max(use::least_implicit_work, use::doubled_work * h / at.limit);
   const Outcome outcome = at.integrators.take(job, Method::backward_euler, {from.time, 0, h, 1, most});
   job.run.course.work += outcome.work;
-  Step taken{outcome.status};
+  Step taken{.status = outcome.status, .slip = outcome.slip};
   if (taken.status != StepStatus::ok) return taken;
   path.motion.time = until;
   ++path.steps;
@@ -173,7 +282,9 @@ RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   }
   if (!job.drive.pins.empty()) return taken;
   x_ = path.motion.x;
-  if (!settling && !job.model.body.samples) {  // a surface that turns rolls over its samples: no mean brings all of them back
+  if (settling || job.model.body.samples) {  // what rings, and a surface that rolls over its samples, has no mean turn
+    slide_by_mean_velocity(job, before_, h);
+  } else {
     follow_mean_velocity(job, from, h);
     if (!keep_in_front(job)) taken.status = StepStatus::not_finite;
   }

@@ -19,12 +19,21 @@ class RestSteps {
   struct Step {
     StepStatus status = StepStatus::ok;
     double lost = 0, pressing = 0;  ///< [J], [N]
+    Slip slip{};
+  };
+  /// A contact that stops, turns round, begins to slide or opens within a step.
+  struct Event {
+    double at = 0;     ///< about when, from the begin of the step on; 0: not known [s]
+    double error = 0;  ///< what a step across it leaves at the end of the run, unseen by step doubling [m]
   };
   StepStatus settle(const Beside& at);
+  double allowed(const Job& job, double h) const;
   bool step_once(const Beside& at);
   StepStatus step_twice(const Beside& at, double next);
   bool doubted(const Beside& at, double h);
-  Step step(const Beside& at, double until, bool settling);
+  Step step(const Beside& at, double until, bool settling = false);
+  Event event_of(const Beside& at, const Step& taken, const Path& from, double slight) const;
+  Step step_before_event(const Beside& at, double& next, double allowed, Event& event);
   bool keep_in_front(const Job& job);
 
   Path start_, before_, coarse_;

@@ -167,6 +167,7 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
   State& motion = path.motion;
   StiffContact& stiff = path.stiff;
   const double stretch = use::look_steps * at.limit;
+  bool quiet_now = false;
   for (double begun = motion.time; motion.time < until; begun = motion.time) {
     const bool last = until - begun <= stretch * (1 + 1e-9);
     const double length = last ? until - begun : stretch;
@@ -199,7 +200,10 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
       stiff.impulse = stiff.listened = stiff.loudest = 0;
     }
     if (!decide) continue;
-    if (rests) {
+    quiet_now = quiet_now || rests;
+    // The first step at rest takes up what velocities are left: a much shorter one does not.
+    const bool room = at.end - motion.time >= 0.5 * use::settling_steps * at.limit;
+    if (quiet_now && (room || motion.time >= at.end)) {
       stiff.phase = Phase::rest;
       return StepStatus::ok;
     }

@@ -113,6 +113,10 @@ inline constexpr double worth_resting = 400;
 /// Part of the tolerance for the error of a step at rest, at most and per share of the run that it takes [1]; what lets the next be taken
 /// once; bounds of its change, the last after a loss of energy, which is an impact within the step.
 inline constexpr double rest_share = 0.5, rest_rate = 4, easy_rest = 0.2, rest_growth = 4, loss_shrink = 0.25;
+/// Of that error, what an event of a contact within the step may leave: beyond, the step ends at the event. What is tried for its time at
+/// most, and the part of a step that is tried first where nothing tells when it is; a step also stops short of it by this part at most [1].
+inline constexpr double event_share = 0.1, event_shrink = 0.125;
+inline constexpr int most_event_tries = 12;
 /// Returns from rest after each of which the next listening is twice as long.
 inline constexpr Count most_doubts = 4;
 /// Gap relative to the box at which a body at rest has lifted off; gap that is closed after the body is moved as a whole [1].

@@ -16,6 +16,7 @@ Outcome BackwardEuler::advance(const Model& model, const Drive& drive, const Spa
     const double solved = contact_.solutions();
     outcome.status = contact_.advance({model.body, drive}, span.time(i), span.h, drive.watch, run.path.motion, run.path.exchange);
     outcome.given += contact_.given();
+    outcome.slip = contact_.slip();
     const double work = double(contact_.factorizations() - made) * implicit_.factor;
     outcome.work += std::max(traits(Method::backward_euler).work, work);
     outcome.spent += work + (contact_.solutions() - solved) * implicit_.solution;

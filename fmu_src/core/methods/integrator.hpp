@@ -1,5 +1,6 @@
 /// The one shape of all methods. A new one is a file here, a row in traits.cpp, its place in kit/integrators.cpp and in the test list.
 #pragma once
+#include "contact/slip.hpp"
 #include "forces/equations.hpp"
 #include "forces/model.hpp"
 #include "model/run.hpp"
@@ -13,6 +14,7 @@ struct Outcome {
   double spent = 0;   ///< of the budget, where that is more than the work
   Count impacts = 0;  ///< points that came onto an obstacle
   double given = 0;   ///< energy that obstacles and pins gave, less what friction took; implicit contact alone says so [J]
+  Slip slip{};        ///< of the last step's contacts; implicit contact alone says so
 };
 
 class Integrator {

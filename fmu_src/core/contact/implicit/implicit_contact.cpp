@@ -49,6 +49,7 @@ StepStatus ImplicitContact::advance(const Equations& equations, double t, double
   last_factorization_ = factorizations() + most_factorizations;
   last_solution_ = solutions() + double(most_solutions);
   given_ = 0;
+  slip_ = {};
   return advance_in_parts(equations, t, h, watch, state, exchange, 0);
 }
 
@@ -61,6 +62,7 @@ StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double 
   if (status == StepStatus::ok && close(step)) {
     book(step, watch, exchange);
     given_ += given_by_contacts(step);
+    slip_.add(slip_of_contacts(step));
     touches_->hold(state);
     state.x.swap(x_);
     state.v.swap(v_);
@@ -256,6 +258,23 @@ double ImplicitContact::given_by_contacts(const Step& step) const {
     given += impulse(step, each).dot(tangential(each.normal, slip));
   }
   return given;
+}
+
+/// Slip at the beginning counts as far as it is more than what the obstacle's own speed changes by in the step: what sticks to an obstacle
+/// has its speed of before.
+Slip ImplicitContact::slip_of_contacts(const Step& step) const {
+  Slip sum;
+  for (const Reaction& each : reactions_) {
+    const Plane& plane = step.equations.around.planes[each.plane];
+    const double load = each.normal.dot(each.force), limit = plane.friction * load;
+    if (!(limit > 0)) continue;
+    const Vec3 place = touches_->value(each, step.from.x);
+    const Vec3 surface = plane.at(step.t).material_velocity(place), later = plane.at(step.t + step.h).material_velocity(place);
+    const Vec3 begin = tangential(each.normal, touches_->value(each, step.from.v) - surface);
+    const Vec3 end = tangential(each.normal, touches_->value(each, v_) - material_velocity(step, each));
+    sum.add_contact(load, limit, tangential(each.normal, each.force), begin, end, (later - surface).norm());
+  }
+  return sum;
 }
 
 /// Of the obstacle where it touches, seen at mid-step.

@@ -22,6 +22,7 @@
 
 #include "contact/implicit/convergence.hpp"
 #include "contact/implicit/implicit_touches.hpp"
+#include "contact/slip.hpp"
 
 namespace softffd {
 
@@ -40,6 +41,8 @@ class ImplicitContact {
   /// Energy that obstacles and pins gave the body in the last call, friction included, points moving along obstacles with the mean of their
   /// velocities before and after [J].
   double given() const { return given_; }
+  /// How contacts slipped in the last call.
+  const Slip& slip() const { return slip_; }
 
   /// Counted since the start.
   Count steps() const { return steps_; }        ///< tried; of which
@@ -64,6 +67,7 @@ class ImplicitContact {
   void spread_rounding(const Step& step);
   double contact_work(const Step& step) const;
   double given_by_contacts(const Step& step) const;
+  Slip slip_of_contacts(const Step& step) const;
   Vec3 material_velocity(const Step& step, const Reaction& at) const;
   Vec3 impulse(const Step& step, const Reaction& reaction) const;
   Vec3 pin_impulse(const Step& step, int p) const;
@@ -80,6 +84,7 @@ class ImplicitContact {
   Vec3 rounding_ = Vec3::Zero();
   double loss_ = 0, work_ = 0;  ///< of the step [J]
   double given_ = 0;            ///< of the call [J]
+  Slip slip_;                   ///< of the call
   Count steps_ = 0, halvings_ = 0, iterations_ = 0, last_factorization_ = 0;
   double last_solution_ = 0;
 };
