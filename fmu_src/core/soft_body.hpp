@@ -70,9 +70,9 @@ class SoftBody {
  public:
   explicit SoftBody(Definition definition);
 
-  Settings settings;                                                ///< take effect at the next `initialize` or `advance`
-  const Material& material() const { return material_; }            ///< in effect
-  double moved_mass() const { return moved_mass_; }                 ///< to light points, share of the whole
+  Settings settings;                                      ///< take effect at the next `initialize` or `advance`
+  const Material& material() const { return material_; }  ///< in effect
+  double moved_mass() const { return moved_mass_; }       ///< to light points, share of the whole
   /// Gravity by which masses were moved, as the material came into effect [m/s2].
   const Vec3& gravity_of_masses() const { return gravity_of_masses_; }
   bool material_waits() const { return !(material_ == settings); }  ///< for the next step

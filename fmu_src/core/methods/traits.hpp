@@ -21,7 +21,7 @@ struct Traits {
   bool solves;              ///< it solves with a matrix under error control
   Turning turning = Turning::free;
   bool passes_over_vibrations = false;  ///< it damps those that its steps do not resolve
-  bool staggered = false;  ///< velocities are those half a step before and after: what counts as energy depends on the step
+  bool staggered = false;               ///< velocities are those half a step before and after: what counts as energy depends on the step
 
   bool error_control() const { return tolerance_sum > 0; }
 };
