@@ -117,20 +117,22 @@ void ErrorEstimate::follow_vibration(const SoftBody& body, double H, Count taken
   const double kept = shadow_.readings().remaining(H, tally_.vibration.frequency), kink = follow_slopes(H);
   tally_.vibration.amplitude *= kept;
   tally_.damped_away *= kept;
-  if (!is_implicit(body.readings().method())) return;
+  if (!passes_over_vibrations(body.readings().method())) return;
   const Vibration vibration = shadow_.readings().set_off(kink, change_, force_);
   const double remains = shadow_.readings().remaining(H, vibration.frequency);
   if (vibration.amplitude * remains > tally_.vibration.amplitude) {
     tally_.vibration = {vibration.amplitude * remains, vibration.frequency};
     tally_.kept = 1;
   }
-  tally_.kept *= power(Ros34pw2::kept(tally_.vibration.frequency * H / double(taken)), int(taken));
+  const double angle = tally_.vibration.frequency * H / double(taken);
+  const bool euler = body.readings().method() == Method::backward_euler;
+  tally_.kept *= power(euler ? 1 / std::hypot(1, angle) : Ros34pw2::kept(angle), int(taken));
   tally_.damped_away = std::max(tally_.damped_away, tally_.vibration.amplitude * (1 - tally_.kept));
 }
 
-void ErrorEstimate::restore(const Memory& memory, const Settings& settings, double start_time) {
+void ErrorEstimate::restore(const Memory& memory, const Settings& settings, double start_time, const Vec3& gravity_of_masses) {
   shadow_.settings = settings;
-  shadow_.restore(memory.shadow, start_time);
+  shadow_.restore(memory.shadow, start_time, gravity_of_masses);
   tally_ = memory.tally;
 }
 

@@ -135,11 +135,12 @@ SoftBody::SoftBody(Definition definition)
   for (std::size_t a = 0; a < pin_origins_.size(); ++a) settings.pins[a].position = pin_origins_[a];
 }
 
-/// The model of the settings' material.
-void SoftBody::refresh_model() {
+/// The model of the settings' material. gravity: by which light points get mass.
+void SoftBody::refresh_model(const Vec3& gravity) {
   const int n = definition_.lattice.points();
   Body& body = model_.body;
   material_ = settings;
+  gravity_of_masses_ = gravity;
   moved_mass_ = 0;
   body.slight.clear();
   const Eigen::Map<const Scalars> weights(definition_.mass.data(), n);
@@ -155,7 +156,7 @@ void SoftBody::refresh_model() {
   if (definition_.planes > 0 && settings.method == Method::automatic && settings.step == 0) {  // without planes implicit steps do better
     const double length = body.length, most = thresholds::light_share * settings.tolerance * settings.mass;
     const double speed =
-        definition_.velocity.norm() + definition_.angular_velocity.norm() * length + std::sqrt(2 * settings.gravity.norm() * length);
+        definition_.velocity.norm() + definition_.angular_velocity.norm() * length + std::sqrt(2 * gravity.norm() * length);
     const double period = thresholds::light_swing * settings.tolerance * length / speed;
     LightPoints found = raise_light_points(body.springs, body.pinned, most, period, body.mass);
     moved_mass_ = found.moved / settings.mass;
@@ -243,7 +244,7 @@ bool SoftBody::place_pins(bool book) {
 }
 
 StepStatus SoftBody::initialize(double t0) {
-  refresh_model();
+  refresh_model(settings.gravity);
   State& motion = now_.path.motion;
   start_time_ = motion.time = t0;
   const StepStatus status = refresh_drive();
@@ -286,6 +287,8 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   if (changed) take_material();
   const StepStatus status = refresh_drive();
   if (status != StepStatus::ok) return status;
+  for (const Plane& plane : drive_.planes)  // distances are squared
+    if (!std::isfinite(plane.pose_at(motion.time + H).point.squaredNorm())) return StepStatus::not_finite;
   exchange.clear();
   now_.exchange_time = H;
   bool& moved = moved_ = place_pins(true);
@@ -338,8 +341,8 @@ void SoftBody::look_at_planes() {
   }
 }
 
-void SoftBody::restore(const Run& run, double start_time) {
-  refresh_model();
+void SoftBody::restore(const Run& run, double start_time, const Vec3& gravity_of_masses) {
+  refresh_model(gravity_of_masses);
   start_time_ = start_time;
   now_ = run;
 }
@@ -348,8 +351,9 @@ StepStatus SoftBody::advance(double H) {
   divided_ = 1;
   const bool changed = material_waits();
   const Material in_effect = material_;
+  const Vec3 gravity_before = gravity_of_masses_;
   Trial trial(now_, before_, definition_.team.get());
-  if (changed) refresh_model();
+  if (changed) refresh_model(settings.gravity);
   const bool automatic = settings.step == 0;
   const double usual = automatic ? now_.energy.step_factor : 1;
   const auto attempt = [&](double step_factor) { return advance_from_here(H, step_factor, changed); };
@@ -370,7 +374,7 @@ StepStatus SoftBody::advance(double H) {
   }
   if (changed) {  // outputs are again those of the material before
     const Material wanted = std::exchange(static_cast<Material&>(settings), in_effect);
-    refresh_model();
+    refresh_model(gravity_before);
     static_cast<Material&>(settings) = wanted;
   }
   return status;

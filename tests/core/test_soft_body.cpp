@@ -175,7 +175,7 @@ TEST(a_gain_of_a_damped_body_under_a_load_that_grows_is_seen) {
   CHECK(!body.readings().gains_energy());
   Run more = body.run();
   more.path.motion.v *= 2;
-  body.restore(more, 0);
+  body.restore(more, 0, body.gravity_of_masses());
   for (int i = 0; i < 20; ++i) CHECK(body.advance(0.1) == StepStatus::ok);
   CHECK(body.readings().gains_energy());
 }

@@ -11,7 +11,7 @@ import pytest
 from fmpy.fmi2 import FMU2Slave
 
 from callbacks import own_callbacks
-from softffd import load_scene, package_fmu
+from softffd import Simulation, load_scene, package_fmu
 from straight_run import RICH
 
 
@@ -94,6 +94,22 @@ def test_a_pending_parameter_change_is_part_of_the_state_and_not_yet_in_effect(s
     assert slave.outputs() == before
     slave.advance(10, 20)
     assert slave.outputs() == straight
+
+
+def test_light_points_keep_the_mass_that_they_were_made_with():
+    """Gravity chose it at the start; what is restored takes that one, and not the gravity of now."""
+    ends = []
+    with Simulation(load_scene("light_bounce")) as simulation:
+        for through_state in (False, True):
+            simulation.restart()
+            for n in range(30):
+                if n == 10:
+                    simulation["gravity.z"] = -40.0
+                if n == 16 and through_state:
+                    simulation.restore(bytes(simulation.save()))
+                simulation.step(0.01)
+            ends.append(simulation.positions.copy())
+    assert np.array_equal(*ends)
 
 
 def test_pending_derivatives_of_inputs_are_part_of_the_state(slave):

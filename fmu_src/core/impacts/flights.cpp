@@ -51,7 +51,6 @@ StepStatus Flights::fly(const Beside& at, bool rings) {
     at.integrators.budget().spend(use::entry_work + use::flight_work);
     job.run.course.method = Method::floating_frame;
     job.run.course.reason = Reason::ringing_flight;
-    job.run.energy.kinetic_elastic = -1;
     path.clock = {begun, free, 0};
     ++path.steps;
     if (job.drive.watch) book_energies(job, before_.motion, before_.motion.x, before_.exchange);

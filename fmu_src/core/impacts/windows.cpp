@@ -79,11 +79,12 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
   course.method = Method::leapfrog;
   course.reason = Reason::impact;
   stiff.phase = after;
-  const bool lost = stiff.total_error() > use::lost * tolerance;
+  const bool lost = stiff.total_error() > use::lost * tolerance, flown = job.drive.pins.empty() && flights.has_modes(job.model.body);
   if (lost || (!fresh && stiff.trust > 0 && !off_obstacles(job, touching))) {
     if (!lost) --stiff.trust, stiff.error += stiff.trusted_error;
     if (fresh) start_ = path;
-    const StepStatus status = listen(at, flights, at.limit, until, true);
+    const double h = lost && flown ? use::after_flight * at.limit : at.limit;
+    const StepStatus status = listen(at, flights, h, until, true);
     stiff.settling = stiff.phase == Phase::rest;
     if (fresh && status == StepStatus::ok) feel(at, flights);
     return status;

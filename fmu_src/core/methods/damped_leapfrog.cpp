@@ -71,6 +71,7 @@ Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Sp
   kick_.prepare(model.body, 0.5 * span.h);
   if (surface_) {
     surface_->begin(model.body, masses_, drive, span.time(0), span.h);
+    surface_->allow(span.budget);
     surface_->look(drive, span.time(0), run.path.motion.x);
   } else {
     contact_.begin(drive, span.time(0), span.h);
@@ -79,6 +80,7 @@ Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Sp
   Outcome outcome{.work = double(span.steps) * step_work(model.body, Method::leapfrog, span.h)};
   for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i) outcome.status = step(model.body, drive, span, i, run.path);
   outcome.impacts = impacts() - before;
+  if (surface_) outcome.spent = outcome.work + surface_->work();
   return outcome;
 }
 
@@ -115,6 +117,7 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
   if (!planes) return StepStatus::ok;
   const double work = exchange.work, dissipated = exchange.dissipated;
   const Count before = impacts();
+  if (surface_ && surface_->spent()) return StepStatus::not_finite;
   if (surface_)
     surface_->find(view, next_, path.surface);
   else

@@ -86,11 +86,14 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
     glide(model.body, drive, span, run.path.motion);
     return outcome;
   }
-  if (surface_)
+  if (surface_) {
     surface_->begin(model.body, kicks_, drive, span.time(0), span.h);
-  else
+    surface_->allow(span.budget);
+  } else {
     contact_.begin(drive, span.time(0), span.h);
+  }
   outcome.status = run_steps(model.body, drive, span, run.path);
+  if (surface_) outcome.spent = outcome.work + surface_->work();
   outcome.impacts = impacts() - before;
   return outcome;
 }
@@ -141,6 +144,7 @@ StepStatus Leapfrog::open(const StepView& view, Path& path) {
   kicks_.open(state.spring, view.force, before_, state.x, state.v, next_);
   if (!around.pins.empty()) drift_pins(view, before_, state.v, next_, exchange);
   if (!around.planes.empty()) {
+    if (surface_ && surface_->spent()) return StepStatus::not_finite;
     find(view, path);
     if (const StepStatus status = meet(view, path); status != StepStatus::ok) return status;
   }

@@ -18,9 +18,10 @@ struct Traits {
   double tolerance_sum;     ///< fraction of the tolerance by which all steps of a run together may err; 0: fixed steps
   double tolerance_step;    ///< of which one step
   bool resolves_contact;    ///< it knows obstacles
-  bool solves;              ///< it solves with a matrix under error control, and damps what its steps do not resolve
+  bool solves;              ///< it solves with a matrix under error control
   Turning turning = Turning::free;
-  bool staggered = false;  ///< velocities are those half a step before and after: what counts as energy depends on the step
+  bool passes_over_vibrations = false;  ///< it damps those that its steps do not resolve
+  bool staggered = false;               ///< velocities are those half a step before and after: what counts as energy depends on the step
 
   bool error_control() const { return tolerance_sum > 0; }
 };
@@ -32,6 +33,7 @@ double step_work(const Body& body, Method method, double h);
 
 inline bool resolves_contact(Method method) { return traits(method).resolves_contact; }
 inline bool is_implicit(Method method) { return traits(method).solves; }
+inline bool passes_over_vibrations(Method method) { return traits(method).passes_over_vibrations; }
 /// May it be asked for where obstacles meet samples of the surface? Leapfrog and backward Euler know them, and take over from others.
 inline bool meets_surface(Method method) { return method != Method::central_difference; }
 

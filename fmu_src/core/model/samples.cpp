@@ -70,7 +70,8 @@ Samples::Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& p
   for (const Vec3& place : places_) {
     std::array<int, 3> first;
     for (int a = 0; a < 3; ++a) {
-      const Scalars all = softffd::weights(basis, (place[a] - lattice.origin[a]) / lattice.size[a], counts_[a]);
+      const double share = std::clamp((place[a] - lattice.origin[a]) / lattice.size[a], 0.0, 1.0);  // outside weights would be negative
+      const Scalars all = softffd::weights(basis, share, counts_[a]);
       first[a] = 0;
       while (all[first[a]] == 0 && first[a] + width_[a] < counts_[a]) ++first[a];
       factors_.insert(factors_.end(), all.begin() + first[a], all.begin() + first[a] + width_[a]);

@@ -59,10 +59,14 @@ void look(EnergyAccount& account, const Equations& equations, const State& state
   account.balance += change;
 }
 
+/// Whether the body is in windows between flights: what counts as its energy there is another, by the size of their steps.
+bool between_flights(const Run& run) { return run.course.reason == Reason::impact; }
+
 double staggered_step(const Run& run) { return traits(run.course.method).staggered ? run.path.clock.h : 0; }
 
 double lost(EnergyAccount account, const Equations& equations, const Run& run) {
   if (account.kinetic_elastic < 0) return 0;
+  if (between_flights(run)) return -account.balance;
   look(account, equations, run.path.motion, staggered_step(run), 0);
   return -account.balance;
 }
@@ -86,14 +90,16 @@ void close_account(Run& now, const Model& model, const Drive& drive, const Point
     return;
   }
   const Exchange& exchange = now.path.exchange;
-  const double taken = model.body.damped ? 0 : exchange.dissipated;
+  const bool flew = now.course.reason == Reason::impact || now.course.reason == Reason::ringing_flight;
+  const double taken = model.body.damped || flew ? 0 : exchange.dissipated;  // flights book it for the outputs alone
   account.received += (drive.force * (now.path.motion.x - begin)).sum() + exchange.work - booked - taken;
-  if (now.course.work >= account.due) look(account, {model.body, drive}, now.path.motion, staggered_step(now), now.course.work);
+  if (now.course.work >= account.due && !between_flights(now))
+    look(account, {model.body, drive}, now.path.motion, staggered_step(now), now.course.work);
 }
 
 EnergyAccount account_at_start(const Run& before, const Model& model, const Drive& drive, bool changed) {
   EnergyAccount account = before.energy;
-  if (changed || account.kinetic_elastic < 0) return account;
+  if (changed || account.kinetic_elastic < 0 || between_flights(before)) return account;
   const State& motion = before.path.motion;
   jolt(account, model.body, motion.spring, *before.outside, drive.force);
   look(account, {model.body, drive}, motion, staggered_step(before), 0);

@@ -9,6 +9,9 @@
 /// A linear body keeps this exactly, while kinetic + elastic goes up and down by (omega h / 2)^2 of itself: at steps near the bound by
 /// many times, without harm. The other methods have no such step: there h counts as 0.
 ///
+/// A stiff body's flights and the windows between them have different ones: there it is looked at in flights alone, with h = 0, so that
+/// what changing from one to the other adds is seen; what impacts take is not known then, and hides as much.
+///
 /// Gains are summed from the lowest point on, so that what a body has lost does not hide what it gains. Looks are rare where communication
 /// steps are short: they cost an evaluation of the energy.
 #pragma once

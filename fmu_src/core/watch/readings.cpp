@@ -68,7 +68,7 @@ bool Readings::undecided() const {
 }
 
 Vibration Readings::set_off(double kink, Points& scratch, Points& more) const {
-  const bool followed = is_implicit(before.course.method);
+  const bool followed = passes_over_vibrations(before.course.method);
   const State& start = before.path.motion;
   if (followed) {
     scratch = drive.force - *before.outside;

@@ -9,13 +9,13 @@ namespace softffd::fmi {
 /// What of the settings had taken effect; values set since then may still wait for the next step.
 struct InEffect {
   double mass, edge, face, body, modulus, damping, internal_damping;
-  Vec3 gravity;
+  Vec3 gravity, gravity_of_masses;
 };
 
 template <class Archive>
 void pass(Archive& archive, InEffect& s) {
   for (double* value : {&s.mass, &s.edge, &s.face, &s.body, &s.modulus, &s.damping, &s.internal_damping}) archive.number(*value);
-  archive.numbers(s.gravity.data(), 3);
+  for (Vec3* value : {&s.gravity, &s.gravity_of_masses}) archive.numbers(value->data(), 3);
 }
 
 struct Place {
@@ -67,7 +67,7 @@ namespace {
 bool sound(const InEffect& s) {
   const auto weight = [](double value) { return std::isfinite(value) && value >= 0; };
   return weight(s.mass) && s.mass > 0 && weight(s.edge) && weight(s.face) && weight(s.body) && weight(s.modulus) && weight(s.damping) &&
-         weight(s.internal_damping) && s.gravity.allFinite();
+         weight(s.internal_damping) && s.gravity.allFinite() && s.gravity_of_masses.allFinite();
 }
 
 bool sound(const Place& place) {
@@ -83,12 +83,24 @@ bool sound(const Variables::LastStep& last) { return std::isfinite(last.length) 
 
 bool counter(Count value) { return value >= 0 && value <= Count{1} << 53; }
 
+/// Counters that are doubled.
+bool sound(const StiffContact& stiff) {
+  const auto small = [](Count value) { return value >= 0 && value <= Count{1} << 20; };
+  return stiff.doubts >= 0 && stiff.doubts <= thresholds::most_doubts && small(stiff.looks) && small(stiff.trust) &&
+         small(stiff.next_trust) && small(stiff.rest_trust) && small(stiff.next_rest_trust);
+}
+
+bool sound(const ContactSteps& steps) {
+  return counter(steps.free) && counter(steps.free_next) && counter(steps.impact) && counter(steps.impact_next) && counter(steps.seen);
+}
+
 bool sound(const Run& run) {
   const Clock& clock = run.path.clock;
-  return counter(clock.count) && clock.parts > 0 && counter(clock.parts) && counter(run.path.steps) && counter(run.course.rejected) &&
-         counter(run.course.factored.uses) && run.energy.step_factor > 0 && run.energy.step_factor <= 1 && run.path.motion.x.allFinite() &&
-         run.path.motion.v.allFinite() && run.exchange_time > 0 && counter(run.contacts_resolved) &&
-         counter(run.path.exchange.contacts_resolved) && std::all_of(run.contacts.begin(), run.contacts.end(), counter);
+  return sound(run.path.stiff) && sound(run.course.contact) && counter(clock.count) && clock.parts > 0 && counter(clock.parts) &&
+         counter(run.path.steps) && counter(run.course.rejected) && counter(run.course.factored.uses) && run.energy.step_factor > 0 &&
+         run.energy.step_factor <= 1 && run.path.motion.x.allFinite() && run.path.motion.v.allFinite() && run.exchange_time > 0 &&
+         counter(run.contacts_resolved) && counter(run.path.exchange.contacts_resolved) &&
+         std::all_of(run.contacts.begin(), run.contacts.end(), counter);
 }
 
 bool sound(const Whole& whole, const Variables& variables) {
@@ -109,7 +121,7 @@ Whole Instance::whole() const {
           .values = values,
           .last_step = variables_.last_step(),
           .in_effect = {material.mass, springs.edge, springs.face, springs.body, material.modulus, material.damping,
-                        material.internal_damping, body_.settings.gravity},
+                        material.internal_damping, body_.settings.gravity, body_.gravity_of_masses()},
           .run = body_.run(),
           .memory = error_estimate_ ? std::optional(error_estimate_->memory()) : std::nullopt};
 }
@@ -142,8 +154,8 @@ void Instance::load_state(const Bytes& bytes) {
   s.damping = before.damping;
   s.internal_damping = before.internal_damping;
   s.gravity = before.gravity;
-  body_.restore(all.run, 0);
-  if (all.memory) error_estimate_->restore(*all.memory, s, 0);
+  body_.restore(all.run, 0, before.gravity_of_masses);
+  if (all.memory) error_estimate_->restore(*all.memory, s, 0, before.gravity_of_masses);
   variables_.set_changed(place.changed, place.material_changed);
 }
 

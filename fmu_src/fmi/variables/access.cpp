@@ -34,15 +34,18 @@ Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) 
   return *variable;
 }
 
+/// Whether there is such a method, and the scene can be run by it.
+bool Variables::method_fits(double value) const {
+  if (!(value >= 1 && value <= method_count)) return false;
+  const Method method = Method(int(value) - 1);
+  return (!scene_.definition.samples || meets_surface(method)) && !(scene_.definition.solids && method == Method::backward_euler);
+}
+
 void Variables::check_method(double method) const {
-  const auto fits = [&](int value) {
-    const Method method = Method(value - 1);
-    return (!scene_.definition.samples || meets_surface(method)) && !(scene_.definition.solids && method == Method::backward_euler);
-  };
-  if (method >= 1 && method <= method_count && fits(int(method))) return;
+  if (method_fits(method)) return;
   std::string wanted;
   for (int value = 1; value <= method_count; ++value)
-    if (fits(value)) wanted.append(wanted.empty() ? "" : ", ").append(std::to_string(value) + " ").append(methods[value - 1]);
+    if (method_fits(value)) wanted.append(wanted.empty() ? "" : ", ").append(std::to_string(value) + " ").append(methods[value - 1]);
   throw CallError(std::string(families[row_of(Family::solver_method)].name) + ": wanted one of " + wanted +
                   (scene_.definition.samples ? " (planes meet the surface)" : "") + ", got " + shortest(method));
 }

@@ -213,8 +213,7 @@ bool Variables::sound(const Values& values) const {
   for (std::size_t row = 0; row < family_count; ++row)
     for (double v : values.numbers[row])
       if (!(std::isfinite(v) && v >= families[row].min && v > families[row].above)) return false;
-  const double method = values.numbers[row_of(Family::solver_method)][0];
-  return method >= 1 && method <= method_count;
+  return method_fits(values.numbers[row_of(Family::solver_method)][0]);
 }
 
 }  // namespace softffd::fmi

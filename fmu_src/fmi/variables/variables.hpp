@@ -115,6 +115,7 @@ class Variables {
   template <class Motions>
   void follow_pose(Family pose, Motions& moved) const;
   void turn_fixed_pins(Settings& settings) const;
+  bool method_fits(double method) const;
   void check_method(double method) const;
   void spread(const Table& table, Points& force) const;
   void spread_forces(Settings& settings);

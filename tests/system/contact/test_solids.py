@@ -266,3 +266,17 @@ def test_who_starts_inside_a_solid_is_told_to_move_it(body):
         simulation.step()
         told = " ".join(simulation.warnings)
     assert "start in sphere ball, by up to 0.1 m, and are moved out at once; to start clear of it move the obstacle" in told
+
+
+@pytest.mark.parametrize("speed", [1e8, 1e10])
+def test_a_solid_that_pushes_beyond_reason_is_answered(body, speed):
+    """Within the work of a call, whichever way: moved, or refused with the state untouched."""
+    ram = {"name": "ram", "size": [20.0, 20.0, 2.0], "point": [0.0, 0.0, -1.0], "motion": "input", "inputs": ["point", "velocity"]}
+    with Simulation(body(bodies.cube(5, 0.0), method="auto", step=0.0, box=[ram], solver={"most_work": 1e5})) as simulation:
+        before = simulation.positions.copy()
+        simulation.plane["ram"].velocity = [0.0, 0.0, speed]
+        try:
+            simulation.step(0.01)
+        except SoftffdError:
+            assert (simulation.positions == before).all()
+        assert np.isfinite(simulation.positions).all()

@@ -126,6 +126,19 @@ def carried(t):
     return {"load.top.x": 20 * q**3 * (10 - 15 * q + 6 * q**2)} | {f"pin.base.{key}": value for key, value in (frame | turning).items()}
 
 
+@pytest.mark.parametrize("stiffness", [1e3, 1e4])
+def test_what_backward_euler_damps_is_counted(stiffness):
+    """A hanging box that is let go: vibrations that steps of a communication step's length do not resolve."""
+    keys = {"material.stiffness": stiffness, "experiment.stop_time": 0.05, "solver.error_estimate": True}
+    hanging = load_scene("hanging").replace(keys)
+    damped = simulate(hanging.replace({"solver.method": "backward_euler"}))
+    exact = simulate(hanging.replace({"solver.method": "dop853", "solver.tolerance": 1e-10}))
+    error = np.linalg.norm(points(damped)[-1] - points(exact)[-1], axis=-1).max()
+    estimate = damped.outputs["solver.error_estimate"][-1]
+    print(f"{stiffness}: error {error:.1e} estimate {estimate:.1e}")
+    assert error / IMPLICIT <= estimate <= error * IMPLICIT
+
+
 def test_a_body_that_turns_with_its_pin_does_not_vibrate_by_that():
     """Each communication step the velocities turn by 0.01 rad; only the load's kinks set off vibrations, and the start."""
     exact, found = (

@@ -100,3 +100,13 @@ def test_a_reaction_too_large_for_a_number_discards_the_step():
         with pytest.raises(FmuError, match="not finite"):
             body.step(1e-300)
         assert np.isfinite(body.outputs()).all()
+
+
+@pytest.mark.parametrize("speed", [1e200, 1e300])
+def test_a_plane_that_goes_beyond_all_numbers_is_refused(speed):
+    with Stepper(box(stiffness=10.0, plane=table_and_press())) as body:
+        before = body.positions()
+        body.set({"plane.press.velocity.z": -speed})
+        with pytest.raises(FmuError):
+            body.step(H)
+        assert np.array_equal(body.positions(), before)

@@ -7,6 +7,34 @@
 
 namespace softffd {
 
+namespace {
+
+/// Cosines so near to 1 or -1 are those of parallel planes; up to so many planes have a table of them.
+constexpr double aligned = 1 - 1e-15;
+constexpr std::size_t few = 64;
+
+}  // namespace
+
+double Delassus::between(const std::vector<Vec3>& normals, int p, int q) {
+  const double cosine = p == q ? 1 : normals[p].dot(normals[q]);
+  return cosine > aligned ? 1 : cosine < -aligned ? -1 : cosine;
+}
+
+void Delassus::set_normals(const std::vector<Vec3>& normals) {
+  const int n = int(normals.size());
+  if (normals.size() <= few) {
+    std::vector<double> cosines;
+    for (int p = 0; p < n; ++p)
+      for (int q = 0; q < n; ++q) cosines.push_back(between(normals, p, q));
+    normals_.clear();
+    set_cosines(cosines);
+  } else if (normals != normals_) {
+    cosines_.clear();
+    normals_ = normals;
+    factor(0);
+  }
+}
+
 void Delassus::set_masses(const Scalars& inverse) {
   inverse_ = inverse;
   const std::vector<SurfaceRow> rows = rows_;
@@ -52,6 +80,7 @@ double Delassus::element(const SurfaceRow& a, const double* of_a, const SurfaceR
 
 /// The rows of L from here on.
 void Delassus::factor(int from) {
+  spend(0.5 * double(size()) * size() * (size() - from));
   factor_.factor(
       size(), from, [&](int i, int j) { return cosine(rows_[i].plane, rows_[j].plane) * g_[start(i) + j]; },
       [&](int i) { return g_[start(i) + i]; });
@@ -59,13 +88,18 @@ void Delassus::factor(int from) {
 
 void Delassus::raise(const std::vector<double>& forces, const std::vector<Scalars>& begin, std::vector<Scalars>& heights) {
   fields_.resize(begin.size());
-  for (Scalars& field : fields_) field.setZero(begin[0].size());
+  pushed_.clear();
+  for (const SurfaceRow& row : rows_) pushed_.push_back(row.plane);
+  std::sort(pushed_.begin(), pushed_.end());
+  pushed_.erase(std::unique(pushed_.begin(), pushed_.end()), pushed_.end());
+  for (const int r : pushed_) fields_[r].setZero(begin[0].size());
   for (std::size_t t = 0; t < forces.size(); ++t) push(int(t), forces[t], fields_[rows_[t].plane].data());
   for (std::size_t q = 0; q < fields_.size(); ++q) {
     heights[q] = begin[q];
-    for (std::size_t r = 0; r < fields_.size(); ++r)
-      if (const double along = cosine(int(q), int(r)); along != 0) heights[q] += along * fields_[r];
+    for (const int r : pushed_)
+      if (const double along = cosine(int(q), r); along != 0) heights[q] += along * fields_[r];
   }
+  spend(double(begin.size()) * double(begin[0].size()) * double(1 + pushed_.size()));
 }
 
 void Delassus::push(const std::vector<Vec3>& forces, Points& move) const {

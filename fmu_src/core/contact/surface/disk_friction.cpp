@@ -78,9 +78,9 @@ double DiskFriction::solve(const Disks& disks, std::vector<Vec3>& p) {
   p = best_;
   look(disks, p);
   const int rounds = disks.parallel ? most_rounds : 1;
-  for (int round = 0, sweeps = first_sweeps; round < rounds && best > exact * largest;
+  for (int round = 0, sweeps = first_sweeps; round < rounds && best > exact * largest && !disks.rows.spent();
        ++round, sweeps = std::min(2 * sweeps, most_sweeps)) {
-    for (int i = 0, vain = 0; i < most_newton && best > exact * largest && newton_step(disks, p); ++i) {
+    for (int i = 0, vain = 0; i < most_newton && best > exact * largest && !disks.rows.spent() && newton_step(disks, p); ++i) {
       vain = keep() ? 0 : vain + 1;
       if (!disks.parallel && vain == most_vain) break;
     }
@@ -176,7 +176,9 @@ bool DiskFriction::newton_step(const Disks& disks, std::vector<Vec3>& p) {
     }
   }
   const int n = int(unknowns_.size());
-  slopes_.resize(n * n);
+  disks.rows.spend(double(n) * n * n / 3);
+  if (disks.rows.spent()) return false;
+  slopes_.resize(std::size_t(n) * n);
   right_.resize(n);
   for (int i = 0; i < n; ++i) {
     const auto& [t, along, turn] = unknowns_[i];
@@ -212,6 +214,7 @@ void DiskFriction::find_columns(const Disks& disks) {
 /// The same where few rows slide, in their slips: p = stuck + G^-1 slips.
 bool DiskFriction::newton_step_of_few(const Disks& disks, std::vector<Vec3>& p) {
   const int n = int(p.size()), k = int(sliding_.size());
+  disks.rows.spend(double(k) * k * (8.0 / 3 * k + n));
   const Tangents basis = tangents(disks.normals[disks.rows.rows()[0].plane]);
   find_columns(disks);
   slopes_.assign(4 * k * k, 0.0);

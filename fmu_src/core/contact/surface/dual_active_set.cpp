@@ -18,6 +18,18 @@ constexpr double no_response = 1e-12;
 constexpr std::size_t looked_at = 32;
 /// Rows that are added, and dropped for one of them, at most.
 constexpr int most_rounds = 1000, most_drops = 300;
+/// Operations to look at a candidate.
+constexpr double look_work = 50;
+
+/// Has a metric that counts its work spent what it may?
+template <class Metric>
+bool spent(const Metric& metric, double more = 0) {
+  if constexpr (requires { metric.spent(); }) {
+    metric.spend(more);
+    return metric.spent();
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -32,7 +44,8 @@ StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, st
   bounds_.clear();
   std::size_t c = 0;
   for (const SurfaceRow& row : active()) {
-    while (candidates[c].row < row) ++c;
+    while (c < candidates.size() && candidates[c].row < row) ++c;
+    if (c == candidates.size() || candidates[c].row != row) return StepStatus::not_finite;  // what was active is no candidate any more
     at_hand_[c] = 1;
     bounds_.push_back(candidates[c].bound);
   }
@@ -49,6 +62,7 @@ StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, st
   else
     spread();
   for (int round = 0; round < most_rounds; ++round) {
+    if (spent(delassus_, look_work * double(candidates.size()))) return StepStatus::not_finite;
     const int chosen = most_violated(candidates, tolerance);
     added_ = round > 0;
     if (chosen < 0) {
@@ -167,7 +181,7 @@ StepStatus DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates
     return StepStatus::ok;
   }
   double gap = candidate.gap, force = 0;
-  for (int drops = 0; drops <= most_drops; ++drops) {
+  for (int drops = 0; drops <= most_drops && !spent(delassus_); ++drops) {
     double unload = infinity;
     int first = -1;
     for (int t = 0; t < int(forces_.size()); ++t)

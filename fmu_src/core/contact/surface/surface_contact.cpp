@@ -13,11 +13,15 @@ namespace {
 constexpr int most_looks = 20;
 /// Share of what contact does to the kinetic energy that is rounding.
 constexpr double no_gain = 1e-10;
+/// Operations on numbers in the time of an evaluation of the spring forces of 64 points.
+constexpr double operations = 2500;
 /// Of its limit, friction that a step begins to look at.
 constexpr double most_share = 2;
 
 /// By which any point has moved.
-double longest_way(const Points& from, const Points& to) { return std::sqrt((to - from).square().rowwise().sum().maxCoeff()); }
+double longest_way(const Points& from, const Points& to) {
+  return std::sqrt((to - from).square().rowwise().sum().maxCoeff<Eigen::PropagateNaN>());
+}
 
 }  // namespace
 
@@ -69,6 +73,7 @@ SurfaceContact::SurfaceContact(const Body& body, int planes)
   for (SurfaceStage* stage : {&drift_, &close_})
     for (Scalars& heights : stage->heights) heights.setZero(body.points());
   for (int q = 0; q < planes; ++q) obstacle_[q] = q;
+  patience_ = std::min(1.0, 64.0 / body.points());
 }
 
 void SurfaceContact::set_planes() {
@@ -204,27 +209,26 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   return StepStatus::ok;
 }
 
-/// The drift's stage.
+void SurfaceContact::allow(double most) {
+  most_ = most;
+  found_ = 0;
+  for (SurfaceStage* stage : {&drift_, &close_}) stage->allow(most / patience_ * operations);
+}
+
+double SurfaceContact::work() const { return patience_ / operations * (found_ + drift_.done() + close_.done()); }
+
+/// The drift's stage, until no other samples may have come to a solid by it.
 StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
-  const double way = step.h * largest_speed(v);
-  arrives_ = false;
-  for (const bool at_once : {false, true}) {
-    const auto slip_of = [&](const SurfaceRow& row) {
-      const Vec3 free = samples_.at(row.sample, x1);
-      return Vec3(free - aim(step, free, row, at_once));
-    };
-    if (at_once) drift_.heights = free_;
-    if (const StepStatus status = fit(rows.drift, rows.drift_friction, way, std::ref(slip_of)); status != StepStatus::ok) return status;
-    if (!arrives_ || !gains(step, x1)) break;
-  }
-  if (solids_) {  // other samples may have come to one
+  StepStatus status = meet_near(step, v, x1, rows);
+  for (int looks = 0; solids_ && status == StepStatus::ok; ++looks) {
     const double whole = longest_way(step.x0, x1 + drift_.move());
-    if (!tangents_.covers(whole)) {
-      find_tangents(step.around, step.t0, step.t1, step.x0, 2 * whole);
-      find_heights(x1);
-      return meet(step, v, x1, rows);
-    }
+    if (tangents_.covers(whole)) break;
+    if (looks == most_looks || spent()) return StepStatus::not_finite;
+    find_tangents(step.around, step.t0, step.t1, step.x0, 2 * whole);
+    find_heights(x1);
+    status = meet_near(step, v, x1, rows);
   }
+  if (status != StepStatus::ok) return status;
   std::size_t known = 0;
   const Count before = impacts_;
   for (const SurfaceRow& row : drift_.rows) {
@@ -236,6 +240,22 @@ StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Poi
   lands_ = impacts_ > before;
   for (const Candidate& candidate : drift_.candidates)
     if (candidate.gap <= touching * length_) touching_.push_back(candidate);
+  return StepStatus::ok;
+}
+
+/// With the tangents at hand.
+StepStatus SurfaceContact::meet_near(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
+  const double way = step.h * largest_speed(v);
+  arrives_ = false;
+  for (const bool at_once : {false, true}) {
+    const auto slip_of = [&](const SurfaceRow& row) {
+      const Vec3 free = samples_.at(row.sample, x1);
+      return Vec3(free - aim(step, free, row, at_once));
+    };
+    if (at_once) drift_.heights = free_;
+    if (const StepStatus status = fit(rows.drift, rows.drift_friction, way, std::ref(slip_of)); status != StepStatus::ok) return status;
+    if (!arrives_ || !gains(step, x1)) break;
+  }
   return StepStatus::ok;
 }
 

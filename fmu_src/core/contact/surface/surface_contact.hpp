@@ -65,6 +65,11 @@ class SurfaceContact {
   bool touched() const { return !touching_.empty(); }
   Count impacts() const { return impacts_; }
 
+  /// Work that may be done from here on, in evaluations of the spring forces; beyond it a step is given up. And what has been done.
+  void allow(double most);
+  double work() const;
+  bool spent() const { return !(work() <= most_); }
+
  private:
   using Slip = std::function<Vec3(const SurfaceRow&)>;
   /// By which the state knows a row.
@@ -80,6 +85,7 @@ class SurfaceContact {
   StepStatus stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows);
   StepStatus find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v, const SurfaceRows& rows);
   StepStatus meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
+  StepStatus meet_near(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
   bool gains(const StepView& step, const Points& x1) const;
   void find_places(const SurfaceStage& stage, const Points& x1);
@@ -137,6 +143,9 @@ class SurfaceContact {
   Count version_ = -1;
   double h_ = -1;
   Count impacts_ = 0;
+  double found_ = 0;  ///< operations to find tangents
+  double most_ = std::numeric_limits<double>::infinity();
+  double patience_ = 1;
 };
 
 }  // namespace softffd

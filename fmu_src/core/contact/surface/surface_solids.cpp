@@ -5,6 +5,13 @@
 
 namespace softffd {
 
+namespace {
+
+/// Operations on numbers to find a tangent, and through a step for its plane's height of a control point.
+constexpr double tangent_work = 200, plane_work = 10;
+
+}  // namespace
+
 /// Solids, which come after the planes, have rows by their tangents alone.
 void SurfaceContact::know(const Drive& around) {
   solids_ = around.planes.back().solid();
@@ -28,6 +35,7 @@ void SurfaceContact::find_tangents(const Drive& around, double t0, double t1, co
   for (const Candidate& candidate : lasting_) lasting.push_back({number(candidate.row), candidate});
   tangents_.find(around, t0, t1, x0, way);
   resize(flat_ + tangents_.found().size());
+  found_ += double(tangents_.found().size()) * (tangent_work + plane_work * double(x0.rows()));
   int q = flat_;
   for (const Tangent& each : tangents_.found()) {
     start_[q] = each.start;

@@ -7,13 +7,6 @@
 
 namespace softffd {
 
-namespace {
-
-/// Cosines so near to 1 or -1 are those of parallel planes.
-constexpr double aligned = 1 - 1e-15;
-
-}  // namespace
-
 SurfaceStage::SurfaceStage(const Samples& samples, int planes) : heights(planes), set_(samples) {}
 
 void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction) {
@@ -21,13 +14,7 @@ void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vecto
   heights.resize(normals.size());
   normals_ = normals;
   friction_ = friction;
-  cosines_.clear();
-  for (std::size_t p = 0; p < normals.size(); ++p)
-    for (std::size_t q = 0; q < normals.size(); ++q) {
-      const double cosine = p == q ? 1 : normals[p].dot(normals[q]);
-      cosines_.push_back(cosine > aligned ? 1 : cosine < -aligned ? -1 : cosine);
-    }
-  set_.delassus().set_cosines(cosines_);
+  set_.delassus().set_normals(normals_);
 }
 
 StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
@@ -96,7 +83,7 @@ bool SurfaceStage::rubs() const {
 
 /// Can friction bring no sample nearer to a plane?
 bool SurfaceStage::parallel() const {
-  const auto same = [&](int p, int q) { return std::abs(cosines_[p * normals_.size() + q]) == 1; };
+  const auto same = [&](int p, int q) { return std::abs(set_.delassus().cosine(p, q)) == 1; };
   return std::all_of(candidates.begin(), candidates.end(),
                      [&](const Candidate& candidate) { return same(rows[0].plane, candidate.row.plane); });
 }

@@ -27,6 +27,10 @@ class SurfaceStage {
   /// Inverse masses of the control points (points), 0 of pinned ones.
   void set_masses(const Scalars& inverse) { set_.delassus().set_masses(inverse); }
 
+  /// What may be done from here on, and has been, as of Delassus.
+  void allow(double most) { set_.delassus().allow(most); }
+  double done() const { return set_.delassus().done(); }
+
   /// To be filled before `solve`: heights of y0 (planes)(points), which become those of y, and rows that must be kept, sorted.
   std::vector<Scalars> heights;
   std::vector<Candidate> candidates;
@@ -71,7 +75,7 @@ class SurfaceStage {
   DualActiveSet set_;
   DiskFriction disks_;
   std::vector<Vec3> normals_;
-  std::vector<double> friction_, cosines_;
+  std::vector<double> friction_;
   std::vector<Scalars> begin_;  ///< heights of y0
   std::vector<Vec3> force_, p_;
   std::vector<Vec3> whole_slip_;  ///< of the active rows at y0, along normals too

@@ -19,6 +19,8 @@ constexpr std::size_t few_rows = 6;
 /// have come to be active. What they leave undone the next step goes on with.
 constexpr int least_sweeps = 10, most_sweeps = 200, swept = 20'000, most_rounds = 4;
 constexpr double balanced = 1e-13;
+/// Rows that lose their normal force to friction one after the other, at most: each round has lost one.
+constexpr int most_settlings = 1000;
 
 }  // namespace
 
@@ -101,7 +103,7 @@ bool SurfaceStage::sweep(std::vector<double>& normal) {
 
 /// The normal forces at this friction, which only active rows have.
 StepStatus SurfaceStage::settle(double tolerance) {
-  while (true) {
+  for (int round = 0; round < most_settlings; ++round) {
     heights = begin_;
     for (std::size_t t = 0; t < rows.size(); ++t)
       for (std::size_t q = 0; q < heights.size(); ++q)
@@ -115,6 +117,7 @@ StepStatus SurfaceStage::settle(double tolerance) {
                                   [&](const SurfaceRow& row) { return !std::binary_search(rows.begin(), rows.end(), row); });
     if (!lost) return StepStatus::ok;
   }
+  return StepStatus::not_finite;
 }
 
 /// Friction and its shares from rows that were active to those that are.

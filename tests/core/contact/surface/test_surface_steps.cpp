@@ -88,12 +88,12 @@ TEST(cutting_and_restoring_changes_no_bit_in_contact_of_the_surface) {
     body.initialize(0);
     for (int i = 0; i < 4; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
     other.initialize(0);
-    other.restore(body.run(), 0);
+    other.restore(body.run(), 0, body.gravity_of_masses());
     bool touched = false;
     for (int i = 0; i < 20; ++i) {
       if (body.run().path.surface.drift[0] >= 0) {
         touched = true;
-        other.restore(body.run(), 0);
+        other.restore(body.run(), 0, body.gravity_of_masses());
       }
       CHECK(body.advance(0.01) == StepStatus::ok);
       CHECK(other.advance(0.01) == StepStatus::ok);
