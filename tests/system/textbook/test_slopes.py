@@ -31,12 +31,12 @@ CASES = [
     *(thrown("small", on, 1e8, H, degrees=20.0, stop=0.6) for on in ("surface", "rails") for H in (0.02, 0.1)),
     *(thrown("cube", "plane", k, H, degrees=20.0, friction=0.45, speed=-2.0) for k in (1e5, 1e9) for H in (0.01, 0.2)),
     *(thrown("small", "plane", 1e8, 0.1, degrees=d, friction=0.4, speed=0.0) for d in (21.5, 22.2)),
-    *(thrown("small", "disk", 1e7, 0.05, degrees=d, friction=0.4, speed=0.0, stop=0.5) for d in (21.5, 22.2)),
+    *(thrown("small", "disk", 1e6, 0.05, degrees=d, friction=0.4, speed=0.0, stop=0.5, internal_damping=1e-4) for d in (21.0, 23.0)),
     *(thrown("small", on, 1e5, 0.02, degrees=25.0, stop=0.5, internal_damping=1e-3) for on in ("plane", "surface", "box")),
 ]
 
 
-@pytest.mark.short("brick-plane-k1e+08-H0.1*", "brick-plane-k1e+08-H0.02*", "small-rails-k1e+05-H0.1*")
+@pytest.mark.short("brick-plane-k1e+08-H0.1*", "brick-plane-k1e+08-H0.02*", "small-plane-k1e+08-H0.1-22.2deg*")
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_a_block_on_a_slope_goes_up_and_down_as_a_rigid_one(case, holds):
     holds(case)
