@@ -32,7 +32,7 @@ CASES = [
     *(thrown("cube", "plane", k, H, degrees=20.0, friction=0.45, speed=-2.0) for k in (1e5, 1e9) for H in (0.01, 0.2)),
     *(thrown("small", "plane", 1e8, 0.1, degrees=d, friction=0.4, speed=0.0) for d in (21.5, 22.2)),
     *(thrown("small", "disk", 1e6, 0.05, degrees=d, friction=0.4, speed=0.0, stop=0.5, internal_damping=1e-4) for d in (21.0, 23.0)),
-    *(thrown("small", on, 1e5, 0.02, degrees=25.0, stop=0.5, internal_damping=1e-3) for on in ("plane", "surface", "box")),
+    *(thrown("small", on, 1e5, 0.02, degrees=25.0, stop=0.5, kilograms=0.05, internal_damping=1e-3) for on in ("plane", "surface", "box")),
 ]
 
 
