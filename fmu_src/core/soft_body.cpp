@@ -337,7 +337,7 @@ void SoftBody::look_at_planes() {
     const HalfSpace plane = drive_.planes[q].at(motion.time);
     if (!surface_) now_.contacts[q] = points_on(plane, model_.body.length, motion.x);
     const Impulse& on = now_.path.exchange.planes[q];
-    now_.centres[q] = drive_.planes[q].solid() ? centre_of_force(plane, on) : centre_of_pressure(plane, on);
+    now_.centres[q] = drive_.planes[q].solid() ? centre_of_places(plane, on) : centre_of_pressure(plane, on);
   }
 }
 

@@ -11,14 +11,27 @@ namespace softffd {
 struct Impulse {
   Vec3 force = Vec3::Zero();   ///< [N s]
   Vec3 torque = Vec3::Zero();  ///< [N m s]
+  double pressed = 0;          ///< of a solid: the parts along its normals, summed [N s]
+  Vec3 places = Vec3::Zero();  ///< of a solid: the arms, each times the part along the normal there [N m s]
   void add(const Vec3& impulse, const Vec3& arm) {
     force += impulse;
     torque += arm.cross(impulse);
   }
+  void press(double along, const Vec3& arm) {
+    pressed += along;
+    places += along * arm;
+  }
+  Impulse& operator+=(const Impulse& other) {
+    force += other.force;
+    torque += other.torque;
+    pressed += other.pressed;
+    places += other.places;
+    return *this;
+  }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.force, s.torque);
+    return fields(s.force, s.torque, s.pressed, s.places);
   }
 };
 static_assert(visits_every_field<Impulse>);
@@ -32,11 +45,10 @@ inline Vec3 centre_of_pressure(const HalfSpace& plane, const Impulse& on) {
   return pressing > 0 && arm.allFinite() ? plane.point + arm : plane.point;
 }
 
-/// The point next to a solid's own where an impulse on it acts [m]: about it the torque has the impulse's direction. Without an impulse:
-/// the solid's point.
-inline Vec3 centre_of_force(const HalfSpace& pose, const Impulse& on) {
-  const Vec3 arm = on.force.cross(on.torque) / on.force.squaredNorm();
-  return arm.allFinite() ? Vec3(pose.point + arm) : pose.point;
+/// The same of a solid, which has no plane for all of them [m]: the mean of the touched places, weighted by how much each presses.
+inline Vec3 centre_of_places(const HalfSpace& pose, const Impulse& on) {
+  const Vec3 arm = on.places / on.pressed;
+  return on.pressed > 0 && arm.allFinite() ? Vec3(pose.point + arm) : pose.point;
 }
 
 /// What the outside received during the current communication step. Energies only accumulate when they are asked for.

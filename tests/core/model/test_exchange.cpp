@@ -38,3 +38,13 @@ TEST(where_nothing_presses_the_centre_is_the_point_of_the_plane) {
   least.torque = Vec3(1, 2, 3);
   for (const Impulse& on : {none, pulls, least}) CHECK(centre_of_pressure(plane, on) == plane.point);
 }
+
+TEST(the_centre_on_a_solid_is_the_mean_of_the_places_weighted_by_how_much_each_presses) {
+  const HalfSpace pose = plane_at({3, -2, 0.5});
+  Impulse on, more;
+  CHECK(centre_of_places(pose, on) == pose.point);
+  on.press(2, {0.4, 0, 0.1});
+  more.press(6, {0, 0.8, 0.1});
+  on += more;
+  CHECK_NEAR((centre_of_places(pose, on) - pose.point - Vec3(0.1, 0.6, 0.1)).norm(), 0.0, 1e-15);
+}

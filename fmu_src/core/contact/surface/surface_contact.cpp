@@ -286,11 +286,10 @@ double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, dou
     const int q = stage.rows[t].plane;
     const Vec3 impulse = per_force * stage.force(int(t));
     taken.add(-impulse, places_[t] - end_[q].point);
+    if (q >= flat_) taken.press(end_[q].normal.dot(impulse), places_[t] - end_[q].point);
     if (q >= flat_ || !still_[q]) work += impulse.dot(end_[q].material_velocity(places_[t]));
     if (t + 1 < stage.rows.size() && stage.rows[t + 1].plane == q) continue;
-    Impulse& plane = exchange.planes[obstacle_[q]];
-    plane.force += taken.force;
-    plane.torque += taken.torque;
+    exchange.planes[obstacle_[q]] += taken;
     taken = {};
   }
   exchange.work += work;
