@@ -128,6 +128,6 @@ def test_an_archive_that_would_fill_the_disk_is_refused_before_it_is_unpacked(tm
     monkeypatch.setattr(unpacking, "LARGEST", 1e7)
     monkeypatch.setattr(unpacking, "MOST_TIMES", 10)
     monkeypatch.setattr(unpacking.fmpy, "extract", lambda *_given, **_keys: pytest.fail("unpacked"))
-    for ask in (lambda: Simulation(fmu), lambda: write_ssp(tmp_path / "box.ssp", {"box": fmu})):
+    for ask in (lambda: Simulation(fmu), lambda: write_ssp(tmp_path / "box.ssp", {"box": fmu}, [])):
         with pytest.raises(SoftffdError, match=r"box\.fmu: its .* MB would unpack to 0\.1\d* GB; wanted at most 0\.01 GB, or 10 times"):
             ask()
