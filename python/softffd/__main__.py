@@ -7,8 +7,8 @@ import sys
 def main() -> int:
     """Runs the command line; returns its exit status. An interrupt ends it quietly during its imports too; SIGTERM is one, as what
     `timeout`, `docker stop` and batch systems send: what there is is kept, temporary files go."""
-    before = signal.getsignal(signal.SIGTERM)
-    if before is signal.SIG_DFL:
+    ends_at_once = signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    if ends_at_once:
         signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         from softffd.cli.command import main as run
@@ -18,7 +18,8 @@ def main() -> int:
         print("softffd: interrupted", file=sys.stderr)
         return 130
     finally:
-        signal.signal(signal.SIGTERM, before)
+        if ends_at_once:
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 if __name__ == "__main__":
