@@ -225,6 +225,7 @@ AXES = {
 }  # fmt: skip
 
 
+@pytest.mark.short("line-*", "lines-decades", "map-many", "map-words")
 @pytest.mark.parametrize("values", AXES.values(), ids=AXES)
 @pytest.mark.parametrize("other", [None, [1.0, 2.0], np.arange(20.0)], ids=["line", "lines", "map"])
 def test_ticks_are_values_and_do_not_overlap(values, other):
