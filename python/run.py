@@ -176,7 +176,10 @@ def main():
     if arguments[0] == "bench":
         add_comparisons()
         return subprocess.call([PYTHON, ROOT / "benchmarks" / "bench.py", *arguments[1:]])
-    return subprocess.call([PYTHON, "-m", "softffd", *arguments])
+    command = [str(PYTHON), "-m", "softffd", *arguments]
+    if os.name == "posix":  # in this process, so that signals reach it
+        os.execv(PYTHON, command)
+    return subprocess.call(command)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,15 @@
 """The command `softffd`, also as python -m softffd."""
 
+import signal
 import sys
 
 
 def main() -> int:
-    """Runs the command line; returns its exit status. An interrupt ends it quietly during its imports too."""
+    """Runs the command line; returns its exit status. An interrupt ends it quietly during its imports too; SIGTERM is one, as what
+    `timeout`, `docker stop` and batch systems send: what there is is kept, temporary files go."""
+    ends_at_once = signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    if ends_at_once:
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         from softffd.cli.command import main as run
 
@@ -12,6 +17,9 @@ def main() -> int:
     except KeyboardInterrupt:
         print("softffd: interrupted", file=sys.stderr)
         return 130
+    finally:
+        if ends_at_once:
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """The one way a file is written: it appears whole, or what stood there before stays."""
 
 import os
+import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,13 +14,14 @@ from softffd.errors import SoftffdError
 def replacing(path: str | Path) -> Iterator[BinaryIO]:
     """A binary stream into a file beside `path`, which takes its place when the block ends and goes when it fails.
 
-    The name beside is this process's own, so that two that write the same file do not meet. A link stays one: its target is replaced.
-    Raises OSError where the folder is missing or may not be written to.
+    The name beside cannot be guessed and must be new: writers of the same file do not meet, in threads neither, and no link that somebody
+    has put there is followed. A link at `path` stays one: its target is replaced. Raises OSError where the folder is missing or may not
+    be written to.
     """
     target = Path(os.path.realpath(path))
-    partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
+    partial = target.with_name(f".softffd-{secrets.token_hex(8)}.partial")
     try:
-        with partial.open("wb") as stream:
+        with partial.open("xb") as stream:
             yield stream
         os.replace(partial, target)
     finally:

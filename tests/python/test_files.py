@@ -1,6 +1,8 @@
 """Files appear whole, or what stood there before stays."""
 
 import os
+import secrets
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -56,6 +58,32 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path):
     (tmp_path / "b.fmu").symlink_to(tmp_path / "there" / "a.fmu")
     write_text(tmp_path / "b.fmu", "new")
     assert (tmp_path / "b.fmu").is_symlink() and (tmp_path / "there" / "a.fmu").read_text() == "new"
+
+
+def test_threads_that_write_one_file_do_not_meet(tmp_path):
+    contents = [bytes([n]) * 100_000 for n in range(4)]
+
+    def write(content):
+        for _ in range(30):
+            write_bytes(tmp_path / "run.npz", content)
+
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(write, contents))
+    assert (tmp_path / "run.npz").read_bytes() in contents and os.listdir(tmp_path) == ["run.npz"]
+
+
+def test_a_link_in_the_place_of_the_file_beside_is_not_followed(tmp_path, monkeypatch):
+    (tmp_path / "victim").write_text("old")
+    monkeypatch.setattr(secrets, "token_hex", lambda _bytes: "guessed")
+    (tmp_path / ".softffd-guessed.partial").symlink_to(tmp_path / "victim")
+    with pytest.raises(FileExistsError):
+        write_text(tmp_path / "x", "new")
+    assert (tmp_path / "victim").read_text() == "old" and not (tmp_path / "x").exists()
+
+
+def test_a_name_may_be_as_long_as_the_system_allows(tmp_path):
+    write_text(tmp_path / ("x" * 251 + ".csv"), "new")
+    assert [len(name) for name in os.listdir(tmp_path)] == [255]
 
 
 def test_a_missing_folder_is_an_error_of_the_system(tmp_path):

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
-
-import numpy as np
 
 from softffd.errors import FmuError, Interrupted, SoftffdError
 from softffd.fmu.component import Component
@@ -26,6 +25,9 @@ if TYPE_CHECKING:
 
 RESULTS = (KEPT, "result.csv", "summary.json")
 """What every run is kept in."""
+
+SHOWN = re.compile(rf"picture\.png|view\.html|deformed(_\d+)?\.png|deformed\.mtl|deformed({'|'.join(map(re.escape, WRITTEN))})")
+"""What a run may be kept in beside these."""
 
 
 def run_scene_or_fmu(
@@ -98,13 +100,15 @@ def keep_run(result: Result, folder: Path, stage: Note = silent, *, draw: Draw |
     """Writes results, picture, interactive page and, with a mesh, its last shape; returns the files.
 
     stage: is told what is being done. draw: of `drawing`, whose block's end is when the picture is there; without, neither picture nor
-    page, and those of an earlier run go.
+    page. What an earlier run left in the folder goes first.
     colour: of the picture, as in `Result.plot`.
     """
     stage("writing the numbers")
-    files = result.save(folder)
-    if np.isnan(result.positions).any() or not result.positions.size:
+    if not result.has_positions:
         result.summary["findings"].append('no pictures: they need outputs.positions = "all"')
+    _remove_shown(result, folder)
+    files = result.save(folder)
+    if not result.has_positions:
         return files
     mesh = result.loaded_mesh
     picture, page = folder / "picture.png", folder / "view.html"
@@ -117,9 +121,6 @@ def keep_run(result: Result, folder: Path, stage: Note = silent, *, draw: Draw |
         stage("writing view.html")
         write_view(result, page, mesh=mesh)
         files += [picture, page]
-    else:
-        picture.unlink(missing_ok=True)
-        page.unlink(missing_ok=True)
     if mesh and result.scene and result.scene.mesh:
         kind = result.scene.mesh.file.suffix.lower()
         path = folder / f"deformed{kind if kind in WRITTEN else '.glb'}"
@@ -127,6 +128,16 @@ def keep_run(result: Result, folder: Path, stage: Note = silent, *, draw: Draw |
         save_mesh(mesh, path, vertices=result.deformed())
         files.append(path)
     return files
+
+
+def _remove_shown(result: Result, folder: Path) -> None:
+    """Takes away what an earlier run showed in the folder, so that none of it stands beside other numbers; not this run's own mesh."""
+    if not any((folder / name).exists() for name in RESULTS):
+        return
+    source = result.scene.mesh.file.resolve() if result.scene and result.scene.mesh else None
+    for old in folder.glob("*"):
+        if SHOWN.fullmatch(old.name) and not (source and source.parent == folder.resolve() and source.stem == old.stem):
+            old.unlink()
 
 
 def require_no_results(folder: Path) -> None:

@@ -5,6 +5,7 @@ This is the thin layer over the C functions, which a host drives through softffd
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from ctypes import POINTER, byref, c_char, c_double, c_int, c_size_t, c_uint, c_void_p, cast, create_string_buffer
 from functools import cached_property
@@ -180,6 +181,10 @@ class Component:
     def instance(self) -> int:
         """The fmi2Component."""
         return int(self._slave.component)
+
+    def library_hash(self) -> str:
+        """SHA-256 of the component's library."""
+        return hashlib.sha256(Path(self._library._name).read_bytes()).hexdigest()
 
     def address(self, call: str) -> int | None:
         """Of a function of the component's library."""

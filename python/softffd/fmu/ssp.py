@@ -19,6 +19,7 @@ from softffd.files import replacing
 from softffd.fmu.description_parts import xml_text
 from softffd.fmu.interface import read_interface
 from softffd.fmu.package import package_fmu
+from softffd.fmu.unpacking import require_no_bomb
 from softffd.fmu.wiring import Connection, Element, Wiring, read_units
 from softffd.scene.scene import Scene, load_scene
 from softffd.spelling import did_you_mean
@@ -111,9 +112,10 @@ def _element(name: str, file: Path) -> Element:
     import fmpy
 
     try:
-        description = fmpy.read_model_description(str(file), validate=False)
         with zipfile.ZipFile(file) as archive:
+            require_no_bomb(archive, file.stat().st_size)
             units = read_units(archive.read("modelDescription.xml"))
+        description = fmpy.read_model_description(str(file), validate=False)
     except Exception as error:
         raise SoftffdError(f"{file}: cannot be read as an FMU: {error}") from error
     if description.coSimulation is None or description.fmiVersion != "2.0":

@@ -9,8 +9,11 @@ from zipfile import ZipFile, ZipInfo
 
 import fmpy
 
-from softffd.errors import SoftffdError
+from softffd.errors import FmuError, SoftffdError
 from softffd.installed import host_library, loaded_library
+
+LARGEST, MOST_TIMES = 1e9, 100
+"""So many bytes any FMU may unpack to, a larger one so many times its own size."""
 
 
 def unpack(path: Path, folder: str) -> str | None:
@@ -18,11 +21,22 @@ def unpack(path: Path, folder: str) -> str | None:
     has the same one, which is not unpacked then: that and loading it again would take longer than a thousand communication steps."""
     with ZipFile(path) as archive:
         same = next((entry.filename for entry in archive.infolist() if _is_installed(entry)), None)
+        require_no_bomb(archive, path.stat().st_size)
     fmpy.extract(str(path), unzipdir=folder, include=lambda name: name != same and _is_read(name))
     if not same:
         return None
     loaded_library()
     return str(host_library())
+
+
+def require_no_bomb(archive: ZipFile, packed: int) -> None:
+    """FmuError for a small file whose entries would fill the disk. zipfile writes no more of an entry than the size that it states."""
+    size = sum(entry.file_size for entry in archive.infolist() if _is_read(entry.filename))
+    if size > max(LARGEST, MOST_TIMES * packed):
+        raise FmuError(
+            f"{archive.filename}: its {packed / 1e6:.3g} MB would unpack to {size / 1e9:.3g} GB; wanted at most {LARGEST / 1e9:g} GB, or "
+            f"{MOST_TIMES} times the file's size where that is more"
+        )
 
 
 def _is_read(name: str) -> bool:

@@ -19,6 +19,8 @@ from softffd.errors import SoftffdError
 
 START_UP = 60.0
 """A process gets this long to start [s]."""
+GRACE = 0.5
+"""So much later [s] than the processes, at most, is this one terminated where all are: then their jobs are not lost, but interrupted."""
 
 Work = Callable[[Sequence[Any]], Iterator[Any]]
 
@@ -126,8 +128,10 @@ class _Batch:
     def _told(self) -> Any:
         try:
             return self.results.recv()
-        except EOFError:
+        except (EOFError, OSError):  # it ended, between messages or within one
             self.process.join()
+            if self.process.exitcode == -signal.SIGTERM:
+                clock.sleep(GRACE)
             return Lost("crash", f"the process ended with status {self.process.exitcode}")
 
 

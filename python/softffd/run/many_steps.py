@@ -90,19 +90,21 @@ class ManySteps:
 
 @contextmanager
 def _interrupted_afterwards() -> Iterator[None]:
-    """Ctrl-C waits until the end: raised where the library calls back to tell something, it would be lost."""
-    before = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(before):
+    """Signals such as Ctrl-C wait until the end: raised where the library calls back to tell something, they would be lost."""
+    before = {number: action for number in (signal.SIGINT, signal.SIGTERM) if callable(action := signal.getsignal(number))}
+    if threading.current_thread() is not threading.main_thread() or not before:
         yield
         return
     heard: list[Any] = []
-    signal.signal(signal.SIGINT, lambda *told: heard.append(told))
+    for number in before:
+        signal.signal(number, lambda *told: heard.append(told))
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, action in before.items():
+            signal.signal(number, action)
         if heard:
-            before(*heard[-1])
+            before[heard[-1][0]](*heard[-1])
 
 
 @cache

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -208,14 +208,15 @@ class Result:
         return [folder / name for name in files]
 
     @classmethod
-    def load(cls, path: str | Path) -> Result:
+    def load(cls, path: str | Path, *, mesh: str | Path | None = None) -> Result:
         """The result that `save` or `softffd run` wrote: of NAME.npz, or of the folder.
 
-        Its scene comes along if its mesh is where it was, or beside the file, and the same; otherwise `scene` is None and `sceneless` says
-        why. SoftffdError for a file that is missing, damaged or something else.
+        Its scene comes along if its mesh is found and is the same; otherwise `scene` is None and `sceneless` says why. The mesh is looked
+        for beside the file; else where it was, if that is below the file's folder or the working one; in any other place only if `mesh`
+        says so. SoftffdError for a file that is missing, damaged or something else.
         """
         path = Path(path)
-        return cls(**read_result(path / KEPT if path.is_dir() else path))
+        return cls(**read_result(path / KEPT if path.is_dir() else path, None if mesh is None else Path(mesh)))
 
     def columns(self) -> dict[str, np.ndarray]:
         """All outputs that were recorded, positions among them, by variable name, (T,) each."""
@@ -233,14 +234,18 @@ class Result:
         `position`; parameters are attributes. Needs softffd[datasets]."""
         return dataset(self)
 
-    def plot(self, path: str | Path | None = None, *, colour: str | None = None) -> Figure:
+    def plot(self, path: str | Path | None = None, *, x: str = "time", y: str | Iterable[str] = (), colour: str | None = None) -> Figure:
         """The picture of the run: its telling moments, with its scene's mesh, and the curves; written to `path` (PNG) where one is given.
         colour: "von_mises" (stress) or "stretch" (the largest principal one) of the cells, in place of the object's own colours.
-        Returns matplotlib's Figure. SoftffdError where positions were not recorded."""
-        return shown.picture(self, path, colour=colour)
+        With `y`, names of outputs or inputs, a vector's for its components, those alone over `x`, time or another one of them:
+        plot(x="plane.press.point.z", y="plane.press.reaction.z").
+        Returns matplotlib's Figure. UnknownName with the nearest name; SoftffdError where the picture needs positions that were not
+        recorded."""
+        return shown.picture(self, path, x=x, y=y, colour=colour)
 
     def view(self, path: str | Path | None = None, *, browser: bool = True) -> Path:
-        """Writes the interactive page to `path`, or a new temporary file, and opens it in the browser. Returns the page's path.
+        """Writes the interactive page to `path`, and opens it in the browser. Returns the page's path. Without a path it is a temporary
+        file: those of a process share a folder, which goes a day later, when another page is written.
         SoftffdError where positions were not recorded."""
         return shown.page(self, path, browser=browser)
 

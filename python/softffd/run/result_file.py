@@ -1,4 +1,4 @@
-"""The one file of a result: an npz archive whose entry `header` says in JSON what the arrays do not.
+"""The one file of a result: an NPZ archive whose entry `header` says in JSON what the arrays do not.
 
     time, positions       as in the Result
     NAME                  an output of that name, (T,); outputs/NAME where one of these five words is its name
@@ -12,31 +12,29 @@ from __future__ import annotations
 
 import hashlib
 import json
-import zipfile
-import zlib
+import os
+import re
 from dataclasses import asdict
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from softffd import __version__
+from softffd.embedding.deform import BASES
 from softffd.errors import SceneError, SoftffdError
 from softffd.lattice import LatticeBox
-from softffd.obstacles import Obstacles, SolidShape
-from softffd.scene.document import shown
+from softffd.run.npz import UNREADABLE, damaged, read_arrays, write_arrays
+from softffd.scene.document import SHIPPED, shown
 
 if TYPE_CHECKING:
     from softffd.mesh.mesh import Mesh
     from softffd.run.result import Result
+    from softffd.run.result_header import KeptScene
     from softffd.scene.scene import Scene
 
 FORMAT, VERSION = "softffd result", 1
 OWN = ("header", "time", "positions", "inputs", "outputs")
-
-UNREADABLE = (OSError, ValueError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error, MemoryError)
-"""What archives raise that are none, or damaged."""
 
 
 def write_result(result: Result, stream: BinaryIO) -> None:
@@ -44,29 +42,41 @@ def write_result(result: Result, stream: BinaryIO) -> None:
     inputs = np.stack(list(result.inputs.values()), axis=1) if result.inputs else np.zeros((len(result.time), 0))
     header = np.array(json.dumps(_header(result), default=_plain))
     arrays = {"header": header, "time": result.time, "positions": result.positions, "inputs": inputs}
-    arrays |= {_entry(name): values for name, values in result.outputs.items()}
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, values in arrays.items():
-            with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
-                np.lib.format.write_array(entry, np.asanyarray(values), allow_pickle=False)
+    write_arrays(stream, arrays | {_entry(name): values for name, values in result.outputs.items()})
 
 
-def read_result(path: Path) -> dict[str, Any]:
-    """The fields of the Result that a file holds. SoftffdError for a file that is missing, damaged, too new or something else."""
-    arrays = _arrays(path)
+def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
+    """The fields of the Result that a file holds. mesh: the file of its scene's mesh, where it is known.
+
+    SoftffdError for a file that is missing, damaged, too new or something else.
+    """
+    arrays = read_arrays(path, "result")
     try:
-        header = json.loads(str(arrays["header"]))
-        known = header["format"] == FORMAT
-    except (KeyError, TypeError, ValueError):
+        said = json.loads(str(arrays["header"]))
+        known = said["format"] == FORMAT
+    except (KeyError, TypeError, *UNREADABLE):
         known = False
     if not known:
         raise SoftffdError(f"{shown(path)}: an archive of other things; wanted a result that softffd wrote (Result.save, softffd run)")
-    if header["version"] > VERSION:
-        raise SoftffdError(f"{shown(path)}: written by softffd {header['softffd']}, whose results this one, {__version__}, cannot read yet")
+    if isinstance(said.get("version"), int) and said["version"] > VERSION:
+        by = f"softffd {said.get('softffd', 'of a later version')}"
+        raise SoftffdError(f"{shown(path)}: written by {by}, whose results this one, {__version__}, cannot read yet")
+    from softffd.run.result_header import read_header  # only here its parser is needed
+
     try:
-        return _fields(header, arrays, path)
-    except (KeyError, TypeError, ValueError) as fault:
-        raise _damaged(path, fault) from None
+        header = read_header(said)
+        fields: dict[str, Any] = {
+            "time": arrays["time"],
+            "positions": arrays["positions"],
+            "outputs": {name: arrays[_entry(name)] for name in header.outputs},
+            "inputs": dict(zip(header.inputs, arrays["inputs"].T, strict=True)),
+        }
+        _require_shapes(**fields, lattice=header.lattice)
+    except (KeyError, TypeError, *UNREADABLE) as fault:
+        raise damaged(path, "result", fault) from None
+    scene, why = (None, "") if header.scene is None else _scene(header.scene, path.absolute().parent, mesh)
+    told = {name: getattr(header, name) for name in ("parameters", "summary", "lattice", "plain_names", "obstacles", "log")}
+    return fields | told | {"scene": scene, "sceneless": why}
 
 
 def _entry(name: str) -> str:
@@ -99,63 +109,47 @@ def _header(result: Result) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _arrays(path: Path) -> dict[str, np.ndarray]:
+def _require_shapes(
+    time: np.ndarray, positions: np.ndarray, outputs: dict[str, np.ndarray], inputs: dict[str, np.ndarray], lattice: LatticeBox | None
+) -> None:
+    """ValueError where the arrays are not those of one run."""
+    if lattice and (positions.shape[1:4] != lattice.points or lattice.basis not in BASES):
+        raise ValueError(f"positions of shape {positions.shape} of {lattice}")
+    shapes = [array.shape for array in (time, *outputs.values(), *inputs.values())]
+    if positions.ndim != 5 or positions.shape[4] != 3 or any(shape != (len(positions),) for shape in shapes):
+        raise ValueError("its arrays have not the shapes of one run")
+    if other := [array.dtype for array in (time, positions, *outputs.values(), *inputs.values()) if array.dtype.kind not in "fiub"]:
+        raise ValueError(f"wanted arrays of numbers, got {other[0]}")
+
+
+def _scene(kept: KeptScene, folder: Path, given: Path | None) -> tuple[Scene | None, str]:
+    """The scene of the keys, if its mesh is found and still the one of the run; else None, and why."""
+    from softffd.scene.scene import scene_from
+
+    keys = dict(kept.keys)
+    if (named := keys.get("mesh")) and isinstance(named, dict):
+        file = given or _mesh_file(str(named.get("file", "")), folder)
+        if file is None:
+            why = f"its mesh, {named.get('file')}, is not beside it nor below its folder: load(..., mesh=FILE) takes it from elsewhere"
+            return None, why
+        keys["mesh"] = {**named, "file": str(file.absolute())}
     try:
-        with zipfile.ZipFile(path) as archive:
-            entries = {name.removesuffix(".npy"): archive.read(name) for name in archive.namelist()}
-        return {name: np.lib.format.read_array(BytesIO(entry), allow_pickle=False) for name, entry in entries.items()}
-    except FileNotFoundError:
-        raise SoftffdError(f"{shown(path)}: there is no such file; wanted a result that softffd wrote") from None
-    except UNREADABLE as fault:
-        raise _damaged(path, fault) from None
-
-
-def _damaged(path: Path, fault: Exception) -> SoftffdError:
-    return SoftffdError(f"{shown(path)}: damaged, or no result that softffd wrote ({fault})")
-
-
-def _fields(header: dict[str, Any], arrays: dict[str, np.ndarray], path: Path) -> dict[str, Any]:
-    from softffd.fmu.component import Message
-
-    scene, why = _scene(header["scene"], path) if header["scene"] else (None, "")
-    box = header["lattice"]
-    return {
-        "time": arrays["time"],
-        "positions": arrays["positions"],
-        "outputs": {name: arrays[_entry(name)] for name in header["outputs"]},
-        "inputs": dict(zip(header["inputs"], arrays["inputs"].T, strict=True)),
-        "parameters": header["parameters"],
-        "summary": header["summary"],
-        "scene": scene,
-        "lattice": box and LatticeBox(tuple(box["points"]), tuple(box["origin"]), tuple(box["size"]), box["basis"]),
-        "plain_names": header["plain_names"],
-        "obstacles": _obstacles(header.get("obstacles")),
-        "log": tuple(Message(*message) for message in header["log"]),
-        "sceneless": why,
-    }
-
-
-def _obstacles(kept: dict[str, Any] | None) -> Obstacles | None:
-    if kept is None:
-        return None
-    return Obstacles(kept["meet"], tuple(SolidShape(each["name"], each["kind"], tuple(each["size"])) for each in kept["solids"]))
-
-
-def _scene(kept: dict[str, Any], path: Path) -> tuple[Scene | None, str]:
-    """The scene of the keys, if its mesh is still the one of the run, at its place or beside the result; else None, and why."""
-    if mesh := kept["keys"].get("mesh"):
-        file = Path(mesh["file"])
-        beside = path.parent / file.name
-        mesh["file"] = str(beside if beside.is_file() and not file.is_file() else file)
-    try:
-        from softffd.scene.scene import scene_from
-
-        scene = scene_from(kept["keys"], path=kept["path"])
-    except SceneError as error:
-        return None, error.problems[0]
-    if scene.loaded_mesh and _fingerprint(scene.loaded_mesh) != kept["mesh"]:
-        return None, f"{mesh['file']} is another mesh than at the time of the run"
+        scene = scene_from(keys, path=str(kept.path))
+    except (SceneError, OSError, ValueError) as error:
+        return None, error.problems[0] if isinstance(error, SceneError) else str(error)
+    if scene.loaded_mesh and _fingerprint(scene.loaded_mesh) != kept.mesh:
+        return None, f"{scene.mesh.file if scene.mesh else ''} is another mesh than at the time of the run"
     return scene, ""
+
+
+def _mesh_file(name: str, folder: Path) -> Path | None:
+    """Where the mesh is looked for: beside the result, else where it was if that is below the result's folder, below the working one, or
+    comes with the package. Of any other place that a file names not even its being there is asked."""
+    beside = folder / (re.split(r"[\\/]", name)[-1] or "-")
+    if beside.is_file():
+        return beside
+    was = Path(os.path.normpath(folder / name))
+    return was if any(was.is_relative_to(place) for place in (folder, Path.cwd(), SHIPPED)) else None
 
 
 def _fingerprint(mesh: Mesh) -> str:

@@ -4,18 +4,28 @@ from __future__ import annotations
 
 import base64
 import html
+import secrets
+import shutil
 import tempfile
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from softffd.errors import SoftffdError
 from softffd.names import listed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from softffd.run.result import Result
+
+PAGES, DAY = "softffd-view-", 86400.0
+"""How folders of temporary pages begin, and how long they stay [s]"""
 
 LARGEST_PAGE = 2e6
 """Characters of an interactive page that a notebook takes into itself."""
@@ -36,12 +46,16 @@ def in_words(result: Result) -> str:
     return "\n  ".join(lines)
 
 
-def picture(result: Result, path: str | Path | None = None, *, colour: str | None = None) -> Figure:
-    """The picture of the run, written to `path` where one is given."""
+def picture(
+    result: Result, path: str | Path | None = None, *, x: str = "time", y: str | Iterable[str] = (), colour: str | None = None
+) -> Figure:
+    """The picture of the run, or of outputs `y` over `x` where there are any, written to `path` where one is given."""
     from softffd.show.figure import figure_of, save_figure
-    from softffd.show.picture import run_sheet
+    from softffd.show.picture import curve_sheet, run_sheet
 
-    figure = figure_of(run_sheet(result, mesh=result.loaded_mesh, colour=colour))
+    if (x != "time" and not y) or (colour and y):
+        raise SoftffdError("plot: wanted x with y, and colour without them")
+    figure = figure_of(curve_sheet(result, x=x, y=y) if y else run_sheet(result, mesh=result.loaded_mesh, colour=colour))
     if path is not None:
         save_figure(figure, path)
     return figure
@@ -52,13 +66,24 @@ def page(result: Result, path: str | Path | None = None, *, browser: bool) -> Pa
     from softffd.show.view import write_view
 
     if path is None:
-        path = Path(tempfile.mkdtemp(prefix="softffd-")) / "view.html"
+        path = _pages() / f"view-{secrets.token_hex(4)}.html"
     written = write_view(result, path, mesh=result.loaded_mesh)
     if browser:
         import webbrowser
 
         webbrowser.open(written.resolve().as_uri())
     return Path(written)
+
+
+@cache
+def _pages() -> Path:
+    """The folder for this process's temporary pages, which the browser may read when the process is over; those of yesterday go."""
+    folder = Path(tempfile.mkdtemp(prefix=PAGES))
+    for other in folder.parent.glob(f"{PAGES}*"):
+        with suppress(OSError):
+            if other.stat().st_mtime < time.time() - DAY:
+                shutil.rmtree(other, ignore_errors=True)
+    return folder
 
 
 def in_notebook(result: Result) -> str:

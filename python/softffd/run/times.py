@@ -32,15 +32,15 @@ def communication_points(stop_time: float, step: float, start_time: float = 0.0)
 def require_memory(stop_time: float, step: float, bytes_per_point: int) -> None:
     """FmuError where the values of all communication points would not fit into this machine's memory."""
     count = stop_time / step
-    if not count * bytes_per_point <= _memory():
+    if not count * bytes_per_point <= memory():
         raise FmuError(
             f"communication step {step:g} s and stop time {stop_time:g} s make {count:.3g} communication points, whose result would take "
-            f"{count * bytes_per_point / 1e9:.3g} GB; wanted at most {_memory() / 1e9:.3g} GB, this machine's memory: "
+            f"{count * bytes_per_point / 1e9:.3g} GB; wanted at most {memory() / 1e9:.3g} GB, this machine's memory: "
             "take a longer step, a shorter stop time or fewer outputs"
         )
 
 
-def _memory() -> float:
+def memory() -> float:
     """Of this machine [bytes]; 16 GB where it does not tell."""
     try:
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))

@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
+from softffd.errors import SceneError
 from softffd.scene.faults import Fault, KeyPath, faults_of, field_at
 
 if TYPE_CHECKING:
@@ -37,17 +38,19 @@ class Draft:
         self.faults.append(fault)
 
 
-def read_draft(document: dict, model: type[BaseModel]) -> Draft:
-    """The draft of `model` from a parsed TOML file."""
+def read_draft(document: dict, model: type[BaseModel], where: str = "scene") -> Draft:
+    """The draft of `model` from a parsed TOML file, called `where`. SceneError for a fault without a place from which to take it out."""
     document = unshared(document)
     draft = Draft(None)
     while draft.scene is None:
         try:
             draft.scene = model.model_validate(document)
         except ValidationError as error:
-            new = faults_of(error, model)
+            new, before = faults_of(error, model), unshared(document)
             for fault in new:
                 _take_out(document, fault, model)
+            if document == before:
+                raise SceneError(where, [str(fault) for fault in dict.fromkeys([*draft.faults, *new])]) from None
             draft.faults += [fault for fault in new if draft.sound(*fault.path)]
     return draft
 
@@ -55,13 +58,13 @@ def read_draft(document: dict, model: type[BaseModel]) -> Draft:
 def unshared(value: Any) -> Any:
     """A copy in which no two places hold the same table, so that one can be mended without the other.
 
-    numpy's numbers become Python's, and sections the tables of the keys that were given.
+    numpy's numbers become Python's, sections the tables of the keys that were given, and keys words, as TOML has no other.
     """
     value = value.tolist() if isinstance(value, np.generic | np.ndarray) else value
     if isinstance(value, BaseModel):
         value = {key: getattr(value, key) for key in value.model_fields_set}
     if isinstance(value, Mapping):
-        return {key: unshared(entry) for key, entry in value.items()}
+        return {str(key): unshared(entry) for key, entry in value.items()}
     return [unshared(entry) for entry in value] if isinstance(value, list | tuple) else value
 
 
@@ -75,6 +78,8 @@ def _take_out(document: dict, fault: Fault, model: type[BaseModel]) -> None:
 
     A misspelt key stands in for the one that was meant where that must be given.
     """
+    if not fault.path:
+        return
     table, key, length = _key_around(document, fault.path)
     if isinstance(table, list):
         table[key] = {}

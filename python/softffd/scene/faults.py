@@ -35,7 +35,7 @@ class Fault:
     meant: KeyPath | None = None  # of an unknown key: the path that was probably meant
 
     def __str__(self) -> str:
-        return f"{path_text(self.path)}: {self.text}"
+        return f"{path_text(self.path)}: {self.text}" if self.path else self.text
 
 
 def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:

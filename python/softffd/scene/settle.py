@@ -10,7 +10,7 @@ from softffd.errors import MeshError, SceneError
 from softffd.scene.cells import MOST, cells_of
 from softffd.scene.checks import cross_check
 from softffd.scene.checks_contact import MEETING
-from softffd.scene.draft import Draft, read_draft
+from softffd.scene.draft import Draft, read_draft, unshared
 from softffd.scene.faults import Fault, in_file_order, toml_text
 from softffd.scene.keys import SceneKeys
 from softffd.scene.section import Section
@@ -32,10 +32,10 @@ def settled(document: Any, *, folder: Path, where: str) -> Draft:
     """
     if not isinstance(document, Mapping):
         raise SceneError(where, [f"wanted a table of sections, got {toml_text(document)}"])
-    draft = read_draft(dict(document), SceneKeys)
+    draft = read_draft(dict(document), SceneKeys, where)
     _settle(draft, folder)
     if faults := draft.faults + cross_check(draft):
-        raise SceneError(where, [str(fault) for fault in in_file_order(faults, dict(document))])
+        raise SceneError(where, [str(fault) for fault in in_file_order(faults, unshared(document))])
     return draft
 
 

@@ -15,7 +15,7 @@ from matplotlib.ticker import EngFormatter, MaxNLocator
 from PIL import Image
 
 from softffd.files import write_bytes
-from softffd.show.sheet import SOFT
+from softffd.show.sheet import PLAIN, SOFT
 
 CURVES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#56b4e9")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
@@ -51,9 +51,9 @@ def figure_of(sheet):
     for image in sheet.images():
         figure.add_artist(Pixels(figure, image))
     for words in sheet.words:
-        text = words.text.format(*(EngFormatter(unit=unit, places=1)(value) for value, unit in words.quantities))
+        told = (f"{before}{EngFormatter(unit=unit, places=1)(value)}" for before, value, unit in words.quantities)
         look = {"fontsize": words.size, "color": words.colour, "fontweight": words.weight}
-        figure.text(*words.place, text, ha=words.across, va="center", **look)
+        figure.text(*words.place, words.text + "".join(told), ha=words.across, va="center", **look, **PLAIN)
     for curves in sheet.curves:
         _draw_curves(figure, curves)
     if sheet.scale:
@@ -64,16 +64,26 @@ def figure_of(sheet):
 def _draw_curves(figure, curves):
     axes = figure.add_axes(curves.box)
     style = "steps-pre" if curves.steps else "default"
-    for (name, values), colour, dash in zip(curves.values.items(), cycle(CURVES), cycle(DASHES), strict=False):
-        axes.plot(curves.time, values, label=name, color=colour, linestyle=dash, linewidth=1.8, drawstyle=style)
+    lines = [
+        axes.plot(curves.time, values, color=colour, linestyle=dash, linewidth=1.8, drawstyle=style)[0]
+        for values, colour, dash in zip(curves.values.values(), cycle(CURVES), cycle(DASHES), strict=False)
+    ]
     for moment in curves.marks:
         axes.axvline(moment, color=SOFT, linewidth=0.8, linestyle=(0, (2, 3)), zorder=0)
-    axes.set_xlabel("time [s]")
-    axes.set_ylabel(curves.label)
-    if curves.time[-1] > curves.time[0]:
-        axes.set_xlim(curves.time[0], curves.time[-1])
+    name, unit = curves.across
+    axes.set_ylabel(curves.label, **PLAIN)
+    if name == "time":
+        axes.set_xlabel(f"time [{unit}]")
+        if curves.time[-1] > curves.time[0]:
+            axes.set_xlim(curves.time[0], curves.time[-1])
+    else:
+        axes.set_xlabel(name, **PLAIN)
+        axes.xaxis.set_major_formatter(EngFormatter(unit=unit, sep=" "))
     axes.grid(color="#e3e7ed", linewidth=0.8)
-    axes.legend(loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=5, frameon=False, fontsize=9.5, borderpad=0.2, columnspacing=1.2)
+    look = {"loc": "lower left", "bbox_to_anchor": (-0.01, 1.0), "ncols": 5, "frameon": False, "borderpad": 0.2, "columnspacing": 1.2}
+    legend = axes.legend(lines, list(curves.values), fontsize=9.5, **look)  # as given: a label of a line must not begin with "_"
+    for text in legend.get_texts():
+        text.set(**PLAIN)
     axes.spines[["top", "right"]].set_visible(False)
     axes.yaxis.set_major_formatter(EngFormatter(unit=curves.unit, sep=" "))
 

@@ -5,7 +5,10 @@ from functools import partial
 
 import numpy as np
 
+from softffd.errors import SoftffdError
+from softffd.names import unit_of
 from softffd.run.history import energies, heights, reactions
+from softffd.run.result import Columns
 from softffd.show.moments import first_contact, largest_deformation, telling_moments
 from softffd.show.panel import Panels, Shape
 from softffd.show.sheet import SOFT, Curves, Image, Sheet, Words
@@ -38,8 +41,8 @@ def run_sheet(result, *, mesh=None, origin=None, size=None, colour=None):
     images = partial(_images, sheet, stage, list(moments), box=box, tension=tension, touch=touch)
     words = [Words(stage.title, (0.02, 0.965), 15, "left", weight="bold"), *_captions(sheet, captions, box)]
     if (error := result.summary.get("estimated_error_m")) is not None:
-        quantities = ((result.summary["run_time_s"], "s"), (error, "m"))
-        words.append(Words("run time {}, estimated error {}", (0.98, 0.965), 10.5, "right", SOFT, quantities=quantities))
+        quantities = (("run time ", result.summary["run_time_s"], "s"), (", estimated error ", error, "m"))
+        words.append(Words("", (0.98, 0.965), 10.5, "right", SOFT, quantities=quantities))
     if touch.ways.any():
         said = "yellow: where it touches, and the force on each obstacle, twice as long for 4 times as much"
         words.append(Words(said, (0.98, 0.014), 9.5, "right", SOFT))
@@ -71,6 +74,38 @@ def strip_sheet(result, *, mesh=None, moments=None, labels=None, origin=None, si
 def history_sheet(result):
     """The curves alone: reactions [N] and energies [J]; without either the lattice's height."""
     return Sheet(13.0, 4.0, dpi=110, curves=_curves(result, bottom=0.15, top=0.89))
+
+
+def curve_sheet(result, *, x="time", y):
+    """Outputs or inputs `y` over another one or over time; those of one unit share their axes. A vector's name means its components.
+
+    Raises UnknownName with the nearest name, SoftffdError where `x` is a vector.
+    """
+    columns = Columns({"time": result.time, **result.columns(), **result.inputs}, "output or input")
+    across = _names_of(columns, x)
+    if len(across) != 1:
+        raise SoftffdError(f"x: wanted one output or input, got the vector {x}; take {', '.join(across)}")
+    (across,) = across
+    kinds: dict[str, dict[str, np.ndarray]] = {}
+    for name in (each for given in ([y] if isinstance(y, str) else y) for each in _names_of(columns, given)):
+        kinds.setdefault(unit_of(name), {})[name] = columns[name]
+    if not kinds:
+        raise SoftffdError("y: wanted at least one output or input, got none")
+    over = (across, "s" if across == "time" else unit_of(across))
+    curves = tuple(
+        Curves(box, next(iter(values)) if len(values) == 1 else "", unit, columns[across], values, across=over)
+        for box, (unit, values) in zip(_boxes(len(kinds), bottom=0.14, top=0.8), kinds.items(), strict=True)
+    )
+    words = (Words(result.title, (0.02, 0.95), 13, "left", weight="bold"),)
+    return Sheet(1.0 + 6.5 * len(kinds), 5.0, dpi=120, words=words, curves=curves)
+
+
+def _names_of(columns, name):
+    """The variable of this name, or the components of the vector."""
+    if name not in columns and (parts := [full for c in "wxyz" if (full := f"{name}.{c}") in columns]):
+        return parts
+    columns[name]  # UnknownName where it is not there
+    return [name]
 
 
 def _four_frames(result):
@@ -114,9 +149,13 @@ def _curves(result, *, bottom, top, marks=()):
     kinds = [("reaction", "N", forces, True), ("energy", "J", energies(result), False)]
     fallback = ("height of the lattice", "m", heights(result, up_direction(result.scene)), False)
     kinds = [kind for kind in kinds if kind[2]] or [fallback]
-    width = 0.96 / len(kinds)
-    boxes = [(0.075 + i * width, bottom, width - 0.085, top - bottom) for i in range(len(kinds))]
     return tuple(
         Curves(box, label, unit, np.asarray(result.time), values, steps, tuple(marks))
-        for box, (label, unit, values, steps) in zip(boxes, kinds, strict=True)
+        for box, (label, unit, values, steps) in zip(_boxes(len(kinds), bottom=bottom, top=top), kinds, strict=True)
     )
+
+
+def _boxes(count, *, bottom, top):
+    """Of axes side by side, as shares of the sheet."""
+    width = 0.96 / count
+    return [(0.075 + i * width, bottom, width - 0.085, top - bottom) for i in range(count)]

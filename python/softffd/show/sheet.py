@@ -8,6 +8,9 @@ import numpy as np
 INK, SOFT = "#1b2430", "#5b6675"
 """Colours of words and lines."""
 
+PLAIN = {"parse_math": False}
+"""Of words that are not this program's: two dollars in them make no formula."""
+
 Box = tuple[float, float, float, float]
 """Left, bottom, width and height, as shares of the sheet."""
 
@@ -23,8 +26,8 @@ class Image:
 
 @dataclass(frozen=True)
 class Words:
-    """A line of `text` at a place, as shares of the sheet: `across` it is "left", "center" or "right" of the line. A `{}` in the text is
-    the next of `quantities`, a number with its unit."""
+    """A line of `text`, as it is, at a place, as shares of the sheet: `across` it is "left", "center" or "right" of the line. After it come
+    `quantities`: each the words before it, a number and its unit."""
 
     text: str
     place: tuple[float, float]
@@ -32,21 +35,22 @@ class Words:
     across: str = "center"
     colour: str = INK
     weight: str = "normal"
-    quantities: tuple[tuple[float, str], ...] = ()
+    quantities: tuple[tuple[str, float, str], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Axes in `box` with a curve for each name over `time` (T,) [s]; `marks`: moments [s] that have a line; `steps`: each value holds over
-    the time before it."""
+    """Axes in `box` with a curve for each name over `time` (T,) [s], or over what `across` names with its unit; `marks`: moments [s] that
+    have a line; `steps`: each value holds over the time before it."""
 
     box: Box
     label: str
     unit: str
     time: np.ndarray
     values: Mapping[str, np.ndarray]
-    steps: bool
-    marks: tuple[float, ...]
+    steps: bool = False
+    marks: tuple[float, ...] = ()
+    across: tuple[str, str] = ("time", "s")
 
 
 @dataclass(frozen=True)

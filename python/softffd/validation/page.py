@@ -27,7 +27,7 @@ def page(title: str, about: Mapping[str, Any], header: Iterable[str], sections: 
 
 def section(title: str, *parts: str, name: str = "") -> str:
     """A card; parts are HTML, name is where links go."""
-    anchor = f' id="{name}"' if name else ""
+    anchor = f' id="{html.escape(name)}"' if name else ""
     return _joined([f"<section{anchor}><h2>{html.escape(title)}</h2>", *parts, "</section>"])
 
 

@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from softffd import Simulation, load_scene, simulate
+from mesh_files import ball as trimesh_ball
+from softffd import Result, Simulation, load_scene, save_mesh, simulate
 from softffd.cli.command import main
+from softffd.cli.keep import RESULTS
 from softffd.cli.told import pace
 from softffd.embedding import mass
 from softffd.errors import FmuError
@@ -122,6 +124,32 @@ def test_nothing_is_said_of_what_did_not_happen(capsys):
     assert json.loads(Path("softffd-box/summary.json").read_text())["plane.plate.reaction_peak_N"] == 0
     said = told(capsys, "run", "box.toml", "--set", "load.push.x=100", "--overwrite")
     assert "largest deformation" in said and "energy balance" in said and "reaction" not in said
+
+
+@pytest.mark.parametrize("positions", ["none", "z+"])
+def test_pictures_of_an_earlier_run_go_where_there_are_none_now(positions):
+    save_mesh(trimesh_ball(), "ball.obj")
+    Path("meshed.toml").write_text('[mesh]\nfile = "ball.obj"\n[experiment]\nstop_time = 0.02\n')
+    assert main(["run", "meshed.toml", "-o", "kept"]) == 0
+    kept = Path("kept")
+    shown = {"picture.png", "view.html", "deformed.obj"}
+    assert {file.name for file in kept.iterdir()} >= shown
+    for name in ("deformed.mtl", "deformed.png", "deformed_2.png", "deformed.glb", "mine.png", "deformed.blend"):
+        (kept / name).write_text("old")
+    Path("meshed.toml").write_text(Path("meshed.toml").read_text() + f'[outputs]\npositions = "{positions}"\n')
+    assert main(["run", "meshed.toml", "-o", "kept", "--overwrite"]) == 0
+    assert {file.name for file in kept.iterdir()} == {*RESULTS, "mine.png", "deformed.blend"}
+    found = json.loads((kept / "summary.json").read_text())["findings"]
+    assert [line for line in found if "no pictures" in line]
+    assert Result.load(kept).summary["findings"] == found
+
+
+def test_the_mesh_of_the_run_stays_where_it_is_called_as_its_result_would_be():
+    save_mesh(trimesh_ball(), "deformed.obj")
+    Path("meshed.toml").write_text('[mesh]\nfile = "deformed.obj"\n[experiment]\nstop_time = 0.02\n[outputs]\npositions = "none"\n')
+    for _ in range(2):
+        assert main(["run", "meshed.toml", "-o", ".", "--overwrite"]) == 0
+    assert Path("deformed.obj").is_file()
 
 
 def test_an_interrupted_run_keeps_what_was_simulated(monkeypatch, capsys):

@@ -70,18 +70,21 @@ def test_a_step_that_fails_on_the_way_is_told_as_by_itself(calls):
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.usefixtures("ctrl_c_is_heard")
-def test_ctrl_c_while_the_component_speaks_ends_the_run():
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_while_the_component_speaks_ends_the_run(number, request):
     """A KeyboardInterrupt raised in a callback of the library would be printed and lost."""
     said = []
 
     def interrupt(message):
         if not said:
-            os.kill(os.getpid(), signal.SIGINT)
+            os.kill(os.getpid(), number)
         said.append(message)
 
     def listen(simulation, _inputs):
         simulation.component.listener = interrupt
 
+    before = signal.signal(number, signal.default_int_handler)
+    request.addfinalizer(lambda: signal.signal(number, before))
     restless = PUSHED.replace({"experiment.stop_time": 200.0})
     with pytest.raises(Interrupted) as stop:
         simulate(restless, begun=listen, inputs={"load.push.x": 1.0})

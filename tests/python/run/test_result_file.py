@@ -1,6 +1,10 @@
 """The one file of a result: it brings everything back, and nothing else passes for it."""
 
+import json
+import zipfile
 from dataclasses import fields, replace
+from io import BytesIO
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -81,14 +85,33 @@ def test_outputs_may_be_called_what_the_file_calls_its_own(result, tmp_path):
     require_same(named, Result.load(tmp_path / "run.npz"))
 
 
-def test_the_mesh_is_found_where_it_was_or_beside_the_file(ball_run, tmp_path):
-    elsewhere = tmp_path / "elsewhere"
-    ball_run.save(elsewhere / "run.npz")
-    loaded = Result.load(elsewhere / "run.npz")
-    assert loaded.scene == ball_run.scene
-    np.testing.assert_array_equal(loaded.deformed(), ball_run.deformed())
-    (tmp_path / "ball.obj").rename(elsewhere / "ball.obj")
-    np.testing.assert_array_equal(Result.load(elsewhere / "run.npz").deformed(), ball_run.deformed())
+def test_the_mesh_is_found_below_the_folders_of_the_result_and_of_the_user_or_where_he_says(ball_run, tmp_path, monkeypatch):
+    kept, mesh = tmp_path / "kept", tmp_path / "ball.obj"
+    ball_run.save(tmp_path / "run.npz")
+    assert Result.load(tmp_path / "run.npz").scene == ball_run.scene
+    ball_run.save(kept / "run.npz")
+    np.testing.assert_array_equal(Result.load(kept / "run.npz", mesh=mesh).deformed(), ball_run.deformed())
+    with monkeypatch.context() as moved:
+        moved.chdir(tmp_path)
+        assert Result.load("kept/run.npz").scene == ball_run.scene
+    mesh.rename(kept / "ball.obj")
+    np.testing.assert_array_equal(Result.load(kept / "run.npz").deformed(), ball_run.deformed())
+
+
+def test_a_mesh_in_any_other_place_is_not_looked_at(ball_run, tmp_path, monkeypatch):
+    ball_run.save(tmp_path / "kept" / "run.npz")
+    asked, is_file = [], Path.is_file
+    monkeypatch.setattr(Path, "is_file", lambda path: asked.append(path) or is_file(path))
+    monkeypatch.setattr("softffd.mesh.mesh.load_mesh", lambda file, **_keys: asked.append(file))
+    loaded = Result.load(tmp_path / "kept" / "run.npz")
+    assert loaded.scene is None and "load(..., mesh=FILE) takes it from elsewhere" in loaded.sceneless
+    assert tmp_path / "ball.obj" not in asked
+
+
+def test_the_mesh_of_a_shipped_scene_is_found(tmp_path):
+    run = simulate(load_scene("car_drop"), stop_time=0.02)
+    run.save(tmp_path / "run.npz")
+    assert Result.load(tmp_path / "run.npz").scene == run.scene
 
 
 @pytest.mark.parametrize("change, why", [(lambda file: file.unlink(), "ball.obj"), (None, "ball.obj is another mesh than at the time")])
@@ -141,6 +164,85 @@ def test_a_later_version_is_named(result, tmp_path, monkeypatch):
     result.save(tmp_path / "run.npz")
     monkeypatch.undo()
     with pytest.raises(SoftffdError, match=r"written by softffd 9\.9, whose results this one"):
+        Result.load(tmp_path / "run.npz")
+
+
+WRONG = [
+    *[{key: None} for key in ("outputs", "inputs", "parameters", "summary", "plain_names", "log")],
+    *[{key: 3} for key in ("version", "outputs", "inputs", "parameters", "summary", "lattice", "log", "scene", "obstacles")],
+    *[{key: []} for key in ("parameters", "summary", "lattice", "plain_names", "obstacles")],
+    {"version": "1", "outputs": {}}, {"version": None, "log": [[1]]}, {"version": 10**400}, {"version": 2, "softffd": ...},
+    {"outputs": ["time"]}, {"outputs": [["mass"]]}, {"inputs": ["a"] * 99}, {"parameters": {"mass": [1]}}, {"log": [["a", "b", "c"]]},
+    {"lattice": {"points": [2, 2]}}, {"lattice": {"points": [2, 2, 3], "origin": [0, 0, 0], "size": [1, 1, 1], "basis": "bezier"}},
+    {"lattice": {"points": [2, 2, 2], "origin": [0, 0, 0], "size": [1, 1, 1], "basis": "bezir"}}, {"obstacles": {"meet": "nothing"}},
+    {"obstacles": {"meet": "lattice", "solids": [{}]}}, {"scene": {"keys": []}}, {"scene": {"keys": [], "path": "a", "mesh": None}},
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def small() -> Result:
+    return simulate(box(points=[2, 2, 2], stop_time=0.02))
+
+
+def rewritten(result: Result, path, **changes) -> Result:
+    """What a file with another header is loaded as; ... for a key takes it away."""
+    result.save(path)
+    with np.load(path) as kept:
+        arrays = dict(kept)
+    header = json.loads(str(arrays["header"])) | changes
+    arrays["header"] = np.array(json.dumps({key: value for key, value in header.items() if value is not ...}))
+    np.savez(path, **arrays)
+    return Result.load(path)
+
+
+@pytest.mark.parametrize("changes", WRONG, ids=str)
+def test_a_header_that_is_not_of_this_form_is_refused(small, tmp_path, changes):
+    with pytest.raises(SoftffdError, match=r"run\.npz: (damaged, or no result that softffd wrote \(|written by softffd )"):
+        rewritten(small, tmp_path / "run.npz", **changes)
+
+
+@pytest.mark.parametrize("key", ["version", "outputs", "inputs", "parameters", "summary", "lattice", "plain_names", "log", "scene"])
+def test_a_header_without_a_part_is_refused(small, tmp_path, key):
+    with pytest.raises(SoftffdError, match="damaged, or no result that softffd wrote"):
+        rewritten(small, tmp_path / "run.npz", **{key: ...})
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [{"mesh": []}, {"mesh": {}}, {"mesh": {"file": 3}}, {"mesh": {"file": "a\0b"}}, {"mesh": {"file": ""}}, {"mesh": {"file": ".."}},
+     {"plane": 3}, {"pin": [{"points": {"1": 2}}]}, {"": 1}],
+)  # fmt: skip
+def test_a_scene_that_is_none_is_told_and_the_numbers_stay(small, tmp_path, keys):
+    loaded = rewritten(small, tmp_path / "run.npz", scene={"keys": keys, "path": "a\0b", "mesh": None})
+    assert loaded.scene is None and loaded.sceneless
+    np.testing.assert_array_equal(loaded.positions, small.positions)
+
+
+def test_arrays_of_other_shapes_are_refused(small, tmp_path):
+    path = tmp_path / "run.npz"
+    for key, wrong in (("time", small.time[1:]), ("positions", small.positions[..., :2]), ("time", np.array(1.0)),
+                       ("inputs", np.array(1.0)), ("positions", small.positions.astype("S8"))):  # fmt: skip
+        small.save(path)
+        with np.load(path) as kept:
+            arrays = dict(kept) | {key: wrong}
+        np.savez(path, **arrays)
+        with pytest.raises(SoftffdError, match="damaged, or no result that softffd wrote"):
+            Result.load(path)
+
+
+def test_what_would_not_fit_into_the_memory_is_refused_unread(small, tmp_path, monkeypatch):
+    monkeypatch.setattr("softffd.run.npz.memory", lambda: 1e3)
+    small.save(tmp_path / "run.npz")
+    with pytest.raises(SoftffdError, match=r"run\.npz: its arrays take .* GB; wanted at most 1e-06 GB, this machine's memory"):
+        Result.load(tmp_path / "run.npz")
+
+
+def test_an_array_that_promises_more_than_its_entry_holds_is_refused(tmp_path):
+    stream = BytesIO()
+    np.lib.format.write_array_header_1_0(stream, {"descr": "<f8", "fortran_order": False, "shape": (10**14,)})
+    with zipfile.ZipFile(tmp_path / "run.npz", "w") as archive:
+        archive.writestr("header.npy", stream.getvalue())
+    with pytest.raises(SoftffdError, match=r"an array of shape \(100000000000000,\)"):
         Result.load(tmp_path / "run.npz")
 
 

@@ -2,8 +2,10 @@
 
 import base64
 import html
+import os
 import re
 import sys
+import tempfile
 from dataclasses import replace
 from io import BytesIO
 
@@ -14,6 +16,7 @@ from PIL import Image
 from made_up_run import made_up_run
 from scenes import LED, box, table_and_press
 from softffd import SoftffdError, simulate
+from softffd.run import shown
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +37,46 @@ def test_plot_gives_the_figure_and_writes_it(tmp_path):
     assert figure._repr_png_() == (tmp_path / "run.png").read_bytes()
     with Image.open(tmp_path / "run.png") as image:
         assert image.size == tuple((figure.get_size_inches() * figure.dpi).round().astype(int))
+
+
+def test_plot_draws_outputs_over_another(result, tmp_path):
+    figure = result.plot(tmp_path / "force.png", x="position[0,0,3].z", y=["plane.press.reaction", "plane.press.point.z"])
+    forces, points = figure.axes
+    assert forces.get_xlabel() == "position[0,0,3].z" and (tmp_path / "force.png").read_bytes() == figure._repr_png_()
+    assert [text.get_text() for text in forces.get_legend().get_texts()] == [f"plane.press.reaction.{c}" for c in "xyz"]
+    np.testing.assert_array_equal(forces.lines[2].get_ydata(), result.outputs["plane.press.reaction.z"])
+    np.testing.assert_array_equal(forces.lines[2].get_xdata(), result.positions[:, 0, 0, 3, 2])
+    np.testing.assert_array_equal(points.lines[0].get_ydata(), result.inputs["plane.press.point.z"])
+    (over_time,) = result.plot(y="plane.press.reaction.z").axes
+    assert over_time.get_xlabel() == "time [s]" and over_time.get_ylabel() == "plane.press.reaction.z"
+
+
+@pytest.mark.parametrize(
+    "asked, words",
+    [
+        ({"y": "plane.pres.reaction.z"}, 'did you mean "plane.press.reaction.z"'),
+        ({"x": "plane.press.point", "y": "time"}, r"x: wanted one output or input, got the vector plane\.press\.point; take plane"),
+        ({"x": "plane.press.point.z"}, "plot: wanted x with y"),
+        ({"y": "time", "colour": "stretch"}, "plot: wanted x with y, and colour without them"),
+    ],
+)
+def test_what_cannot_be_plotted_is_refused(result, asked, words):
+    with pytest.raises(SoftffdError, match=words):
+        result.plot(**asked)
+
+
+def test_pages_of_a_process_share_a_folder_and_yesterdays_go(tmp_path, monkeypatch, opened):
+    old, new, other = (tmp_path / name for name in ("softffd-view-old", "softffd-view-new", "softffd-run"))
+    for folder in (old, new, other):
+        folder.mkdir()
+    for folder in (old, other):
+        os.utime(folder, (1e9, 1e9))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    shown._pages.cache_clear()
+    first, second = made_up_run().view(), made_up_run().view()
+    shown._pages.cache_clear()
+    assert first != second and first.parent == second.parent and len(opened) == 2
+    assert sorted(tmp_path.iterdir()) == sorted([new, other, first.parent])
 
 
 def test_view_writes_the_page_and_opens_it(tmp_path, opened):

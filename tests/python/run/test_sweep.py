@@ -111,6 +111,22 @@ def test_an_interrupted_sweep_goes_on_where_it_was(table, tmp_path, monkeypatch,
     assert [path.name for path in tmp_path.iterdir()] == ["kept.npz"]
 
 
+def test_a_kept_sweep_is_not_continued_by_another_build_of_the_library(tmp_path, monkeypatch):
+    file = tmp_path / "kept.npz"
+    sweep(SCENE, {"mass": [1]}, outputs=[FORCE], stop_time=0.01, file=file)
+    monkeypatch.setattr("softffd.fmu.component.Component.library_hash", lambda _component: "another")
+    with pytest.raises(SoftffdError, match="holds another sweep: other library;"):
+        sweep(SCENE, {"mass": [1]}, outputs=[FORCE], stop_time=0.01, file=file)
+
+
+def test_variables_may_have_any_name(tmp_path):
+    names = ("file", "allow_pickle", "a/b", "args")
+    about = {"values": ["file"], "outputs": names[1:], "units": dict.fromkeys(names, ""), "title": "Names"}
+    table = Sweep({"file": np.arange(2.0)}, {name: np.ones(2) for name in names[1:]}, np.array(["", "x"], object), np.ones(2, bool), about)
+    loaded = Sweep.load(table.save(tmp_path / "kept.npz"))
+    assert loaded.values["file"].tolist() == [0, 1] and list(loaded.outputs) == list(names[1:]) and loaded.failures == table.failures
+
+
 def test_a_file_of_another_sweep_is_refused(tmp_path):
     file = tmp_path / "kept.npz"
     sweep(SCENE, {"mass": [1]}, outputs=[FORCE], stop_time=0.01, file=file)
@@ -119,7 +135,7 @@ def test_a_file_of_another_sweep_is_refused(tmp_path):
     with pytest.raises(SoftffdError, match="other fmu, inputs;"):
         sweep(SCENE.replace({"material.damping": 0.3}), {"mass": [1]}, outputs=[FORCE], stop_time=0.01, file=file, inputs=COURSE)
     file.write_text("nothing")
-    with pytest.raises(SoftffdError, match="wanted the NPZ file of a sweep"):
+    with pytest.raises(SoftffdError, match="damaged, or no sweep that softffd wrote"):
         sweep(SCENE, {"mass": [1]}, file=file)
 
 
@@ -176,15 +192,64 @@ def test_without_xarray_its_name_is_told(table, monkeypatch):
         table.to_xarray()
 
 
-def test_one_variable_is_drawn_as_lines_and_two_as_maps(table, tmp_path):
+def made_up(title="Made up", **values) -> Sweep:
+    """A table without runs; its last one has failed."""
+    shape = tuple(map(len, values.values()))
+    messages = np.full(shape, "", dtype=object)
+    messages[(-1,) * len(shape)] = "no"
+    about = {"title": title, "units": {**dict.fromkeys(values, "N/m"), FORCE: "N"}}
+    output = np.random.default_rng(0).random(shape)
+    return Sweep({name: np.array(given) for name, given in values.items()}, {FORCE: output}, messages, np.ones(shape, bool), about)
+
+
+def test_one_variable_is_a_line_and_two_are_a_line_for_each_value_or_a_map(table, tmp_path):
     line = sweep(SCENE, {"solver.method": ["leapfrog", "bm4"]}, outputs=[FORCE], stop_time=0.01)
     (panel,) = line.plot().axes
     assert panel.lines[0].get_ydata().tolist() == line.outputs[FORCE].tolist()
     assert [text.get_text() for text in panel.get_xticklabels()] == ["leapfrog", "bm4"]
-    panel, bar = table.plot(tmp_path / "map.png", outputs=FORCE).axes
-    drawn = panel.collections[0].get_array()
-    assert drawn.tolist() == table.outputs[FORCE][:, [1, 2, 0]].T.tolist()  # heights in their order
-    assert (tmp_path / "map.png").read_bytes().startswith(b"\x89PNG") and bar.get_ylabel() == f"{FORCE} [N]"
+    figure = table.plot(tmp_path / "lines.png", outputs=FORCE)
+    (panel,), (legend,) = figure.axes, figure.legends
+    drawn = [line.get_ydata().tolist() for line in panel.lines[:2]]
+    assert drawn == table.outputs[FORCE][:, [1, 2, 0]].tolist()  # heights in their order
+    assert [text.get_text() for text in legend.get_texts()] == ["400", "900"] and legend.get_title().get_text() == "stiffness.edge [N/m]"
+    assert (tmp_path / "lines.png").read_bytes().startswith(b"\x89PNG") and panel.get_ylabel() == f"{FORCE} [N]"
+    many = made_up(one=np.arange(9.0), other=np.arange(10.0)[::-1])
+    panel, bar = many.plot().axes
+    assert panel.collections[0].get_array().tolist() == many.outputs[FORCE][:, ::-1].tolist() and bar.get_ylabel() == f"{FORCE} [N]"
+
+
+AXES = {
+    "few": [0.1, 0.25, 0.3], "many": np.linspace(0, 1, 200), "factor": np.geomspace(500, 2000, 4), "decades": np.geomspace(1e-9, 1e9, 40),
+    "one": [3.0], "near": [1.00000001, 1.00000002, 1.00000003], "crowded": [0, 1e-6, 2e-6, 1.0],
+    "words": ["leapfrog", "central_difference"] * 6, "short": ["a", "b"],
+}  # fmt: skip
+
+
+@pytest.mark.short("line-*", "lines-decades", "map-many", "map-words")
+@pytest.mark.parametrize("values", AXES.values(), ids=AXES)
+@pytest.mark.parametrize("other", [None, [1.0, 2.0], np.arange(20.0)], ids=["line", "lines", "map"])
+def test_ticks_are_values_and_do_not_overlap(values, other):
+    both = {"k": values} if other is None else {"k": values, "other": other}
+    panel = (figure := made_up(**both).plot()).axes[0]
+    figure.canvas.draw()
+    given = [value for each in both.values() for value in each]
+    digits = range(4, 12)
+    allowed = {word for value in given for word in ([value] if isinstance(value, str) else [f"{value:.{n}g}" for n in digits])}
+    for axis in (panel.xaxis, panel.yaxis) if len(both) == 2 and len(panel.lines) == 1 else (panel.xaxis,):
+        labels = axis.get_ticklabels()
+        boxes = [label.get_window_extent() for label in labels if not label.get_rotation()]
+        assert labels and {label.get_text() for label in labels} <= allowed and not axis.get_minorticklocs().size
+        assert not any(one.overlaps(two) for n, one in enumerate(boxes) for two in boxes[:n])
+
+
+def test_words_of_the_user_are_drawn_as_they_are():
+    title = r"from $5 to $10, $ $, {1}, 100 % \alpha"
+    figure = made_up(title, **{"k$_2$": ["$a$", "$ $", "{}"], "other": ["_one", "$x^2$"]}).plot()
+    figure.canvas.draw()
+    (legend,) = figure.legends
+    words = [figure._suptitle, figure.axes[0].xaxis.label, *figure.axes[0].get_xticklabels(), *legend.get_texts(), legend.get_title()]
+    assert not any(text.get_parse_math() for text in words) and words[0].get_text() == title
+    assert [text.get_text() for text in legend.get_texts()] == ["_one", "$x^2$"]
 
 
 def test_a_picture_of_three_variables_is_refused():

@@ -6,9 +6,12 @@ import re
 
 import numpy as np
 import pytest
+from pydantic import BaseModel, model_validator
+from pydantic_core import PydanticCustomError
 
 from softffd.errors import SceneError
-from softffd.scene.scene import scene_from, schema
+from softffd.scene.draft import read_draft
+from softffd.scene.scene import Scene, scene_from, schema
 
 PLANE = {"name": "ground"}
 TWENTY = "a" * 200
@@ -213,3 +216,32 @@ def test_numbers_and_arrays_of_numpy_are_numbers_and_lists():
     document = {"lattice": {"points": np.array([3, 4, 5]), "size": np.ones(3)}, "mass": {"total": np.float32(2)}, "plane": [PLANE]}
     scene = scene_from(document | {"outputs": {"positions": [[np.int64(0), 0, 0]]}})
     assert scene.lattice.points == (3, 4, 5) and scene.mass.total == 2.0
+
+
+@pytest.mark.parametrize(
+    "document, problem",
+    [
+        ({"pin": [{"name": "a", "points": {1: 2}}]}, 'pin[0].points.1: unknown key, wanted "i", "j" or "k"'),
+        ({1: 2}, '1: unknown key, wanted "title"'),
+        ({"lattice": {None: 2}}, "lattice.None: unknown key"),
+        ({"plane": [{"name": "a", (1, 2): 3}]}, 'plane[0]."(1, 2)": unknown key'),
+        ({"mesh": {"file": "x.obj", b"scale": 1}}, "mesh.\"b'scale'\": unknown key"),
+    ],
+)
+def test_a_key_that_is_no_word_is_an_unknown_key(document, problem):
+    with pytest.raises(SceneError) as refused:
+        Scene.model_validate(document)
+    assert refused.value.problems[0].startswith(problem)
+
+
+def test_a_fault_without_a_place_ends_the_reading():
+    class Odd(BaseModel):
+        count: int = 1
+
+        @model_validator(mode="after")
+        def never(self):
+            raise PydanticCustomError("wanted", "another model")
+
+    with pytest.raises(SceneError) as refused:
+        read_draft({"count": "many"}, Odd, "odd.toml")
+    assert str(refused.value).startswith("odd.toml: 2 problems") and any("another model" in each for each in refused.value.problems)

@@ -15,7 +15,7 @@ TIME = np.linspace(0.0, 2.0, 50)
 SHEET = Sheet(
     3.0, 2.0, 100,
     images=lambda: (IMAGE,),
-    words=(Words("in {}, by {}", (0.5, 0.9), 9, quantities=((1.5e-3, "s"), (2e-6, "m"))),),
+    words=(Words("a", (0.5, 0.9), 9, quantities=((" in ", 1.5e-3, "s"), (", by ", 2e-6, "m"))),),
     curves=(Curves((0.2, 0.4, 0.7, 0.2), "force", "N", TIME, {"one": TIME**2, "two": np.sin(TIME)}, True, (0.5,)),),
     scale=Scale((0.4, 0.7, 0.4, 0.03), "viridis", (0.0, 2.0), "Pa", "stress"),
 )  # fmt: skip

@@ -14,6 +14,7 @@ from softffd.mesh.mesh import load_mesh
 from softffd.show.figure import figure_of, png_of
 from softffd.show.panel import Panels, Shape, view_axes
 from softffd.show.picture import history_sheet, run_sheet, strip_sheet
+from softffd.show.sheet import Curves, Sheet
 from softffd.show.stage import FREE, PINNED, stage_of
 from softffd.show.touch import MARK
 
@@ -130,3 +131,27 @@ def test_picture_of_a_real_mesh(real_meshes):
     origin, size = mesh.bounds[0], np.ptp(mesh.bounds, axis=0)
     image = pixels(strip_sheet(made_up_run(), mesh=mesh, moments=[1.2], origin=origin, size=size))
     assert ((image[..., 2] > image[..., 0] + 0.2).sum()) > 3000
+
+
+TIMES = np.linspace(0.0, 1.0, 5)
+USERS = ["set {1}", "{x}", "{", "}{", "from $5 to $10", "$ $", r"\alpha $x^2$ 100 %"]
+
+
+@pytest.mark.parametrize("title", USERS)
+def test_a_title_is_drawn_as_it_is(title):
+    run = replace(made_up_run(), summary={"title": title, "run_time_s": 1.0, "estimated_error_m": 1e-3}, scene=None)
+    figure = figure_of(replace(run_sheet(run), images=tuple))
+    png_of(figure)
+    assert title in [text.get_text() for text in figure.texts]
+    assert "run time 1.0 s, estimated error 1.0 mm" in [text.get_text() for text in figure.texts]
+
+
+def test_names_of_curves_are_drawn_as_they_are():
+    names = ["_press", "$a$", "$ $", "{}"]
+    curves = Curves((0.1, 0.2, 0.8, 0.6), "$ $", "N", TIMES, dict.fromkeys(names, TIMES), across=("$x$", "m"))
+    figure = figure_of(Sheet(4.0, 3.0, 100, curves=(curves,)))
+    png_of(figure)
+    (axes,) = figure.axes
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == names
+    words = [*axes.get_legend().get_texts(), axes.xaxis.label, axes.yaxis.label]
+    assert not any(text.get_parse_math() for text in words)

@@ -1,10 +1,14 @@
 """What the reports and files of the measurements have in common."""
 
 import csv
+import html
 import json
 import math
 from html.parser import HTMLParser
+from types import SimpleNamespace
+from urllib.parse import unquote
 
+from softffd.validation.accuracy.report import _summary
 from softffd.validation.conditions import condition_words, conditions
 from softffd.validation.kept import csv_text, json_text, keep_files
 from softffd.validation.page import NONE, image, page, paragraph, row, section, small, table, time_words
@@ -37,6 +41,18 @@ def test_the_page_is_whole_and_asks_for_nothing_from_elsewhere():
     assert "<h1>1 &lt; 2</h1>" in text and '<section id="here"><h2>A &amp; B</h2>' in text and "softffd accuracy; " in text
     assert '<tr class="chosen"><th>first</th><td>1</td><td class="best">2</td><td>&ndash;</td></tr>' in text
     assert text.count("<tbody>") == 1
+
+
+def test_names_of_scenes_are_no_tags():
+    name = '"><script>a&b</script> %41.toml'
+    record = SimpleNamespace(scene=name, cheapest=lambda *_given: None)
+    text = _summary([record]) + section("title", name=name)
+    assert "<script>" not in text and f"{html.escape(name)}</a>" in text
+    links = []
+    reader = HTMLParser()
+    reader.handle_starttag = lambda _tag, attributes: links.extend(value for key, value in attributes if key in ("href", "id"))
+    reader.feed(text)
+    assert [unquote(link.removeprefix("#")) for link in links[:1]] == links[1:] == [name]
 
 
 def test_nothing_to_say_leaves_no_tag():

@@ -48,13 +48,14 @@ REALS_ALONE = (
     "reads every output as a Real: scenes get `outputs.reactions = false`,\n  which leaves out the Integer `plane.NAME.contacts`. It sets "
     "inputs that nothing drives to 0, unless their starts stand in\n  `initialization` of its configuration"
 )
+TBB = "it needs `libtbb.so.12`, which it does not bring: `libtbb12` of Debian and Ubuntu, or `tbb` of PyPI"
 ECOS_NOTICES = (
     r"\[.*\] \[ecos\] \[debug\] "
     r"(Initializing simulation\.\.|Parameterset 'start' applied to 1 instances|Initialized\.|Terminating simulation\.\.|Terminated\.)"
 )
 IMPORTERS = {
     "libcosim": Importer(importers.libcosim, importers.version("libcosim"), "libcosimpy, PyPI", r"\[.*\] \[info\] .*"),
-    "Ecos": Importer(importers.ecos, importers.version("ecos"), "ecospy, PyPI", ECOS_NOTICES),
+    "Ecos": Importer(importers.ecos, importers.version("ecos"), "ecospy, PyPI", ECOS_NOTICES, remark=TBB),
     "Maestro": Importer(
         importers.maestro, importers.version("maestro"), "org.into-cps.maestro:maestro, Maven Central",
         r"[\d:.]+ \[main\] (DEBUG|INFO) (?!.* logStatus\w+ ).*|SLF4J\([WI]\): .*|NOTE: Picked up JDK_JAVA_OPTIONS: .*",

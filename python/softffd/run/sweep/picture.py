@@ -1,15 +1,17 @@
-"""The picture of a sweep: lines over one variable, maps over two."""
+"""The picture of a sweep: lines over one variable, for two a line for each value of the one with fewer, or maps where both have many."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
 from softffd.errors import SoftffdError
 from softffd.files import replacing
@@ -19,7 +21,15 @@ if TYPE_CHECKING:
 
 LARGEST = 30
 """Outputs in one picture"""
+MOST_LINES = 8
+"""In one panel; more values than these of two variables make a map"""
 FORMATS = (".png", ".svg", ".pdf")
+PLAIN = {"parse_math": False}
+"""Of words that are not this program's: two dollars in them make no formula"""
+WIDE, TALL = 2.3, 2.2
+"""Inches that an axis of a panel has for its ticks, at least"""
+LETTER, LINE = 0.09, 0.2
+"""Of a tick's words: width of a letter and height of a line [inches]"""
 
 
 def draw(table: Sweep, file: str | Path | None, outputs: Iterable[str] | None) -> Figure:
@@ -33,14 +43,23 @@ def draw(table: Sweep, file: str | Path | None, outputs: Iterable[str] | None) -
         raise SoftffdError(f"{file}: wanted a picture's name that ends with {', '.join(FORMATS)}")
     columns = min(3, len(names))
     rows = math.ceil(len(names) / columns)
-    figure = Figure(figsize=(1 + 4.2 * columns, 0.5 + 3.2 * rows), layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(table.about["title"])
     axes = [_Axis(name, table.about["units"][name], values) for name, values in table.values.items()]
+    turned = len(axes) == 2 and len(axes[0].places) < len(axes[1].places)
+    axes, failed = (axes[::-1], (table.messages != "").T) if turned else (axes, table.messages != "")
+    as_map = len(axes) == 2 and len(axes[1].places) > MOST_LINES
+    with_legend = len(axes) == 2 and not as_map
+    figure = Figure(figsize=(1 + 4.2 * columns + 2 * with_legend, 0.5 + 3.2 * rows), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(table.about["title"], **PLAIN)
     for number, name in enumerate(names, 1):
         panel = figure.add_subplot(rows, columns, number)
-        label = _label(name, table.about["units"].get(name, ""))
-        (_line if len(axes) == 1 else _map)(panel, axes, table.outputs[name], table.messages != "", label)
+        values = table.outputs[name].T if turned else table.outputs[name]
+        (_map if as_map else _lines)(panel, axes, values, failed, _label(name, table.about["units"].get(name, "")))
+    if with_legend:
+        lines = panel.get_lines()[: len(axes[1].places)]
+        legend = figure.legend(lines, axes[1].words, title=axes[1].label, loc="outside right upper", frameon=False)
+        for text in (*legend.get_texts(), legend.get_title()):
+            text.set(**PLAIN)
     if file is not None:
         with replacing(file) as stream:
             figure.savefig(stream, format=Path(file).suffix[1:], dpi=120)
@@ -48,32 +67,69 @@ def draw(table: Sweep, file: str | Path | None, outputs: Iterable[str] | None) -
 
 
 class _Axis:
-    """A varied variable as an axis: names at whole numbers; a logarithmic scale where the values grow by a factor."""
+    """A varied variable as an axis with its values as ticks: names at whole numbers; a logarithmic scale where they grow by a factor."""
 
     def __init__(self, name: str, unit: str, values: np.ndarray):
-        self.label, self.words = _label(name, unit), values if values.dtype.kind in "UO" else None
-        self.places = np.arange(len(values)) if self.words is not None else values.astype(float)
+        self.label, self.named = _label(name, unit), values.dtype.kind in "UO"
+        self.places = np.arange(len(values)) if self.named else values.astype(float)
+        self.words = list(map(str, values)) if self.named else _told_apart(self.places)
         self.order = np.argsort(self.places, kind="stable")
         sorted_places = self.places[self.order]
         ratios = sorted_places[1:] / sorted_places[:-1] if len(values) > 2 and (self.places > 0).all() else np.array([])
-        self.logarithmic = bool(self.words is None and ratios.size and np.allclose(ratios, ratios[0]) and ratios[0] > 1.2)
+        self.logarithmic = bool(not self.named and ratios.size and np.allclose(ratios, ratios[0]) and ratios[0] > 1.2)
 
     def dress(self, axis: Any, scale: Any) -> None:
         """axis: xaxis or yaxis of a panel; scale: its set_xscale or set_yscale."""
-        axis.set_label_text(self.label)
-        if self.words is not None:
-            axis.set_ticks(self.places, labels=list(self.words))
-        elif self.logarithmic:
+        axis.set_label_text(self.label, **PLAIN)
+        if self.logarithmic:
             scale("log")
+        across = axis.axis_name == "x"
+        kept = self._that_fit(WIDE, [LETTER * (len(words) + 2) for words in self.words]) if across else []
+        aslant = across and self.named and len(kept) < len(self.places)
+        if aslant or not across:
+            kept = self._that_fit(WIDE if across else TALL, [LINE] * len(self.places))
+        look = {"rotation": 60, "ha": "right", "rotation_mode": "anchor"} if aslant else {}
+        axis.set_ticks(self.places[kept], labels=[self.words[n] for n in kept], **look, **PLAIN)
+        axis.set_minor_locator(NullLocator())
+
+    def _that_fit(self, room: float, sizes: Sequence[float]) -> list[int]:
+        """The values, from the first to the last, whose words of these sizes do not overlap on an axis with so much room [inches]."""
+        places = np.log(self.places) if self.logarithmic else self.places
+        at = (places - places.min()) / (np.ptp(places) or 1.0) * room
+
+        def apart(one: int, other: int) -> bool:
+            return abs(float(at[one] - at[other])) >= (sizes[one] + sizes[other]) / 2
+
+        order = self.order.tolist()
+        kept, last = order[:1], order[-1]
+        for n in order[1:]:
+            if apart(kept[-1], n) and (n == last or apart(n, last)):
+                kept.append(n)
+        return kept
 
 
-def _line(panel: Any, axes: list[_Axis], values: np.ndarray, failed: np.ndarray, label: str) -> None:
-    (x,) = axes
-    panel.plot(x.places[x.order], values[x.order], ".-", color="#1f5fa8")
-    for place in x.places[failed]:
-        panel.plot([place], [0.03], "x", color="#b03030", transform=panel.get_xaxis_transform())
+def _told_apart(values: np.ndarray) -> list[str]:
+    """The numbers in as few digits as leave them different, 4 at least."""
+    for digits in range(4, 18):
+        words = [f"{value:.{digits}g}" for value in values]
+        if len(set(words)) == len(set(values.tolist())):
+            break
+    return words
+
+
+def _lines(panel: Any, axes: list[_Axis], values: np.ndarray, failed: np.ndarray, label: str) -> None:
+    """A line for each value of the second variable, in its colour, crosses too."""
+    x = axes[0]
+    count = len(axes[1].places) if len(axes) == 2 else 1
+    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.85, count)) if count > 1 else ["#1f5fa8"]
+    columns, missing = values.reshape(len(x.places), -1), failed.reshape(len(x.places), -1)
+    for column, colour in zip(columns.T, colours, strict=True):
+        panel.plot(x.places[x.order], column[x.order], ".-", color=colour)
+    for n, (column, colour) in enumerate(zip(missing.T, colours if count > 1 else ["#b03030"], strict=True), 1):
+        where = x.places[column]
+        panel.plot(where, np.full(len(where), 0.03 * n), "x", color=colour, transform=panel.get_xaxis_transform())
     x.dress(panel.xaxis, panel.set_xscale)
-    panel.set_ylabel(label)
+    panel.set_ylabel(label, **PLAIN)
     panel.grid(color="#e3e7ed")
 
 
@@ -85,7 +141,7 @@ def _map(panel: Any, axes: list[_Axis], values: np.ndarray, failed: np.ndarray, 
     panel.plot(x.places[i], y.places[j], "x", color="#b03030")
     x.dress(panel.xaxis, panel.set_xscale)
     y.dress(panel.yaxis, panel.set_yscale)
-    panel.figure.colorbar(mesh, ax=panel, label=label)
+    panel.figure.colorbar(mesh, ax=panel).set_label(label, **PLAIN)
 
 
 def _label(name: str, unit: str) -> str:

@@ -62,7 +62,7 @@ class Plan:
     course: np.ndarray
     """Their values (T, m) at the communication points"""
     about: dict[str, Any]
-    """Title, units and the fingerprint of the FMU"""
+    """Title, units and the fingerprints of the FMU and its library"""
     folder: str
     """Where the paths of the scene and the FMU begin; empty where there are none"""
 
@@ -102,7 +102,10 @@ def plan_of(
         times = communication_points(stop_time, step)
         course = np.array([source.values(now, then) for now, then in zip(times, [*times[1:], times[-1]], strict=True)]) if driven else None
         units = {name: component.variable(name).unit or "" for name in [*given, *(reading.name for reading in readings)]}
-        about = {"title": interface.title, "fmu": interface.guid, "inputs": _fingerprint(driven, course), "units": units}
+        about = {
+            "title": interface.title, "fmu": interface.guid, "library": component.library_hash(), "units": units,
+            "inputs": _fingerprint(driven, course),
+        }  # fmt: skip
         return Plan(
             scene_or_fmu, given, numbers, readings, dict(start_values or {}), stop_time, step, tuple(driven),
             np.zeros((0, 0)) if course is None else course, about, os.getcwd(),

@@ -9,19 +9,18 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from zipfile import BadZipFile
 
 import numpy as np
 
-from softffd.errors import SoftffdError
 from softffd.files import replacing, write_text
+from softffd.run.npz import UNREADABLE, damaged, read_arrays, write_arrays
 from softffd.run.result import Columns
 from softffd.run.tables import package
 
 if TYPE_CHECKING:
     from softffd.run.sweep.plan import Plan
 
-COMPARED = ("fmu", "values", "outputs", "start_values", "inputs", "stop_time", "step")
+COMPARED = ("fmu", "library", "values", "outputs", "start_values", "inputs", "stop_time", "step")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,21 +90,19 @@ class Sweep:
         arrays: dict[str, Any] = {**self.values, **self.outputs, **own}
         Path(file).parent.mkdir(parents=True, exist_ok=True)
         with replacing(file) as stream:
-            np.savez_compressed(stream, **arrays)
+            write_arrays(stream, arrays)
         return Path(file)
 
     @classmethod
     def load(cls, file: str | Path) -> Sweep:
         """A saved sweep; SoftffdError for a file that is none."""
+        kept = read_arrays(Path(file), "sweep")
         try:
-            with np.load(file, allow_pickle=False) as kept:
-                about = json.loads(str(kept["sweep.about"]))
-                values, outputs = ({name: kept[name] for name in about[key]} for key in ("values", "outputs"))
-                return cls(values, outputs, kept["sweep.messages"].astype(object), kept["sweep.done"], about)
-        except FileNotFoundError:
-            raise SoftffdError(f"{file}: there is no such file") from None
-        except (ValueError, KeyError, EOFError, BadZipFile):
-            raise SoftffdError(f"{file}: wanted the NPZ file of a sweep") from None
+            about = json.loads(str(kept["sweep.about"]))
+            values, outputs = ({name: kept[name] for name in about[key]} for key in ("values", "outputs"))
+            return cls(values, outputs, kept["sweep.messages"].astype(object), kept["sweep.done"], about)
+        except (KeyError, TypeError, *UNREADABLE) as fault:
+            raise damaged(Path(file), "sweep", fault) from None
 
     def to_csv(self, file: str | Path) -> Path:
         """Writes a row for each run: values, outputs, and the words of what failed."""

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.ticker import EngFormatter, LogLocator, NullFormatter
 
 from softffd.show.figure import CURVES, new_figure, png_of
-from softffd.show.sheet import INK, SOFT
+from softffd.show.sheet import INK, PLAIN, SOFT
 from softffd.validation.accuracy.records import CHOSEN, CLAIM, LEVELS, PUBLISHED
 
 LOOKS = {
@@ -90,7 +90,7 @@ def _look(name, records):
 
 
 def _head(figure, records, what):
-    figure.text(0.02, 0.96, records.title, fontsize=15, fontweight="bold", color=INK, va="center")
+    figure.text(0.02, 0.96, records.title, fontsize=15, fontweight="bold", color=INK, va="center", **PLAIN)
     words = f"{what}; {records.stop_time:.4g} s with communication steps of {records.communication_step:.4g} s"
     figure.text(0.02, 0.915, words, fontsize=10.5, color=SOFT, va="center")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
+from urllib.parse import quote
 
 from softffd.validation.accuracy.picture import drawn_order, setting_words
 from softffd.validation.accuracy.records import CHOSEN, LEVELS, MISSED, PUBLISHED, WITHIN, Record, Records, level_words
@@ -43,7 +44,8 @@ def _missing(missing: Mapping[str, str], measured: Sequence[Records]) -> str:
 
 def _summary(measured: Sequence[Records]) -> str:
     rows = (
-        row(f'<a href="#{records.scene}">{records.scene}</a>', (_summary_cell(records, level) for level in LEVELS)) for records in measured
+        row(f'<a href="#{quote(records.scene)}">{html.escape(records.scene)}</a>', (_summary_cell(records, level) for level in LEVELS))
+        for records in measured
     )
     return section("All scenes", SUMMARY, _by_level("scene", rows))
 

@@ -4,14 +4,15 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from zipfile import ZipFile
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import fmpy
 import numpy as np
 import pytest
 
 from host_scenes import HELD, STEP, scene, step
-from softffd import FmuError, Simulation, installed, package_fmu
+from softffd import FmuError, Simulation, SoftffdError, installed, package_fmu, write_ssp
+from softffd.fmu import unpacking
 from softffd.fmu.component import Component
 
 
@@ -116,3 +117,17 @@ def test_many_run_side_by_side_in_one_process():
         for each in (one, two, three, three, one, two):
             step(each)
         np.testing.assert_array_equal(one.positions, three.positions)
+
+
+def test_an_archive_that_would_fill_the_disk_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
+    fmu = package_fmu(scene(), tmp_path / "box.fmu")
+    with ZipFile(fmu, "a", ZIP_DEFLATED) as archive:
+        archive.writestr("resources/zeros.bin", bytes(100_000_000))
+    with Simulation(fmu) as opened:
+        step(opened)
+    monkeypatch.setattr(unpacking, "LARGEST", 1e7)
+    monkeypatch.setattr(unpacking, "MOST_TIMES", 10)
+    monkeypatch.setattr(unpacking.fmpy, "extract", lambda *_given, **_keys: pytest.fail("unpacked"))
+    for ask in (lambda: Simulation(fmu), lambda: write_ssp(tmp_path / "box.ssp", {"box": fmu}, [])):
+        with pytest.raises(SoftffdError, match=r"box\.fmu: its .* MB would unpack to 0\.1\d* GB; wanted at most 0\.01 GB, or 10 times"):
+            ask()
