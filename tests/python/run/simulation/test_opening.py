@@ -1,5 +1,6 @@
 """What a simulation is opened from, and what it leaves behind."""
 
+import gc
 import os
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from zipfile import ZipFile
 import fmpy
 import numpy as np
 import pytest
+from fmpy.fmi2 import FMU2Slave
 
 from host_scenes import HELD, STEP, scene, step
 from softffd import FmuError, Simulation, installed, package_fmu
@@ -116,3 +118,14 @@ def test_many_run_side_by_side_in_one_process():
         for each in (one, two, three, three, one, two):
             step(each)
         np.testing.assert_array_equal(one.positions, three.positions)
+
+
+def test_one_that_nobody_closes_is_freed_with_its_last_reference(monkeypatch):
+    freed = []
+    monkeypatch.setattr(FMU2Slave, "freeInstance", lambda self, free=FMU2Slave.freeInstance: freed.append(free(self)))
+    for use in (lambda sim: None, Simulation.step, Simulation.save, lambda sim: sim.plane):
+        opened = Simulation(scene())
+        kept = use(opened)
+        del opened, kept
+        gc.collect()
+    assert len(freed) == 4
