@@ -17,6 +17,11 @@ def quaternion(turn: np.ndarray) -> np.ndarray:
     return np.array([np.cos(angle / 2), *(np.sin(angle / 2) / angle * turn)]) if angle > 0 else np.array([1.0, 0.0, 0.0, 0.0])
 
 
+def nearer(orientation: np.ndarray, to: np.ndarray) -> np.ndarray:
+    """Of the two quaternions (..., 4) that mean an orientation, q and -q, the one nearer to another quaternion."""
+    return np.where((orientation * to).sum(axis=-1, keepdims=True) < 0, -orientation, orientation)
+
+
 def between_directions(first: np.ndarray, last: np.ndarray) -> np.ndarray:
     """Shortest rotation vector (3,) [rad] from one direction (3,) of any length to another; zero for opposite ones."""
     a, b = first / np.linalg.norm(first), last / np.linalg.norm(last)

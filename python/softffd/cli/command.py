@@ -6,6 +6,7 @@ Each command loads what it needs itself: what reads scenes and runs them takes a
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import os
 import shlex
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
 def main(arguments: list[str] | None = None) -> int:
     """Runs one command; returns its exit status: 0 success, 1 refused with a message on stderr, 2 wrong usage, 130 interrupted, 141 where
     nobody reads the output any more."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # what its encoding does not have
     options = parse(arguments)
     try:
         COMMANDS[options.command](options)
@@ -87,6 +91,8 @@ def _build(options: argparse.Namespace) -> None:
 def _run(options: argparse.Namespace) -> None:
     from softffd.show.drawing import drawing
 
+    if options.no_input and options.input:
+        raise SoftffdError("--no-input: wanted without --input")
     settings = dict(setting(text) for text in options.settings)
     folder = options.output or Path(f"softffd-{Path(options.what).stem}")
     require_writable(folder)
@@ -106,7 +112,7 @@ def _run(options: argparse.Namespace) -> None:
             result = run_scene_or_fmu(
                 options.what, stop_time=options.stop_time, step=options.step, settings=settings,
                 inputs="" if options.no_input else options.input, interpolation=options.interpolation, error=options.error,
-                progress=progress, begun=begun, of_mesh=_mesh_options(options),
+                tolerance=options.tolerance, method=options.method, progress=progress, begun=begun, of_mesh=_mesh_options(options),
             )  # fmt: skip
         except Interrupted as stop:
             result, interrupted = stop.result, stop
@@ -233,9 +239,9 @@ def _info(options: argparse.Namespace) -> None:
     from softffd.fmu.component import Component
     from softffd.scene.scene import load_scene
 
-    what = options.what if options.what.endswith(".fmu") else load_scene(options.what)
+    what = options.what if Path(options.what).suffix.lower() == ".fmu" else load_scene(options.what)
     with ProgressLine("packaging"):
-        component = Component(what)
+        component = Component(what, running=False)
     with component:
         print(told_info(component, every=options.all))
 

@@ -39,6 +39,8 @@ def run_scene_or_fmu(
     inputs: Source | Literal[""] | None = None,
     interpolation: Interpolation = "held",
     error: bool = False,
+    tolerance: float | None = None,
+    method: str | None = None,
     progress: Progress | None = None,
     begun: Begun | None = None,
     of_mesh: dict[str, Any] | None = None,
@@ -48,6 +50,7 @@ def run_scene_or_fmu(
     inputs: as `simulate` takes them; by default a scene's own (NAME.csv beside it) drive it, with "" nothing does.
     interpolation: of the inputs between communication points, see `simulate`.
     error: estimate the error at the end too, in the summary as estimated_error_m; an FMU must have been built with that.
+    tolerance, method: instead of the scene's own, see `simulate`.
     of_mesh: unit, up and density of a mesh file, see `scene_of_mesh`.
     """
     given = {key: value for key, value in (of_mesh or {}).items() if value is not None}
@@ -60,7 +63,7 @@ def run_scene_or_fmu(
     try:
         result = simulate(
             scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs or None, interpolation=interpolation,
-            progress=progress, begun=begun,
+            tolerance=tolerance, method=method, progress=progress, begun=begun,
         )  # fmt: skip
     except Interrupted as interrupt:
         raise Interrupted(_with_findings(interrupt.result)) from None
@@ -73,12 +76,12 @@ def _with_findings(result: Result) -> Result:
 
 def _opened(what: str | Path, error: bool) -> Scene | Path:
     """The scene or the path of the FMU, with the estimate of the error in it if that is asked for."""
-    if not str(what).endswith(".fmu"):
+    if Path(what).suffix.lower() != ".fmu":
         scene = load_scene(what)
         return scene.replace({"solver.error_estimate": True}) if error else scene
     path = Path(what)
     if error:
-        with Component(path) as component:
+        with Component(path, running=False) as component:
             if ESTIMATE not in component.by_name:
                 raise FmuError(
                     f"--error: {path} has no variable {ESTIMATE}; wanted an FMU whose scene says error_estimate = true in [solver]: "

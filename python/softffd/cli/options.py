@@ -90,6 +90,7 @@ def _run(add: Add) -> None:
     _add_mesh_options(run)
     run.add_argument("--stop-time", type=float, metavar="T", help="s")
     run.add_argument("--step", type=float, metavar="H", help="communication step, s")
+    _add_accuracy_options(run)
     run.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value of a variable")
     run.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time: columns time and names of inputs")
     run.add_argument("--no-input", action="store_true", help="without the CSV beside the scene: inputs keep their start values")
@@ -153,6 +154,7 @@ def _sweep(add: Add) -> None:
     )
     sweep.add_argument("--stop-time", type=float, metavar="T", help="s")
     sweep.add_argument("--step", type=float, metavar="H", help="communication step, s")
+    _add_accuracy_options(sweep)
     sweep.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value in every run")
     sweep.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time; default: the CSV beside the scene")
     sweep.add_argument("--no-input", action="store_true", help="without the CSV beside the scene: inputs keep their start values")
@@ -215,6 +217,11 @@ def _others(add: Add) -> None:
     _add_mesh_options(new)
 
     add("schema", "print the JSON schema of scene files, for editors", "softffd schema > scene.schema.json")
+
+
+def _add_accuracy_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--tolerance", type=float, metavar="T", help="error aimed at, as a share of the box's largest side")
+    parser.add_argument("--method", metavar="NAME", help="of the time integration, as solver.method in the scene")
 
 
 def _add_mesh_options(parser: argparse.ArgumentParser) -> None:

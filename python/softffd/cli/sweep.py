@@ -26,7 +26,7 @@ def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: i
         raise SoftffdError("--vary: wanted each variable once")
     if options.no_input and options.input:
         raise SoftffdError("--no-input: wanted without --input")
-    source = options.what if options.what.endswith(".fmu") else load_scene(options.what)
+    source = options.what if Path(options.what).suffix.lower() == ".fmu" else load_scene(options.what)
     inputs = None if options.no_input else options.input or getattr(source, "default_inputs", None)
     folder = options.output or Path(f"softffd-sweep-{Path(options.what).stem}")
     require_writable(folder)
@@ -38,7 +38,8 @@ def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: i
 
         table = sweep(
             source, vary, outputs=options.measure, stop_time=options.stop_time, step=options.step, start_values=start_values, inputs=inputs,
-            jobs=jobs, scheduler=options.scheduler, file=folder / "sweep.npz", progress=progress,
+            tolerance=options.tolerance, method=options.method, jobs=jobs, scheduler=options.scheduler, file=folder / "sweep.npz",
+            progress=progress,
         )  # fmt: skip
     files = [folder / "sweep.npz", table.to_csv(folder / "sweep.csv")]
     if len(table.values) <= 2:

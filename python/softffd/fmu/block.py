@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from ctypes import POINTER, c_double, c_int, c_size_t, c_uint
+from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_uint
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,54 +16,125 @@ from softffd.spelling import did_you_mean, nearest_of
 if TYPE_CHECKING:
     from softffd.fmu.component import Component
 
+KINDS: dict[str, tuple[Any, Any]] = {
+    "Real": (np.float64, c_double), "Integer": (np.int32, c_int), "Boolean": (np.int32, c_int), "String": (object, c_char_p),
+}  # fmt: skip
+"""Kinds of variables: what numpy and C hold their values in"""
+TRUTHS = {"true": 1, "1": 1, "false": 0, "0": 0}
+"""What a Boolean may be given as, in words"""
+
 
 class Block:
-    """Variables of one type that are set or got together; `values` is the buffer (m,) that the library reads from and writes to."""
+    """Variables of one kind that are set or got together; `values` is the buffer (m,) that the library reads from and writes to: numbers,
+    of Booleans 0 or 1. Of Strings it is a copy."""
 
     def __init__(self, component: Component, variables: Sequence[ScalarVariable]):
-        """variables: all Reals, or none of them; FmuError otherwise."""
+        """variables: all of one kind; FmuError otherwise."""
         self.names = tuple(variable.name for variable in variables)
-        self.real = all(variable.type == "Real" for variable in variables)
-        if not self.real and (mixed := next((v.name for v in variables if v.type == "Real"), None)):
-            raise FmuError(f"{mixed}: wanted variables of one type in a block, got a Real beside others")
-        self.values: np.ndarray = np.zeros(len(variables), dtype=np.float64 if self.real else np.int32)
+        self.kind = variables[0].kind if variables else "Real"
+        if mixed := next((v for v in variables if v.kind != self.kind), None):
+            raise FmuError(f"{mixed.name}: wanted variables of one type in a block, got a {mixed.type} beside a {variables[0].type}")
+        array, item = KINDS[self.kind]
+        self.values: np.ndarray = np.zeros(len(variables), dtype=array)
         self.references = (c_uint * len(variables))(*(variable.reference for variable in variables))
         self.count = c_size_t(len(variables))
-        self.pointer = self.values.ctypes.data_as(POINTER(c_double if self.real else c_int))
+        self.pointer = (c_char_p * len(variables))() if self.kind == "String" else self.values.ctypes.data_as(POINTER(item))
         self._component = component
         self._output = next((variable.name for variable in variables if variable.causality == "output"), None)
 
     def __repr__(self) -> str:
-        return f"Block of {len(self.names)} {'numbers' if self.real else 'integers'}: {listed(self.names)}"
+        what = {"Real": "numbers", "Integer": "integers"}.get(self.kind, f"{self.kind}s")
+        return f"Block of {len(self.names)} {what}: {listed(self.names)}"
 
     def get(self) -> np.ndarray:
         """Fills `values` from the component and returns it: the kept buffer, which the next call changes."""
-        self._component.get(self)
+        if self.names:
+            self._component.get(self)
+        if self.kind == "String":
+            self.values[:] = [(each or b"").decode("utf-8", "replace") for each in self.pointer]
         return self.values
 
     def set(self, values: Any = None) -> None:
-        """Hands `values` to the component; values (m,): to be put there before. FmuError for outputs and for what the component refuses."""
+        """Hands `values` to the component; values (m,): to be put there before. FmuError for outputs, for what the component refuses, and
+        for numbers that are no whole ones where integers are wanted."""
         if self._output:
             raise FmuError(f"{self._output}: wanted an input or a parameter, got an output")
         if values is not None:
+            if self.kind in ("Integer", "Boolean"):
+                self._require_whole(np.broadcast_to(values, self.values.shape))
             self.values[:] = values
-        self._component.set(self)
+        if self.kind == "String":
+            self.pointer[:] = [str(each).encode() for each in self.values]
+        if self.names:
+            self._component.set(self)
+
+    def _require_whole(self, values: np.ndarray) -> None:
+        wanted, least, most = ("0 or 1", 0, 1) if self.kind == "Boolean" else ("an integer", *_RANGE)
+        for name, value in zip(self.names, values, strict=True):
+            if not (least <= value <= most and value == int(value)):
+                raise FmuError(f"{name}: wanted {wanted}, got {value:.10g}")
 
     def set_rates(self, rates: Any) -> None:
         """Time derivatives of these inputs, which hold for the next step only; shapes as in Component.set_rates."""
         self._component.set_rates(self, np.asarray(rates, dtype=float))
 
 
-def number_of(variable: ScalarVariable, value: Any) -> float | int:
-    """The number that stands for a value of a variable, which may be given by its name where it has one; FmuError says what was wanted."""
+class Blocks:
+    """Variables of any kinds as one row of numbers: a block of each kind."""
+
+    def __init__(self, component: Component, variables: Sequence[ScalarVariable]):
+        self.names = tuple(variable.name for variable in variables)
+        self.values = np.zeros(len(variables))
+        kinds = {kind: [n for n, v in enumerate(variables) if v.kind == kind] for kind in dict.fromkeys(v.kind for v in variables)}
+        self._blocks = [(Block(component, [variables[n] for n in places]), places) for places in kinds.values()]
+        self.real = Block(component, variables) if set(kinds) <= {"Real"} else None
+        """All of them in one block, where all are Reals"""
+
+    def set(self, values: np.ndarray) -> None:
+        """values (m,): are handed to the component."""
+        self.values[:] = values
+        for block, places in self._blocks:
+            block.set(self.values[places])
+
+
+_RANGE = (np.iinfo(np.int32).min, np.iinfo(np.int32).max)
+
+
+def number_of(variable: ScalarVariable, value: Any) -> Any:
+    """The value that a block takes for what a user gives: a number, of a Boolean 0 or 1, of an enumeration's names the number that stands
+    for it, of a String its text. FmuError says what was wanted; an integer must be a whole number."""
+    if variable.kind == "String":
+        if not isinstance(value, str):
+            raise FmuError(f"{variable.name}: wanted text, got {value!r:.70}")
+        return value
+    if variable.kind == "Boolean":
+        return _truth(variable.name, value)
     if variable.items is not None and isinstance(value, str):
         if value in variable.items:
             return variable.items[value]
         if not value.lstrip("-").isdigit():
             nearest = did_you_mean(nearest_of(value, variable.items))
             raise FmuError(f"{variable.name}: wanted one of {', '.join(variable.items)}, got {value!r}{nearest}")
+    real = variable.type == "Real"
     try:
-        return float(value) if variable.type == "Real" else int(value)
+        number = number_in(value) if isinstance(value, str) else float(value)
+        if real or not np.isfinite(number) or (number == round(number) and _RANGE[0] <= number <= _RANGE[1]):
+            return number if real or not np.isfinite(number) else round(number)
     except (TypeError, ValueError):
-        kind = "a number" if variable.type == "Real" else "an integer"
-        raise FmuError(f"{variable.name}: wanted {kind}, got {value!r}") from None
+        pass
+    raise FmuError(f"{variable.name}: wanted {'a number' if real else 'an integer'}, got {value!r:.70}")
+
+
+def number_in(word: str) -> float:
+    """The number that a word is in a file or a command; ValueError for what only Python reads as one: 1_0, digits of other scripts."""
+    if "_" in word or not word.isascii():
+        raise ValueError(word)
+    return float(word)
+
+
+def _truth(name: str, value: Any) -> int:
+    word = str(value.item() if isinstance(value, np.generic) else value).strip().lower()
+    word = {"1.0": "1", "0.0": "0"}.get(word, word)
+    if word not in TRUTHS:
+        raise FmuError(f"{name}: wanted true, false, 1 or 0, got {value!r:.70}{did_you_mean(nearest_of(word, ['true', 'false']))}")
+    return TRUTHS[word]

@@ -6,6 +6,7 @@ This is the thin layer over the C functions, which a host drives through softffd
 from __future__ import annotations
 
 import hashlib
+import weakref
 from collections.abc import Callable, Mapping, Sequence
 from ctypes import POINTER, byref, c_char, c_double, c_int, c_size_t, c_uint, c_void_p, cast, create_string_buffer
 from functools import cached_property
@@ -24,7 +25,7 @@ from fmpy.fmi2 import (
 )
 
 from softffd.errors import FmuError, UnknownName
-from softffd.fmu.block import Block, number_of
+from softffd.fmu.block import KINDS, Block, number_of
 from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
 from softffd.fmu.notes import read_notes
 from softffd.fmu.records import PinRecord, read_lattice, read_obstacles, read_pins
@@ -40,6 +41,7 @@ WARNING, DISCARD = 1, 2
 CALLS = (
     *("fmi2SetupExperiment", "fmi2EnterInitializationMode", "fmi2ExitInitializationMode", "fmi2Terminate", "fmi2Reset", "fmi2DoStep"),
     *("fmi2SetReal", "fmi2GetReal", "fmi2SetInteger", "fmi2GetInteger", "fmi2SetRealInputDerivatives"),
+    *("fmi2SetBoolean", "fmi2GetBoolean", "fmi2SetString", "fmi2GetString"),
     *("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate"),
     *("fmi2SerializedFMUstateSize", "fmi2SerializeFMUstate", "fmi2DeSerializeFMUstate"),
 )
@@ -62,9 +64,11 @@ class Component:
     """One instance of one FMU. Use as a context manager; every failing call raises FmuError with the component's own message.
 
     source: the path of an FMU; or a scene, whose FMU is written unpacked and whose library is the installed one.
+    running: without it the description and the resources are read and nothing of the FMU is run: there is no instance to call.
+    One that nobody closes is freed with the last reference to it.
     """
 
-    def __init__(self, source: Scene | str | Path):
+    def __init__(self, source: Scene | str | Path, *, running: bool = True):
         if isinstance(source, str | Path) and not Path(source).is_file():
             raise FmuError(f"{source}: there is no such FMU")
         self.messages: list[Message] = []
@@ -76,13 +80,19 @@ class Component:
         self._unpacked = TemporaryDirectory(prefix="softffd-", ignore_cleanup_errors=True)
         self._folder = self._unpacked.name
         try:
-            self._open(source)
+            self._open(source, running)
         except BaseException:
             self.close()
             raise
 
-    def _open(self, source: Scene | str | Path) -> None:
+    def _open(self, source: Scene | str | Path, running: bool) -> None:
         library = self._unpack(Path(source)) if isinstance(source, str | Path) else self._write(source)
+        self.lattice: LatticeBox | None = read_lattice(Path(self._folder) / "resources")
+        """Of an FMU of this package"""
+        self.obstacles = read_obstacles(Path(self._folder) / "resources")
+        """Likewise"""
+        if not running:
+            return
         self._callbacks = self._make_callbacks()
         try:
             slave = FMU2Slave(
@@ -97,10 +107,8 @@ class Component:
             slave.freeLibrary()
             raise FmuError(f"{self._name}: {self._last_message() or error}") from error
         self._slave, self._library = slave, slave.dll
-        self.lattice: LatticeBox | None = read_lattice(Path(self._folder) / "resources")
-        """Of an FMU of this package"""
-        self.obstacles = read_obstacles(Path(self._folder) / "resources")
-        """Likewise"""
+        self._end = weakref.finalize(self, _freed, slave, self._states, self._callbacks)
+        self._end.atexit = False  # the end of the process takes all
         instance = c_void_p(slave.component)
         self._calls = {name: _bound(getattr(slave.dll, name), instance, self.check) for name in CALLS}
         self._keep_loop_calls()
@@ -156,12 +164,18 @@ class Component:
 
     def _make_callbacks(self) -> fmi2CallbackFunctions:
         callbacks = fmi2CallbackFunctions()
-        callbacks.logger = fmi2CallbackLoggerTYPE(self._note)
+        me = weakref.ref(self)  # the library's last words may come when there is nobody to hear them
+
+        def note(_environment: Any, _instance: Any, status: int, category: bytes | None, text: bytes) -> None:
+            if component := me():
+                component._note(status, category, text)
+
+        callbacks.logger = fmi2CallbackLoggerTYPE(note)
         callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
         return callbacks
 
-    def _note(self, _environment: Any, _instance: Any, status: int, category: bytes | None, text: bytes) -> None:
+    def _note(self, status: int, category: bytes | None, text: bytes) -> None:
         said = text.decode("utf-8", "replace").replace("%%", "%").replace("##", "#")
         message = Message(status, (category or b"").decode("utf-8", "replace"), said)
         self.messages.append(message)
@@ -174,8 +188,7 @@ class Component:
     def _keep_loop_calls(self) -> None:
         calls = self._calls
         self._do_step, self._set_rates = calls["fmi2DoStep"], calls["fmi2SetRealInputDerivatives"]
-        self._set_real, self._get_real = calls["fmi2SetReal"], calls["fmi2GetReal"]
-        self._set_integer, self._get_integer = calls["fmi2SetInteger"], calls["fmi2GetInteger"]
+        self._setters, self._getters = ({kind: calls[f"fmi2{way}{kind}"] for kind in KINDS} for way in ("Set", "Get"))
 
     @property
     def instance(self) -> int:
@@ -203,9 +216,9 @@ class Component:
         """All variables by name."""
         return self.interface.variables
 
-    def variables(self, causality: str, *, real: bool = True) -> list[ScalarVariable]:
-        """The variables of a causality, Reals or the others."""
-        return self.interface.of(causality, real=real)
+    def variables(self, causality: str, kind: str = "Real") -> list[ScalarVariable]:
+        """The variables of a causality and a kind: "Real", "Integer", "Boolean" or "String"."""
+        return self.interface.of(causality, kind)
 
     def variable(self, name: str) -> ScalarVariable:
         """The variable of this name; FmuError with the nearest spelling otherwise."""
@@ -213,8 +226,8 @@ class Component:
             raise UnknownName(f"{name}: the FMU has no such variable{did_you_mean(nearest_of(str(name), self.by_name))}")
         return self.by_name[name]
 
-    def block(self, names: Sequence[str], *, real: bool = True) -> Block:
-        """A block of the named variables; FmuError with the nearest spelling for an unknown name. real: what an empty block is of."""
+    def block(self, names: Sequence[str]) -> Block:
+        """A block of the named variables; FmuError with the nearest spelling for an unknown name."""
         return self.block_of([self.variable(name) for name in names])
 
     def block_of(self, variables: Sequence[ScalarVariable]) -> Block:
@@ -223,11 +236,11 @@ class Component:
 
     def set(self, block: Block) -> None:
         """Hands the block's values to the component."""
-        (self._set_real if block.real else self._set_integer)(block.references, block.count, block.pointer)
+        self._setters[block.kind](block.references, block.count, block.pointer)
 
     def get(self, block: Block) -> None:
         """Fills the block's values."""
-        (self._get_real if block.real else self._get_integer)(block.references, block.count, block.pointer)
+        self._getters[block.kind](block.references, block.count, block.pointer)
 
     def set_rates(self, block: Block, rates: np.ndarray) -> None:
         """Time derivatives of a block of m Real inputs; they hold for the next step only.
@@ -250,9 +263,7 @@ class Component:
         """Sets variables by name; numbers, or names where the values have names."""
         for name, value in values.items():
             variable = self.variable(name)
-            block = Block(self, [variable])
-            block.values[0] = number_of(variable, value)
-            self.set(block)
+            Block(self, [variable]).set([number_of(variable, value)])
 
     # ---- life ----
 
@@ -347,7 +358,7 @@ class Component:
         if self._slave is not None:
             for handle in list(self._states):
                 self.free_state(handle)
-            self._slave.freeInstance()
+            self._end()
             self._slave = None
             self._calls = dict.fromkeys(CALLS, _closed)
             self._keep_loop_calls()
@@ -358,6 +369,13 @@ class Component:
 
     def __exit__(self, *_exception: object) -> None:
         self.close()
+
+
+def _freed(slave: Any, states: set[int], _callbacks: Any) -> None:
+    """Frees states and instance. _callbacks: are kept for the library until then."""
+    while states:
+        slave.dll.fmi2FreeFMUstate(c_void_p(slave.component), byref(c_void_p(states.pop())))
+    slave.freeInstance()
 
 
 def _bound(function: Callable[..., int], instance: c_void_p, check: Callable[[int], None]) -> Callable[..., None]:

@@ -35,6 +35,11 @@ class ScalarVariable:
     items: dict[str, int] | None = None
     """Its values by their names, where they have names: of solver.method, and of enumerations"""
 
+    @property
+    def kind(self) -> str:
+        """ "Real", "Integer", "Boolean" or "String": whose calls get and set it. Value references are unique within a kind only."""
+        return "Integer" if self.type == "Enumeration" else self.type
+
 
 @dataclass(frozen=True)
 class Interface:
@@ -62,9 +67,9 @@ class Interface:
     serializes: bool
     """Whether states can be turned into bytes and back"""
 
-    def of(self, causality: str, *, real: bool = True) -> list[ScalarVariable]:
-        """The variables of a causality, Reals or the others."""
-        return [v for v in self.variables.values() if v.causality == causality and (v.type == "Real") == real]
+    def of(self, causality: str, kind: str = "Real") -> list[ScalarVariable]:
+        """The variables of a causality and a kind."""
+        return [v for v in self.variables.values() if v.causality == causality and v.kind == kind]
 
 
 def scene_interface(scene: Scene, variables: list[Variable], guid: str) -> Interface:

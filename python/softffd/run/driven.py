@@ -20,6 +20,7 @@ def driven_inputs(component: Component, source: Inputs) -> list[ScalarVariable]:
     inputs. FmuError, which tells the source, where it names what is no input."""
     given = [_input(component, source, name) for name in source.names]
     source.derive_only({variable.name for variable in component.variables("input")})
+    source.hold([variable.name for variable in given if variable.kind != "Real"])
     return given + [component.variable(name) for name in source.derived_names]
 
 
@@ -44,4 +45,6 @@ def _input(component: Component, source: Inputs, name: str) -> ScalarVariable:
     if variable.causality != "input":
         hint = "; the scene names it in `inputs` of a plane or pin to make it one" if is_pose(name) else ""
         raise FmuError(f"{source.where}{name}: wanted an input of the FMU, got its {variable.causality} of that name{hint}")
+    if variable.type == "String":
+        raise FmuError(f"{source.where}{name}: wanted an input that is a number, got a String; start values set it")
     return variable

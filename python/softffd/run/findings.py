@@ -12,6 +12,9 @@ from softffd.run.result import Result
 ESTIMATE = "solver.error_estimate"
 """The output that estimates the error so far [m]."""
 
+SLOW = 0.01
+"""Simulated time over run time, below which a run is told what makes it slow."""
+
 ROUNDING = 1e-9
 """A depth that is less, as a share of the lattice's size, is none."""
 
@@ -34,6 +37,8 @@ def findings(result: Result) -> dict[str, Any]:
         numbers[f"{name}.reaction_peak_N"] = float(size[peak])
         if size[peak] > 0:
             lines.append(f"reaction peak on {name}: {size[peak]:.4g} N (mean of the communication step to {result.time[peak]:.4g} s)")
+    if slow := _slowness(result):
+        lines.append(slow)
     if parts := energies(result):
         gap = energy_gap(parts)
         turned_over = max(float(np.ptp(values)) for values in parts.values())
@@ -43,6 +48,19 @@ def findings(result: Result) -> dict[str, Any]:
     if result.scene and result.scene.mesh and (mesh := result.scene.loaded_mesh):
         lines += [f"{result.scene.mesh.file.name}: {note}" for note in mesh.looks.notes]
     return numbers | {"findings": lines}
+
+
+def _slowness(result: Result) -> str:
+    """What makes a run slow, and what to try; empty for one that is not."""
+    if not result.summary.get("real_time_factor", 1.0) < SLOW:
+        return ""
+    method = next((f"; most of it by {row['method']}: {row['reason']}" for row in result.summary.get("methods", [])), "")
+    tries = []
+    if tolerance := result.parameters.get("solver.tolerance"):
+        tries.append(f"a larger tolerance (--tolerance, now {tolerance:g})")
+    if result.lattice:
+        tries.append(f"a coarser lattice (now {' x '.join(map(str, result.lattice.points))})")
+    return f"slower than a hundredth of real time{method}" + (f"; to try: {' or '.join(tries)}" if tries else "")
 
 
 def energy_gap(parts: dict[str, np.ndarray]) -> float:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Collection, Container, Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
@@ -11,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 
 from softffd.errors import FmuError
-from softffd.names import parse_name, structured
+from softffd.names import parse_name, structured, vector_names
+from softffd.rotation import nearer
 from softffd.run.inputs_csv import read_csv
 from softffd.run.inputs_given import constants, is_data_frame, table_of
 from softffd.run.motion import derived_velocities
@@ -20,7 +20,7 @@ from softffd.scene.document import shown
 if TYPE_CHECKING:
     import pandas as pd
 
-Source = Union[Callable[[float], Mapping[str, float]], Mapping[str, Any], np.ndarray, "pd.DataFrame", str, Path]
+Source = Union[Callable[[float], Mapping[str, Any]], Mapping[str, Any], np.ndarray, "pd.DataFrame", str, Path]
 
 SLACK = 1e-9
 """Relative difference up to which a row's time is that of a communication point: multiples of a step are rounded."""
@@ -30,9 +30,10 @@ class Inputs:
     """Values of some input variables at any time.
 
     Arrays and CSV files hold a first column `time` [s], not decreasing, and one column per variable; of a DataFrame the column `time` or
-    else the index is the time. Between rows values are linear, before the first and after the last row they are held. Rows of one time are
-    a jump: what begins there has the last one's values, what ends there the first one's. A callable gives values by name, the same names
-    at every time; a dict gives constants, numbers or vectors.
+    else the index is the time. Between rows values are linear, those of Integers and Booleans the last row's; before the first and after
+    the last row they are held. A quaternion counts as the orientation that it means, whichever sign it has. Rows of one time are a jump:
+    what begins there has the last one's values, what ends there the first one's. A callable gives values by name, the same names
+    at every time; a dict gives constants. Both give numbers or vectors.
 
     A plane or pin whose pose is given but whose velocity is not gets the velocity that takes it to its pose at the end of the
     communication step, where that velocity is an input; a jump there moves it without velocity.
@@ -47,8 +48,10 @@ class Inputs:
         """How messages about the source begin"""
         self.is_file = isinstance(source, str | Path)
         self.is_function, self._steady = callable(source), source is None or isinstance(source, Mapping)
-        self._at, self.names = _course(source, self.where, start_time)
+        self._held: set[str] = set()
+        self._at, self.names = _course(source, self.where, start_time, self._held)
         self._takes_bends = [(found := parse_name(name)) is not None and found.family in ("force", "load") for name in self.names]
+        self._orientations = _orientations(self.names)
         now = self._at(start_time, False)
         self.derived_names = list(derived_velocities(now, now, 1.0))
         """Velocities that follow from given poses"""
@@ -56,6 +59,10 @@ class Inputs:
     def derive_only(self, names: Container[str]) -> None:
         """From here on only those of `derived_names` that are among these: the inputs of an FMU."""
         self.derived_names = [name for name in self.derived_names if name in names]
+
+    def hold(self, names: Collection[str]) -> None:
+        """From here on these, whole numbers, have the value of the last row instead of what lies between rows."""
+        self._held.update(names)
 
     def values(self, time: float, then: float) -> np.ndarray:
         """Values at a communication point, in the order of `names` and then of `derived_names`; then: the next one, or `time` again [s]."""
@@ -74,7 +81,10 @@ class Inputs:
 
     def rates(self, time: float, then: float) -> np.ndarray:
         """Slopes from a communication point to the next, `then` > `time` [s], in the order of `names` [unit / s]."""
-        return (self._row(then, True) - self._row(time, False)) / (then - time)
+        begin, end = self._row(time, False), self._row(then, True)
+        for places in self._orientations:
+            end[places] = nearer(end[places], begin[places])
+        return (end - begin) / (then - time)
 
     def bends(self, time: float, then: float) -> np.ndarray:
         """First to third derivatives at `time` of what goes from a communication point to the next, `then` > `time` [s]: (3, names)
@@ -111,8 +121,8 @@ Course = Callable[[Any, bool], Mapping[str, Any]]
 """Values by name at a time [s], for what ends there or for what begins there; a table's at many times too."""
 
 
-def _course(source: Source | None, where: str, start: float) -> tuple[Course, list[str]]:
-    """The course of a source, and the names in its order."""
+def _course(source: Source | None, where: str, start: float, held: set[str]) -> tuple[Course, list[str]]:
+    """The course of a source, and the names in its order. held: what a table holds between its rows."""
     if source is None:
         return lambda time, ends: {}, []
     if callable(source):
@@ -121,24 +131,21 @@ def _course(source: Source | None, where: str, start: float) -> tuple[Course, li
         numbers = constants(source)
         return _of_function(lambda time: numbers, where, start)
     if isinstance(source, str | Path):
-        return _of_table(read_csv(Path(source)), where)
+        return _of_table(read_csv(Path(source)), where, held)
     if isinstance(source, np.ndarray):
-        return _of_table(_checked(source), where)
+        return _of_table(_checked(source), where, held)
     if is_data_frame(source):
-        return _of_table(_checked(table_of(source)), where)
+        return _of_table(_checked(table_of(source)), where, held)
     wanted = "a function of time, a dict of constants, a structured array, a DataFrame or a CSV file"
     raise FmuError(f"{where}wanted {wanted}, got {type(source).__name__}: {source!r:.70}")
 
 
-def _of_function(function: Callable[[float], Mapping[str, float]], where: str, start: float) -> tuple[Course, list[str]]:
+def _of_function(function: Callable[[float], Mapping[str, Any]], where: str, start: float) -> tuple[Course, list[str]]:
     def asked(time: float) -> dict[str, float]:
         values = function(time)
         if not (isinstance(values, Mapping) and all(isinstance(name, str) for name in values)):
             raise FmuError(f"{where}at {time:g} s: wanted a dict of values by name, got {values!r:.70}")
-        numbers = {name: _number(value) for name, value in values.items()}
-        if bad := next((name for name, number in numbers.items() if not math.isfinite(number)), None):
-            raise FmuError(f"{where}at {time:g} s: {bad}: wanted a finite number, got {values[bad]!r:.70}")
-        return numbers
+        return constants(values, f"{where}at {time:g} s: ")
 
     given = list(asked(start))
     names, wanted = _structured(given, where), set(given)
@@ -154,12 +161,11 @@ def _of_function(function: Callable[[float], Mapping[str, float]], where: str, s
     return course, names
 
 
-def _number(value: Any) -> float:
-    """NaN for what is no number."""
-    try:
-        return math.nan if isinstance(value, str | bytes) else float(value)
-    except (TypeError, ValueError):
-        return math.nan
+def _orientations(names: list[str]) -> list[list[int]]:
+    """Where in the names the components of each quaternion are that is there as a whole."""
+    pins = dict.fromkeys(str(found.instance) for name in names if (found := parse_name(name)) and found.family == "pin_orientation")
+    quaternions = [vector_names("pin_orientation", pin) for pin in pins]
+    return [[names.index(name) for name in each] for each in quaternions if set(each) <= set(names)]
 
 
 def _structured(given: list[str], where: str) -> list[str]:
@@ -171,16 +177,25 @@ def _structured(given: list[str], where: str) -> list[str]:
     return list(by_name)
 
 
-def _of_table(table: np.ndarray, where: str) -> tuple[Course, list[str]]:
+def _of_table(table: np.ndarray, where: str, held: set[str]) -> tuple[Course, list[str]]:
     times, given = table["time"].astype(float), list((table.dtype.names or ())[1:])
     names = _structured(given, where)
-    columns = {name: table[own].astype(float) for name, own in zip(names, given, strict=True)}
+    values = np.array([table[own].astype(float) for own in given])
+    for places in _orientations(names):
+        turning = values[places].T  # of q and -q, which are the same orientation, the one nearer to the row before: else what lies between
+        flips = (turning[1:] * turning[:-1]).sum(axis=1) < 0  # two rows would go through zero
+        values[places, 1:] *= np.where(np.cumsum(flips) % 2, -1, 1)
+    columns = dict(zip(names, values, strict=True))
 
     def course(time: Any, ends: bool) -> dict[str, Any]:
         slack = SLACK * abs(time)
         first, behind = np.searchsorted(times, time - slack, "left"), np.searchsorted(times, time + slack, "right")
         here, row = first < behind, np.minimum(first, len(times) - 1) if ends else behind - 1  # rows of this time, and which counts
-        return {name: np.where(here, column[row], np.interp(time, times, column)) for name, column in columns.items()}
+        last = np.maximum(behind - 1, 0)
+        return {
+            name: np.where(here, column[row], column[last] if name in held else np.interp(time, times, column))
+            for name, column in columns.items()
+        }
 
     return course, names
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from softffd.errors import FmuError
+from softffd.fmu.block import number_in
 from softffd.spelling import did_you_mean, nearest_of
 
 SEPARATORS = {";": "semicolons", "\t": "tabs"}
@@ -52,6 +53,9 @@ def _header(where: str, names: list[str]) -> list[str]:
         raise FmuError(f"{wanted}, got {names[0]!r} at its begin{hint}")
     if len(names) < 2:
         raise FmuError(f"{wanted}, got no name of an input")
+    if "" in names:
+        ends = ": the line ends with a comma" if names.index("") == len(names) - 1 else ""
+        raise FmuError(f"{wanted}, got column {names.index('') + 1} without a name{ends}")
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise FmuError(f"{wanted}, got {twice!r} again")
     return names
@@ -59,11 +63,12 @@ def _header(where: str, names: list[str]) -> list[str]:
 
 def _numbers(where: str, names: list[str], words: list[str]) -> tuple[float, ...]:
     if len(words) != len(names):
-        raise FmuError(f"{where}: wanted {len(names)} numbers as in the header, got {len(words)}")
+        ends = "" if words[-1] else ", for the line ends with a comma"
+        raise FmuError(f"{where}: wanted {len(names)} numbers as in the header, got {len(words)}{ends}")
     numbers: list[float] = []
     for name, word in zip(names, words, strict=True):
         try:
-            numbers.append(float(word))
+            numbers.append(number_in(word))
         except ValueError:
             raise FmuError(f"{where}, {name}: wanted a number, got {word[:70]!r}") from None
         if not math.isfinite(numbers[-1]):

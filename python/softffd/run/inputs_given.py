@@ -14,22 +14,26 @@ COMPONENTS = {3: "xyz", 4: "wxyz"}
 """Of vectors and quaternions, by how many numbers there are."""
 
 
-def constants(given: Mapping[str, Any]) -> dict[str, float]:
-    """Numbers by the names of single variables; a vector goes by the name that its components share. FmuError for anything else."""
+def constants(given: Mapping[str, Any], where: str = "inputs: ") -> dict[str, float]:
+    """Numbers by the names of single variables; a vector goes by the name that its components share. FmuError, which begins with `where`,
+    for anything else."""
     numbers: dict[str, float] = {}
     for name, value in given.items():
+        if isinstance(value, float) and math.isfinite(value):
+            numbers[name] = value
+            continue
         try:
-            values = np.asarray(value, dtype=float)
+            values = np.asarray(math.nan if isinstance(value, str | bytes) else value, dtype=float)
         except (TypeError, ValueError):
             values = np.array(math.nan)
         if not np.isfinite(values).all():
-            raise FmuError(f"inputs: {name}: wanted a finite number or a vector of them, got {value!r:.70}")
+            raise FmuError(f"{where}{name}: wanted a finite number or a vector of them, got {value!r:.70}")
         if values.ndim == 0:
             numbers[str(name)] = float(values)
         elif values.ndim == 1 and (components := COMPONENTS.get(len(values))):
             numbers |= {f"{name}.{c}": float(v) for c, v in zip(components, values, strict=True)}
         else:
-            raise FmuError(f"inputs: {name}: wanted a number or a vector of 3 (of 4 for an orientation), got the shape {values.shape}")
+            raise FmuError(f"{where}{name}: wanted a number or a vector of 3 (of 4 for an orientation), got the shape {values.shape}")
     return numbers
 
 

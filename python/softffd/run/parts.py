@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast, overload
 
@@ -18,27 +19,46 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
+def _in_place(change: Callable[[Any, Any], Any]) -> Any:
+    """`+=` and its like of a Vector, from what the FMU has now."""
+
+    def changed(vector: Vector, other: Any) -> Vector:
+        vector[...] = change(np.asarray(vector) if vector._send is None else vector._read(), other)
+        return vector
+
+    return changed
+
+
 class Vector(np.ndarray):
-    """A variable's components (3,) or (4,) as they were when it was read. Assigning to one of them sets it in the FMU."""
+    """A variable's components (3,) or (4,) as they were when it was read. Assigning to one of them, or `+=` and its like, sets it in the
+    FMU and leaves the others as they are there now. Parts of it and functions that write into it are refused: it is read-only for them."""
 
     _send: Callable[[np.ndarray], None] | None
+    _read: Callable[[], np.ndarray]
 
     @classmethod
-    def of(cls, values: np.ndarray, send: Callable[[np.ndarray], None]) -> Vector:
-        """values: are copied; send: takes all components when one was assigned to."""
-        vector = cast(Vector, values.astype(float).view(cls))
-        vector._send = send
+    def of(cls, read: Callable[[], np.ndarray], send: Callable[[np.ndarray], None]) -> Vector:
+        """read: gives the components, a buffer that is copied; send: takes all of them when one was assigned to."""
+        vector = cast(Vector, read().astype(float).view(cls))
+        vector._send, vector._read = send, read
+        vector.flags.writeable = False
         return vector
 
     def __array_finalize__(self, source: Any) -> None:
         self._send = None  # what is computed from a vector is a number of the host's
 
     def __setitem__(self, key: Any, value: Any) -> None:
-        if self._send is not None:
-            changed = np.array(self, dtype=float)
-            changed[key] = value
-            self._send(changed)
-        super().__setitem__(key, value)
+        if self._send is None:
+            super().__setitem__(key, value)
+            return
+        changed = self._read().astype(float)
+        changed[key] = value
+        self._send(changed)
+        self.flags.writeable = True
+        super().__setitem__(..., changed)
+        self.flags.writeable = False
+
+    __iadd__, __isub__, __imul__, __itruediv__ = (_in_place(way) for way in (operator.add, operator.sub, operator.mul, operator.truediv))
 
 
 class VectorField:

@@ -54,6 +54,7 @@ class PointField:
     def read(self) -> np.ndarray:
         array = np.full(self._shape, np.nan)
         array.reshape(-1)[self._flat] = self._block.get()
+        array.flags.writeable = False  # what is assigned to an element of a copy would be lost
         return array
 
     def write(self, values: ArrayLike) -> None:

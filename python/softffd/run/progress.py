@@ -1,4 +1,4 @@
-"""A progress line on stderr, where somebody is there to see it."""
+"""A progress line on stderr; where that is no terminal, a line now and then of what takes long."""
 
 from __future__ import annotations
 
@@ -14,23 +14,28 @@ QUIET = 2.0
 """Without news for so long [s], the line tells how long the stage has taken so far."""
 
 
+NOW_AND_THEN = 60.0
+"""And where stderr is no terminal it is told so often [s]."""
+
+
 def silent(_text: str) -> None:
     """A Note for nobody."""
 
 
 class ProgressLine:
-    """Shows what is being done and how far it is; silent where stderr is no terminal. Use as a context manager and as a callback."""
+    """Shows what is being done and how far it is. Use as a context manager and as a callback."""
 
     def __init__(self, what: str):
         self._visible = sys.stderr.isatty()
         self._lock = threading.RLock()
         self._over = threading.Event()
-        self._what, self._text, self._shown, self._began = what, "", 0.0, time.monotonic()
+        self._what, self._text, self._shown, self._began = what, "...", 0.0, time.monotonic()
+        self._told = self._began
 
     def __enter__(self) -> ProgressLine:
         if self._visible:
             self.stage(self._what)
-            threading.Thread(target=self._tick, daemon=True).start()
+        threading.Thread(target=self._tick, daemon=True).start()
         return self
 
     def stage(self, what: str) -> None:
@@ -41,7 +46,9 @@ class ProgressLine:
 
     def __call__(self, share: float, simulated: float) -> None:
         """share in 0..1, simulated time [s]."""
-        self.note(f"{share:4.0%}, {simulated:.3g} s", at_once=share >= 1)
+        took = time.monotonic() - self._began
+        left = f", {took * (1 - share) / share:.0f} s left" if took > QUIET and 0 < share < 1 else ""
+        self.note(f"{share:4.0%}, {simulated:.3g} s{left}", at_once=share >= 1)
 
     def note(self, text: str, *, at_once: bool = False) -> None:
         """Shows other words for how far it is; several within a tenth of a second show as the first of them."""
@@ -65,7 +72,10 @@ class ProgressLine:
         while not self._over.wait(QUIET / 2):
             with self._lock:
                 now = time.monotonic()
-                if now - self._shown > 0.9 * QUIET and not self._over.is_set():
+                if not self._visible and now - self._told > NOW_AND_THEN:
+                    self._told = now
+                    print(f"{self._what}: {self._text.strip()} ({now - self._began:.0f} s so far)", file=sys.stderr, flush=True)
+                if self._visible and now - self._shown > 0.9 * QUIET and not self._over.is_set():
                     self._show(f"{self._text} ({now - self._began:.0f} s so far)")
 
     def _clear(self) -> None:

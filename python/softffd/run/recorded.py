@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 
 def recorded_outputs(component: Component, wanted: Iterable[str] | None) -> set[str]:
-    """The names of the outputs to record; all without a choice.
+    """The names of the outputs to record; all without a choice but Strings, which no result has.
 
     A name means the output that has it and all that belong to it: plane.press.reaction.z, plane.press.reaction, plane.press, energy,
     position[0,0,1], position. FmuError, with the nearest name, where no output is meant.
     """
     by_name: dict[str, list[str]] = {}
     for variable in component.by_name.values():
-        if variable.causality == "output":
+        if variable.causality == "output" and variable.kind != "String":
             for name in _around(structured(variable.name)):
                 by_name.setdefault(name, []).append(variable.name)
     if wanted is None:
@@ -42,5 +42,7 @@ def _around(name: str) -> list[str]:
 
 def _unknown(name: str, component: Component, choices: Iterable[str]) -> FmuError:
     if found := component.by_name.get(name):
+        if found.type == "String":
+            return FmuError(f"output: {name}: wanted an output of the FMU that is a number, got a String")
         return FmuError(f"output: {name}: wanted an output of the FMU, got its {found.causality} of that name")
     return UnknownName(f"output: {name}: the FMU has no such output{did_you_mean(nearest_of(name, choices))}")

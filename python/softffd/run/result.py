@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -130,7 +132,14 @@ class Result:
     def _gradients(self, row: int | slice, who: str) -> np.ndarray:
         if self.lattice is None or not self.has_positions:
             raise SoftffdError(f'{who}: wanted a run of an FMU of softffd with outputs.positions = "all"')
-        return gradients(self.positions[row], self._cell_sides())
+        return gradients(self._positions_at(row, who), self._cell_sides())
+
+    def _positions_at(self, row: int | slice, who: str) -> np.ndarray:
+        """Of a row of `time`, or of a slice; SoftffdError for what is none."""
+        rows = len(self.time)
+        if not (isinstance(row, slice) or (isinstance(row, int | np.integer) and -rows <= row < rows)):
+            raise SoftffdError(f"{who}: wanted a row of {rows}, counted from 0 or from the end, or a slice of them, got row={row!r:.70}")
+        return self.positions[row]
 
     def _cell_sides(self) -> np.ndarray:
         assert self.lattice is not None
@@ -146,7 +155,9 @@ class Result:
         if mesh is None:
             why = self.sceneless or "the run's scene has none"
             raise MeshError(f"deformed: wanted a mesh, for {why}")
-        positions = self.positions[row]
+        if not hasattr(mesh, "vertices") and (np.ndim(mesh) != 2 or np.shape(mesh)[1] != 3):
+            raise MeshError(f"deformed: wanted a Mesh or vertices (V, 3), got the shape {np.shape(mesh)}")
+        positions = self._positions_at(row, "deformed")
         if self.lattice is None or np.isnan(positions).any():
             raise SoftffdError('deformed: wanted a run of an FMU of softffd with outputs.positions = "all"')
         return deform(mesh, positions, origin=self.lattice.origin, size=self.lattice.size, basis=self.lattice.basis)
@@ -254,8 +265,10 @@ class Result:
 
     def _write_csv(self, stream: Any) -> None:
         columns = {"time": self.time, **self.columns()}
-        header = ",".join(f'"{name}"' if "," in name else name for name in columns)
-        np.savetxt(stream, np.stack(list(columns.values()), axis=1), fmt="%.17g", delimiter=",", header=header, comments="")
+        header = io.StringIO()
+        csv.writer(header, lineterminator="\n").writerow(columns)
+        stream.write(header.getvalue().encode())
+        np.savetxt(stream, np.stack(list(columns.values()), axis=1), fmt="%.17g", delimiter=",")
 
     def _write_summary(self, stream: Any) -> None:
         stream.write((json.dumps(self.summary, indent=2) + "\n").encode())

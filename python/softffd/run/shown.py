@@ -36,7 +36,7 @@ def in_words(result: Result) -> str:
     span = f"{result.time[0]:.6g} to {result.time[-1]:.6g} s" if len(result.time) else "no time"
     lines = [
         f"Result of {result.title}: {span} in {len(result.time)} rows",
-        f"positions {result.positions.shape} m, {_deformed(result)}",
+        *([f"positions {result.positions.shape} m, {_deformed(result)}"] if result.positions.size else []),
         *(f"{what}: {listed(names)}" for what in ("outputs", "inputs", "parameters") if (names := getattr(result, what))),
     ]
     if warnings := result.summary.get("warnings"):

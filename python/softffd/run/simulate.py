@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 
 from softffd.errors import FmuError, Interrupted
+from softffd.fmu.block import Blocks
 from softffd.fmu.component import Block, Component
 from softffd.lattice import LatticeBox
 from softffd.run.choices import choice_in, shares
@@ -22,7 +23,7 @@ from softffd.run.points import in_place, is_position, places
 from softffd.run.recorded import recorded_outputs
 from softffd.run.result import Result
 from softffd.run.simulation import Simulation, open_component
-from softffd.run.times import communication_points, positive, require_memory, step_lengths
+from softffd.run.times import communication_points, one_number, positive, require_memory, step_lengths
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 Progress = Callable[[float, float], None]
 Begun = Callable[[Simulation, Inputs], object]
 Interpolation = Literal["held", "linear", "cubic"]
+NUMBERS = ("Real", "Integer", "Boolean")
+"""Kinds of variables that a result has; Booleans are 0 and 1 there"""
 
 
 def simulate(
@@ -65,7 +68,7 @@ def simulate(
     Raises FmuError where a name, a value or a step is refused, where a start value is given to what `inputs` drive, and where the result
     would not fit into memory. Ctrl-C raises Interrupted, a KeyboardInterrupt that has the result so far.
     """
-    if not math.isfinite(start_time):
+    if not math.isfinite(one_number("start time", start_time)):
         raise FmuError(f"start time: wanted a finite number of s, got {start_time:g}")
     if interpolation not in (choices := get_args(Interpolation)):
         nearest = did_you_mean(nearest_of(str(interpolation), choices))
@@ -84,6 +87,7 @@ def simulate(
             simulation.initialize()
             if begun:
                 begun(simulation, source)
+                recorder.starts = _read(simulation.component, "input", "parameter")
             began, began_cpu = clock.perf_counter(), clock.process_time()
             whole = recorder.run(progress)
             elapsed, elapsed_cpu = clock.perf_counter() - began, clock.process_time() - began_cpu
@@ -114,16 +118,20 @@ class _Recorder:
     steps: list[float]
     source: Inputs
     interpolation: Interpolation
-    inputs: Block
+    inputs: Blocks
     driven: Block
-    """Those of `inputs` that the source gives itself"""
+    """The Reals of `inputs` that the source gives itself"""
+    interpolated: list[int]
+    """Which of the source's names these are"""
     reals: Block
     integers: Block
+    booleans: Block
     starts: dict[str, float]
     """Parameters and inputs before the first communication point"""
     input_rows: np.ndarray
     real_rows: np.ndarray
     integer_rows: np.ndarray
+    boolean_rows: np.ndarray
     changes: list[tuple[int, tuple[str, str]]] = field(default_factory=list)
     """Communication steps in which the method or its reason were new"""
     done: int = 0
@@ -135,18 +143,22 @@ class _Recorder:
     ) -> _Recorder:
         component = simulation.component
         driven = driven_inputs(component, source)
-        inputs, given = component.block_of(driven), component.block_of(driven[: len(source.names)])
-        reals = component.block_of(in_place([v for v in component.variables("output") if v.name in chosen]))
-        integers = component.block_of([v for v in component.variables("output", real=False) if v.name in chosen])
+        interpolated = [n for n, variable in enumerate(driven[: len(source.names)]) if variable.kind == "Real"]
+        inputs, given = Blocks(component, driven), component.block_of([driven[n] for n in interpolated])
+        reals, integers, booleans = (
+            component.block_of([v for v in component.variables("output", kind) if v.name in chosen]) for kind in NUMBERS
+        )
+        reals = component.block_of(in_place([component.variable(name) for name in reals.names]))
         places = math.prod(component.lattice.points) if component.lattice else len(reals.names) // 3
-        held = len(inputs.names) + len(component.variables("input"))
-        require_memory(stop_time - simulation.time, step, 8 * (held + len(reals.names) + len(integers.names) + 3 * places + 8))
+        held, starts = len(inputs.names) + len(component.variables("input")), _read(component, "input", "parameter")
+        recorded = [len(block.names) for block in (reals, integers, booleans)]
+        require_memory(stop_time - simulation.time, step, 8 * (held + sum(recorded) + 3 * places + 8))
         times = communication_points(stop_time, step, simulation.time)
         rows = len(times)
         return cls(
-            simulation, times, step_lengths(times, step), source, interpolation, inputs, given, reals, integers,
-            {**_read(component, "input"), **_read(component, "parameter")},
-            np.zeros((rows, len(inputs.names))), np.zeros((rows, len(reals.names))), np.zeros((rows, len(integers.names)), np.int64),
+            simulation, times, step_lengths(times, step), source, interpolation, inputs, given, interpolated, reals, integers, booleans,
+            starts, np.zeros((rows, len(inputs.names))), np.zeros((rows, len(reals.names))),
+            np.zeros((rows, len(integers.names)), np.int64), np.zeros((rows, len(booleans.names)), np.int64),
         )  # fmt: skip
 
     def apply_inputs(self, row: int) -> None:
@@ -155,14 +167,13 @@ class _Recorder:
         time, then = self.times[row], self.times[min(row + 1, len(self.steps))]
         self.inputs.set(self.source.values(time, then))
         self.input_rows[row] = self.inputs.values
-        if self.interpolation != "held" and then > time:
+        if self.driven.names and self.interpolation != "held" and then > time:
             course = self.source.rates if self.interpolation == "linear" else self.source.bends
-            self.driven.set_rates(course(time, then))
+            self.driven.set_rates(course(time, then)[..., self.interpolated])
 
     def record(self, row: int) -> None:
         self.real_rows[row] = self.reals.get()
-        if self.integers.names:
-            self.integer_rows[row] = self.integers.get()
+        self.integer_rows[row], self.boolean_rows[row] = self.integers.get(), self.booleans.get()
 
     def run(self, progress: Progress | None) -> bool:
         """All steps; False where it was interrupted on the way: what there is ends then with the last step that was done."""
@@ -177,11 +188,13 @@ class _Recorder:
         return True
 
     def _go_on(self, progress: Progress | None) -> None:
-        """Held values go to the library with many steps at once; what is a function, or moves within a step, is set before each."""
+        """Held values go to the library with many steps at once; what is a function, or moves within a step, is set before each. Inputs
+        that are no Reals, and Booleans, are for the host."""
         last, times = len(self.times) - 1, self.times.tolist()
         report_every = max(1, last // 200)
-        one_by_one = self.source.is_function or self.interpolation != "held"
-        inputs = self.simulation.component.block_of([]) if one_by_one else self.inputs
+        reals = self.inputs.real
+        one_by_one = self.source.is_function or self.interpolation != "held" or reals is None or bool(self.booleans.names)
+        inputs = self.simulation.component.block_of([]) if one_by_one or reals is None else reals
         rows = {"inputs": (inputs, self.input_rows), "reals": (self.reals, self.real_rows), "integers": (self.integers, self.integer_rows)}
         many = ManySteps(self.simulation.component, self.times, self.steps, rows, single=one_by_one)
         try:
@@ -195,6 +208,8 @@ class _Recorder:
                         until = min(last, self.done + many.together, (self.done // report_every + 1) * report_every if progress else last)
                         self.input_rows[self.done : until] = self.source.rows(self.times[self.done : until + 1])
                     many.go_on(until)
+                    if self.booleans.names:
+                        self.boolean_rows[until] = self.booleans.get()
                     self.done, self.simulation.time = until, times[until]
                     if progress and self.done % report_every == 0:
                         progress(self.done / last, times[self.done])
@@ -207,7 +222,8 @@ class _Recorder:
         """Keeps the communication points up to the last step that was done."""
         rows = slice(self.done + 1)
         self.times, self.steps = self.times[rows], self.steps[: self.done]
-        self.input_rows, self.real_rows, self.integer_rows = self.input_rows[rows], self.real_rows[rows], self.integer_rows[rows]
+        self.input_rows, self.real_rows = self.input_rows[rows], self.real_rows[rows]
+        self.integer_rows, self.boolean_rows = self.integer_rows[rows], self.boolean_rows[rows]
         if self.inputs.names:
             self.input_rows[-1] = self.source.values(self.times[-1], self.times[-1])
 
@@ -218,18 +234,22 @@ class _Recorder:
         positions = _positions(names[:moved], self.real_rows[:, :moved], component.lattice)
         others = dict(zip(names[moved:], self.real_rows[:, moved:].T, strict=True))
         others |= dict(zip(self.integers.names, self.integer_rows.T, strict=True))
-        held = {v.name: np.full(len(self.times), self.starts[v.name]) for v in component.variables("input")}
+        others |= dict(zip(self.booleans.names, self.boolean_rows.T, strict=True))
+        causality = {name: component.variable(name).causality for name in self.starts}
+        held = {name: np.full(len(self.times), float(value)) for name, value in self.starts.items() if causality[name] == "input"}
         held |= dict(zip(self.inputs.names, self.input_rows.T, strict=True))
-        parameters = {v.name: self.starts[v.name] for v in component.variables("parameter")}
+        parameters = {name: value for name, value in self.starts.items() if causality[name] == "parameter"}
         return Result(
             self.times, positions, others, held, parameters, summary, scene, component.lattice, component.interface.plain,
             component.obstacles, tuple(self.simulation.log),
         )  # fmt: skip
 
 
-def _read(component: Component, causality: str) -> dict[str, float]:
-    block = component.block_of(component.variables(causality))
-    return dict(zip(block.names, block.get().tolist(), strict=True))
+def _read(component: Component, *causalities: str) -> dict[str, float]:
+    """The numbers of these causalities by name, in the order of the FMU."""
+    blocks = [component.block_of(component.variables(causality, kind)) for causality in causalities for kind in NUMBERS]
+    values = {name: value for block in blocks for name, value in zip(block.names, block.get().tolist(), strict=True)}
+    return {name: values[name] for name in component.by_name if name in values}
 
 
 def _positions(names: Sequence[str], values: np.ndarray, lattice: LatticeBox | None) -> np.ndarray:
@@ -238,7 +258,7 @@ def _positions(names: Sequence[str], values: np.ndarray, lattice: LatticeBox | N
     indices = places(names)
     counts = lattice.points if lattice else tuple(indices[:, :3].max(axis=0, initial=-1) + 1)
     if len(names) == 3 * math.prod(counts):
-        return values.reshape(-1, *counts, 3)
+        return values.reshape(len(values), *counts, 3)
     positions = np.full((len(values), *counts, 3), np.nan)
     if names:
         positions.reshape(len(values), -1)[:, np.ravel_multi_index(tuple(indices.T), positions.shape[1:])] = values

@@ -6,18 +6,20 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from softffd.errors import FmuError, UnknownName
-from softffd.fmu.component import Block, Component, Message, number_of
+from softffd.fmu.block import number_of
+from softffd.fmu.component import Block, Component, Message
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import part_names
 from softffd.run.choices import choice_in
 from softffd.run.parts import Parts, Pin, Plane, Vector, Vectors
 from softffd.run.points import PointField, PointVectors
 from softffd.run.states import State, taken_apart
+from softffd.run.times import one_number
 from softffd.spelling import did_you_mean, nearest_of
 
 SPRINGS = ("edge", "face", "body")
@@ -84,13 +86,13 @@ class Simulation:
         start_time: float,
         stop_time: float | None,
     ) -> None:
-        self.time = float(start_time)
+        self.time = one_number("start time", start_time)
         """Of the communication point [s]"""
         self.initializing = True
         """Whether the first step is still to come, so that everything can be set"""
         for name, value in {**({"solver.method": method} if method is not None else {}), **(start_values or {})}.items():
             self[name] = value
-        if tolerance is not None and not (tolerance > 0 and math.isfinite(tolerance)):
+        if tolerance is not None and not (one_number("tolerance", tolerance) > 0 and math.isfinite(tolerance)):
             raise FmuError(f"tolerance: wanted > 0, got {tolerance:g}")
         self.component.set_up(start_time=start_time, stop_time=stop_time, tolerance=tolerance)
 
@@ -111,7 +113,7 @@ class Simulation:
             length = self.component.interface.step
             if length is None:
                 raise FmuError("step: wanted a length > 0 s, got none; the FMU names no default")
-        if not (length > 0 and math.isfinite(length)):
+        if not (one_number("step", length) > 0 and math.isfinite(length)):
             raise FmuError(f"step: wanted a length > 0 s, got {length:g}")
         if self.initializing:
             self.initialize()
@@ -136,8 +138,11 @@ class Simulation:
         """Frees the instance, its states and its files."""
         self.component.close()
 
+    def __reduce__(self) -> NoReturn:
+        raise FmuError("a Simulation is neither copied nor pickled: open another one and restore there what bytes(sim.save()) gives")
+
     def __repr__(self) -> str:
-        counts = f": {' × '.join(map(str, self.lattice.points))} control points" if self.lattice else ""
+        counts = f": {' x '.join(map(str, self.lattice.points))} control points" if self.lattice else ""
         parts = [f"{kind} {', '.join(found)}" for kind in ("plane", "pin", "load", "probe") if (found := part_names(kind, self.variables))]
         return "\n  ".join([f"Simulation of {self.component.interface.title} at {self.time:.6g} s{counts}", *parts])
 
@@ -182,10 +187,14 @@ class Simulation:
         return isinstance(name, str) and bool(self._components(name))
 
     def __getitem__(self, name: str) -> Any:
-        """A variable's value: a number, its name where it has one (`solver.method`), or, where `name` has components .x .y .z, a Vector."""
+        """A variable's value: a number, its name where it has one (`solver.method`), of a Boolean True or False, of a String its text; or,
+        where `name` has components .x .y .z, a Vector."""
         if name not in self.variables:
             return self.vector(name)
-        return self.number(name) if (items := self.variables[name].items) is None else _item(items, int(self.number(name)))
+        variable, value = self.variables[name], self._block(name).get().tolist()[0]
+        if variable.type == "Boolean":
+            return bool(value)
+        return value if variable.items is None else _item(variable.items, value)
 
     def __setitem__(self, name: str, value: Any) -> None:
         """Sets a variable, or all components of a vector. FmuError for outputs and numbers that are not finite."""
@@ -193,17 +202,17 @@ class Simulation:
         for variable in variables:
             self._require_settable(variable)
         values = [value] if name in self.variables else _components_of(name, value, len(variables))
-        numbers = [number_of(variable, each) for variable, each in zip(variables, values, strict=True)]
-        for variable, number in zip(variables, numbers, strict=True):
-            if not math.isfinite(number):
+        given = [number_of(variable, each) for variable, each in zip(variables, values, strict=True)]
+        for variable, number in zip(variables, given, strict=True):
+            if not (isinstance(number, str) or math.isfinite(number)):
                 raise FmuError(f"{variable.name}: wanted a finite number, got {number:g}")
-        self._block(name).set(numbers)
+        self._block(name).set(given)
 
     def number(self, name: str) -> float | int:
-        """The value of one scalar variable."""
-        self.component.variable(name)
-        value = self._block(name).get()[0]
-        return value.item()
+        """The value of one scalar variable; of a Boolean 0 or 1. FmuError for a String."""
+        if self.component.variable(name).type == "String":
+            raise FmuError(f"{name}: wanted a number, got a String")
+        return self._block(name).get().tolist()[0]
 
     def vector(self, name: str) -> Vector:
         """The components (3,) or (4,) of a vector; assigning to one of them sets it."""
@@ -213,7 +222,7 @@ class Simulation:
         def send(values: np.ndarray) -> None:
             self[name] = values
 
-        return Vector.of(self._block(name).get(), send)
+        return Vector.of(self._block(name).get, send)
 
     def _components(self, name: str) -> list[str]:
         """The scalar variables that a name means: itself, or its components; of `stiffness` those of the kinds of springs."""
@@ -271,17 +280,18 @@ class Simulation:
 
     @property
     def positions(self) -> np.ndarray:
-        """The control points (nx, ny, nz, 3) [m], a copy; NaN for those that are not among the outputs."""
+        """The control points (nx, ny, nz, 3) [m], a read-only copy; NaN for those that are not among the outputs."""
         return self._position_field.read()
 
     @property
     def velocities(self) -> np.ndarray:
-        """Their velocities (nx, ny, nz, 3) [m/s], a copy; NaN for those that are not among the outputs. FmuError where none is."""
+        """Their velocities (nx, ny, nz, 3) [m/s], a read-only copy; NaN for those that are no outputs. FmuError where none is."""
         return self._velocity_field.read()
 
     @property
     def forces(self) -> np.ndarray:
-        """The outside forces on the control points (nx, ny, nz, 3) [N], a copy, to be assigned as a whole; NaN where there is no input."""
+        """The outside forces on the control points (nx, ny, nz, 3) [N], a read-only copy, to be assigned as a whole; NaN where there is no
+        input. `sim.force[i, j, k]` sets single ones."""
         return self._force_field.read()
 
     @forces.setter

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from typing import NoReturn
 
 from softffd.errors import FmuError
 from softffd.fmu.component import Component
@@ -24,6 +25,9 @@ class State:
 
     def __bytes__(self) -> bytes:
         return HEAD.pack(MARK, self.time, self.initializing) + self.component.state_bytes(self.handle)
+
+    def __reduce__(self) -> NoReturn:
+        raise FmuError("a State belongs to its simulation: bytes(state) is what is pickled and copied, and what restore takes elsewhere")
 
     def __del__(self) -> None:
         if hasattr(self, "handle"):

@@ -16,11 +16,21 @@ def positive(what: str, given: float | None, default: Any, *, after: float = 0.0
     wanted = f"wanted > {after:g} s{', the start time' if after else ''}"
     if given is None and default is None:
         raise FmuError(f"{what}: {wanted}, got none; the FMU names no default, so it must be given")
-    value = float(default if given is None else given)
+    value = one_number(what, default if given is None else given)
     if not (math.isfinite(value) and value > after):
         source = "given" if given is not None else "in the FMU's default experiment"
         raise FmuError(f"{what}: {wanted}, got {value:g} ({source})")
     return value
+
+
+def one_number(what: str, value: Any) -> float:
+    """A number that is given; FmuError for an array, text and other things."""
+    try:
+        if np.ndim(value) == 0 and not isinstance(value, str | bytes):
+            return float(value)
+    except (TypeError, ValueError):
+        pass
+    raise FmuError(f"{what}: wanted one number, got {value!r:.70}")
 
 
 def communication_points(stop_time: float, step: float, start_time: float = 0.0) -> np.ndarray:

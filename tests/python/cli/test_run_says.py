@@ -1,8 +1,12 @@
 """What `softffd run` says before, during and after a run, and what it leaves alone."""
 
 import json
+import os
+import subprocess
 import sys
+import time
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +20,10 @@ from softffd.cli.told import pace
 from softffd.embedding import mass
 from softffd.errors import FmuError
 from softffd.fmu.package import package_fmu, scene_masses
+from softffd.fmu.variables import method_value
+from softffd.run import progress
 from softffd.run.choices import shares
+from softffd.run.findings import findings
 from softffd.run.many_steps import ManySteps
 from softffd.run.progress import ProgressLine
 
@@ -233,3 +240,39 @@ def test_a_stage_without_news_tells_how_long_it_takes(monkeypatch, capsys):
             if "drawing: ... (0 s so far)" in (shown := capsys.readouterr().err):
                 break
     assert "so far" in shown
+
+
+def test_a_title_that_the_output_cannot_say_is_said_as_far_as_it_can(tmp_path):
+    (tmp_path / "u.toml").write_text('title = "a \u2192 b"\n', encoding="utf-8")
+    command, cp1252 = [sys.executable, "-m", "softffd", "info", "u.toml"], os.environ | {"PYTHONIOENCODING": "cp1252"}
+    said = subprocess.run(command, cwd=tmp_path, env=cp1252, capture_output=True)
+    assert (said.returncode, said.stdout.splitlines()[0]) == (0, b"a ? b"), said.stderr
+
+
+def test_no_input_beside_an_input_is_refused(tmp_path, capsys):
+    assert main(["run", "press", "--no-input", "--input", "none.csv", "-o", str(tmp_path / "a")]) == 1
+    assert "--no-input: wanted without --input" in capsys.readouterr().err
+
+
+def test_method_and_tolerance_are_those_asked_for(tmp_path, capsys):
+    options = ["--stop-time", "0.02", "--method", "leapfrog", "--tolerance", "1e-2", "--no-pictures", "-o", str(tmp_path)]
+    assert main(["run", "hanging", *options]) == 0, capsys.readouterr().err
+    assert Result.load(tmp_path).parameters["solver.method"] == method_value("leapfrog")
+
+
+def test_a_slow_run_is_told_what_makes_it_slow():
+    result = simulate(load_scene("hanging"), stop_time=0.02)
+    slow = replace(result, summary=result.summary | {"real_time_factor": 1e-3})
+    said = [line for line in findings(slow)["findings"] if line.startswith("slower than a hundredth of real time")]
+    assert len(said) == 1 and "to try: a larger tolerance (--tolerance, now" in said[0] and "a coarser lattice (now" in said[0]
+    assert not any("hundredth" in line for line in findings(replace(result, summary=result.summary | {"real_time_factor": 1}))["findings"])
+
+
+def test_long_runs_tell_how_far_they_are(monkeypatch, capsys):
+    monkeypatch.setattr(progress, "QUIET", 0.02)
+    monkeypatch.setattr(progress, "NOW_AND_THEN", 0.01)
+    with progress.ProgressLine("simulating") as line:
+        time.sleep(0.05)
+        line(0.5, 1.25)
+        time.sleep(0.1)
+    assert "simulating: 50%, 1.25 s, 0 s left (0 s so far)" in capsys.readouterr().err

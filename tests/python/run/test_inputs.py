@@ -99,8 +99,8 @@ def test_a_function_must_give_the_same_names_at_every_time():
         (3, "got int"),
         (lambda t: None, "at 0 s: wanted a dict of values by name, got None"),
         (lambda t: {1: 1.1}, "at 0 s: wanted a dict of values by name, got {1: 1.1}"),
-        (lambda t: {"load.a.x": "1.1"}, "at 0 s: load.a.x: wanted a finite number, got '1.1'"),
-        (lambda t: {"load.a.x": np.nan}, "at 0 s: load.a.x: wanted a finite number, got nan"),
+        (lambda t: {"load.a.x": "1.1"}, "at 0 s: load.a.x: wanted a finite number or a vector of them, got '1.1'"),
+        (lambda t: {"load.a.x": np.nan}, "at 0 s: load.a.x: wanted a finite number or a vector of them, got nan"),
         (np.zeros((2, 2)), "first field is `time`, got float64"),
         (table(time=[], **{"load.a.x": []}), "at least one row"),
         (np.zeros((1, 2), [("time", float), ("load.a.x", float)]), r"got the shape \(1, 2\)"),
@@ -161,3 +161,24 @@ def test_a_data_frame_goes_by_its_time_or_its_index():
     for index in (["a", "b"], [1.0, 0.0], [0.0, float("nan")]):
         with pytest.raises(FmuError, match=r"inputs: .*wanted a column of numbers|must not decrease|wanted a finite number"):
             Inputs(frame.set_index(pandas.Index(index)))
+
+
+def test_a_function_gives_vectors_as_a_dict_does():
+    given = Inputs(lambda time: {"load.push": np.array([1.0, time, 2.0]), "load.pull.z": 3})
+    assert given.names == ["load.push.x", "load.push.y", "load.push.z", "load.pull.z"]
+    np.testing.assert_array_equal(given.values(0.5, 0.5), [1.0, 0.5, 2.0, 3.0])
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ("time,load.push.x\n0,-1_0\n", "line 2, load.push.x: wanted a number, got '-1_0'"),
+        ("time,load.push.x\n0,\u0661\n", "line 2, load.push.x: wanted a number"),
+        ("time,load.push.x,\n0,1,\n", "line 1: .* got column 3 without a name: the line ends with a comma"),
+        ("time,load.push.x\n0,1,\n", "line 2: wanted 2 numbers as in the header, got 3, for the line ends with a comma"),
+    ],
+)
+def test_words_that_only_look_like_numbers_and_columns_are_refused(tmp_path, text, message):
+    (tmp_path / "a.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(FmuError, match=message):
+        Inputs(tmp_path / "a.csv")

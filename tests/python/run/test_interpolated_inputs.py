@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from softffd import FmuError, load_scene, package_fmu, simulate
+from scenes import box
+from softffd import FmuError, Simulation, load_scene, package_fmu, simulate
 from softffd.cli.command import main
 from softffd.run.inputs import Inputs
 
@@ -87,3 +88,44 @@ def test_the_run_command_interpolates(folder):
     for how, speed in (("linear", 3.0), ("held", 2.25)):  # of 6 t N on 1 kg
         assert main(["run", "free.toml", "--input", "push.csv", "--interpolation", how, "-o", how]) == 0
         assert np.load(f"{how}/result.npz")["velocity[1,2,3].x"][-1] == pytest.approx(speed)
+
+
+MOVED = ["position", "orientation", "velocity", "angular_velocity"]
+TURNED = box(
+    pin=[{"name": "hand", "points": "z-", "motion": "input", "inputs": MOVED}], energy=True, stop_time=2.0, communication_step=0.02
+)
+
+
+@pytest.mark.parametrize("interpolation", ["held", "linear", "cubic"])
+@pytest.mark.parametrize("way, row", [("table", 0.2), ("table", 0.02), ("function", 0.02)])
+def test_a_quaternion_means_the_same_with_either_sign(way, row, interpolation):
+    """Turned about z at 2 rad/s: with the sign as it follows, with w >= 0, and with one that alternates."""
+    names = [f"pin.hand.orientation.{c}" for c in "wxyz"]
+    times = np.arange(0, 2 + row / 2, row)
+    positions = []
+    for sign in (lambda n, w: 1, lambda n, w: -1 if w < 0 else 1, lambda n, w: (-1) ** n):
+
+        def course(time, sign=sign):
+            quaternion = np.array([np.cos(time), 0, 0, np.sin(time)])
+            return dict(zip(names, sign(round(time / row), quaternion[0]) * quaternion, strict=True))
+
+        table = np.array([(time, *course(time).values()) for time in times], [(name, float) for name in ("time", *names)])
+        positions.append(simulate(TURNED, inputs=table if way == "table" else course, interpolation=interpolation).positions)
+    for other in positions[1:]:
+        np.testing.assert_allclose(other, positions[0], atol=1e-12)
+
+
+def test_a_step_with_the_other_sign_of_a_quaternion_has_the_same_bits():
+    """In the FMU itself, with a rate and without."""
+    ends = []
+    for sign in (1, -1):
+        with Simulation(TURNED) as sim:
+            for n in range(20):
+                angle, way = 0.02 * n, sign**n
+                sim.pin["hand"].orientation = way * np.array([np.cos(angle), 0, 0, np.sin(angle)])
+                sim.pin["hand"].angular_velocity = (0, 0, 2)
+                if n % 2:
+                    sim.set_rates({"pin.hand.orientation": way * np.array([-np.sin(angle), 0, 0, np.cos(angle)])})
+                sim.step(0.02)
+            ends.append(sim.positions)
+    np.testing.assert_array_equal(*ends)

@@ -1,10 +1,13 @@
 """What `simulate` lets one choose: outputs, start time, tolerance, method."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from scenes import box, table_and_press
-from softffd import FmuError, simulate
+from softffd import FmuError, SoftffdError, simulate
+from softffd.fmu.variables import method_value
 
 SCENE = box(plane=table_and_press(), velocities="all", energy=True, stop_time=0.1)
 
@@ -84,3 +87,25 @@ def test_tolerance_and_method_are_those_of_the_run():
 def test_what_cannot_be_chosen_is_refused_with_the_nearest_that_can(given, message):
     with pytest.raises(FmuError, match=message):
         simulate(SCENE, **given)
+
+
+@pytest.mark.parametrize("name", ["stop_time", "step", "start_time", "tolerance"])
+@pytest.mark.parametrize("value", [np.array([0.1]), "0.1", [0.1]])
+def test_what_is_one_number_is_no_array(name, value):
+    with pytest.raises(FmuError, match="wanted one number, got"):
+        simulate(SCENE, **{name: value})
+
+
+def test_parameters_are_all_numbers_that_the_run_had():
+    result = simulate(SCENE, method="leapfrog", begun=lambda sim, inputs: sim.component.set_start_values({"stiffness.edge": 123.0}))
+    assert result.parameters["solver.method"] == method_value("leapfrog") and result.parameters["stiffness.edge"] == 123
+
+
+@pytest.mark.parametrize("row", [999, -99, 0.05, np.array([0])])
+def test_a_row_that_is_none_is_refused(row):
+    result = simulate(SCENE)
+    for look in (result.strain, result.stress, partial(result.deformed, np.full((1, 3), 0.5))):
+        with pytest.raises(SoftffdError, match="wanted a row of 11"):
+            look(row=row)
+    with pytest.raises(SoftffdError, match=r"wanted a Mesh or vertices \(V, 3\), got the shape \(3,\)"):
+        result.deformed(np.full(3, 0.5))

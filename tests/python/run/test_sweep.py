@@ -1,6 +1,7 @@
 """Sweeps: the numbers are those of single runs, failures and interrupts cost nothing of the rest, wrong questions are refused."""
 
 import csv
+import multiprocessing
 import subprocess
 import sys
 
@@ -9,7 +10,7 @@ import pytest
 
 import softffd
 from scenes import box, table_and_press
-from softffd import FmuError, SoftffdError, Sweep, simulate, sweep
+from softffd import FmuError, SoftffdError, Sweep, load_scene, simulate, sweep
 from softffd.cli.command import main
 from softffd.run.guard import Lost
 from softffd.run.sweep import sweep as sweep_module
@@ -304,3 +305,22 @@ def test_an_fmu_is_swept_as_its_scene_is(table, tmp_path, monkeypatch):
     softffd.package_fmu(SCENE, "pressed.fmu")
     packed = sweep("pressed.fmu", VARY, outputs=[FORCE], jobs=2)
     assert np.array_equal(packed.outputs[FORCE], table.outputs[FORCE])
+
+
+def test_a_start_value_of_what_is_varied_is_refused():
+    with pytest.raises(FmuError, match="mass: is varied, so that its start value would be lost"):
+        sweep(load_scene("press"), {"mass": [1, 2]}, start_values={"mass": 3})
+
+
+def test_tolerance_and_method_are_those_of_simulate():
+    swinging, tight = box(stretch=[1.2, 1.0, 1.0], stop_time=0.1), {"tolerance": 1e-2, "method": "leapfrog"}
+    table = sweep(swinging, {"mass": [1.0, 2.0]}, outputs=["position[1,1,1].x"], **tight)
+    single = [simulate(swinging, start_values={"mass": mass}, **tight).positions[-1, 1, 1, 1, 0] for mass in (1.0, 2.0)]
+    assert table.outputs["position[1,1,1].x"].tolist() == single
+    assert "tolerance" in table.differences(sweep(swinging, {"mass": [1.0, 2.0]}, outputs=["position[1,1,1].x"]))
+
+
+def test_processes_that_a_daemonic_one_cannot_start_are_refused(monkeypatch):
+    monkeypatch.setitem(multiprocessing.current_process()._config, "daemon", True)
+    with pytest.raises(SoftffdError, match=r"a daemonic process, .* wanted jobs=1, got 2"):
+        sweep(load_scene("press"), {"mass": [1, 2]}, jobs=2)

@@ -7,7 +7,8 @@ from fmpy.validation import validate_fmu
 
 from coupled_parts import FORCE, MOTION, PLANE, Part, body_fmu
 from scenes import box
-from softffd import SoftffdError, package_fmu
+from softffd import Result, SoftffdError, package_fmu
+from softffd.cli.command import main
 from softffd.drivers import build_driver
 
 
@@ -102,3 +103,9 @@ def test_the_impulse_of_the_actuators_force_is_of_second_order(drivers, tmp_path
 
     errors = [error(steps) for steps in (20, 40, 80)]
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([2, 2], abs=0.15)
+
+
+def test_a_driver_runs_by_itself(drivers, tmp_path, capsys):
+    assert main(["run", str(drivers / "plate.fmu"), "--stop-time", "0.1", "--step", "0.01", "-o", str(tmp_path)]) == 0
+    assert main(["info", str(drivers / "plate.fmu")]) == 0, capsys.readouterr().err
+    assert Result.load(tmp_path).positions.size == 0

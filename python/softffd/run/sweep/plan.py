@@ -6,7 +6,7 @@ import hashlib
 import math
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -51,10 +51,12 @@ class Plan:
     source: Scene | str | Path
     given: dict[str, list[Any]]
     """The values of each varied variable as they were given: numbers or names"""
-    numbers: dict[str, list[float | int]]
-    """The numbers that stand for them"""
+    numbers: dict[str, list[Any]]
+    """The numbers that stand for them; of a String its texts"""
     readings: tuple[Reading, ...]
     start_values: dict[str, Any]
+    settings: dict[str, Any]
+    """tolerance and method of all runs, where they are given"""
     stop_time: float
     step: float
     driven: tuple[str, ...]
@@ -83,10 +85,10 @@ class Plan:
 
 def plan_of(
     scene_or_fmu: Scene | str | Path, vary: Mapping[str, Iterable[Any]], outputs: Iterable[str] | None, stop_time: float | None,
-    step: float | None, start_values: Mapping[str, Any] | None, inputs: Source | None,
+    step: float | None, start_values: Mapping[str, Any] | None, inputs: Source | None, settings: Mapping[str, Any],
 ) -> Plan:  # fmt: skip
     """The plan of a sweep, see `sweep`; FmuError for what cannot be asked of this FMU."""
-    with Simulation(scene_or_fmu, start_values=start_values) as simulation:
+    with Simulation(scene_or_fmu, start_values=start_values, **settings) as simulation:
         component = simulation.component
         interface = component.interface
         stop_time = positive("stop time", stop_time, interface.stop_time)
@@ -95,6 +97,7 @@ def plan_of(
         driven = [variable.name for variable in driven_inputs(component, source)]
         require_undriven(simulation, source, start_values or {}, driven)
         given = _varied(component, vary, driven, source.where)
+        _require_unset(simulation, [*(start_values or {}), *(["solver.method"] if settings.get("method") else [])], given)
         numbers = {name: [_number(component.variable(name), value) for value in values] for name, values in given.items()}
         readings = _readings(component, outputs)
         _require_size(numbers, readings)
@@ -107,9 +110,16 @@ def plan_of(
             "inputs": _fingerprint(driven, course),
         }  # fmt: skip
         return Plan(
-            scene_or_fmu, given, numbers, readings, dict(start_values or {}), stop_time, step, tuple(driven),
+            scene_or_fmu, given, numbers, readings, dict(start_values or {}), dict(settings), stop_time, step, tuple(driven),
             np.zeros((0, 0)) if course is None else course, about, os.getcwd(),
         )  # fmt: skip
+
+
+def _require_unset(simulation: Simulation, started: Iterable[str], varied: Collection[str]) -> None:
+    """FmuError where a start value would be lost, for that variable is varied."""
+    for name in started:
+        if lost := [each for each in simulation.block([name]).names if each in varied]:
+            raise FmuError(f"{lost[0]}: is varied, so that its start value would be lost: leave out one of the two")
 
 
 def _varied(component: Component, vary: Mapping[str, Iterable[Any]], driven: Sequence[str], where: str) -> dict[str, list[Any]]:
@@ -151,16 +161,16 @@ def _listed(name: str, values: Iterable[Any]) -> list[Any]:
     return listed
 
 
-def _number(variable: ScalarVariable, value: Any) -> float | int:
+def _number(variable: ScalarVariable, value: Any) -> Any:
     number = number_of(variable, value)
-    if not math.isfinite(number):
+    if not (isinstance(number, str) or math.isfinite(number)):
         raise FmuError(f"{variable.name}: wanted finite numbers, got {number:g}")
     return number
 
 
 def _readings(component: Component, outputs: Iterable[str] | None) -> tuple[Reading, ...]:
     """Those asked for; by default all outputs but those at control points."""
-    every = [v.name for v in component.by_name.values() if v.causality == "output"]
+    every = [v.name for v in component.by_name.values() if v.causality == "output" and v.kind != "String"]
     if outputs is None:
         outputs = [name for name in every if not _at_point(name)]
     asked = [outputs] if isinstance(outputs, str) else list(outputs)
@@ -177,7 +187,7 @@ def _reading(component: Component, text: str, every: list[str]) -> list[Reading]
         raise FmuError(f"{text}: wanted one of {', '.join(FOLDS)}, got {fold}{did_you_mean(nearest_of(fold, FOLDS))}")
     names = [name] if name in component.by_name else [full for c in "wxyz" if (full := f"{name}.{c}") in component.by_name]
     variables = [component.by_name[each] for each in names]
-    other = next((v.causality for v in variables if v.causality != "output"), "")
+    other = next(("String" if v.causality == "output" else v.causality for v in variables if v.name not in every), "")
     if other or not variables:
         what = f"an output, got the FMU's {other} of that name" if other else "an output of the FMU, which has none of this name"
         raise UnknownName(f"{text}: wanted {what}{did_you_mean(nearest_of(name, every))}")

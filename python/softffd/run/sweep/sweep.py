@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import multiprocessing
 import time as clock
 from collections.abc import Callable, Generator, Iterable, Mapping
 from contextlib import closing
@@ -45,6 +46,8 @@ def sweep(
     step: float | None = None,
     start_values: Mapping[str, Any] | None = None,
     inputs: Source | None = None,
+    tolerance: float | None = None,
+    method: str | None = None,
     jobs: int | None = None,
     scheduler: str | Client | None = None,
     file: str | Path | None = None,
@@ -55,7 +58,8 @@ def sweep(
     vary: values by the name of a parameter or input of the FMU.
     outputs: names, for the value at the end of the run, or "max(NAME)", "min(NAME)", "mean(NAME)" over its communication points; a
     vector's name means its components. By default all outputs but those at control points.
-    stop_time, step, start_values, inputs: of every run, as for `simulate`. What `inputs` gives cannot be varied.
+    stop_time, step, start_values, inputs, tolerance, method: of every run, as for `simulate`. What `inputs` or start
+        values give cannot be varied.
     jobs: processes, by default this one. In more than one a run that takes its process down is a failed run too.
     scheduler: address of a Dask cluster's scheduler, such as "tcp://host:8786", or a distributed.Client: the runs are made there, on as
     many workers as there are, which need the same softffd and no files; such a run that takes its worker down is a failed run too.
@@ -68,7 +72,10 @@ def sweep(
         raise SoftffdError("jobs: wanted without a scheduler, whose workers say how many runs there are at a time")
     if jobs is not None and jobs < 1:
         raise SoftffdError(f"jobs: wanted at least 1, got {jobs}")
-    plan = plan_of(scene_or_fmu, vary, outputs, stop_time, step, start_values, inputs)
+    if (jobs or 1) > 1 and multiprocessing.current_process().daemon:
+        raise SoftffdError(f"jobs: a daemonic process, as those of multiprocessing.Pool are, starts no others; wanted jobs=1, got {jobs}")
+    settings = {key: value for key, value in (("tolerance", tolerance), ("method", method)) if value is not None}
+    plan = plan_of(scene_or_fmu, vary, outputs, stop_time, step, start_values, inputs, settings)
     table = _begun(plan, None if file is None else Path(file))
     try:
         _run(plan, table, partial(_results, jobs=jobs or 1, scheduler=scheduler), file, progress)

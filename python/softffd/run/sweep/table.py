@@ -20,7 +20,7 @@ from softffd.run.tables import package
 if TYPE_CHECKING:
     from softffd.run.sweep.plan import Plan
 
-COMPARED = ("fmu", "library", "values", "outputs", "start_values", "inputs", "stop_time", "step")
+COMPARED = ("fmu", "library", "values", "outputs", "start_values", "inputs", "stop_time", "step", "tolerance", "method")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,7 +50,9 @@ class Sweep:
         asked = {
             "values": plan.given, "outputs": names, "start_values": plan.start_values, "stop_time": plan.stop_time, "step": plan.step,
         }  # fmt: skip
-        about = json.loads(json.dumps(plan.about | asked | {"units": units}, default=lambda value: np.asarray(value).tolist()))
+        about = json.loads(
+            json.dumps(plan.about | asked | plan.settings | {"units": units}, default=lambda value: np.asarray(value).tolist())
+        )
         return cls(
             {name: np.array(values) for name, values in plan.given.items()}, {name: np.full(plan.shape, np.nan) for name in names},
             np.full(plan.shape, "", dtype=object), np.zeros(plan.shape, bool), about,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from softffd.errors import FmuError
+from softffd.fmu.block import KINDS, Blocks
 from softffd.run.simulation import Simulation
 from softffd.run.sweep.plan import END, Plan
 from softffd.run.times import step_lengths
@@ -46,9 +47,8 @@ class Runner:
         self._simulation = Simulation(plan.source)
         component = self._simulation.component
         variables = list(dict.fromkeys(component.variable(reading.name) for reading in plan.readings))
-        self._inputs = component.block(plan.driven)
-        kinds = ([v for v in variables if (v.type == "Real") == real] for real in (True, False))
-        self._blocks = [component.block_of(kind) for kind in kinds if kind]
+        self._inputs = Blocks(component, [component.variable(name) for name in plan.driven])
+        self._blocks = [component.block_of(some) for kind in KINDS if (some := [v for v in variables if v.kind == kind])]
         self._times = plan.times.tolist()
         self._steps = step_lengths(plan.times, plan.step)
         self._rows = [np.zeros((len(self._times), len(block.names))) for block in self._blocks]
@@ -58,7 +58,7 @@ class Runner:
     def run(self, start_values: dict[str, Any]) -> np.ndarray:
         """The readings of one run from its start; the bits are those of `simulate`. FmuError with the time where it fails."""
         simulation, plan = self._simulation, self._plan
-        simulation.restart(start_values=start_values, stop_time=plan.stop_time)
+        simulation.restart(start_values=start_values, stop_time=plan.stop_time, **plan.settings)
         self._drive(0)
         simulation.initialize()
         try:

@@ -1,5 +1,6 @@
 """What a simulation is opened from, and what it leaves behind."""
 
+import gc
 import os
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import fmpy
 import numpy as np
 import pytest
+from fmpy.fmi2 import FMU2Slave
 
 from host_scenes import HELD, STEP, scene, step
 from softffd import FmuError, Simulation, SoftffdError, installed, package_fmu, write_ssp
@@ -131,3 +133,14 @@ def test_an_archive_that_would_fill_the_disk_is_refused_before_it_is_unpacked(tm
     for ask in (lambda: Simulation(fmu), lambda: write_ssp(tmp_path / "box.ssp", {"box": fmu}, [])):
         with pytest.raises(SoftffdError, match=r"box\.fmu: its .* MB would unpack to 0\.1\d* GB; wanted at most 0\.01 GB, or 10 times"):
             ask()
+
+
+def test_one_that_nobody_closes_is_freed_with_its_last_reference(monkeypatch):
+    freed = []
+    monkeypatch.setattr(FMU2Slave, "freeInstance", lambda self, free=FMU2Slave.freeInstance: freed.append(free(self)))
+    for use in (lambda sim: None, Simulation.step, Simulation.save, lambda sim: sim.plane):
+        opened = Simulation(scene())
+        kept = use(opened)
+        del opened, kept
+        gc.collect()
+    assert len(freed) == 4

@@ -117,3 +117,30 @@ def test_a_vector_wants_its_components(sim):
     for wrong in ((1, 2), 1.0, (1, 2, 3, 4)):
         with pytest.raises(FmuError, match=r"plane\.plate\.point: wanted 3 numbers"):
             sim.plane["plate"].point = wrong
+
+
+def test_what_is_assigned_to_a_copy_is_refused_or_acts(sim):
+    with pytest.raises(ValueError, match="read-only"):
+        sim.positions[1, 1, 1] = 0
+    point = sim.plane["plate"].point
+    for write in (lambda: point.fill(1), lambda: point[1:].__setitem__(0, 1), lambda: np.add(point, 1, out=point)):
+        with pytest.raises(ValueError, match="read-only"):
+            write()
+    before = np.array(point)
+    point += (0, 0, 1)
+    point *= 2
+    np.testing.assert_array_equal(sim.plane["plate"].point, 2 * np.add(before, (0, 0, 1)))
+    np.testing.assert_array_equal(point, sim.plane["plate"].point)
+    sim.plane["plate"].point -= (1, 0, 0)
+    assert sim["plane.plate.point.x"] == 2 * before[0] - 1
+    own = point + 1
+    own += 1
+    own[0] = 7
+    assert own[0] == 7 and sim["plane.plate.point.x"] == 2 * before[0] - 1
+
+
+def test_a_vector_that_was_read_before_changes_one_component_alone(sim):
+    old = sim.plane["plate"].point
+    sim.plane["plate"].point = (1, 1, 1)
+    old[0] = 5
+    np.testing.assert_array_equal(sim.plane["plate"].point, [5, 1, 1])

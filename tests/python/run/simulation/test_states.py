@@ -1,5 +1,7 @@
 """Saved moments come back, as bytes in other simulations and processes too; a restart begins again."""
 
+import copy
+import pickle
 import subprocess
 import sys
 
@@ -102,3 +104,10 @@ def test_restart_begins_again_with_the_settings_given(sim):
     assert sim["mass"] == 1.0
     step(sim, 3)
     np.testing.assert_array_equal(sim.positions, fresh)
+
+
+@pytest.mark.parametrize("take", [copy.copy, copy.deepcopy, pickle.dumps])
+def test_a_simulation_and_its_states_say_what_goes_elsewhere(sim, take):
+    for what in (sim, sim.save()):
+        with pytest.raises(FmuError, match="bytes"):
+            take(what)
