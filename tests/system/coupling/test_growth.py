@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from coupled_parts import body_fmu
 from softffd import Scene, Simulation, package_fmu
 from softffd.fmu.component import Component
 from softffd.scene.scene import scene_from
@@ -111,7 +112,9 @@ def growth_with_the_template(fmu: str, coarse: float) -> float:
 def test_the_partner_to_copy_neither_feeds_nor_damps(drivers, tmp_path):
     subprocess.run([sys.executable, "-m", "pythonfmu", "build", "-f", MASS, "-d", tmp_path], check=True, capture_output=True)
     command = [sys.executable, "-c", IN_A_PROCESS, tmp_path / "Mass.fmu", "0.3"]
-    done = subprocess.run(command, env=os.environ | {"PYTHONPATH": str(Path(__file__).parent)}, capture_output=True, text=True)
+    done = subprocess.run(
+        command, env=os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     assert abs(float(done.stdout)) < 2e-4
 
@@ -162,8 +165,8 @@ def pad(density: float) -> Scene:
     })  # fmt: skip
 
 
-def pressed(sim: Simulation) -> Press:
-    moved, reaction = sim.block(["plane.lid.point.z", "plane.lid.velocity.z"]), sim.block(["plane.lid.reaction.z"])
+def pressed(sim: Simulation, plane: str = "plane.lid") -> Press:
+    moved, reaction = sim.block([f"{plane}.point.z", f"{plane}.velocity.z"]), sim.block([f"{plane}.reaction.z"])
 
     def press(place: float, velocity: float, step: float) -> float:
         moved.set((place, velocity))
@@ -236,3 +239,11 @@ def test_a_contact_that_opens_and_closes_is_not_fed(drivers, host):
         rows = swing(plate, press, mass, STEP, 500, host, start=1e-3)
     energy = 0.5 * rows[:, 1] ** 2 + GRAVITY * rows[:, 0] + 0.5 * stiffness / mass * np.minimum(rows[:, 0], 0) ** 2
     assert energy[-20:].max() < 1.05 * GRAVITY * 1e-3
+
+
+@pytest.mark.parametrize("host, times", [(HOSTS[0], 5), ("body first", 3)])
+def test_a_plate_as_light_as_the_documents_allow_comes_to_rest(drivers, host, times):
+    """On a box of 1 kg, of which a plate touches 16 of 64 control points."""
+    with Simulation(body_fmu(drivers, ("damping = 0.0", "damping = 2.0"))) as sim, Component(drivers / "plate.fmu") as plate:
+        rows = swing(plate, pressed(sim, "plane.plate"), times * 0.25, STEP, 600, host)
+    assert abs(rows[-50:, 1]).max() < 0.1 * abs(rows[:50, 1]).max()
