@@ -27,6 +27,8 @@ SUITE = "python3 python/run.py test"
 """This suite, which does not run itself."""
 RESTS = "presses with"
 """Scripts that say so lay a plate of 5 kg on the box."""
+MADE_BEFORE = ("build", "ssp", "drivers")
+"""Commands whose files of the same name are in the reader's folder already."""
 MINUTES = ("python3 python/run.py demo",)
 """Commands of blocks for everybody that take a minute or more; the demonstration runs in tests/python/cli with a shorter course too."""
 
@@ -106,7 +108,7 @@ def test_command_runs(line, folder):
     elif words[:2] == ["python3", "python/run.py"]:  # hands over to the same program once it has set up
         words = [sys.executable, "-m", "softffd", *words[2:]]
     elif words[0] == "softffd":
-        words = [sys.executable, "-m", *words]
+        words = [sys.executable, "-m", *words, *(["--overwrite"] if words[1] in MADE_BEFORE else [])]
     run(words, folder, minutes=60)
 
 

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from softffd.fmu.package import package_fmu
     from softffd.fmu.ssp import write_ssp
     from softffd.mesh.mesh import load_mesh, save_mesh
+    from softffd.run.replay import replay
     from softffd.run.result import Result
     from softffd.run.simulate import simulate
     from softffd.run.simulation import Simulation
@@ -32,6 +33,7 @@ __all__ = [
     "load_mesh",
     "load_scene",
     "package_fmu",
+    "replay",
     "save_mesh",
     "simulate",
     "sweep",
@@ -51,6 +53,7 @@ HOMES = {
     "load_mesh": "mesh.mesh",
     "load_scene": "scene.scene",
     "package_fmu": "fmu.package",
+    "replay": "run.replay",
     "save_mesh": "mesh.mesh",
     "simulate": "run.simulate",
     "sweep": "run.sweep.sweep",

@@ -2,7 +2,7 @@
 
 import os
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
@@ -37,6 +37,12 @@ def write_bytes(path: str | Path, content: bytes) -> None:
 def write_text(path: str | Path, text: str) -> None:
     """Writes a whole file in UTF-8; line ends stay as they are."""
     write_bytes(path, text.encode())
+
+
+def require_new(paths: Iterable[Path], another: str) -> None:
+    """SoftffdError where one of these files is there: to be asked before it is made. another: how to say where else it could go."""
+    if there := [str(path) for path in paths if path.is_file()]:
+        raise SoftffdError(f"{', '.join(there)}: there already; to write over what is there: --overwrite, to keep it: {another}")
 
 
 def require_writable(folder: Path) -> None:

@@ -68,6 +68,12 @@ def vector_names(family: str, instance: str | Point | None = None) -> list[str]:
     return variable_names(family, (instance,))
 
 
+def meant_by(name: str) -> list[str]:
+    """Everything that stands for this variable: its name and the beginnings of it, position[0,0,1].x, position[0,0,1], position."""
+    name = structured(name)
+    return [name, *(name[: found.start()] for found in re.finditer(r"[.\[]", name))]
+
+
 @lru_cache(maxsize=4096)  # the inputs of a run come back at every step
 def parse_name(name: str) -> Name | None:
     """Family, instance and component of a name; None for what is no name of the table."""

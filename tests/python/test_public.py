@@ -10,7 +10,7 @@ import softffd
 
 PUBLIC = [
     *("FmuError", "MeshError", "Result", "Scene", "SceneError", "Simulation", "SoftffdError", "Sweep"),
-    *("deform", "load_mesh", "load_scene", "package_fmu", "save_mesh", "simulate", "sweep", "write_ssp"),
+    *("deform", "load_mesh", "load_scene", "package_fmu", "replay", "save_mesh", "simulate", "sweep", "write_ssp"),
 ]
 
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from softffd.cli.options import parse, setting
 from softffd.errors import Interrupted, SoftffdError
-from softffd.files import require_writable
+from softffd.files import require_new, require_writable
 from softffd.run.progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -72,10 +72,11 @@ def _build(options: argparse.Namespace) -> None:
     from softffd.scene.scene import load_scene
 
     scene = load_scene(options.scene)
+    asked = f"{scene.name}.fmu" if options.output is None else options.output
+    if not options.overwrite:
+        require_new([Path(asked)], "another name by -o X.fmu")
     with ProgressLine("packaging"):
-        path = package_fmu(
-            scene, f"{scene.name}.fmu" if options.output is None else options.output, platforms=options.platform, fmi=options.fmi
-        )
+        path = package_fmu(scene, asked, platforms=options.platform, fmi=options.fmi)
     masses = scene_masses(scene)
     print(f"{path}: {scene.title}")
     count = number_of_variables(scene, masses.mass) if options.fmi == 2 else len(array_variables(scene, masses.mass)) + 1  # and time
@@ -189,11 +190,14 @@ def _random(options: argparse.Namespace) -> None:
 
 
 def _drivers(options: argparse.Namespace) -> None:
-    from softffd.drivers import build_drivers
+    from softffd.drivers import DRIVERS, build_drivers
     from softffd.drivers.coupled import write_plate_ssp
 
     require_writable(options.output)
-    for path in [*build_drivers(options.output), write_plate_ssp(options.output / "plate_on_box.ssp")]:
+    system = options.output / "plate_on_box.ssp"
+    if not options.overwrite:
+        require_new([*(options.output / f"{name}.fmu" for name in DRIVERS), system], "another folder by -o DIR")
+    for path in [*build_drivers(options.output), write_plate_ssp(system)]:
         print(path)
 
 

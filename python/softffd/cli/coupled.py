@@ -9,6 +9,7 @@ from typing import Any
 
 from softffd.cli.options import setting
 from softffd.errors import SoftffdError
+from softffd.files import require_new
 from softffd.fmu.ssp import told_ssp
 
 
@@ -22,7 +23,9 @@ def write_coupled(options: argparse.Namespace) -> str:
         components[name] = what
     connections = [_connection(text) for text in options.connections]
     path = options.output or Path(f"{named[0][0]}.ssp")
-    return "\n".join(told_ssp(path, components, connections, dict(map(_start, options.settings))))
+    if not options.overwrite:
+        require_new([path], "another name by -o X.ssp")
+    return "\n".join(told_ssp(path, components, connections, dict(map(_start, options.settings)), options.recorded))
 
 
 def _named(text: str) -> tuple[str, str]:

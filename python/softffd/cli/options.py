@@ -16,6 +16,9 @@ from softffd.spelling import did_you_mean, nearest_of
 class Parser(argparse.ArgumentParser):
     """An argparse parser that tells the nearest command, option or choice."""
 
+    instead = ""
+    """What is said of a word too many"""
+
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
             words = [str(choice) for choice in action.choices]
@@ -27,7 +30,7 @@ class Parser(argparse.ArgumentParser):
         word = next((each for each in extra if each.startswith("-")), extra[0])
         option = word.partition("=")[0]
         if not option.startswith("-"):
-            self.error(f"{word}: one word too many")
+            self.error(f"{word}: one word too many{self.instead}")
         self.error(f"{option}: there is no such option{did_you_mean(nearest_of(option, self._option_string_actions))}")
 
 
@@ -74,6 +77,7 @@ def _demo_and_build(add: Add) -> None:
     build = add("build", "make the FMU of a scene", "softffd build press -o press.fmu")
     build.add_argument("scene", help="a scene file or the name of a shipped scene")
     build.add_argument("-o", "--output", metavar="X.fmu", help="default: NAME.fmu here")
+    _add_overwrite(build, "a file that is there")
     build.add_argument("--platform", action="append", metavar="NAME", help="FMI platform to carry, e.g. linux64; may be repeated")
     build.add_argument(
         "--fmi", type=int, choices=(2, 3), default=2, help="version of the standard: 2 (default), or 3, whose variables are arrays"
@@ -97,7 +101,7 @@ def _run(add: Add) -> None:
     run.add_argument("--interpolation", default="held", metavar="HOW", help="of inputs inside a step: held (default), linear or cubic")
     run.add_argument("--error", action="store_true", help="estimate the error of the run by a second one beside it")
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-NAME here")
-    run.add_argument("--overwrite", action="store_true", help="write over the results of an earlier run")
+    _add_overwrite(run, "the results of an earlier run")
     run.add_argument(
         "--colour", choices=["von_mises", "stretch"], help="the picture shows the cells' von Mises stress or largest principal stretch"
     )
@@ -112,6 +116,7 @@ def _ssp(add: Add) -> None:
         "couple a scene's FMU with others in a system (SSP)",
         "softffd ssp box.toml --with plate.fmu --connect plate.point=box.plane.plate.point --set plate.mass=2",
     )
+    ssp.instead = "; another component goes after --with, a connection after --connect, a start value after --set"
     ssp.add_argument(
         "scene", metavar="[NAME=]SCENE", help="a scene file or the name of a shipped scene; its component has its name, or NAME"
     )
@@ -135,7 +140,12 @@ def _ssp(add: Add) -> None:
         dest="settings",
         help="start value of an input or parameter, vectors as x,y,z",
     )
+    ssp.add_argument(
+        "--record", action="append", default=[], metavar="END", dest="recorded",
+        help="outputs that hosts are to record too, e.g. box.probe.top.z, box.energy, or all of box; may be repeated",
+    )  # fmt: skip
     ssp.add_argument("-o", "--output", type=Path, metavar="X.ssp", help="default: the scene's name here")
+    _add_overwrite(ssp, "a file that is there")
 
 
 def _sweep(add: Add) -> None:
@@ -201,6 +211,7 @@ def _stability(add: Add) -> None:
 def _others(add: Add) -> None:
     drivers = add("drivers", "make driver FMUs (plate, actuator) and a coupled system (SSP)", "softffd drivers -o drivers")
     drivers.add_argument("-o", "--output", type=Path, default=Path("."), metavar="DIR")
+    _add_overwrite(drivers, "files that are there")
 
     add("scenes", "list the shipped scenes", "softffd scenes")
 
@@ -222,6 +233,10 @@ def _others(add: Add) -> None:
 def _add_accuracy_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tolerance", type=float, metavar="T", help="error aimed at, as a share of the box's largest side")
     parser.add_argument("--method", metavar="NAME", help="of the time integration, as solver.method in the scene")
+
+
+def _add_overwrite(parser: Parser, what: str) -> None:
+    parser.add_argument("--overwrite", action="store_true", help=f"write over {what}")
 
 
 def _add_mesh_options(parser: argparse.ArgumentParser) -> None:

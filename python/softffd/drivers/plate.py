@@ -5,26 +5,30 @@ and the plane's `reaction` comes back. The reaction is the body's impulse of the
 plate takes exactly that impulse. Where it takes it depends on the master (parameter `delay`):
 
     delay = 1   All components step, then values are exchanged (Jacobi). What arrives at t_n belongs to the step before, and the plate has
-                gone through that step on a guess: the impulse of one step earlier. It returns to the start of that step, goes through it
-                with the impulse that was, and from there through the coming step on the new guess:
+                gone through that step on a guess. It returns to the start of that step, goes through it with the impulse that was, and
+                from there through the coming step on the new guess:
 
-                      with the impulse that arrived         with the same force once more
+                      with the impulse that arrived         with the force expected
                       t_(n-1) ----------------------> t_n ---------------------------------> t_(n+1): point and velocity put out
 
-                Guesses do not add up: the motion put out is wrong by the third order of the step, and `momentum` holds every impulse
-                that arrived and no guess.
+                Guesses do not add up: `momentum` holds every impulse that arrived and no guess.
     delay = 0   The reaction that is set belongs to the step that is about to be done: masters that step the body first, or iterate.
 
-`velocity` is the mean velocity that the plate expects over a following step of the same length: with it the plane ends where the plate is
-going to be, so poses do not jump, and the energy error of the coupling falls with the square of the communication step.
+The plate takes the body for a spring. The force it expects is the one that arrived, less the stiffness times the way from the middle of
+that step to the middle of the expected one. The stiffness, one for each axis, is a least-squares secant of the changes of force over
+these ways; a step counts 0.8 of the next. It is never negative, and it is learnt and used only while the body pushes.
+
+`velocity` is the mean velocity over a following step of the same length. On a spring, velocity and force then satisfy the implicit
+midpoint rule, which keeps the energy at any step: the coupling neither feeds nor damps a contact of frequency omega (rad/s, of the plate
+on the body's stiffness), where the force held over the step feeds it by (step * omega)^3 / 8 a radian, or damps it.
 
 Balance at every exchange, to rounding: momentum (as put out) + momentum of the body + step length * reaction (delay = 1: it is under
 way) = momentum at the start + impulse of weight and of other forces. With delay = 1 `momentum` is that at the start of the step done last.
 
-Limits of an explicit coupling. A contact of frequency omega (rad/s, of the plate on the body's stiffness) needs step * omega < 0.67. And to
-the body the plane is as heavy as anything during a step: the plate should weigh four times the control points that it touches or more; at
-twice their weight it chatters, below their weight it diverges. A lighter one needs a master that iterates (delay = 0; the plate gives and
-takes FMU states).
+Limits. To the body the plane is as heavy as anything during a step: the plate should weigh five times the control points that it touches
+(three times where the master steps the body first); below, contact chatters. step * omega should be at most 1. The jump of velocity
+between two steps costs energy of the body's mass that moves along: up to step * omega / 2 times the ratio of the body's to the plate's
+mass a radian. A lighter plate needs a master that iterates (delay = 0; the plate gives and takes FMU states).
 """
 
 from softffd_driver import Driver
@@ -57,6 +61,8 @@ class Plate(Driver):
         values["true_point"], values["true_velocity"] = list(values["point"]), list(values["velocity"])
         values["momentum"] = [values["mass"] * speed for speed in values["velocity"]]
         values["last_step"], values["last_force"] = 0.0, list(ZERO)
+        values["middle"] = list(values["point"])
+        values["seen"] = [[place, 0.0, 0.0, 0.0] for place in values["point"]]
 
     def exit_initialization_mode(self):
         if not self.values["mass"] > 0:
@@ -72,22 +78,38 @@ class Plate(Driver):
         return True
 
     def _step_axis(self, i, step):
-        values = self.values
-        place, speed, reaction = values["true_point"][i], values["true_velocity"][i], values["reaction"][i]
+        values, mass = self.values, self.values["mass"]
+        place, speed, reaction, other = values["true_point"][i], values["true_velocity"][i], values["reaction"][i], values["force"][i]
+        middle = known = values["point"][i] + 0.5 * step * values["velocity"][i]
         if values["delay"] == 1:
-            place, speed, _ = self._moved(i, place, speed, reaction + values["last_force"][i], values["last_step"])
+            known, values["middle"][i] = values["middle"][i], middle
+            place, speed = self._moved(i, place, speed, reaction + values["last_force"][i], values["last_step"])
             values["true_point"][i], values["true_velocity"][i] = place, speed
-        place, speed, acceleration = self._moved(i, place, speed, reaction + values["force"][i], step)
+        stiffness = self._stiffness(i, known, reaction)
+        reaction -= stiffness * (middle - known)
+        place, speed = self._moved(i, place, speed, reaction + other, step)
         if values["delay"] == 0:
             values["true_point"][i], values["true_velocity"][i] = place, speed
-        values["point"][i], values["velocity"][i] = place, speed + 0.5 * step * acceleration
-        values["momentum"][i] = values["mass"] * values["true_velocity"][i]
+        reaction -= stiffness * (place - middle)  # of the coming step, but for the way that the plate goes in it
+        ahead = speed + 0.5 * step * (values["gravity"][i] + (reaction + other) / mass)
+        values["point"][i], values["velocity"][i] = place, ahead / (1 + 0.25 * step * step * stiffness / mass)
+        values["momentum"][i] = mass * values["true_velocity"][i]
+
+    def _stiffness(self, i, middle, reaction):
+        """The body's stiffness [N/m] along axis i, after a step with this reaction [N] in whose middle the plane was here [m]."""
+        last_middle, last_reaction, products, squares = self.values["seen"][i]
+        if reaction and last_reaction:
+            way = middle - last_middle
+            products = 0.8 * products - way * (reaction - last_reaction)
+            squares = 0.8 * squares + way * way
+        self.values["seen"][i] = [middle, reaction, products, squares]
+        return max(0.0, products / squares) if reaction and squares > 1e-300 else 0.0
 
     def _moved(self, i, place, speed, force, time):
-        """Component i of place [m], velocity [m/s] and acceleration after `time` [s] under a constant force [N] and gravity."""
+        """Component i of place [m] and velocity [m/s] after `time` [s] under a constant force [N] and gravity."""
         acceleration = self.values["gravity"][i] + force / self.values["mass"]
         after = speed + time * acceleration
-        return place + 0.5 * time * (speed + after), after, acceleration
+        return place + 0.5 * time * (speed + after), after
 
 
 mend(globals())

@@ -37,6 +37,7 @@ def write_ssp(
     connections: Iterable[Sequence[Any]],
     *,
     start_values: Mapping[str, Any] | None = None,
+    record: Iterable[str] = (),
 ) -> Path:
     """Writes a system of FMUs for SSP hosts and returns its path. For a plate from `softffd drivers` that rests on a scene's box:
 
@@ -48,16 +49,19 @@ def write_ssp(
     connections: pairs of ends `component.variable`, an output and an input in either order; vectors connect all components. A third
         number is a factor and a fourth an offset [unit of the input]: the input gets factor * output + offset. fmpy passes over these.
     start_values: of inputs and parameters by end, numbers or vectors.
+    record: further outputs that hosts are to record, which they do with what is a connector: ends, or what ends belong to, as
+        "box.probe.top", "box.energy", "box".
     Raises SoftffdError with every unknown name, mismatch of causality, type or unit, and input that is connected twice.
     """
-    return _write(Path(path), components, connections, start_values or {})[0]
+    return _write(Path(path), components, connections, start_values or {}, record)[0]
 
 
 def told_ssp(path: Path, *asked: Any) -> list[str]:
     """Writes a system as write_ssp does; what a user should know of it."""
     _, wiring = _write(path, *asked)
     names, count = ", ".join(wiring.elements), len(wiring.connections)
-    lines = [f"{path}: {names}; {count} connection{'s' * (count != 1)}"]
+    recorded = len({str(end) for end in wiring.recorded})
+    lines = [f"{path}: {names}; {count} connection{'s' * (count != 1)}" + (f", {recorded} outputs to record" if recorded else "")]
     if elsewhere := wiring.starts_elsewhere():
         lines.append(f"  fmpy sets connected inputs to 0 in its first step; here they start from {', '.join(elsewhere)}")
     if any(each[2:] != (1.0, 0.0) for each in wiring.connections):
@@ -68,7 +72,11 @@ def told_ssp(path: Path, *asked: Any) -> list[str]:
 
 
 def _write(
-    path: Path, components: Mapping[str, Any], connections: Iterable[Sequence[Any]], start_values: Mapping[str, Any]
+    path: Path,
+    components: Mapping[str, Any],
+    connections: Iterable[Sequence[Any]],
+    start_values: Mapping[str, Any],
+    record: Iterable[str],
 ) -> tuple[Path, Wiring]:
     if path.suffix != ".ssp" or path.is_dir():
         raise SoftffdError(f"{path}: wanted a file name ending in .ssp{did_you_mean(f'{path}.ssp')}")
@@ -79,6 +87,7 @@ def _write(
         wiring = Wiring({name: _element(name, file) for name, file in files.items()})
         wiring.connect(connections)
         wiring.start(start_values)
+        wiring.record([record] if isinstance(record, str) else record)
         if problems := wiring.problems:
             raise SoftffdError("\n".join([f"{path}: {len(problems)} problem{'s' * (len(problems) > 1)}", *(f"  {p}" for p in problems)]))
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -133,7 +142,7 @@ def _structure(name: str, wiring: Wiring) -> Xml.Element:
     connections = _node(system, "ssd:Connections") if wiring.connections else None
     for connection in wiring.connections:
         _connection(connections, connection)
-    used = {end.variable.unit: end for connection in wiring.connections for end in connection[:2] if end.variable.unit}
+    used = {end.variable.unit: end for end in wiring.ends().values() if end.variable.unit}
     units = _node(root, "ssd:Units") if used else None
     for unit, end in sorted(used.items()):
         _node(_node(units, "ssc:Unit", name=unit), "ssc:BaseUnit", **end.element.units.get(unit, {}))
@@ -144,9 +153,9 @@ def _structure(name: str, wiring: Wiring) -> Xml.Element:
 
 def _component(parent: Xml.Element, element: Element, wiring: Wiring) -> None:
     component = _node(parent, "ssd:Component", name=element.name, type=FMU, source=f"resources/{element.name}.fmu")
-    ends = {str(end): end for connection in wiring.connections for end in connection[:2] if end.element is element}
+    ends = [end for end in wiring.ends().values() if end.element is element]
     connectors = _node(component, "ssd:Connectors") if ends else None
-    for end in ends.values():
+    for end in ends:
         connector = _node(connectors, "ssd:Connector", name=end.variable.name, kind=end.variable.causality)
         kind = "Integer" if end.variable.type == "Enumeration" else end.variable.type
         _node(connector, f"ssc:{kind}", **({"unit": end.variable.unit} if end.variable.unit else {}))

@@ -14,6 +14,7 @@ from xml.etree import ElementTree as Xml
 from softffd.errors import SoftffdError
 from softffd.fmu.block import number_of
 from softffd.fmu.interface import Interface, ScalarVariable
+from softffd.names import meant_by, structured
 from softffd.spelling import did_you_mean, nearest_of
 
 STARTS = ("Real", "Integer", "Boolean", "Enumeration")
@@ -59,6 +60,8 @@ class Wiring:
     connections: list[Connection] = field(default_factory=list)
     starts: dict[str, dict[str, float]] = field(default_factory=dict)
     """By component and variable"""
+    recorded: list[End] = field(default_factory=list)
+    """Outputs that a host is to record, connected or not"""
     problems: list[str] = field(default_factory=list)
 
     def connect(self, asked: Iterable[Sequence[Any]]) -> None:
@@ -66,6 +69,30 @@ class Wiring:
         for given in asked:
             for connection in self._connections(given):
                 self._add(connection)
+
+    def record(self, asked: Iterable[str]) -> None:
+        """asked: outputs as COMPONENT.NAME, where NAME means all outputs that belong to it (box.probe.top, box.energy), or COMPONENT."""
+        for name in asked:
+            element, _, wanted = str(name).partition(".")
+            if element not in self.elements:
+                self._unknown_element(str(name))
+                continue
+            by_name: dict[str, list[End]] = {"": []}
+            for variable in self.elements[element].interface.variables.values():
+                if variable.causality == "output" and variable.type in STARTS:
+                    for each in ("", *meant_by(variable.name)):
+                        by_name.setdefault(each, []).append(End(self.elements[element], variable))
+            if ends := by_name.get(structured(wanted)):
+                self.recorded += ends
+            elif found := self.elements[element].interface.variables.get(wanted):
+                self.problems.append(f"{name}: wanted an output to record, got {_kind(found)}")
+            else:
+                nearest = nearest_of(wanted, by_name)
+                self.problems.append(f"{name}: {element} has no such output{did_you_mean(nearest and f'{element}.{nearest}')}")
+
+    def ends(self) -> dict[str, End]:
+        """What is connected or recorded, each once."""
+        return {str(end): end for end in [*(end for each in self.connections for end in each[:2]), *self.recorded]}
 
     def start(self, values: Mapping[str, Any]) -> None:
         """values: by end, numbers or vectors."""
@@ -120,8 +147,7 @@ class Wiring:
         """By component, "" of a number: the end of this name, or those of the vector; a problem and none where there is none."""
         element, _, variable = name.partition(".")
         if element not in self.elements:
-            nearest = nearest_of(element, self.elements)
-            self.problems.append(f"{name}: wanted COMPONENT.VARIABLE of {', '.join(self.elements)}{did_you_mean(nearest)}")
+            self._unknown_element(name)
             return {}
         owner = self.elements[element]
         known = owner.interface.variables
@@ -133,6 +159,10 @@ class Wiring:
             nearest = nearest_of(variable, [*known, *sorted(vectors)])
             self.problems.append(f"{name}: {element} has no such variable{did_you_mean(nearest and f'{element}.{nearest}')}")
         return ends
+
+    def _unknown_element(self, name: str) -> None:
+        nearest = nearest_of(name.partition(".")[0], self.elements)
+        self.problems.append(f"{name}: wanted COMPONENT.VARIABLE of {', '.join(self.elements)}{did_you_mean(nearest)}")
 
     def _add(self, new: Connection) -> None:
         problem = _problem_of(new)

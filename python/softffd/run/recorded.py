@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from softffd.errors import FmuError, UnknownName
-from softffd.names import structured
+from softffd.names import meant_by, structured
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
@@ -23,7 +22,7 @@ def recorded_outputs(component: Component, wanted: Iterable[str] | None) -> set[
     by_name: dict[str, list[str]] = {}
     for variable in component.by_name.values():
         if variable.causality == "output" and variable.kind != "String":
-            for name in _around(structured(variable.name)):
+            for name in meant_by(variable.name):
                 by_name.setdefault(name, []).append(variable.name)
     if wanted is None:
         wanted = list(by_name)
@@ -33,11 +32,6 @@ def recorded_outputs(component: Component, wanted: Iterable[str] | None) -> set[
             raise _unknown(str(name), component, by_name)
         names.update(by_name[key])
     return names
-
-
-def _around(name: str) -> list[str]:
-    """The name and the beginnings of it that stand for more: position[0,0,1].x, position[0,0,1], position."""
-    return [name, *(name[: found.start()] for found in re.finditer(r"[.\[]", name))]
 
 
 def _unknown(name: str, component: Component, choices: Iterable[str]) -> FmuError:

@@ -310,6 +310,16 @@ def test_the_name_of_an_fmu_ends_in_fmu_and_is_no_folder(quick, capsys):
     assert {path.name for path in quick.iterdir()} == {"quick.toml", "taken.fmu"}
 
 
+def test_build_and_drivers_write_over_nothing_that_is_there_unless_they_are_told_to(quick, capsys):
+    Path("quick.fmu").write_text("mine")
+    assert "quick.fmu: there already; to write over what is there: --overwrite" in refused(capsys, "build", "quick.toml")
+    Path("plate.fmu").write_text("mine")
+    assert "plate.fmu: there already" in refused(capsys, "drivers")
+    assert Path("quick.fmu").read_text() == Path("plate.fmu").read_text() == "mine" and not Path("actuator.fmu").exists()
+    assert main(["build", "quick.toml", "--overwrite"]) == 0
+    assert Path("quick.fmu").stat().st_size > 1000
+
+
 def test_an_fmu_without_a_default_experiment_asks_for_times(quick, capsys):
     main(["build", "quick.toml"])
     with zipfile.ZipFile("quick.fmu") as whole, zipfile.ZipFile("bare.fmu", "w") as bare:

@@ -4,6 +4,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd, read_ssv
 
 from scenes import box
@@ -139,8 +140,38 @@ def test_the_command_line_says_what_hosts_do_otherwise(says):
         (("--connect", "a.mass=b.mass:x"), r"--connect a.mass=b.mass:x: wanted END=END"),
         (("--set", "a.mass"), "--set a.mass: wanted COMPONENT.VARIABLE=VALUE"),
         (("--set", "press.mass=heavy"), "press.mass: wanted a number, got 'heavy'"),
+        (("--record", "press.energi"), 'press.energi: press has no such output, did you mean "press.energy"?'),
+        (("--record", "pres.energy"), 'pres.energy: wanted COMPONENT.VARIABLE of press, did you mean "press"?'),
+        (("--record", "press.mass"), "press.mass: wanted an output to record, got a fixed parameter"),
     ],
 )
 def test_a_wrong_word_of_the_command_line_is_refused(says, words, told):
     assert told in says("press", *words, status=1)
     assert not Path("press.ssp").exists()
+
+
+def test_a_further_component_without_with_is_told_where_it_goes(says, capsys):
+    with pytest.raises(SystemExit):
+        main(["ssp", "press", "a.fmu"])
+    assert "a.fmu: one word too many; another component goes after --with" in capsys.readouterr().err
+
+
+def test_a_system_that_is_there_is_kept_unless_it_may_be_written_over(says):
+    says("press")
+    before = Path("press.ssp").read_bytes()
+    assert "press.ssp: there already; to write over what is there: --overwrite" in says("press", "--with", "a.fmu", status=1)
+    assert Path("press.ssp").read_bytes() == before
+    assert "press.ssp: press, a" in says("press", "--with", "a.fmu", "--overwrite")
+
+
+def test_outputs_to_record_are_connectors_which_fmpy_records(tmp_path):
+    parts = {"a": box(plane=[LID], environment=FALL, energy=True), "b": PARTS["b"]}
+    asked = ["a.energy", "a.plane.lid.reaction", "b.position[0,0,0].z", "b.plane.lid.contacts"]
+    path = write_ssp(tmp_path / "x.ssp", parts, [("a.plane.lid.reaction", "b.load.push")], record=asked)
+    rows = simulate_ssp(str(path), stop_time=0.015, step_size=0.01)
+    names = set(rows.dtype.names)
+    assert {"a.energy.kinetic", "a.plane.lid.reaction.x", "b.position[0,0,0].z", "b.load.push.x", "b.plane.lid.contacts"} <= names
+    assert rows["a.energy.kinetic"][-1] > 0 and rows["b.position[0,0,0].z"][-1] < 0
+    everything = write_ssp(tmp_path / "all.ssp", {"b": PARTS["b"]}, [], record="b")
+    kinds = [each.kind for each in read_ssd(str(everything)).system.elements[0].connectors]
+    assert kinds and set(kinds) == {"output"}

@@ -80,12 +80,11 @@ def energy_error(drivers, fmu, step: float, *, delay: int = 1) -> float:
     return abs(0.5 * mass * after**2 + mass * GRAVITY * height + rows[:, 6:].sum(axis=1) - REST_ENERGY).max()
 
 
-def test_the_energy_error_falls_with_the_square_of_the_communication_step(drivers):
+def test_the_energy_error_falls_at_least_with_the_square_of_the_communication_step(drivers):
     fmu = body_fmu(drivers, step=2e-5)
     errors = [energy_error(drivers, fmu, step) for step in (2e-3, 1e-3, 5e-4, 2.5e-4)]
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert orders == pytest.approx([2, 2, 2], abs=0.15)
-    assert errors[1] < 0.02
+    assert (np.log2(np.array(errors[:-1]) / errors[1:]) > 1.85).all()
+    assert errors[1] < 0.002
 
 
 def test_a_late_reaction_taken_for_that_of_the_step_is_of_first_order_only(drivers):
