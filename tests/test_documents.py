@@ -70,7 +70,8 @@ def scripts() -> list:
 def reader(tmp_path_factory) -> Path:
     """Where a reader would work: the README's scene under the name that it gives, its FMU, the drivers, their coupling, and a mesh."""
     folder = tmp_path_factory.mktemp("reader")
-    (folder / "box.toml").write_text(next(text for kind, text in blocks(DOCUMENTS[0]) if kind == "toml"))
+    for ending in ("toml", "csv"):
+        (folder / f"box.{ending}").write_text(next(text for kind, text in blocks(DOCUMENTS[0]) if kind == ending))
     save_mesh(ball(), folder / "cow.obj")
     coupling = next(text for kind, text in blocks(DOCUMENTS[0]) if kind == "sh" and "softffd ssp" in text)
     for line in ["softffd build box.toml", *lines(coupling)]:

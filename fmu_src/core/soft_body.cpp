@@ -8,6 +8,7 @@
 #include "forces/light_points.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
+#include "model/rigid_motion.hpp"
 #include "stepping/retry.hpp"
 
 namespace softffd {
@@ -250,7 +251,7 @@ StepStatus SoftBody::initialize(double t0) {
   const StepStatus status = refresh_drive();
   if (status != StepStatus::ok) return status;
   motion.x = start_positions(definition_, settings.rotation);
-  const Vec3 centre = start_centre(definition_);
+  const Vec3 centre = definition_.spin_about_mass ? rigid_motion(model_.body.mass, motion.x, motion.v).centre : start_centre(definition_);
   for (int p = 0; p < model_.body.points(); ++p)
     set_row(motion.v, p, definition_.velocity + definition_.angular_velocity.cross(row(motion.x, p) - centre));
   motion.previous_h = 0;

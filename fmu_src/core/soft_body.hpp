@@ -30,7 +30,8 @@ struct Definition {
   std::shared_ptr<const Samples> samples = {};                    ///< of the surface, by which planes are met; null: by the control points
   double volume_stiffness = 0;                                    ///< >= 0 [Pa]; 0: absent
   Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();             ///< x0 = origin + stretch (X - origin) + offset, then turned
-  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< [m/s], [rad/s] about the centre of the box at x0
+  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< [m/s], [rad/s], both of the centre of the box at x0
+  bool spin_about_mass = false;                                   ///< both of the centre of mass instead
   bool watch_energy = false;                                      ///< accumulate dissipated energy and work
   std::shared_ptr<Team> team = {};                                ///< shares the loops over many numbers; null: one thread does them
 };

@@ -79,9 +79,24 @@ std::string Logger::escaped(std::string_view message) const {
   return text;
 }
 
+static double two_digits(double value) {
+  std::array<char, 32> text;
+  const char* end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific, 1).ptr;
+  std::from_chars(text.data(), end, value);
+  return value;
+}
+
 std::string number(double value) {
   std::array<char, 32> text;
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 9).ptr};
+}
+
+std::string estimate(double value) { return number(two_digits(value)); }
+
+std::string within(double bound) {
+  double rounded = two_digits(bound);
+  for (double share = 0.99; rounded > bound; share -= 0.01) rounded = two_digits(share * bound);
+  return number(rounded);
 }
 
 }  // namespace softffd::fmi

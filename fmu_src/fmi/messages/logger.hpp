@@ -45,5 +45,9 @@ class Logger {
 
 /// A value with nine digits, for messages.
 std::string number(double value);
+/// A measured or estimated value with two digits, for messages.
+std::string estimate(double value);
+/// A bound with two digits, rounded so that what is said is within it.
+std::string within(double bound);
 
 }  // namespace softffd::fmi

@@ -43,9 +43,9 @@ std::string reason_text(Reason reason) {
     case Reason::given_step: return "auto with a given solver.step";
     case Reason::stability: return "auto: the largest stable step is accurate enough, and nothing explicit costs less";
     case Reason::least_work: return "auto: least work for the tolerance";
-    case Reason::quiet_stiffness: return "auto: stiff, with quiet fast modes, which implicit steps pass over";
-    case Reason::stiff_contact: return "a stiff body rests or slides on an obstacle: implicit steps, which pass over its vibrations";
-    case Reason::free_flight: return "auto: a stiff body in free flight, with quiet fast modes, which implicit steps pass over";
+    case Reason::quiet_stiffness: return "auto: the body is stiff and its fast vibrations are small: implicit steps leave them out";
+    case Reason::stiff_contact: return "a stiff body rests or slides on an obstacle: implicit steps damp its vibrations away";
+    case Reason::free_flight: return "auto: a stiff body flies freely and its fast vibrations are small: implicit steps leave them out";
     case Reason::impact: return "a stiff body strikes an obstacle, or rings on one";
     case Reason::ringing_flight: return "a stiff body flies beside an obstacle; its modes carry its vibrations";
   }
@@ -69,7 +69,7 @@ std::string rubbing_warning(SoftBody& body) {
   const Readings now = body.readings();
   if (!now.rubs_undamped()) return {};
   return "an undamped body rubs against an obstacle at solver.step = " + number(body.settings.step) +
-         " s: friction can feed its vibrations; take less than " + number(quiet_share * now.stable_step()) +
+         " s: friction can feed its vibrations; take less than " + within(quiet_share * now.stable_step()) +
          " s, leave solver.step at 0, or give the body some damping";
 }
 
@@ -78,11 +78,11 @@ std::string gain_warning(SoftBody& body, double time) {
   const Readings now = body.readings();
   const double given = body.settings.step;
   if (!now.gains_energy() || (given == 0 && !now.beyond_help())) return {};
-  std::string text = "up to time " + number(time) + " s the body has gained " + number(now.gained_energy()) +
-                     " J that nothing outside gave it, of " + number(now.largest_energy()) + " J at most: ";
+  std::string text = "up to time " + number(time) + " s the body has gained " + estimate(now.gained_energy()) +
+                     " J that nothing outside gave it, of " + estimate(now.largest_energy()) + " J at most: ";
   if (given > 0)
     text += "solver.step = " + number(given) + " s feeds its vibrations; take less than " +
-            number(std::min(0.5 * given, quiet_share * now.stable_step())) + " s, leave solver.step at 0, or give the body more damping";
+            within(std::min(0.5 * given, quiet_share * now.stable_step())) + " s, leave solver.step at 0, or give the body more damping";
   else
     text += "smaller internal steps did not help; give the body more damping, or a smaller tolerance";
   return text;
@@ -99,9 +99,9 @@ std::string turning_warning(const SoftBody& body, double time) {
   const Readings now = body.readings();
   const double spin = now.damped_spin(), h = now.internal_step();
   if (!(spin * h > damped_turn)) return {};
-  return "at time " + number(time) + " s the stiff body in contact turns at omega = " + number(spin) +
-         " rad/s in implicit steps of h = " + number(h) + " s, which take the share omega h / 2 = " + number(0.5 * spin * h) +
-         " a radian from the rotation; take communication steps below " + number(damped_turn / spin) +
+  return "at time " + number(time) + " s the stiff body in contact turns at omega = " + estimate(spin) +
+         " rad/s in implicit steps of h = " + estimate(h) + " s, which take the share omega h / 2 = " + estimate(0.5 * spin * h) +
+         " a radian from the rotation; take communication steps below " + within(damped_turn / spin) +
          " s, or solver.method = leapfrog, which resolves it";
 }
 
@@ -110,7 +110,7 @@ std::string friction_warning(const SoftBody& body, double time) {
   const double missed = body.run().path.surface.missed;
   if (!(missed > beside_the_cone)) return {};
   return "up to time " + number(time) +
-         " s friction between the surface and planes of different directions was beyond Coulomb's law by up to " + number(100 * missed) +
+         " s friction between the surface and planes of different directions was beyond Coulomb's law by up to " + estimate(100 * missed) +
          " % of the largest force: points of the surface stay in front of the planes and momentum balances, but how much slides is "
          "approximate; "
          "take fewer points on flat faces, or friction 0 on one of the planes";
@@ -118,8 +118,9 @@ std::string friction_warning(const SoftBody& body, double time) {
 
 std::string jump_warning(const std::string& name, double jump, double time) {
   return at_time(time) + "the pose of " + name + " jumped with no velocity given, and moved control points at once by up to " +
-         number(jump) +
-         " m; a motion given by poses alone strikes the body at every communication point, and the result hangs on their spacing: give " +
+         estimate(jump) +
+         " m; a motion given by poses alone strikes the body at every communication point, and the result depends on the communication "
+         "step: give " +
          name + ".velocity too (or .angular_velocity; the scene's `inputs` name them), which moves it smoothly between the points";
 }
 
@@ -149,8 +150,8 @@ std::string folding_warning(const SoftBody& body, double volume_stiffness, doubl
     text += "[material] volume_stiffness = " + number(volume_stiffness) + " Pa in the scene pushes them back, a larger one resists more";
   else
     text +=
-        "springs alone may leave them so; [material] volume_stiffness in the scene keeps cells from folding, a good first value is "
-        "3 times a spring's stiffness by the edge of a cell";
+        "springs alone may leave them so; [material] volume_stiffness in the scene keeps cells from folding; begin with 3 times a spring's "
+        "stiffness divided by the edge of a cell";
   return text;
 }
 
@@ -165,6 +166,7 @@ void Messages::not_set_up() {
 void Messages::begun(const SoftBody& body, double time) {
   say_threads();
   warn_of_folding(body, time);
+  for (const std::string& strained : strained_by_pins(scene_, body)) logger_.log(fmi2Warning, log_warning, at_time(time) + strained);
   if (body.readings().undecided())  // passes with a given step only
     logger_.log(fmi2Warning, log_warning, at_time(time) + without_direction(scene_, body));
   else if (const std::string behind = behind_planes(scene_, body); !behind.empty())
@@ -206,12 +208,14 @@ void Messages::say_error(const SoftBody& body, double time) {
   said_.error = lost;
   const StiffContact& stiff = body.run().path.stiff;
   const bool phases = stiff.unknown + stiff.grown > 0.5 * lost;
-  logger_.log(fmi2Warning, log_warning,
-              at_time(time) + "the tolerance could not be kept at an obstacle: the result may be wrong by " + number(lost) +
-                  " m, where it allows " + number(allowed) + " m; " +
-                  (phases ? "what an impact leaves vibrating cannot be followed to the next one so exactly: damping helps, a smaller "
-                            "tolerance may"
-                          : "take a smaller tolerance, or give the body more damping"));
+  logger_.log(
+      fmi2Warning, log_warning,
+      at_time(time) + "the tolerance could not be kept at an obstacle: the result may be wrong by " + estimate(lost) +
+          " m, where it allows " + estimate(allowed) + " m; " +
+          (phases
+               ? "the phase of a vibration that an impact leaves decides the next impact and is not known so exactly; give the body more "
+                 "damping, or try a smaller tolerance"
+               : "take a smaller tolerance, or give the body more damping"));
 }
 
 void Messages::say_share(const SoftBody& body, double time) {
@@ -237,7 +241,7 @@ void Messages::say_choice(SoftBody& body) {
   std::string text = method_name(now.method(), now.reason()) + ": " + reason_text(now.reason());
   if (divided)
     text += "; internal step " + number(h) + " s, a part of solver.step = " + number(asked) + " s, which is above the stability bound " +
-            number(now.stable_step()) + " s";
+            within(now.stable_step()) + " s";
   else
     text += "; internal step of this communication step " + number(h) + " s";
   logger_.log(divided ? fmi2Warning : fmi2OK, category, text);

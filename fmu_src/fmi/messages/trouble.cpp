@@ -9,6 +9,8 @@ namespace {
 
 /// Depth behind a plane relative to the box that is rounding.
 constexpr double slight = 1e-9;
+/// Distance relative to the box by which a pin may begin off its place without a word.
+constexpr double noticed_strain = 1e-6;
 
 /// Where the body starts, what planes meet of it: samples of its surface, or the control points that no pin holds.
 std::vector<Vec3> met_places(const Definition& d, const Points& start) {
@@ -88,9 +90,27 @@ std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
                : plane.box()      ? " in box "
                : plane.length > 0 ? " in cylinder "
                                   : " in sphere ") +
-              scene.planes[q].name + ", by up to " + number(deepest) + " m";
+              scene.planes[q].name + ", by up to " + estimate(deepest) + " m";
   }
   return text.empty() ? text : text + ", and are moved out at once";
+}
+
+std::vector<std::string> strained_by_pins(const SceneFile& scene, const SoftBody& body) {
+  Definition unstretched = scene.definition;
+  unstretched.stretch = Vec3::Ones();
+  const Points start = start_positions(unstretched, body.settings.rotation);
+  std::vector<std::string> texts;
+  for (std::size_t a = 0; a < scene.pins.size(); ++a) {
+    double farthest = 0;
+    for (int p : unstretched.pins[a].points) farthest = std::max(farthest, (row(body.state().x, p) - row(start, p)).norm());
+    if (farthest > noticed_strain * body.lattice().largest_side())
+      texts.push_back("pin " + scene.pins[a].name + " holds its control points up to " + estimate(farthest) +
+                      " m from where the body starts, which stretches the springs to its neighbours at once; " +
+                      (scene.pins[a].moved_by_input
+                           ? "start the pin at its rest pose, or move the body there with initial.offset"
+                           : "a fixed pin stays at rest: leave initial.offset at 0, or give the pin motion = \"input\""));
+  }
+  return texts;
 }
 
 }  // namespace softffd::fmi

@@ -13,7 +13,10 @@ std::string without_direction(const SceneFile& scene, const SoftBody& body);
 /// Which control points the start has behind obstacle planes, whence they are moved at once; empty where there are none.
 std::string behind_planes(const SceneFile& scene, const SoftBody& body);
 
-/// What to do about it.
+/// A text for each pin that does not begin where the body does.
+std::vector<std::string> strained_by_pins(const SceneFile& scene, const SoftBody& body);
+
+/// What to do about points behind planes.
 inline constexpr const char* clear_of_planes = "to start clear of it move the obstacle or initial.offset, or turn a plane's normal round";
 
 }  // namespace softffd::fmi

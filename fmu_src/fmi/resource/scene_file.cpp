@@ -242,6 +242,7 @@ constexpr Reader readers[] = {
     {"velocities", [](Record& r, SceneFile& s) { s.velocities = r.points(count(s)); }},
     {"initial", read_initial},
     {"initial_rotation", [](Record& r, SceneFile& s) { s.rotation = r.vector(); }},
+    {"spin_about_mass", [](Record&, SceneFile& s) { s.definition.spin_about_mass = true; }},
     {"plain_names", [](Record&, SceneFile& s) { s.plain_names = true; }},
     {"reactions", [](Record&, SceneFile& s) { s.reactions = true; }},
     {"energy", [](Record&, SceneFile& s) { s.energy = s.definition.watch_energy = true; }},

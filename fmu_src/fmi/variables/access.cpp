@@ -47,7 +47,7 @@ void Variables::check_method(double method) const {
   for (int value = 1; value <= method_count; ++value)
     if (method_fits(value)) wanted.append(wanted.empty() ? "" : ", ").append(std::to_string(value) + " ").append(methods[value - 1]);
   throw CallError(std::string(families[row_of(Family::solver_method)].name) + ": wanted one of " + wanted +
-                  (scene_.definition.samples ? " (planes meet the surface)" : "") + ", got " + shortest(method));
+                  (scene_.definition.samples ? " (contact is of the surface)" : "") + ", got " + shortest(method));
 }
 
 void Variables::check_settable(Phase phase, fmi2ValueReference reference, const FamilyInfo& info, double value) const {

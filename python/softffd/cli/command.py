@@ -117,7 +117,7 @@ def _run(options: argparse.Namespace) -> None:
             )  # fmt: skip
         except Interrupted as stop:
             result, interrupted = stop.result, stop
-        files = keep_run(result, folder, progress.stage, draw=draw, colour=options.colour)
+        files = keep_run(result, folder, progress.stage, draw=draw, colour=options.colour, lattice=options.lattice)
     print(told_after(result.summary))
     print(f"  kept in {folder}: {', '.join(file.name for file in files)}")
     if interrupted:

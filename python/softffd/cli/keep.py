@@ -19,6 +19,7 @@ from softffd.run.result import KEPT, Result
 from softffd.run.simulate import Begun, Interpolation, Progress, simulate
 from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
+from softffd.show.patch import narrow_contact
 
 if TYPE_CHECKING:
     from softffd.show.drawing import Draw
@@ -71,7 +72,8 @@ def run_scene_or_fmu(
 
 
 def _with_findings(result: Result) -> Result:
-    return replace(result, summary=result.summary | findings(result))
+    found, contact = findings(result), narrow_contact(result)
+    return replace(result, summary=result.summary | found | contact | {"findings": found["findings"] + contact["findings"]})
 
 
 def _opened(what: str | Path, error: bool) -> Scene | Path:
@@ -99,12 +101,14 @@ def _mesh_scene(file: Path, error: bool, given: dict[str, Any]) -> Scene:
     return scene.replace({"solver.error_estimate": True}) if error else scene
 
 
-def keep_run(result: Result, folder: Path, stage: Note = silent, *, draw: Draw | None, colour: str | None = None) -> list[Path]:
+def keep_run(
+    result: Result, folder: Path, stage: Note = silent, *, draw: Draw | None, colour: str | None = None, lattice: bool = False
+) -> list[Path]:
     """Writes results, picture, interactive page and, with a mesh, its last shape; returns the files.
 
     stage: is told what is being done. draw: of `drawing`, whose block's end is when the picture is there; without, neither picture nor
     page. What an earlier run left in the folder goes first.
-    colour: of the picture, as in `Result.plot`.
+    colour: of the picture, as in `Result.plot`. lattice: the picture shows it over a mesh too.
     """
     stage("writing the numbers")
     if not result.has_positions:
@@ -120,7 +124,7 @@ def keep_run(result: Result, folder: Path, stage: Note = silent, *, draw: Draw |
         from softffd.show.view import write_view
 
         stage("drawing picture.png")
-        draw(run_sheet(result, mesh=mesh, colour=colour), picture)
+        draw(run_sheet(result, mesh=mesh, colour=colour, lattice=lattice), picture)
         stage("writing view.html")
         write_view(result, page, mesh=mesh)
         files += [picture, page]

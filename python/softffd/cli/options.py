@@ -105,6 +105,7 @@ def _run(add: Add) -> None:
     run.add_argument(
         "--colour", choices=["von_mises", "stretch"], help="the picture shows the cells' von Mises stress or largest principal stretch"
     )
+    run.add_argument("--lattice", action="store_true", help="the picture shows the lattice over a mesh too")
     shown = run.add_mutually_exclusive_group()
     shown.add_argument("--view", action="store_true", help="open the interactive page when done")
     shown.add_argument("--no-pictures", action="store_true", help="numbers alone; softffd view DIR makes the page later")

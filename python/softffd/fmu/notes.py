@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from softffd.rotation import turned
 
 if TYPE_CHECKING:
     from softffd.embedding.mass import Masses
@@ -17,8 +19,10 @@ NAME = "notes.txt"
 
 
 def body_notes(scene: Scene, masses: Masses, samples: Samples | None) -> list[str]:
-    """Where the centre of mass has moved, how many times too large the inertia is, which points of the surface obstacles meet."""
-    return [note for note in (shift_note(scene, masses), inertia_note(scene, masses), samples_note(samples)) if note]
+    """Where the centre of mass has moved, how many times too large the inertia is, what the start does to centre of mass and pins, which
+    points of the surface obstacles meet."""
+    notes = shift_note(scene, masses), inertia_note(scene, masses), spin_note(scene, masses), pins_note(scene), samples_note(samples)
+    return [note for note in notes if note]
 
 
 def read_notes(resources: Path) -> Iterator[str]:
@@ -31,7 +35,7 @@ def read_notes(resources: Path) -> Iterator[str]:
 def shift_note(scene: Scene, masses: Masses) -> str | None:
     if np.abs(masses.shift).max() < 1e-9 * max(scene.lattice_box.size):
         return None
-    return f"mass.uniform_share moves the centre of mass by ({', '.join(f'{value:.3g}' for value in masses.shift)}) m"
+    return f"mass.uniform_share moves the centre of mass by ({_listed(masses.shift)}) m"
 
 
 def inertia_note(scene: Scene, masses: Masses) -> str | None:
@@ -43,6 +47,34 @@ def inertia_note(scene: Scene, masses: Masses) -> str | None:
     times = f"{most:.3g}" if most < 1.01 * least else f"{least:.3g} to {most:.3g}"
     whose = "box" if scene.mass.distribution in ("uniform", "box") else f"mesh ({scene.mass.distribution})"
     return f'lumped masses have {times} times the inertia of the {whose}; mass.inertia = "matched" has it right, at shorter steps'
+
+
+def spin_note(scene: Scene, masses: Masses) -> str | None:
+    """The velocity that a spin about the box's centre gives the centre of mass."""
+    initial, box = scene.initial, scene.lattice_box
+    arm = np.average(scene.rest_positions(), axis=0, weights=masses.mass) - np.array(box.origin) - np.array(box.size) / 2
+    given = np.cross(initial.angular_velocity, turned(np.array(initial.stretch) * arm, np.array(initial.rotation_vector())))
+    if initial.spin_about == "mass" or np.linalg.norm(given) <= 1e-9 * np.linalg.norm(initial.angular_velocity) * max(box.size):
+        return None
+    return (
+        f"initial.angular_velocity is about the centre of the box, which gives the centre of mass ({_listed(given)}) m/s beside "
+        'initial.velocity; initial.spin_about = "mass" does not'
+    )
+
+
+def pins_note(scene: Scene) -> str | None:
+    """Of pins that stay at rest while the body starts elsewhere."""
+    fixed = [pin.name for pin in scene.pin if pin.motion == "fixed"]
+    if not fixed or not any(scene.initial.offset):
+        return None
+    return (
+        f"initial.offset moves the body by ({_listed(scene.initial.offset)}) m, and pin {', '.join(fixed)} stays at rest: the springs "
+        "between them are stretched from the start"
+    )
+
+
+def _listed(values: Iterable[float]) -> str:
+    return ", ".join(f"{value:.3g}" for value in values)
 
 
 def samples_note(samples: Samples | None) -> str | None:

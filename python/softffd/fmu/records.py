@@ -90,6 +90,8 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
     lines.append(["initial", *initial.stretch, *initial.offset, *initial.velocity, *initial.angular_velocity])
     if initial.rotation is not None:
         lines.append(["initial_rotation", *initial.rotation_vector()])
+    if initial.spin_about == "mass":
+        lines.append(["spin_about_mass"])
     if scene.fmu.names == "plain":
         lines.append(["plain_names"])
     lines += [[key] for key in ("reactions", "energy", "solver") if getattr(outputs, key)]

@@ -25,13 +25,13 @@ def driven_inputs(component: Component, source: Inputs) -> list[ScalarVariable]:
 
 
 def require_undriven(simulation: Simulation, source: Inputs, start_values: Mapping[str, Any], driven: Sequence[str]) -> None:
-    """FmuError where a start value would be lost, for the inputs give that variable from the first communication point on."""
+    """FmuError where a start value has no effect, for the inputs give that variable from the first communication point on."""
     for given in start_values:
         if lost := [name for name in simulation.block([given]).names if name in driven]:
             follows = "" if lost[0] in source.names else " with its pose"
             other = "; softffd run --no-input goes without the file" if source.is_file else ""
             raise FmuError(
-                f"{source.where}{lost[0]} comes from here over time{follows}, so that its start value would be lost: "
+                f"{source.where}{lost[0]} comes from here over time{follows}, so its start value has no effect: "
                 f"leave out one of the two{other}"
             )
 

@@ -78,8 +78,8 @@ def _cells(draft: Draft) -> Iterator[Fault]:
     key = next((each for each in ("cells", "spacing") if getattr(lattice, each) is not None), "points")
     sides = " x ".join(f"{side / count:.4g}" for side, count in zip(lattice.size, counts, strict=True))
     wanted = (
-        f"wanted cells at most {LONGEST:.3g} times longer in one direction than in the other two and {FLATTEST:.3g} times in two than in "
-        f"the third, of which springs make a solid of a given modulus, got cells of {sides} m"
+        f"wanted nearly cubic cells, for springs of a given modulus: one long side at most {LONGEST:.3g} times the other two, "
+        f"or two long sides at most {FLATTEST:.3g} times the third; got cells of {sides} m"
     )
     yield Fault(("lattice", key), f"{wanted}; {_instead(lattice, counts, key)}")
 

@@ -19,9 +19,9 @@ GRAVITY = 9.81
 DENSITY = 100.0
 """Of soft foam, kg/m3."""
 
-FALL, STIFFNESS, DAMPING, STOP = 0.25, 1.2, 2.2, 7.0
-"""Height of the fall by the longest side; stiffness by weight over height; damping by mass of a point and the time in which one falls
-half the height; end by the time for half the longest side. Meshes of many shapes then bend visibly, keep the tolerance and lie still."""
+FALL, STIFFNESS, DAMPING, STOP = 0.25, 1.2, 0.2, 7.0
+"""Height of the fall by the longest side; stiffness by weight over height; internal damping by the time in which one falls half
+the height; end by the time for half the longest side. Meshes of many shapes then bend visibly, keep the tolerance and lie still."""
 
 LONGEST_IN_METRES = 20.0
 """A mesh whose largest side is more units than these is taken as millimetres where nobody says."""
@@ -75,7 +75,7 @@ def _physics(mesh: Mesh, density: float) -> dict[str, str]:
     pace = np.sqrt(longest / GRAVITY)
     return {
         "TOTAL": _short(mass), "SPREAD": spread, "WHY": why,
-        "STIFFNESS": _short(STIFFNESS * mass * GRAVITY / height), "DAMPING": _short(DAMPING * mass / 64 / np.sqrt(height / GRAVITY)),
+        "STIFFNESS": _short(STIFFNESS * mass * GRAVITY / height), "DAMPING": _short(DAMPING * np.sqrt(height / GRAVITY)),
         "GROUND": f"{mesh.bounds[0, 2] - min(FALL * longest, height):.4g}", "STOP": _short(STOP * pace), "STEP": _short(STOP * pace / 250),
     }  # fmt: skip
 

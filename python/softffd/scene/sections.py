@@ -186,8 +186,8 @@ class Material(Section):
     volume_stiffness: Number = quantity(
         0.0,
         "Pa",
-        "keeps crushed cells from folding: resists where a cell's corner has lost half its volume, a good first value is "
-        "3 times stiffness by edge of a cell, or youngs_modulus; 0: absent",
+        "keeps crushed cells from folding: resists where a cell's corner has lost half its volume; to begin with: 3 times the stiffness "
+        "divided by the edge of a cell, or youngs_modulus; 0: absent",
         ge=0,
     )
 
@@ -257,8 +257,12 @@ class Initial(Section):
         "the whole object turned about the centre of its box, { axis = [0, 1, 0], degrees = 35 }, with the points that pins hold; "
         "velocities stay those of the world frame; absent: not turned, and no parameter for it",
     )
-    velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of the whole object, world frame")
-    angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about the box's centre, world frame")
+    velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of the whole object, of its centre where it spins, world frame")
+    angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about the centre, world frame")
+    spin_about: Literal["box", "mass"] = key(
+        "box",
+        'the centre of `velocity` and `angular_velocity`: "box": that of the box; "mass": that of mass, which then moves with `velocity`',
+    )
 
     def rotation_vector(self) -> tuple[float, float, float]:
         """Along the axis, as long as the angle [rad]."""

@@ -9,7 +9,7 @@ TEMPLATE = Path(__file__).parent / "template.toml"
 def template(name: str) -> str:
     """The text of a new scene called `name`: every section and key with its unit, ready to run.
 
-    Lines that begin with `#` and no blank are keys in waiting: without the `#` they are in force.
+    A line that begins with `#` and no blank is a key that is not in force: without the `#` it is.
     """
     title = json.dumps(f"{name}: a soft box dropped on the ground", ensure_ascii=False)
     return TEMPLATE.read_text(encoding="utf-8").replace('"TITLE"', title)

@@ -44,10 +44,11 @@ class Panels:
 
     The camera stands still but for shapes at rest, which are in the middle of their image.
     tints: colours (V, 3) of the vertices by frame, where they are not those of the stage's skin. touch: the contacts to show.
+    lattice: draw the lattice, not only the control points that pins hold.
     """
 
-    def __init__(self, stage, shapes, width, height, *, tints=None, touch=None):
-        self._tints, self._touch = tints or {}, touch
+    def __init__(self, stage, shapes, width, height, *, tints=None, touch=None, lattice=True):
+        self._tints, self._touch, self._lattice = tints or {}, touch, lattice
         self._stage, self._shapes, self._width, self._height = stage, shapes, width, height
         self._axes = view_axes(stage.up)
         small = len(stage.faces) <= SMOOTH_FACES
@@ -68,9 +69,10 @@ class Panels:
         surface = stage.deformed(shape.points), stage.faces
         canvas.triangles(*surface, self._corner_normals(*surface), self._painter(shape.frame))
         if shape.frame is not None:
-            for solid in stage.solids:
-                draw_solid(canvas, *solid.surface(shape.frame), solid.form.faces, tint=solid.tint)
-            self._draw_planes(canvas, shape.frame, surface)
+            solids = [(*solid.surface(shape.frame), solid.form.faces) for solid in stage.solids]
+            for solid, parts in zip(stage.solids, solids, strict=True):
+                draw_solid(canvas, *parts, tint=solid.tint)
+            self._draw_planes(canvas, shape.frame, [surface, *((vertices, faces) for vertices, _, faces in solids)])
         self._draw_lattice(canvas, shape.points)
         if shape.frame is not None and self._touch:
             self._draw_touch(canvas, shape.frame)
@@ -98,7 +100,7 @@ class Panels:
             return self._normals.corners(vertices)
         return np.repeat(face_normals(vertices, faces)[:, None], 3, axis=1)
 
-    def _draw_planes(self, canvas, frame, surface):
+    def _draw_planes(self, canvas, frame, surfaces):
         reach, spacing = 0.8 * self._distance, round_length(0.15 * self._distance)
         floors = [(p.points[frame], p.normals[frame]) for p in self._stage.planes if p.is_floor]
         for plane in self._stage.planes:
@@ -107,7 +109,7 @@ class Panels:
             if not plane.is_floor:
                 plate = np.abs(patch.frame[:2]) @ self._half + 0.2 * np.linalg.norm(self._half)
                 patch = replace(patch, plate=plate, reach=float(plate.max()), floors=floors)
-            draw_plane(canvas, patch, surface=surface)
+            draw_plane(canvas, patch, surfaces=surfaces)
 
     def _draw_touch(self, canvas, frame):
         points, vertices = self._touch.places(frame)
@@ -126,8 +128,10 @@ class Panels:
         flat = points.transpose(2, 1, 0, 3).reshape(-1, 3)
         colours = np.tile(FREE, (len(flat), 1))
         colours[self._stage.pinned] = PINNED
-        canvas.lines(flat, self._stage.edges, width=max(0.8, self._height / 500))
-        canvas.balls(flat, radius=self._ball, colours=colours)
+        shown = slice(None) if self._lattice else self._stage.pinned
+        if self._lattice:
+            canvas.lines(flat, self._stage.edges, width=max(0.8, self._height / 500))
+        canvas.balls(flat[shown], radius=self._ball, colours=colours[shown])
 
 
 def view_axes(up):

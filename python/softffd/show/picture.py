@@ -23,11 +23,12 @@ CAPTION = 0.32
 """Height of the line below the images, inches."""
 
 
-def run_sheet(result, *, mesh=None, origin=None, size=None, colour=None):
+def run_sheet(result, *, mesh=None, origin=None, size=None, colour=None, lattice=False):
     """The picture of `result`: start, first contact, largest deformation, end; and the history.
 
     mesh: the object at rest, or None for the boundary of the volume. origin, size: its box (3,) [m] if not the scene's.
-    colour: a name of `tension.COLOURS`, in place of the object's own colours.
+    colour: a name of `tension.COLOURS`, in place of the object's own colours. lattice: draw the lattice over a mesh too, which it
+    would hide.
     Raises SoftffdError when positions of control points were not recorded.
     """
     stage = stage_of(result, mesh=mesh, origin=origin, size=size)
@@ -38,13 +39,13 @@ def run_sheet(result, *, mesh=None, origin=None, size=None, colour=None):
     low = 0.45 if tension else 0.40
     sheet = Sheet(13.0, 7.6, dpi=130)
     box = (0.02, low, 0.96, 0.93 - low)
-    images = partial(_images, sheet, stage, list(moments), box=box, tension=tension, touch=touch)
+    images = partial(_images, sheet, stage, list(moments), box=box, tension=tension, touch=touch, lattice=lattice or mesh is None)
     words = [Words(stage.title, (0.02, 0.965), 15, "left", weight="bold"), *_captions(sheet, captions, box)]
     if (error := result.summary.get("estimated_error_m")) is not None:
         quantities = (("run time ", result.summary["run_time_s"], "s"), (", estimated error ", error, "m"))
         words.append(Words("", (0.98, 0.965), 10.5, "right", SOFT, quantities=quantities))
     if touch.ways.any():
-        said = "yellow: where it touches, and the force on each obstacle, twice as long for 4 times as much"
+        said = "yellow: where it touches, and the force on each obstacle; an arrow twice as long is four times the force"
         words.append(Words(said, (0.98, 0.014), 9.5, "right", SOFT))
     curves = _curves(result, bottom=0.085, top=0.345, marks=[stage.time[frame] for frame in moments])
     scale = tension.scale((0.40, 0.425, 0.40, 0.012)) if tension else None
@@ -115,14 +116,14 @@ def _four_frames(result):
     return [None, max(0, before), worst, len(result.time) - 1]
 
 
-def _images(sheet, stage, frames, *, box, touch, tension=None):
+def _images(sheet, stage, frames, *, box, touch, tension=None, lattice=True):
     """The object in `frames`, side by side in `box` of the sheet."""
     _, bottom, _, height = box
     across, up, low = sheet.width * sheet.dpi, sheet.height * sheet.dpi, CAPTION / sheet.height
     lefts, width = _columns(box, len(frames))
     shapes = [Shape(stage, frame) for frame in frames]
     tints = tension.tints if tension else {}
-    panels = Panels(stage, shapes, round(width * across), round((height - low) * up), tints=tints, touch=touch)
+    panels = Panels(stage, shapes, round(width * across), round((height - low) * up), tints=tints, touch=touch, lattice=lattice)
     return tuple(
         Image((255 * panels.image(shape) + 0.5).astype(np.uint8), round(left * across), round((bottom + low) * up))
         for shape, left in zip(shapes, lefts, strict=True)

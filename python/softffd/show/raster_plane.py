@@ -13,6 +13,9 @@ SPREAD = 0.5
 DENSE = 100_000
 """Faces of a mesh that casts its shadow by its vertices alone."""
 
+BELOW = 0.01
+"""How far below a plane, in patch radii, a surface still casts a shadow on it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Patch:
@@ -80,8 +83,8 @@ class Patch:
         return 1.0 if self.plate is not None else 1 - _smooth((np.hypot(*place) / self.reach - 0.55) / 0.45)
 
 
-def draw_plane(canvas, patch, *, surface=None):
-    """Lay `patch` over `canvas`; surface: vertices (V, 3) [m] and faces of the object that darkens it.
+def draw_plane(canvas, patch, *, surfaces=()):
+    """Lay `patch` over `canvas`; surfaces: pairs of vertices (V, 3) [m] and faces, of the object and the solids that darken it.
 
     Colours and lines are those of whole pixels, by how much of them lines and patch cover; what is before the plane hides fine ones. The
     plane's back is nearly clear, so that it hides nothing.
@@ -95,8 +98,8 @@ def draw_plane(canvas, patch, *, surface=None):
     line = patch.lines(place, size)
     cover = (opacity if front else 0.10) + (1 - opacity) * line * (1.0 if front else 0.5)
     colour = np.multiply.outer(np.float32(patch.tint), 1 - 0.55 * line)
-    if surface is not None and front:
-        dark = 0.8 * _sampled(_occlusion(*surface, patch.foot, patch.frame, patch.reach), place / patch.reach)
+    if surfaces and front:
+        dark = 0.8 * _sampled(_occlusion(surfaces, patch.foot, patch.frame, patch.reach), place / patch.reach)
         colour, cover = colour * (1 - dark), cover + (1 - cover) * dark
     canvas.lay(pixel, seen, colour, cover * share * patch.fade(place))
 
@@ -133,12 +136,12 @@ def _grid(at, size, spacing):
     return np.maximum(*line)
 
 
-def _occlusion(vertices, faces, foot, frame, reach):
-    """Share of the sky that the object hides from each texel of the patch, (TEXELS, TEXELS).
+def _occlusion(surfaces, foot, frame, reach):
+    """Share of the sky that surfaces hide from each texel of the patch, (TEXELS, TEXELS).
 
-    A piece dA of the object's underside at height h and lateral distance r hides h^2 / (pi (h^2 + r^2)^2) dA of it.
+    A piece dA of an underside at height h and lateral distance r hides h^2 / (pi (h^2 + r^2)^2) dA of it.
     """
-    height = _heights(vertices, faces, foot, frame, reach)
+    height = np.minimum.reduce([_heights(*surface, foot, frame, reach) for surface in surfaces])
     covered = np.nonzero(height < 1)
     hidden = np.zeros((2 * TEXELS, 2 * TEXELS), dtype=np.float32)  # with room for what falls beside the patch
     if len(covered[0]):
@@ -158,13 +161,14 @@ def _occlusion(vertices, faces, foot, frame, reach):
 
 
 def _heights(vertices, faces, foot, frame, reach):
-    """Height of the object's underside above each texel in patch radii, (TEXELS, TEXELS); 1 where there is none."""
+    """Height of a surface's underside above each texel in patch radii, (TEXELS, TEXELS); 1 where there is none above the plane."""
     offset = (vertices - foot) / reach
     along, across, height = (offset @ frame.T).T
-    screen = np.column_stack([(along + 1) * TEXELS / 2, (across + 1) * TEXELS / 2, 1 - height.clip(0, 1)])
+    screen = np.column_stack([(along + 1) * TEXELS / 2, (across + 1) * TEXELS / 2, 1 - height.clip(max=1)])
     nearest = np.zeros(TEXELS * TEXELS, dtype=np.float32)
     for pixel, depth in _covered(screen, faces):
-        np.maximum.at(nearest, pixel, depth)
+        above = depth <= 1 + BELOW
+        np.maximum.at(nearest, pixel[above], depth[above].clip(max=1))
     return 1.0 - nearest.reshape(TEXELS, TEXELS)
 
 

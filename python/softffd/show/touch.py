@@ -59,6 +59,12 @@ class Touch:
         vertices = np.unique(vertices[self._near(frame, vertices)], axis=0)
         return on_points, vertices[np.linspace(0, len(vertices) - 1, min(len(vertices), MOST)).astype(int)]
 
+    def touched(self, frame, obstacle):
+        """What is on one obstacle in a frame, control points or vertices of the surface, by its places at rest, (N, 3) [m]."""
+        stage, positions = self.stage, self.stage.positions[frame]
+        places, rest = (stage.deformed(positions), stage.vertices) if self.of == "surface" else (to_flat(positions), to_flat(stage.rest))
+        return rest[np.abs(obstacle.gap(frame, places)) <= self._limit]
+
     def _may_touch(self, frame, points):
         """Is anything between the control points (N, 3) [m] on an obstacle? Of solids only that is known which is far from all of them."""
         low, high = points.min(axis=0), points.max(axis=0)

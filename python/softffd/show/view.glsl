@@ -151,7 +151,7 @@ void main() {
 }
 
 //// height-vertex
-// Shadow on a plane: the object's height above the patch, then the share of the sky that it hides from each texel.
+// Shadow on a plane: the height of object and solids above the patch, then the share of the sky that they hide from each texel.
 layout(location = 0) in vec3 coordinates;
 uniform vec3 centre, normal, tangent;
 uniform float reach;
@@ -159,7 +159,18 @@ out float height;
 void main() {
   mat3 derivative;
   vec3 place, offset = (evaluate(coordinates, derivative, place) - centre) / reach;
-  height = max(dot(offset, normal), 0.0);
+  height = dot(offset, normal);
+  gl_Position = vec4(dot(offset, tangent), dot(offset, cross(normal, tangent)), 0, 1);
+}
+
+//// solid-height-vertex
+layout(location = 0) in vec3 place;                   // along the solid's own axes, of which the first and the third are given
+uniform vec3 centre, normal, tangent, anchor, first, pole;
+uniform float reach;
+out float height;
+void main() {
+  vec3 offset = (anchor + mat3(first, cross(pole, first), pole) * place - centre) / reach;
+  height = dot(offset, normal);
   gl_Position = vec4(dot(offset, tangent), dot(offset, cross(normal, tangent)), 0, 1);
 }
 
@@ -167,7 +178,10 @@ void main() {
 precision highp float;
 in float height;
 out vec4 colour;
-void main() { colour = vec4(min(height, 1.0)); }
+void main() {
+  if (height < -0.01) discard;                        // what is below the plane casts no shadow on it
+  colour = vec4(clamp(height, 0.0, 1.0));
+}
 
 //// cover-vertex
 out vec2 place;
@@ -267,9 +281,10 @@ void main() { colour = vec4(ink.rgb, ink.a * clamp(width + 0.5 - abs(side), 0.0,
 layout(location = 0) in float pinned;
 uniform mat4 camera;
 uniform vec3 free_colour, pinned_colour;
-uniform float diameter, least, most;
+uniform float diameter, least, most, alone;           // alone: 1 where pinned points are drawn alone
 out vec3 base;
 void main() {
+  if (alone > pinned) { gl_Position = vec4(2, 2, 2, 1); return; }
   base = pinned > 0.5 ? pinned_colour : free_colour;
   gl_Position = camera * vec4(point(gl_VertexID), 1);
   gl_PointSize = clamp(diameter / gl_Position.w, least, most);

@@ -193,6 +193,7 @@ function write_page() {
   element("note").textContent = run.note;
   element("note").hidden = !run.note;
   element("grid").textContent = run.planes.length ? `grid: ${run.spacing} m` : "";
+  element("lattice").setAttribute("aria-pressed", state.lattice);
   for (const name of ["obstacles", "contacts"]) element(name).hidden = !obstacles.length;
   element("pressed").hidden = !run.touch.arrows.length;
   for (const each of run.cells) element("colour").add(new Option(each.name === "von_mises" ? "stress" : each.name, each.name));

@@ -184,7 +184,7 @@ def _rows(result, stage, frames):
     marks = {Part("plane", plane.name): _hex(plane.tint) for plane in (*stage.planes, *stage.solids)}
     rows = []
     for part, force in reactions(result).items():
-        mark = marks.get(part, _hex(PINNED))
+        mark = marks.get(part, "var(--pin)")
         rows.append(_row(part.name, "reaction", "N", mark, np.linalg.norm(force, axis=1)[frames], force[frames]))
     recorded = energies(result)
     for name, mark in ENERGY_MARKS.items():

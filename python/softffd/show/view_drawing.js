@@ -14,7 +14,7 @@ for (const row of run.rows) {
 }
 for (const each of run.cells) each.values = decode(each.values, Uint8Array);
 const COLOURS = ["paint", "displacement", "strain", ...run.cells.map(each => each.name)];
-const state = { time: times[0], playing: false, speed: 1, colour: run.cage ? "displacement" : "paint", lattice: true, obstacles: true, contacts: true, follow: false };
+const state = { time: times[0], playing: false, speed: 1, colour: run.cage ? "displacement" : "paint", lattice: !!run.cage, obstacles: true, contacts: true, follow: false };
 
 // Index of the last recorded frame at or before t, and the share of the way to the next.
 function frame_at(t) {
@@ -180,7 +180,7 @@ function build() {
   heights = drawing_surface();
   planes = { program: program("plane-vertex", "plane-fragment"), occlusion: program("cover-vertex", "occlusion-fragment"),
     array: gl.createVertexArray(), surfaces: run.planes.map(drawing_surface) };
-  solids = { program: program("solid-vertex", "object-fragment"), forms: run.solids.map(build_form) };
+  solids = { program: program("solid-vertex", "object-fragment"), shadow: program("solid-height-vertex", "height-fragment"), forms: run.solids.map(build_form) };
   build_touch();
 }
 function build_form(solid) {
@@ -233,7 +233,7 @@ function draw(clock) {
   gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   gl.depthMask(false);
   if (state.obstacles) draw_planes(common);
-  if (state.lattice) draw_lattice(common);
+  draw_lattice(common);
   if (state.contacts) draw_touch(common);
   gl.depthMask(true);
   gl.disable(gl.BLEND);
@@ -281,6 +281,12 @@ function cast_shadows() {
     use(object.shadow, { ...plane.now, points: 0 });
     gl.bindVertexArray(object.array);
     gl.drawElements(gl.TRIANGLES, object.count, gl.UNSIGNED_INT, 0);
+    solids.forms.forEach(({ count, array }, n) => {
+      const { anchor, normal, tangent } = run.solids[n].now;
+      use(solids.shadow, { ...plane.now, anchor, pole: normal, first: tangent });
+      gl.bindVertexArray(array);
+      gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+    });
     gl.blendEquation(gl.FUNC_ADD);
     gl.disable(gl.BLEND);
     gl.bindFramebuffer(gl.FRAMEBUFFER, planes.surfaces[i].frame);
@@ -343,18 +349,20 @@ function draw_planes(common) {
   }
   gl.disable(gl.POLYGON_OFFSET_FILL);
 }
-// Twice: what the surface hides shows through it faintly.
+// Twice: what the surface hides shows through it faintly. Without the lattice only the points that pins hold.
 function draw_lattice(common) {
   const ratio = canvas.width / canvas.clientWidth, dark = matchMedia("(prefers-color-scheme: dark)").matches;
   const ink = dark ? [0.93, 0.95, 0.98] : [0.10, 0.13, 0.18];
   const diameter = 0.028 * run.radius * canvas.height / Math.tan(FOV / 2) * Math.min(1, 4 / Math.max(NX, NY, NZ)) ** 1.4;
   for (const [depth, line, ball] of [[gl.GREATER, 0.14, 0.15], [gl.LEQUAL, 0.75, 1]]) {
     gl.depthFunc(depth);
-    use(lines.program, { ...common, width: 0.7 * ratio, ink: [...ink, line] });
-    gl.bindVertexArray(lines.array);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, lines.count);
-    use(balls.program, { ...common, diameter, least: 4 * ratio, most: 18 * ratio, opacity: ball,
-      free_colour: run.free, pinned_colour: run.fixed });
+    if (state.lattice) {
+      use(lines.program, { ...common, width: 0.7 * ratio, ink: [...ink, line] });
+      gl.bindVertexArray(lines.array);
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, lines.count);
+    }
+    use(balls.program, { ...common, diameter, least: 4 * ratio, most: 18 * ratio, opacity: ball, alone: state.lattice ? 0 : 1,
+      free_colour: run.free, pinned_colour: dark ? [0.85, 0.88, 0.92] : run.fixed });
     gl.bindVertexArray(balls.array);
     gl.drawArrays(gl.POINTS, 0, POINTS);
   }

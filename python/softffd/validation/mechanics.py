@@ -205,6 +205,8 @@ def start(scene: Mapping[str, Any], *, rotation: Sequence[float] | None = None) 
     turn = initial["rotation"] if rotation is None else np.array(rotation)
     if turn.any():
         x = centre + turned(x - centre, turn)
+    if initial["spin_about"] == "mass":
+        centre = np.average(x, axis=0, weights=scene["mass"])
     return x, initial["velocity"] + np.cross(initial["angular_velocity"], x - centre)
 
 

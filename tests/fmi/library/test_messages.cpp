@@ -118,3 +118,18 @@ TEST(a_tolerance_that_an_obstacle_does_not_let_hold_is_told_once_with_the_error)
     CHECK(count("the tolerance could not be kept at an obstacle: the result may be wrong by ") == !kept);
   }
 }
+
+TEST(what_is_estimated_has_two_digits_and_a_bound_stays_within_them) {
+  CHECK(estimate(0.0294339796) == "0.029" && estimate(1234.5) == "1200" && estimate(9.96e-6) == "1e-05" && estimate(0) == "0");
+  for (const double bound : {1.001e-3, 1.04e-3, 9.99e-3, 0.0294339796, 3.0})
+    CHECK(std::stod(within(bound)) <= bound && std::stod(within(bound)) > 0.85 * bound);
+}
+
+TEST(a_pin_that_starts_off_its_place_is_told_by_name) {
+  for (const std::string moves : {"fixed", "input"})
+    for (const bool off : {true, false}) {
+      Run run(off ? "1 1 1 0 0 0.25 0 0 0 0 0 0" : "1.1 1 1 0 0 0 0 0 0 0 0 0", "damping 0.1\npin base " + moves + " 0 1\n");
+      run.start();
+      CHECK(count("logStatusWarning: at time 0 s: pin base holds its control points up to 0.25 m from where the body starts") == off);
+    }
+}

@@ -159,8 +159,8 @@ def test_cells_too_long_for_springs_are_refused_with_counts_that_work():
     box = {"size": [0.3, 0.3, 1.2]}
     (line,) = problems({"material": RUBBER, "lattice": box})
     assert line == (
-        "lattice.points: wanted cells at most 1.22 times longer in one direction than in the other two and 1.41 times in two than in "
-        "the third, of which springs make a solid of a given modulus, got cells of 0.1 x 0.1 x 0.4 m; "
+        "lattice.points: wanted nearly cubic cells, for springs of a given modulus: one long side at most 1.22 times the other two, "
+        "or two long sides at most 1.41 times the third; got cells of 0.1 x 0.1 x 0.4 m; "
         "points = [4, 4, 13] gives 0.1 x 0.1 x 0.1"
     )
     assert scene_from({"material": RUBBER, "lattice": {**box, "points": [4, 4, 13]}}) and scene_from({"lattice": box})

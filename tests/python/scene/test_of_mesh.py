@@ -93,7 +93,18 @@ def test_a_mesh_lies_on_the_ground_in_the_end(tmp_path):
     assert heights[0] > 0.5 and 0 <= heights[1] + 1e-9 < 0.02
     assert result.outputs["plane.ground.reaction.z"][-1] == pytest.approx(-weight, rel=0.01)
     assert np.abs(result.positions[-1] - result.positions[-10]).max() < 1e-3  # in a 25th of the time in which one falls 1.5 m
-    assert not result.summary["warnings"]
+    finer = simulate(scene.replace({"solver.tolerance": scene.solver.tolerance / 20}))
+    assert np.abs(finer.positions[-1] - result.positions[-1]).max() < scene.solver.tolerance * max(scene.lattice.size)
+
+
+def test_a_mesh_falls_as_fast_as_a_stone(tmp_path):
+    """All but a hundredth of what its weight did is motion before it lands: nothing brakes the fall."""
+    scene = scene_of(two_colours(tmp_path, "kd.obj"), up="z")
+    result = simulate(scene, stop_time=0.3)
+    height, way = scene.lattice.origin[2] - scene.plane[0].point[2], 9.81 * result.time**2 / 2
+    kinetic, flying = result.outputs["energy.kinetic"], (way > 0) & (way < 0.9 * height)
+    assert flying.sum() > 3
+    np.testing.assert_allclose(kinetic[flying], 9.81 * scene.mass.total * way[flying], rtol=0.01)
 
 
 @pytest.mark.parametrize(

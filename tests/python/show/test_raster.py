@@ -77,10 +77,20 @@ def test_a_plane_darkens_under_the_object_and_not_far_from_it():
     drawn = canvas(eye=(0.0, -10.0, 6.0))
     box = np.array([[-1, -1, 0.2], [1, -1, 0.2], [1, 1, 0.2], [-1, 1, 0.2]], float), np.array([[0, 1, 2], [0, 2, 3]])
     ground = Patch(np.array([50.0, 50.0, 0]), UP, EAST, np.zeros(3), 6.0, 100.0, (0.6, 0.6, 0.6))
-    draw_plane(drawn, ground, surface=box)
+    draw_plane(drawn, ground, surfaces=[box])
     places = np.array([[0.0, 0.0, 0.0], [2.5, 0.0, 0.0]])
     under, beside = (drawn.image()[int(y) // 2, int(x) // 2].mean() for x, y, _ in drawn.project(places))
     assert under < 0.7 * beside
+
+
+def test_each_surface_above_a_plane_casts_a_shadow_and_none_below_it():
+    ground = Patch(np.zeros(3), UP, EAST, np.zeros(3), 6.0, 100.0, (0.6, 0.6, 0.6))
+    faces, places = np.array([[0, 1, 2], [0, 2, 3]]), np.array([[-3.0, 0.0, 0.0], [0.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
+    surfaces = [(np.array([[x - 1, -1, z], [x + 1, -1, z], [x + 1, 1, z], [x - 1, 1, z]], float), faces) for x, z in ((-3, 0.2), (3, -0.2))]
+    drawn = canvas(eye=(0.0, -10.0, 6.0))
+    draw_plane(drawn, ground, surfaces=surfaces)
+    first, middle, last = (drawn.image()[int(y) // 2, int(x) // 2].mean() for x, y, _ in drawn.project(places))
+    assert first < 0.7 * last and abs(middle - last) < 0.1
 
 
 def test_a_very_fine_mesh_casts_the_shadow_of_a_coarse_one():
@@ -91,7 +101,7 @@ def test_a_very_fine_mesh_casts_the_shadow_of_a_coarse_one():
         faces = np.concatenate([corner[:, None] + step for step in ([0, cells + 1, 1], [1, cells + 1, cells + 2])])
         drawn = canvas(eye=(0.0, -10.0, 6.0))
         ground = Patch(np.zeros(3), UP, EAST, np.zeros(3), 6.0, 100.0, (0.6, 0.6, 0.6))
-        draw_plane(drawn, ground, surface=(np.stack([x, y, 0 * x + 0.5], axis=1), faces))
+        draw_plane(drawn, ground, surfaces=[(np.stack([x, y, 0 * x + 0.5], axis=1), faces)])
         images.append(drawn.image())
     assert np.abs(images[0] - images[1]).max() < 0.05
 

@@ -8,6 +8,7 @@ import pytest
 from made_up_run import ORIGIN, SIZE, made_up_run
 from softffd.mesh.mesh import Mesh
 from softffd.obstacles import Obstacles
+from softffd.show.patch import narrow_contact
 from softffd.show.stage import stage_of
 from softffd.show.surface import cage_surface
 from softffd.show.touch import LONGEST, MOST, touch_of
@@ -59,3 +60,18 @@ def test_of_another_fmu_whatever_is_on_an_obstacle_touches():
     result = replace(made_up_run(), obstacles=None)
     mesh = Mesh(*cage_surface(ORIGIN, SIZE, divisions=6))
     assert [len(each) for each in touch_of(result, stage_of(result, mesh=mesh)).places(40)] == [16, 49]
+
+
+@pytest.mark.parametrize(("counts", "cells", "narrow"), [((4, 4, 4), 3.0, False), ((3, 4, 4), 2.0, True), ((2, 2, 2), 1.0, True)])
+def test_a_patch_that_is_narrower_than_three_cells_is_told_once(counts, cells, narrow):
+    found = narrow_contact(made_up_run(counts=counts))
+    assert found["plane.ground.contact_cells"] == pytest.approx(cells)
+    assert len(found["findings"]) == narrow
+    if narrow:
+        assert f"contact is narrower than 3 cells (ground {cells:.2g}" in found["findings"][0]
+
+
+def test_a_run_that_touches_nothing_has_no_patch():
+    result = made_up_run()
+    still = replace(result, outputs={name: 0 * values for name, values in result.outputs.items()})
+    assert narrow_contact(still) == {"findings": []}

@@ -52,7 +52,7 @@ def test_a_stiff_body_at_an_obstacle_ends_its_step_implicitly():
     wanted, _ = bounced(5e6, stiffness=1e8)
     positions, words = bounced(4000, stiffness=1e8)
     assert not np.array_equal(positions, wanted) and np.isfinite(positions).all()
-    assert "which pass over its vibrations" in words
+    assert "implicit steps damp its vibrations away" in words
 
 
 @pytest.mark.parametrize("step", [0.0, 1e-3])

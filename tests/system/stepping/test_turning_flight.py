@@ -8,7 +8,7 @@ from stepping import Stepper
 
 FLIGHT = (
     "rigid motion with ros34pw2 in its frame",
-    "auto: a stiff body in free flight, with quiet fast modes, which implicit steps pass over",
+    "auto: a stiff body flies freely and its fast vibrations are small: implicit steps leave them out",
 )
 IN_FLIGHT = [FLIGHT]
 ABOVE_GROUND = (
