@@ -22,17 +22,52 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Sine of the angle between two obstacles that hold a body in one direction only [1].
 constexpr double same_plane = 1e-6;
 
-/// The centre moves, and the attitude turns, by the mean of the velocities at both ends; the deformation stays.
-void follow_mean_velocity(const Job& job, const State& from, double h) {
+/// The rotation vector of a turn of some tenths of a radian at most, to 1e-6 of it.
+Vec3 small_turn(const Eigen::Matrix3d& rotation) {
+  const Vec3 sine = 0.5 * Vec3(rotation(2, 1) - rotation(1, 2), rotation(0, 2) - rotation(2, 0), rotation(1, 0) - rotation(0, 1));
+  const double squared = sine.squaredNorm();
+  return (1 + squared * (1.0 / 6 + squared * (3.0 / 40 + squared * 15.0 / 336))) * sine;
+}
+
+/// Directions across the obstacles that were touched, orthogonal, at most three.
+struct Across {
+  std::array<Vec3, 3> normals;
+  int count = 0;
+
+  Across(const Job& job, const Exchange& before) {
+    for (std::size_t q = 0; q < job.drive.planes.size() && count < 3; ++q) {
+      if (job.run.path.exchange.planes[q].force == before.planes[q].force) continue;
+      const Vec3 normal = along(job.drive.planes[q].at(job.run.path.motion.time).normal);
+      if (normal.norm() > same_plane) normals[count++] = normal.normalized();
+    }
+  }
+  Vec3 along(Vec3 v) const {
+    for (int i = 0; i < count; ++i) v -= normals[i].dot(v) * normals[i];
+    return v;
+  }
+  /// Of a turn, which changes gaps unless it is about the only normal.
+  Vec3 about(const Vec3& turn) const { return count == 1 ? Vec3(normals[0].dot(turn) * normals[0]) : Vec3(Vec3::Zero()); }
+};
+
+/// The centre moves, and the attitude turns, by the mean of the velocities at both ends; the deformation stays. along: only so far as no
+/// gap of what was touched changes.
+void follow_mean_velocity(const Job& job, const Path& before, double h, bool along) {
   const Body& body = job.model.body;
+  const State& from = before.motion;
   State& motion = job.run.path.motion;
   const RigidMotion begin = rigid_motion(body.mass, from.x, from.v), end = rigid_motion(body.mass, motion.x, motion.v);
   Eigen::Matrix3d turned = Eigen::Matrix3d::Zero();
   for (int p = 0; p < body.points(); ++p)
     turned += body.mass[p] * (row(motion.x, p) - end.centre) * (row(from.x, p) - begin.centre).transpose();
   const Eigen::Matrix3d actual = rotation_next_to(turned), wanted = rotation_by(0.5 * h * (begin.spin + end.spin));
-  const Eigen::Matrix3d correction = wanted * actual.transpose();
-  const Vec3 centre = begin.centre + 0.5 * h * (begin.velocity + end.velocity);
+  Eigen::Matrix3d correction = wanted * actual.transpose();
+  Vec3 centre = begin.centre + 0.5 * h * (begin.velocity + end.velocity);
+  if (along) {
+    const Across across(job, before.exchange);
+    if (across.count == 0) return;
+    correction = rotation_by(across.about(small_turn(correction)));
+    centre = end.centre + across.along(centre - end.centre);
+  }
   const bool turns = (correction - Eigen::Matrix3d::Identity()).norm() > 1e-14;
   for (int p = 0; p < body.points(); ++p) {
     const Vec3 arm = row(motion.x, p) - end.centre;
@@ -40,30 +75,10 @@ void follow_mean_velocity(const Job& job, const State& from, double h) {
   }
 }
 
-/// The centre moves by the mean of the velocities along the obstacles that were touched; the rest stays, so that no gap changes.
-void slide_by_mean_velocity(const Job& job, const Path& from, double h) {
-  const Body& body = job.model.body;
-  State& motion = job.run.path.motion;
-  std::array<Vec3, 3> across;  // orthogonal
-  int count = 0;
-  const auto along = [&](Vec3 v) {
-    for (int i = 0; i < count; ++i) v -= across[i].dot(v) * across[i];
-    return v;
-  };
-  for (std::size_t q = 0; q < job.drive.planes.size() && count < 3; ++q) {
-    if (job.run.path.exchange.planes[q].force == from.exchange.planes[q].force) continue;
-    const Vec3 normal = along(job.drive.planes[q].at(motion.time).normal);
-    if (normal.norm() > same_plane) across[count++] = normal.normalized();
-  }
-  if (count == 0) return;
-  const Vec3 begin = rigid_motion(body.mass, from.motion.x, from.motion.v).velocity;
-  const Vec3 shift = along(0.5 * h * (begin - rigid_motion(body.mass, motion.x, motion.v).velocity));
-  for (int axis = 0; axis < 3; ++axis) motion.x.col(axis) += shift[axis];
-}
-
 }  // namespace
 
 RestSteps::RestSteps(const Run& run) : start_(run.path), before_(run.path), coarse_(run.path), x_(run.path.motion.x) {
+  drive_.planes.reserve(run.path.exchange.planes.size());
   obstacles_.reserve(run.path.exchange.planes.size());
 }
 
@@ -97,22 +112,35 @@ bool RestSteps::doubted(const Beside& at, double h) {
   return true;
 }
 
-/// The first step takes up what velocities are left. Windows go on where a contact's state changes within it.
+/// The first step takes up what velocities are left; with h and with two of h / 2. Windows go on where a contact's state changes within it,
+/// or where the two differ: a body that turns is not at rest.
 StepStatus RestSteps::settle(const Beside& at) {
   const Job& job = at.job;
   Path& path = job.run.path;
   StiffContact& stiff = path.stiff;
   const double time = path.motion.time, h = std::min(at.end - time, use::settling_steps * at.limit);
-  const double most = use::event_share * allowed(job, h);
+  const double end = h < at.end - time ? time + h : at.end, most = use::event_share * allowed(job, h);
   Trial trial(path, start_);
-  const Step taken = step(at, h < at.end - time ? time + h : at.end, true);
+  Step taken = step(at, end, true);
   const bool steady = taken.status == StepStatus::ok && event_of(at, taken, start_, most).error <= most;
-  if (steady && taken.lost <= use::settling_loss * allowed_loss(job, stiff.pressing)) {
-    stiff.error += use::quiet_energy * job.request.tolerance;
-    stiff.settling = false;
-    stiff.step = use::rest_growth * h;
-    trial.keep();
-    return StepStatus::ok;
+  if (steady) {
+    std::swap(coarse_, path);
+    trial.back();
+    double lost = 0;
+    for (const double until : {time + 0.5 * h, end}) {
+      if (taken.status == StepStatus::ok) taken = step(at, until, true);
+      lost += taken.lost;
+    }
+    if (taken.status == StepStatus::ok && lost <= use::settling_loss * allowed_loss(job, stiff.pressing)) {
+      const double error = outcome_of(job, coarse_.motion, path.motion, outlook(job, path.motion));
+      if (error <= use::settling_share * job.request.tolerance) {
+        stiff.error += error;
+        stiff.settling = false;
+        stiff.step = use::rest_growth * h;
+        trial.keep();
+        return StepStatus::ok;
+      }
+    }
   }
   trial.back();
   trial.keep();
@@ -270,7 +298,9 @@ RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   const double h = until - from.time;
   path.clock = {from.time, h, 0};
   const double most = std::max(use::least_implicit_work, use::doubled_work * h / at.limit);
-  const Outcome outcome = at.integrators.take(job, Method::backward_euler, {from.time, 0, h, 1, most});
+  const Span span{from.time, 0, h, 1, most};
+  const Vec3 faster = job.drive.pins.empty() ? nearest_obstacle(job, from).plane->acceleration : Vec3(Vec3::Zero());
+  const Outcome outcome = faster.isZero(0) ? at.integrators.take(job, Method::backward_euler, span) : take_in_frame(at, faster, span);
   job.run.course.work += outcome.work;
   Step taken{.status = outcome.status, .slip = outcome.slip};
   if (taken.status != StepStatus::ok) return taken;
@@ -282,16 +312,49 @@ RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   }
   if (!job.drive.pins.empty()) return taken;
   x_ = path.motion.x;
-  if (settling || job.model.body.samples) {  // what rings, and a surface that rolls over its samples, has no mean turn
-    slide_by_mean_velocity(job, before_, h);
-  } else {
-    follow_mean_velocity(job, from, h);
-    if (!keep_in_front(job)) taken.status = StepStatus::not_finite;
-  }
+  const bool along = settling || job.model.body.samples;  // what rings, and a surface that rolls over its samples, has no mean turn
+  follow_mean_velocity(job, before_, h, along);
+  if (!along && !keep_in_front(job)) taken.status = StepStatus::not_finite;
   job.model.body.internal_force(path.motion.x, path.motion.spring);
   taken.lost = energy_lost(job, from, outcome.given);
   if (job.drive.watch) book_energies(job, from, x_, before_.exchange);
   return taken;
+}
+
+/// A step as an observer sees it who has this acceleration from the begin of the drive on: beside an obstacle that moves so, everything
+/// keeps its speed while it sticks, as backward Euler takes it to. Work of obstacles is given as seen from outside.
+Outcome RestSteps::take_in_frame(const Beside& at, const Vec3& acceleration, const Span& span) {
+  const Job& job = at.job;
+  Path& path = job.run.path;
+  drive_ = job.drive;
+  for (Plane& plane : drive_.planes) {
+    const HalfSpace here = plane.at(drive_.since);
+    if (!plane.moved_by_input) plane.point = here.point, plane.normal = here.normal, plane.velocity = here.velocity;
+    plane.since = drive_.since;
+    plane.acceleration -= acceleration;
+  }
+  const auto see = [&](double sign, double time) {
+    const double age = time - drive_.since;
+    for (int axis = 0; axis < 3; ++axis) {
+      path.motion.x.col(axis) += sign * 0.5 * age * age * acceleration[axis];
+      path.motion.v.col(axis) += sign * age * acceleration[axis];
+    }
+  };
+  for (int axis = 0; axis < 3; ++axis) drive_.force.col(axis) -= job.model.body.mass * acceleration[axis];
+  see(-1, span.origin);
+  Outcome outcome = at.integrators.take({job.model, drive_, job.request, job.run}, Method::backward_euler, span);
+  see(1, span.origin + span.h);
+  Vec3 impulse = Vec3::Zero();
+  for (std::size_t q = 0; q < drive_.planes.size(); ++q) impulse -= path.exchange.planes[q].force - before_.exchange.planes[q].force;
+  const double more = (span.origin + 0.5 * span.h - drive_.since) * impulse.dot(acceleration);
+  outcome.given += more;
+  if (job.drive.watch) path.exchange.work += more;
+  if (job.drive.watch && job.drive.ramped) {
+    const double age = span.origin - drive_.since, way = 0.5 * span.h * (2 * age + span.h);
+    for (Eigen::Index i = 0; i < path.motion.x.size(); ++i)
+      path.exchange.work += way * acceleration[i / path.motion.x.rows()] * job.drive.ramp(i, span.origin + 0.5 * span.h);
+  }
+  return outcome;
 }
 
 /// Brings the body as a whole back onto the obstacles that it touched before it was moved, and off those that it was moved behind.

@@ -34,11 +34,13 @@ class RestSteps {
   Step step(const Beside& at, double until, bool settling = false);
   Event event_of(const Beside& at, const Step& taken, const Path& from, double slight) const;
   Step step_before_event(const Beside& at, double& next, double allowed, Event& event);
+  Outcome take_in_frame(const Beside& at, const Vec3& acceleration, const Span& span);
   bool keep_in_front(const Job& job);
 
   Path start_, before_, coarse_;
   std::vector<HalfSpace> obstacles_;
   Points x_;
+  Drive drive_;  ///< as the accelerated observer has it
 };
 
 }  // namespace softffd

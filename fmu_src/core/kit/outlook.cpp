@@ -44,6 +44,59 @@ bool squeezed(const Job& job, const State& state) {
   return false;
 }
 
+/// Calls visit(place) for all that may touch: control points, or the surface's samples.
+template <class Visit>
+void visit_places(const Body& body, const Points& x, Visit visit) {
+  if (!body.samples) {
+    for (int p = 0; p < body.points(); ++p) visit(row(x, p));
+    return;
+  }
+  for (int s = 0; s < body.samples->count(); ++s) visit(body.samples->at(s, x));
+}
+
+/// Whether the body falls over: what touches lies on one side of where the outside force through the centre meets the obstacle. It turns
+/// about what touches until another place comes down; differences of two such motions grow as its speed does, from rest exponentially.
+void look_for_fall(const Job& job, const State& state, const RigidMotion& motion, double friction, Outlook& ahead) {
+  const Body& body = job.model.body;
+  const auto [plane, obstacle, gap] = nearest_obstacle(job, state);
+  const double snug = use::snug * body.length, height = obstacle.gap(motion.centre);
+  Vec3 pull = tangential(ahead.normal, whole_acceleration(job) - plane->acceleration);
+  const double most = friction * ahead.pressing;
+  if (pull.norm() > most) pull *= most / pull.norm();
+  const Vec3 aim = motion.centre + height / ahead.pressing * pull;
+  Vec3 support = Vec3::Zero();
+  int count = 0;
+  visit_places(body, state.x, [&](const Vec3& place) {
+    if (obstacle.gap(place) > snug) return;
+    support += place;
+    ++count;
+  });
+  if (count == 0 || !(height > 0)) return;
+  support /= count;
+  Vec3 way = tangential(ahead.normal, aim - support);
+  if (!(way.norm() > snug)) return;
+  way.normalize();
+  double beyond = -infinity, land = infinity;  // tangent of the angle until a place lands
+  visit_places(body, state.x, [&](const Vec3& place) {
+    const double above = obstacle.gap(place), on = way.dot(place - support);
+    if (above <= snug)
+      beyond = std::max(beyond, way.dot(place - aim));
+    else if (on > 0)
+      land = std::min(land, above / on);
+  });
+  if (!(beyond < -snug)) return;
+  const Vec3 axis = ahead.normal.cross(way), arm = motion.centre - support;
+  const double squared = arm.squaredNorm() + 1 / (motion.mass * axis.dot(motion.inverse_inertia * axis));
+  const double cosine = 1 / std::sqrt(1 + land * land), sine = land < infinity ? land * cosine : 1;
+  const double drop = height * (1 - cosine) + way.dot(arm) * sine;
+  const double spin = axis.dot(motion.spin - obstacle.spin), energy = squared * spin * spin;
+  const double exponent = std::min(use::longest_growth, ahead.left * std::sqrt(ahead.pressing * arm.norm() / squared));
+  const double slow = power(1 + exponent / 1024, 1024);  // the same bits everywhere
+  const double fast = energy > 0 ? std::sqrt(1 + 2 * ahead.pressing * std::max(drop, 0.0) / energy) : infinity;
+  ahead.growth = std::min(slow, fast);
+  ahead.sweep = 2 * radius_about(motion.centre, state.x) * sine;
+}
+
 }  // namespace
 
 double left_of_run(const Job& job) {
@@ -106,6 +159,7 @@ Outlook outlook(const Job& job, const State& state) {
   ahead.along_normal = std::min(left, std::max(use::memory_periods * period, 4 * across / pressing));
   const double sliding = plane->friction > 0 ? 2 * along / (plane->friction * pressing) : infinity;
   ahead.along_plane = std::min(left, std::max(ahead.along_normal, sliding));
+  look_for_fall(job, state, motion, plane->friction, ahead);
   return ahead;
 }
 
@@ -135,7 +189,9 @@ double outcome_of(const Job& job, const State& a, const State& b, const Outlook&
   const double across = std::abs(velocity.dot(ahead.normal)) + radius * tangential(ahead.normal, spin).norm();
   const double along = tangential(ahead.normal, velocity).norm() + radius * std::abs(spin.dot(ahead.normal));
   const double grown = ahead.along_plane * along + ahead.along_normal * across;
-  return std::isnan(error) || std::isnan(grown) ? infinity : std::max(error, grown);
+  if (std::isnan(error) || std::isnan(grown)) return infinity;
+  const double now = std::max(error, grown);
+  return std::min(ahead.growth * now, now + ahead.sweep);
 }
 
 }  // namespace softffd

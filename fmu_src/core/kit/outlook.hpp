@@ -14,6 +14,9 @@ struct Outlook {
   double along_normal, along_plane;
   double left;      ///< of the run
   double pressing;  ///< acceleration towards the obstacle [m/s2]
+  /// Of a body that falls over: how many times what two states differ by grows until it lands or the run ends, and the way of its outermost
+  /// point until then, beyond which they cannot differ more [m].
+  double growth = 1, sweep = 0;
 };
 
 /// Of the run, over which errors add up [s].

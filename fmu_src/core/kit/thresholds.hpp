@@ -110,8 +110,9 @@ inline constexpr double of_moved_mass = 1;
 inline constexpr double most_aside = 0.1;
 /// Energy that may be damped away, in that of the pressing force along the tolerance [1]: it cannot move the body further.
 inline constexpr double quiet_energy = 0.1;
-/// Steps of the first implicit step, which takes up what is left of velocities; energy that it may lose, in the same unit.
-inline constexpr double settling_steps = 200, settling_loss = 3;
+/// Steps of the first implicit step, which takes up what is left of velocities; energy that it may lose, in the same unit; part of the
+/// tolerance for its error.
+inline constexpr double settling_steps = 200, settling_loss = 3, settling_share = 0.5;
 /// Steps from which on implicit ones pay: three cost what these do.
 inline constexpr double worth_resting = 400;
 /// Part of the tolerance for the error of a step at rest, at most and per share of the run that it takes [1]; what lets the next be taken
@@ -123,6 +124,8 @@ inline constexpr double event_share = 0.1, event_shrink = 0.125;
 inline constexpr int most_event_tries = 12;
 /// Returns from rest after each of which the next listening is twice as long.
 inline constexpr Count most_doubts = 4;
+/// Gap relative to the box up to which what rings counts as touching, for whether the body falls over [1]; logarithm of the largest growth.
+inline constexpr double snug = 1e-4, longest_growth = 20;
 /// Gap relative to the box at which a body at rest has lifted off; gap that is closed after the body is moved as a whole [1].
 inline constexpr double lifted = 1e-9, snapped = 1e-13;
 /// Work that an implicit step at rest may take at least.
