@@ -20,17 +20,15 @@ struct Slip {
   /// One contact: the force that presses, the limit of friction and the friction [N], its slip at the beginning and the end [m/s]. change:
   /// of the obstacle's own velocity [m/s].
   void add_contact(double force, double limit, const Vec3& rub, const Vec3& begin, const Vec3& end, double change) {
-    const double size = rub.norm();
-    const bool sticks = size < (1 - slack) * limit;
-    const double slid = begin.norm() - change, slides = end.norm();
+    const double size = rub.norm(), slid = begin.norm() - change, slides = end.norm();
     load += force;
     spare += limit - size;
     friction += rub;
-    if (!sticks && !(slid > stuck * slides)) loosened += force * slides;
+    if (size >= (1 - slack) * limit && !(slid > stuck * slides)) loosened += force * slides;
     if (!(slid > 0)) return;
     before += force * slid;
     along += force * begin.dot(end) / begin.norm();
-    if (sticks || begin.dot(end) < turned * begin.norm() * slides) stopped += force * slid;
+    if (slides < stuck * slid || begin.dot(end) < turned * begin.norm() * slides) stopped += force * slid;
   }
   /// The next part of the same step.
   void add(const Slip& next) {
@@ -45,9 +43,9 @@ struct Slip {
   }
 
  private:
-  /// Cosine of the angle from which on a slip counts as turned round; of the slip at the end, what one that stuck has at the beginning; of
-  /// the limit, what friction may lack of it where it slides [1].
-  static constexpr double turned = 0.5, stuck = 1e-3, slack = 1e-6;
+  /// Cosine of the angle from which on a slip counts as turned round; of the other slip, what one that sticks may have; of the limit, what
+  /// friction may lack of it where it slides [1].
+  static constexpr double turned = 0.5, stuck = 1e-3, slack = 1e-3;
 };
 
 }  // namespace softffd

@@ -132,7 +132,7 @@ StepStatus RestSteps::settle(const Beside& at) {
       lost += taken.lost;
     }
     if (taken.status == StepStatus::ok && lost <= use::settling_loss * allowed_loss(job, stiff.pressing)) {
-      const double error = outcome_of(job, coarse_.motion, path.motion, outlook(job, path.motion));
+      const double error = outcome_of(job, coarse_.motion, path.motion, outlook_of_stiff(job, path.motion));
       if (error <= use::settling_share * job.request.tolerance) {
         stiff.error += error;
         stiff.settling = false;
@@ -151,6 +151,16 @@ StepStatus RestSteps::settle(const Beside& at) {
   return StepStatus::ok;
 }
 
+/// Whether the body turns over its obstacle: no step of that is like the one before.
+bool RestSteps::tips(const Job& job) const {
+  if (!job.drive.pins.empty()) return false;
+  const State& motion = job.run.path.motion;
+  const HalfSpace obstacle = nearest_obstacle(job, motion).obstacle;
+  const RigidMotion rigid = rigid_motion(job.model.body.mass, motion.x, motion.v);
+  const double speed = radius_about(rigid.centre, motion.x) * tangential(obstacle.normal, rigid.spin - obstacle.spin).norm();
+  return speed * left_of_run(job) > use::rest_share * job.request.tolerance;
+}
+
 /// Error of a step of h that may be left at the end of the run [m].
 double RestSteps::allowed(const Job& job, double h) const {
   const double tolerance = job.request.tolerance * power(job.request.step_factor, 2);
@@ -165,7 +175,7 @@ bool RestSteps::step_once(const Beside& at) {
     const double most = use::event_share * allowed(at.job, at.end - path.motion.time);
     Trial trial(path, start_);
     const Step taken = step(at, at.end);
-    const bool steady = taken.status == StepStatus::ok && event_of(at, taken, start_, most).error <= most;
+    const bool steady = taken.status == StepStatus::ok && !tips(at.job) && event_of(at, taken, start_, most).error <= most;
     if (steady && std::abs(taken.lost) < allowed_loss(at.job, taken.pressing)) {
       --stiff.rest_trust;
       stiff.pressing = taken.pressing;
@@ -186,7 +196,7 @@ RestSteps::Event RestSteps::event_of(const Beside& at, const Step& taken, const 
   const Slip& slip = taken.slip;
   const double h = motion.time - from.motion.time;
   if (!job.drive.pins.empty() || (slip.stopped == 0 && !job.drive.ramped)) return {};
-  const Outlook ahead = outlook(job, motion);
+  const Outlook ahead = outlook_of_stiff(job, motion);
   const double along = std::max(ahead.along_plane, h);
   Event event{0, slip.load > 0 ? 2 * slip.stopped / slip.load * along : 0};
   if (!job.drive.ramped) return event;
@@ -210,11 +220,16 @@ RestSteps::Event RestSteps::event_of(const Beside& at, const Step& taken, const 
     const double grows = coefficient * rate.dot(ahead.normal) - rate.dot(slip.friction) / rubs;
     consider(grows, slip.loosened > 0 ? 0 : slip.spare, slip.loosened / slip.load, along);
   }
-  if (from.stiff.pressing > 0) {
-    const double before = rigid_motion(job.model.body.mass, from.motion.x, from.motion.v).velocity.dot(ahead.normal);
-    const double after = rigid_motion(job.model.body.mass, motion.x, motion.v).velocity.dot(ahead.normal);
-    consider(rate.dot(ahead.normal), taken.pressing, after - before, std::max(ahead.along_normal, h));
-  }
+  const Body& body = job.model.body;
+  const RigidMotion begin = rigid_motion(body.mass, from.motion.x, from.motion.v), end = rigid_motion(body.mass, motion.x, motion.v);
+  if (from.stiff.pressing > 0)
+    consider(rate.dot(ahead.normal), taken.pressing, (end.velocity - begin.velocity).dot(ahead.normal), std::max(ahead.along_normal, h));
+  const HalfSpace obstacle = nearest_obstacle(job, motion).obstacle;
+  const double radius = radius_about(end.centre, motion.x);
+  const auto speed = [&](const RigidMotion& rigid) {
+    return (rigid.velocity - obstacle.material_velocity(rigid.centre)).norm() + radius * (rigid.spin - obstacle.spin).norm();
+  };
+  if (speed(begin) * along <= slight && speed(end) * along > slight) consider(rate.norm(), 0, speed(end), along);  // set in motion
   return event;
 }
 
@@ -236,7 +251,7 @@ RestSteps::Step RestSteps::step_before_event(const Beside& at, double& next, dou
       const Slip& slip = taken.slip;
       const double slows = slip.before - slip.along;
       if (last || length == whole || free > 0 || !(slows > 0)) return taken;
-      const double before = slip.before / slip.load * std::max(outlook(at.job, path.motion).along_plane, whole);
+      const double before = slip.before / slip.load * std::max(outlook_of_stiff(at.job, path.motion).along_plane, whole);
       const double short_of = std::min(use::event_shrink, allowed / (2 * before));
       const double longer = std::min(length * slip.before / slows * (1 - short_of), whole);
       if (!(longer > 2 * length)) return taken;
@@ -265,7 +280,7 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
       if (taken.status == StepStatus::ok) taken = step(at, until);
       lost += taken.lost;
     }
-    if (taken.status == StepStatus::ok) error = outcome_of(job, coarse_.motion, path.motion, outlook(job, path.motion));
+    if (taken.status == StepStatus::ok) error = outcome_of(job, coarse_.motion, path.motion, outlook_of_stiff(job, path.motion));
   }
   const double most = allowed(job, h), factor = error > 0 ? use::window_safety * std::sqrt(most / error) : use::rest_growth;
   const bool quiet = std::abs(lost) < allowed_loss(job, taken.pressing);

@@ -28,6 +28,7 @@ class RestSteps {
   };
   StepStatus settle(const Beside& at);
   double allowed(const Job& job, double h) const;
+  bool tips(const Job& job) const;
   bool step_once(const Beside& at);
   StepStatus step_twice(const Beside& at, double next);
   bool doubted(const Beside& at, double h);

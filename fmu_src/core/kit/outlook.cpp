@@ -56,12 +56,13 @@ void visit_places(const Body& body, const Points& x, Visit visit) {
 
 /// Whether the body falls over: what touches lies on one side of where the outside force through the centre meets the obstacle. It turns
 /// about what touches until another place comes down; differences of two such motions grow as its speed does, from rest exponentially.
-void look_for_fall(const Job& job, const State& state, const RigidMotion& motion, double friction, Outlook& ahead) {
+void look_for_fall(const Job& job, const State& state, Outlook& ahead) {
   const Body& body = job.model.body;
+  const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
   const auto [plane, obstacle, gap] = nearest_obstacle(job, state);
   const double snug = use::snug * body.length, height = obstacle.gap(motion.centre);
   Vec3 pull = tangential(ahead.normal, whole_acceleration(job) - plane->acceleration);
-  const double most = friction * ahead.pressing;
+  const double most = plane->friction * ahead.pressing;
   if (pull.norm() > most) pull *= most / pull.norm();
   const Vec3 aim = motion.centre + height / ahead.pressing * pull;
   Vec3 support = Vec3::Zero();
@@ -90,10 +91,12 @@ void look_for_fall(const Job& job, const State& state, const RigidMotion& motion
   const double cosine = 1 / std::sqrt(1 + land * land), sine = land < infinity ? land * cosine : 1;
   const double drop = height * (1 - cosine) + way.dot(arm) * sine;
   const double spin = axis.dot(motion.spin - obstacle.spin), energy = squared * spin * spin;
-  const double exponent = std::min(use::longest_growth, ahead.left * std::sqrt(ahead.pressing * arm.norm() / squared));
-  const double slow = power(1 + exponent / 1024, 1024);  // the same bits everywhere
+  const double rate = std::sqrt(ahead.pressing * arm.norm() / squared), lasts = std::min(ahead.left, 1 / rate);
+  const double slow = power(1 + std::min(use::longest_growth, ahead.left * rate) / 1024, 1024);  // exp, the same bits everywhere
   const double fast = energy > 0 ? std::sqrt(1 + 2 * ahead.pressing * std::max(drop, 0.0) / energy) : infinity;
   ahead.growth = std::min(slow, fast);
+  ahead.along_normal = std::max(ahead.along_normal, lasts);
+  ahead.along_plane = std::max(ahead.along_plane, lasts);
   ahead.sweep = 2 * radius_about(motion.centre, state.x) * sine;
 }
 
@@ -159,7 +162,12 @@ Outlook outlook(const Job& job, const State& state) {
   ahead.along_normal = std::min(left, std::max(use::memory_periods * period, 4 * across / pressing));
   const double sliding = plane->friction > 0 ? 2 * along / (plane->friction * pressing) : infinity;
   ahead.along_plane = std::min(left, std::max(ahead.along_normal, sliding));
-  look_for_fall(job, state, motion, plane->friction, ahead);
+  return ahead;
+}
+
+Outlook outlook_of_stiff(const Job& job, const State& state) {
+  Outlook ahead = outlook(job, state);
+  if (job.drive.pins.empty() && ahead.pressing > 0) look_for_fall(job, state, ahead);
   return ahead;
 }
 

@@ -37,6 +37,8 @@ double approach_speed(const Job& job, const State& state, const RigidMotion& rig
 
 /// The drive has planes.
 Outlook outlook(const Job& job, const State& state);
+/// The same of a stiff body, which may fall over.
+Outlook outlook_of_stiff(const Job& job, const State& state);
 /// An impact begins: books what the phase of the vibrations that the body brings, of this energy [J] and frequency [rad/s], not being known
 /// may add to the error. Each impact has a phase of its own. known: error of the places at the impact [m].
 void book_unknown_phase(const Job& job, const State& state, double energy, double frequency, double known);
