@@ -22,6 +22,13 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Sine of the angle between two obstacles that hold a body in one direction only [1].
 constexpr double same_plane = 1e-6;
 
+/// Acceleration of the obstacle next to a body that no pin holds [m/s2].
+Vec3 obstacle_acceleration(const Job& job, const State& state) {
+  const auto& planes = job.drive.planes;
+  const bool steady = std::all_of(planes.begin(), planes.end(), [](const Plane& plane) { return plane.acceleration.isZero(0); });
+  return steady || !job.drive.pins.empty() ? Vec3(Vec3::Zero()) : nearest_obstacle(job, state).plane->acceleration;
+}
+
 /// The rotation vector of a turn of some tenths of a radian at most, to 1e-6 of it.
 Vec3 small_turn(const Eigen::Matrix3d& rotation) {
   const Vec3 sine = 0.5 * Vec3(rotation(2, 1) - rotation(1, 2), rotation(0, 2) - rotation(2, 0), rotation(1, 0) - rotation(0, 1));
@@ -314,7 +321,7 @@ RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   path.clock = {from.time, h, 0};
   const double most = std::max(use::least_implicit_work, use::doubled_work * h / at.limit);
   const Span span{from.time, 0, h, 1, most};
-  const Vec3 faster = job.drive.pins.empty() ? nearest_obstacle(job, from).plane->acceleration : Vec3(Vec3::Zero());
+  const Vec3 faster = obstacle_acceleration(job, from);
   const Outcome outcome = faster.isZero(0) ? at.integrators.take(job, Method::backward_euler, span) : take_in_frame(at, faster, span);
   job.run.course.work += outcome.work;
   Step taken{.status = outcome.status, .slip = outcome.slip};
