@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -46,6 +48,27 @@ def assemble(positions, corners, counts, *, texels=None, texel_corners=None, loo
     pairs, vertex_of_corner = np.unique(pairs, return_inverse=True)
     vertices, uv = positions[pairs // len(texels)], texels[pairs % len(texels)]
     return Triangles(vertices, vertex_of_corner[fans], uv, looks.with_vertices(pairs // len(texels)))
+
+
+def plain_text(data: bytes) -> bytes:
+    """A text without its byte order mark; one in UTF-16 becomes UTF-8."""
+    if data.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
+        return data.decode("utf-16", errors="replace").encode()
+    return data.removeprefix(BOM_UTF8)
+
+
+def decoded(name: bytes) -> str:
+    """A name in UTF-8, else in Latin-1, which has a letter for every byte."""
+    try:
+        return name.decode()
+    except UnicodeDecodeError:
+        return name.decode("latin-1")
+
+
+def beside(folder: Path, name: str) -> Path | None:
+    """The file that a mesh in the folder names; None where that lies neither in the folder nor below it."""
+    file = Path(os.path.normpath(folder / name.replace("\\", "/")))
+    return file if "\0" not in name and file.is_relative_to(os.path.normpath(folder)) else None
 
 
 def open_texture(file: Path) -> Image.Image | None:

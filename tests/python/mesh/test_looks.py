@@ -108,6 +108,8 @@ MTL = {
     "Kd is black under a picture": ("newmtl m\nKd 0 0 0\nmap_Kd -clamp on red.png\n", RED, ()),
     "a picture elsewhere": ("newmtl m\nmap_Kd C:\\art\\red.png\n", RED, ()),
     "a picture with a blank": ("newmtl m\nmap_Kd -bm 1.0 bright red.png\n", RED, ()),
+    "a picture's colour space": ("newmtl m\nmap_Kd -colorspace sRGB red.png # red\n", RED, ()),
+    "a picture in quotes": ('newmtl m\nmap_Kd "bright red.png"\n', RED, ()),
     "a moved picture": ("newmtl m\nmap_Kd -s 2 2 1 red.png\n", RED, "m: its picture is taken without being moved or scaled"),
     "a missing picture": ("newmtl m\nKd 0.8 0.2 0\nmap_Kd none.png\n", RED, "m: its picture none.png is missing"),
     "a damaged picture": ("newmtl m\nKd 0.8 0.2 0\nmap_Kd bad.png\n", RED, "picture bad.png is missing or cannot be read"),
@@ -211,3 +213,43 @@ def test_screen_and_light_are_inverse():
     shades = np.linspace(0, 1, 256)
     np.testing.assert_allclose(to_screen(to_light(shades)), shades, atol=1e-12)
     assert to_light(0.5) == pytest.approx(0.2140, abs=1e-4)  # IEC 61966-2-1
+
+
+NAMES = {
+    "numbers": ("red#1", "red#1", "a.mtl", "mtllib a.mtl"),
+    "numbers after a blank": ("Material #25", "Material #25", "a.mtl", "mtllib a.mtl"),
+    "comments": ("m # first", "m # use", "a.mtl", "mtllib a.mtl # of a"),
+    "two blanks": ("White  Color", "White  Color", "a.mtl", "mtllib a.mtl"),
+    "a library's name": ("m", "m", "car#2.mtl", "mtllib car#2.mtl"),
+    "quotes": ("m", "m", "a b.mtl", 'mtllib "a b.mtl"'),
+    "a folder elsewhere": ("m", "m", "a.mtl", "mtllib C:\\art\\a.mtl"),
+}
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+@pytest.mark.parametrize("case", NAMES)
+def test_names_of_materials_and_libraries_are_found_as_they_are_written(case, encoding, tmp_path):
+    made, used, file, library = NAMES[case]
+    written(tmp_path, file, f"newmtl {made}\nKd 0.8 0.2 0\nnewmtl Körper\nKd 0 1 0\n".encode(encoding))
+    mesh = loaded(tmp_path, "a.obj", (f"{library}\nusemtl {used}\n{TETRAHEDRON}{FACES}usemtl Körper\n{FACES}").encode(encoding))
+    assert mesh.looks.notes == () and [m.colour for m in mesh.looks.materials] == [RED, (0, 1, 0)]
+
+
+@pytest.mark.parametrize("record", ["mtllib ../out/a.mtl", "mtllib {}/out/a.mtl"])
+def test_what_lies_outside_of_the_mesh_s_folder_is_not_opened_and_that_is_said(record, tmp_path):
+    for folder in ("in", "out"):
+        (tmp_path / folder).mkdir()
+    Image.new("RGB", (2, 2)).save(tmp_path / "out" / "p.png")
+    text = f"newmtl m\nmap_Kd {tmp_path}/out/p.png\n"
+    written(tmp_path / "out", "a.mtl", text)
+    for library, note in ((record.format(tmp_path), "outside of its folder"), ("mtllib b.mtl", "outside of the mesh's folder")):
+        written(tmp_path / "in", "b.mtl", text)
+        mesh = loaded(tmp_path / "in", "a.obj", f"{library}\nusemtl m\n{TETRAHEDRON}{FACES}")
+        assert mesh.texture is None and note in mesh.looks.notes[0]
+
+
+def test_colours_with_opacity_and_lines_of_other_programs_are_read(tmp_path):
+    coloured = "".join(f"{line} 0.8 0.2 0 1\n" for line in TETRAHEDRON.splitlines())
+    mesh = loaded(tmp_path, "a.obj", f"$ of elsewhere\n{coloured}{FACES}\x1a")
+    np.testing.assert_allclose(mesh.looks.colours, np.tile(RED, (4, 1)))
+    assert mesh.looks.notes == ("lines that are no records of OBJ: 1, the first is line 1",)
