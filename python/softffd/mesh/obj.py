@@ -129,9 +129,7 @@ class _Records:
         looks = Looks(self.library.materials(names), material_of, self._vertex_colours(), groups, group_of, tuple(self.library.notes))
         if not self.passed_over:
             return looks
-        return looks.and_notes(
-            f"lines that are no records of OBJ: {len(self.passed_over)}, the first is line {self.passed_over[0]}"
-        )
+        return looks.and_notes(f"lines that are no records of OBJ: {len(self.passed_over)}, the first is line {self.passed_over[0]}")
 
     def _vertex_colours(self) -> np.ndarray | None:
         """White where a vertex has none; of 0 .. 255 in files that count so."""

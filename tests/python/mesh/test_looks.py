@@ -10,7 +10,22 @@ from PIL import Image
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
-from mesh_files import FACES, GREEN, PARTS, RED, TETRAHEDRON, TWO_COLOURS, glb_with, loaded, ply, two_colours, unit_box, written
+from mesh_files import (
+    FACES,
+    GREEN,
+    PARTS,
+    PLY_TEXT,
+    RED,
+    TETRAHEDRON,
+    TWO_COLOURS,
+    glb_with,
+    loaded,
+    ply,
+    saved,
+    two_colours,
+    unit_box,
+    written,
+)
 from softffd.mesh.looks import Group, Looks, Material, to_light, to_screen
 from softffd.mesh.mesh import Mesh, load_mesh, save_mesh
 from softffd.show.skin import PAINT, skinned
@@ -253,3 +268,21 @@ def test_colours_with_opacity_and_lines_of_other_programs_are_read(tmp_path):
     mesh = loaded(tmp_path, "a.obj", f"$ of elsewhere\n{coloured}{FACES}\x1a")
     np.testing.assert_allclose(mesh.looks.colours, np.tile(RED, (4, 1)))
     assert mesh.looks.notes == ("lines that are no records of OBJ: 1, the first is line 1",)
+
+
+@pytest.mark.parametrize("names", ["red green blue", "r g b", "diffuse_red diffuse_green diffuse_blue"])
+@pytest.mark.parametrize(("kind", "whole"), [("float", 1), ("float", 255), ("uchar", 255)])
+def test_colours_of_a_ply_count_to_one_or_to_255(names, kind, whole, tmp_path):
+    properties = "".join(f"property {kind} {name}\n" for name in names.split())
+    head = ply().replace("element face", properties + "element face")
+    points = PLY_TEXT.splitlines()
+    shade = " ".join(f"{whole * channel:g}" for channel in RED)
+    mesh = loaded(tmp_path, "a.ply", head + "\n".join([f"{point} {shade}" for point in points[:4]] + points[4:]) + "\n")
+    np.testing.assert_allclose(mesh.looks.colours, np.tile(RED, (4, 1)), atol=1e-6)
+
+
+@pytest.mark.parametrize(("head", "attribute"), [(b"COLOR=\xff\0\0\xff", 0), (b"", 0x8000 | 31)])
+def test_colours_of_an_stl_are_said_to_be_lost(head, attribute, tmp_path):
+    data = bytearray(saved(tmp_path, "stl"))
+    data[:80], data[84 + 48 : 84 + 50] = head.ljust(80, b"\0"), attribute.to_bytes(2, "little")
+    assert "colours of an STL file are not read" in loaded(tmp_path, "a.stl", bytes(data)).looks.notes[0]

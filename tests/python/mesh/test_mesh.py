@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from mesh_files import CORNERS, ENDINGS, FACES, PLY_TEXT, TETRAHEDRON, ball, binary_ply, glb_with, loaded, ply, saved, text_stl
+from mesh_files import CORNERS, ENDINGS, FACES, OFF, PLY_TEXT, TETRAHEDRON, ball, binary_ply, glb_with, loaded, ply, saved, text_stl
 from softffd.errors import MeshError
 from softffd.mesh.mesh import Mesh, load_mesh, merge_by_position, save_mesh
 
@@ -289,3 +289,35 @@ def test_a_misspelt_axis_or_ending_is_told_the_nearest(tmp_path):
             use()
     with pytest.raises(MeshError, match=r'got \.objj, did you mean "\.obj"'):
         save_mesh(ball(), tmp_path / "ball.objj")
+
+
+SOLID = text_stl().strip()
+READ_ALL_THE_SAME = {
+    "stl after a blank": ("a.stl", " " + SOLID),
+    "stl after a comment": ("a.stl", "# by hand\n\n" + SOLID),
+    "stl after a mark": ("a.stl", SOLID.encode("utf-8-sig")),
+    "stl in two bytes": ("a.stl", SOLID.encode("utf-16")),
+    "stl that ends in two words": ("a.stl", SOLID.replace("endsolid", "end solid")),
+    "ply after a mark": ("a.ply", (ply() + PLY_TEXT).encode("utf-8-sig")),
+    "off after a mark": ("a.off", OFF.encode("utf-8-sig")),
+    "off without a blank": ("a.off", OFF.replace("OFF\n", "OFF")),
+    "off in small letters": ("a.off", OFF.lower()),
+    "off in one line": ("a.off", OFF.replace("\n", " ")),
+    "off, a word a line": ("a.off", OFF.replace(" ", "\n")),
+    "off, vertices in one line": ("a.off", OFF.replace("0 0 0\n1", "0 0 0 1")),
+    "off without edges": ("a.off", OFF.replace("4 4 0\n", "4 4\n")),
+}
+
+
+@pytest.mark.parametrize("case", READ_ALL_THE_SAME)
+def test_texts_may_begin_and_break_their_lines_as_programs_do(case, tmp_path):
+    mesh = loaded(tmp_path, *READ_ALL_THE_SAME[case])
+    assert mesh.closed and len(mesh.vertices) == 4 and len(mesh.faces) == 4 and mesh.looks.notes == ()
+
+
+@pytest.mark.parametrize("rest", [b"\n", bytes(50)])
+@pytest.mark.parametrize("kind", ["stl", "ply"])
+def test_bytes_after_all_that_a_binary_file_promises_are_told(kind, rest, tmp_path):
+    mesh = loaded(tmp_path, f"a.{kind}", saved(tmp_path, kind) + rest)
+    assert mesh.closed and len(mesh.faces) == len(ball().faces)
+    assert mesh.looks.notes[0].startswith(f"{len(rest)} bytes that follow after")
