@@ -6,12 +6,13 @@ from contextlib import contextmanager
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
+from urllib.parse import unquote
 
 import numpy as np
 
 from softffd.errors import MeshError
 from softffd.mesh.looks import Group, Looks, Material, from_face_colours, to_screen
-from softffd.mesh.polygons import Triangles, damaged
+from softffd.mesh.polygons import Triangles, beside, damaged
 
 _NEEDED = {".dae": ("collada", "pycollada"), ".3mf": ("networkx", "lxml and networkx")}
 """A module that trimesh needs beside itself, and what to install."""
@@ -78,7 +79,15 @@ def _require_package(path: Path) -> None:
 def _read(path: Path, data: bytes, gltf: bool) -> list[Triangles]:
     import trimesh  # imported here, as it takes longer than reading most files
 
-    resolver = trimesh.resolvers.FilePathResolver(str(path))
+    class Beside(trimesh.resolvers.FilePathResolver):
+        """Opens nothing outside of the mesh's folder."""
+
+        def get(self, name):
+            if beside(path.parent, unquote(str(name))) is None:
+                raise FileNotFoundError(f"{name} is outside of the mesh's folder")
+            return super().get(name)
+
+    resolver = Beside(str(path))
     with quiet_trimesh():
         try:
             scene = trimesh.load_scene(BytesIO(data), file_type=path.suffix[1:].lower(), resolver=resolver, process=False)

@@ -286,3 +286,13 @@ def test_colours_of_an_stl_are_said_to_be_lost(head, attribute, tmp_path):
     data = bytearray(saved(tmp_path, "stl"))
     data[:80], data[84 + 48 : 84 + 50] = head.ljust(80, b"\0"), attribute.to_bytes(2, "little")
     assert "colours of an STL file are not read" in loaded(tmp_path, "a.stl", bytes(data)).looks.notes[0]
+
+
+@pytest.mark.parametrize("mark", ["\n", "\r", "\v", "\x85", "\u2028"])
+def test_names_of_several_lines_write_no_records(mark, tmp_path):
+    name, box = f"a{mark}v 9 9 9", unit_box(0.0)
+    looks = Looks((Material(name),), np.zeros(12, np.int64), groups=(Group(name, name),), group_of=np.zeros(12, np.int64))
+    save_mesh(Mesh(box.vertices, box.faces, looks=looks), tmp_path / "a.obj")
+    again = load_mesh(tmp_path / "a.obj")
+    assert len(again.vertices) == 8 and again.looks.groups == (Group("a v 9 9 9", "a v 9 9 9"),)
+    assert again.looks.materials[0].name == "a v 9 9 9"

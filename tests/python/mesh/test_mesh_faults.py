@@ -229,3 +229,38 @@ def test_a_damaged_file_of_those_is_refused(kind, module, tmp_path):
     for content in (b"x", b"PK\3\4", b"<COLLADA>", b"<?xml version='1.0'?><COLLADA/>"):
         with pytest.raises(MeshError, match=r"damaged or cut off|no vertices"):
             loaded(tmp_path, f"a.{kind}", content)
+
+
+NOT_READ = {
+    "an extension": ({"extensionsRequired": ["VENDOR_magic"]}, "uses VENDOR_magic, which is not read"),
+    "a texture's place": ({"extensionsRequired": ["KHR_texture_transform"]}, "uses KHR_texture_transform"),
+    "bones": ({"nodes": [{"mesh": 0, "skin": 0}]}, r"uses skins \(bones\)"),
+    "a shape blended in": ({"nodes": [{"mesh": 0, "weights": [0, 0.5]}]}, "uses morph targets"),
+    "copies": ({"nodes": [{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {}}}]}, "uses EXT_mesh_gpu_instancing"),
+    "no scene": ({"scenes": []}, "1 meshes but no scene"),
+    "data elsewhere": ({"buffers": [{"uri": "../a.bin", "byteLength": 1}]}, r"outside of its folder \(../a.bin\)"),
+}
+
+
+@pytest.mark.parametrize("case", NOT_READ)
+def test_what_is_not_read_of_a_gltf_is_refused_by_name(case, tmp_path):
+    change, message = NOT_READ[case]
+    with pytest.raises(MeshError, match=message):
+        loaded(tmp_path, "a.glb", glb_with(lambda header: header.update(change)))
+
+
+LOST = {
+    "texCoord": {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}}},
+    "KHR_texture_transform": {
+        "pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}}}
+    },
+    "KHR_materials_pbrSpecularGlossiness": {"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [1, 0, 0, 1]}}},
+}
+
+
+@pytest.mark.parametrize("what", LOST)
+def test_what_of_a_gltf_s_colours_is_not_kept_is_said(what, tmp_path):
+    mesh = loaded(
+        tmp_path, "a.glb", glb_with(lambda header: header.update(materials=[LOST[what]], extensionsRequired=["KHR_materials_unlit"]))
+    )
+    assert len(mesh.looks.notes) == 1 and what in mesh.looks.notes[0]
