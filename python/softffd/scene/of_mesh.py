@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from softffd.embedding.mass import point_masses
+from softffd.embedding.mass import filled_words, point_masses
 from softffd.errors import SoftffdError
 from softffd.mesh.habits import UNITS, WORDS, habit_of
 from softffd.mesh.mesh import Mesh, load_mesh, merge_by_position, placed
@@ -63,6 +63,8 @@ def scene_of_mesh(
     places = len(merge_by_position(mesh.vertices)[1])
     size = f"{places:,} vertices, " + " x ".join(f"{side:.4g}" for side in extent)
     said = f"{file}: {size}, {f'in {named}' if unit or habit.metres else guessed}; {upright}"
+    if filled := filled_words(mesh, extent):
+        said += f"; {filled}"
     keys = {
         "TITLE": toml_string(f"{file.stem} dropped on the ground"), "FILE": toml_string(_seen_from(folder, file)),
         "MEASURED": size, "SCALE": f"{metres:g}", "METRES": named, "UP": axis,

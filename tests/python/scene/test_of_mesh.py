@@ -10,6 +10,7 @@ import trimesh
 from mesh_files import saved, two_colours, unit_box, written
 from softffd import simulate
 from softffd.errors import MeshError, SoftffdError
+from softffd.fmu.notes import fill_note
 from softffd.mesh.habits import habit_of
 from softffd.mesh.mesh import Mesh, save_mesh
 from softffd.scene.of_mesh import scene_of_mesh
@@ -45,7 +46,7 @@ def test_what_was_read_and_assumed_is_said_in_a_line(case, tmp_path):
     name, sides, options = case
     file = box_file(tmp_path, name, sides)
     made = scene_of_mesh(file, folder=tmp_path, **dict(options))
-    assert made.said == f"{file}: {SAID[case]}"
+    assert made.said == f"{file}: {SAID[case]}; fills 100 % of its box"
 
 
 @pytest.mark.parametrize(
@@ -163,3 +164,19 @@ def test_any_name_makes_a_scene_that_can_be_read(name):
 def test_a_mesh_whose_name_no_scene_can_hold_is_refused(tmp_path):
     with pytest.raises(SoftffdError, match="not text in UTF-8"):
         scene_of_mesh(tmp_path / "a\udcff.obj", folder=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("wall", "words"), [(None, "fills 100 % of its box"), (0.1, "fills 49 % of its box; the elastic body is the whole box")]
+)
+def test_how_much_of_its_box_a_closed_mesh_fills_is_said(wall, words, tmp_path):
+    box = trimesh.creation.box()
+    if wall:
+        hollow = trimesh.creation.box([1 - 2 * wall] * 3)
+        hollow.invert()
+        box = trimesh.util.concatenate([box, hollow])
+    box.export(tmp_path / "a.obj")
+    scene = scene_of_mesh(tmp_path / "a.obj", folder=tmp_path)
+    assert scene.said.endswith(f"; {words}")
+    made = scene_from(tomllib.loads(scene.text), path=tmp_path / "a.toml")
+    assert fill_note(made) == f"the mesh {words}"
