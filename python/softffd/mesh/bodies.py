@@ -17,6 +17,9 @@ from softffd.mesh.polygons import Triangles, beside, damaged
 _NEEDED = {".dae": ("collada", "pycollada"), ".3mf": ("networkx", "lxml and networkx")}
 """A module that trimesh needs beside itself, and what to install."""
 
+LARGEST = 2**31
+"""Bytes of all that a 3MF file unpacks to."""
+
 
 def read_bodies(path: Path, data: bytes, *, gltf: bool = False) -> Triangles:
     """Return the triangles of all bodies of the file's scene, each in its place, in the order of the file.
@@ -33,10 +36,19 @@ def read_bodies(path: Path, data: bytes, *, gltf: bool = False) -> Triangles:
 
 def read_3mf(path: Path, data: bytes) -> Triangles:
     """As read_bodies; the colours of a 3MF are not read, and a note says so where it has some."""
-    _require_package(path)
-    triangles = read_bodies(path, data)
-    from zipfile import ZipFile
+    from zipfile import BadZipFile, ZipFile
 
+    _require_package(path)
+    try:
+        with ZipFile(BytesIO(data)) as archive:
+            size = sum(member.file_size for member in archive.infolist())
+    except BadZipFile:
+        raise damaged(path, "it is no whole ZIP archive") from None
+    if size > LARGEST:
+        raise MeshError(
+            f"{path}: would unpack to {size / 2**20:,.0f} MB; wanted at most {LARGEST / 2**20:,.0f} MB, as OBJ, PLY or GLB if it is real"
+        )
+    triangles = read_bodies(path, data)
     with ZipFile(BytesIO(data)) as archive:
         models = [archive.read(name) for name in archive.namelist() if name.lower().endswith(".model")]
     coloured = any(word in model for model in models for word in (b"basematerials", b"colorgroup", b"texture2d"))

@@ -2,6 +2,7 @@
 
 import struct
 import warnings
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 import pytest
@@ -121,6 +122,7 @@ def faults():
         "off vertex beyond": ("a.off", OFF.replace("2 0 3", "2 0 4"), r"face 3 \(from 0\) refers to vertex 4 \(from 0\), but there are 4"),
         "off two corners": ("a.off", OFF.replace("3 2 0 3", "2 2 0"), r"face 3 \(from 0\) has fewer than 3"),
         "off point cloud": ("a.off", "OFF\n1 0 0\n0 0 0\n", "1 vertices but no faces"),
+        "a pointer of Git LFS": ("a.obj", "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n", "pointer of Git LFS"),
         "gltf no json": ("a.gltf", "{", "JSON cannot be read"),
         "gltf version": ("a.gltf", '{"asset": {"version": "1.0"}}', "wanted glTF version 2, got version 1.0"),
         "gltf no version": ("a.gltf", "{}", "wanted glTF version 2, got no version"),
@@ -264,3 +266,12 @@ def test_what_of_a_gltf_s_colours_is_not_kept_is_said(what, tmp_path):
         tmp_path, "a.glb", glb_with(lambda header: header.update(materials=[LOST[what]], extensionsRequired=["KHR_materials_unlit"]))
     )
     assert len(mesh.looks.notes) == 1 and what in mesh.looks.notes[0]
+
+
+def test_a_3mf_that_unpacks_to_too_much_is_refused(tmp_path, monkeypatch):
+    pytest.importorskip("networkx", reason="networkx is not installed")
+    with ZipFile(tmp_path / "a.3mf", "w", ZIP_DEFLATED) as archive:
+        archive.writestr("3D/3dmodel.model", bytes(2**22))
+    monkeypatch.setattr("softffd.mesh.bodies.LARGEST", 2**20)
+    with pytest.raises(MeshError, match="would unpack to 4 MB; wanted at most 1 MB"):
+        load_mesh(tmp_path / "a.3mf")
