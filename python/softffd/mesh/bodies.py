@@ -60,8 +60,25 @@ def read_dae(path: Path, data: bytes) -> Triangles:
     """As read_bodies; the names of materials are not read, and a note says so."""
     _require_package(path)
     triangles = read_bodies(path, data)
-    note = ("the names of its materials are not read",) if triangles.looks.materials else ()
-    return triangles._replace(looks=replace(triangles.looks, notes=triangles.looks.notes + note))
+    notes = ["the names of its materials are not read"] if triangles.looks.materials else []
+    return triangles._replace(looks=triangles.looks.and_notes(*notes, *_lost_of_dae(path, data, triangles.looks)))
+
+
+def _lost_of_dae(path: Path, data: bytes, looks: Looks) -> list[str]:
+    """Pictures that are not beside the file, and colours of vertices where none were read."""
+    from xml.etree import ElementTree
+
+    try:
+        root = ElementTree.fromstring(data)
+    except ElementTree.ParseError:
+        return []
+    names = [(each.text or "").strip() for image in root.iter() if image.tag.endswith("}image") for each in image.iter()]
+    files = [(name, beside(path.parent, unquote(name.removeprefix("file://")))) for name in names if name]
+    missing = [name for name, file in files if file is None or not file.is_file()]
+    notes = [f"pictures that are not beside it: {', '.join(missing[:4])}"] if missing else []
+    if looks.colours is None and any(each.get("semantic") == "COLOR" for each in root.iter()):
+        notes.append("colours of vertices are not read")
+    return notes
 
 
 @contextmanager

@@ -23,6 +23,8 @@ from mesh_files import (
     written,
 )
 from softffd.errors import MeshError
+from softffd.mesh.bodies import _lost_of_dae
+from softffd.mesh.looks import PLAIN
 from softffd.mesh.mesh import load_mesh, save_mesh
 
 TEXTS = {"text.stl": text_stl, "text.ply": lambda: ply() + PLY_TEXT, "text.off": lambda: OFF}
@@ -275,3 +277,11 @@ def test_a_3mf_that_unpacks_to_too_much_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("softffd.mesh.bodies.LARGEST", 2**20)
     with pytest.raises(MeshError, match="would unpack to 4 MB; wanted at most 1 MB"):
         load_mesh(tmp_path / "a.3mf")
+
+
+def test_what_of_a_collada_file_s_looks_is_not_kept_is_said(tmp_path):
+    text = """<COLLADA xmlns="c"><library_images><image><init_from>none.png</init_from></image><image><init_from>is.png</init_from></image>
+        </library_images><input semantic="COLOR"/></COLLADA>"""
+    written(tmp_path, "is.png", b"x")
+    notes = _lost_of_dae(tmp_path / "a.dae", text.encode(), PLAIN)
+    assert notes == ["pictures that are not beside it: none.png", "colours of vertices are not read"]
