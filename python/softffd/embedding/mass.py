@@ -91,6 +91,17 @@ def _flat(shares: np.ndarray) -> np.ndarray:
     return to_flat(shares[..., None])[:, 0]
 
 
+def filled_words(mesh: Mesh | None, size: tuple[float, ...] | np.ndarray) -> str | None:
+    """How much of the box of `size` [m] a closed mesh fills, and below 60 % what bends in its place; None without a closed mesh."""
+    if mesh is None or not mesh.closed:
+        return None
+    try:
+        share = enclosed_volume(mesh) / float(np.prod(size))
+    except SoftffdError:
+        return None
+    return f"fills {100 * share:.0f} % of its box" + ("; the elastic body is the whole box" if share < 0.6 else "")
+
+
 def enclosed_volume(mesh: Mesh) -> float:
     """Return the volume inside a closed mesh, m^3. Raises SoftffdError where the mesh is open or encloses
     nothing."""

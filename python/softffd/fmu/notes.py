@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from softffd.embedding.mass import filled_words
 from softffd.rotation import turned
 
 if TYPE_CHECKING:
@@ -19,9 +20,10 @@ NAME = "notes.txt"
 
 
 def body_notes(scene: Scene, masses: Masses, samples: Samples | None) -> list[str]:
-    """Where the centre of mass has moved, how many times too large the inertia is, what the start does to centre of mass and pins, which
-    points of the surface obstacles meet."""
-    notes = shift_note(scene, masses), inertia_note(scene, masses), spin_note(scene, masses), pins_note(scene), samples_note(samples)
+    """How much of its box the mesh fills, where the centre of mass has moved, how many times too large the inertia is, what the start
+    does to centre of mass and pins, which points of the surface obstacles meet."""
+    of_mass = fill_note(scene), shift_note(scene, masses), inertia_note(scene, masses), spin_note(scene, masses)
+    notes = *of_mass, pins_note(scene), samples_note(samples)
     return [note for note in notes if note]
 
 
@@ -30,6 +32,11 @@ def read_notes(resources: Path) -> Iterator[str]:
     path = resources / NAME
     if path.is_file():
         yield from path.read_text(encoding="utf-8").splitlines()
+
+
+def fill_note(scene: Scene) -> str | None:
+    words = filled_words(scene.loaded_mesh, scene.lattice_box.size)
+    return words and f"the mesh {words}"
 
 
 def shift_note(scene: Scene, masses: Masses) -> str | None:

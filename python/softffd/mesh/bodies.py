@@ -6,15 +6,19 @@ from contextlib import contextmanager
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
+from urllib.parse import unquote
 
 import numpy as np
 
 from softffd.errors import MeshError
 from softffd.mesh.looks import Group, Looks, Material, from_face_colours, to_screen
-from softffd.mesh.polygons import Triangles, damaged
+from softffd.mesh.polygons import Triangles, beside, damaged
 
 _NEEDED = {".dae": ("collada", "pycollada"), ".3mf": ("networkx", "lxml and networkx")}
 """A module that trimesh needs beside itself, and what to install."""
+
+LARGEST = 2**31
+"""Bytes of all that a 3MF file unpacks to."""
 
 
 def read_bodies(path: Path, data: bytes, *, gltf: bool = False) -> Triangles:
@@ -32,10 +36,19 @@ def read_bodies(path: Path, data: bytes, *, gltf: bool = False) -> Triangles:
 
 def read_3mf(path: Path, data: bytes) -> Triangles:
     """As read_bodies; the colours of a 3MF are not read, and a note says so where it has some."""
-    _require_package(path)
-    triangles = read_bodies(path, data)
-    from zipfile import ZipFile
+    from zipfile import BadZipFile, ZipFile
 
+    _require_package(path)
+    try:
+        with ZipFile(BytesIO(data)) as archive:
+            size = sum(member.file_size for member in archive.infolist())
+    except BadZipFile:
+        raise damaged(path, "it is no whole ZIP archive") from None
+    if size > LARGEST:
+        raise MeshError(
+            f"{path}: would unpack to {size / 2**20:,.0f} MB; wanted at most {LARGEST / 2**20:,.0f} MB, as OBJ, PLY or GLB if it is real"
+        )
+    triangles = read_bodies(path, data)
     with ZipFile(BytesIO(data)) as archive:
         models = [archive.read(name) for name in archive.namelist() if name.lower().endswith(".model")]
     coloured = any(word in model for model in models for word in (b"basematerials", b"colorgroup", b"texture2d"))
@@ -47,8 +60,25 @@ def read_dae(path: Path, data: bytes) -> Triangles:
     """As read_bodies; the names of materials are not read, and a note says so."""
     _require_package(path)
     triangles = read_bodies(path, data)
-    note = ("the names of its materials are not read",) if triangles.looks.materials else ()
-    return triangles._replace(looks=replace(triangles.looks, notes=triangles.looks.notes + note))
+    notes = ["the names of its materials are not read"] if triangles.looks.materials else []
+    return triangles._replace(looks=triangles.looks.and_notes(*notes, *_lost_of_dae(path, data, triangles.looks)))
+
+
+def _lost_of_dae(path: Path, data: bytes, looks: Looks) -> list[str]:
+    """Pictures that are not beside the file, and colours of vertices where none were read."""
+    from xml.etree import ElementTree
+
+    try:
+        root = ElementTree.fromstring(data)
+    except ElementTree.ParseError:
+        return []
+    names = [(each.text or "").strip() for image in root.iter() if image.tag.endswith("}image") for each in image.iter()]
+    files = [(name, beside(path.parent, unquote(name.removeprefix("file://")))) for name in names if name]
+    missing = [name for name, file in files if file is None or not file.is_file()]
+    notes = [f"pictures that are not beside it: {', '.join(missing[:4])}"] if missing else []
+    if looks.colours is None and any(each.get("semantic") == "COLOR" for each in root.iter()):
+        notes.append("colours of vertices are not read")
+    return notes
 
 
 @contextmanager
@@ -78,7 +108,15 @@ def _require_package(path: Path) -> None:
 def _read(path: Path, data: bytes, gltf: bool) -> list[Triangles]:
     import trimesh  # imported here, as it takes longer than reading most files
 
-    resolver = trimesh.resolvers.FilePathResolver(str(path))
+    class Beside(trimesh.resolvers.FilePathResolver):
+        """Opens nothing outside of the mesh's folder."""
+
+        def get(self, name):
+            if beside(path.parent, unquote(str(name))) is None:
+                raise FileNotFoundError(f"{name} is outside of the mesh's folder")
+            return super().get(name)
+
+    resolver = Beside(str(path))
     with quiet_trimesh():
         try:
             scene = trimesh.load_scene(BytesIO(data), file_type=path.suffix[1:].lower(), resolver=resolver, process=False)

@@ -42,6 +42,10 @@ class Looks:
     group_of: np.ndarray | None = field(default=None, repr=False)
     notes: tuple[str, ...] = ()
 
+    def and_notes(self, *notes: str) -> Looks:
+        """These with more notes, those that say something."""
+        return replace(self, notes=(*self.notes, *filter(None, notes)))
+
     def with_vertices(self, chosen: np.ndarray) -> Looks:
         """Those of the mesh with the chosen vertices, indices (W,), in place of its own."""
         return self if self.colours is None else replace(self, colours=self.colours[chosen])

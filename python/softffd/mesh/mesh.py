@@ -32,6 +32,7 @@ _WRITERS = {".obj": write_obj, ".stl": write_stl, ".ply": write_ply, ".glb": wri
 _SOUPS = (".stl", ".dae")
 """Kinds whose triangles share no corners as they are read."""
 
+_SCENES = (".glb", ".gltf", ".dae", ".3mf")
 _KINDS = ", ".join(ending[1:].upper() for ending in _READERS)
 
 WRITTEN, READ = tuple(_WRITERS), tuple(_READERS)
@@ -219,6 +220,8 @@ def _read(path: Path) -> Triangles:
         raise MeshError(f"{path}: cannot be read: {fault.strerror or fault}") from None
     if not data:
         raise MeshError(f"{path}: the file is empty (0 bytes); wanted a mesh")
+    if data.startswith(b"version https://git-lfs"):
+        raise MeshError(f"{path}: is a pointer of Git LFS in place of the mesh; wanted the mesh itself, which 'git lfs pull' fetches")
     with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused by name, later
         return _READERS[path.suffix.lower()](path, data)
 
@@ -240,7 +243,8 @@ def _require_known_ending(path: Path, known: tuple[str, ...]) -> None:
 
 def _require_faces(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
     if not len(vertices):
-        raise MeshError(f"{path}: holds no vertices; wanted a surface of triangles or polygons")
+        where = " that are read: those on skins and in other files are not" * (path.suffix.lower() in _SCENES)
+        raise MeshError(f"{path}: holds no vertices{where}; wanted a surface of triangles or polygons")
     if not len(faces):
         raise MeshError(f"{path}: holds {len(vertices)} vertices but no faces (a point cloud or lines); wanted a surface")
 

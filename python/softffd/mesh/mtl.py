@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from math import isnan, nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from softffd.mesh.looks import Colour, Material
-from softffd.mesh.polygons import open_texture
+from softffd.mesh.polygons import beside, decoded, open_texture, plain_text
 
 if TYPE_CHECKING:
     from PIL import Image
 
 _PLACING = {"-s", "-o", "-t"}
+_TAKES_A_WORD = {"-colorspace", "-imfchan", "-type"}
+_COMMENT = re.compile(r"\s+#(?!\d+$).*")
+"""`Material #25` is a name, `red # of the roof` one with a comment."""
 
 
 class Library:
@@ -28,27 +32,35 @@ class Library:
 
     def read(self, names: str) -> None:
         """Read what follows `mtllib`: a file's name, or several."""
-        several = [names] if (self._folder / names).is_file() else names.split()
+        whole = (names.strip('"'), without_comment(names).strip('"'))
+        several = next(([name] for name in whole if self._file(name)), whole[1].split())
         for name in several:
-            try:
-                lines = (self._folder / name.replace("\\", "/")).read_text(errors="replace").splitlines()
-            except (OSError, ValueError):
-                self._missing.append(name)
+            file = self._file(name)
+            if file is None:
+                self._missing.append(name if beside(self._folder, name) else f"{name}, which is outside of its folder,")
             else:
-                self._read_lines(lines)
+                self._read_lines(decoded(plain_text(file.read_bytes())).splitlines())
+
+    def _file(self, name: str) -> Path | None:
+        """The file of this name, or of its last part, in the mesh's folder or below."""
+        found = (beside(self._folder, each) for each in (name, name.replace("\\", "/").rpartition("/")[2]))
+        return next((file for file in found if file is not None and file.is_file()), None)
 
     def _read_lines(self, lines: list[str]) -> None:
         record: dict[str, str] = {}
         for line in lines:
             key, _, value = line.strip().replace("\t", " ").partition(" ")
             if key.lower() == "newmtl":
-                record = self._records[value.strip()] = {}
+                record = {}
+                name = " ".join(value.split())
+                self._records[name] = record
+                self._records.setdefault(without_comment(name), record)
             else:
                 record[key.lower()] = value.strip()
 
     def materials(self, names: Iterable[str]) -> tuple[Material, ...]:
         """The materials of these names; `notes` then tells what they lack."""
-        names = list(names)
+        names = [name if name in self._records else without_comment(name) for name in names]
         materials = tuple(self._material(name) for name in names)
         unknown = [name for name in names if name and name not in self._records]
         if unknown:
@@ -72,17 +84,33 @@ class Library:
     def _texture(self, material: str, value: str) -> Image.Image | None:
         words = value.split()
         while words and words[0].startswith("-"):
-            if words.pop(0) in _PLACING:
+            option = words.pop(0)
+            if option in _TAKES_A_WORD:
+                del words[:1]
+            if option in _PLACING:
                 self.notes.append(f"material {material}: its picture is taken without being moved or scaled (map_Kd {value})")
             while len(words) > 1 and (not isnan(_number(words[0])) or words[0] in ("on", "off")):
                 words.pop(0)
-        name = Path(" ".join(words).replace("\\", "/"))
-        file = next((file for file in (self._folder / name, self._folder / name.name) if file.is_file()), self._folder / name)
+        name = " ".join(words)
+        names = (name.strip('"'), without_comment(name).strip('"'))
+        file = next(filter(None, map(self._file, names)), None)
+        if file is None:
+            if beside(self._folder, names[1]) is None:
+                why = "is outside of the mesh's folder: it is not opened"
+            else:
+                why = "is missing or cannot be read"
+            self.notes.append(f"material {material}: its picture {names[1]} {why}")
+            return None
         if file not in self._images:
             self._images[file] = open_texture(file)
             if self._images[file] is None:
                 self.notes.append(f"material {material}: its picture {file.name} is missing or cannot be read")
         return self._images[file]
+
+
+def without_comment(name: str) -> str:
+    """The name up to a comment behind it."""
+    return _COMMENT.sub("", name)
 
 
 def mtl_text(materials: Iterable[tuple[str, Material]], files: dict[int, str]) -> str:

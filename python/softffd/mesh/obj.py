@@ -4,14 +4,13 @@ Read here and not by trimesh, which takes index 0 for vertex 1, counts relative 
 passes over faces of two corners and lines it does not know, and splits vertices by their normals.
 """
 
-from codecs import BOM_UTF8
 from pathlib import Path
 
 import numpy as np
 
 from softffd.mesh.looks import Group, Looks
-from softffd.mesh.mtl import Library
-from softffd.mesh.polygons import Triangles, assemble, damaged, first_outside
+from softffd.mesh.mtl import Library, without_comment
+from softffd.mesh.polygons import Triangles, assemble, damaged, decoded, first_outside, plain_text
 
 
 def read_obj(path: Path, data: bytes) -> Triangles:
@@ -20,12 +19,21 @@ def read_obj(path: Path, data: bytes) -> Triangles:
     Corners without texture coordinates in a file that has some get (0, 0). Raises MeshError with the line of the fault.
     """
     records = _Records(path)
-    data = data.removeprefix(BOM_UTF8)
+    data = plain_text(data).removesuffix(b"\0").removesuffix(b"\x1a")
     for number, line in enumerate(data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines(), 1):
-        words = line.partition(b"#")[0].split()
-        if words:
+        key, *rest = line.split(None, 1)[:2] or [b"#"]
+        if key in _NAMING:
+            records.name(key, decoded(b"".join(rest)).strip())
+        elif words := line.partition(b"#")[0].split():
             records.read(number, words)
     return records.triangles()
+
+
+_NAMING = {b"mtllib", b"usemtl", b"o", b"g"}
+"""Records whose rest of the line is a name, with `#` and blanks."""
+
+_MARKS = {bytes([mark]) for mark in b"$!%&*;@~"}
+"""Lines that begin so are other programs' comments."""
 
 
 class _Records:
@@ -41,7 +49,19 @@ class _Records:
         self.face_lines: list[int] = []
         self.colours: dict[int, list[float]] = {}
         self.library = Library(path.parent)
+        self.passed_over: list[int] = []
         self.materials, self.groups = _Marks(""), _Marks(Group())
+
+    def name(self, key: bytes, rest: str) -> None:
+        name = " ".join(rest.split())
+        if key == b"mtllib":
+            self.library.read(rest)
+        elif key == b"usemtl":
+            self.materials.now = name
+        elif key == b"o":
+            self.groups.now = Group(object=without_comment(name))
+        else:
+            self.groups.now = self.groups.now._replace(group=without_comment(name))
 
     def read(self, number: int, words: list[bytes]) -> None:
         key = words[0]
@@ -52,14 +72,8 @@ class _Records:
                 self._read_face(number, words[1:])
             elif key == b"vt":
                 self.texels.append([*_numbers(words[1:3], 1), 0.0][:2])
-            elif key == b"mtllib":
-                self.library.read(_text(words))
-            elif key == b"usemtl":
-                self.materials.now = _text(words)
-            elif key == b"o":
-                self.groups.now = Group(object=_text(words))
-            elif key == b"g":
-                self.groups.now = self.groups.now._replace(group=_text(words))
+            elif key[:1] in _MARKS and decoded(b" ".join(words)).isprintable():
+                self.passed_over.append(number)
             elif not key.replace(b"_", b"").isalnum() or key[:1].isdigit():
                 raise ValueError("no record of an OBJ file starts like this")
         except (ValueError, OverflowError) as fault:
@@ -67,8 +81,8 @@ class _Records:
             raise damaged(self.path, f"line {number}, {text!r}: {fault}") from None
 
     def _read_vertex(self, words: list[bytes]) -> None:
-        if len(words) == 6:
-            self.colours[len(self.vertices)] = _numbers(words[3:], 3)
+        if len(words) in (6, 7):  # the seventh is opacity
+            self.colours[len(self.vertices)] = _numbers(words[3:6], 3)
         self.vertices.append(_numbers(words[:3], 3))
 
     def _read_face(self, number: int, words: list[bytes]) -> None:
@@ -112,7 +126,10 @@ class _Records:
     def _looks(self) -> Looks:
         names, material_of = self.materials.found()
         groups, group_of = self.groups.found()
-        return Looks(self.library.materials(names), material_of, self._vertex_colours(), groups, group_of, tuple(self.library.notes))
+        looks = Looks(self.library.materials(names), material_of, self._vertex_colours(), groups, group_of, tuple(self.library.notes))
+        if not self.passed_over:
+            return looks
+        return looks.and_notes(f"lines that are no records of OBJ: {len(self.passed_over)}, the first is line {self.passed_over[0]}")
 
     def _vertex_colours(self) -> np.ndarray | None:
         """White where a vertex has none; of 0 .. 255 in files that count so."""
@@ -140,10 +157,6 @@ class _Marks:
         if set(self._numbers) <= {self._nothing}:
             return (), None
         return tuple(self._numbers), np.array(self._faces, dtype=np.int64)
-
-
-def _text(words: list[bytes]) -> str:
-    return b" ".join(words[1:]).decode(errors="replace")
 
 
 def _numbers(words: list[bytes], least: int) -> list[float]:

@@ -12,9 +12,10 @@ import numpy as np
 
 from softffd.mesh.looks import PLAIN, Looks, Material, from_face_colours
 from softffd.mesh.ply_records import TYPES, BinaryBody, Element, Lists, Property, TextBody, read_element
-from softffd.mesh.polygons import Triangles, assemble, damaged, first_outside, open_texture
+from softffd.mesh.polygons import Triangles, assemble, beside, damaged, first_outside, open_texture, plain_text
 
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+_COLOUR_NAMES = [("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b")]
 _UV_NAMES = [("s", "t"), ("u", "v"), ("texture_u", "texture_v")]
 
 
@@ -29,14 +30,15 @@ def read_ply(path: Path, data: bytes) -> Triangles:
 
     Colours are those of vertices times those of faces, or pictures that lie beside it.
 
-    Raises MeshError where the data are fewer or more than the header says, or a face refers to no vertex.
+    Raises MeshError where the data are fewer than the header says, or a text's are more, or a face refers to no vertex.
     """
     try:
-        header, body = _read_header(data)
+        header, body = _read_header(plain_text(data))
         reader = TextBody(body) if header.order == "" else BinaryBody(body, header.order)
         records = {element.name: read_element(reader, element) for element in header.elements}
-        reader.require_end()
-        return _triangles(path, header, records)
+        rest = reader.rest()
+        triangles = _triangles(path, header, records)
+        return triangles._replace(looks=triangles.looks.and_notes(rest)) if rest else triangles
     except ValueError as fault:
         raise damaged(path, str(fault)) from None
 
@@ -132,10 +134,11 @@ def _face_looks(folder: Path, header: _Header, face: dict, faces: int, placed: b
     """Materials of the faces: pictures, where they are `placed` by texture coordinates, or the faces' own colours."""
     colours = _colours(header, "face", face)
     if header.textures and placed:
-        images = [open_texture(folder / name) for name in header.textures]
+        files = [beside(folder, name) or beside(folder, name.replace("\\", "/").rpartition("/")[2]) for name in header.textures]
+        images = [None if file is None else open_texture(file) for file in files]
         materials = tuple(Material(Path(name).stem, None, image) for name, image in zip(header.textures, images, strict=True))
         lost = [name for name, image in zip(header.textures, images, strict=True) if image is None]
-        notes = (f"pictures missing or not readable: {', '.join(lost)}",) if lost else ()
+        notes = (f"pictures missing beside it or not readable: {', '.join(lost)}",) if lost else ()
         numbers = np.asarray(face.get("texnumber", np.zeros(faces)), dtype=float)
         whole = len(numbers) == faces and np.isin(numbers, np.arange(len(images))).all()
         return Looks(materials, numbers.astype(np.int64) if whole else np.zeros(faces, dtype=np.int64), notes=notes)
@@ -144,10 +147,11 @@ def _face_looks(folder: Path, header: _Header, face: dict, faces: int, placed: b
 
 def _colours(header: _Header, element: str, records: dict) -> np.ndarray | None:
     """Colours (N, 3), 0 .. 1, of an element's records; None where they have none."""
-    for prefix in ("", "diffuse_"):
-        names = [prefix + name for name in ("red", "green", "blue")]
+    for names in _COLOUR_NAMES:
         if set(names) <= records.keys() and not any(isinstance(records[name], Lists) for name in names):
             kind = next(p.type for e in header.elements if e.name == element for p in e.properties if p.name == names[0])
             whole = {"u1": 255.0, "u2": 65535.0}.get(kind, 255.0 if kind[0] in "iu" else 1.0)
-            return np.nan_to_num(np.stack([records[name] for name in names], axis=1).astype(float) / whole).clip(0, 1)
+            shades = np.nan_to_num(np.stack([records[name] for name in names], axis=1).astype(float))
+            whole = 255.0 if whole == 1.0 and shades.max(initial=0) > 1 else whole
+            return (shades / whole).clip(0, 1)
     return None

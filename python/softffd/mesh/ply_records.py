@@ -57,9 +57,11 @@ class TextBody:
         table = self.take(types[0], records * sum(counts)).reshape(records, -1)
         return np.split(table, list(accumulate(counts))[:-1], axis=1)
 
-    def require_end(self) -> None:
+    def rest(self) -> str:
+        """What follows after the records, in words."""
         if self.at < len(self.words):
             raise ValueError(f"{len(self.words) - self.at} numbers follow after all that the header describes")
+        return ""
 
 
 class BinaryBody:
@@ -89,9 +91,10 @@ class BinaryBody:
         self.at += size
         return self.at - size
 
-    def require_end(self) -> None:
-        if self.at < len(self.body):
-            raise ValueError(f"{len(self.body) - self.at} bytes follow after all that the header describes")
+    def rest(self) -> str:
+        """As for a text, where the numbers may have lost their count; bytes are padding."""
+        rest = len(self.body) - self.at
+        return f"{rest} bytes that follow after all that the header describes" if rest else ""
 
 
 def read_element(reader, element: Element) -> dict[str, np.ndarray | Lists]:

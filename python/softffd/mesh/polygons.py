@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
+from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from softffd.errors import MeshError
+from softffd.mesh.ears import cut_concave
 from softffd.mesh.looks import PLAIN, Looks
 
 if TYPE_CHECKING:
@@ -29,17 +32,43 @@ def assemble(positions, corners, counts, *, texels=None, texel_corners=None, loo
     positions: (P, 3). corners: (C,) indices of positions, one polygon after another. counts: (F,) corners of
     each, >= 3. texels: (Q, 2) texture coordinates and texel_corners: (C,) indices of them, or both None.
     looks: of the polygons and positions.
-    A polygon of c corners becomes a fan of c - 2 triangles about its first corner, which is right for convex ones.
+    A polygon of c corners becomes c - 2 triangles: a fan about its first corner where that covers it, else ears.
     The vertices keep the order of `positions`.
     """
-    counts = np.asarray(counts, dtype=np.int64)
-    fans, looks = _fans(counts), looks.with_faces(np.repeat(np.arange(len(counts)), counts - 2))
+    counts, corners = np.asarray(counts, dtype=np.int64), np.asarray(corners, dtype=np.int64)
+    fans, crossed = _fans(counts), 0
+    if (counts > 3).any():
+        fans, crossed = cut_concave(positions[corners], counts, fans)
+    looks = looks.with_faces(np.repeat(np.arange(len(counts)), counts - 2))
+    if crossed:
+        looks = looks.and_notes(f"polygons that cross themselves: {crossed}; what of them is filled is a guess")
     if texels is None:
-        return Triangles(positions, np.asarray(corners, dtype=np.int64)[fans], None, looks)
-    pairs = np.asarray(corners, dtype=np.int64) * len(texels) + np.asarray(texel_corners, dtype=np.int64)
+        return Triangles(positions, corners[fans], None, looks)
+    pairs = corners * len(texels) + np.asarray(texel_corners, dtype=np.int64)
     pairs, vertex_of_corner = np.unique(pairs, return_inverse=True)
     vertices, uv = positions[pairs // len(texels)], texels[pairs % len(texels)]
     return Triangles(vertices, vertex_of_corner[fans], uv, looks.with_vertices(pairs // len(texels)))
+
+
+def plain_text(data: bytes) -> bytes:
+    """A text without its byte order mark; one in UTF-16 becomes UTF-8."""
+    if data.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
+        return data.decode("utf-16", errors="replace").encode()
+    return data.removeprefix(BOM_UTF8)
+
+
+def decoded(name: bytes) -> str:
+    """A name in UTF-8, else in Latin-1, which has a letter for every byte."""
+    try:
+        return name.decode()
+    except UnicodeDecodeError:
+        return name.decode("latin-1")
+
+
+def beside(folder: Path, name: str) -> Path | None:
+    """The file that a mesh in the folder names; None where that lies neither in the folder nor below it."""
+    file = Path(os.path.normpath(folder / name.replace("\\", "/")))
+    return file if "\0" not in name and file.is_relative_to(os.path.normpath(folder)) else None
 
 
 def open_texture(file: Path) -> Image.Image | None:

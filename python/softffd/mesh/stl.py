@@ -1,30 +1,45 @@
 """STL, binary and text: a bag of triangles that share nothing, so equal corners are merged by the caller."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 
-from softffd.mesh.polygons import Triangles, damaged
+from softffd.mesh.looks import PLAIN
+from softffd.mesh.polygons import Triangles, damaged, plain_text
 
 _HEAD = 84
+_TEXT = re.compile(rb"\A(\s|#[^\n]*\n)*solid(?=\s|\Z)", re.IGNORECASE)
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
 def read_stl(path: Path, data: bytes) -> Triangles:
     """Return the triangles of an STL file, three vertices each.
 
-    Raises MeshError where the length is not the promised one, or a text's facets are not whole.
+    What follows the promised triangles, and colours, are left out with a note.
+    Raises MeshError where the data are fewer than promised, or a text's facets are not whole.
     """
     promised = int.from_bytes(data[80:_HEAD], "little") if len(data) >= _HEAD else None
-    if promised is not None and len(data) == _HEAD + promised * _RECORD.itemsize:
-        return _soup(np.frombuffer(data, _RECORD, offset=_HEAD)["corners"])
-    if data[:5].lower() == b"solid" and b"\0" not in data:
-        return _soup(_text_corners(path, data))
+    rest = -1 if promised is None else len(data) - _HEAD - promised * _RECORD.itemsize
+    text = plain_text(data)
+    if rest != 0 and b"\0" not in text and _TEXT.search(text):
+        return _soup(_text_corners(path, text))
+    if rest == 0 or (rest > 0 and promised):
+        return _binary(data, promised, rest)
     if promised is None:
         raise damaged(path, f"it has {len(data)} bytes, and every binary STL file begins with {_HEAD}")
     size = _HEAD + promised * _RECORD.itemsize
     fault = f"its header promises {promised} triangles, which makes {size} bytes, but it has {len(data)} bytes"
     raise damaged(path, fault)
+
+
+def _binary(data: bytes, promised: int, rest: int) -> Triangles:
+    records = np.frombuffer(data, _RECORD, promised, _HEAD)
+    coloured = b"COLOR=" in data[:80] or ((records["attribute"] & 0x8000) != 0).any()
+    notes = ("colours of an STL file are not read; OBJ, PLY and GLB keep theirs",) if coloured else ()
+    notes += (f"{rest} bytes that follow after the {promised} triangles of its header",) if rest else ()
+    triangles = _soup(records["corners"])
+    return triangles._replace(looks=PLAIN.and_notes(*notes)) if notes else triangles
 
 
 def _soup(corners: np.ndarray) -> Triangles:
@@ -38,7 +53,8 @@ def _text_corners(path: Path, data: bytes) -> np.ndarray:
     keys = [words[0] for words in rows]
     facets, ends = keys.count(b"facet"), keys.count(b"endfacet")
     corners = [words[1:] for words in rows if words[0] == b"vertex"]
-    if keys.count(b"endsolid") != keys.count(b"solid"):
+    ended = keys.count(b"endsolid") + sum(words[:2] == [b"end", b"solid"] for words in rows)
+    if ended != keys.count(b"solid"):
         raise damaged(path, "a solid is not closed by the line 'endsolid'")
     if facets != ends or len(corners) != 3 * facets:
         fault = f"{facets} facets begin and {ends} end, with {len(corners)} vertices; each facet has 3"

@@ -113,7 +113,8 @@ def _faces(mesh: Mesh, corners: list[str], names: list[str]) -> list[str]:
         was = Group()
         for face in _changes(looks.group_of):
             group = looks.groups[looks.group_of[face]]
-            marks = [f"o {group.object}"] * (group.object != was.object) + [f"g {group.group}"] * (group.group != was.group)
+            words = Group(*(" ".join(name.split()) for name in group))  # a name of several lines would be records
+            marks = [f"o {words.object}"] * (group.object != was.object) + [f"g {words.group}"] * (group.group != was.group)
             was, before[face] = group, marks
     if looks.materials:
         for face in _changes(looks.material_of):

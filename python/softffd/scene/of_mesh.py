@@ -1,6 +1,5 @@
 """The scene of a mesh alone: it falls on the ground. What the file leaves open is taken by habit and size, and said."""
 
-import json
 import os
 import re
 from dataclasses import dataclass
@@ -8,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from softffd.embedding.mass import point_masses
+from softffd.embedding.mass import filled_words, point_masses
 from softffd.errors import SoftffdError
 from softffd.mesh.habits import UNITS, WORDS, habit_of
 from softffd.mesh.mesh import Mesh, load_mesh, merge_by_position, placed
+from softffd.scene.template import toml_string
 from softffd.spelling import did_you_mean, nearest_of
 
 MESH_TEMPLATE = Path(__file__).parent / "mesh_template.toml"
@@ -50,6 +50,8 @@ def scene_of_mesh(
         raise SoftffdError(f"--up: wanted one of x, y, z, got {up}")
     if density is not None and not (np.isfinite(density) and density > 0):
         raise SoftffdError(f"--density: wanted > 0 kg/m3, got {density:g}")
+    if str(file).encode(errors="replace") != os.fsencode(file):
+        raise SoftffdError(f"{str(file)!a}: the name is not text in UTF-8, which a scene needs to name it; wanted another name")
     mesh, habit = load_mesh(file), habit_of(file)
     extent = np.ptp(mesh.bounds, axis=0)
     guess = "m" if extent.max() <= LONGEST_IN_METRES else "mm"
@@ -61,8 +63,10 @@ def scene_of_mesh(
     places = len(merge_by_position(mesh.vertices)[1])
     size = f"{places:,} vertices, " + " x ".join(f"{side:.4g}" for side in extent)
     said = f"{file}: {size}, {f'in {named}' if unit or habit.metres else guessed}; {upright}"
+    if filled := filled_words(mesh, extent):
+        said += f"; {filled}"
     keys = {
-        "TITLE": _quoted(f"{file.stem} dropped on the ground"), "FILE": _quoted(_seen_from(folder, file)),
+        "TITLE": toml_string(f"{file.stem} dropped on the ground"), "FILE": toml_string(_seen_from(folder, file)),
         "MEASURED": size, "SCALE": f"{metres:g}", "METRES": named, "UP": axis,
     }  # fmt: skip
     return MeshScene(_filled(keys | _physics(placed(mesh, scale=metres, up=axis), DENSITY if density is None else density)), said)
@@ -104,10 +108,6 @@ def _seen_from(folder: str | Path, file: Path) -> str:
         return Path(os.path.relpath(file, folder)).as_posix()
     except ValueError:  # another drive
         return file.absolute().as_posix()
-
-
-def _quoted(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
 
 
 def _short(value: float) -> str:

@@ -10,7 +10,22 @@ from PIL import Image
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
-from mesh_files import FACES, GREEN, PARTS, RED, TETRAHEDRON, TWO_COLOURS, glb_with, loaded, ply, two_colours, unit_box, written
+from mesh_files import (
+    FACES,
+    GREEN,
+    PARTS,
+    PLY_TEXT,
+    RED,
+    TETRAHEDRON,
+    TWO_COLOURS,
+    glb_with,
+    loaded,
+    ply,
+    saved,
+    two_colours,
+    unit_box,
+    written,
+)
 from softffd.mesh.looks import Group, Looks, Material, to_light, to_screen
 from softffd.mesh.mesh import Mesh, load_mesh, save_mesh
 from softffd.show.skin import PAINT, skinned
@@ -108,6 +123,8 @@ MTL = {
     "Kd is black under a picture": ("newmtl m\nKd 0 0 0\nmap_Kd -clamp on red.png\n", RED, ()),
     "a picture elsewhere": ("newmtl m\nmap_Kd C:\\art\\red.png\n", RED, ()),
     "a picture with a blank": ("newmtl m\nmap_Kd -bm 1.0 bright red.png\n", RED, ()),
+    "a picture's colour space": ("newmtl m\nmap_Kd -colorspace sRGB red.png # red\n", RED, ()),
+    "a picture in quotes": ('newmtl m\nmap_Kd "bright red.png"\n', RED, ()),
     "a moved picture": ("newmtl m\nmap_Kd -s 2 2 1 red.png\n", RED, "m: its picture is taken without being moved or scaled"),
     "a missing picture": ("newmtl m\nKd 0.8 0.2 0\nmap_Kd none.png\n", RED, "m: its picture none.png is missing"),
     "a damaged picture": ("newmtl m\nKd 0.8 0.2 0\nmap_Kd bad.png\n", RED, "picture bad.png is missing or cannot be read"),
@@ -211,3 +228,71 @@ def test_screen_and_light_are_inverse():
     shades = np.linspace(0, 1, 256)
     np.testing.assert_allclose(to_screen(to_light(shades)), shades, atol=1e-12)
     assert to_light(0.5) == pytest.approx(0.2140, abs=1e-4)  # IEC 61966-2-1
+
+
+NAMES = {
+    "numbers": ("red#1", "red#1", "a.mtl", "mtllib a.mtl"),
+    "numbers after a blank": ("Material #25", "Material #25", "a.mtl", "mtllib a.mtl"),
+    "comments": ("m # first", "m # use", "a.mtl", "mtllib a.mtl # of a"),
+    "two blanks": ("White  Color", "White  Color", "a.mtl", "mtllib a.mtl"),
+    "a library's name": ("m", "m", "car#2.mtl", "mtllib car#2.mtl"),
+    "quotes": ("m", "m", "a b.mtl", 'mtllib "a b.mtl"'),
+    "a folder elsewhere": ("m", "m", "a.mtl", "mtllib C:\\art\\a.mtl"),
+}
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+@pytest.mark.parametrize("case", NAMES)
+def test_names_of_materials_and_libraries_are_found_as_they_are_written(case, encoding, tmp_path):
+    made, used, file, library = NAMES[case]
+    written(tmp_path, file, f"newmtl {made}\nKd 0.8 0.2 0\nnewmtl Körper\nKd 0 1 0\n".encode(encoding))
+    mesh = loaded(tmp_path, "a.obj", (f"{library}\nusemtl {used}\n{TETRAHEDRON}{FACES}usemtl Körper\n{FACES}").encode(encoding))
+    assert mesh.looks.notes == () and [m.colour for m in mesh.looks.materials] == [RED, (0, 1, 0)]
+
+
+@pytest.mark.parametrize("record", ["mtllib ../out/a.mtl", "mtllib {}/out/a.mtl"])
+def test_what_lies_outside_of_the_mesh_s_folder_is_not_opened_and_that_is_said(record, tmp_path):
+    for folder in ("in", "out"):
+        (tmp_path / folder).mkdir()
+    Image.new("RGB", (2, 2)).save(tmp_path / "out" / "p.png")
+    text = f"newmtl m\nmap_Kd {tmp_path}/out/p.png\n"
+    written(tmp_path / "out", "a.mtl", text)
+    for library, note in ((record.format(tmp_path), "outside of its folder"), ("mtllib b.mtl", "outside of the mesh's folder")):
+        written(tmp_path / "in", "b.mtl", text)
+        mesh = loaded(tmp_path / "in", "a.obj", f"{library}\nusemtl m\n{TETRAHEDRON}{FACES}")
+        assert mesh.texture is None and note in mesh.looks.notes[0]
+
+
+def test_colours_with_opacity_and_lines_of_other_programs_are_read(tmp_path):
+    coloured = "".join(f"{line} 0.8 0.2 0 1\n" for line in TETRAHEDRON.splitlines())
+    mesh = loaded(tmp_path, "a.obj", f"$ of elsewhere\n{coloured}{FACES}\x1a")
+    np.testing.assert_allclose(mesh.looks.colours, np.tile(RED, (4, 1)))
+    assert mesh.looks.notes == ("lines that are no records of OBJ: 1, the first is line 1",)
+
+
+@pytest.mark.parametrize("names", ["red green blue", "r g b", "diffuse_red diffuse_green diffuse_blue"])
+@pytest.mark.parametrize(("kind", "whole"), [("float", 1), ("float", 255), ("uchar", 255)])
+def test_colours_of_a_ply_count_to_one_or_to_255(names, kind, whole, tmp_path):
+    properties = "".join(f"property {kind} {name}\n" for name in names.split())
+    head = ply().replace("element face", properties + "element face")
+    points = PLY_TEXT.splitlines()
+    shade = " ".join(f"{whole * channel:g}" for channel in RED)
+    mesh = loaded(tmp_path, "a.ply", head + "\n".join([f"{point} {shade}" for point in points[:4]] + points[4:]) + "\n")
+    np.testing.assert_allclose(mesh.looks.colours, np.tile(RED, (4, 1)), atol=1e-6)
+
+
+@pytest.mark.parametrize(("head", "attribute"), [(b"COLOR=\xff\0\0\xff", 0), (b"", 0x8000 | 31)])
+def test_colours_of_an_stl_are_said_to_be_lost(head, attribute, tmp_path):
+    data = bytearray(saved(tmp_path, "stl"))
+    data[:80], data[84 + 48 : 84 + 50] = head.ljust(80, b"\0"), attribute.to_bytes(2, "little")
+    assert "colours of an STL file are not read" in loaded(tmp_path, "a.stl", bytes(data)).looks.notes[0]
+
+
+@pytest.mark.parametrize("mark", ["\n", "\r", "\v", "\x85", "\u2028"])
+def test_names_of_several_lines_write_no_records(mark, tmp_path):
+    name, box = f"a{mark}v 9 9 9", unit_box(0.0)
+    looks = Looks((Material(name),), np.zeros(12, np.int64), groups=(Group(name, name),), group_of=np.zeros(12, np.int64))
+    save_mesh(Mesh(box.vertices, box.faces, looks=looks), tmp_path / "a.obj")
+    again = load_mesh(tmp_path / "a.obj")
+    assert len(again.vertices) == 8 and again.looks.groups == (Group("a v 9 9 9", "a v 9 9 9"),)
+    assert again.looks.materials[0].name == "a v 9 9 9"

@@ -1,6 +1,7 @@
 """A mesh alone is a scene: what its file leaves open is taken by habit and size, and said."""
 
 import tomllib
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -9,10 +10,12 @@ import trimesh
 from mesh_files import saved, two_colours, unit_box, written
 from softffd import simulate
 from softffd.errors import MeshError, SoftffdError
+from softffd.fmu.notes import fill_note
 from softffd.mesh.habits import habit_of
 from softffd.mesh.mesh import Mesh, save_mesh
 from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import scene_from
+from softffd.scene.template import template
 
 
 def box_file(folder, name, sides, faces=12):
@@ -43,7 +46,7 @@ def test_what_was_read_and_assumed_is_said_in_a_line(case, tmp_path):
     name, sides, options = case
     file = box_file(tmp_path, name, sides)
     made = scene_of_mesh(file, folder=tmp_path, **dict(options))
-    assert made.said == f"{file}: {SAID[case]}"
+    assert made.said == f"{file}: {SAID[case]}; fills 100 % of its box"
 
 
 @pytest.mark.parametrize(
@@ -132,3 +135,48 @@ def test_names_with_blanks_and_quotes_and_other_folders_stand_in_the_scene(tmp_p
     file = box_file(tmp_path / "my meshes", 'a "b" TITLE.obj', (1, 1, 1))
     document = tomllib.loads(scene_of_mesh(file, folder=tmp_path).text)
     assert document["mesh"]["file"] == 'my meshes/a "b" TITLE.obj' and document["title"] == 'a "b" TITLE dropped on the ground'
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+@pytest.mark.parametrize("unit", ["meter='0.01'", 'name="cm" meter="0.01"', 'meter = "0,010"'])
+def test_units_stand_in_any_xml(unit, encoding, tmp_path):
+    text = f"<?xml version='1.0' encoding='{encoding}'?><COLLADA xmlns='c'><asset><up_axis> Z_UP</up_axis><unit {unit}/></asset></COLLADA>"
+    assert habit_of(written(tmp_path, "a.dae", text.encode(encoding))) == (0.01, "z", True)
+    with ZipFile(tmp_path / "a.3mf", "w") as archive:
+        archive.writestr(
+            "3D/3dmodel.model", f"<?xml version='1.0' encoding='{encoding}'?><m:model xmlns:m='m' unit='inch'/>".encode(encoding)
+        )
+    assert habit_of(tmp_path / "a.3mf") == (0.0254, "z", True)
+
+
+@pytest.mark.parametrize("unit", ["1e", "nan", "0", "-1", "1e999"])
+def test_a_unit_that_is_no_number_is_refused(unit, tmp_path):
+    file = written(tmp_path, "a.dae", f"<COLLADA><asset><unit meter='{unit}'/></asset></COLLADA>")
+    with pytest.raises(MeshError, match=f"<unit meter='{unit}'>: wanted a number of metres > 0"):
+        habit_of(file)
+
+
+@pytest.mark.parametrize("name", ["a\x7fb", "a\tb", "a\\b", 'a"b', "a\udcffb", "\u2028"])
+def test_any_name_makes_a_scene_that_can_be_read(name):
+    assert tomllib.loads(template(name).encode().decode())["title"].startswith(name.encode(errors="replace").decode())
+
+
+def test_a_mesh_whose_name_no_scene_can_hold_is_refused(tmp_path):
+    with pytest.raises(SoftffdError, match="not text in UTF-8"):
+        scene_of_mesh(tmp_path / "a\udcff.obj", folder=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("wall", "words"), [(None, "fills 100 % of its box"), (0.1, "fills 49 % of its box; the elastic body is the whole box")]
+)
+def test_how_much_of_its_box_a_closed_mesh_fills_is_said(wall, words, tmp_path):
+    box = trimesh.creation.box()
+    if wall:
+        hollow = trimesh.creation.box([1 - 2 * wall] * 3)
+        hollow.invert()
+        box = trimesh.util.concatenate([box, hollow])
+    box.export(tmp_path / "a.obj")
+    scene = scene_of_mesh(tmp_path / "a.obj", folder=tmp_path)
+    assert scene.said.endswith(f"; {words}")
+    made = scene_from(tomllib.loads(scene.text), path=tmp_path / "a.toml")
+    assert fill_note(made) == f"the mesh {words}"
