@@ -42,7 +42,7 @@ def narrow_contact(result: Result) -> dict[str, Any]:
     entries: dict[str, Any] = {f"plane.{name}.contact_cells": width for name, width in widths.items()}
     if not narrow:
         return entries | {"findings": []}
-    listed = ", ".join(f"{name} {width:.2g}" for name, width in narrow.items())
+    listed = ", ".join(f"{name}: {f'{width:.2g}' if width >= 0.01 else 'a point or a line'}" for name, width in narrow.items())
     line = (
         f"contact is narrower than {ENOUGH:g} cells ({listed}): force and size of the patch are the lattice's there, not the material's; "
         "finer cells show how much (docs/methods.md: How fine for contact)"
