@@ -39,7 +39,7 @@ def test_a_simulation_and_its_blocks_say_what_they_are_of(scene):
     with Simulation(scene) as sim:
         sim.step(0.05)
         assert lines_of(sim) == [
-            f"Simulation of {scene.title} at 0.05 s: 4 × 4 × 4 control points",
+            f"Simulation of {scene.title} at 0.05 s: 4 x 4 x 4 control points",
             "  plane table, press",
             "  probe top",
         ]

@@ -134,10 +134,10 @@ class Result:
             raise SoftffdError(f'{who}: wanted a run of an FMU of softffd with outputs.positions = "all"')
         return gradients(self._positions_at(row, who), self._cell_sides())
 
-    def _positions_at(self, row: int | slice, who: str) -> np.ndarray:
-        """Of a row of `time`, or of a slice; SoftffdError for what is none."""
-        rows = len(self.time)
-        if not (isinstance(row, slice) or (isinstance(row, int | np.integer) and -rows <= row < rows)):
+    def _positions_at(self, row: int | slice | np.ndarray, who: str) -> np.ndarray:
+        """Of a row of `time`, of a slice or of an array of rows; SoftffdError for what is none."""
+        rows, asked = len(self.time), np.asarray(0 if isinstance(row, slice) else row)
+        if not (asked.dtype.kind in "iu" and (-rows <= asked).all() and (asked < rows).all()):
             raise SoftffdError(f"{who}: wanted a row of {rows}, counted from 0 or from the end, or a slice of them, got row={row!r:.70}")
         return self.positions[row]
 

@@ -41,7 +41,9 @@ def test_a_fast_turn_in_implicit_steps_is_warned_of_once(H):
         omega, h, share = numbers(warning)
         assert omega == pytest.approx(spin, rel=1e-3) and h == H
         assert share == pytest.approx(0.5 * omega * h)
-        assert f"communication steps below {0.05 / omega:.6g} s, or solver.method = leapfrog, which resolves it" in warning
+        assert "solver.method = leapfrog, which resolves it" in warning
+        below = float(warning.split("communication steps below ")[1].split()[0])
+        assert 0.97 * 0.05 / omega <= below <= 0.05 / omega  # two digits, and within the bound
         assert np.linalg.norm(body.velocities()[0]) < 0.95 * speed
 
 
