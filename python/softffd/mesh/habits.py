@@ -1,8 +1,10 @@
 """What a kind of mesh file says, or its habit is, of unit and up axis."""
 
-import re
+import math
+from io import BytesIO
 from pathlib import Path
-from typing import NamedTuple
+from typing import IO, NamedTuple
+from xml.etree import ElementTree
 from zipfile import BadZipFile, ZipFile
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
@@ -17,34 +19,73 @@ _3MF = {"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "inch": 0.0254, 
 
 
 class Habit(NamedTuple):
-    """metres: per unit of the file, where it or its kind says so, else None. up: its up axis; said: whether the file says that."""
+    """metres: per unit of the file, where it or its kind says so, else None. up: its up axis; said: whether the file says that.
+
+    wrong: the unit that the file gives and that is none.
+    """
 
     metres: float | None
     up: str
     said: bool
+    wrong: str = ""
 
 
 def habit_of(path: Path) -> Habit:
     """The habit of a mesh file that can be read."""
     kind = path.suffix.lower()
     if kind == ".3mf":
-        return Habit(_3MF.get(_found(rb'<model[^>]*\sunit="(\w+)"', _model(path)) or "millimeter"), "z", True)
+        unit = _unit_of_3mf(path)
+        return Habit(_3MF.get(unit), "z", True, "" if unit in _3MF else unit)
     if kind == ".dae":
-        head = path.read_bytes()
-        metres, up = _found(rb'<unit[^>]*\smeter="([0-9.eE+-]+)"', head), _found(rb"<up_axis>\s*([XYZ])_UP", head)
-        return Habit(float(metres) if metres else 1.0, (up or "Y").lower(), True)
+        return _collada(_asset(BytesIO(path.read_bytes())))
     gltf = kind in (".glb", ".gltf")
     return Habit(1.0 if gltf else None, _UP.get(kind, "z"), gltf)
 
 
-def _model(path: Path) -> bytes:
+def _collada(asset: dict[str, str]) -> Habit:
+    """By its asset; without one a unit is a metre and y is up. Some programs write the decimal mark of their country."""
+    text, up = asset.get("unit", "1"), asset.get("up_axis", "Y_UP").strip().upper()
+    try:
+        metres = float(text.replace(",", "."))
+    except ValueError:
+        metres = 0.0
+    metres = metres if 0 < metres < math.inf else 0.0
+    known = up in ("X_UP", "Y_UP", "Z_UP")
+    return Habit(metres or None, up[0].lower() if known else "y", known, "" if metres else text)
+
+
+def _asset(stream: IO[bytes]) -> dict[str, str]:
+    """The root's own unit and up axis, as texts, where they are given."""
+    found: dict[str, str] = {}
+    depth = 0
+    try:
+        for event, element in ElementTree.iterparse(stream, ("start", "end")):
+            depth += 1 if event == "start" else -1
+            if event == "start" or depth != 1:
+                continue
+            if _name(element) == "asset":
+                for child in element:
+                    if _name(child) == "unit" and "meter" in child.attrib:
+                        found["unit"] = child.attrib["meter"]
+                    elif _name(child) == "up_axis":
+                        found["up_axis"] = child.text or ""
+                break
+            element.clear()
+    except ElementTree.ParseError:
+        pass  # a file that could be read so far says nothing of it
+    return found
+
+
+def _unit_of_3mf(path: Path) -> str:
     try:
         with ZipFile(path) as archive:
-            return next((archive.read(name) for name in archive.namelist() if name.lower().endswith("3dmodel.model")), b"")
-    except BadZipFile:
-        return b""
+            name = next(name for name in archive.namelist() if name.lower().endswith("3dmodel.model"))
+            with archive.open(name) as stream:  # the root alone is read
+                _, root = next(ElementTree.iterparse(stream, ("start",)))
+                return root.attrib.get("unit", "millimeter")
+    except (BadZipFile, ElementTree.ParseError, StopIteration):
+        return "millimeter"
 
 
-def _found(pattern: bytes, text: bytes) -> str | None:
-    match = re.search(pattern, text)
-    return match[1].decode() if match else None
+def _name(element: ElementTree.Element) -> str:
+    return element.tag.rpartition("}")[2]
