@@ -1,29 +1,29 @@
-"""glTF 2.0, binary (GLB) and text: what trimesh would pass over in silence is looked for before it reads them."""
+"""glTF 2.0, binary (GLB) and text: trimesh gets its JSON made plain, and reads that."""
 
 import json
-from dataclasses import replace
+import struct
+from collections.abc import Callable
 from pathlib import Path
-from urllib.parse import unquote
 
 from softffd.errors import MeshError
 from softffd.mesh.bodies import read_bodies
+from softffd.mesh.gltf_header import made_plain
 from softffd.mesh.polygons import Triangles, damaged
-
-_COMPRESSED = {
-    "KHR_draco_mesh_compression",
-    "EXT_meshopt_compression",
-    "KHR_meshopt_compression",
-    "KHR_mesh_quantization",
-}
-_FLOAT, _TRIANGLE_FAN = 5126, 6
 
 
 def read_glb(path: Path, data: bytes) -> Triangles:
     """Return the triangles of all bodies of the file's scene, each in its place.
 
-    Raises MeshError for damaged files, and for compressed or sparse ones, which are not read.
+    Raises MeshError for damaged files, and for what is not read: compressed or sparse ones, skins, morphs and instances.
     """
-    return _read(path, data, _read_json(path, data))
+    end = _end_of_json(path, data)
+    header = _parsed(path, data[20:end])
+
+    def packed() -> bytes:
+        text = _text(header)
+        return struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(data) - end, len(text), b"JSON") + text + data[end:]
+
+    return _read(path, header, packed)
 
 
 def read_gltf(path: Path, data: bytes) -> Triangles:
@@ -32,19 +32,22 @@ def read_gltf(path: Path, data: bytes) -> Triangles:
     version = header.get("asset", {}).get("version") if isinstance(header.get("asset"), dict) else None
     if not str(version).startswith("2"):
         raise MeshError(f"{path}: wanted glTF version 2, got {f'version {version}' if version else 'no version'}")
-    return _read(path, data, header)
+    return _read(path, header, lambda: _text(header))
 
 
-def _read(path: Path, data: bytes, header: dict) -> Triangles:
-    _require_readable(path, header)
-    triangles = read_bodies(path, data, gltf=True)
-    missing = _missing_images(path.parent, header)
-    notes = (f"pictures that are not beside it: {', '.join(missing[:4])}",) if missing else ()
-    return triangles._replace(looks=replace(triangles.looks, notes=triangles.looks.notes + notes))
+def _read(path: Path, header: dict, packed: Callable[[], bytes]) -> Triangles:
+    surfaces, notes = made_plain(path, header)
+    triangles = read_bodies(path, packed(), surfaces)
+    return triangles._replace(looks=triangles.looks.and_notes(*notes))
 
 
-def _read_json(path: Path, data: bytes) -> dict:
-    """The header's JSON of a container whose parts are all there."""
+def _text(header: dict) -> bytes:
+    text = json.dumps(header).encode()
+    return text + b" " * (-len(text) % 4)
+
+
+def _end_of_json(path: Path, data: bytes) -> int:
+    """Where the JSON ends in a container whose parts are all there."""
     version, length, chunk = (int.from_bytes(data[at : at + 4], "little") for at in (4, 8, 12))
     if data[:4] != b"glTF":
         raise MeshError(f"{path}: not a GLB file: wanted one that begins with b'glTF', got {data[:4]!r}")
@@ -55,45 +58,14 @@ def _read_json(path: Path, data: bytes) -> dict:
     end = 20 + chunk
     if data[16:20] != b"JSON" or end > len(data):
         raise damaged(path, "its first part is not a whole block of JSON")
-    return _parsed(path, data[20:end])
+    return end
 
 
 def _parsed(path: Path, text: bytes) -> dict:
     try:
-        header = json.loads(text)
+        header = json.loads(text)  # in UTF-8, UTF-16 or UTF-32, with a byte order mark or without
     except (ValueError, RecursionError):
         header = None
     if not isinstance(header, dict):
         raise damaged(path, "its JSON cannot be read")
     return header
-
-
-def _require_readable(path: Path, header: dict) -> None:
-    """Refuse what trimesh would read as zeros or leave out."""
-    try:
-        used = _COMPRESSED & set(header.get("extensionsUsed", []))
-        accessors = header.get("accessors", [])
-        primitives = [p for mesh in header.get("meshes", []) for p in mesh["primitives"]]
-        attributes = [p["attributes"] for p in primitives]
-        coordinates = [a[key] for a in attributes for key in ("POSITION", "TEXCOORD_0") if key in a]
-        whole_numbers = any(accessors[index]["componentType"] != _FLOAT for index in coordinates)
-        sparse = any("sparse" in accessor for accessor in accessors)
-        fans = any(p.get("mode") == _TRIANGLE_FAN for p in primitives)
-    except (AttributeError, KeyError, IndexError, TypeError) as fault:
-        text = f"its JSON is not that of a glTF scene ({type(fault).__name__}: {fault})"
-        raise damaged(path, text) from None
-    faults = {
-        ", ".join(sorted(used)): used,
-        "quantized coordinates": whole_numbers,
-        "sparse accessors": sparse,
-        "triangle fans": fans,
-    }
-    found = [name for name, present in faults.items() if present]
-    if found:
-        raise MeshError(f"{path}: uses {' and '.join(found)}, which is not read. Wanted plain triangles; export it without compression.")
-
-
-def _missing_images(folder: Path, header: dict) -> list[str]:
-    images = header.get("images", [])
-    names = [image.get("uri") for image in images if isinstance(image, dict)] if isinstance(images, list) else []
-    return [name for name in names if isinstance(name, str) and not name.startswith("data:") and not (folder / unquote(name)).is_file()]

@@ -130,7 +130,7 @@ def faults():
         "gltf without data": (
             "a.gltf",
             '{"asset": {"version": "2.0"}, "buffers": [{"uri": "a.bin"}]}',
-            "do not fit their description .*a.bin",
+            "names 'a.bin', which is not beside it",
         ),
         "glb magic": (
             "a.glb",
