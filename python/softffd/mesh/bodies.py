@@ -57,20 +57,12 @@ def read_bodies(path: Path, data: bytes, surfaces: list[Surface] | None = None) 
 
 def read_3mf(path: Path, data: bytes) -> Triangles:
     """As read_bodies; the colours of a 3MF are not read, and a note says so where it has some."""
-    _require_package(path)
+    require_package(path)
     triangles = read_bodies(path, data)
     with ZipFile(BytesIO(data)) as archive:
         models = [archive.read(name) for name in archive.namelist() if name.lower().endswith(".model")]
     coloured = any(word in model for model in models for word in (b"basematerials", b"colorgroup", b"texture2d"))
     note = ("colours of a 3MF file are not read; OBJ, PLY and GLB keep theirs",) if coloured else ()
-    return triangles._replace(looks=replace(triangles.looks, notes=triangles.looks.notes + note))
-
-
-def read_dae(path: Path, data: bytes) -> Triangles:
-    """As read_bodies; the names of materials are not read, and a note says so."""
-    _require_package(path)
-    triangles = read_bodies(path, data)
-    note = ("the names of its materials are not read",) if triangles.looks.materials else ()
     return triangles._replace(looks=replace(triangles.looks, notes=triangles.looks.notes + note))
 
 
@@ -88,7 +80,8 @@ def quiet_trimesh():
         logger.setLevel(level)
 
 
-def _require_package(path: Path) -> None:
+def require_package(path: Path) -> None:
+    """Raise MeshError where a package is not installed that reads this kind."""
     from importlib.util import find_spec
 
     module, packages = _NEEDED[path.suffix.lower()]

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from softffd.errors import MeshError
-from softffd.mesh.bodies import read_3mf, read_dae
+from softffd.mesh.bodies import read_3mf
+from softffd.mesh.collada import read_dae
 from softffd.mesh.gltf import read_glb, read_gltf
 from softffd.mesh.looks import PLAIN, Looks, one_material
 from softffd.mesh.obj import read_obj
