@@ -9,7 +9,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import unquote
-from zipfile import BadZipFile, ZipFile
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -53,17 +53,6 @@ def read_bodies(path: Path, data: bytes, surfaces: list[Surface] | None = None) 
             fault = f"a face refers to vertex {body.faces.max()} (from 0) of a body that has {len(body.vertices)}"
             raise damaged(path, fault)
     return _joined(bodies)
-
-
-def read_3mf(path: Path, data: bytes) -> Triangles:
-    """As read_bodies; the colours of a 3MF are not read, and a note says so where it has some."""
-    require_package(path)
-    triangles = read_bodies(path, data)
-    with ZipFile(BytesIO(data)) as archive:
-        models = [archive.read(name) for name in archive.namelist() if name.lower().endswith(".model")]
-    coloured = any(word in model for model in models for word in (b"basematerials", b"colorgroup", b"texture2d"))
-    note = ("colours of a 3MF file are not read; OBJ, PLY and GLB keep theirs",) if coloured else ()
-    return triangles._replace(looks=replace(triangles.looks, notes=triangles.looks.notes + note))
 
 
 @contextmanager
