@@ -17,7 +17,7 @@ def read_dae(path: Path, data: bytes) -> Triangles:
     require_package(path)
     try:
         elements = list(ElementTree.fromstring(data).iter())
-    except ElementTree.ParseError as fault:
+    except (ElementTree.ParseError, ValueError, LookupError) as fault:
         raise damaged(path, f"its XML cannot be read ({fault})") from None
     if not _named(elements, "instance_visual_scene"):
         raise MeshError(f"{path}: has no scene, so that no vertices stand anywhere; wanted <scene> with a visual scene")
@@ -55,11 +55,12 @@ def _lost_looks(path: Path, elements: list[Element], triangles: Triangles) -> li
     files = [each.text or "" for image in _named(elements, "image") for each in image.iter() if _name(each) in ("init_from", "ref")]
     missing = [name for name in map(str.strip, files) if name and not _is_beside(path, name)]
     drawn = _named(elements, *_PRIMITIVES)
-    coloured = any(each.get("semantic") == "COLOR" and "material" in body.attrib for body in drawn for each in body)
+    bound = {each.get("symbol") for each in _named(elements, "instance_material")}
+    coloured = any(each.get("semantic") == "COLOR" and body.get("material") in bound for body in drawn for each in body)
     notes = {
         "the names of its materials are not read": triangles.looks.materials,
         f"pictures that are not beside it: {_some(missing)}": missing,
-        "colours of vertices of bodies that have a material": coloured and triangles.looks.colours is None,
+        "colours of vertices of bodies that have a material": coloured,
     }
     return [note for note, present in notes.items() if present]
 

@@ -44,7 +44,7 @@ def made_plain(path: Path, header: dict) -> tuple[list[Surface], list[str]]:
             _use_coordinates(primitive, surfaces)
         _require_plain_numbers(path, header, primitives)
         return surfaces, _left_out(path, header, primitives)
-    except (AttributeError, KeyError, IndexError, TypeError, ValueError) as fault:
+    except (AttributeError, KeyError, IndexError, TypeError, ValueError, OverflowError) as fault:
         raise damaged(path, f"its JSON is not that of a glTF scene ({type(fault).__name__}: {fault})") from None
 
 

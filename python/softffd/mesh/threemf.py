@@ -1,5 +1,6 @@
 """3MF: trimesh reads the bodies; what it would put together wrongly or leave out is looked for before."""
 
+import zlib
 from io import BytesIO
 from pathlib import Path
 from xml.etree import ElementTree
@@ -22,8 +23,10 @@ def read_3mf(path: Path, data: bytes) -> Triangles:
     try:
         with ZipFile(BytesIO(data)) as archive:
             return _read(path, data, archive)
-    except (BadZipFile, ElementTree.ParseError, EOFError) as fault:
-        raise damaged(path, f"its parts cannot be unpacked ({fault})") from None
+    except (BadZipFile, zlib.error, EOFError, OSError, ElementTree.ParseError, ValueError, LookupError) as fault:
+        raise damaged(path, f"its parts cannot be unpacked or read ({fault})") from None
+    except RuntimeError as fault:  # of zipfile, for passwords and other ways of packing
+        raise MeshError(f"{path}: is packed in a way that is not read ({fault}); wanted a plain archive") from None
 
 
 def _read(path: Path, data: bytes, archive: ZipFile) -> Triangles:

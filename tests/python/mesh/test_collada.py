@@ -77,6 +77,8 @@ def test_looks_that_are_not_kept_are_told(tmp_path):
     coloured = loaded(tmp_path, "c.dae", text(colour=colour)).looks
     assert coloured.notes == (names, "colours of vertices of bodies that have a material")
     assert coloured.materials[0].colour == (1.0, 0.0, 0.0)
+    unbound = loaded(tmp_path, "d.dae", text(colour=colour, bodies='<instance_geometry url="#body"/>')).looks
+    assert unbound.notes == () and unbound.colours[1].tolist() == [0.0, 0.0, 1.0]
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])

@@ -70,6 +70,10 @@ REFUSED = {
     "no corners": (_bare(1), "uses numbers without a bufferView"),
     "no POSITION": (lambda header: header["meshes"][0]["primitives"][0]["attributes"].pop("POSITION"), "uses primitives without POSITION"),
     "no list": (lambda header: header.update(nodes=5), "not that of a glTF scene"),
+    "no number": (
+        lambda header: header["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"].update(texCoord=np.inf),
+        "no.* glTF scene",
+    ),
 }
 
 

@@ -85,3 +85,13 @@ def test_an_archive_without_a_model_is_refused(tmp_path):
         file.writestr("other.txt", "x")
     with pytest.raises(MeshError, match=r"it has no part 3D/3dmodel.model"):
         loaded(tmp_path, "b.3mf", (tmp_path / "a.3mf").read_bytes())
+
+
+@pytest.mark.parametrize(("place", "value", "message"), [(60, 255, "damaged or cut off"), (8, 77, "packed in a way that is not read")])
+def test_a_damaged_or_otherwise_packed_part_is_refused(place, value, message, tmp_path):
+    data = bytearray(archive(tmp_path / "a.3mf", model()).read_bytes())
+    data[place] = value
+    if place == 8:  # how it is packed stands in the list of parts too
+        data[data.index(b"PK\1\2") + 10] = value
+    with pytest.raises(MeshError, match=message):
+        loaded(tmp_path, "b.3mf", bytes(data))
