@@ -39,7 +39,7 @@ def started(fmu, **values) -> Component:
         ("plane.ground.point.z", float("nan"), "plane.ground.point.z: wanted a finite number, got nan"),
         ("plane.ground.normal.x", float("inf"), "plane.ground.normal.x: wanted a finite number, got inf"),
         ("solver.method", 9, "solver.method: wanted one of 1 auto, 2 central_difference, "),
-        ("position[0,0,0].x", 1.0, "position[0,0,0].x: cannot be set (it is an output)"),
+        ("position[0,0,0].x", 1.0, "position[0,0,0].x: wanted an input or a parameter, got an output"),
     ],
 )
 def test_a_refused_value_is_named_with_what_was_wanted(fmu, name, value, message):

@@ -1,12 +1,15 @@
 """Files that trimesh reads, a scene of bodies each: GLB, glTF, COLLADA and 3MF."""
 
 import logging
+import struct
 import warnings
 from contextlib import contextmanager
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
+from typing import NamedTuple
 from urllib.parse import unquote
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -17,68 +20,39 @@ from softffd.mesh.polygons import Triangles, beside, damaged
 _NEEDED = {".dae": ("collada", "pycollada"), ".3mf": ("networkx", "lxml and networkx")}
 """A module that trimesh needs beside itself, and what to install."""
 
-LARGEST = 2**31
-"""Bytes of all that a 3MF file unpacks to."""
+_OF_DATA = (ValueError, LookupError, AssertionError, EOFError, OSError, struct.error, BadZipFile, SyntaxError)
+"""What reading damaged data raises; other exceptions may be the program's own."""
 
 
-def read_bodies(path: Path, data: bytes, *, gltf: bool = False) -> Triangles:
+class Surface(NamedTuple):
+    """Of a glTF's material beside its picture and colour. name: its own. turned (2, 2), moved (2,): of the picture's coordinates, None:
+    they stay. coordinates: which set of them."""
+
+    name: str = ""
+    turned: np.ndarray | None = None
+    moved: np.ndarray | None = None
+    coordinates: int = 0
+
+    def placed(self, uv: np.ndarray) -> np.ndarray:
+        """Coordinates (V, 2), whose v goes up, as they are seen; glTF's own v goes down."""
+        if self.turned is None or self.moved is None:
+            return uv
+        down = np.column_stack([uv[:, 0], 1.0 - uv[:, 1]]) @ self.turned.T + self.moved
+        return np.column_stack([down[:, 0], 1.0 - down[:, 1]])
+
+
+def read_bodies(path: Path, data: bytes, surfaces: list[Surface] | None = None) -> Triangles:
     """Return the triangles of all bodies of the file's scene, each in its place, in the order of the file.
 
-    gltf: its colours are amounts of light. Raises MeshError for damaged files, and where a package is missing that reads them.
+    surfaces: those of a glTF, whose materials are called by their numbers, and whose colours are amounts of light.
+    Raises MeshError for damaged files, and where a package is missing that reads them.
     """
-    bodies = _read(path, data, gltf)
+    bodies = _read(path, data, surfaces)
     for body in bodies:
         if body.faces.min() < 0 or body.faces.max() >= len(body.vertices):
             fault = f"a face refers to vertex {body.faces.max()} (from 0) of a body that has {len(body.vertices)}"
             raise damaged(path, fault)
     return _joined(bodies)
-
-
-def read_3mf(path: Path, data: bytes) -> Triangles:
-    """As read_bodies; the colours of a 3MF are not read, and a note says so where it has some."""
-    from zipfile import BadZipFile, ZipFile
-
-    _require_package(path)
-    try:
-        with ZipFile(BytesIO(data)) as archive:
-            size = sum(member.file_size for member in archive.infolist())
-    except BadZipFile:
-        raise damaged(path, "it is no whole ZIP archive") from None
-    if size > LARGEST:
-        raise MeshError(
-            f"{path}: would unpack to {size / 2**20:,.0f} MB; wanted at most {LARGEST / 2**20:,.0f} MB, as OBJ, PLY or GLB if it is real"
-        )
-    triangles = read_bodies(path, data)
-    with ZipFile(BytesIO(data)) as archive:
-        models = [archive.read(name) for name in archive.namelist() if name.lower().endswith(".model")]
-    coloured = any(word in model for model in models for word in (b"basematerials", b"colorgroup", b"texture2d"))
-    note = ("colours of a 3MF file are not read; OBJ, PLY and GLB keep theirs",) if coloured else ()
-    return triangles._replace(looks=replace(triangles.looks, notes=triangles.looks.notes + note))
-
-
-def read_dae(path: Path, data: bytes) -> Triangles:
-    """As read_bodies; the names of materials are not read, and a note says so."""
-    _require_package(path)
-    triangles = read_bodies(path, data)
-    notes = ["the names of its materials are not read"] if triangles.looks.materials else []
-    return triangles._replace(looks=triangles.looks.and_notes(*notes, *_lost_of_dae(path, data, triangles.looks)))
-
-
-def _lost_of_dae(path: Path, data: bytes, looks: Looks) -> list[str]:
-    """Pictures that are not beside the file, and colours of vertices where none were read."""
-    from xml.etree import ElementTree
-
-    try:
-        root = ElementTree.fromstring(data)
-    except ElementTree.ParseError:
-        return []
-    names = [(each.text or "").strip() for image in root.iter() if image.tag.endswith("}image") for each in image.iter()]
-    files = [(name, beside(path.parent, unquote(name.removeprefix("file://")))) for name in names if name]
-    missing = [name for name, file in files if file is None or not file.is_file()]
-    notes = [f"pictures that are not beside it: {', '.join(missing[:4])}"] if missing else []
-    if looks.colours is None and any(each.get("semantic") == "COLOR" for each in root.iter()):
-        notes.append("colours of vertices are not read")
-    return notes
 
 
 @contextmanager
@@ -95,7 +69,8 @@ def quiet_trimesh():
         logger.setLevel(level)
 
 
-def _require_package(path: Path) -> None:
+def require_package(path: Path) -> None:
+    """Raise MeshError where a package is not installed that reads this kind."""
     from importlib.util import find_spec
 
     module, packages = _NEEDED[path.suffix.lower()]
@@ -105,31 +80,44 @@ def _require_package(path: Path) -> None:
         raise MeshError(f"{path}: {kind} files are read with the help of packages that are not installed; wanted {wanted}")
 
 
-def _read(path: Path, data: bytes, gltf: bool) -> list[Triangles]:
+def _read(path: Path, data: bytes, surfaces: list[Surface] | None) -> list[Triangles]:
     import trimesh  # imported here, as it takes longer than reading most files
 
-    class Beside(trimesh.resolvers.FilePathResolver):
-        """Opens nothing outside of the mesh's folder."""
-
-        def get(self, name):
-            if beside(path.parent, unquote(str(name))) is None:
-                raise FileNotFoundError(f"{name} is outside of the mesh's folder")
-            return super().get(name)
-
-    resolver = Beside(str(path))
     with quiet_trimesh():
         try:
-            scene = trimesh.load_scene(BytesIO(data), file_type=path.suffix[1:].lower(), resolver=resolver, process=False)
+            scene = trimesh.load_scene(BytesIO(data), file_type=path.suffix[1:].lower(), resolver=_Beside(path), process=False)
             order = {name: number for number, name in enumerate(scene.geometry)}
             nodes = sorted(scene.graph.nodes_geometry, key=lambda node: order[scene.graph[node][1]])
-            bodies = [_body(scene, node, gltf) for node in nodes]
+            bodies = [_body(scene, node, surfaces) for node in nodes]
             return [body for body in bodies if body is not None and len(body.faces)]
+        except MeshError:
+            raise
         except Exception as fault:  # trimesh raises whatever the damaged place happens to cause
             text = f"{type(fault).__name__}: {' '.join(str(fault).split())}".rstrip(": ")
-            raise damaged(path, f"its data do not fit their description ({text[:200]})") from None
+            if isinstance(fault, _OF_DATA):
+                raise damaged(path, f"its data do not fit their description ({text[:200]})") from None
+            raise MeshError(
+                f"{path}: trimesh {trimesh.__version__}, which reads this kind, stops ({text[:200]}): it may be damaged, or have what that "
+                "does not know. Wanted a file that it reads; save the mesh as OBJ, PLY or GLB."
+            ) from None
 
 
-def _body(scene, node: str, gltf: bool) -> Triangles | None:
+class _Beside:
+    """What a mesh names, by trimesh's protocol: from its folder or below it."""
+
+    def __init__(self, path: Path):
+        self.path = path
+
+    def get(self, name: str) -> bytes:
+        file = next((f for f in (beside(self.path.parent, n) for n in (name, unquote(name))) if f is not None and f.is_file()), None)
+        if file is None:
+            raise MeshError(f"{self.path}: names {name!r}, which is not beside it; wanted that file in its folder or below it")
+        return file.read_bytes()
+
+    __getitem__ = get
+
+
+def _body(scene, node: str, surfaces: list[Surface] | None) -> Triangles | None:
     """The node's triangles in the scene's frame, mirrored ones right side out; None for points and lines."""
     matrix, name = scene.graph[node]
     geometry = scene.geometry[name]
@@ -141,7 +129,12 @@ def _body(scene, node: str, gltf: bool) -> Triangles | None:
     uv = getattr(geometry.visual, "uv", None)
     uv = np.asarray(uv, dtype=float) if uv is not None and np.shape(uv) == (len(vertices), 2) else None
     mirrored = np.linalg.det(matrix[:3, :3]) < 0
-    looks = replace(_looks(geometry, gltf), groups=(Group(str(node)),), group_of=np.zeros(len(faces), dtype=np.int64))
+    looks = _looks(geometry, surfaces is not None)
+    if surfaces and looks.materials:
+        surface = surfaces[int(looks.materials[0].name)]
+        uv = None if uv is None else surface.placed(uv)
+        looks = replace(looks, materials=(looks.materials[0]._replace(name=surface.name),))
+    looks = replace(looks, groups=(Group(str(node)),), group_of=np.zeros(len(faces), dtype=np.int64))
     return Triangles(vertices, faces[:, ::-1] if mirrored else faces, uv, looks)
 
 

@@ -1,13 +1,11 @@
 """What a kind of mesh file says, or its habit is, of unit and up axis."""
 
+import math
 from io import BytesIO
-from math import inf
 from pathlib import Path
-from typing import NamedTuple
+from typing import IO, NamedTuple
 from xml.etree import ElementTree
 from zipfile import BadZipFile, ZipFile
-
-from softffd.errors import MeshError
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 """Metres per unit."""
@@ -19,65 +17,75 @@ _UP = {".obj": "y", ".ply": "y", ".glb": "y", ".gltf": "y", ".dae": "y"}
 
 _3MF = {"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "inch": 0.0254, "foot": 0.3048, "meter": 1.0}
 
-_HEAD = 2**16
-"""Bytes of a 3MF's model that are looked at for its first element."""
-
 
 class Habit(NamedTuple):
-    """metres: per unit of the file, where it or its kind says so, else None. up: its up axis; said: whether the file says that."""
+    """metres: per unit of the file, where it or its kind says so, else None. up: its up axis; said: whether the file says that.
+
+    wrong: the unit that the file gives and that is none.
+    """
 
     metres: float | None
     up: str
     said: bool
+    wrong: str = ""
 
 
 def habit_of(path: Path) -> Habit:
     """The habit of a mesh file that can be read."""
     kind = path.suffix.lower()
     if kind == ".3mf":
-        model = _first_tags(_model(path), "model")
-        return Habit(_3MF.get(model.get("model", ("", {}))[1].get("unit", "millimeter"), 1e-3), "z", True)
+        unit = _unit_of_3mf(path)
+        return Habit(_3MF.get(unit), "z", True, "" if unit in _3MF else unit)
     if kind == ".dae":
-        tags = _first_tags(path.read_bytes(), "unit", "up_axis")
-        metres = _number(tags.get("unit", ("", {}))[1].get("meter", "1"))
-        if metres is None:
-            raise MeshError(f"{path}: <unit meter={tags['unit'][1]['meter']!r}>: wanted a number of metres > 0, as in 0.01")
-        return Habit(metres, (tags.get("up_axis", ("", {}))[0].strip()[:1] or "y").lower(), True)
+        return _collada(_asset(BytesIO(path.read_bytes())))
     gltf = kind in (".glb", ".gltf")
     return Habit(1.0 if gltf else None, _UP.get(kind, "z"), gltf)
 
 
-def _model(path: Path) -> bytes:
+def _collada(asset: dict[str, str]) -> Habit:
+    """By its asset; without one a unit is a metre and y is up. Some programs write the decimal mark of their country."""
+    text, up = asset.get("unit", "1"), asset.get("up_axis", "Y_UP").strip().upper()
     try:
-        with ZipFile(path) as archive:
-            name = next((name for name in archive.namelist() if name.lower().endswith("3dmodel.model")), None)
-            if name is None:
-                return b""
-            with archive.open(name) as stream:
-                return stream.read(_HEAD)
-    except BadZipFile:
-        return b""
+        metres = float(text.replace(",", "."))
+    except ValueError:
+        metres = 0.0
+    metres = metres if 0 < metres < math.inf else 0.0
+    known = up in ("X_UP", "Y_UP", "Z_UP")
+    return Habit(metres or None, up[0].lower() if known else "y", known, "" if metres else text)
 
 
-def _first_tags(text: bytes, *names: str) -> dict[str, tuple[str, dict[str, str]]]:
-    """Text and attributes of the first element of each name, whatever its namespace; what is damaged ends the search."""
-    found: dict[str, tuple[str, dict[str, str]]] = {}
+def _asset(stream: IO[bytes]) -> dict[str, str]:
+    """The root's own unit and up axis, as texts, where they are given."""
+    found: dict[str, str] = {}
+    depth = 0
     try:
-        for event, element in ElementTree.iterparse(BytesIO(text), ("start", "end")):
-            name = element.tag.rpartition("}")[2]
-            if name in names and (event == "end" or name == "model"):
-                found.setdefault(name, (element.text or "", dict(element.attrib)))
-            if len(found) == len(names) or (event == "end" and name == "asset"):
+        for event, element in ElementTree.iterparse(stream, ("start", "end")):
+            depth += 1 if event == "start" else -1
+            if event == "start" or depth != 1:
+                continue
+            if _name(element) == "asset":
+                for child in element:
+                    if _name(child) == "unit" and "meter" in child.attrib:
+                        found["unit"] = child.attrib["meter"]
+                    elif _name(child) == "up_axis":
+                        found["up_axis"] = child.text or ""
                 break
+            element.clear()
     except ElementTree.ParseError:
-        pass
+        pass  # a file that could be read so far says nothing of it
     return found
 
 
-def _number(word: str) -> float | None:
-    """A finite number > 0; a comma may stand for its point."""
+def _unit_of_3mf(path: Path) -> str:
     try:
-        number = float(word.replace(",", "."))
-    except ValueError:
-        return None
-    return number if 0 < number < inf else None
+        with ZipFile(path) as archive:
+            name = next(name for name in archive.namelist() if name.lower().endswith("3dmodel.model"))
+            with archive.open(name) as stream:  # the root alone is read
+                _, root = next(ElementTree.iterparse(stream, ("start",)))
+                return root.attrib.get("unit", "millimeter")
+    except (BadZipFile, ElementTree.ParseError, StopIteration):
+        return "millimeter"
+
+
+def _name(element: ElementTree.Element) -> str:
+    return element.tag.rpartition("}")[2]

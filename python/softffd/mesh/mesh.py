@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from softffd.errors import MeshError
-from softffd.mesh.bodies import read_3mf, read_dae
+from softffd.mesh.collada import read_dae
 from softffd.mesh.gltf import read_glb, read_gltf
 from softffd.mesh.looks import PLAIN, Looks, one_material
 from softffd.mesh.obj import read_obj
@@ -18,6 +18,7 @@ from softffd.mesh.off import read_off
 from softffd.mesh.ply import read_ply
 from softffd.mesh.polygons import Triangles
 from softffd.mesh.stl import read_stl
+from softffd.mesh.threemf import read_3mf
 from softffd.mesh.written import write_glb, write_obj, write_ply, write_stl
 from softffd.spelling import did_you_mean, nearest_of
 

@@ -57,7 +57,8 @@ def scene_of_mesh(
     guess = "m" if extent.max() <= LONGEST_IN_METRES else "mm"
     metres, axis = UNITS[unit] if unit else habit.metres or UNITS[guess], up or habit.up
     named = next((WORDS[key] for key, each in UNITS.items() if each == metres), f"units of {metres:g} m")
-    guessed = f"no unit in the file: taken as {named}, --unit {'m' if guess == 'mm' else 'mm'} otherwise"
+    lack = f"the file's unit {habit.wrong!r} is none" if habit.wrong else "no unit in the file"
+    guessed = f"{lack}: taken as {named}, --unit {'m' if guess == 'mm' else 'mm'} otherwise"
     other = "z" if axis == "y" else "y"
     upright = f"{axis} up" if up or habit.said else f"{axis} up as usual for {file.suffix[1:].upper()}, --up {other} otherwise"
     places = len(merge_by_position(mesh.vertices)[1])

@@ -219,7 +219,9 @@ def test_a_mesh_is_enough_to_run_and_new_writes_the_same_scene(tmp_path, monkeyp
     (tmp_path / "meshes" / "kd.csv").write_text("of another program\n")
     assert main(["run", "meshes/kd.obj", "--up", "z", "--stop-time", "0.05"]) == 0
     said = capsys.readouterr().out
-    assert said.startswith("meshes/kd.obj: 16 vertices, 1 x 1 x 3, no unit in the file: taken as metres, --unit mm otherwise; z up\n")
+    assert said.startswith(
+        "meshes/kd.obj: 16 vertices, 1 x 1 x 3, no unit in the file: taken as metres, --unit mm otherwise; z up; fills 67 % of its box\n"
+    )
     assert "softffd new kd --mesh meshes/kd.obj" in said
     assert {"picture.png", "view.html", "deformed.obj"} <= {file.name for file in Path("softffd-kd").iterdir()}
     assert main(["new", "mine", "--mesh", "meshes/kd.obj", "--up", "z"]) == 0

@@ -2,7 +2,6 @@
 
 import struct
 import warnings
-from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 import pytest
@@ -23,8 +22,6 @@ from mesh_files import (
     written,
 )
 from softffd.errors import MeshError
-from softffd.mesh.bodies import _lost_of_dae
-from softffd.mesh.looks import PLAIN
 from softffd.mesh.mesh import load_mesh, save_mesh
 
 TEXTS = {"text.stl": text_stl, "text.ply": lambda: ply() + PLY_TEXT, "text.off": lambda: OFF}
@@ -131,7 +128,7 @@ def faults():
         "gltf without data": (
             "a.gltf",
             '{"asset": {"version": "2.0"}, "buffers": [{"uri": "a.bin"}]}',
-            "do not fit their description .*a.bin",
+            "names 'a.bin', which is not beside it",
         ),
         "glb magic": (
             "a.glb",
@@ -233,55 +230,3 @@ def test_a_damaged_file_of_those_is_refused(kind, module, tmp_path):
     for content in (b"x", b"PK\3\4", b"<COLLADA>", b"<?xml version='1.0'?><COLLADA/>"):
         with pytest.raises(MeshError, match=r"damaged or cut off|no vertices"):
             loaded(tmp_path, f"a.{kind}", content)
-
-
-NOT_READ = {
-    "an extension": ({"extensionsRequired": ["VENDOR_magic"]}, "uses VENDOR_magic, which is not read"),
-    "a texture's place": ({"extensionsRequired": ["KHR_texture_transform"]}, "uses KHR_texture_transform"),
-    "bones": ({"nodes": [{"mesh": 0, "skin": 0}]}, r"uses skins \(bones\)"),
-    "a shape blended in": ({"nodes": [{"mesh": 0, "weights": [0, 0.5]}]}, "uses morph targets"),
-    "copies": ({"nodes": [{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {}}}]}, "uses EXT_mesh_gpu_instancing"),
-    "no scene": ({"scenes": []}, "1 meshes but no scene"),
-    "data elsewhere": ({"buffers": [{"uri": "../a.bin", "byteLength": 1}]}, r"outside of its folder \(../a.bin\)"),
-}
-
-
-@pytest.mark.parametrize("case", NOT_READ)
-def test_what_is_not_read_of_a_gltf_is_refused_by_name(case, tmp_path):
-    change, message = NOT_READ[case]
-    with pytest.raises(MeshError, match=message):
-        loaded(tmp_path, "a.glb", glb_with(lambda header: header.update(change)))
-
-
-LOST = {
-    "texCoord": {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}}},
-    "KHR_texture_transform": {
-        "pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}}}
-    },
-    "KHR_materials_pbrSpecularGlossiness": {"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [1, 0, 0, 1]}}},
-}
-
-
-@pytest.mark.parametrize("what", LOST)
-def test_what_of_a_gltf_s_colours_is_not_kept_is_said(what, tmp_path):
-    mesh = loaded(
-        tmp_path, "a.glb", glb_with(lambda header: header.update(materials=[LOST[what]], extensionsRequired=["KHR_materials_unlit"]))
-    )
-    assert len(mesh.looks.notes) == 1 and what in mesh.looks.notes[0]
-
-
-def test_a_3mf_that_unpacks_to_too_much_is_refused(tmp_path, monkeypatch):
-    pytest.importorskip("networkx", reason="networkx is not installed")
-    with ZipFile(tmp_path / "a.3mf", "w", ZIP_DEFLATED) as archive:
-        archive.writestr("3D/3dmodel.model", bytes(2**22))
-    monkeypatch.setattr("softffd.mesh.bodies.LARGEST", 2**20)
-    with pytest.raises(MeshError, match="would unpack to 4 MB; wanted at most 1 MB"):
-        load_mesh(tmp_path / "a.3mf")
-
-
-def test_what_of_a_collada_file_s_looks_is_not_kept_is_said(tmp_path):
-    text = """<COLLADA xmlns="c"><library_images><image><init_from>none.png</init_from></image><image><init_from>is.png</init_from></image>
-        </library_images><input semantic="COLOR"/></COLLADA>"""
-    written(tmp_path, "is.png", b"x")
-    notes = _lost_of_dae(tmp_path / "a.dae", text.encode(), PLAIN)
-    assert notes == ["pictures that are not beside it: none.png", "colours of vertices are not read"]
