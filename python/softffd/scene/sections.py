@@ -155,8 +155,8 @@ else:
 
 
 class Material(Section):
-    """Springs and damping (Xia & Wang 2009, eq. (3) and (6)): a stiffness for each spring, or the modulus of a solid. The elastic
-    body is the whole box of the lattice, also where a mesh fills little of it: a hollow one has its own mass and the stiffness of a block."""
+    """Springs and damping (Xia & Wang 2009, eq. (3) and (6)): a stiffness for each spring, or the modulus of a solid.
+    The elastic body is the whole box of the lattice, also where a mesh fills little of it: a hollow one has the stiffness of a block."""
 
     stiffness: StiffnessInput | None = quantity(
         None,
