@@ -105,7 +105,7 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     status = listen(at, flights, 0.5 * h, reached, false);
     if (status != StepStatus::ok) return status;
     if (fresh && job.drive.pins.empty()) set_astray(job.model.body, coarse_.motion, path.motion, path.stiff);
-    const Outlook ahead = outlook_of_stiff(job, path.motion);
+    const Outlook ahead = outlook(job, path.motion);
     double error = outcome_of(job, coarse_.motion, path.motion, ahead) / 3, gain = 0;
     if (rings) error = std::max(error, flights.echo(at, coarse_.motion, ahead, gain));
     const double exact = use::window_share * tolerance / (1 + gain);
@@ -144,7 +144,7 @@ void Windows::feel(const Beside& at, Flights& flights) {
   const double before = start_.stiff.stated_error(), reached = path.motion.time;
   const bool astray = !start_.stiff.astray.isZero(0) || !start_.stiff.astray_spin.isZero(0);
   if (!astray || before <= use::least_error * job.request.tolerance) return;
-  const Outlook ahead = outlook_of_stiff(job, path.motion);
+  const Outlook ahead = outlook(job, path.motion);
   accepted_ = path;
   double after = before;
   for (const double way : {before, -before}) {
