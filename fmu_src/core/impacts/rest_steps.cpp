@@ -1,13 +1,13 @@
 #include "impacts/rest_steps.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "contact/feasible.hpp"
 #include "contact/tolerances.hpp"
-#include "flight/attitude.hpp"
+#include "impacts/contact_events.hpp"
+#include "impacts/mean_velocity.hpp"
 #include "impacts/windows.hpp"
 #include "kit/thresholds.hpp"
 #include "kit/trial.hpp"
@@ -19,67 +19,12 @@ namespace {
 
 namespace use = thresholds;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Sine of the angle between two obstacles that hold a body in one direction only [1].
-constexpr double same_plane = 1e-6;
 
 /// Acceleration of the obstacle next to a body that no pin holds [m/s2].
 Vec3 obstacle_acceleration(const Job& job, const State& state) {
   const auto& planes = job.drive.planes;
   const bool steady = std::all_of(planes.begin(), planes.end(), [](const Plane& plane) { return plane.acceleration.isZero(0); });
   return steady || !job.drive.pins.empty() ? Vec3(Vec3::Zero()) : nearest_obstacle(job, state).plane->acceleration;
-}
-
-/// The rotation vector of a turn of some tenths of a radian at most, to 1e-6 of it.
-Vec3 small_turn(const Eigen::Matrix3d& rotation) {
-  const Vec3 sine = 0.5 * Vec3(rotation(2, 1) - rotation(1, 2), rotation(0, 2) - rotation(2, 0), rotation(1, 0) - rotation(0, 1));
-  const double squared = sine.squaredNorm();
-  return (1 + squared * (1.0 / 6 + squared * (3.0 / 40 + squared * 15.0 / 336))) * sine;
-}
-
-/// Directions across the obstacles that were touched, orthogonal, at most three.
-struct Across {
-  std::array<Vec3, 3> normals;
-  int count = 0;
-
-  Across(const Job& job, const Exchange& before) {
-    for (std::size_t q = 0; q < job.drive.planes.size() && count < 3; ++q) {
-      if (job.run.path.exchange.planes[q].force == before.planes[q].force) continue;
-      const Vec3 normal = along(job.drive.planes[q].at(job.run.path.motion.time).normal);
-      if (normal.norm() > same_plane) normals[count++] = normal.normalized();
-    }
-  }
-  Vec3 along(Vec3 v) const {
-    for (int i = 0; i < count; ++i) v -= normals[i].dot(v) * normals[i];
-    return v;
-  }
-  /// Of a turn, which changes gaps unless it is about the only normal.
-  Vec3 about(const Vec3& turn) const { return count == 1 ? Vec3(normals[0].dot(turn) * normals[0]) : Vec3(Vec3::Zero()); }
-};
-
-/// The centre moves, and the attitude turns, by the mean of the velocities at both ends; the deformation stays. along: only so far as no
-/// gap of what was touched changes.
-void follow_mean_velocity(const Job& job, const Path& before, double h, bool along) {
-  const Body& body = job.model.body;
-  const State& from = before.motion;
-  State& motion = job.run.path.motion;
-  const RigidMotion begin = rigid_motion(body.mass, from.x, from.v), end = rigid_motion(body.mass, motion.x, motion.v);
-  Eigen::Matrix3d turned = Eigen::Matrix3d::Zero();
-  for (int p = 0; p < body.points(); ++p)
-    turned += body.mass[p] * (row(motion.x, p) - end.centre) * (row(from.x, p) - begin.centre).transpose();
-  const Eigen::Matrix3d actual = rotation_next_to(turned), wanted = rotation_by(0.5 * h * (begin.spin + end.spin));
-  Eigen::Matrix3d correction = wanted * actual.transpose();
-  Vec3 centre = begin.centre + 0.5 * h * (begin.velocity + end.velocity);
-  if (along) {
-    const Across across(job, before.exchange);
-    if (across.count == 0) return;
-    correction = rotation_by(across.about(small_turn(correction)));
-    centre = end.centre + across.along(centre - end.centre);
-  }
-  const bool turns = (correction - Eigen::Matrix3d::Identity()).norm() > 1e-14;
-  for (int p = 0; p < body.points(); ++p) {
-    const Vec3 arm = row(motion.x, p) - end.centre;
-    set_row(motion.x, p, centre + (turns ? Vec3(correction * arm) : arm));
-  }
 }
 
 }  // namespace
@@ -129,7 +74,7 @@ StepStatus RestSteps::settle(const Beside& at) {
   const double end = h < at.end - time ? time + h : at.end, most = use::event_share * allowed(job, h);
   Trial trial(path, start_);
   Step taken = step(at, end, true);
-  const bool steady = taken.status == StepStatus::ok && event_of(at, taken, start_, most).error <= most;
+  const bool steady = taken.status == StepStatus::ok && event_of(job, taken.slip, taken.pressing, start_, most).error <= most;
   if (steady) {
     std::swap(coarse_, path);
     trial.back();
@@ -182,7 +127,8 @@ bool RestSteps::step_once(const Beside& at) {
     const double most = use::event_share * allowed(at.job, at.end - path.motion.time);
     Trial trial(path, start_);
     const Step taken = step(at, at.end);
-    const bool steady = taken.status == StepStatus::ok && !tips(at.job) && event_of(at, taken, start_, most).error <= most;
+    const bool steady =
+        taken.status == StepStatus::ok && !tips(at.job) && event_of(at.job, taken.slip, taken.pressing, start_, most).error <= most;
     if (steady && std::abs(taken.lost) < allowed_loss(at.job, taken.pressing)) {
       --stiff.rest_trust;
       stiff.pressing = taken.pressing;
@@ -195,53 +141,8 @@ bool RestSteps::step_once(const Beside& at) {
   return false;
 }
 
-/// What changes in a step of a body that is not held, and when. Outside forces are linear in the step, and taken at its middle: what sticks
-/// by the middle's forces may slide by those of the end, and what slides by them may have stuck for a part of it.
-RestSteps::Event RestSteps::event_of(const Beside& at, const Step& taken, const Path& from, double slight) const {
-  const Job& job = at.job;
-  const State& motion = job.run.path.motion;
-  const Slip& slip = taken.slip;
-  const double h = motion.time - from.motion.time;
-  if (!job.drive.pins.empty() || (slip.stopped == 0 && !job.drive.ramped)) return {};
-  const Outlook ahead = outlook_of_stiff(job, motion);
-  const double along = std::max(ahead.along_plane, h);
-  Event event{0, slip.load > 0 ? 2 * slip.stopped / slip.load * along : 0};
-  if (!job.drive.ramped) return event;
-  Vec3 rate = Vec3::Zero();  // of the outside forces [N/s]
-  for (int axis = 0; axis < 3; ++axis)
-    for (int p = 0; p < motion.x.rows(); ++p) {
-      const Eigen::Index i = p + axis * motion.x.rows();
-      rate[axis] += (job.drive.ramp(i, motion.time) - job.drive.ramp(i, from.motion.time)) / h;
-    }
-  const double mass = job.model.body.mass.sum();
-  const auto consider = [&](double grows, double spare, double speed, double length) {  // [N/s], [N], [m/s], [s]
-    if (!(grows > 0)) return;
-    const double when = spare > 0 ? 0.5 * h + spare / grows : 0.5 * h - speed * mass / (grows * h);
-    if (!(when > 0 && when < h)) return;
-    const double wrong = spare > 0 ? h - when : when, error = 0.5 * grows / mass * wrong * wrong * length;
-    if (error > event.error) event = {when, error};
-  };
-  const double rubs = slip.friction.norm();
-  if (slip.load > 0 && rubs > 0 && slip.before * along <= slight * slip.load) {
-    const double coefficient = (slip.spare + rubs) / slip.load;
-    const double grows = coefficient * rate.dot(ahead.normal) - rate.dot(slip.friction) / rubs;
-    consider(grows, slip.loosened > 0 ? 0 : slip.spare, slip.loosened / slip.load, along);
-  }
-  const Body& body = job.model.body;
-  const RigidMotion begin = rigid_motion(body.mass, from.motion.x, from.motion.v), end = rigid_motion(body.mass, motion.x, motion.v);
-  if (from.stiff.pressing > 0)
-    consider(rate.dot(ahead.normal), taken.pressing, (end.velocity - begin.velocity).dot(ahead.normal), std::max(ahead.along_normal, h));
-  const HalfSpace obstacle = nearest_obstacle(job, motion).obstacle;
-  const double radius = radius_about(end.centre, motion.x);
-  const auto speed = [&](const RigidMotion& rigid) {
-    return (rigid.velocity - obstacle.material_velocity(rigid.centre)).norm() + radius * (rigid.spin - obstacle.spin).norm();
-  };
-  if (speed(begin) * along <= slight && speed(end) * along > slight) consider(rate.norm(), 0, speed(end), along);  // set in motion
-  return event;
-}
-
 /// The first step, no longer than to where an event lies that matters: next becomes its end. The path goes on from there.
-RestSteps::Step RestSteps::step_before_event(const Beside& at, double& next, double allowed, Event& event) {
+RestSteps::Step RestSteps::step_before_event(const Beside& at, double& next, double allowed, ContactEvent& event) {
   Path& path = at.job.run.path;
   const double time = path.motion.time, whole = next - time;
   double length = whole, free = 0;  // free: without an event
@@ -249,7 +150,7 @@ RestSteps::Step RestSteps::step_before_event(const Beside& at, double& next, dou
     next = length == whole ? next : time + length;
     const Step taken = step(at, next);
     if (taken.status != StepStatus::ok) return taken;
-    event = event_of(at, taken, start_, allowed);
+    event = event_of(at.job, taken.slip, taken.pressing, start_, allowed);
     const bool last = length == free || tries == use::most_event_tries || length <= at.limit;
     if (event.error > allowed && !last) {
       const double shorter = event.at > 0 ? std::clamp(event.at, length * use::event_shrink, 0.9 * length) : length * use::event_shrink;
@@ -275,7 +176,7 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
   StiffContact& stiff = path.stiff;
   const double time = path.motion.time, wanted = next;
   Trial trial(path, start_);
-  Event event;
+  ContactEvent event;
   Step taken = step_before_event(at, next, use::event_share * allowed(job, next - time), event);
   const double h = next - time;
   const bool cut = next != wanted;

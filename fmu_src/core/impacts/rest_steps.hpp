@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "impacts/beside.hpp"
+#include "impacts/contact_events.hpp"
 
 namespace softffd {
 
@@ -21,11 +22,6 @@ class RestSteps {
     double lost = 0, pressing = 0;  ///< [J], [N]
     Slip slip{};
   };
-  /// A contact that stops, turns round, begins to slide or opens within a step.
-  struct Event {
-    double at = 0;     ///< about when, from the begin of the step on; 0: not known [s]
-    double error = 0;  ///< what a step across it leaves at the end of the run, unseen by step doubling [m]
-  };
   StepStatus settle(const Beside& at);
   double allowed(const Job& job, double h) const;
   bool tips(const Job& job) const;
@@ -33,8 +29,7 @@ class RestSteps {
   StepStatus step_twice(const Beside& at, double next);
   bool doubted(const Beside& at, double h);
   Step step(const Beside& at, double until, bool settling = false);
-  Event event_of(const Beside& at, const Step& taken, const Path& from, double slight) const;
-  Step step_before_event(const Beside& at, double& next, double allowed, Event& event);
+  Step step_before_event(const Beside& at, double& next, double allowed, ContactEvent& event);
   Outcome take_in_frame(const Beside& at, const Vec3& acceleration, const Span& span);
   bool keep_in_front(const Job& job);
 

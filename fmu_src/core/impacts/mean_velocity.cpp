@@ -1,0 +1,69 @@
+#include "impacts/mean_velocity.hpp"
+
+#include <array>
+#include <cmath>
+
+#include "flight/attitude.hpp"
+#include "model/rigid_motion.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// Sine of the angle between two obstacles that hold a body in one direction only [1].
+constexpr double same_plane = 1e-6;
+
+/// The rotation vector of a turn of some tenths of a radian at most, to 1e-6 of it.
+Vec3 small_turn(const Eigen::Matrix3d& rotation) {
+  const Vec3 sine = 0.5 * Vec3(rotation(2, 1) - rotation(1, 2), rotation(0, 2) - rotation(2, 0), rotation(1, 0) - rotation(0, 1));
+  const double squared = sine.squaredNorm();
+  return (1 + squared * (1.0 / 6 + squared * (3.0 / 40 + squared * 15.0 / 336))) * sine;
+}
+
+/// Directions across the obstacles that were touched, orthogonal, at most three.
+struct Across {
+  std::array<Vec3, 3> normals;
+  int count = 0;
+
+  Across(const Job& job, const Exchange& before) {
+    for (std::size_t q = 0; q < job.drive.planes.size() && count < 3; ++q) {
+      if (job.run.path.exchange.planes[q].force == before.planes[q].force) continue;
+      const Vec3 normal = along(job.drive.planes[q].at(job.run.path.motion.time).normal);
+      if (normal.norm() > same_plane) normals[count++] = normal.normalized();
+    }
+  }
+  Vec3 along(Vec3 v) const {
+    for (int i = 0; i < count; ++i) v -= normals[i].dot(v) * normals[i];
+    return v;
+  }
+  /// Of a turn, which changes gaps unless it is about the only normal.
+  Vec3 about(const Vec3& turn) const { return count == 1 ? Vec3(normals[0].dot(turn) * normals[0]) : Vec3(Vec3::Zero()); }
+};
+
+}  // namespace
+
+void follow_mean_velocity(const Job& job, const Path& before, double h, bool along) {
+  const Body& body = job.model.body;
+  const State& from = before.motion;
+  State& motion = job.run.path.motion;
+  const RigidMotion begin = rigid_motion(body.mass, from.x, from.v), end = rigid_motion(body.mass, motion.x, motion.v);
+  Eigen::Matrix3d turned = Eigen::Matrix3d::Zero();
+  for (int p = 0; p < body.points(); ++p)
+    turned += body.mass[p] * (row(motion.x, p) - end.centre) * (row(from.x, p) - begin.centre).transpose();
+  const Eigen::Matrix3d actual = rotation_next_to(turned), wanted = rotation_by(0.5 * h * (begin.spin + end.spin));
+  Eigen::Matrix3d correction = wanted * actual.transpose();
+  Vec3 centre = begin.centre + 0.5 * h * (begin.velocity + end.velocity);
+  if (along) {
+    const Across across(job, before.exchange);
+    if (across.count == 0) return;
+    correction = rotation_by(across.about(small_turn(correction)));
+    centre = end.centre + across.along(centre - end.centre);
+  }
+  const bool turns = (correction - Eigen::Matrix3d::Identity()).norm() > 1e-14;
+  for (int p = 0; p < body.points(); ++p) {
+    const Vec3 arm = row(motion.x, p) - end.centre;
+    set_row(motion.x, p, centre + (turns ? Vec3(correction * arm) : arm));
+  }
+}
+
+}  // namespace softffd
