@@ -157,8 +157,6 @@ class Result:
             raise MeshError(f"deformed: wanted a mesh, for {why}")
         if not hasattr(mesh, "vertices") and (np.ndim(mesh) != 2 or np.shape(mesh)[1] != 3):
             raise MeshError(f"deformed: wanted a Mesh or vertices (V, 3), got the shape {np.shape(mesh)}")
-        if np.ndim(row) or isinstance(row, slice):
-            raise SoftffdError(f"deformed: wanted one row of {len(self.time)}, counted from 0 or from the end, got row={row!r:.70}")
         positions = self._positions_at(row, "deformed")
         if self.lattice is None or np.isnan(positions).any():
             raise SoftffdError('deformed: wanted a run of an FMU of softffd with outputs.positions = "all"')

@@ -105,7 +105,7 @@ def test_parameters_are_all_numbers_that_the_run_had():
 def test_a_row_that_is_none_is_refused(row):
     result = simulate(SCENE)
     for look in (result.strain, result.stress, partial(result.deformed, np.full((1, 3), 0.5))):
-        with pytest.raises(SoftffdError, match="wanted (a|one) row of 11"):
+        with pytest.raises(SoftffdError, match="wanted a row of 11"):
             look(row=row)
     with pytest.raises(SoftffdError, match=r"wanted a Mesh or vertices \(V, 3\), got the shape \(3,\)"):
         result.deformed(np.full(3, 0.5))
