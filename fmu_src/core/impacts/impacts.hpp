@@ -11,7 +11,8 @@
 ///      impact, contact   windows of explicit steps, each run with h and h / 2; what the two will differ by at the end of the run decides
 ///               whether the window stands. First steps after a flight are half as long.
 ///      rest     backward Euler, its rigid motion by the mean velocity, so that sliding is exact in steps of any length; each step with h
-///               and with two of h / 2, unless a number of them has shown that nothing changes.
+///               and with two of h / 2, unless a number of them has shown that nothing changes; it ends where a contact stops,
+///               turns round, begins to slide or opens.
 ///
 /// Who decides is energy: what the vibrations hold cannot move a body that is pressed on by a force F further than energy / F.
 #pragma once

@@ -1,7 +1,7 @@
 /// Steps of a stiff body at rest on obstacles or sliding on them: backward Euler with exact contact, its rigid motion by the mean of the
 /// velocities before and after, so that sliding is exact in steps of any length, and without creep where the body sticks. Each is run with
-/// h and with two of h / 2, unless a number of them has shown that nothing changes; what it loses beyond damping and friction must be
-/// little.
+/// h and with two of h / 2, unless a number of them has shown that nothing changes, and ends where a contact's state changes
+/// (contact_events.hpp); what it loses beyond damping and friction must be little.
 #pragma once
 #include <vector>
 

@@ -66,7 +66,7 @@ def _require_readable(path: Path, header: dict) -> None:
         (any(_INSTANCES in node.get("extensions", {}) for node in nodes), _INSTANCES, "make the instances real"),
         (unknown, f"{', '.join(unknown)} (extensionsRequired)", "export it without"),
     ]
-    _refuse(path, {name: todo for present, name, todo in faults if present})
+    _refuse(path, {name: advice for present, name, advice in faults if present})
 
 
 def _require_plain_numbers(path: Path, header: dict, primitives: list[dict]) -> None:
@@ -88,8 +88,8 @@ def _require_plain_numbers(path: Path, header: dict, primitives: list[dict]) -> 
 
 def _refuse(path: Path, found: dict[str, str]) -> None:
     if found:
-        todo = "; ".join(dict.fromkeys(found.values()))
-        raise MeshError(f"{path}: uses {' and '.join(found)}, which is not read. Wanted plain triangles; {todo}.")
+        advice = "; ".join(dict.fromkeys(found.values()))
+        raise MeshError(f"{path}: uses {' and '.join(found)}, which is not read. Wanted plain triangles; {advice}.")
 
 
 def _give_scene(header: dict) -> None:
