@@ -34,6 +34,7 @@ LEAST_PYTHON = (3, 11)
 COMPILED = re.compile(r"^\s*\[\s*([1-9]\d*/\d+|\d+%)\]")  # ninja's words for how far it is, and those of make
 CLEAR = "\r\033[K"
 TELL_EVERY = 5  # s, where the output is no terminal
+HANGS = 900  # s after which a test of the short run or of a group of long ones is taken to hang
 PIP_FAILED = "pip failed (see above). It needs the Python package index, or a mirror of it, in reach."
 
 
@@ -171,8 +172,10 @@ def main():
         pip("install", *settings("project")["optional-dependencies"]["docs"])
         return subprocess.call([PYTHON, ROOT / "docs" / "site" / "make_site.py"])
     if arguments[0] == "test":
-        parallel = ["-n", "auto", "--dist", "worksteal"]
-        return subprocess.call([PYTHON, "-m", "pytest", *parallel, *arguments[1:]], cwd=ROOT, env=compiler_environment())
+        options = ["-n", "auto", "--dist", "worksteal"]
+        if "--full" not in arguments:  # a test that hangs ends its process with a stack trace, and fails
+            options += ["-o", f"faulthandler_timeout={HANGS}", "-o", "faulthandler_exit_on_timeout=true"]
+        return subprocess.call([PYTHON, "-m", "pytest", *options, *arguments[1:]], cwd=ROOT, env=compiler_environment())
     if arguments[0] == "bench":
         add_comparisons()
         return subprocess.call([PYTHON, ROOT / "benchmarks" / "bench.py", *arguments[1:]])

@@ -198,7 +198,8 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
     if (h >= use::worth_resting * at.limit) stiff.doubts = 0;
     stiff.error += (easy ? 2 * error : error) + event.error;
     stiff.pressing = taken.pressing;
-    if (!cut) stiff.step = h * std::clamp(factor, use::next_shrink, use::rest_growth);
+    const double longer = h * std::clamp(factor, use::next_shrink, use::rest_growth);
+    if (!cut) stiff.step = factor < 1 ? longer : std::max(stiff.step, longer);  // the call may have ended before the step wanted
     stiff.rest_trust = easy ? stiff.next_rest_trust : 0;
     stiff.next_rest_trust = easy ? std::min(2 * stiff.next_rest_trust, use::longest_rest_trust) : 1;
     trial.keep();

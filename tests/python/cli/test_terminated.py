@@ -51,7 +51,12 @@ def begun(process) -> None:
     """It has said what it runs, and computed for a while since, on a busy machine too."""
     assert process.stdout.readline() == "A long fall\n"
     said = computed(process)
-    while computed(process) - said < 0.3:
+    wait_until(process, lambda: computed(process) - said >= 0.3)
+
+
+def wait_until(process, so) -> None:
+    while not so():
+        assert process.poll() is None, f"ended with {process.returncode} before: {process.stderr.read()}"
         time.sleep(0.05)
 
 
@@ -70,10 +75,9 @@ def test_a_run_keeps_what_was_simulated(tmp_path):
 
 @pytest.mark.full
 def test_a_sweep_counts_no_run_as_failed(tmp_path):
-    def some_are_kept(_process):
+    def some_are_kept(process):
         file = tmp_path / "kept" / "sweep.npz"
-        while not file.is_file() or not list((tmp_path / "tmp").glob("softffd-*")):
-            time.sleep(0.05)
+        wait_until(process, lambda: file.is_file() and list((tmp_path / "tmp").glob("softffd-*")))
         time.sleep(2.0)
 
     command = ("sweep", "fall.toml", "--vary", "mass=1:2:4", "-j", "2", "-o", "kept", "--stop-time", "3000")
@@ -85,9 +89,8 @@ def test_a_sweep_counts_no_run_as_failed(tmp_path):
 def test_a_measurement_names_what_is_missing(tmp_path):
     (tmp_path / "short.toml").write_text("[experiment]\nstop_time = 0.02\n")
 
-    def one_is_kept(_process):
-        while not (tmp_path / "kept" / "accuracy.json").is_file():
-            time.sleep(0.05)
+    def one_is_kept(process):
+        wait_until(process, (tmp_path / "kept" / "accuracy.json").is_file)
         time.sleep(1.0)
 
     terminated(tmp_path, "accuracy", "short.toml", "fall.toml", "--quick", "-o", "kept", when=one_is_kept)

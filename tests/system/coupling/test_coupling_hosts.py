@@ -144,7 +144,7 @@ def test_a_connection_of_the_document_takes_another_unit(name, script, late, dri
     shutil.copy(drivers / "actuator.fmu", ".")
     assert main([*command.split(), "--set", "actuator.duration=1"]) == 0
     wanted = [("actuator", "position.z"), ("box", "plane.plate.point.z")]
-    travel, height = in_master(name, script, Path("box.ssp").resolve(), wanted, tmp_path / "rows.json", "start").T
+    travel, height = in_master(name, script, Path("millimetres.ssp").resolve(), wanted, tmp_path / "rows.json", "start").T
     assert np.ptp(travel) > 50
     np.testing.assert_allclose(height[late:], 0.1 - 0.001 * travel[: STEPS - late], rtol=1e-12)
 
