@@ -13,14 +13,13 @@ class Reactions {
  public:
   Reactions(int points, int planes);
 
+  /// Not ok: the rule has no answer, there are no forces.
   /// At the opening: of points on an obstacle at t0, from velocities v0 before the kick. step.spring: forces of springs and dashpots there.
-  void open(const StepView& step, const Points& v0);
+  StepStatus open(const StepView& step, const Points& v0);
   /// At the closing: of points that were on an obstacle then and still are. v0: velocities before the kick; contact: after its drift.
-  void close(const StepView& step, const Contact& contact, const Points& v0);
+  StepStatus close(const StepView& step, const Contact& contact, const Points& v0);
   /// At either kick, where samples of the surface meet obstacles: of those that touch. rows: of the state.
-  void hold(const StepView& step, SurfaceContact& surface, const SurfaceRows& rows, const Points& v0);
-  /// None.
-  void clear();
+  StepStatus hold(const StepView& step, SurfaceContact& surface, const SurfaceRows& rows, const Points& v0);
 
   const Points& forces() const { return forces_; }  ///< on the points [N], (points, 3)
   /// Takes what the forces give their points in half a step out of the velocities again.

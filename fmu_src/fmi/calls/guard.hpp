@@ -55,7 +55,7 @@ template <class Held, class Call>
 fmi2Status guarded(Registry<Held>& registry, const void* handle, const Function& function, const Arrays& arrays, Call&& call) noexcept {
   const FloatEnvironment environment;
   try {
-    Held* instance = registry.live(handle);
+    const std::shared_ptr<Held> instance = registry.live(handle);
     if (!instance) return fmi2Error;
     try {
       check_phase(instance->phase, function);

@@ -12,7 +12,7 @@ struct HeldState {
 };
 
 /// The state behind a handle. Throws StateError.
-const HeldState& held(fmi2FMUstate handle);
+std::shared_ptr<const HeldState> held(fmi2FMUstate handle);
 /// Puts a state behind *handle, or behind a new one where *handle is null.
 void hold(fmi2FMUstate* handle, HeldState state);
 void release(fmi2FMUstate handle);

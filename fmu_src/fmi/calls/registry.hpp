@@ -12,7 +12,7 @@ namespace softffd::fmi {
 template <class Object>
 class Registry {
  public:
-  /// Takes ownership; the pointer is the handle.
+  /// Takes it; the pointer is the handle.
   Object* adopt(std::unique_ptr<Object> object) {
     const Lock lock(busy_);
     if (!objects_) objects_ = new Table;
@@ -25,16 +25,16 @@ class Registry {
     }
     return handle;
   }
-  /// The object behind a handle, or null.
-  Object* live(const void* handle) {
+  /// The object behind a handle, or null; who has it may use it whatever other threads release.
+  std::shared_ptr<Object> live(const void* handle) {
     const Lock lock(busy_);
     if (!objects_) return nullptr;
     const auto found = objects_->find(handle);
-    return found == objects_->end() ? nullptr : found->second.get();
+    return found == objects_->end() ? nullptr : found->second;
   }
   /// Destroys the object behind a handle; nothing happens for any other value.
   void release(const void* handle) {
-    std::unique_ptr<Object> last;  // destroyed after the lock is gone
+    std::shared_ptr<Object> last;  // destroyed after the lock is gone
     const Lock lock(busy_);
     if (!objects_) return;
     const auto found = objects_->find(handle);
@@ -53,7 +53,7 @@ class Registry {
   }
 
  private:
-  using Table = std::unordered_map<const void*, std::unique_ptr<Object>>;
+  using Table = std::unordered_map<const void*, std::shared_ptr<Object>>;
 
   /// Held for a look-up only: waiting threads spin.
   class Lock {

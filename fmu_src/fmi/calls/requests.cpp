@@ -41,9 +41,9 @@ void set_up(Instance& instance, const Experiment& experiment) {
 void get_state(Instance& instance, StateHandle* state) { hold(state, {&instance, instance.guid(), instance.save_state()}); }
 
 void set_state(Instance& instance, StateHandle state) {
-  const HeldState& wanted = held(state);
-  if (wanted.guid != instance.guid()) throw StateError("the state belongs to another scene");
-  instance.load_state(wanted.bytes);
+  const auto wanted = held(state);
+  if (wanted->guid != instance.guid()) throw StateError("the state belongs to another scene");
+  instance.load_state(wanted->bytes);
 }
 
 void free_state(StateHandle* state) {
@@ -53,11 +53,11 @@ void free_state(StateHandle* state) {
   *state = nullptr;
 }
 
-std::size_t serialized_size(StateHandle state) { return head_size + held(state).bytes.size(); }
+std::size_t serialized_size(StateHandle state) { return head_size + held(state)->bytes.size(); }
 
 void serialize(StateHandle state, void* bytes, std::size_t size) {
-  const HeldState& wanted = held(state);
-  const Bytes whole = with_head(wanted.guid, wanted.bytes);
+  const auto wanted = held(state);
+  const Bytes whole = with_head(wanted->guid, wanted->bytes);
   if (size < whole.size()) throw CallError("size: wanted " + std::to_string(whole.size()) + " bytes, got " + std::to_string(size));
   std::memcpy(bytes, whole.data(), whole.size());
 }

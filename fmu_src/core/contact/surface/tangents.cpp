@@ -15,7 +15,7 @@ constexpr double far_reach = 16, least_reserve = 1e-2;
 
 /// By how much any point's gap to a solid of this size may have become smaller.
 double way_since(const Points& x0, const SolidPose& pose0, const Points& x, const SolidPose& pose, const Plane& solid) {
-  const double moved = std::sqrt((x - x0).square().rowwise().sum().maxCoeff());
+  const double moved = std::sqrt((x - x0).square().rowwise().sum().maxCoeff<Eigen::PropagateNaN>());
   const double turned = (solid.box() ? (pose.edges - pose0.edges).norm() : (pose.normal - pose0.normal).norm()) * solid.size();
   return moved + (pose.point - pose0.point).norm() + turned;
 }
