@@ -97,10 +97,10 @@ bool sound(const ContactSteps& steps) {
 bool sound(const Run& run) {
   const Clock& clock = run.path.clock;
   return sound(run.path.stiff) && sound(run.course.contact) && counter(clock.count) && clock.parts > 0 && counter(clock.parts) &&
-         counter(run.path.steps) && counter(run.course.rejected) && counter(run.course.factored.uses) && run.energy.step_factor > 0 &&
-         run.energy.step_factor <= 1 && run.path.motion.x.allFinite() && run.path.motion.v.allFinite() && run.exchange_time > 0 &&
-         counter(run.contacts_resolved) && counter(run.path.exchange.contacts_resolved) &&
-         std::all_of(run.contacts.begin(), run.contacts.end(), counter);
+         counter(run.path.steps) && counter(run.course.rejected) && counter(run.course.factored.uses) &&
+         run.energy.step_factor >= thresholds::least_step_factor && run.energy.step_factor <= 1 && run.path.motion.x.allFinite() &&
+         run.path.motion.v.allFinite() && run.exchange_time > 0 && counter(run.contacts_resolved) &&
+         counter(run.path.exchange.contacts_resolved) && std::all_of(run.contacts.begin(), run.contacts.end(), counter);
 }
 
 bool sound(const Whole& whole, const Variables& variables) {
