@@ -24,7 +24,7 @@ from softffd.show.drawing import drawing
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PAGES = ROOT / "build" / "docs" / "pages"
-COPIED = ("README.md", "CHANGELOG.md", "docs/*.md", "docs/*.png", "docs/tutorials/*.md", "examples/*", "fmu_src/*/README.md")
+COPIED = ("README.md", "CHANGELOG.md", "docs/*.md", "docs/*.png", "docs/tutorials/*.md", "examples/**/*", "fmu_src/*/README.md")
 SHOWN = ("car_drop", "car_bump", "car_ball", "press", "hanging", "incline", "stiff_bounce", "spin", "pad", "beam", "bumper")
 """Shipped scenes that are worth a look and take seconds"""
 GALLERY = """# Gallery
@@ -50,7 +50,7 @@ API = """# Python
 def main() -> int:
     shutil.rmtree(PAGES, ignore_errors=True)
     for pattern in COPIED:
-        for file in sorted(ROOT.glob(pattern)):
+        for file in sorted(filter(Path.is_file, ROOT.glob(pattern))):
             copy(file, PAGES / file.relative_to(ROOT))
     shutil.copy(HERE / "site.css", PAGES)
     (PAGES / "gallery.md").write_text(GALLERY.format("\n\n".join(map(card, SHOWN))))
