@@ -15,3 +15,10 @@ def nearest_of(given: str, choices: Iterable[str]) -> str | None:
 def did_you_mean(nearest: str | None) -> str:
     """`, did you mean "..."?`, or nothing."""
     return f', did you mean "{nearest}"?' if nearest else ""
+
+
+def number_in(word: str) -> float:
+    """The number that a word is in a file or a command; ValueError for what only Python reads as one: 1_0, digits of other scripts."""
+    if "_" in word or not word.isascii():
+        raise ValueError(word)
+    return float(word)

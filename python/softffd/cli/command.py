@@ -214,7 +214,7 @@ def _new(options: argparse.Namespace) -> None:
     from softffd.scene.of_mesh import scene_of_mesh
     from softffd.scene.template import template
 
-    path = Path(options.name if options.name.endswith(".toml") else f"{options.name}.toml")
+    path = Path(options.name if options.name.lower().endswith(".toml") else f"{options.name}.toml")
     if not path.name.removesuffix(".toml").strip(". "):
         raise SoftffdError(f'"{options.name}": wanted the name of a scene, e.g. softffd new mine')
     if path.exists():

@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 
 from softffd import __version__
 from softffd.errors import SoftffdError
-from softffd.spelling import did_you_mean, nearest_of
+from softffd.spelling import did_you_mean, nearest_of, number_in
 
 
 class Parser(argparse.ArgumentParser):
@@ -32,6 +32,13 @@ class Parser(argparse.ArgumentParser):
         if not option.startswith("-"):
             self.error(f"{word}: one word too many{self.instead}")
         self.error(f"{option}: there is no such option{did_you_mean(nearest_of(option, self._option_string_actions))}")
+
+
+def _number(text: str) -> float:
+    try:
+        return number_in(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"wanted a number, got {text!r:.70}") from None
 
 
 Add = Callable[..., Parser]
@@ -92,8 +99,8 @@ def _run(add: Add) -> None:
         help="a scene file, a shipped scene's name, a mesh to drop on the ground, or an FMU",
     )
     _add_mesh_options(run)
-    run.add_argument("--stop-time", type=float, metavar="T", help="s")
-    run.add_argument("--step", type=float, metavar="H", help="communication step, s")
+    run.add_argument("--stop-time", type=_number, metavar="T", help="s")
+    run.add_argument("--step", type=_number, metavar="H", help="communication step, s")
     _add_accuracy_options(run)
     run.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value of a variable")
     run.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time: columns time and names of inputs")
@@ -163,8 +170,8 @@ def _sweep(add: Add) -> None:
     sweep.add_argument(
         "--measure", action="append", metavar="OUTPUT", help="an output at the end, or max(NAME), min(NAME), mean(NAME); may be repeated"
     )
-    sweep.add_argument("--stop-time", type=float, metavar="T", help="s")
-    sweep.add_argument("--step", type=float, metavar="H", help="communication step, s")
+    sweep.add_argument("--stop-time", type=_number, metavar="T", help="s")
+    sweep.add_argument("--step", type=_number, metavar="H", help="communication step, s")
     _add_accuracy_options(sweep)
     sweep.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value in every run")
     sweep.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time; default: the CSV beside the scene")
@@ -180,7 +187,7 @@ def _accuracy(add: Add) -> None:
     )
     accuracy.add_argument("scenes", nargs="*", metavar="SCENE", help="scene files or names of shipped ones; default: the standard set")
     accuracy.add_argument("-o", "--output", type=Path, default=Path("softffd-accuracy"), metavar="DIR")
-    accuracy.add_argument("--step", type=float, metavar="H", help="communication step, s; default: each scene's own")
+    accuracy.add_argument("--step", type=_number, metavar="H", help="communication step, s; default: each scene's own")
     accuracy.add_argument("--scipy", action="store_true", help="SciPy's solvers on the same equations beside the FMU's methods")
     accuracy.add_argument("--quick", action="store_true", help="fewer and shorter runs: a first look")
     accuracy.add_argument("--repeats", type=int, default=5, metavar="N", help="of each run, the smallest time counts; default 5")
@@ -196,7 +203,7 @@ def _stability(add: Add) -> None:
     stability.add_argument("-o", "--output", type=Path, default=Path("softffd-stability"), metavar="DIR")
     stability.add_argument("--quick", action="store_true", help="some cases and a coarse map: a first look")
     stability.add_argument("--only", nargs="+", default=[], metavar="NAME", help='"map", "cases", or parts of the names of cases')
-    stability.add_argument("--slowness", type=float, default=1.0, metavar="FACTOR", help="cases may take so many times longer")
+    stability.add_argument("--slowness", type=_number, default=1.0, metavar="FACTOR", help="cases may take so many times longer")
     stability.add_argument(
         "--random", type=int, metavar="N", help="N scenes drawn at random instead, in which auto is judged by tight runs"
     )
@@ -232,7 +239,7 @@ def _others(add: Add) -> None:
 
 
 def _add_accuracy_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--tolerance", type=float, metavar="T", help="error aimed at, as a share of the box's largest side")
+    parser.add_argument("--tolerance", type=_number, metavar="T", help="error aimed at, as a share of the box's largest side")
     parser.add_argument("--method", metavar="NAME", help="of the time integration, as solver.method in the scene")
 
 
@@ -243,4 +250,4 @@ def _add_overwrite(parser: Parser, what: str) -> None:
 def _add_mesh_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--unit", metavar="UNIT", help="of a mesh file: m, cm, mm, in or ft; default: by the file or its size")
     parser.add_argument("--up", metavar="AXIS", help="axis of a mesh file that becomes +z: x, y or z; default: by the kind of file")
-    parser.add_argument("--density", type=float, metavar="D", help="of a mesh, kg/m3; default 100")
+    parser.add_argument("--density", type=_number, metavar="D", help="of a mesh, kg/m3; default 100")

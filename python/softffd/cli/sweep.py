@@ -15,6 +15,7 @@ from softffd.files import require_writable
 from softffd.run.progress import ProgressLine
 from softffd.run.sweep.sweep import sweep
 from softffd.scene.scene import load_scene
+from softffd.spelling import number_in
 
 WANTED = "NAME=FROM:TO:COUNT, NAME=FROM:TO:COUNT:log or NAME=V1,V2,..., e.g. --vary stiffness.edge=500:2000:4:log"
 
@@ -68,19 +69,19 @@ def _varied(text: str) -> tuple[str, list[Any]]:
     if len(parts) == 1:
         return name.strip(), [_value(each.strip()) for each in given.split(",")]
     try:
-        first, last, count = float(parts[0]), float(parts[1]), int(parts[2])
+        first, last, count = map(number_in, parts[:3])
     except ValueError:
         raise SoftffdError(f"--vary {text}: wanted {WANTED}") from None
-    if not (math.isfinite(first) and math.isfinite(last) and 1 <= count <= 1_000_000):
-        raise SoftffdError(f"--vary {text}: wanted finite ends and a count of 1 to 1000000")
+    if not (math.isfinite(first) and math.isfinite(last) and 1 <= count <= 1_000_000 and count.is_integer()):
+        raise SoftffdError(f"--vary {text}: wanted finite ends and a whole count of 1 to 1000000")
     if parts[3:] and not (first > 0 and last > 0):
         raise SoftffdError(f"--vary {text}: wanted ends > 0 for values by a factor")
-    return name.strip(), (np.geomspace if parts[3:] else np.linspace)(first, last, count).tolist()
+    return name.strip(), (np.geomspace if parts[3:] else np.linspace)(first, last, int(count)).tolist()
 
 
 def _value(text: str) -> float | str:
     """A number, or the name of a value."""
     try:
-        return float(text)
+        return number_in(text)
     except ValueError:
         return text

@@ -11,7 +11,7 @@ import numpy as np
 from softffd.errors import FmuError
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import listed
-from softffd.spelling import did_you_mean, nearest_of
+from softffd.spelling import did_you_mean, nearest_of, number_in
 
 if TYPE_CHECKING:
     from softffd.fmu.component import Component
@@ -123,13 +123,6 @@ def number_of(variable: ScalarVariable, value: Any) -> Any:
     except (TypeError, ValueError):
         pass
     raise FmuError(f"{variable.name}: wanted {'a number' if real else 'an integer'}, got {value!r:.70}")
-
-
-def number_in(word: str) -> float:
-    """The number that a word is in a file or a command; ValueError for what only Python reads as one: 1_0, digits of other scripts."""
-    if "_" in word or not word.isascii():
-        raise ValueError(word)
-    return float(word)
 
 
 def _truth(name: str, value: Any) -> int:

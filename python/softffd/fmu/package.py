@@ -162,7 +162,7 @@ def fmu_path(path: str | Path) -> Path:
     name = f"{path}" or '""'
     if Path(path).is_dir() and str(path):
         raise SoftffdError(f"{name}: wanted a file name ending in .fmu, got a folder{did_you_mean(str(Path(path) / 'NAME.fmu'))}")
-    if Path(path).suffix != ".fmu":
+    if Path(path).suffix.lower() != ".fmu":
         raise SoftffdError(f"{name}: wanted a file name ending in .fmu{did_you_mean(f'{path}.fmu' if str(path) else None)}")
     return Path(path)
 

@@ -78,7 +78,7 @@ def _write(
     start_values: Mapping[str, Any],
     record: Iterable[str],
 ) -> tuple[Path, Wiring]:
-    if path.suffix != ".ssp" or path.is_dir():
+    if path.suffix.lower() != ".ssp" or path.is_dir():
         raise SoftffdError(f"{path}: wanted a file name ending in .ssp{did_you_mean(f'{path}.ssp')}")
     if not isinstance(components, Mapping) or not components:
         raise SoftffdError(f"components: wanted scenes and FMUs by name, as {{'box': scene, 'plate': 'plate.fmu'}}, got {components!r:.70}")
@@ -110,7 +110,7 @@ def _checked_name(name: str) -> str:
 def _fmu_of(name: str, what: Scene | str | Path, folder: Path) -> Path:
     if not isinstance(what, Scene | str | Path):
         raise SoftffdError(f"{name}: wanted a Scene, its file or name, or the path of an FMU, got {what!r:.70}")
-    if isinstance(what, Scene) or Path(what).suffix != ".fmu":
+    if isinstance(what, Scene) or Path(what).suffix.lower() != ".fmu":
         return package_fmu(what if isinstance(what, Scene) else load_scene(what), folder / f"{name}.fmu")
     if not Path(what).is_file():
         raise SoftffdError(f"{what}: there is no such FMU")

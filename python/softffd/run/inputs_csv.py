@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from softffd.errors import FmuError
-from softffd.fmu.block import number_in
-from softffd.spelling import did_you_mean, nearest_of
+from softffd.spelling import did_you_mean, nearest_of, number_in
 
 SEPARATORS = {";": "semicolons", "\t": "tabs"}
 """What other programs put where a comma is wanted."""

@@ -205,7 +205,7 @@ class Result:
         Of the scene its keys go along, of a mesh the path of its file and what it was.
         """
         path = Path(path)
-        one = path.suffix == ".npz"
+        one = path.suffix.lower() == ".npz"
         folder = path.parent if one else path
         require_writable(folder)
         folder.mkdir(parents=True, exist_ok=True)

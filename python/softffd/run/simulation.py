@@ -369,7 +369,7 @@ def _fmu_path(fmu: str | Path) -> Path:
     from softffd.scene.document import shipped_scenes
 
     path = Path(fmu)
-    if path.suffix == ".toml" or (str(fmu) in shipped_scenes() and not path.exists()):
+    if path.suffix.lower() == ".toml" or (str(fmu) in shipped_scenes() and not path.exists()):
         raise FmuError(f'{fmu}: wanted a Scene or the path of an FMU, got the name of a scene; take load_scene("{fmu}")')
     return path
 

@@ -79,7 +79,7 @@ def _read_text(path: Path) -> str:
 
 
 def _archive(path: Path) -> str:
-    if path.suffix == ".fmu":
+    if path.suffix.lower() == ".fmu":
         return f"wanted a scene file (TOML), got an FMU; to run it: softffd run {shown(path)}"
     return f"wanted a scene file (TOML), got a zip archive; if it is an FMU, rename it to {path.name}.fmu"
 

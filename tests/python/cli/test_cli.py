@@ -56,7 +56,8 @@ def refused(capsys, *arguments) -> str:
 
 def test_build_then_run_the_fmu_then_run_the_scene(quick, capsys):
     assert main(["build", "quick.toml"]) == 0
-    assert main(["run", "quick.fmu", "-o", "from_fmu"]) == 0
+    Path("quick.fmu").rename("QUICK.FMU")
+    assert main(["run", "QUICK.FMU", "-o", "from_fmu"]) == 0
     assert main(["run", "quick.toml", "-o", "from_scene"]) == 0
     a, b = (np.load(quick / folder / "result.npz") for folder in ("from_fmu", "from_scene"))
     np.testing.assert_array_equal(a["positions"], b["positions"])
