@@ -13,7 +13,8 @@ import numpy as np
 
 from softffd.errors import SoftffdError
 from softffd.lattice import rest_grid
-from softffd.mesh.mesh import Mesh, merge_by_position
+from softffd.mesh.mesh import Mesh
+from softffd.mesh.normals import merge_by_position
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 ROUNDS, ENOUGH = 60, 1e-13

@@ -23,7 +23,8 @@ from softffd.embedding.mass_bspline import sample_shares, triangle_shares
 from softffd.embedding.quadrature import sufficient_degrees, triangle_rule
 from softffd.errors import SoftffdError
 from softffd.lattice import rest_grid, shared_by_corners, to_flat
-from softffd.mesh.mesh import Mesh, merge_by_position
+from softffd.mesh.mesh import Mesh
+from softffd.mesh.normals import merge_by_position
 
 DISTRIBUTIONS = ("uniform", "box", "vertices", "surface", "volume")
 

@@ -13,6 +13,7 @@ from softffd.errors import MeshError
 from softffd.mesh.collada import read_dae
 from softffd.mesh.gltf import read_glb, read_gltf
 from softffd.mesh.looks import PLAIN, Looks, one_material
+from softffd.mesh.normals import merge_by_position
 from softffd.mesh.obj import read_obj
 from softffd.mesh.off import read_off
 from softffd.mesh.ply import read_ply
@@ -30,7 +31,7 @@ _READERS = {
     ".gltf": read_gltf, ".off": read_off, ".3mf": read_3mf, ".dae": read_dae,
 }  # fmt: skip
 _WRITERS = {".obj": write_obj, ".stl": write_stl, ".ply": write_ply, ".glb": write_glb}
-_SOUPS = (".stl", ".dae")
+_SOUPS = (".stl", ".dae", ".glb", ".gltf")
 """Kinds whose triangles share no corners as they are read."""
 
 _SCENES = (".glb", ".gltf", ".dae", ".3mf")
@@ -115,8 +116,8 @@ def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
 
     scale: metres per unit of the file, > 0. up: the axis of the file, "x", "y" or "z", that becomes +z, by a
     rotation. Polygons become triangles, several bodies one mesh; vertices that no face uses are left out
-    (they would widen the lattice's box), the others keep the file's order. The corners of the triangles of STL
-    and COLLADA are merged by position and looks.
+    (they would widen the lattice's box), the others keep the file's order. In STL, COLLADA and glTF, which repeat a
+    vertex for each triangle or normal, those of one position and looks become one.
     Raises MeshError for a missing, damaged, empty, flat or otherwise unusable file, saying what is wrong.
     """
     path = Path(path)
@@ -166,24 +167,6 @@ def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = Non
 def placed(mesh: Mesh, *, scale: float, up: str) -> Mesh:
     """Return the mesh in metres and with +z up, as load_mesh gives it with `scale` and `up`."""
     return replace(mesh, vertices=scale * (mesh.vertices @ _TO_Z_UP[up].T))
-
-
-def merge_by_position(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return index (V,) and positions (U, 3) with vertices = positions[index], to 1e-8 of the extent.
-
-    vertices: (V, 3) m. The positions are those of each first vertex, in its order.
-    """
-    extent = np.ptp(vertices, axis=0).max()
-    cells = np.round((vertices - vertices.min(axis=0)) / (1e-8 * extent or 1.0))
-    order = np.lexsort(cells.T)
-    starts = np.ones(len(vertices), dtype=bool)
-    starts[1:] = (cells[order[1:]] != cells[order[:-1]]).any(axis=1)
-    first = order[starts]
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    index = np.empty(len(vertices), dtype=np.int64)
-    index[order] = rank[np.cumsum(starts) - 1]
-    return index, vertices[np.sort(first)]
 
 
 def _merged(read: Triangles, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

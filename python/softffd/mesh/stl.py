@@ -23,7 +23,7 @@ def read_stl(path: Path, data: bytes) -> Triangles:
     rest = -1 if promised is None else len(data) - _HEAD - promised * _RECORD.itemsize
     text = plain_text(data)
     if rest != 0 and b"\0" not in text and _TEXT.search(text):
-        return _soup(_text_corners(path, text))
+        return _text_triangles(path, text)
     if rest == 0 or (rest > 0 and promised):
         return _binary(data, promised, rest)
     if promised is None:
@@ -47,19 +47,21 @@ def _soup(corners: np.ndarray) -> Triangles:
     return Triangles(vertices, np.arange(len(vertices)).reshape(-1, 3))
 
 
-def _text_corners(path: Path, data: bytes) -> np.ndarray:
-    """Corners (F, 3, 3) of a text file whose facets are all whole."""
+def _text_triangles(path: Path, data: bytes) -> Triangles:
+    """Those of a text file whose facets are all whole."""
     rows = [words for words in (line.split() for line in data.lower().splitlines()) if words]
     keys = [words[0] for words in rows]
     facets, ends = keys.count(b"facet"), keys.count(b"endfacet")
     corners = [words[1:] for words in rows if words[0] == b"vertex"]
     ended = keys.count(b"endsolid") + sum(words[:2] == [b"end", b"solid"] for words in rows)
-    if ended != keys.count(b"solid"):
-        raise damaged(path, "a solid is not closed by the line 'endsolid'")
     if facets != ends or len(corners) != 3 * facets:
         fault = f"{facets} facets begin and {ends} end, with {len(corners)} vertices; each facet has 3"
         raise damaged(path, fault)
     try:
-        return np.array([(float(x), float(y), float(z)) for x, y, z in corners]).reshape(-1, 3, 3)
+        triangles = _soup(np.array([(float(x), float(y), float(z)) for x, y, z in corners]))
     except ValueError:
         raise damaged(path, "a vertex is not three numbers") from None
+    open_ones = keys.count(b"solid") - ended
+    return (
+        triangles._replace(looks=PLAIN.and_notes("no line 'endsolid' at its end, though all facets are whole")) if open_ones else triangles
+    )

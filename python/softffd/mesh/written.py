@@ -11,6 +11,7 @@ from softffd.files import replacing, write_bytes, write_text
 from softffd.mesh.bodies import quiet_trimesh
 from softffd.mesh.looks import Group, Looks, Material, to_light
 from softffd.mesh.mtl import mtl_text
+from softffd.mesh.normals import ShadingNormals, split_at_creases
 
 if TYPE_CHECKING:
     from softffd.mesh.mesh import Mesh
@@ -28,12 +29,14 @@ def write_obj(mesh: Mesh, path: Path, vertices: np.ndarray, decimals: int) -> No
     if looks.colours is not None:
         positions = [f"{place} {colour}" for place, colour in zip(positions, _rows(looks.colours, 4), strict=True)]
     lines += [f"v {row}" for row in positions]
-    corners = [f"{i}" for i in range(1, len(vertices) + 1)]
+    corners = [f"{i}/" for i in range(1, len(vertices) + 1)]
     if mesh.uv is not None:
         texels, texel = np.unique(np.round(mesh.uv, decimals), axis=0, return_inverse=True)
         lines += [f"vt {row}" for row in _rows(texels, decimals)]
-        corners = [f"{corner}/{t}" for corner, t in zip(corners, texel.reshape(-1) + 1, strict=True)]
-    lines += _faces(mesh, corners, names)
+        corners = [f"{corner}{t}" for corner, t in zip(corners, texel.reshape(-1) + 1, strict=True)]
+    normals, normal = np.unique(np.round(_normals(mesh, vertices).reshape(-1, 3), 4), axis=0, return_inverse=True)
+    lines += [f"vn {row}" for row in _rows(normals, 4)]
+    lines += _faces(mesh, corners, (normal.reshape(-1, 3) + 1).tolist(), names)
     write_text(path, "\n".join(lines) + "\n")
 
 
@@ -69,13 +72,19 @@ def write_glb(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
 
     with quiet_trimesh():
         scene = trimesh.Scene()
+        normals = _normals(mesh, vertices)
         for name, faces in _parts(mesh.looks, len(mesh.faces)):
-            used, index = np.unique(mesh.faces[faces], return_inverse=True)
+            used, shades, corners = split_at_creases(vertices, mesh.faces[faces], normals[faces])
             part = mesh.looks.with_faces(faces[:1]).with_vertices(used)
             visual = _visual(part, None if mesh.uv is None else mesh.uv[used])
-            body = trimesh.Trimesh(vertices[used], index.reshape(-1, 3), visual=visual, process=False)
+            body = trimesh.Trimesh(vertices[used], corners, vertex_normals=shades, visual=visual, process=False)
             scene.add_geometry(body, geom_name=name or None, node_name=name or None)
-        write_bytes(path, scene.export(file_type="glb"))
+        write_bytes(path, scene.export(file_type="glb", include_normals=True))
+
+
+def _normals(mesh: Mesh, vertices: np.ndarray) -> np.ndarray:
+    """Unit normals (F, 3, 3) of the corners of every face; what is a crease is decided by the mesh at rest."""
+    return ShadingNormals(mesh.vertices, mesh.faces).corners(vertices)
 
 
 def _parts(looks: Looks, faces: int) -> list[tuple[str, np.ndarray]]:
@@ -105,9 +114,11 @@ def _visual(looks: Looks, uv: np.ndarray | None):
     return visual
 
 
-def _faces(mesh: Mesh, corners: list[str], names: list[str]) -> list[str]:
+def _faces(mesh: Mesh, corners: list[str], normals: list[list[int]], names: list[str]) -> list[str]:
     """The faces in their order, with the object, group and material before those that change it."""
-    looks, lines = mesh.looks, [f"f {corners[a]} {corners[b]} {corners[c]}" for a, b, c in mesh.faces.tolist()]
+    pairs = zip(mesh.faces.tolist(), normals, strict=True)
+    lines = [f"f {corners[a]}/{n} {corners[b]}/{m} {corners[c]}/{k}" for (a, b, c), (n, m, k) in pairs]
+    looks = mesh.looks
     before: dict[int, list[str]] = {}
     if looks.groups:
         was = Group()

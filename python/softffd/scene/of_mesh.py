@@ -10,7 +10,8 @@ import numpy as np
 from softffd.embedding.mass import filled_words, point_masses
 from softffd.errors import SoftffdError
 from softffd.mesh.habits import UNITS, WORDS, habit_of
-from softffd.mesh.mesh import Mesh, load_mesh, merge_by_position, placed
+from softffd.mesh.mesh import Mesh, load_mesh, placed
+from softffd.mesh.normals import merge_by_position
 from softffd.scene.template import toml_string
 from softffd.spelling import did_you_mean, nearest_of
 

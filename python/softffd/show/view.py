@@ -18,10 +18,10 @@ from softffd.embedding.basis import parameter
 from softffd.embedding.deform import deform
 from softffd.files import write_text
 from softffd.lattice import to_flat
+from softffd.mesh.normals import split_at_creases
 from softffd.names import Part
 from softffd.run.history import energies, reactions
 from softffd.show.stage import FREE, PINNED, VIEW, round_length, stage_of
-from softffd.show.surface import split_at_creases
 from softffd.show.template import filled
 from softffd.show.tension import cells_of
 from softffd.show.touch import INK, MARK, touch_of

@@ -10,7 +10,8 @@ from PIL import Image
 
 from mesh_files import CORNERS, ENDINGS, FACES, OFF, PLY_TEXT, TETRAHEDRON, ball, binary_ply, glb_with, loaded, ply, saved, text_stl
 from softffd.errors import MeshError
-from softffd.mesh.mesh import Mesh, load_mesh, merge_by_position, save_mesh
+from softffd.mesh.mesh import Mesh, load_mesh, save_mesh
+from softffd.mesh.normals import merge_by_position
 
 
 @pytest.mark.parametrize("kind", ENDINGS)
@@ -315,9 +316,39 @@ def test_texts_may_begin_and_break_their_lines_as_programs_do(case, tmp_path):
     assert mesh.closed and len(mesh.vertices) == 4 and len(mesh.faces) == 4 and mesh.looks.notes == ()
 
 
+def test_a_text_without_its_last_line_is_read_and_told(tmp_path):
+    mesh = loaded(tmp_path, "a.stl", SOLID[: SOLID.index("endsolid")])
+    assert mesh.closed and len(mesh.faces) == 4
+    assert mesh.looks.notes == ("no line 'endsolid' at its end, though all facets are whole",)
+
+
 @pytest.mark.parametrize("rest", [b"\n", bytes(50)])
 @pytest.mark.parametrize("kind", ["stl", "ply"])
 def test_bytes_after_all_that_a_binary_file_promises_are_told(kind, rest, tmp_path):
     mesh = loaded(tmp_path, f"a.{kind}", saved(tmp_path, kind) + rest)
     assert mesh.closed and len(mesh.faces) == len(ball().faces)
     assert mesh.looks.notes[0].startswith(f"{len(rest)} bytes that follow after")
+
+
+ROUND = trimesh.creation.icosphere(2)
+ROUND = Mesh(ROUND.vertices, ROUND.faces)
+
+
+@pytest.mark.parametrize(
+    "mesh, normals", [(ROUND, 1), (Mesh(CORNERS, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]), 3)], ids=["round", "sharp"]
+)
+def test_normals_are_written_smooth_across_gentle_edges_and_sharp_across_creases(mesh, normals, tmp_path):
+    """normals: of a vertex."""
+    save_mesh(mesh, tmp_path / "a.obj")
+    save_mesh(mesh, tmp_path / "a.glb")
+    rows = [line.split() for line in (tmp_path / "a.obj").read_text().splitlines()]
+    corners = {(v, n) for row in rows if row[0] == "f" for v, _, n in (word.split("/") for word in row[1:])}
+    assert len(corners) == normals * len(mesh.vertices)
+    of_obj = np.array([row[1:] for row in rows if row[0] == "vn"], dtype=float)
+    of_glb = trimesh.load(tmp_path / "a.glb", force="mesh", process=False)
+    assert of_glb.vertices.shape == (normals * len(mesh.vertices), 3)
+    for directions in (of_obj, of_glb.vertex_normals):
+        np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1, atol=2e-4)
+    outwards = of_glb.vertices - mesh.vertices.mean(axis=0)
+    assert (np.einsum("va,va->v", outwards, of_glb.vertex_normals) > 0).all()
+    assert load_mesh(tmp_path / "a.glb").vertices.shape == load_mesh(tmp_path / "a.obj").vertices.shape == mesh.vertices.shape

@@ -1,6 +1,7 @@
 import numpy as np
 
-from softffd.show.surface import ShadingNormals, _neighbouring_corners, cage_surface, face_normals, split_at_creases
+from softffd.mesh.normals import ShadingNormals, _neighbouring_corners, face_normals, split_at_creases
+from softffd.show.surface import cage_surface
 
 
 def sphere(rings=24):

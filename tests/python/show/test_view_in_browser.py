@@ -12,9 +12,9 @@ from PIL import Image
 from made_up_run import ORIGIN, SIZE, made_up_run, with_solids
 from pages import decoded, page_of_two_colours, run_of
 from softffd.embedding.deform import deform
+from softffd.mesh.normals import split_at_creases
 from softffd.scene.rigid import Sphere
 from softffd.show.stage import stage_of
-from softffd.show.surface import split_at_creases
 from softffd.show.view import write_view
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
