@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import sys
 import tempfile
@@ -21,6 +22,8 @@ START_UP = 60.0
 """A process gets this long to start [s]."""
 GRACE = 0.5
 """So much later [s] than the processes, at most, is this one terminated where all are: then their jobs are not lost, but interrupted."""
+LONGEST_FOLDER = 74
+"""Bytes of the folder for temporary files: the server's socket lies in it, in 33 bytes more, and Linux gives the path of a socket 107."""
 
 Work = Callable[[Sequence[Any]], Iterator[Any]]
 
@@ -137,7 +140,8 @@ class _Batch:
 
 def _way(work: Work) -> str:
     """The quickest safe way to start a process: forked from a server that has what the work needs imported, where there is such a thing."""
-    if "forkserver" not in multiprocessing.get_all_start_methods() or sys.platform == "darwin":
+    long = len(os.fsencode(tempfile.gettempdir())) > LONGEST_FOLDER
+    if "forkserver" not in multiprocessing.get_all_start_methods() or sys.platform == "darwin" or long:
         return "spawn"
     multiprocessing.set_forkserver_preload([getattr(work, "func", work).__module__])
     return "forkserver"

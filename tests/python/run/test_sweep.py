@@ -2,6 +2,7 @@
 
 import csv
 import multiprocessing
+import os
 import subprocess
 import sys
 
@@ -290,6 +291,15 @@ def test_the_command_refuses_wrong_values(vary, words, tmp_path, capsys):
     assert main(["sweep", "press", "--vary", vary, "-o", str(tmp_path / "kept")]) == 1
     assert words in capsys.readouterr().err
     assert not (tmp_path / "kept").exists()
+
+
+def test_a_long_path_of_the_folder_for_temporary_files_is_no_hindrance(tmp_path):
+    """Longer than a socket's path may be."""
+    folder = tmp_path / ("t" * 100)
+    folder.mkdir()
+    command = [sys.executable, "-m", "softffd", "sweep", "press", "--vary", "mass=1,2", "--stop-time", "0.01", "-j", "2"]
+    done = subprocess.run(command, cwd=tmp_path, env=os.environ | {"TMPDIR": str(folder)}, capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0 and "2 runs, 0 failed" in done.stdout, done.stderr
 
 
 def test_a_script_needs_no_guard_against_its_own_processes(tmp_path):
