@@ -222,14 +222,14 @@ INNER void subtract_stiffness_product(const SpringRow& springs, int points, cons
 }
 
 /// Least 1 - l/r that counts: keeps the matrix of a spring without length finite.
-constexpr double lowest = -1e6;
+constexpr double least_stretch = -1e6;
 
 INNER void spring_matrices(int lanes, double softening, double per_time, In x0, In y0, In z0, In x1, In y1, In z1, In k, In l, In dashpot,
                            Out xx, Out yy, Out zz, Out xy, Out xz, Out yz) {
   for (int p = 0; p < lanes; ++p) {
     const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
     const double r2 = dx * dx + dy * dy + dz * dz + smallest_square;
-    const double stretched = 1.0 - l[p] / std::sqrt(r2), finite = stretched > lowest ? stretched : lowest;
+    const double stretched = 1.0 - l[p] / std::sqrt(r2), finite = stretched > least_stretch ? stretched : least_stretch;
     const double e = finite > 0 ? finite : softening * finite;
     const double c = (k[p] * (1.0 - e) + per_time * dashpot[p]) / r2, ke = k[p] * e;
     xx[p] = c * dx * dx + ke;

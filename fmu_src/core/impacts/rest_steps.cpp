@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "contact/feasible.hpp"
 #include "contact/tolerances.hpp"
@@ -18,7 +17,6 @@ namespace softffd {
 namespace {
 
 namespace use = thresholds;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Acceleration of the obstacle next to a body that no pin holds [m/s2].
 Vec3 obstacle_acceleration(const Job& job, const State& state) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "contact/tolerances.hpp"
 #include "flight/attitude.hpp"
@@ -16,7 +15,6 @@ namespace softffd {
 namespace {
 
 namespace use = thresholds;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// How loud the vibrations are: their kinetic energy [J], of a pinned body, which nothing has to press on, their size [m].
 double loudness(const Job& job) {

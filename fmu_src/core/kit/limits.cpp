@@ -1,7 +1,6 @@
 #include "kit/limits.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
@@ -10,8 +9,6 @@
 namespace softffd {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double spin(const Model& model, const Points& x, const Points& v) { return rigid_motion(model.body.mass, x, v).spin.norm(); }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "contact/reach.hpp"
 #include "contact/tolerances.hpp"
@@ -14,7 +13,6 @@ namespace softffd {
 namespace {
 
 namespace use = thresholds;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Speed that every body counts as having [m/s].
 constexpr double standstill = 1e-9;
 

@@ -46,7 +46,7 @@ double more_work(const StepView& step, const Points& spring, const Points& v0, c
 }
 
 /// After the closing half kick, which found them with the velocity of the frame, they have it again. middle: velocities before the kick.
-void close_pins(const StepView& step, const Points& middle, Points& v, Exchange& exchange) {
+void return_pins(const StepView& step, const Points& middle, Points& v, Exchange& exchange) {
   step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {
     const int p = held.point;
     const Vec3 old = row(middle, p), velocity = held.velocity();
@@ -148,7 +148,7 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
     if (status != StepStatus::ok) return status;
   }
   kick(view, state, touched && resolved_, true, exchange);
-  close_pins(view, middle_, state.v, exchange);
+  return_pins(view, middle_, state.v, exchange);
   if (!touched) return StepStatus::ok;
   const double work = exchange.work, dissipated = exchange.dissipated;
   const StepStatus status = surface_ ? surface_->close(view, state.v, path.surface, exchange) : contact_.close(view, state.v, exchange);

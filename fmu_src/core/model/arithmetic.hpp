@@ -2,10 +2,13 @@
 #pragma once
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "model/types.hpp"
 
 namespace softffd {
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The larger of two errors; what is not a number is larger than any.
 inline double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "kit/limits.hpp"
 #include "kit/thresholds.hpp"
@@ -15,7 +14,6 @@ namespace softffd {
 namespace {
 
 namespace use = thresholds;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Of the step, after a trial with such an error [m].
 double next_factor(double allowed, double error, int order) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "kit/limits.hpp"
 #include "kit/thresholds.hpp"
@@ -13,7 +12,6 @@ namespace softffd {
 namespace {
 
 namespace use = thresholds;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// What one step of length h may err by [m]: errors add up until damping forgets them.
 class Allowance {

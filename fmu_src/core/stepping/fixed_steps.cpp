@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "kit/limits.hpp"
 #include "kit/thresholds.hpp"
@@ -13,7 +12,6 @@ namespace softffd {
 namespace {
 
 namespace use = thresholds;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Cuts the internal steps of the unit that has begun into so many.
 void refine(Clock& clock, Count times) {

@@ -1,16 +1,14 @@
 #include "stepping/plan.hpp"
 
-#include <limits>
-
 #include "kit/thresholds.hpp"
 #include "methods/traits.hpp"
+#include "model/arithmetic.hpp"
 
 namespace softffd {
 
 namespace {
 
 namespace use = thresholds;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// What is asked for, but for rkn12, whose stages have no velocity, and for what has no place for the dashpots' coupling of velocities:
 /// bm4's coefficients are for kicks that do not depend on them, and the central difference is as published.

@@ -1,12 +1,12 @@
 #include "stepping/propagator.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "contact/tolerances.hpp"
 #include "kit/implicit_steps.hpp"
 #include "kit/limits.hpp"
 #include "kit/trial.hpp"
+#include "model/arithmetic.hpp"
 #include "stepping/controlled_steps.hpp"
 #include "stepping/fixed_steps.hpp"
 
@@ -15,7 +15,6 @@ namespace softffd {
 namespace {
 
 namespace use = thresholds;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 

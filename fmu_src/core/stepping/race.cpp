@@ -1,7 +1,6 @@
 #include "stepping/race.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "kit/limits.hpp"
 #include "kit/thresholds.hpp"
@@ -16,7 +15,6 @@ namespace softffd {
 namespace {
 
 namespace use = thresholds;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double fixed_work(const Job& job, Method method, double H) {
   const double h = tighter(step_limit(job, method, false), job.run.course.calibration(method).h);

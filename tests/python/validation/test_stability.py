@@ -59,7 +59,7 @@ def test_hang_crash_and_fault_are_results_and_the_next_jobs_run():
 
 
 def test_nothing_is_left_of_the_temporary_files_of_processes(monkeypatch, tmp_path):
-    there = SimpleNamespace(TemporaryDirectory=partial(tempfile.TemporaryDirectory, dir=tmp_path))
+    there = SimpleNamespace(TemporaryDirectory=partial(tempfile.TemporaryDirectory, dir=tmp_path), gettempdir=tempfile.gettempdir)
     monkeypatch.setattr(guard, "tempfile", there)
     seen = [len(list(tmp_path.glob("*/*"))) for _ in guarded(at_once, ["one", "crash", "two"], lambda job: 1.0)]
     assert seen[0] == 1 and not list(tmp_path.iterdir())

@@ -6,7 +6,7 @@ namespace softffd {
 
 namespace {
 
-constexpr int most_rounds = 14;
+constexpr int most_guesses = 14;
 /// Of the largest force: pulls that are no reason to end a touch, loads that need not be found.
 constexpr double load_slack = 1e-9;
 /// Share of what the loads of sliding points lack that may be left for the next iteration.
@@ -32,7 +32,7 @@ bool LinearContact::solve(const StepProblem& problem, ContactSet& contacts, bool
     matrix_.linearise(problem);
     contacts.fix_friction_stiffness(cautious);
   }
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < most_guesses; ++round) {
     if (!solve_with_touches(problem, contacts, cautious)) return false;
     const double pull = load_slack * std::max(problem.force_scale, contacts.largest_load());
     bool changed = contacts.release_pulling(pull, round < careful_round);

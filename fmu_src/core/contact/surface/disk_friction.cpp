@@ -16,20 +16,20 @@ constexpr double exact = 1e-13;
 constexpr double falling = 4;
 /// Newton's steps at a time; then so many sweeps, doubled each round. On planes of different directions, where turns follow, one round,
 /// and so many steps without gain.
-constexpr int most_newton = 12, first_sweeps = 4, most_sweeps = 128, most_rounds = 12, most_vain = 3;
+constexpr int most_newton = 12, first_sweeps = 4, most_sweeps = 128, most_newton_rounds = 12, most_vain = 3;
 
 Vec3 into_disk(const Vec3& p, double limit) {
   const double size = p.norm();
   return size <= limit ? p : Vec3(p * (limit / size));
 }
 
-using Tangents = Eigen::Matrix<double, 3, 2>;
+using TangentBasis = Eigen::Matrix<double, 3, 2>;
 
-Tangents tangents(const Vec3& normal) {
+TangentBasis tangents(const Vec3& normal) {
   int least = 0;
   for (int a = 1; a < 3; ++a)
     if (std::abs(normal[a]) < std::abs(normal[least])) least = a;
-  Tangents t;
+  TangentBasis t;
   t.col(0) = normal.cross(Vec3::Unit(least)).normalized();
   t.col(1) = normal.cross(t.col(0));
   return t;
@@ -77,7 +77,7 @@ double DiskFriction::solve(const Disks& disks, std::vector<Vec3>& p) {
     }
   p = best_;
   look(disks, p);
-  const int rounds = disks.parallel ? most_rounds : 1;
+  const int rounds = disks.parallel ? most_newton_rounds : 1;
   for (int round = 0, sweeps = first_sweeps; round < rounds && best > exact * largest && !disks.rows.spent();
        ++round, sweeps = std::min(2 * sweeps, most_sweeps)) {
     for (int i = 0, vain = 0; i < most_newton && best > exact * largest && !disks.rows.spent() && newton_step(disks, p); ++i) {
@@ -112,7 +112,7 @@ void DiskFriction::spread(const Delassus& rows) {
 /// Does everything stick? p becomes the friction that makes it, if that is within the disks.
 bool DiskFriction::stick(const Disks& disks, std::vector<Vec3>& p) {
   const int n = int(p.size());
-  const Tangents basis = tangents(disks.normals[disks.rows.rows()[0].plane]);
+  const TangentBasis basis = tangents(disks.normals[disks.rows.rows()[0].plane]);
   stuck_.assign(n, Vec3::Zero());
   one_.resize(n);
   for (int a = 0; a < 2; ++a) {
@@ -170,7 +170,7 @@ bool DiskFriction::newton_step(const Disks& disks, std::vector<Vec3>& p) {
       p[t] = disks.limit[t] / size * aim;
       unknowns_.push_back({t, normal.cross(aim) / size, disks.limit[t] / size});
     } else {
-      const Tangents basis = tangents(normal);
+      const TangentBasis basis = tangents(normal);
       p[t].setZero();
       for (int a = 0; a < 2; ++a) unknowns_.push_back({t, basis.col(a), 1});
     }
@@ -215,7 +215,7 @@ void DiskFriction::find_columns(const Disks& disks) {
 bool DiskFriction::newton_step_of_few(const Disks& disks, std::vector<Vec3>& p) {
   const int n = int(p.size()), k = int(sliding_.size());
   disks.rows.spend(double(k) * k * (8.0 / 3 * k + n));
-  const Tangents basis = tangents(disks.normals[disks.rows.rows()[0].plane]);
+  const TangentBasis basis = tangents(disks.normals[disks.rows.rows()[0].plane]);
   find_columns(disks);
   slopes_.assign(4 * k * k, 0.0);
   right_.assign(2 * k, 0.0);

@@ -1,15 +1,14 @@
 #include "contact/surface/dual_active_set.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "contact/implicit/step_delassus.hpp"
+#include "model/arithmetic.hpp"
 
 namespace softffd {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Share of a row's own compliance that must be left beside the active ones to be appended; and below which it depends on them.
 constexpr double independent = 1e-10, dependent = 1e-14;
 /// Response below which a row does not unload another.
@@ -17,7 +16,7 @@ constexpr double no_response = 1e-12;
 /// Rows that are looked at first once they were found violated.
 constexpr std::size_t looked_at = 32;
 /// Rows that are added, and dropped for one of them, at most.
-constexpr int most_rounds = 1000, most_drops = 300;
+constexpr int most_additions = 1000, most_drops = 300;
 /// Operations to look at a candidate.
 constexpr double look_work = 50;
 
@@ -61,7 +60,7 @@ StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, st
     heights = begin_;
   else
     spread();
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < most_additions; ++round) {
     if (spent(delassus_, look_work * double(candidates.size()))) return StepStatus::not_finite;
     const int chosen = most_violated(candidates, tolerance);
     added_ = round > 0;

@@ -9,7 +9,7 @@ namespace softffd {
 namespace {
 
 /// Moves out of solids that one after the other may need.
-constexpr int most_looks = 50;
+constexpr int most_jump_looks = 50;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
     drift_.set_masses(body.inverse_mass.head(body.points()));
   }
   const bool free = std::none_of(body.pinned.begin(), body.pinned.end(), [](bool pinned) { return pinned; });
-  for (int looks = 0; looks < most_looks; ++looks) {
+  for (int looks = 0; looks < most_jump_looks; ++looks) {
     if (free) shift(x);
     find_heights(x);
     const std::vector<Count> none;

@@ -11,7 +11,7 @@ namespace softffd {
 namespace {
 
 /// A list of samples reaches so many times as far as it must, and at least this share of the box further: it is seldom made anew.
-constexpr double far_reach = 16, least_reserve = 1e-2;
+constexpr double far_reach = 16, nearest_reserve = 1e-2;
 
 /// By how much any point's gap to a solid of this size may have become smaller.
 double way_since(const Points& x0, const SolidPose& pose0, const Points& x, const SolidPose& pose, const Plane& solid) {
@@ -110,7 +110,7 @@ void Tangents::find(const Drive& around, double t0, double t1, const Points& x0,
 }
 
 void Tangents::list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known) const {
-  known.reserve = far_reach * reach + least_reserve * length_;
+  known.reserve = far_reach * reach + nearest_reserve * length_;
   known.near.clear();
   if (const double apart = gap_between(solid, pose, x0); apart > known.reserve) {
     known.reserve = apart;

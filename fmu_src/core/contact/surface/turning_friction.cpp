@@ -17,7 +17,7 @@ constexpr double solvable = 1e-9;
 constexpr std::size_t few_rows = 6;
 /// Sweeps, fewer where there are many rows; the share of the largest force that they may still change; and rounds of them with rows that
 /// have come to be active. What they leave undone the next step goes on with.
-constexpr int least_sweeps = 10, most_sweeps = 200, swept = 20'000, most_rounds = 4;
+constexpr int least_sweeps = 10, most_exact_sweeps = 200, swept = 20'000, most_exact_rounds = 4;
 constexpr double balanced = 1e-13;
 /// Rows that lose their normal force to friction one after the other, at most: each round has lost one.
 constexpr int most_settlings = 1000;
@@ -60,7 +60,7 @@ StepStatus SurfaceStage::alternate(double tolerance, bool& rests) {
 /// Row by row: what keeps it from its plane, and what stops it or rubs against its slip.
 StepStatus SurfaceStage::balance(double tolerance, bool& rests) {
   std::vector<double> normal;
-  for (int round = 0; round < most_rounds && !rests; ++round) {
+  for (int round = 0; round < most_exact_rounds && !rests; ++round) {
     wanted_.clear();
     whole_slip_.clear();
     for (const SurfaceRow& row : rows) {
@@ -71,7 +71,7 @@ StepStatus SurfaceStage::balance(double tolerance, bool& rests) {
     }
     normal = set_.forces();
     bool done = false;
-    const int sweeps = std::clamp(swept / int(rows.size() * rows.size() + 1), least_sweeps, most_sweeps);
+    const int sweeps = std::clamp(swept / int(rows.size() * rows.size() + 1), least_sweeps, most_exact_sweeps);
     for (int i = 0; i < sweeps && !done; ++i) done = sweep(normal);
     const std::vector<SurfaceRow> before = rows;
     if (const StepStatus status = settle(tolerance); status != StepStatus::ok) return status;
