@@ -2,7 +2,7 @@
 
 A row's name is a pattern (variables.toml): `position[{i},{j},{k}].{c}`, `plane.{name}.point.{c}`, `stiffness.edge`. What stands for
 {i},{j},{k} or {name} is the *instance*: a control point (i, j, k), or the name of a plane, pin, load or probe; {c} is the *component*.
-Names have two forms, of which a scene chooses one for its FMU (fmu.names): *structured* as in the table, and *plain*, where commas and
+Names have two forms, of which a scene chooses one for its FMU (fmu.names): *structured* as in the table, and *flat*, where commas and
 brackets are underscores, `position_0_1_2.x`. Only names at control points differ. Either form is understood wherever names are read.
 The pose of a fixed plane has the same names as that of an input plane; as family it counts the first in the table, the input.
 """
@@ -20,8 +20,8 @@ T = TypeVar("T")
 IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
 """What a plane, pin, load or probe may be called."""
 
-POINT, PLAIN_POINT = "[{i},{j},{k}]", "_{i}_{j}_{k}"
-"""What stands for the control point in a pattern, and in the plain form of it."""
+POINT, FLAT_POINT = "[{i},{j},{k}]", "_{i}_{j}_{k}"
+"""What stands for the control point in a pattern, and in the flat form of it."""
 
 _PART_NAME = re.compile(IDENTIFIER)
 _N = r"(0|[1-9]\d*)"
@@ -49,16 +49,16 @@ class Part(NamedTuple):
         return f"{self.kind}.{self.name}"
 
 
-def variable_name(family: str, instance: str | Point | None = None, component: str = "", *, plain: bool = False) -> str:
+def variable_name(family: str, instance: str | Point | None = None, component: str = "", *, flat: bool = False) -> str:
     """The name of one variable of a family: variable_name("plane_point", "ground", "z") is plane.ground.point.z."""
-    stem = _stem(_row(family), instance, plain)
+    stem = _stem(_row(family), instance, flat)
     return f"{stem}.{component}" if component else stem
 
 
-def variable_names(family: str, instances: Iterable[str | Point | None] = (None,), *, plain: bool = False) -> list[str]:
+def variable_names(family: str, instances: Iterable[str | Point | None] = (None,), *, flat: bool = False) -> list[str]:
     """The names of a family for several instances, one instance with all its components after the other, as in the FMU."""
     row = _row(family)
-    stems = (_stem(row, instance, plain) for instance in instances)
+    stems = (_stem(row, instance, flat) for instance in instances)
     components = row.get("components", "")
     return [f"{stem}.{component}" for stem in stems for component in components] if components else list(stems)
 
@@ -97,11 +97,11 @@ def parse_name(name: str) -> Name | None:
 
 @lru_cache(maxsize=4096)
 def other_form(name: str) -> str | None:
-    """The plain name of the variable that has this structured one, or the other way round; None where there is one form only."""
+    """The flat name of the variable that has this structured one, or the other way round; None where there is one form only."""
     found = parse_name(name)
     if found is None or not isinstance(found.instance, tuple):
         return None
-    return variable_name(found.family, found.instance, found.component, plain="[" in name)
+    return variable_name(found.family, found.instance, found.component, flat="[" in name)
 
 
 def structured(name: str) -> str:
@@ -168,11 +168,11 @@ def listed(names: Iterable[str], *, most: int = 6) -> str:
     return (", ".join(stems[:most]) or "none") + more
 
 
-def _stem(row: dict[str, Any], instance: str | Point | None, plain: bool) -> str:
+def _stem(row: dict[str, Any], instance: str | Point | None, flat: bool) -> str:
     """A name without its component, which comes last in every pattern."""
     pattern = row["name"].removesuffix(".{c}")
-    if plain:
-        pattern = pattern.replace(POINT, PLAIN_POINT)
+    if flat:
+        pattern = pattern.replace(POINT, FLAT_POINT)
     if instance is None or isinstance(instance, str):
         return pattern.format(name=instance)
     i, j, k = instance

@@ -86,7 +86,7 @@ def test_parts_of_which_only_some_are_inputs_keep_the_order_of_the_scene():
 @pytest.mark.parametrize("row", table()["family"], ids=lambda row: row["key"])
 def test_plain_names_mean_what_the_structured_ones_mean(row):
     instance = instance_of(row)
-    names, own = variable_names(row["key"], [instance], plain=True), vector_names(row["key"], instance)
+    names, own = variable_names(row["key"], [instance], flat=True), vector_names(row["key"], instance)
     assert all(re.fullmatch(r"[A-Za-z0-9_.]+", name) for name in names)
     assert [parse_name(name) for name in names] == [parse_name(name) for name in own]
     at_points = isinstance(instance, tuple)
@@ -99,9 +99,9 @@ def test_parts_whose_names_look_like_points_keep_one_form():
         assert parse_name(name) is not None and other_form(name) is None and structured(name) == name
 
 
-@pytest.mark.parametrize("plain", [False, True])
-def test_either_form_finds_what_is_there(plain):
-    name = variable_name("position", (0, 1, 2), "x", plain=plain)
+@pytest.mark.parametrize("flat", [False, True])
+def test_either_form_finds_what_is_there(flat):
+    name = variable_name("position", (0, 1, 2), "x", flat=flat)
     values = ByName({name: 7.0, "mass": 1.0})
     assert values["position[0,1,2].x"] == values["position_0_1_2.x"] == values.get("position_0_1_2.x") == 7.0
     assert "position[0,1,2].x" in values and "position_0_1_2.x" in values and list(values) == [name, "mass"]

@@ -14,8 +14,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from softffd.files import write_text
-from softffd.fmu.arrays import of_whole
-from softffd.fmu.values import list_of_values
+from softffd.fmu.variables import list_of_values, of_whole
 from softffd.installed import table
 from softffd.scene import selection
 from softffd.scene.faults import toml_text

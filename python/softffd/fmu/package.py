@@ -15,12 +15,9 @@ from softffd.embedding.mass import Masses, point_masses
 from softffd.embedding.samples import Samples, surface_samples
 from softffd.errors import SoftffdError
 from softffd.fmu.archive import write_archive
-from softffd.fmu.arrays import array_variables
 from softffd.fmu.deflated import deflate, deflated_file
-from softffd.fmu.description_parts import completed
 from softffd.fmu.interface import Interface, scene_interface
-from softffd.fmu.model_description import model_description
-from softffd.fmu.model_description3 import model_description3
+from softffd.fmu.model_description import completed, model_description, model_description3
 from softffd.fmu.notes import NAME as NOTES
 from softffd.fmu.notes import body_notes
 from softffd.fmu.records import NAME, scene_records, scene_text
@@ -96,12 +93,9 @@ def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None =
     if fmi not in (2, 3):
         raise SoftffdError(f"fmi: wanted 2 or 3, got {fmi!r:.70}")
     found = libraries(platforms)
-    if fmi == 2:
-        texts, _, _ = scene_texts(scene)
-        folders, icon = {name: name for name in found}, "model.png"
-    else:
-        texts = scene_texts3(scene)
-        folders, icon = {name: PLATFORMS3.get(name, name) for name in found}, "terminalsAndIcons/icon.png"
+    texts, _, _ = scene_texts(scene, fmi)
+    folders = {name: name if fmi == 2 else PLATFORMS3.get(name, name) for name in found}
+    icon = "model.png" if fmi == 2 else "terminalsAndIcons/icon.png"
     files = {
         **_files_below(data_folder() / "documentation", "documentation"),
         icon: data_folder() / "model.png",
@@ -129,23 +123,11 @@ def _require_scene(scene: Any, who: str) -> None:
         raise SoftffdError(f"{who}: wanted a Scene, got {scene!r:.70}; load_scene gives the scene of a file")
 
 
-def scene_texts(scene: Scene) -> tuple[dict[str, bytes], list[Variable], str]:
-    """The files of an FMU that differ from scene to scene, its variables and its guid."""
-    masses = scene_masses(scene)
+def scene_texts(scene: Scene, fmi: int = 2) -> tuple[dict[str, bytes], list[Variable], str]:
+    """The files of an FMU that differ from scene to scene, its variables and its guid, a hash of description and records."""
+    masses, samples = scene_masses(scene), scene_samples(scene)
     listed = variables(scene, masses.mass)
-    texts, guid = _completed_texts(model_description(scene, listed), scene, masses)
-    return texts, listed, guid
-
-
-def scene_texts3(scene: Scene) -> dict[str, bytes]:
-    """The same files of an FMU of FMI 3.0."""
-    masses = scene_masses(scene)
-    return _completed_texts(model_description3(scene, array_variables(scene, masses.mass)), scene, masses)[0]
-
-
-def _completed_texts(description: str, scene: Scene, masses: Masses) -> tuple[dict[str, bytes], str]:
-    """Description and records with the guid, a hash of both; the notes, if any; and the guid."""
-    samples = scene_samples(scene)
+    description = (model_description if fmi == 2 else model_description3)(scene, listed)
     records = scene_records(scene, masses, samples)
     guid = _guid(description, records)
     texts = {
@@ -154,7 +136,7 @@ def _completed_texts(description: str, scene: Scene, masses: Masses) -> tuple[di
     }
     if notes := body_notes(scene, masses, samples):
         texts[f"resources/{NOTES}"] = "".join(f"{note}\n" for note in notes).encode()
-    return texts, guid
+    return texts, listed, guid
 
 
 def fmu_path(path: str | Path) -> Path:

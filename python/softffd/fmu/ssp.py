@@ -16,8 +16,8 @@ from xml.etree import ElementTree as Xml
 
 from softffd.errors import SoftffdError
 from softffd.files import replacing
-from softffd.fmu.description_parts import xml_text
 from softffd.fmu.interface import read_interface
+from softffd.fmu.model_description import xml_text
 from softffd.fmu.package import package_fmu
 from softffd.fmu.unpacking import require_no_bomb
 from softffd.fmu.wiring import Connection, Element, Wiring, read_units
@@ -129,7 +129,7 @@ def _element(name: str, file: Path) -> Element:
         raise SoftffdError(f"{file}: cannot be read as an FMU: {error}") from error
     if description.coSimulation is None or description.fmiVersion != "2.0":
         raise SoftffdError(f"{file}: wanted an FMI 2.0 co-simulation FMU, got FMI {description.fmiVersion}")
-    return Element(name, read_interface(description), units)
+    return Element(name, read_interface(description, file), units)
 
 
 def _structure(name: str, wiring: Wiring) -> Xml.Element:

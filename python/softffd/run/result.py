@@ -233,7 +233,7 @@ class Result:
         """All outputs that were recorded, positions among them, by variable name, (T,) each."""
         recorded = [point for point in all_points(self.positions.shape[1:4]) if not np.isnan(self.positions[0, *point, 0])]
         columns = (self.positions[:, *point, axis] for point in recorded for axis in range(3))
-        names = variable_names("position", recorded, plain=self.plain_names)
+        names = variable_names("position", recorded, flat=self.plain_names)
         return {**self.outputs, **dict(zip(names, columns, strict=True))}
 
     def to_dataframe(self) -> pd.DataFrame:

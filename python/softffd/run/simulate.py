@@ -240,7 +240,7 @@ class _Recorder:
         held |= dict(zip(self.inputs.names, self.input_rows.T, strict=True))
         parameters = {name: value for name, value in self.starts.items() if causality[name] == "parameter"}
         return Result(
-            self.times, positions, others, held, parameters, summary, scene, component.lattice, component.interface.plain,
+            self.times, positions, others, held, parameters, summary, scene, component.lattice, component.interface.flat,
             component.obstacles, tuple(self.simulation.log),
         )  # fmt: skip
 

@@ -79,7 +79,7 @@ def _reference(result: Result) -> dict[str, np.ndarray]:
     corners = [(0, 0, 0), tuple(count - 1 for count in result.positions.shape[1:4])]
     columns = {key: values for key, values in result.outputs.items() if (found := parse_name(key)) and not LEFT_OUT.match(found.family)}
     for corner in corners:
-        columns |= dict(zip(variable_names("position", [corner], plain=True), result.positions[:, *corner].T, strict=True))
+        columns |= dict(zip(variable_names("position", [corner], flat=True), result.positions[:, *corner].T, strict=True))
     moved: dict[str, float] = {}
     for key, values in columns.items():
         moved[_vector(key)] = max(moved.get(_vector(key), 0.0), np.ptp(values))
