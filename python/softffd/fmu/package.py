@@ -15,7 +15,6 @@ from softffd.embedding.mass import Masses, point_masses
 from softffd.embedding.samples import Samples, surface_samples
 from softffd.errors import SoftffdError
 from softffd.fmu.archive import write_archive
-from softffd.fmu.deflated import deflate, deflated_file
 from softffd.fmu.interface import Interface, scene_interface
 from softffd.fmu.model_description import completed, model_description, model_description3
 from softffd.fmu.notes import NAME as NOTES
@@ -101,8 +100,7 @@ def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None =
         icon: data_folder() / "model.png",
         **{f"binaries/{folders[name]}/{file.name}": file for name, file in found.items()},
     }
-    entries = {name: deflate(text) for name, text in texts.items()} | {name: deflated_file(file) for name, file in files.items()}
-    write_archive(path, entries)
+    write_archive(path, texts | {name: file.read_bytes() for name, file in files.items()})
     return path
 
 

@@ -16,10 +16,10 @@ from xml.etree import ElementTree as Xml
 
 from softffd.errors import SoftffdError
 from softffd.files import replacing
+from softffd.fmu.archive import require_no_bomb
 from softffd.fmu.interface import read_interface
 from softffd.fmu.model_description import xml_text
 from softffd.fmu.package import package_fmu
-from softffd.fmu.unpacking import require_no_bomb
 from softffd.fmu.wiring import Connection, Element, Wiring, read_units
 from softffd.scene.scene import Scene, load_scene
 from softffd.spelling import did_you_mean
