@@ -25,11 +25,11 @@ from fmpy.fmi2 import (
 )
 
 from softffd.errors import FmuError, UnknownName
+from softffd.fmu.archive import unpack
 from softffd.fmu.block import KINDS, Block, number_of
 from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
 from softffd.fmu.notes import read_notes
 from softffd.fmu.records import PinRecord, read_lattice, read_obstacles, read_pins
-from softffd.fmu.archive import unpack
 from softffd.lattice import LatticeBox
 from softffd.spelling import did_you_mean, nearest_of
 
