@@ -279,7 +279,7 @@ def test_a_state_goes_on_in_another_instance_as_bytes(rich):
     other.free()
 
 
-@pytest.mark.parametrize("scene", [RICH, MIXED, MIXED.replace({"fmu.names": "plain"})], ids=["rich", "mixed", "plain"])
+@pytest.mark.parametrize("scene", [RICH, MIXED, MIXED.replace({"fmu.names": "flat"})], ids=["rich", "mixed", "flat"])
 def test_the_packages_own_host_finds_the_scalars_of_fmi2_in_it(scene, tmp_path):
     found = {}
     for fmi in (2, 3):

@@ -84,7 +84,7 @@ def test_parts_of_which_only_some_are_inputs_keep_the_order_of_the_scene():
 
 
 @pytest.mark.parametrize("row", table()["family"], ids=lambda row: row["key"])
-def test_plain_names_mean_what_the_structured_ones_mean(row):
+def test_flat_names_mean_what_the_structured_ones_mean(row):
     instance = instance_of(row)
     names, own = variable_names(row["key"], [instance], flat=True), vector_names(row["key"], instance)
     assert all(re.fullmatch(r"[A-Za-z0-9_.]+", name) for name in names)

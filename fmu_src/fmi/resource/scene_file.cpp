@@ -243,7 +243,7 @@ constexpr Reader readers[] = {
     {"initial", read_initial},
     {"initial_rotation", [](Record& r, SceneFile& s) { s.rotation = r.vector(); }},
     {"spin_about_mass", [](Record&, SceneFile& s) { s.definition.spin_about_mass = true; }},
-    {"plain_names", [](Record&, SceneFile& s) { s.plain_names = true; }},
+    {"flat_names", [](Record&, SceneFile& s) { s.flat_names = true; }},
     {"reactions", [](Record&, SceneFile& s) { s.reactions = true; }},
     {"energy", [](Record&, SceneFile& s) { s.energy = s.definition.watch_energy = true; }},
     {"solver", [](Record&, SceneFile& s) { s.solver = true; }},

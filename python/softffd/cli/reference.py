@@ -75,7 +75,7 @@ VARIABLES_HEAD = """# The variables of an FMU
 
 A scene's FMU has the variables that the scene needs and no others. `NAME` is that of a plane, pin, load or probe, and `i,j,k` are the
 indices of a control point from 0. Names with `.x .y .z` are vectors in the world frame, one variable a component. Of control points `i`
-runs fastest, then `j`, then `k`; the variables of a line are one block of value references. With `[fmu] names = "plain"` names at control
+runs fastest, then `j`, then `k`; the variables of a line are one block of value references. With `[fmu] names = "flat"` names at control
 points have neither commas nor brackets: `position_i_j_k.x` in the place of `position[i,j,k].x`. Others are the same, and so are all value
 references; `variableNamingConvention` is then `flat`.
 

@@ -85,7 +85,7 @@ class Interface:
 
 def scene_interface(scene: Scene, variables: Iterable[Variable], guid: str) -> Interface:
     """The interface of a scene's FMU, without a look at its XML."""
-    flat = scene.fmu.names != "structured"
+    flat = scene.fmu.names == "flat"
     return Interface(
         name=scene.name,
         title=scene.title,

@@ -54,7 +54,7 @@ def model_description(scene: Scene, variables: Sequence[Variable]) -> str:
     """
     root = _head(scene, {"fmiVersion": "2.0", "guid": GUID_PLACE}, SIMULATION, {variable.family.get("unit") for variable in variables})
     begin, end = xml_text(root).rsplit("</", 1)
-    lines = [line for variable in variables for line in _elements(variable, flat=scene.fmu.names != "structured")]
+    lines = [line for variable in variables for line in _elements(variable, flat=scene.fmu.names == "flat")]
     return "\n".join([begin.rstrip(), "<ModelVariables>", *lines, "</ModelVariables>", *_structure(variables), f"</{end}"])
 
 
@@ -199,7 +199,7 @@ def _head(
         "license": "BSD-2-Clause",
         "generationTool": f"softffd {__version__}",
         "generationDateAndTime": DATE_PLACE,
-        "variableNamingConvention": "structured" if scene.fmu.names == "structured" else "flat",
+        "variableNamingConvention": scene.fmu.names,
     }
     root = Xml.Element("fmiModelDescription", {**identity, **origin})
     Xml.SubElement(root, "CoSimulation", dict(simulation))

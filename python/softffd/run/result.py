@@ -78,8 +78,8 @@ class Result:
     """The scene, where the run started from one"""
     lattice: LatticeBox | None = None
     """Counts, box at rest and basis, as the FMU has them; None for an FMU that is not of this package"""
-    plain_names: bool = False
-    """Whether names at control points are the plain ones (fmu.names), in `outputs`, `inputs` and the files"""
+    flat_names: bool = False
+    """Whether names at control points are the flat ones (fmu.names), in `outputs`, `inputs` and the files"""
     obstacles: Obstacles | None = None
     """What meets them, and shapes of solid ones, as the FMU has them; None for an FMU that is not of this package"""
     log: tuple[Message, ...] = ()
@@ -233,7 +233,7 @@ class Result:
         """All outputs that were recorded, positions among them, by variable name, (T,) each."""
         recorded = [point for point in all_points(self.positions.shape[1:4]) if not np.isnan(self.positions[0, *point, 0])]
         columns = (self.positions[:, *point, axis] for point in recorded for axis in range(3))
-        names = variable_names("position", recorded, flat=self.plain_names)
+        names = variable_names("position", recorded, flat=self.flat_names)
         return {**self.outputs, **dict(zip(names, columns, strict=True))}
 
     def to_dataframe(self) -> pd.DataFrame:

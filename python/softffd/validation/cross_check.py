@@ -3,7 +3,7 @@
     python -m softffd.validation.cross_check FOLDER
 
 writes fmus/2.0/cs/PLATFORM/softffd/VERSION/NAME with NAME.fmu, NAME_ref.opt, NAME_ref.csv and, where the scene has inputs over time,
-NAME_in.csv into the folder. The FMUs have plain names, which no reader of CSV files splits.
+NAME_in.csv into the folder. The FMUs have flat names, which no reader of CSV files splits.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def write_cross_check(folder: Path, names: Iterable[str] | None = None) -> list[
 
 
 def _write(folder: Path, name: str) -> list[Path]:
-    scene = load_scene(name).replace({"fmu.names": "plain"})
+    scene = load_scene(name).replace({"fmu.names": "flat"})
     inputs = inputs_over_time(name)
     result = simulate(scene, inputs=inputs)
     texts = {"ref.opt": _options(scene), "ref.csv": _csv(result.time, _reference(result))}
