@@ -241,9 +241,9 @@ def _view(options: argparse.Namespace) -> None:
 def _info(options: argparse.Namespace) -> None:
     from softffd.cli.info import told_info
     from softffd.fmu.component import Component
-    from softffd.scene.scene import load_scene
+    from softffd.run.simulation import run_source
 
-    what = options.what if Path(options.what).suffix.lower() == ".fmu" else load_scene(options.what)
+    what = run_source(options.what, "softffd info")
     with ProgressLine("packaging"):
         component = Component(what, running=False)
     with component:

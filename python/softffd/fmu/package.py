@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -80,18 +81,23 @@ def _of_cells(scene: Scene, total: float) -> np.ndarray:
     return to_flat(shared_by_corners(cells)[..., None])[:, 0]
 
 
-def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None = None, fmi: int = 2) -> Path:
+def package_fmu(
+    scene: Scene | str | Path, path: str | Path, *, platforms: Iterable[str] | str | None = None, fmi: Literal[2, 3] = 2
+) -> Path:
     """Writes the scene's FMU and returns its path; the same scene gives the same bytes.
 
+    scene: a scene, the path of its file, or the name of a shipped one.
     path: a file name ending in .fmu; folders are made where absent.
     platforms: FMI platform names (linux64, ...) to carry; all that this installation has by default. SoftffdError if one is missing.
     fmi: 2 for FMI 2.0, 3 for FMI 3.0, whose variables are arrays.
     """
-    _require_scene(scene, "package_fmu")
+    from softffd.scene.scene import scene_of  # brings pydantic along, which those who have an FMU do without
+
+    scene = scene_of(scene, "package_fmu")
     path = fmu_path(path)
     if fmi not in (2, 3):
         raise SoftffdError(f"fmi: wanted 2 or 3, got {fmi!r:.70}")
-    found = libraries(platforms)
+    found = libraries([platforms] if isinstance(platforms, str) else platforms)
     texts, _, _ = scene_texts(scene, fmi)
     folders = {name: name if fmi == 2 else PLATFORMS3.get(name, name) for name in found}
     icon = "model.png" if fmi == 2 else "terminalsAndIcons/icon.png"
@@ -106,19 +112,11 @@ def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None =
 
 def write_folder(scene: Scene, folder: Path) -> Interface:
     """Writes what a run of the scene's FMU reads to a folder that exists: no archive, and the library stays where it is installed."""
-    _require_scene(scene, "a run")
     texts, listed, guid = scene_texts(scene)
     (folder / "resources").mkdir()
     for name, text in texts.items():
         (folder / name).write_bytes(text)
     return scene_interface(scene, listed, guid)
-
-
-def _require_scene(scene: Any, who: str) -> None:
-    from softffd.scene.scene import Scene
-
-    if not isinstance(scene, Scene):
-        raise SoftffdError(f"{who}: wanted a Scene, got {scene!r:.70}; load_scene gives the scene of a file")
 
 
 def scene_texts(scene: Scene, fmi: int = 2) -> tuple[dict[str, bytes], list[Variable], str]:

@@ -39,7 +39,8 @@ class Simulation:
             sim.step(0.01)
             print(sim.time, sim.positions.shape, sim.plane["plate"].reaction[2])
 
-    scene_or_fmu: a scene, the path of an FMU, or an opened Component, which is closed at the end.
+    scene_or_fmu: a scene, the path of its file, the name of a shipped one, the path of an FMU, or an opened Component, which is closed at
+        the end.
     tolerance: error aimed at in any control point at the end of the run, relative to the box's largest side; the scene's own by default.
     method: of the time integration, as `solver.method` in the scene.
     start_values: parameters and inputs by name, numbers or vectors.
@@ -248,10 +249,10 @@ class Simulation:
             self._blocks[name] = self.component.block(self._named(name))
         return self._blocks[name]
 
-    def block(self, names: Iterable[str]) -> Block:
+    def block(self, names: Iterable[str] | str) -> Block:
         """Variables that are set or got together, the fastest way: `block.values` is a kept buffer (m,), `block.get()` fills and returns
         it, `block.set()` hands it over, `block.set_rates(...)` takes derivatives of inputs. A vector's name means all its components."""
-        return self.component.block([each for name in names for each in self._named(name)])
+        return self.component.block([each for name in ([names] if isinstance(names, str) else names) for each in self._named(name)])
 
     def set_rates(self, rates: Mapping[str, Any]) -> None:
         """Time derivatives of inputs during the next step, by name: instead of being held, they move from the value that is set.
@@ -353,25 +354,17 @@ class Simulation:
 
 
 def open_component(scene_or_fmu: Any, who: str) -> Component:
-    """The component of a scene or of an FMU's path, or the one given; FmuError, which begins with `who`, for anything else."""
-    if isinstance(scene_or_fmu, Component):
-        return scene_or_fmu
-    if isinstance(scene_or_fmu, str | Path):
-        return Component(_fmu_path(scene_or_fmu))
-    from softffd.scene.scene import Scene
-
-    if not isinstance(scene_or_fmu, Scene):
-        raise FmuError(f"{who}: wanted a Scene or the path of an FMU, got {type(scene_or_fmu).__name__}")
-    return Component(scene_or_fmu)
+    """The component of a scene or of an FMU, or the one given; SoftffdError, which begins with `who`, for anything else."""
+    return scene_or_fmu if isinstance(scene_or_fmu, Component) else Component(run_source(scene_or_fmu, who))
 
 
-def _fmu_path(fmu: str | Path) -> Path:
-    from softffd.scene.document import shipped_scenes
+def run_source(scene_or_fmu: Any, who: str) -> Scene | Path:
+    """The path of an FMU, which ends in .fmu, or the scene that is given by itself, by its file's path or by its name."""
+    if isinstance(scene_or_fmu, str | Path) and Path(scene_or_fmu).suffix.lower() == ".fmu":
+        return Path(scene_or_fmu)
+    from softffd.scene.scene import scene_of  # brings pydantic along, which those who have an FMU do without
 
-    path = Path(fmu)
-    if path.suffix.lower() == ".toml" or (str(fmu) in shipped_scenes() and not path.exists()):
-        raise FmuError(f'{fmu}: wanted a Scene or the path of an FMU, got the name of a scene; take load_scene("{fmu}")')
-    return path
+    return scene_of(scene_or_fmu, who, "a Scene, the path or name of one, or the path of an FMU")
 
 
 def _components_of(name: str, value: Any, count: int) -> list[Any]:

@@ -16,6 +16,7 @@ from host_scenes import HELD, STEP, scene, step
 from softffd import FmuError, Simulation, SoftffdError, installed, package_fmu, write_ssp
 from softffd.fmu import archive
 from softffd.fmu.component import Component
+from softffd.scene.document import SHIPPED
 
 
 def test_a_path_as_text_and_an_opened_component_are_taken_too(tmp_path):
@@ -82,12 +83,20 @@ def test_an_fmu_with_the_installed_library_is_opened_without_unpacking_it(monkey
 
 
 @pytest.mark.parametrize(
-    "wrong, words", [(None, "wanted a Scene or the path"), (3, "wanted a Scene"), ("press", 'take load_scene("press")')]
+    "wrong, words",
+    [(None, "wanted a Scene, the path or name of one, or the path"), (3, "wanted a Scene"), ("pres", 'did you mean "press"?')],
 )
 def test_what_is_neither_scene_nor_fmu_is_refused(wrong, words):
-    with pytest.raises(FmuError) as refused:
+    with pytest.raises(SoftffdError) as refused:
         Simulation(wrong)
     assert words in str(refused.value)
+
+
+def test_a_scene_goes_by_its_name_and_its_path():
+    file = SHIPPED / "press.toml"
+    for given in ("press", str(file), file):
+        with Simulation(given) as sim:
+            assert sim.plane and sim.component.interface.name == "press"
 
 
 def test_a_run_takes_the_library_of_this_machine_alone(tmp_path, monkeypatch):
