@@ -9,7 +9,6 @@ import numpy as np
 
 from softffd.errors import FmuError
 from softffd.names import parse_name, vector_names
-from softffd.run.parts import Vector
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -27,7 +26,7 @@ class PointVectors:
     def _name(self, place: tuple[int, int, int]) -> str:
         return vector_names(self._family, place)[0].rpartition(".")[0]
 
-    def __getitem__(self, place: tuple[int, int, int]) -> Vector:
+    def __getitem__(self, place: tuple[int, int, int]) -> np.ndarray:
         return self._simulation.vector(self._name(place))
 
     def __setitem__(self, place: tuple[int, int, int], value: ArrayLike) -> None:

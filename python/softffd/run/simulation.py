@@ -16,7 +16,7 @@ from softffd.fmu.component import Block, Component, Message
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import part_names
 from softffd.run.choices import choice_in
-from softffd.run.parts import Parts, Pin, Plane, Vector, Vectors
+from softffd.run.parts import Parts, Pin, Plane, Vectors
 from softffd.run.points import PointField, PointVectors
 from softffd.run.states import State, taken_apart
 from softffd.run.times import one_number
@@ -49,7 +49,8 @@ class Simulation:
     log: is called with each Message (status, category, text) when it is said, e.g. `print`; `sim.log` has all of them.
 
     Until the first step, `initialize` or `restart` everything can be set, fixed parameters too; then inputs and tunable parameters.
-    Vectors are set as a whole or by component. What is read is a copy, but for blocks, whose buffers are kept.
+    Vectors are set by assignment of the whole, `plate.point = (0, 0, 0.9)`, or of one component by its name,
+    `sim["plane.plate.point.z"] = 0.9`. What is read is an array of its own, a copy, but for blocks, whose buffers are kept.
     Wrong names, values out of range and refused steps raise FmuError. A discarded step leaves time and state as they were; the standard
     then allows to read, `restore` and `restart`.
     """
@@ -189,7 +190,7 @@ class Simulation:
 
     def __getitem__(self, name: str) -> Any:
         """A variable's value: a number, its name where it has one (`solver.method`), of a Boolean True or False, of a String its text; or,
-        where `name` has components .x .y .z, a Vector."""
+        where `name` has components .x .y .z, an array of them."""
         if name not in self.variables:
             return self.vector(name)
         variable, value = self.variables[name], self._block(name).get().tolist()[0]
@@ -215,15 +216,11 @@ class Simulation:
             raise FmuError(f"{name}: wanted a number, got a String")
         return self._block(name).get().tolist()[0]
 
-    def vector(self, name: str) -> Vector:
-        """The components (3,) or (4,) of a vector; assigning to one of them sets it."""
+    def vector(self, name: str) -> np.ndarray:
+        """The components (3,) or (4,) of a vector, a copy."""
         if name in self.variables:
             raise FmuError(f"{name}: wanted a vector, got a single number of that name")
-
-        def send(values: np.ndarray) -> None:
-            self[name] = values
-
-        return Vector.of(self._block(name).get, send)
+        return self._block(name).get().astype(float)
 
     def _components(self, name: str) -> list[str]:
         """The scalar variables that a name means: itself, or its components; of `stiffness` those of the kinds of springs."""
@@ -323,7 +320,7 @@ class Simulation:
 
     @cached_property
     def load(self) -> Vectors:
-        """The loads by name: total forces (3,) [N], to be set as a whole or by component."""
+        """The loads by name: total forces (3,) [N], to be set as a whole."""
         return Vectors("load", part_names("load", self.variables), self)
 
     @cached_property
