@@ -223,7 +223,7 @@ constexpr Reader readers[] = {
     {"region_damping", read_region<&Region::damping>},
     {"region_internal_damping", read_region<&Region::internal_damping>},
     {"plane", read_plane},
-    {"plane_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.planes, "plane."); }},
+    {"plane_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.planes, "{obstacle}."); }},
     {"solid", read_solid},
     {"box", read_box},
     {"pin", read_pin},

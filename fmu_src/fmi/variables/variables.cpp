@@ -122,7 +122,8 @@ std::string Variables::name(fmi2ValueReference reference) const {
     replace(text, "{j}", std::to_string(own / counts[0] % counts[1]));
     replace(text, "{k}", std::to_string(own / counts[0] / counts[1]));
   }
-  if (part.name) replace(text, "{name}", part.name(scene_, own));
+  if (part.name)
+    for (const char* placeholder : {"{name}", "{obstacle}"}) replace(text, placeholder, part.name(scene_, own));
   if (!info.components.empty()) replace(text, "{c}", std::string(1, info.components[variable->component()]));
   return text;
 }

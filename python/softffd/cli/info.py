@@ -76,4 +76,4 @@ def _grouped(variables: list[ScalarVariable], flat: bool) -> Iterator[tuple[str,
 
 def _family_of_points(variable: ScalarVariable) -> str | None:
     found = parse_name(variable.name)
-    return found.family if found and isinstance(found.instance, tuple) else None
+    return found.family if found and found.at_point else None

@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from softffd.installed import table
-from softffd.lattice import Point, all_points
-from softffd.names import variable_name
+from softffd.lattice import all_points
+from softffd.names import Instance, variable_name
 
 if TYPE_CHECKING:
     from softffd.scene.rigid import Box, Cylinder, Pin, Plane, Sphere
@@ -124,9 +124,9 @@ def internal_damping_present(scene: Scene) -> bool:
     return scene.material.internal_damping > 0 or any(region.internal_damping for region in scene.region)
 
 
-def _instance(words: dict[str, Any]) -> str | Point | None:
+def _instance(words: Words) -> Instance:
     """What stands in a name for a part or a control point."""
-    return (words["i"], words["j"], words["k"]) if "i" in words else words.get("name")
+    return (words["i"], words["j"], words["k"]) if "i" in words else words.get("part", words.get("name"))
 
 
 def _point(scene: Scene, p: int) -> dict[str, Any]:
@@ -148,6 +148,7 @@ def _plane(plane: Plane | Sphere | Cylinder | Box) -> dict[str, Any]:
         words = {"point_of": f"Centre of the {plane.shape()}", "normal_of": axis.format(plane.shape())}
     return {
         **words,
+        "part": plane.part,
         "name": plane.name,
         "point": plane.point,
         **turned,
@@ -206,7 +207,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "positions": points(scene.outputs.positions),
         "velocities": points(scene.outputs.velocities),
         "probes": [{"name": probe.name} for probe in scene.probe],
-        "plane_reactions": [{"name": plane.name, "touching": touching} for plane in planes] if scene.outputs.reactions else [],
+        "plane_reactions": [each | {"touching": touching} for each in surfaces] if scene.outputs.reactions else [],
         "pin_reactions": [{"name": pin.name} for pin in pins] if scene.outputs.reactions else [],
         "energy": when(scene.outputs.energy),
         "energy_gravity": when(scene.outputs.energy and gravity is not None),

@@ -82,7 +82,7 @@ class Part:
         return f"<{self.path}>"
 
 
-class Plane(Part):
+class Obstacle(Part):
     """An obstacle. Its friction and what is an input of its pose and motion can be set at any time, the rest before the first step."""
 
     __slots__ = ()

@@ -79,5 +79,5 @@ def in_place(variables: list[ScalarVariable]) -> list[ScalarVariable]:
 def places(names: Sequence[str]) -> np.ndarray:
     """Indices (m, 4) of the variables of control points: i, j, k, number of the component."""
     found = [parse_name(name) for name in names]
-    rows = [[*name.instance, "xyz".index(name.component)] for name in found if name and isinstance(name.instance, tuple)]
+    rows = [[*(name.instance or ()), "xyz".index(name.component)] for name in found if name and name.at_point]
     return np.array(rows, dtype=int).reshape(-1, 4)

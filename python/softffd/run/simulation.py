@@ -14,9 +14,9 @@ from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import number_of
 from softffd.fmu.component import Block, Component, Message
 from softffd.fmu.interface import ScalarVariable
-from softffd.names import part_names
+from softffd.names import OBSTACLES, part_names, parts_of
 from softffd.run.choices import choice_in
-from softffd.run.parts import Parts, Pin, Plane, Vectors
+from softffd.run.parts import Obstacle, Parts, Pin, Vectors
 from softffd.run.points import PointField, PointVectors
 from softffd.run.states import State, taken_apart
 from softffd.run.times import one_number
@@ -145,7 +145,8 @@ class Simulation:
 
     def __repr__(self) -> str:
         counts = f": {' x '.join(map(str, self.lattice.points))} control points" if self.lattice else ""
-        parts = [f"{kind} {', '.join(found)}" for kind in ("plane", "pin", "load", "probe") if (found := part_names(kind, self.variables))]
+        kinds = (*OBSTACLES, "pin", "load", "probe")
+        parts = [f"{kind} {', '.join(found)}" for kind in kinds if (found := part_names(self.variables, kind))]
         return "\n  ".join([f"Simulation of {self.component.interface.title} at {self.time:.6g} s{counts}", *parts])
 
     def __enter__(self) -> Simulation:
@@ -309,24 +310,31 @@ class Simulation:
         return PointField(self, "force")
 
     @cached_property
-    def plane(self) -> Parts[Plane]:
-        """The obstacles by name: .point .normal .velocity .angular_velocity .friction .reaction .torque .centre .contacts"""
-        return Parts("plane", part_names("plane", self.variables), lambda name: Plane(self, f"plane.{name}"))
+    def obstacle(self) -> Parts[Obstacle]:
+        """Planes, spheres, cylinders and boxes by name: .point .normal .velocity .angular_velocity .friction .reaction .torque .centre
+        .contacts, of a box .rotation in the place of .normal."""
+        paths = {part.name: str(part) for part in parts_of(self.variables, *OBSTACLES)}
+        return Parts("obstacle", list(paths), lambda name: Obstacle(self, paths[name]))
+
+    @cached_property
+    def plane(self) -> Parts[Obstacle]:
+        """The planes alone."""
+        return Parts("plane", part_names(self.variables, "plane"), lambda name: Obstacle(self, f"plane.{name}"))
 
     @cached_property
     def pin(self) -> Parts[Pin]:
         """The pins by name: .position .orientation .velocity .angular_velocity .reaction .torque"""
-        return Parts("pin", part_names("pin", self.variables), lambda name: Pin(self, f"pin.{name}"))
+        return Parts("pin", part_names(self.variables, "pin"), lambda name: Pin(self, f"pin.{name}"))
 
     @cached_property
     def load(self) -> Vectors:
         """The loads by name: total forces (3,) [N], to be set as a whole."""
-        return Vectors("load", part_names("load", self.variables), self)
+        return Vectors("load", part_names(self.variables, "load"), self)
 
     @cached_property
     def probe(self) -> Vectors:
         """The probes by name: points (3,) [m] of the object where it is now."""
-        return Vectors("probe", part_names("probe", self.variables), self)
+        return Vectors("probe", part_names(self.variables, "probe"), self)
 
     @cached_property
     def force(self) -> PointVectors:

@@ -151,7 +151,7 @@ def _not_varied(component: Component, name: str, variable: ScalarVariable | None
 
 
 def _at_point(name: str) -> bool:
-    return (found := parse_name(name)) is not None and isinstance(found.instance, tuple)
+    return (found := parse_name(name)) is not None and found.at_point
 
 
 def _listed(name: str, values: Iterable[Any]) -> list[Any]:
