@@ -183,6 +183,10 @@ def test_obstacles_of_all_kinds_go_by_their_names(tmp_path):
         assert "sphere ball" in repr(sim) and "box crate, shelf" in repr(sim)
         sim.obstacle["log"].friction = 0.7
         assert sim["cylinder.log.friction"] == 0.7
+        for path in ("sphere.ball", "cylinder.log", "box.crate"):  # the library calls them so too
+            with pytest.raises(FmuError, match=rf"{path}\.friction: wanted >= 0, got -1"):
+                sim[f"{path}.friction"] = -1
+            sim.restart()
         with pytest.raises(FmuError, match='obstacle bal: there is no such obstacle, did you mean "ball"'):
             sim.obstacle["bal"]
         with pytest.raises(FmuError, match=r"plane\.ball\.point: the FMU has no such variable"):
