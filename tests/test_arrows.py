@@ -19,7 +19,7 @@ MADE = ("variable_table.hpp", "fmi2FunctionTypes.h", "fmi2Functions.h", "fmi2Typ
 
 PACKAGE_ROOMS = [
     *("cli", "validation", "show", "drivers", "run", "fmu", "scene", "embedding", "mesh"),
-    *("names", "lattice", "obstacles", "rotation", "files", "installed", "spelling", "moved", "errors"),
+    *("names", "lattice", "obstacles", "rotation", "files", "installed", "spelling", "errors"),
 ]
 """The shipped scenes are data, and the package's own __init__ knows everybody."""
 

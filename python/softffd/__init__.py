@@ -3,8 +3,6 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from softffd import moved as moved
-
 if TYPE_CHECKING:
     from softffd.embedding.deform import deform
     from softffd.errors import FmuError, MeshError, SceneError, SoftffdError
@@ -60,8 +58,6 @@ HOMES = {
     "write_ssp": "fmu.ssp",
 }
 """The module of each public name, imported when the name is asked for: numpy, pydantic and fmpy take most of a second."""
-
-moved.install()
 
 if not TYPE_CHECKING:  # which knows the names from above, and wrong ones too
 

@@ -3,6 +3,7 @@
 import re
 import sys
 import tomllib
+from collections.abc import Iterable
 from ctypes import CDLL
 from functools import cache
 from importlib.resources import files
@@ -53,20 +54,21 @@ def library_function(name: str) -> Any:
         raise SoftffdError(f"{host_library()}: wanted this version's library, got one without {name}; install the package anew") from None
 
 
-def libraries(platforms: list[str] | None = None) -> dict[str, Path]:
+def libraries(platforms: Iterable[str] | None = None) -> dict[str, Path]:
     """The built libraries by FMI platform name, all of them or the ones asked for; SoftffdError names what is there instead."""
     found = {
         folder.name: folder / LIBRARY_NAME[folder.name]
         for folder in sorted((data_folder() / "binaries").iterdir())
         if (folder / LIBRARY_NAME.get(folder.name, "-")).is_file()
     }
-    for platform in platforms or []:
+    wanted = list(platforms or [])
+    for platform in wanted:
         if platform not in found:
             raise SoftffdError(
                 f"--platform {platform}: this installation has no library for it; it has {', '.join(found)}. "
                 "Build softffd on that platform, or install a wheel with all platforms: python3 python/run.py release makes one."
             )
-    return {name: path for name, path in found.items() if not platforms or name in platforms}
+    return {name: path for name, path in found.items() if not wanted or name in wanted}
 
 
 def least_glibc(library: Path) -> str | None:

@@ -1,10 +1,11 @@
 """Names of variables: the table's rows turned into names and names into rows, here and nowhere else.
 
-A row's name is a pattern (variables.toml): `position[{i},{j},{k}].{c}`, `plane.{name}.point.{c}`, `stiffness.edge`. What stands for
-{i},{j},{k} or {name} is the *instance*: a control point (i, j, k), or the name of a plane, pin, load or probe; {c} is the *component*.
-Names have two forms, of which a scene chooses one for its FMU (fmu.names): *structured* as in the table, and *plain*, where commas and
+A row's name is a pattern (variables.toml): `position[{i},{j},{k}].{c}`, `{obstacle}.point.{c}`, `pin.{name}.position.{c}`,
+`stiffness.edge`. What stands for {i},{j},{k}, for {obstacle} or for KIND.{name} is the *instance*: a control point (i, j, k), or a part, an
+obstacle, pin, load or probe with its kind and its name; {c} is the *component*.
+Names have two forms, of which a scene chooses one for its FMU (fmu.names): *structured* as in the table, and *flat*, where commas and
 brackets are underscores, `position_0_1_2.x`. Only names at control points differ. Either form is understood wherever names are read.
-The pose of a fixed plane has the same names as that of an input plane; as family it counts the first in the table, the input.
+The pose of a fixed obstacle has the same names as that of an input; as family it counts the first in the table, the input.
 """
 
 import re
@@ -18,29 +19,21 @@ from softffd.lattice import Point
 T = TypeVar("T")
 
 IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
-"""What a plane, pin, load or probe may be called."""
+"""What an obstacle, pin, load or probe may be called."""
 
-POINT, PLAIN_POINT = "[{i},{j},{k}]", "_{i}_{j}_{k}"
-"""What stands for the control point in a pattern, and in the plain form of it."""
+OBSTACLES = ("plane", "sphere", "cylinder", "box")
+"""Kinds of obstacles"""
+
+POINT, FLAT_POINT = "[{i},{j},{k}]", "_{i}_{j}_{k}"
+"""What stands for the control point in a pattern, and in the flat form of it."""
 
 _PART_NAME = re.compile(IDENTIFIER)
 _N = r"(0|[1-9]\d*)"
 _AT_POINT = re.compile(rf"([a-z_]+)(?:\[{_N},{_N},{_N}\]|_{_N}_{_N}_{_N})(?:\.(\w+))?")
 
 
-class Name(NamedTuple):
-    """A variable's name, taken apart."""
-
-    family: str
-    """Key of its row in the table"""
-    instance: str | Point | None
-    """Name of the plane, pin, load or probe, or the control point; None where there is one only"""
-    component: str
-    """"x", "y", "z" or "w"; empty for scalars"""
-
-
 class Part(NamedTuple):
-    """A plane, pin, load or probe; as text "plane.ground", the beginning of its variables' names."""
+    """An obstacle, pin, load or probe; as text "plane.ground", the beginning of its variables' names."""
 
     kind: str
     name: str
@@ -48,22 +41,46 @@ class Part(NamedTuple):
     def __str__(self) -> str:
         return f"{self.kind}.{self.name}"
 
+    @property
+    def is_obstacle(self) -> bool:
+        return self.kind in OBSTACLES
 
-def variable_name(family: str, instance: str | Point | None = None, component: str = "", *, plain: bool = False) -> str:
+
+Instance = Part | str | Point | None
+"""What a variable belongs to; the name alone is that of a plane, or of the pin, load or probe that the family is of."""
+
+
+class Name(NamedTuple):
+    """A variable's name, taken apart."""
+
+    family: str
+    """Key of its row in the table"""
+    instance: Part | Point | None
+    """The obstacle, pin, load or probe, or the control point; None where there is one only"""
+    component: str
+    """"x", "y", "z" or "w"; empty for scalars"""
+
+    @property
+    def at_point(self) -> bool:
+        """Does it belong to a control point?"""
+        return isinstance(self.instance, tuple) and not isinstance(self.instance, Part)
+
+
+def variable_name(family: str, instance: Instance = None, component: str = "", *, flat: bool = False) -> str:
     """The name of one variable of a family: variable_name("plane_point", "ground", "z") is plane.ground.point.z."""
-    stem = _stem(_row(family), instance, plain)
+    stem = _stem(_row(family), instance, flat)
     return f"{stem}.{component}" if component else stem
 
 
-def variable_names(family: str, instances: Iterable[str | Point | None] = (None,), *, plain: bool = False) -> list[str]:
+def variable_names(family: str, instances: Iterable[Instance] = (None,), *, flat: bool = False) -> list[str]:
     """The names of a family for several instances, one instance with all its components after the other, as in the FMU."""
     row = _row(family)
-    stems = (_stem(row, instance, plain) for instance in instances)
+    stems = (_stem(row, instance, flat) for instance in instances)
     components = row.get("components", "")
     return [f"{stem}.{component}" for stem in stems for component in components] if components else list(stems)
 
 
-def vector_names(family: str, instance: str | Point | None = None) -> list[str]:
+def vector_names(family: str, instance: Instance = None) -> list[str]:
     """The names of all components for one instance."""
     return variable_names(family, (instance,))
 
@@ -91,17 +108,17 @@ def parse_name(name: str) -> Name | None:
     for shape, part, component in shapes:
         row = others.get(shape)
         if row is not None and _has(row, component) and (part is None or _PART_NAME.fullmatch(part)):
-            return Name(row["key"], part, component)
+            return Name(row["key"], None if part is None else Part(words[0], part), component)
     return None
 
 
 @lru_cache(maxsize=4096)
 def other_form(name: str) -> str | None:
-    """The plain name of the variable that has this structured one, or the other way round; None where there is one form only."""
+    """The flat name of the variable that has this structured one, or the other way round; None where there is one form only."""
     found = parse_name(name)
-    if found is None or not isinstance(found.instance, tuple):
+    if found is None or not found.at_point:
         return None
-    return variable_name(found.family, found.instance, found.component, plain="[" in name)
+    return variable_name(found.family, found.instance, found.component, flat="[" in name)
 
 
 def structured(name: str) -> str:
@@ -128,20 +145,20 @@ class ByName(dict[str, T]):
 
 
 def is_pose(name: str) -> bool:
-    """Is this of the pose or motion of a plane or pin, which a scene may make an input?"""
+    """Is this of the pose or motion of an obstacle or pin, which a scene may make an input?"""
     found = parse_name(name)
     return found is not None and "pose" in _row(found.family)
 
 
-def part_names(kind: str, names: Iterable[str]) -> list[str]:
-    """The planes, pins, loads or probes (`kind`: "plane", ...) that names of variables speak of, in the order of the scene.
+def parts_of(names: Iterable[str], *kinds: str) -> list[Part]:
+    """The parts of some kinds ("plane", "pin", ...) that names of variables speak of, in the order of the scene.
 
     Each row of the table goes through its parts in that order. So the family with most parts leads, and what it has not got follows; but
     one whose names are those of two rows (input planes, then fixed ones) comes last.
     """
-    by_family: dict[str, dict[str, None]] = {}
+    by_family: dict[str, dict[Part, None]] = {}
     for name in names:
-        if name.startswith(kind) and (found := parse_name(name)) and isinstance(found.instance, str):
+        if name.startswith(kinds) and (found := parse_name(name)) and isinstance(found.instance, Part) and found.instance.kind in kinds:
             by_family.setdefault(found.family, {})[found.instance] = None
     patterns = [row["name"] for row in _rows().values()]
     families = sorted(by_family, key=lambda family: (patterns.count(_row(family)["name"]), -len(by_family[family])))
@@ -152,7 +169,7 @@ def stem(name: str) -> str:
     """What the components and control points of a variable have in common: "plane.press.point", "velocity[i,j,k]", "mass"."""
     found = parse_name(name)
     whole = name.removesuffix(f".{found.component}") if found and found.component else name
-    return f"{found.family}[i,j,k]" if found and isinstance(found.instance, tuple) else whole
+    return f"{found.family}[i,j,k]" if found and found.at_point else whole
 
 
 def unit_of(name: str) -> str:
@@ -168,15 +185,22 @@ def listed(names: Iterable[str], *, most: int = 6) -> str:
     return (", ".join(stems[:most]) or "none") + more
 
 
-def _stem(row: dict[str, Any], instance: str | Point | None, plain: bool) -> str:
+def part_names(names: Iterable[str], *kinds: str) -> list[str]:
+    """The names of these parts."""
+    return [part.name for part in parts_of(names, *kinds)]
+
+
+def _stem(row: dict[str, Any], instance: Instance, flat: bool) -> str:
     """A name without its component, which comes last in every pattern."""
     pattern = row["name"].removesuffix(".{c}")
-    if plain:
-        pattern = pattern.replace(POINT, PLAIN_POINT)
-    if instance is None or isinstance(instance, str):
-        return pattern.format(name=instance)
-    i, j, k = instance
-    return pattern.format(i=i, j=j, k=k)
+    if flat:
+        pattern = pattern.replace(POINT, FLAT_POINT)
+    if isinstance(instance, Part):
+        return pattern.format(name=instance.name, obstacle=instance)
+    if isinstance(instance, tuple):
+        i, j, k = instance
+        return pattern.format(i=i, j=j, k=k)
+    return pattern.format(name=instance, obstacle=f"plane.{instance}")
 
 
 def _has(row: dict[str, Any], component: str) -> bool:
@@ -205,5 +229,7 @@ def _shapes() -> tuple[Rows, dict[tuple[str | None, ...], dict[str, Any]]]:
         if POINT in row["name"]:
             at_points.setdefault(row["name"].partition(POINT)[0], row)
         else:
-            others.setdefault(tuple(None if word.startswith("{") else word for word in row["name"].split(".")), row)
+            for kind in OBSTACLES:
+                words = row["name"].replace("{obstacle}", f"{kind}.{{name}}").split(".")
+                others.setdefault(tuple(None if word.startswith("{") else word for word in words), row)
     return at_points, others

@@ -279,14 +279,14 @@ def test_a_state_goes_on_in_another_instance_as_bytes(rich):
     other.free()
 
 
-@pytest.mark.parametrize("scene", [RICH, MIXED, MIXED.replace({"fmu.names": "plain"})], ids=["rich", "mixed", "plain"])
+@pytest.mark.parametrize("scene", [RICH, MIXED, MIXED.replace({"fmu.names": "flat"})], ids=["rich", "mixed", "flat"])
 def test_the_packages_own_host_finds_the_scalars_of_fmi2_in_it(scene, tmp_path):
     found = {}
     for fmi in (2, 3):
         with Component(package_fmu(scene, tmp_path / f"{fmi}.fmu", fmi=fmi)) as component:
             words = [(v.name, v.reference, v.type, v.causality, v.variability, v.unit, v.items) for v in component.by_name.values()]
             starts = [None if v.start is None else float(v.start) for v in component.by_name.values()]
-            found[fmi] = words, starts, component.interface.plain
+            found[fmi] = words, starts, component.interface.flat
     assert found[2] == found[3]
 
 

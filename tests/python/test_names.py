@@ -7,24 +7,27 @@ import pytest
 from softffd.installed import table
 from softffd.lattice import all_points
 from softffd.names import (
+    OBSTACLES,
     ByName,
     Name,
     Part,
     other_form,
     parse_name,
     part_names,
+    parts_of,
     structured,
     variable_name,
     variable_names,
     vector_names,
 )
 
-AT_POINT, NAMED = ("force", "position", "velocity"), ("load", "plane", "pin", "probe")
+AT_POINT, NAMED = ("force", "position", "velocity"), ("load", "pin", "probe")
 
 
 def instance_of(row):
     kind = row["name"].partition(".")[0].partition("[")[0]
-    return (3, 0, 12) if kind in AT_POINT else "point" if kind in NAMED else None
+    kind = "sphere" if kind == "{obstacle}" else kind
+    return (3, 0, 12) if kind in AT_POINT else Part(kind, "point") if kind in ("sphere", *NAMED) else None
 
 
 @pytest.mark.parametrize("row", table()["family"], ids=lambda row: row["key"])
@@ -32,7 +35,9 @@ def test_every_row_s_names_come_back_as_its_instance_and_component(row):
     instance = instance_of(row)
     first_of_that_name = next(other for other in table()["family"] if other["name"] == row["name"])
     names = vector_names(row["key"], instance)
-    assert names == [row["name"].format(i=3, j=0, k=12, name="point", c=c) for c in row.get("components", "") or ("",)]
+    assert names == [
+        row["name"].format(i=3, j=0, k=12, name="point", obstacle="sphere.point", c=c) for c in row.get("components", "") or ("",)
+    ]
     for name, component in zip(names, row.get("components", "") or ("",), strict=True):
         assert parse_name(name) == Name(first_of_that_name["key"], instance, component)
 
@@ -63,7 +68,11 @@ def test_names_go_instance_by_instance_and_component_by_component():
 
 
 def test_a_part_as_text_begins_the_names_of_its_variables():
-    assert vector_names("plane_reaction", "ground")[0].startswith(f"{Part('plane', 'ground')}.reaction")
+    for part in (Part("plane", "ground"), Part("sphere", "ball"), Part("cylinder", "log"), Part("box", "table")):
+        assert vector_names("plane_reaction", part) == [f"{part}.reaction.{c}" for c in "xyz"]
+        assert parse_name(f"{part}.contacts") == Name("plane_contacts", part, "")
+    assert vector_names("plane_reaction", "ground") == vector_names("plane_reaction", Part("plane", "ground"))
+    assert parse_name("ball.reaction.x") is parse_name("cone.ball.reaction.x") is None
 
 
 def test_parts_are_listed_in_the_order_of_the_family_that_has_them_all():
@@ -73,23 +82,24 @@ def test_parts_are_listed_in_the_order_of_the_family_that_has_them_all():
         *variable_names("fixed_plane_point", fixed),
         *variable_names("plane_friction", ["a", "b", "c", "d"]),
         *variable_names("pin_reaction", ["e"]),
+        "sphere.f.friction",
     ]
-    assert part_names("plane", names) == ["a", "b", "c", "d"] and part_names("pin", names) == ["e"]
-    assert part_names("load", names) == []
+    assert part_names(names, "plane") == ["a", "b", "c", "d"] and part_names(names, "pin") == ["e"]
+    assert part_names(names, "load") == [] and parts_of(names, *OBSTACLES)[-1] == Part("sphere", "f")
 
 
 def test_parts_of_which_only_some_are_inputs_keep_the_order_of_the_scene():
     names = [*variable_names("pin_position", ["b"]), *variable_names("pin_reaction", ["a", "b", "c"])]
-    assert part_names("pin", names) == ["a", "b", "c"]
+    assert part_names(names, "pin") == ["a", "b", "c"]
 
 
 @pytest.mark.parametrize("row", table()["family"], ids=lambda row: row["key"])
-def test_plain_names_mean_what_the_structured_ones_mean(row):
+def test_flat_names_mean_what_the_structured_ones_mean(row):
     instance = instance_of(row)
-    names, own = variable_names(row["key"], [instance], plain=True), vector_names(row["key"], instance)
+    names, own = variable_names(row["key"], [instance], flat=True), vector_names(row["key"], instance)
     assert all(re.fullmatch(r"[A-Za-z0-9_.]+", name) for name in names)
     assert [parse_name(name) for name in names] == [parse_name(name) for name in own]
-    at_points = isinstance(instance, tuple)
+    at_points = instance == (3, 0, 12)
     assert [other_form(name) for name in own] == (names if at_points else [None] * len(own))
     assert [structured(name) for name in [*names, *own]] == [*own, *own]
 
@@ -99,9 +109,9 @@ def test_parts_whose_names_look_like_points_keep_one_form():
         assert parse_name(name) is not None and other_form(name) is None and structured(name) == name
 
 
-@pytest.mark.parametrize("plain", [False, True])
-def test_either_form_finds_what_is_there(plain):
-    name = variable_name("position", (0, 1, 2), "x", plain=plain)
+@pytest.mark.parametrize("flat", [False, True])
+def test_either_form_finds_what_is_there(flat):
+    name = variable_name("position", (0, 1, 2), "x", flat=flat)
     values = ByName({name: 7.0, "mass": 1.0})
     assert values["position[0,1,2].x"] == values["position_0_1_2.x"] == values.get("position_0_1_2.x") == 7.0
     assert "position[0,1,2].x" in values and "position_0_1_2.x" in values and list(values) == [name, "mass"]

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-import warnings
 
 import pytest
 
@@ -17,9 +16,7 @@ PUBLIC = [
 def loaded_after(program: str) -> set[str]:
     """The packages that a new interpreter has loaded after a program."""
     program = f"{program}\nimport sys; print(*{{name.partition('.')[0] for name in sys.modules}})"
-    done = subprocess.run(
-        [sys.executable, "-W", "error::DeprecationWarning:softffd", "-c", program], capture_output=True, text=True, check=True
-    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     return set(done.stdout.split())
 
 
@@ -64,28 +61,6 @@ HEAVY = {"numpy", "fmpy", "pydantic", "PIL", "matplotlib", "trimesh", "scipy", "
 )
 def test_packages_are_loaded_when_they_are_needed(program, wanted):
     assert loaded_after(program) & HEAVY <= wanted
-
-
-@pytest.mark.parametrize(
-    "old, name, new",
-    [
-        ("softffd.component", "Component", "softffd.fmu.component"),
-        ("softffd.inputs", "Inputs", "softffd.run.inputs"),
-        ("softffd.package", "scene_masses", "softffd.fmu.package"),
-        ("softffd.result", "Result", "softffd.run.result"),
-        ("softffd.scene", "scene_from", "softffd.scene.scene"),
-        ("softffd.mesh", "Mesh", "softffd.mesh.mesh"),
-    ],
-)
-def test_old_names_lead_to_the_new_ones_with_a_warning(old, name, new, monkeypatch):
-    if old not in ("softffd.scene", "softffd.mesh"):  # which are packages of that name
-        monkeypatch.delitem(sys.modules, old, raising=False)
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        found = getattr(__import__(old, fromlist=[name]), name)
-    assert found is getattr(__import__(new, fromlist=[name]), name)
-    deprecated = [warning for warning in said if warning.category is DeprecationWarning and new in str(warning.message)]
-    assert deprecated and deprecated[-1].filename == __file__
 
 
 def test_the_package_says_that_it_is_typed():

@@ -19,6 +19,7 @@ import argparse
 import hashlib
 import json
 import math
+import re
 import sys
 import time
 from collections.abc import Iterator
@@ -131,7 +132,9 @@ def _scene(scene: Scene, method: str, until: float, clock: Clock | None = None) 
 
 
 def _reactions(result: Result) -> Iterator[np.ndarray]:
-    return (result.outputs[name] for name in sorted(result.outputs) if ".reaction." in name)
+    """In the order of the names that they would have if all obstacles were planes."""
+    names = sorted(result.outputs, key=lambda name: re.sub("^(sphere|cylinder|box)", "plane", name))
+    return (result.outputs[name] for name in names if ".reaction." in name)
 
 
 def _case(name: str) -> str:

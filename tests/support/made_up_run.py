@@ -41,7 +41,7 @@ def with_solids(result, *solids):
     for solid in solids:
         pose = {"rotation": solid.rotation_vector()} if isinstance(solid, Box) else {"normal": solid.normal}
         pose |= {what: getattr(solid, what) for what in ("point", "velocity", "angular_velocity")}
-        values |= _vectors(f"plane.{solid.name}", pose)
+        values |= _vectors(str(solid.part), pose)
     return replace(result, parameters=result.parameters | values, obstacles=Obstacles("lattice", tuple(solid.shape() for solid in solids)))
 
 

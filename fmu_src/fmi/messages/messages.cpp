@@ -136,7 +136,7 @@ std::string jump_warning(const SoftBody& body, const SceneFile& scene, double ti
   if (given.method == Method::central_difference) return {};  // as published, points get behind planes without any jump
   for (std::size_t q = 0; q < scene.planes.size(); ++q)
     if (scene.planes[q].moved_by_input && still(given.planes[q]) && now.plane_jump(int(q)) > least)
-      return jump_warning("plane." + scene.planes[q].name, now.plane_jump(int(q)), time);
+      return jump_warning(scene.planes[q].path(), now.plane_jump(int(q)), time);
   return {};
 }
 

@@ -86,11 +86,8 @@ std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
     }
     if (count > 0)
       text += (text.empty() ? "" : " and ") + std::to_string(count) + (count > 1 ? those + " start" : what + " starts") +
-              (!plane.solid()     ? " behind plane "
-               : plane.box()      ? " in box "
-               : plane.length > 0 ? " in cylinder "
-                                  : " in sphere ") +
-              scene.planes[q].name + ", by up to " + estimate(deepest) + " m";
+              (plane.solid() ? " in " : " behind ") + scene.planes[q].kind() + " " + scene.planes[q].name + ", by up to " +
+              estimate(deepest) + " m";
   }
   return text.empty() ? text : text + ", and are moved out at once";
 }

@@ -26,6 +26,8 @@ struct SceneFile {
   struct Plane : PlaneMotion {
     std::string name;
     Chosen inputs;
+    std::string kind() const { return !solid() ? "plane" : box() ? "box" : length > 0 ? "cylinder" : "sphere"; }
+    std::string path() const { return kind() + "." + name; }  ///< with which the names of its variables begin
   };
   struct Pin {
     std::string name;
@@ -56,7 +58,7 @@ struct SceneFile {
   std::vector<Probe> probes;
   std::vector<Vec3> samples;                       ///< of the surface, at rest [m]; none: planes meet the control points
   std::vector<int> forces, positions, velocities;  ///< control points with a variable
-  bool plain_names = false;                        ///< position_0_1_2.x in the place of position[0,1,2].x
+  bool flat_names = false;                         ///< position_0_1_2.x in the place of position[0,1,2].x
   bool reactions = false, energy = false, solver = false, error_estimate = false;
   Basis basis = Basis::bezier;
   int method = 1;

@@ -53,21 +53,23 @@ std::string name_in(const SceneFile& s, int member) {
   return (s.*list)[member].name;
 }
 
+std::string obstacle(const SceneFile& s, int member) { return s.planes[member].path(); }
+
 constexpr auto planes = &SceneFile::planes;
 constexpr auto pins = &SceneFile::pins;
 
 constexpr PartBinding part_bindings[] = {
     {Part::forces, listed<&SceneFile::forces>, nullptr, true},
     {Part::loads, all<&SceneFile::loads>, name_in<&SceneFile::loads>},
-    {Part::input_planes, all<planes>, name_in<planes>, false, by_input<planes>},
-    {Part::input_normals, with_normal, name_in<planes>, false, by_input<planes>},
-    {Part::input_boxes, boxes, name_in<planes>, false, by_input<planes>},
+    {Part::input_planes, all<planes>, obstacle, false, by_input<planes>},
+    {Part::input_normals, with_normal, obstacle, false, by_input<planes>},
+    {Part::input_boxes, boxes, obstacle, false, by_input<planes>},
     {Part::input_pins, moved<pins>, name_in<pins>, false, by_input<pins>},
-    {Part::fixed_planes, all<planes>, name_in<planes>, false, by_input<planes>},
-    {Part::fixed_normals, with_normal, name_in<planes>, false, by_input<planes>},
-    {Part::fixed_boxes, boxes, name_in<planes>, false, by_input<planes>},
+    {Part::fixed_planes, all<planes>, obstacle, false, by_input<planes>},
+    {Part::fixed_normals, with_normal, obstacle, false, by_input<planes>},
+    {Part::fixed_boxes, boxes, obstacle, false, by_input<planes>},
     {Part::fixed_pins, moved<pins>, name_in<pins>, false, by_input<pins>},
-    {Part::planes, all<planes>, name_in<planes>},
+    {Part::planes, all<planes>, obstacle},
     {Part::always, [](const SceneFile&) { return one_if(true); }},
     {Part::stiffness, [](const SceneFile& s) { return one_if(!s.modulus); }},
     {Part::modulus, [](const SceneFile& s) { return one_if(s.modulus.has_value()); }},
@@ -78,7 +80,7 @@ constexpr PartBinding part_bindings[] = {
     {Part::positions, listed<&SceneFile::positions>, nullptr, true},
     {Part::velocities, listed<&SceneFile::velocities>, nullptr, true},
     {Part::probes, all<&SceneFile::probes>, name_in<&SceneFile::probes>},
-    {Part::plane_reactions, reacting<planes>, name_in<planes>},
+    {Part::plane_reactions, reacting<planes>, obstacle},
     {Part::pin_reactions, reacting<pins>, name_in<pins>},
     {Part::energy, [](const SceneFile& s) { return one_if(s.energy); }},
     {Part::energy_gravity, [](const SceneFile& s) { return one_if(s.energy && s.gravity); }},

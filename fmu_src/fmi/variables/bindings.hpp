@@ -22,7 +22,7 @@ constexpr std::size_t row_of(Family family) { return rows_by_id[std::size_t(fami
 struct PartBinding {
   Part part;
   std::vector<int> (*members)(const SceneFile& scene);
-  std::string (*name)(const SceneFile& scene, int member) = nullptr;  ///< what {name} stands for
+  std::string (*name)(const SceneFile& scene, int member) = nullptr;  ///< what {name}, or {obstacle}, stands for
   bool of_points = false;                                             ///< members are control points: {i} {j} {k}
   bool (*by_input)(const SceneFile& scene, int member,
                    std::string_view component) = nullptr;  ///< is this of its pose, as point.z, an input?

@@ -117,12 +117,13 @@ std::string Variables::name(fmi2ValueReference reference) const {
   std::string text(info.name);
   if (part.of_points) {
     const auto& counts = scene_.definition.lattice.counts;
-    if (scene_.plain_names) replace(text, "[{i},{j},{k}]", "_{i}_{j}_{k}");
+    if (scene_.flat_names) replace(text, "[{i},{j},{k}]", "_{i}_{j}_{k}");
     replace(text, "{i}", std::to_string(own % counts[0]));
     replace(text, "{j}", std::to_string(own / counts[0] % counts[1]));
     replace(text, "{k}", std::to_string(own / counts[0] / counts[1]));
   }
-  if (part.name) replace(text, "{name}", part.name(scene_, own));
+  if (part.name)
+    for (const char* placeholder : {"{name}", "{obstacle}"}) replace(text, placeholder, part.name(scene_, own));
   if (!info.components.empty()) replace(text, "{c}", std::string(1, info.components[variable->component()]));
   return text;
 }

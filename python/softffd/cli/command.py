@@ -64,10 +64,9 @@ def _demo(options: argparse.Namespace) -> None:
 
 
 def _build(options: argparse.Namespace) -> None:
-    from softffd.fmu.arrays import array_variables
     from softffd.fmu.notes import body_notes
     from softffd.fmu.package import package_fmu, scene_masses, scene_samples
-    from softffd.fmu.variables import number_of_variables, size_warning
+    from softffd.fmu.variables import size_warning, variables
     from softffd.installed import least_glibc, libraries
     from softffd.scene.scene import load_scene
 
@@ -79,7 +78,8 @@ def _build(options: argparse.Namespace) -> None:
         path = package_fmu(scene, asked, platforms=options.platform, fmi=options.fmi)
     masses = scene_masses(scene)
     print(f"{path}: {scene.title}")
-    count = number_of_variables(scene, masses.mass) if options.fmi == 2 else len(array_variables(scene, masses.mass)) + 1  # and time
+    listed = variables(scene, masses.mass)
+    count = sum(variable.count for variable in listed) if options.fmi == 2 else len(listed) + 1  # and time
     print(f"  {count} variables, {path.stat().st_size / 1024:.0f} kB, mass {masses.mass.sum():.6g} kg")
     needs = {name: least_glibc(library) for name, library in libraries(options.platform).items()}
     print("  runs on " + ", ".join(f"{name} with glibc {glibc} or newer" if glibc else name for name, glibc in needs.items()))
@@ -241,9 +241,9 @@ def _view(options: argparse.Namespace) -> None:
 def _info(options: argparse.Namespace) -> None:
     from softffd.cli.info import told_info
     from softffd.fmu.component import Component
-    from softffd.scene.scene import load_scene
+    from softffd.run.simulation import run_source
 
-    what = options.what if Path(options.what).suffix.lower() == ".fmu" else load_scene(options.what)
+    what = run_source(options.what, "softffd info")
     with ProgressLine("packaging"):
         component = Component(what, running=False)
     with component:

@@ -24,7 +24,7 @@ def told_info(component: Component, *, every: bool = False) -> str:
     if turn := _turn(component):
         lines.append(f"  {turn}")
     variables = list(interface.variables.values())
-    rows = [HEAD, *(map(_row, variables) if every else _grouped(variables, interface.plain))]
+    rows = [HEAD, *(map(_row, variables) if every else _grouped(variables, interface.flat))]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     table = ("  ".join(f"{word:{width}}" for word, width in zip(row, widths, strict=True)).rstrip() for row in rows)
     return "\n".join([*lines, "", *table])
@@ -61,7 +61,7 @@ def _start(variable: ScalarVariable) -> str:
     return named or f"{value:.10g}"
 
 
-def _grouped(variables: list[ScalarVariable], plain: bool) -> Iterator[tuple[str, ...]]:
+def _grouped(variables: list[ScalarVariable], flat: bool) -> Iterator[tuple[str, ...]]:
     """Rows; those of control points of one family are one."""
     for family, group in groupby(variables, _family_of_points):
         listed = list(group)
@@ -69,11 +69,11 @@ def _grouped(variables: list[ScalarVariable], plain: bool) -> Iterator[tuple[str
             yield from map(_row, listed)
             continue
         components = dict.fromkeys(variable.name.rpartition(".")[2] for variable in listed)
-        stem = variable_name(family, (0, 0, 0), plain=plain).replace("0,0,0", "i,j,k").replace("0_0_0", "i_j_k")
+        stem = variable_name(family, (0, 0, 0), flat=flat).replace("0,0,0", "i,j,k").replace("0_0_0", "i_j_k")
         name = f"{stem}{''.join(f' .{each}' for each in components)} ({len(listed) // len(components)} control points)"
         yield (name, *_row(listed[0])[1:])
 
 
 def _family_of_points(variable: ScalarVariable) -> str | None:
     found = parse_name(variable.name)
-    return found.family if found and isinstance(found.instance, tuple) else None
+    return found.family if found and found.at_point else None

@@ -59,11 +59,11 @@ def run_scene_or_fmu(
     if given and not is_mesh:
         raise SoftffdError(f"--{next(iter(given))}: wanted with a mesh file, got {what}; a scene says it in [mesh] and [mass]")
     scene_or_fmu = _mesh_scene(Path(what), error, given) if is_mesh else _opened(what, error)
-    if inputs is None and isinstance(scene_or_fmu, Scene) and not is_mesh:
-        inputs = scene_or_fmu.default_inputs
+    if (isinstance(inputs, str) and not inputs) or (inputs is None and is_mesh):
+        inputs = {}
     try:
         result = simulate(
-            scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs or None, interpolation=interpolation,
+            scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs, interpolation=interpolation,
             tolerance=tolerance, method=method, progress=progress, begun=begun,
         )  # fmt: skip
     except Interrupted as interrupt:

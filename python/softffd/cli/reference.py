@@ -14,8 +14,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from softffd.files import write_text
-from softffd.fmu.arrays import of_whole
-from softffd.fmu.values import list_of_values
+from softffd.fmu.variables import list_of_values, of_whole
 from softffd.installed import table
 from softffd.scene import selection
 from softffd.scene.faults import toml_text
@@ -74,10 +73,12 @@ This page is made from the program's own description of the keys: `python -m sof
 
 VARIABLES_HEAD = """# The variables of an FMU
 
-A scene's FMU has the variables that the scene needs and no others. `NAME` is that of a plane, pin, load or probe, and `i,j,k` are the
-indices of a control point from 0. Names with `.x .y .z` are vectors in the world frame, one variable a component. Of control points `i`
-runs fastest, then `j`, then `k`; the variables of a line are one block of value references. With `[fmu] names = "plain"` names at control
-points have neither commas nor brackets: `position_i_j_k.x` in the place of `position[i,j,k].x`. Others are the same, and so are all value
+A scene's FMU has the variables that the scene needs and no others. `NAME` is that of an obstacle, pin, load or probe, and `i,j,k` are the
+indices of a control point from 0. The variables of a `[[sphere]]`, `[[cylinder]]` or `[[box]]` are those of a plane under their own kind:
+`sphere.NAME.point.x`, `cylinder.NAME.reaction.z`, `box.NAME.friction`. Names with `.x .y .z` are vectors in the world frame, one variable a
+component. Of control points `i` runs fastest, then `j`, then `k`; the variables of a line are one block of value references. With
+`[fmu] names = "flat"` names at control points have neither commas nor brackets: `position_i_j_k.x` in the place of `position[i,j,k].x`.
+Others are the same, and so are all value
 references; `variableNamingConvention` is then `flat`.
 
 This page is made from the table of variables: `python -m softffd.cli.reference docs`.
@@ -143,6 +144,7 @@ def _variable(row: dict[str, Any]) -> list[str]:
     methods = list_of_values({method["key"]: method["value"] for method in table()["method"]})
     words = {
         "name": "NAME",
+        "obstacle": "box.NAME" if row["part"].endswith("_boxes") else "plane.NAME",
         "i": "i",
         "j": "j",
         "k": "k",

@@ -14,7 +14,6 @@ from softffd.errors import SoftffdError
 from softffd.files import require_writable
 from softffd.run.progress import ProgressLine
 from softffd.run.sweep.sweep import sweep
-from softffd.scene.scene import load_scene
 from softffd.spelling import number_in
 
 WANTED = "NAME=FROM:TO:COUNT, NAME=FROM:TO:COUNT:log or NAME=V1,V2,..., e.g. --vary stiffness.edge=500:2000:4:log"
@@ -27,8 +26,6 @@ def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: i
         raise SoftffdError("--vary: wanted each variable once")
     if options.no_input and options.input:
         raise SoftffdError("--no-input: wanted without --input")
-    source = options.what if Path(options.what).suffix.lower() == ".fmu" else load_scene(options.what)
-    inputs = None if options.no_input else options.input or getattr(source, "default_inputs", None)
     folder = options.output or Path(f"softffd-sweep-{Path(options.what).stem}")
     require_writable(folder)
     began = clock.monotonic()
@@ -38,9 +35,9 @@ def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: i
             line.note(f"{done} of {total} runs, {clock.monotonic() - began:.0f} s", at_once=done == total)
 
         table = sweep(
-            source, vary, outputs=options.measure, stop_time=options.stop_time, step=options.step, start_values=start_values, inputs=inputs,
-            tolerance=options.tolerance, method=options.method, jobs=jobs, scheduler=options.scheduler, file=folder / "sweep.npz",
-            progress=progress,
+            options.what, vary, outputs=options.measure, stop_time=options.stop_time, step=options.step, start_values=start_values,
+            inputs={} if options.no_input else options.input, tolerance=options.tolerance, method=options.method,
+            jobs=jobs, scheduler=options.scheduler, file=folder / "sweep.npz", progress=progress,
         )  # fmt: skip
     files = [folder / "sweep.npz", table.to_csv(folder / "sweep.csv")]
     if len(table.values) <= 2:

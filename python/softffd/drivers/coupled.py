@@ -21,7 +21,6 @@ from typing import Any
 from softffd.drivers import build_driver
 from softffd.errors import SoftffdError
 from softffd.fmu.ssp import write_ssp
-from softffd.names import variable_name
 from softffd.scene.scene import Scene, load_scene
 
 SCENE = Path(__file__).with_name("plate_on_box.toml")
@@ -44,15 +43,9 @@ def write_plate_ssp(
     start = {f"initial.{key}": getattr(surface, key) for key in poses} | dict(plate or {})
     moved = [name for name in surface.input_components() if name.startswith(("point", "velocity"))]
     exchanged = [*moved, *(f"reaction.{axis}" for axis in "xyz")]
-    ends = [(f"plate.{name}", f"body.{_variable(surface.name, name)}") for name in exchanged]
+    ends = [(f"plate.{name}", f"body.{surface.part}.{name}") for name in exchanged]
     with TemporaryDirectory(prefix="softffd-") as folder:
         return write_ssp(path, {"plate": build_driver("plate", folder, start_values=start), "body": scene}, ends)
-
-
-def _variable(plane: str, name: str) -> str:
-    """The body's variable of the plate's `name`."""
-    what, _, axis = name.partition(".")
-    return variable_name(f"plane_{what}", plane, axis)
 
 
 def _surface(scene: Scene, name: str | None) -> Any:

@@ -1,43 +1,82 @@
-"""The zip archive of an FMU, from entries that are compressed already: zipfile would compress the library again for every FMU.
-
-    local header, name, stream     of every entry
-    directory entry, name          of every entry, with the place of its local header
-    end of directory
-
-All numbers are little-endian (PKWARE APPNOTE 4.3). Time stamps and modes are fixed, so that the same entries give the same bytes.
-"""
+"""The zip archive of an FMU: how it is written, and what of it a run unpacks."""
 
 from __future__ import annotations
 
-import struct
+import zlib
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
+from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
+import fmpy
+
+from softffd.errors import FmuError, SoftffdError
 from softffd.files import replacing
-from softffd.fmu.deflated import Deflated
+from softffd.installed import host_library, loaded_library
 
-LOCAL, DIRECTORY, END = struct.Struct("<4s5H3L2H"), struct.Struct("<4s6H3L5H2L"), struct.Struct("<4s4H2LH")
-VERSION, DEFLATE = 20, 8
-UNIX = 3 << 8 | VERSION
-MIDNIGHT, NEW_YEAR_2020 = 0, (2020 - 1980) << 9 | 1 << 5 | 1
-MODE = 0o644 << 16
-LARGEST = 0xFFFFFFFF
+LARGEST, MOST_TIMES = 1e9, 100
+"""So many bytes any FMU may unpack to, a larger one so many times its own size."""
+NEW_YEAR_2020 = (2020, 1, 1, 0, 0, 0)
+UNIX, MODE = 3, 0o644 << 16
 
 
-def write_archive(path: Path, entries: Mapping[str, Deflated]) -> None:
-    """Writes the entries by name, modelDescription.xml first, the others sorted. path: its folder is made where it is missing."""
-    names = sorted(entries, key=lambda name: (name != "modelDescription.xml", name))
-    parts: list[bytes] = []
-    directory: list[bytes] = []
-    place = 0
-    for name in names:
-        content, text = entries[name], name.encode("ascii")
-        common = (0, DEFLATE, MIDNIGHT, NEW_YEAR_2020, content.crc, len(content.stream), content.size, len(text), 0)
-        parts += [LOCAL.pack(b"PK\x03\x04", VERSION, *common), text, content.stream]
-        directory += [DIRECTORY.pack(b"PK\x01\x02", UNIX, VERSION, *common, 0, 0, 0, MODE, place), text]
-        place += LOCAL.size + len(text) + len(content.stream)
-    assert place <= LARGEST, "an archive past 4 GB has another form"
-    end = END.pack(b"PK\x05\x06", 0, 0, len(names), len(names), sum(map(len, directory)), place, 0)
+def write_archive(path: Path, entries: Mapping[str, bytes]) -> None:
+    """Writes the entries by name, modelDescription.xml first, the others sorted. Time stamps and modes are fixed, so that the same entries
+    give the same bytes. path: its folder is made where it is missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(path) as stream:
-        stream.writelines([*parts, *directory, end])
+    with replacing(path) as stream, ZipFile(stream, "w") as archive:
+        for name in sorted(entries, key=lambda name: (name != "modelDescription.xml", name)):
+            entry = ZipInfo(name, NEW_YEAR_2020)
+            entry.compress_type, entry.create_system, entry.external_attr = ZIP_DEFLATED, UNIX, MODE
+            archive.writestr(entry, entries[name])
+
+
+def unpack(path: Path, folder: str) -> str | None:
+    """Unpacks what a run reads: no documentation, no libraries of other platforms. Returns the path of the installed library where the FMU
+    has the same one, which is not unpacked then: that and loading it again would take longer than a thousand communication steps."""
+    with ZipFile(path) as archive:
+        same = next((entry.filename for entry in archive.infolist() if _is_installed(entry)), None)
+        require_no_bomb(archive, path.stat().st_size)
+    fmpy.extract(str(path), unzipdir=folder, include=lambda name: name != same and _is_read(name))
+    if not same:
+        return None
+    loaded_library()
+    return str(host_library())
+
+
+def require_no_bomb(archive: ZipFile, packed: int) -> None:
+    """FmuError for a small file whose entries would fill the disk. zipfile writes no more of an entry than the size that it states."""
+    size = sum(entry.file_size for entry in archive.infolist() if _is_read(entry.filename))
+    if size > max(LARGEST, MOST_TIMES * packed):
+        raise FmuError(
+            f"{archive.filename}: its {packed / 1e6:.3g} MB would unpack to {size / 1e9:.3g} GB; wanted at most {LARGEST / 1e9:g} GB, or "
+            f"{MOST_TIMES} times the file's size where that is more"
+        )
+
+
+def _is_read(name: str) -> bool:
+    room, _, rest = name.partition("/")
+    return room not in ("documentation", "sources") and (room != "binaries" or rest.partition("/")[0] in _platforms())
+
+
+def _is_installed(entry: ZipInfo) -> bool:
+    """Whether it is this platform's library, and the installed one by what the archive's directory says of its content."""
+    room, _, rest = entry.filename.partition("/")
+    platform, _, name = rest.partition("/")
+    return room == "binaries" and platform in _platforms() and (name, entry.CRC, entry.file_size) == _installed()
+
+
+def _platforms() -> tuple[str, str]:
+    """What FMI 2.0 and 3.0 call this machine."""
+    return fmpy.platform, fmpy.platform_tuple
+
+
+@cache
+def _installed() -> tuple[str, int, int] | None:
+    """Name, CRC-32 and size [bytes] of the installed library; None where there is none for this machine."""
+    try:
+        library = host_library()
+    except SoftffdError:
+        return None
+    content = library.read_bytes()
+    return library.name, zlib.crc32(content), len(content)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_uint
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -12,9 +12,6 @@ from softffd.errors import FmuError
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import listed
 from softffd.spelling import did_you_mean, nearest_of, number_in
-
-if TYPE_CHECKING:
-    from softffd.fmu.component import Component
 
 KINDS: dict[str, tuple[Any, Any]] = {
     "Real": (np.float64, c_double), "Integer": (np.int32, c_int), "Boolean": (np.int32, c_int), "String": (object, c_char_p),
@@ -24,11 +21,19 @@ TRUTHS = {"true": 1, "1": 1, "false": 0, "0": 0}
 """What a Boolean may be given as, in words"""
 
 
+class Access(Protocol):
+    """What hands blocks of variables to an FMU and back: a component."""
+
+    def set(self, block: Block) -> None: ...
+    def get(self, block: Block) -> None: ...
+    def set_rates(self, block: Block, rates: np.ndarray) -> None: ...
+
+
 class Block:
     """Variables of one kind that are set or got together; `values` is the buffer (m,) that the library reads from and writes to: numbers,
     of Booleans 0 or 1. Of Strings it is a copy."""
 
-    def __init__(self, component: Component, variables: Sequence[ScalarVariable]):
+    def __init__(self, component: Access, variables: Sequence[ScalarVariable]):
         """variables: all of one kind; FmuError otherwise."""
         self.names = tuple(variable.name for variable in variables)
         self.kind = variables[0].kind if variables else "Real"
@@ -82,7 +87,7 @@ class Block:
 class Blocks:
     """Variables of any kinds as one row of numbers: a block of each kind."""
 
-    def __init__(self, component: Component, variables: Sequence[ScalarVariable]):
+    def __init__(self, component: Access, variables: Sequence[ScalarVariable]):
         self.names = tuple(variable.name for variable in variables)
         self.values = np.zeros(len(variables))
         kinds = {kind: [n for n, v in enumerate(variables) if v.kind == kind] for kind in dict.fromkeys(v.kind for v in variables)}

@@ -25,12 +25,11 @@ from fmpy.fmi2 import (
 )
 
 from softffd.errors import FmuError, UnknownName
+from softffd.fmu.archive import unpack
 from softffd.fmu.block import KINDS, Block, number_of
 from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
 from softffd.fmu.notes import read_notes
 from softffd.fmu.records import PinRecord, read_lattice, read_obstacles, read_pins
-from softffd.fmu.scalars import read_interface3
-from softffd.fmu.unpacking import unpack
 from softffd.lattice import LatticeBox
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -124,11 +123,11 @@ class Component:
             description = self.description
             resources = Path(self._folder) / "resources"
             if description.fmiVersion.startswith("3.") and read_lattice(resources):
-                self.interface = read_interface3(description, resources)
+                self.interface = read_interface(description, resources)
                 return library or str(next(Path(self._folder).glob(f"binaries/{fmpy.platform_tuple}/{IDENTIFIER}.*")))
             if description.coSimulation is None or description.fmiVersion != "2.0":
                 raise FmuError(f"{path}: wanted an FMI 2.0 co-simulation FMU, or one of this package for FMI 3.0")
-            self.interface = read_interface(description)
+            self.interface = read_interface(description, resources)
             return library
         except FmuError:
             raise

@@ -1,19 +1,30 @@
-"""What an FMU offers its host: its name and guid, its variables, its default experiment."""
+"""What an FMU offers its host: its name and guid, its variables, its default experiment.
+
+A host of this package speaks of variables as FMI 2.0 has them: the elements stand in the place of the arrays of FMI 3.0. The library
+answers to both standards whatever the description says.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from softffd.fmu.values import listed_values
-from softffd.names import ByName
+from softffd.fmu.records import read_points
+from softffd.fmu.variables import OF_POINTS, Variable, listed_values
+from softffd.installed import table
+from softffd.names import ByName, variable_names
 
 if TYPE_CHECKING:
-    from softffd.fmu.variables import Variable
     from softffd.scene.scene import Scene
 
 IDENTIFIER = "softffd"
 """modelIdentifier of this package's FMUs"""
+TIME = 0
+"""Value reference of the independent variable of FMI 3.0; no family has the id 0"""
+TYPES3 = {"Real": "Float64", "Integer": "Int64"}
+"""What FMI 3.0 calls a type of the table"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +65,8 @@ class Interface:
     guid: str
     variables: ByName[ScalarVariable]
     """By name, in the description's order"""
-    plain: bool
-    """Whether names at control points are plain"""
+    flat: bool
+    """Whether names at control points are flat (softffd.names)"""
     stop_time: float | None
     """Of the default experiment [s]"""
     step: float | None
@@ -72,15 +83,16 @@ class Interface:
         return [v for v in self.variables.values() if v.causality == causality and v.kind == kind]
 
 
-def scene_interface(scene: Scene, variables: list[Variable], guid: str) -> Interface:
+def scene_interface(scene: Scene, variables: Iterable[Variable], guid: str) -> Interface:
     """The interface of a scene's FMU, without a look at its XML."""
+    flat = scene.fmu.names == "flat"
     return Interface(
         name=scene.name,
         title=scene.title,
         identifier=IDENTIFIER,
         guid=guid,
-        variables=ByName({variable.name: _scalar(variable) for variable in variables}),
-        plain=scene.fmu.names == "plain",
+        variables=ByName({element.name: element for variable in variables for element in elements(variable, flat=flat)}),
+        flat=flat,
         stop_time=scene.experiment.stop_time,
         step=scene.experiment.communication_step,
         interpolates=True,
@@ -89,31 +101,39 @@ def scene_interface(scene: Scene, variables: list[Variable], guid: str) -> Inter
     )
 
 
-def _scalar(variable: Variable) -> ScalarVariable:
-    family = variable.family
-    items = listed_values(variable.description) if family.get("named") else None
-    return ScalarVariable(
-        variable.name, variable.reference, family.get("type", "Real"), family["causality"], family["variability"],
-        variable.start, family.get("unit"), variable.description, items,
-    )  # fmt: skip
+def elements(variable: Variable, *, flat: bool = False) -> Iterator[ScalarVariable]:
+    """The elements of a scene's variable, each as a scalar variable. flat: the form of their names."""
+    family, starts = variable.family, variable.start or (None,)
+    for n, (name, description) in enumerate(variable.elements(flat=flat)):
+        yield ScalarVariable(
+            name, variable.reference + n, family.get("type", "Real"), family["causality"], family["variability"],
+            starts[n % len(starts)], family.get("unit"), description, listed_values(description) if family.get("named") else None,
+        )  # fmt: skip
 
 
-def read_interface(description: Any) -> Interface:
-    """The interface from fmpy's reading of a modelDescription.xml (FMI 2.0, co-simulation)."""
-    simulation, experiment = description.coSimulation, description.defaultExperiment
+def read_interface(description: Any, resources: Path) -> Interface:
+    """The interface from fmpy's reading of a modelDescription.xml: of a co-simulation FMU of FMI 2.0, or of one of this package of FMI 3.0,
+    whose resources tell the control points of its arrays."""
+    simulation, experiment, three = description.coSimulation, description.defaultExperiment, description.fmiVersion.startswith("3.")
     own = simulation.modelIdentifier == IDENTIFIER
+    flat = own and description.variableNamingConvention == "flat"
+    if three:
+        arrays = (array for array in description.modelVariables if array.valueReference != TIME)
+        declared = [element for array in arrays for element in _elements_of(array, resources, flat=flat)]
+    else:
+        declared = [_declared(variable, own) for variable in description.modelVariables]
     return Interface(
         name=description.modelName,
         title=description.description or description.modelName,
         identifier=simulation.modelIdentifier,
         guid=description.guid,
-        variables=ByName({variable.name: _declared(variable, own) for variable in description.modelVariables}),
-        plain=own and description.variableNamingConvention == "flat",
+        variables=ByName({variable.name: variable for variable in declared}),
+        flat=flat,
         stop_time=_number(experiment.stopTime) if experiment else None,
         step=_number(experiment.stepSize) if experiment else None,
-        interpolates=bool(simulation.canInterpolateInputs),
-        saves=bool(simulation.canGetAndSetFMUstate),
-        serializes=bool(simulation.canSerializeFMUstate),
+        interpolates=three or bool(simulation.canInterpolateInputs),
+        saves=three or bool(simulation.canGetAndSetFMUstate),
+        serializes=three or bool(simulation.canSerializeFMUstate),
     )
 
 
@@ -129,3 +149,22 @@ def _declared(variable: Any, own: bool) -> ScalarVariable:
         variable.name, variable.valueReference, variable.type, variable.causality, variable.variability,
         variable.start, variable.unit, variable.description or "", items,
     )  # fmt: skip
+
+
+def _elements_of(array: Any, resources: Path, *, flat: bool) -> list[ScalarVariable]:
+    """In the order of their value references, which for control points is that of the scene's list and not of the array."""
+    family = next(family for family in table()["family"] if family["id"] == array.valueReference >> 24)
+    if family["part"] in OF_POINTS:
+        names = variable_names(family["key"], read_points(resources, family["part"]), flat=flat)
+    else:
+        names = [f"{array.name}.{component}" for component in family["components"]] if array.dimensions else [array.name]
+    kind = next(kind for kind, word in TYPES3.items() if word == array.type)
+    starts: list[Any] = [float(word) if kind == "Real" else int(word) for word in (array.start or "").split()] or [None]
+    items = listed_values(array.description) if family.get("named") else None
+    return [
+        ScalarVariable(
+            name, array.valueReference + n, kind, array.causality, array.variability, starts[n % len(starts)], array.unit,
+            array.description, items,
+        )
+        for n, name in enumerate(names)
+    ]  # fmt: skip

@@ -1,18 +1,32 @@
-"""modelDescription.xml of a scene's FMU (FMI 2.0, co-simulation)."""
+"""modelDescription.xml of a scene's FMU: of FMI 2.0, which lists the elements of the variables, and of FMI 3.0 (co-simulation)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+import os
+from collections.abc import Container, Iterator, Mapping, Sequence
+from datetime import UTC, datetime
+from itertools import accumulate
+from typing import TYPE_CHECKING, Any, Final
+from xml.etree import ElementTree as Xml
 
-from softffd.fmu.description_parts import GUID_PLACE, attributes_text, causality, dependencies, head, its_values, quoted, xml_text
-from softffd.fmu.interface import IDENTIFIER
+from softffd import __version__
+from softffd.errors import SoftffdError
+from softffd.fmu.interface import IDENTIFIER, TIME, TYPES3
 from softffd.fmu.variables import Variable
+from softffd.installed import data_folder, table
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
+GUID_PLACE = "{softffd-guid}"
+"""Stands where the guid goes; the guid is a hash of everything else but the date."""
+DATE_PLACE = "{softffd-date}"
+"""Stands where the date goes."""
+AUTHOR: Final = "the softffd authors"
+COPYRIGHT: Final = f"Copyright (c) 2026, {AUTHOR}"
+"""As the licence says it"""
+LAST: Final = 253402300799
+"""The last second of the year 9999"""
 SIMULATION = {
     "modelIdentifier": IDENTIFIER,
     "canHandleVariableCommunicationStepSize": "true",
@@ -22,34 +36,41 @@ SIMULATION = {
     "canGetAndSetFMUstate": "true",
     "canSerializeFMUstate": "true",
 }
+SIMULATION3 = {
+    "modelIdentifier": IDENTIFIER,
+    "canHandleVariableCommunicationStepSize": "true",
+    "maxOutputDerivativeOrder": "1",
+    "canGetAndSetFMUState": "true",
+    "canSerializeFMUState": "true",
+}
+
+_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"})
 
 
-def model_description(scene: Scene, variables: list[Variable]) -> str:
-    """The XML text with GUID_PLACE in the place of the guid and DATE_PLACE in that of the date.
+def model_description(scene: Scene, variables: Sequence[Variable]) -> str:
+    """The XML text for FMI 2.0 with GUID_PLACE in the place of the guid and DATE_PLACE in that of the date.
 
-    A large lattice has a hundred thousand variables: each is written as one line of text, and as little of it as the standard allows.
+    A large lattice has a hundred thousand elements: each is written as one line of text, and as little of it as the standard allows.
     """
-    root = head(scene, {"fmiVersion": "2.0", "guid": GUID_PLACE}, SIMULATION, {variable.family.get("unit") for variable in variables})
+    root = _head(scene, {"fmiVersion": "2.0", "guid": GUID_PLACE}, SIMULATION, {variable.family.get("unit") for variable in variables})
     begin, end = xml_text(root).rsplit("</", 1)
-    return "\n".join([begin.rstrip(), "<ModelVariables>", *_listed(variables), "</ModelVariables>", *_structure(variables), f"</{end}"])
+    lines = [line for variable in variables for line in _elements(variable, flat=scene.fmu.names == "flat")]
+    return "\n".join([begin.rstrip(), "<ModelVariables>", *lines, "</ModelVariables>", *_structure(variables), f"</{end}"])
 
 
-def _listed(variables: list[Variable]) -> Iterator[str]:
-    """The elements of the variables, which have most in common within a family."""
-    common: dict[tuple[str, Any, Any, Any], tuple[str, str]] = {}
-    for variable in variables:
-        like = (variable.family["key"], variable.start, variable.most, variable.nominal)
-        if like not in common:
-            start = () if variable.start is None else (variable.start,)
-            values = attributes_text(its_values(variable, start))
-            common[like] = attributes_text(causality(variable)), f"<{variable.family.get('type', 'Real')}{values}/></ScalarVariable>"
-        kind, values = common[like]
-        words = quoted(variable.description)
-        yield f'<ScalarVariable name="{variable.name}" valueReference="{variable.reference}"{kind} description={words}>{values}'
+def _elements(variable: Variable, *, flat: bool) -> Iterator[str]:
+    kind = variable.family.get("type", "Real")
+    starts = [[start] for start in variable.start] or [[]]
+    values = [f"<{kind}{_attributes_text(_its_values(variable, start))}/></ScalarVariable>" for start in starts]
+    causality = _attributes_text(_causality(variable))
+    for n, (name, description) in enumerate(variable.elements(flat=flat)):
+        attributes = f'name="{name}" valueReference="{variable.reference + n}"{causality} description={_quoted(description)}'
+        yield f"<ScalarVariable {attributes}>{values[n % len(values)]}"
 
 
-def _structure(variables: list[Variable]) -> Iterator[str]:
-    outputs = dependencies(variables, attrgetter("place"))
+def _structure(variables: Sequence[Variable]) -> Iterator[str]:
+    first = accumulate((variable.count for variable in variables), initial=1)
+    outputs = _dependencies(variables, [range(place, place + variable.count) for place, variable in zip(first, variables, strict=False)])
     if not outputs:
         yield "<ModelStructure/>"
         return
@@ -58,3 +79,144 @@ def _structure(variables: list[Variable]) -> Iterator[str]:
     yield "</Outputs>\n<InitialUnknowns>"
     yield from (f'<Unknown index="{index}" dependencies="{known}"/>' for index, known in outputs)
     yield "</InitialUnknowns>\n</ModelStructure>"
+
+
+def model_description3(scene: Scene, variables: Sequence[Variable]) -> str:
+    """The XML text for FMI 3.0, with GUID_PLACE in the place of the instantiation token."""
+    units = {"s", *(variable.family.get("unit") for variable in variables)}
+    identity = {"fmiVersion": "3.0", "instantiationToken": GUID_PLACE}
+    root = _head(scene, identity, SIMULATION3, units, leave_out={"logStatusPending"})
+    listed = Xml.SubElement(root, "ModelVariables")
+    time = {"name": "time", "valueReference": str(TIME), "causality": "independent", "variability": "continuous", "unit": "s"}
+    Xml.SubElement(listed, "Float64", time, description="Time of the communication point")
+    for variable in variables:
+        name = {"name": variable.name, "valueReference": str(variable.reference)}
+        attributes = name | _causality(variable) | {"description": variable.description} | _its_values(variable, variable.start)
+        element = Xml.SubElement(listed, TYPES3[variable.family.get("type", "Real")], attributes)
+        for side in variable.shape:
+            Xml.SubElement(element, "Dimension", start=str(side))
+    structure, outputs = Xml.SubElement(root, "ModelStructure"), _dependencies(variables, [[each.reference] for each in variables])
+    for reference, _ in outputs:
+        Xml.SubElement(structure, "Output", valueReference=reference, dependencies="")
+    for reference, known in outputs:
+        Xml.SubElement(structure, "InitialUnknown", valueReference=reference, dependencies=known)
+    return xml_text(root)
+
+
+def completed(description: str, guid: str) -> str:
+    """The text with its guid, and with the time of the sources: states go from one installation to another whatever their dates."""
+    return description.replace(GUID_PLACE, guid).replace(DATE_PLACE, generation_time())
+
+
+def generation_time() -> str:
+    """The time of the sources, as xs:dateTime: the same scene gives the same FMU whenever it is made.
+
+    It is that of SOURCE_DATE_EPOCH where the environment has it, else of the newest file that the installation puts into FMUs.
+    SoftffdError where SOURCE_DATE_EPOCH is no number of seconds.
+    """
+    given = os.environ.get("SOURCE_DATE_EPOCH")
+    if given is None:
+        seconds = int(max(file.stat().st_mtime for file in data_folder().rglob("*") if file.is_file()))
+    elif given.isascii() and given.isdigit() and int(given) <= LAST:
+        seconds = int(given)
+    else:
+        raise SoftffdError(f"SOURCE_DATE_EPOCH: wanted seconds since 1970, got {given!r}")
+    return datetime.fromtimestamp(seconds, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def xml_text(root: Xml.Element) -> str:
+    """The document."""
+    Xml.indent(root, space="  ")
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + Xml.tostring(root, encoding="unicode") + "\n"
+
+
+def _quoted(text: str) -> str:
+    """An attribute's value as it stands in XML. The standard library's own way to write it loads 40 modules, the web's among them."""
+    return f'"{text.translate(_ESCAPES)}"'
+
+
+def _attributes_text(attributes: Mapping[str, str]) -> str:
+    """As they stand in an element, with a space before each."""
+    return "".join(f" {name}={_quoted(value)}" for name, value in attributes.items())
+
+
+def _causality(variable: Variable) -> dict[str, str]:
+    """Attributes of how it is used: without those that have the standards' default values, as `initial` of all outputs and parameters."""
+    causality, variability = variable.family["causality"], variable.family["variability"]
+    return {"causality": causality} | ({} if variability == "continuous" else {"variability": variability})
+
+
+def _its_values(variable: Variable, start: Sequence[float | int]) -> dict[str, str]:
+    """Attributes of its type: unit, bounds, usual size and start values, which may be none."""
+    family, attributes = variable.family, {}
+    if "unit" in family:
+        attributes["unit"] = family["unit"]
+    if "min" in family:
+        attributes["min"] = repr(family["min"])
+    if variable.most is not None:
+        attributes["max"] = repr(variable.most)
+    if variable.nominal is not None:
+        attributes["nominal"] = repr(float(variable.nominal))
+    if start:
+        real = family.get("type", "Real") == "Real"
+        attributes["start"] = " ".join(repr(float(value) if real else value) for value in start)
+    return attributes
+
+
+def _dependencies(variables: Sequence[Variable], numbers: Sequence[Sequence[int]]) -> list[tuple[str, str]]:
+    """For every output its number, and the numbers of what its initial value depends on. numbers: of each variable, one or one an element.
+
+    Outputs do not depend on inputs of the same moment: they act during the step that follows. Initially some do.
+    """
+    by_family: dict[str, list[int]] = {}
+    rows: dict[str, dict[str, Any]] = {}
+    for variable, own in zip(variables, numbers, strict=True):
+        by_family.setdefault(variable.family["key"], []).extend(own)
+        rows[variable.family["key"]] = variable.family
+    known = {
+        key: " ".join(map(str, sorted(number for other in row["initial_from"] for number in by_family.get(other, []))))
+        for key, row in rows.items()
+        if row["causality"] == "output"
+    }
+    pairs = zip(variables, numbers, strict=True)
+    return [(str(number), known[key]) for variable, own in pairs if (key := variable.family["key"]) in known for number in own]
+
+
+def _head(
+    scene: Scene, identity: Mapping[str, str], simulation: Mapping[str, str], units: Container[str | None], leave_out: Container[str] = ()
+) -> Xml.Element:
+    """The root with all that comes before the variables.
+
+    identity: version of the standard and guid, by the standard's names. simulation: attributes of the CoSimulation element. units, and
+    leave_out of the log categories: names.
+    """
+    origin = {
+        "modelName": scene.name,
+        "description": scene.title,
+        "author": AUTHOR,
+        "version": __version__,
+        "copyright": COPYRIGHT,
+        "license": "BSD-2-Clause",
+        "generationTool": f"softffd {__version__}",
+        "generationDateAndTime": DATE_PLACE,
+        "variableNamingConvention": scene.fmu.names,
+    }
+    root = Xml.Element("fmiModelDescription", {**identity, **origin})
+    Xml.SubElement(root, "CoSimulation", dict(simulation))
+    defined = Xml.SubElement(root, "UnitDefinitions")
+    for unit in table()["unit"]:
+        if unit["name"] in units:
+            element = Xml.SubElement(defined, "Unit", name=unit["name"])
+            Xml.SubElement(element, "BaseUnit", {key: str(power) for key, power in unit["base"].items()})
+    categories = Xml.SubElement(root, "LogCategories")
+    for category in (each for each in table()["log_category"] if each["name"] not in leave_out):
+        Xml.SubElement(categories, "Category", name=category["name"], description=category["description"])
+    Xml.SubElement(
+        root,
+        "DefaultExperiment",
+        startTime="0",
+        stopTime=repr(scene.experiment.stop_time),
+        tolerance=repr(scene.solver.tolerance),
+        stepSize=repr(scene.experiment.communication_step),
+    )
+    return root

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -15,12 +16,8 @@ from softffd.embedding.mass import Masses, point_masses
 from softffd.embedding.samples import Samples, surface_samples
 from softffd.errors import SoftffdError
 from softffd.fmu.archive import write_archive
-from softffd.fmu.arrays import array_variables
-from softffd.fmu.deflated import deflate, deflated_file
-from softffd.fmu.description_parts import completed
 from softffd.fmu.interface import Interface, scene_interface
-from softffd.fmu.model_description import model_description
-from softffd.fmu.model_description3 import model_description3
+from softffd.fmu.model_description import completed, model_description, model_description3
 from softffd.fmu.notes import NAME as NOTES
 from softffd.fmu.notes import body_notes
 from softffd.fmu.records import NAME, scene_records, scene_text
@@ -84,37 +81,37 @@ def _of_cells(scene: Scene, total: float) -> np.ndarray:
     return to_flat(shared_by_corners(cells)[..., None])[:, 0]
 
 
-def package_fmu(scene: Scene, path: str | Path, *, platforms: list[str] | None = None, fmi: int = 2) -> Path:
+def package_fmu(
+    scene: Scene | str | Path, path: str | Path, *, platforms: Iterable[str] | str | None = None, fmi: Literal[2, 3] = 2
+) -> Path:
     """Writes the scene's FMU and returns its path; the same scene gives the same bytes.
 
+    scene: a scene, the path of its file, or the name of a shipped one.
     path: a file name ending in .fmu; folders are made where absent.
     platforms: FMI platform names (linux64, ...) to carry; all that this installation has by default. SoftffdError if one is missing.
     fmi: 2 for FMI 2.0, 3 for FMI 3.0, whose variables are arrays.
     """
-    _require_scene(scene, "package_fmu")
+    from softffd.scene.scene import scene_of  # brings pydantic along, which those who have an FMU do without
+
+    scene = scene_of(scene, "package_fmu")
     path = fmu_path(path)
     if fmi not in (2, 3):
         raise SoftffdError(f"fmi: wanted 2 or 3, got {fmi!r:.70}")
-    found = libraries(platforms)
-    if fmi == 2:
-        texts, _, _ = scene_texts(scene)
-        folders, icon = {name: name for name in found}, "model.png"
-    else:
-        texts = scene_texts3(scene)
-        folders, icon = {name: PLATFORMS3.get(name, name) for name in found}, "terminalsAndIcons/icon.png"
+    found = libraries([platforms] if isinstance(platforms, str) else platforms)
+    texts, _, _ = scene_texts(scene, fmi)
+    folders = {name: name if fmi == 2 else PLATFORMS3.get(name, name) for name in found}
+    icon = "model.png" if fmi == 2 else "terminalsAndIcons/icon.png"
     files = {
         **_files_below(data_folder() / "documentation", "documentation"),
         icon: data_folder() / "model.png",
         **{f"binaries/{folders[name]}/{file.name}": file for name, file in found.items()},
     }
-    entries = {name: deflate(text) for name, text in texts.items()} | {name: deflated_file(file) for name, file in files.items()}
-    write_archive(path, entries)
+    write_archive(path, texts | {name: file.read_bytes() for name, file in files.items()})
     return path
 
 
 def write_folder(scene: Scene, folder: Path) -> Interface:
     """Writes what a run of the scene's FMU reads to a folder that exists: no archive, and the library stays where it is installed."""
-    _require_scene(scene, "a run")
     texts, listed, guid = scene_texts(scene)
     (folder / "resources").mkdir()
     for name, text in texts.items():
@@ -122,30 +119,11 @@ def write_folder(scene: Scene, folder: Path) -> Interface:
     return scene_interface(scene, listed, guid)
 
 
-def _require_scene(scene: Any, who: str) -> None:
-    from softffd.scene.scene import Scene
-
-    if not isinstance(scene, Scene):
-        raise SoftffdError(f"{who}: wanted a Scene, got {scene!r:.70}; load_scene gives the scene of a file")
-
-
-def scene_texts(scene: Scene) -> tuple[dict[str, bytes], list[Variable], str]:
-    """The files of an FMU that differ from scene to scene, its variables and its guid."""
-    masses = scene_masses(scene)
+def scene_texts(scene: Scene, fmi: int = 2) -> tuple[dict[str, bytes], list[Variable], str]:
+    """The files of an FMU that differ from scene to scene, its variables and its guid, a hash of description and records."""
+    masses, samples = scene_masses(scene), scene_samples(scene)
     listed = variables(scene, masses.mass)
-    texts, guid = _completed_texts(model_description(scene, listed), scene, masses)
-    return texts, listed, guid
-
-
-def scene_texts3(scene: Scene) -> dict[str, bytes]:
-    """The same files of an FMU of FMI 3.0."""
-    masses = scene_masses(scene)
-    return _completed_texts(model_description3(scene, array_variables(scene, masses.mass)), scene, masses)[0]
-
-
-def _completed_texts(description: str, scene: Scene, masses: Masses) -> tuple[dict[str, bytes], str]:
-    """Description and records with the guid, a hash of both; the notes, if any; and the guid."""
-    samples = scene_samples(scene)
+    description = (model_description if fmi == 2 else model_description3)(scene, listed)
     records = scene_records(scene, masses, samples)
     guid = _guid(description, records)
     texts = {
@@ -154,7 +132,7 @@ def _completed_texts(description: str, scene: Scene, masses: Masses) -> tuple[di
     }
     if notes := body_notes(scene, masses, samples):
         texts[f"resources/{NOTES}"] = "".join(f"{note}\n" for note in notes).encode()
-    return texts, guid
+    return texts, listed, guid
 
 
 def fmu_path(path: str | Path) -> Path:

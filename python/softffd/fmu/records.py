@@ -92,8 +92,8 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
         lines.append(["initial_rotation", *initial.rotation_vector()])
     if initial.spin_about == "mass":
         lines.append(["spin_about_mass"])
-    if scene.fmu.names == "plain":
-        lines.append(["plain_names"])
+    if scene.fmu.names == "flat":
+        lines.append(["flat_names"])
     lines += [[key] for key in ("reactions", "energy", "solver") if getattr(outputs, key)]
     lines.append(["stop_time", scene.experiment.stop_time])
     solver = scene.solver

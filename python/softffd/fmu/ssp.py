@@ -16,12 +16,12 @@ from xml.etree import ElementTree as Xml
 
 from softffd.errors import SoftffdError
 from softffd.files import replacing
-from softffd.fmu.description_parts import xml_text
+from softffd.fmu.archive import require_no_bomb
 from softffd.fmu.interface import read_interface
+from softffd.fmu.model_description import xml_text
 from softffd.fmu.package import package_fmu
-from softffd.fmu.unpacking import require_no_bomb
 from softffd.fmu.wiring import Connection, Element, Wiring, read_units
-from softffd.scene.scene import Scene, load_scene
+from softffd.scene.scene import Scene, scene_of
 from softffd.spelling import did_you_mean
 
 SSP = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -37,7 +37,7 @@ def write_ssp(
     connections: Iterable[Sequence[Any]],
     *,
     start_values: Mapping[str, Any] | None = None,
-    record: Iterable[str] = (),
+    record: Iterable[str] | str = (),
 ) -> Path:
     """Writes a system of FMUs for SSP hosts and returns its path. For a plate from `softffd drivers` that rests on a scene's box:
 
@@ -108,10 +108,8 @@ def _checked_name(name: str) -> str:
 
 
 def _fmu_of(name: str, what: Scene | str | Path, folder: Path) -> Path:
-    if not isinstance(what, Scene | str | Path):
-        raise SoftffdError(f"{name}: wanted a Scene, its file or name, or the path of an FMU, got {what!r:.70}")
-    if isinstance(what, Scene) or Path(what).suffix.lower() != ".fmu":
-        return package_fmu(what if isinstance(what, Scene) else load_scene(what), folder / f"{name}.fmu")
+    if not isinstance(what, str | Path) or Path(what).suffix.lower() != ".fmu":
+        return package_fmu(scene_of(what, name, "a Scene, the path or name of one, or the path of an FMU"), folder / f"{name}.fmu")
     if not Path(what).is_file():
         raise SoftffdError(f"{what}: there is no such FMU")
     return Path(what)
@@ -129,7 +127,7 @@ def _element(name: str, file: Path) -> Element:
         raise SoftffdError(f"{file}: cannot be read as an FMU: {error}") from error
     if description.coSimulation is None or description.fmiVersion != "2.0":
         raise SoftffdError(f"{file}: wanted an FMI 2.0 co-simulation FMU, got FMI {description.fmiVersion}")
-    return Element(name, read_interface(description), units)
+    return Element(name, read_interface(description, file), units)
 
 
 def _structure(name: str, wiring: Wiring) -> Xml.Element:

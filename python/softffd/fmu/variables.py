@@ -1,17 +1,28 @@
-"""The variables of one scene's FMU: the table modelDescription/variables.toml spread over what the scene holds."""
+"""The variables of one scene's FMU: the table modelDescription/variables.toml spread over what the scene holds.
+
+There is one list, of arrays, as FMI 3.0 has them (fmu_src/fmi/variables/arrays.cpp); FMI 2.0 has the elements of each, in the same order.
+
+    position, velocity, force    one array for all control points that the scene lists: (ni, nj, nk, 3) where they fill a box of the
+                                 lattice, in ascending order, else (points, 3)
+    vectors                      (3,) or (4,); of a pose that is partly input, partly parameter, a scalar each
+
+An element has the value reference of the array's first plus its place in it.
+"""
 
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from softffd.fmu.values import list_of_values
 from softffd.installed import table
-from softffd.lattice import Point
-from softffd.names import variable_names
+from softffd.lattice import all_points
+from softffd.names import Instance, variable_name
 
 if TYPE_CHECKING:
     from softffd.scene.rigid import Box, Cylinder, Pin, Plane, Sphere
@@ -24,26 +35,83 @@ TOUCHING = {"lattice": "control points", "surface": "points of the surface"}
 """What is counted on an obstacle"""
 READABLE = 20_000
 """More variables than this make the descriptions slow to read in many tools"""
+OF_POINTS = ("forces", "positions", "velocities")
+"""Parts whose instances are control points"""
+
+_LIST = re.compile(r"[^:]*: (\d+ \w+(?:, \d+ \w+)*)")
+
+Words = dict[str, Any]
+"""What an instance of a part brings: what stands in its names and descriptions, and its start values"""
 
 
-class Variable(NamedTuple):
-    """One scalar variable as modelDescription.xml states it; `place` counts from 1 in the order of the table."""
+@dataclass(frozen=True)
+class Variable:
+    """One variable of the list."""
 
-    place: int
-    name: str
-    reference: int
     family: dict[str, Any]
-    start: float | int | None
-    most: int | None
-    """Greatest value allowed"""
+    """Its row of the table"""
+    instances: tuple[Words, ...]
+    """What it belongs to: of an array of control points all of them, else one"""
+    components: str
+    """Letters of the last dimension, or of the one component that a scalar is; empty where the family has none"""
+    shape: tuple[int, ...]
+    """Empty for a scalar"""
+    reference: int
+    """Value reference of the first element"""
+    start: tuple[float | int, ...]
+    """One value for all elements, or theirs one by one; empty for outputs"""
     nominal: float | None
-    """Its usual size"""
-    description: str
+    """Usual size"""
+
+    @property
+    def count(self) -> int:
+        """How many elements it has."""
+        return math.prod(self.shape)
+
+    @property
+    def most(self) -> int | None:
+        """Greatest value allowed."""
+        return _value_in(self.family, "max", self.instances[0], 0)
+
+    @property
+    def name(self) -> str:
+        """Of the whole."""
+        if self.family["part"] in OF_POINTS:
+            return self.family["name"].partition("[")[0]
+        return variable_name(self.family["key"], _instance(self.instances[0]), "" if self.shape else self.components)
+
+    @property
+    def description(self) -> str:
+        """Of the whole."""
+        text = of_whole(self.family["description"]) if self.shape else self.family["description"]
+        if self.family["part"] in OF_POINTS:
+            _, which = _box([_instance(words) for words in self.instances])
+            text = text.replace("control point ({i},{j},{k})", f"the control points {which}")
+        return text.format(**self.instances[0], c=self.components)
+
+    def elements(self, *, flat: bool = False) -> Iterator[tuple[str, str]]:
+        """Name and description of each element. flat: the names' form (softffd.names)."""
+        key, description = self.family["key"], self.family["description"]
+        for words in self.instances:
+            for letter in self.components or [""]:
+                yield variable_name(key, _instance(words), letter, flat=flat), description.format(**words, c=letter)
 
 
 def method_value(key: str) -> int:
     """The number that stands for a method in solver.method."""
     return next(method["value"] for method in table()["method"] if method["key"] == key)
+
+
+def list_of_values(values: dict[str, int]) -> str:
+    """Names of an Integer variable's values, as descriptions and messages list them: "1 auto, 2 central_difference". FMI 2.0 has
+    enumerations for this, which many masters can't set."""
+    return ", ".join(f"{value} {name}" for name, value in values.items())
+
+
+def listed_values(description: str) -> dict[str, int] | None:
+    """The values by name from a description that ends in their list; None where it has none."""
+    found = _LIST.fullmatch(description)
+    return {name: int(value) for value, name in (pair.split() for pair in found[1].split(", "))} if found else None
 
 
 def spring_damping_present(scene: Scene) -> bool:
@@ -56,9 +124,9 @@ def internal_damping_present(scene: Scene) -> bool:
     return scene.material.internal_damping > 0 or any(region.internal_damping for region in scene.region)
 
 
-def _instance(words: dict[str, Any]) -> str | Point | None:
+def _instance(words: Words) -> Instance:
     """What stands in a name for a part or a control point."""
-    return (words["i"], words["j"], words["k"]) if "i" in words else words.get("name")
+    return (words["i"], words["j"], words["k"]) if "i" in words else words.get("part", words.get("name"))
 
 
 def _point(scene: Scene, p: int) -> dict[str, Any]:
@@ -80,6 +148,7 @@ def _plane(plane: Plane | Sphere | Cylinder | Box) -> dict[str, Any]:
         words = {"point_of": f"Centre of the {plane.shape()}", "normal_of": axis.format(plane.shape())}
     return {
         **words,
+        "part": plane.part,
         "name": plane.name,
         "point": plane.point,
         **turned,
@@ -138,7 +207,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "positions": points(scene.outputs.positions),
         "velocities": points(scene.outputs.velocities),
         "probes": [{"name": probe.name} for probe in scene.probe],
-        "plane_reactions": [{"name": plane.name, "touching": touching} for plane in planes] if scene.outputs.reactions else [],
+        "plane_reactions": [each | {"touching": touching} for each in surfaces] if scene.outputs.reactions else [],
         "pin_reactions": [{"name": pin.name} for pin in pins] if scene.outputs.reactions else [],
         "energy": when(scene.outputs.energy),
         "energy_gravity": when(scene.outputs.energy and gravity is not None),
@@ -156,14 +225,48 @@ def sizes(scene: Scene, mass: np.ndarray) -> dict[str, float]:
     return {"length": length, "weight": float(mass.sum()) * gravity, "speed": speed, "spin": speed / length}
 
 
-def value_in(family: dict[str, Any], key: str, instance: dict[str, Any], component: int) -> Any:
+def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
+    """All variables of a scene but time. mass: (n,) kg, the control points' masses after region overrides.
+
+    Families of one name, of which one has the inputs and the other the parameters, stand together: a part's components in their order.
+    """
+    present, usual = parts(scene, mass), sizes(scene, mass)
+    found: list[Variable] = []
+    counts: Counter[str] = Counter()
+
+    def add(family: dict[str, Any], instances: list[Words], components: str, shape: tuple[int, ...]) -> None:
+        letters = family.get("components", "")
+        starts = tuple(_value_in(family, "start", instances[0], letters.find(letter)) for letter in components or " ")
+        start = () if starts[0] is None else starts if len(shape) < 2 else starts[:1]
+        reference = family["id"] << 24 | counts[family["key"]]
+        nominal = _value_in(family, "nominal", usual, 0)
+        found.append(Variable(family, tuple(instances), components, shape, reference, start, nominal))
+        counts[family["key"]] += found[-1].count
+
+    for families in _families_of_one_name():
+        instances, components = present[families[0]["part"]], families[0].get("components", "")
+        if families[0]["part"] in OF_POINTS:
+            if instances:
+                add(families[0], instances, components, (*_box([_instance(words) for words in instances])[0], len(components)))
+            continue
+        for words in instances:
+            owners = [_owner(families, words, component) for component in components or " "]
+            if all(owner is owners[0] for owner in owners):
+                add(owners[0], [words], components, (len(components),) if components else ())
+            else:
+                for component, owner in zip(components, owners, strict=True):
+                    add(owner, [words], component, ())
+    return found
+
+
+def _value_in(family: dict[str, Any], key: str, words: Words, component: int) -> Any:
     """What a family's key says for a component of an instance: a value, or the name of one that the instance brings."""
     given = family.get(key)
-    value = instance[given] if isinstance(given, str) else given
+    value = words[given] if isinstance(given, str) else given
     return value[component] if isinstance(value, tuple | list) else value
 
 
-def families_of_one_name() -> list[list[dict[str, Any]]]:
+def _families_of_one_name() -> list[list[dict[str, Any]]]:
     """The families of the table, in its order, those that share their name together."""
     groups: dict[str, list[dict[str, Any]]] = {}
     for family in table()["family"]:
@@ -171,49 +274,29 @@ def families_of_one_name() -> list[list[dict[str, Any]]]:
     return list(groups.values())
 
 
-def has_component(family: dict[str, Any], words: dict[str, Any]) -> bool:
-    """Has a family this component of this instance? Of a pose it is an input where the scene says so, else a parameter."""
-    if "pose" not in family:
-        return True
-    return (f"{family['pose']}.{words['c']}" in words["inputs"]) == (family["causality"] == "input")
+def _owner(families: list[dict[str, Any]], words: Words, component: str) -> dict[str, Any]:
+    """The family that a component of an instance is of: of a pose it is an input where the scene says so, else a parameter."""
+    if len(families) == 1:
+        return families[0]
+    causality = "input" if f"{families[0]['pose']}.{component}" in words["inputs"] else "parameter"
+    return next(family for family in families if family["causality"] == causality)
 
 
-def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
-    """All variables of a scene. mass: (n,) kg, the control points' masses after region overrides.
-
-    Families of one name, of which one has the inputs and the other the parameters, stand together: a part's components in their order.
-    """
-    present, usual, plain = parts(scene, mass), sizes(scene, mass), scene.fmu.names == "plain"
-    found: list[Variable] = []
-    counts: Counter[str] = Counter()
-    for families in families_of_one_name():
-        letters = families[0].get("components", "") or [""]
-        for instance in present[families[0]["part"]]:
-            names = variable_names(families[0]["key"], (_instance(instance),), plain=plain)
-            for component, (letter, name) in enumerate(zip(letters, names, strict=True)):
-                words = {**instance, "c": letter}
-                family = families[0] if len(families) == 1 else next(each for each in families if has_component(each, words))
-                number = counts[family["key"]]
-                counts[family["key"]] += 1
-                found.append(
-                    Variable(
-                        place=len(found) + 1,
-                        name=name,
-                        reference=family["id"] << 24 | number,
-                        family=family,
-                        start=value_in(family, "start", instance, component),
-                        most=value_in(family, "max", instance, component),
-                        nominal=value_in(family, "nominal", usual, component),
-                        description=family["description"].format(**words),
-                    )
-                )
-    return found
+def of_whole(description: str) -> str:
+    """A family's description without the words that tell one component from the others."""
+    for behind in ",;:":
+        description = description.replace(", {c}" + behind, behind)
+    return description.replace("component {c}", "components w, x, y, z").removesuffix(", {c}")
 
 
-def number_of_variables(scene: Scene, mass: np.ndarray) -> int:
-    """How many `variables` has: each component of a part is of one of the families that share its name."""
-    present = parts(scene, mass)
-    return sum(len(present[families[0]["part"]]) * max(1, len(families[0].get("components", ""))) for families in families_of_one_name())
+def _box(points: list[Any]) -> tuple[tuple[int, ...], str]:
+    """The shape of an array of these control points, and which they are, in words."""
+    low, high = np.min(points, axis=0), np.max(points, axis=0)
+    sides = high - low + 1
+    if points == [tuple(low + np.array(point)) for point in all_points(sides)]:
+        ranges = (f"{axis} = {first}" + (f" to {last}" if last > first else "") for axis, first, last in zip("ijk", low, high, strict=True))
+        return tuple(map(int, sides)), f"(i,j,k), {', '.join(ranges)}"
+    return (len(points),), "(i,j,k) = " + ", ".join(f"({i},{j},{k})" for i, j, k in points)
 
 
 def size_warning(scene: Scene, count: int) -> str | None:

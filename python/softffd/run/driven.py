@@ -29,7 +29,7 @@ def require_undriven(simulation: Simulation, source: Inputs, start_values: Mappi
     for given in start_values:
         if lost := [name for name in simulation.block([given]).names if name in driven]:
             follows = "" if lost[0] in source.names else " with its pose"
-            other = "; softffd run --no-input goes without the file" if source.is_file else ""
+            other = "; inputs={} goes without the file, as softffd run --no-input does" if source.is_file else ""
             raise FmuError(
                 f"{source.where}{lost[0]} comes from here over time{follows}, so its start value has no effect: "
                 f"leave out one of the two{other}"

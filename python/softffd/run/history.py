@@ -6,19 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from softffd.names import Part, part_names, variable_name, vector_names
+from softffd.names import OBSTACLES, Part, parts_of, variable_name, vector_names
 
 if TYPE_CHECKING:
     from softffd.run.result import Result
 
 ENERGIES = ("kinetic", "elastic", "gravity", "dissipated", "work")
-REACTIONS = {"plane": "plane_reaction", "pin": "pin_reaction"}
 
 
 def reactions(result: Result) -> dict[Part, np.ndarray]:
     """Forces of the object on its obstacles and fixtures, (T, 3) [N] each; a part as text is "plane.ground" or "pin.base"."""
-    parts = [Part(kind, name) for kind in REACTIONS for name in part_names(kind, result.outputs)]
-    recorded = {part: vector_names(REACTIONS[part.kind], part.name) for part in parts}
+    parts = [*parts_of(result.outputs, *OBSTACLES), *parts_of(result.outputs, "pin")]
+    recorded = {part: vector_names("plane_reaction" if part.is_obstacle else "pin_reaction", part) for part in parts}
     whole = {part: names for part, names in recorded.items() if all(name in result.outputs for name in names)}
     return {part: np.stack([result.outputs[name] for name in names], axis=1) for part, names in whole.items()}
 

@@ -163,7 +163,7 @@ def _of_function(function: Callable[[float], Mapping[str, Any]], where: str, sta
 
 def _orientations(names: list[str]) -> list[list[int]]:
     """Where in the names the components of each quaternion are that is there as a whole."""
-    pins = dict.fromkeys(str(found.instance) for name in names if (found := parse_name(name)) and found.family == "pin_orientation")
+    pins = dict.fromkeys(found.instance for name in names if (found := parse_name(name)) and found.family == "pin_orientation")
     quaternions = [vector_names("pin_orientation", pin) for pin in pins]
     return [[names.index(name) for name in each] for each in quaternions if set(each) <= set(names)]
 

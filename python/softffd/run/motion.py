@@ -1,4 +1,4 @@
-"""Velocities of planes and pins from the course of their poses."""
+"""Velocities of obstacles and pins from the course of their poses."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from softffd.names import parse_name, vector_names
+from softffd.names import Instance, parse_name, vector_names
 from softffd.rotation import between_directions, between_orientations, quaternion
 
 
 def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step: float) -> dict[str, float]:
     """Velocities that take every pose given in `now` to the one in `then` after `step` [s] and that `now` does not give itself.
 
-    Names are those of the FMU's variables: plane.NAME.point gives .velocity, .normal or .rotation gives .angular_velocity;
-    pin.NAME.position and .orientation likewise. Components that are not given count as zero change for points; rotations need the whole
-    normal, rotation vector or quaternion.
+    Names are those of the FMU's variables: .point of an obstacle gives .velocity, .normal or .rotation gives .angular_velocity;
+    .position and .orientation of a pin likewise. Components that are not given count as zero change for points; rotations need the
+    whole normal, rotation vector or quaternion.
     """
     derived: dict[str, float] = {}
     for pose, parts in _parts_with_poses(now).items():
@@ -30,12 +30,12 @@ def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step
     return derived
 
 
-def _parts_with_poses(values: Mapping[str, float]) -> dict[str, list[str]]:
-    """The planes and pins of which a component is given, by family."""
-    found: dict[str, dict[str, None]] = {pose: {} for pose in RATES}
+def _parts_with_poses(values: Mapping[str, float]) -> dict[str, list[Instance]]:
+    """The obstacles and pins of which a component is given, by family."""
+    found: dict[str, dict[Instance, None]] = {pose: {} for pose in RATES}
     for name in map(parse_name, values):
         if name is not None and name.family in found:
-            found[name.family][str(name.instance)] = None
+            found[name.family][name.instance] = None
     return {pose: list(parts) for pose, parts in found.items()}
 
 

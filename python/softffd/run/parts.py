@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast, overload
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
 import numpy as np
 
@@ -19,50 +18,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-def _in_place(change: Callable[[Any, Any], Any]) -> Any:
-    """`+=` and its like of a Vector, from what the FMU has now."""
-
-    def changed(vector: Vector, other: Any) -> Vector:
-        vector[...] = change(np.asarray(vector) if vector._send is None else vector._read(), other)
-        return vector
-
-    return changed
-
-
-class Vector(np.ndarray):
-    """A variable's components (3,) or (4,) as they were when it was read. Assigning to one of them, or `+=` and its like, sets it in the
-    FMU and leaves the others as they are there now. Parts of it and functions that write into it are refused: it is read-only for them."""
-
-    _send: Callable[[np.ndarray], None] | None
-    _read: Callable[[], np.ndarray]
-
-    @classmethod
-    def of(cls, read: Callable[[], np.ndarray], send: Callable[[np.ndarray], None]) -> Vector:
-        """read: gives the components, a buffer that is copied; send: takes all of them when one was assigned to."""
-        vector = cast(Vector, read().astype(float).view(cls))
-        vector._send, vector._read = send, read
-        vector.flags.writeable = False
-        return vector
-
-    def __array_finalize__(self, source: Any) -> None:
-        self._send = None  # what is computed from a vector is a number of the host's
-
-    def __setitem__(self, key: Any, value: Any) -> None:
-        if self._send is None:
-            super().__setitem__(key, value)
-            return
-        changed = self._read().astype(float)
-        changed[key] = value
-        self._send(changed)
-        self.flags.writeable = True
-        super().__setitem__(..., changed)
-        self.flags.writeable = False
-
-    __iadd__, __isub__, __imul__, __itruediv__ = (_in_place(way) for way in (operator.add, operator.sub, operator.mul, operator.truediv))
-
-
 class VectorField:
-    """An attribute of a part that is a vector: reading gives a Vector, assigning sets all components."""
+    """An attribute of a part that is a vector: reading gives an array, a copy; assigning sets all components."""
 
     def __init__(self, doc: str):
         self.__doc__ = doc
@@ -73,8 +30,8 @@ class VectorField:
     @overload
     def __get__(self, part: None, owner: type) -> VectorField: ...
     @overload
-    def __get__(self, part: Part, owner: type) -> Vector: ...
-    def __get__(self, part: Part | None, owner: type) -> VectorField | Vector:
+    def __get__(self, part: Part, owner: type) -> np.ndarray: ...
+    def __get__(self, part: Part | None, owner: type) -> VectorField | np.ndarray:
         return self if part is None else part.simulation.vector(f"{part.path}.{self._name}")
 
     def __set__(self, part: Part, value: ArrayLike) -> None:
@@ -125,7 +82,7 @@ class Part:
         return f"<{self.path}>"
 
 
-class Plane(Part):
+class Obstacle(Part):
     """An obstacle. Its friction and what is an input of its pose and motion can be set at any time, the rest before the first step."""
 
     __slots__ = ()
@@ -179,8 +136,8 @@ class Parts(Mapping[str, T], Generic[T]):
         return f"<{self._kind}: {', '.join(self._names) or 'none'}>"
 
 
-class Vectors(Parts[Vector]):
-    """Parts that are vectors themselves; the inputs among them can be set."""
+class Vectors(Parts[np.ndarray]):
+    """Parts that are vectors themselves; the inputs among them can be set as a whole."""
 
     def __init__(self, kind: str, names: list[str], simulation: Simulation):
         super().__init__(kind, names, lambda name: simulation.vector(f"{kind}.{name}"))

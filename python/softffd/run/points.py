@@ -9,7 +9,6 @@ import numpy as np
 
 from softffd.errors import FmuError
 from softffd.names import parse_name, vector_names
-from softffd.run.parts import Vector
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -27,7 +26,7 @@ class PointVectors:
     def _name(self, place: tuple[int, int, int]) -> str:
         return vector_names(self._family, place)[0].rpartition(".")[0]
 
-    def __getitem__(self, place: tuple[int, int, int]) -> Vector:
+    def __getitem__(self, place: tuple[int, int, int]) -> np.ndarray:
         return self._simulation.vector(self._name(place))
 
     def __setitem__(self, place: tuple[int, int, int], value: ArrayLike) -> None:
@@ -80,5 +79,5 @@ def in_place(variables: list[ScalarVariable]) -> list[ScalarVariable]:
 def places(names: Sequence[str]) -> np.ndarray:
     """Indices (m, 4) of the variables of control points: i, j, k, number of the component."""
     found = [parse_name(name) for name in names]
-    rows = [[*name.instance, "xyz".index(name.component)] for name in found if name and isinstance(name.instance, tuple)]
+    rows = [[*(name.instance or ()), "xyz".index(name.component)] for name in found if name and name.at_point]
     return np.array(rows, dtype=int).reshape(-1, 4)

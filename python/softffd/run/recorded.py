@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from softffd.fmu.component import Component
 
 
-def recorded_outputs(component: Component, wanted: Iterable[str] | None) -> set[str]:
+def recorded_outputs(component: Component, wanted: Iterable[str] | str | None) -> set[str]:
     """The names of the outputs to record; all without a choice but Strings, which no result has.
 
     A name means the output that has it and all that belong to it: plane.press.reaction.z, plane.press.reaction, plane.press, energy,

@@ -28,9 +28,10 @@ def replay(scene_or_fmu: Scene | str | Path, rows: Rows, component: str, **optio
     """What a component did in a coupled run: all its outputs, to plot and to look at.
 
         rows = simulate_ssp("pressed.ssp", stop_time=4.0, step_size=1e-3)
-        softffd.replay(softffd.load_scene("box.toml"), rows, "box").view()
+        softffd.replay("box.toml", rows, "box").view()
 
-    scene_or_fmu: the scene or the path of the FMU that the component was made of. It starts from connected inputs of 0, as in fmpy.
+    scene_or_fmu: the scene, its path or name, or the path of the FMU that the component was made of. It starts from connected inputs of
+        0, as in fmpy.
     rows: what fmpy's simulate_ssp returned: a structured array, or a DataFrame or CSV file of it, with a column `time` [s] and one for each
         connector, COMPONENT.VARIABLE. A row has the begin of a step and the inputs of the step after it; those of the first step are 0.
     component: its name in the system.

@@ -17,7 +17,7 @@ from softffd.embedding.deform import deform
 from softffd.errors import MeshError, SoftffdError, UnknownName
 from softffd.files import replacing, require_writable
 from softffd.lattice import LatticeBox, all_points
-from softffd.names import ByName, part_names, variable_names, vector_names
+from softffd.names import OBSTACLES, ByName, Part, parts_of, variable_names, vector_names
 from softffd.obstacles import Obstacles
 from softffd.rotation import turned
 from softffd.run import shown
@@ -78,8 +78,8 @@ class Result:
     """The scene, where the run started from one"""
     lattice: LatticeBox | None = None
     """Counts, box at rest and basis, as the FMU has them; None for an FMU that is not of this package"""
-    plain_names: bool = False
-    """Whether names at control points are the plain ones (fmu.names), in `outputs`, `inputs` and the files"""
+    flat_names: bool = False
+    """Whether names at control points are the flat ones (fmu.names), in `outputs`, `inputs` and the files"""
     obstacles: Obstacles | None = None
     """What meets them, and shapes of solid ones, as the FMU has them; None for an FMU that is not of this package"""
     log: tuple[Message, ...] = ()
@@ -164,7 +164,14 @@ class Result:
 
     def plane_names(self) -> list[str]:
         """Names of the obstacles, planes and then solids, in the order of the scene: what stands in plane.NAME.reaction.x."""
-        return part_names("plane", [*self.parameters, *self.inputs])
+        return [part.name for part in self.obstacle_parts()]
+
+    def obstacle_parts(self) -> list[Part]:
+        """The obstacles with their kinds, in the same order; as text "sphere.ball", the beginning of its variables' names."""
+        return parts_of([*self.parameters, *self.inputs], *OBSTACLES)
+
+    def _part(self, name: str) -> Part:
+        return next((part for part in self.obstacle_parts() if part.name == name), Part("plane", name))
 
     def plane(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Points (T, 3) [m] and normals (T, 3) of an obstacle over time; FmuError with the nearest name for one that is not there.
@@ -174,28 +181,27 @@ class Result:
         require_name("plane", name, self.plane_names())
         age = self._age(name)
         points = self._of_plane("point", name) + age * self._of_plane("velocity", name)
-        if self._is_box(name):
+        if self._part(name).kind == "box":
             return points, self.edges(name)[..., 2]
         return points, turned(self._of_plane("normal", name), age * self._of_plane("angular_velocity", name))
 
     def edges(self, name: str) -> np.ndarray:
         """Directions of a box's edges over time, in columns (T, 3, 3); FmuError with the nearest name for an obstacle that is no box."""
-        require_name("box", name, [each for each in self.plane_names() if self._is_box(each)])
+        require_name("box", name, [part.name for part in self.obstacle_parts() if part.kind == "box"])
         rotation, turn = self._of_plane("rotation", name), self._age(name) * self._of_plane("angular_velocity", name)
         return np.stack([turned(turned(np.broadcast_to(axis, turn.shape), rotation), turn) for axis in np.eye(3)], axis=-1)
 
-    def _is_box(self, name: str) -> bool:
-        return any(key in values for key in vector_names("plane_rotation", name) for values in (self.inputs, self.parameters))
-
     def _of_plane(self, what: str, name: str) -> np.ndarray:
         """A vector of an obstacle's pose or motion over time, (T, 3)."""
-        columns = [self.inputs[key] if key in self.inputs else self.parameters[key] for key in vector_names(f"plane_{what}", name)]
+        names = vector_names(f"plane_{what}", self._part(name))
+        columns = [self.inputs[key] if key in self.inputs else self.parameters[key] for key in names]
         return np.stack([np.broadcast_to(column, self.time.shape) for column in columns], axis=1)
 
     def _age(self, name: str) -> np.ndarray:
         """Since when an obstacle has moved on from the pose that is given, (T, 1) [s]: the start, or now where inputs give it."""
         pose = ("point", "normal", "rotation", "velocity", "angular_velocity")
-        led = any(key in self.inputs for what in pose for key in vector_names(f"plane_{what}", name))
+        part = self._part(name)
+        led = any(key in self.inputs for what in pose for key in vector_names(f"plane_{what}", part))
         return np.zeros((len(self.time), 1)) if led else (self.time - self.time[0])[:, None]
 
     def save(self, path: str | Path) -> list[Path]:
@@ -233,7 +239,7 @@ class Result:
         """All outputs that were recorded, positions among them, by variable name, (T,) each."""
         recorded = [point for point in all_points(self.positions.shape[1:4]) if not np.isnan(self.positions[0, *point, 0])]
         columns = (self.positions[:, *point, axis] for point in recorded for axis in range(3))
-        names = variable_names("position", recorded, plain=self.plain_names)
+        names = variable_names("position", recorded, flat=self.flat_names)
         return {**self.outputs, **dict(zip(names, columns, strict=True))}
 
     def to_dataframe(self) -> pd.DataFrame:

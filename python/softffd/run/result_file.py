@@ -75,7 +75,7 @@ def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
     except (KeyError, TypeError, *UNREADABLE) as fault:
         raise damaged(path, "result", fault) from None
     scene, why = (None, "") if header.scene is None else _scene(header.scene, path.absolute().parent, mesh)
-    told = {name: getattr(header, name) for name in ("parameters", "summary", "lattice", "plain_names", "obstacles", "log")}
+    told = {name: getattr(header, name) for name in ("parameters", "summary", "lattice", "flat_names", "obstacles", "log")}
     return fields | told | {"scene": scene, "sceneless": why}
 
 
@@ -98,7 +98,7 @@ def _header(result: Result) -> dict[str, Any]:
         "parameters": dict(result.parameters),
         "summary": result.summary,
         "lattice": result.lattice and asdict(result.lattice),
-        "plain_names": result.plain_names,
+        "flat_names": result.flat_names,
         "obstacles": result.obstacles and asdict(result.obstacles),
         "log": [list(message) for message in result.log],
         "scene": result.scene and {

@@ -29,7 +29,7 @@ class Header(BaseModel):
     parameters: dict[str, bool | int | float | str]
     summary: dict[str, Any]
     lattice: LatticeBox | None
-    plain_names: bool
+    flat_names: bool
     obstacles: Obstacles | None = None
     log: tuple[Message, ...]
     scene: KeptScene | None

@@ -22,7 +22,7 @@ from softffd.run.many_steps import ManySteps
 from softffd.run.points import in_place, is_position, places
 from softffd.run.recorded import recorded_outputs
 from softffd.run.result import Result
-from softffd.run.simulation import Simulation, open_component
+from softffd.run.simulation import Simulation, run_source
 from softffd.run.times import communication_points, one_number, positive, require_memory, step_lengths
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -44,7 +44,7 @@ def simulate(
     start_values: Mapping[str, Any] | None = None,
     inputs: Source | None = None,
     interpolation: Interpolation = "held",
-    output: Iterable[str] | None = None,
+    output: Iterable[str] | str | None = None,
     start_time: float = 0.0,
     tolerance: float | None = None,
     method: str | None = None,
@@ -53,10 +53,11 @@ def simulate(
 ) -> Result:
     """Runs a scene or an FMU from start to stop time and returns its outputs.
 
+    scene_or_fmu: a scene, the path of its file, the name of a shipped one, or the path of an FMU.
     stop_time, step: end and communication step [s], > 0; the scene's or FMU's own by default. A last step that is left over is shorter.
     start_values: parameters and inputs by name, numbers or vectors.
-    inputs: values over time, or constants in a dict (see softffd.run.inputs.Inputs); none by default: a scene's own CSV file drives it
-    only where it is given, inputs=scene.default_inputs, as `softffd run SCENE` does.
+    inputs: values over time, or constants in a dict (see softffd.run.inputs.Inputs); by default a scene's own, of the CSV file beside it
+    (scene.default_inputs). inputs={} for none.
     output: names of the outputs to record, all by default: single ones, vectors, or what they belong to, as "position", "plane.press",
     "energy".
     start_time: [s], before the stop time.
@@ -73,7 +74,11 @@ def simulate(
     if interpolation not in (choices := get_args(Interpolation)):
         nearest = did_you_mean(nearest_of(str(interpolation), choices))
         raise FmuError(f"interpolation: wanted one of {', '.join(choices)}, got {interpolation!r}{nearest}")
-    with open_component(scene_or_fmu, "simulate") as component:
+    what = run_source(scene_or_fmu, "simulate")
+    scene = None if isinstance(what, Path) else what
+    if inputs is None and scene:
+        inputs = scene.default_inputs
+    with Component(what) as component:
         interface = component.interface
         stop_time = positive("stop time", stop_time, interface.stop_time, after=start_time)
         step = positive("communication step", step, interface.step)
@@ -103,7 +108,6 @@ def simulate(
                 "methods": shares(recorder.changes, recorder.times),
                 "warnings": simulation.warnings,
             }
-            scene = None if isinstance(scene_or_fmu, str | Path) else scene_or_fmu
             if not whole:
                 raise Interrupted(recorder.result(summary | {"interrupted_before_s": stop_time}, scene))
             return recorder.result(summary, scene)
@@ -240,7 +244,7 @@ class _Recorder:
         held |= dict(zip(self.inputs.names, self.input_rows.T, strict=True))
         parameters = {name: value for name, value in self.starts.items() if causality[name] == "parameter"}
         return Result(
-            self.times, positions, others, held, parameters, summary, scene, component.lattice, component.interface.plain,
+            self.times, positions, others, held, parameters, summary, scene, component.lattice, component.interface.flat,
             component.obstacles, tuple(self.simulation.log),
         )  # fmt: skip
 

@@ -14,9 +14,9 @@ from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import number_of
 from softffd.fmu.component import Block, Component, Message
 from softffd.fmu.interface import ScalarVariable
-from softffd.names import part_names
+from softffd.names import OBSTACLES, part_names, parts_of
 from softffd.run.choices import choice_in
-from softffd.run.parts import Parts, Pin, Plane, Vector, Vectors
+from softffd.run.parts import Obstacle, Parts, Pin, Vectors
 from softffd.run.points import PointField, PointVectors
 from softffd.run.states import State, taken_apart
 from softffd.run.times import one_number
@@ -39,7 +39,8 @@ class Simulation:
             sim.step(0.01)
             print(sim.time, sim.positions.shape, sim.plane["plate"].reaction[2])
 
-    scene_or_fmu: a scene, the path of an FMU, or an opened Component, which is closed at the end.
+    scene_or_fmu: a scene, the path of its file, the name of a shipped one, the path of an FMU, or an opened Component, which is closed at
+        the end.
     tolerance: error aimed at in any control point at the end of the run, relative to the box's largest side; the scene's own by default.
     method: of the time integration, as `solver.method` in the scene.
     start_values: parameters and inputs by name, numbers or vectors.
@@ -48,7 +49,8 @@ class Simulation:
     log: is called with each Message (status, category, text) when it is said, e.g. `print`; `sim.log` has all of them.
 
     Until the first step, `initialize` or `restart` everything can be set, fixed parameters too; then inputs and tunable parameters.
-    Vectors are set as a whole or by component. What is read is a copy, but for blocks, whose buffers are kept.
+    Vectors are set by assignment of the whole, `plate.point = (0, 0, 0.9)`, or of one component by its name,
+    `sim["plane.plate.point.z"] = 0.9`. What is read is an array of its own, a copy, but for blocks, whose buffers are kept.
     Wrong names, values out of range and refused steps raise FmuError. A discarded step leaves time and state as they were; the standard
     then allows to read, `restore` and `restart`.
     """
@@ -143,7 +145,8 @@ class Simulation:
 
     def __repr__(self) -> str:
         counts = f": {' x '.join(map(str, self.lattice.points))} control points" if self.lattice else ""
-        parts = [f"{kind} {', '.join(found)}" for kind in ("plane", "pin", "load", "probe") if (found := part_names(kind, self.variables))]
+        kinds = (*OBSTACLES, "pin", "load", "probe")
+        parts = [f"{kind} {', '.join(found)}" for kind in kinds if (found := part_names(self.variables, kind))]
         return "\n  ".join([f"Simulation of {self.component.interface.title} at {self.time:.6g} s{counts}", *parts])
 
     def __enter__(self) -> Simulation:
@@ -188,7 +191,7 @@ class Simulation:
 
     def __getitem__(self, name: str) -> Any:
         """A variable's value: a number, its name where it has one (`solver.method`), of a Boolean True or False, of a String its text; or,
-        where `name` has components .x .y .z, a Vector."""
+        where `name` has components .x .y .z, an array of them."""
         if name not in self.variables:
             return self.vector(name)
         variable, value = self.variables[name], self._block(name).get().tolist()[0]
@@ -214,15 +217,11 @@ class Simulation:
             raise FmuError(f"{name}: wanted a number, got a String")
         return self._block(name).get().tolist()[0]
 
-    def vector(self, name: str) -> Vector:
-        """The components (3,) or (4,) of a vector; assigning to one of them sets it."""
+    def vector(self, name: str) -> np.ndarray:
+        """The components (3,) or (4,) of a vector, a copy."""
         if name in self.variables:
             raise FmuError(f"{name}: wanted a vector, got a single number of that name")
-
-        def send(values: np.ndarray) -> None:
-            self[name] = values
-
-        return Vector.of(self._block(name).get, send)
+        return self._block(name).get().astype(float)
 
     def _components(self, name: str) -> list[str]:
         """The scalar variables that a name means: itself, or its components; of `stiffness` those of the kinds of springs."""
@@ -248,10 +247,10 @@ class Simulation:
             self._blocks[name] = self.component.block(self._named(name))
         return self._blocks[name]
 
-    def block(self, names: Iterable[str]) -> Block:
+    def block(self, names: Iterable[str] | str) -> Block:
         """Variables that are set or got together, the fastest way: `block.values` is a kept buffer (m,), `block.get()` fills and returns
         it, `block.set()` hands it over, `block.set_rates(...)` takes derivatives of inputs. A vector's name means all its components."""
-        return self.component.block([each for name in names for each in self._named(name)])
+        return self.component.block([each for name in ([names] if isinstance(names, str) else names) for each in self._named(name)])
 
     def set_rates(self, rates: Mapping[str, Any]) -> None:
         """Time derivatives of inputs during the next step, by name: instead of being held, they move from the value that is set.
@@ -311,24 +310,31 @@ class Simulation:
         return PointField(self, "force")
 
     @cached_property
-    def plane(self) -> Parts[Plane]:
-        """The obstacles by name: .point .normal .velocity .angular_velocity .friction .reaction .torque .centre .contacts"""
-        return Parts("plane", part_names("plane", self.variables), lambda name: Plane(self, f"plane.{name}"))
+    def obstacle(self) -> Parts[Obstacle]:
+        """Planes, spheres, cylinders and boxes by name: .point .normal .velocity .angular_velocity .friction .reaction .torque .centre
+        .contacts, of a box .rotation in the place of .normal."""
+        paths = {part.name: str(part) for part in parts_of(self.variables, *OBSTACLES)}
+        return Parts("obstacle", list(paths), lambda name: Obstacle(self, paths[name]))
+
+    @cached_property
+    def plane(self) -> Parts[Obstacle]:
+        """The planes alone."""
+        return Parts("plane", part_names(self.variables, "plane"), lambda name: Obstacle(self, f"plane.{name}"))
 
     @cached_property
     def pin(self) -> Parts[Pin]:
         """The pins by name: .position .orientation .velocity .angular_velocity .reaction .torque"""
-        return Parts("pin", part_names("pin", self.variables), lambda name: Pin(self, f"pin.{name}"))
+        return Parts("pin", part_names(self.variables, "pin"), lambda name: Pin(self, f"pin.{name}"))
 
     @cached_property
     def load(self) -> Vectors:
-        """The loads by name: total forces (3,) [N], to be set as a whole or by component."""
-        return Vectors("load", part_names("load", self.variables), self)
+        """The loads by name: total forces (3,) [N], to be set as a whole."""
+        return Vectors("load", part_names(self.variables, "load"), self)
 
     @cached_property
     def probe(self) -> Vectors:
         """The probes by name: points (3,) [m] of the object where it is now."""
-        return Vectors("probe", part_names("probe", self.variables), self)
+        return Vectors("probe", part_names(self.variables, "probe"), self)
 
     @cached_property
     def force(self) -> PointVectors:
@@ -353,25 +359,17 @@ class Simulation:
 
 
 def open_component(scene_or_fmu: Any, who: str) -> Component:
-    """The component of a scene or of an FMU's path, or the one given; FmuError, which begins with `who`, for anything else."""
-    if isinstance(scene_or_fmu, Component):
-        return scene_or_fmu
-    if isinstance(scene_or_fmu, str | Path):
-        return Component(_fmu_path(scene_or_fmu))
-    from softffd.scene.scene import Scene
-
-    if not isinstance(scene_or_fmu, Scene):
-        raise FmuError(f"{who}: wanted a Scene or the path of an FMU, got {type(scene_or_fmu).__name__}")
-    return Component(scene_or_fmu)
+    """The component of a scene or of an FMU, or the one given; SoftffdError, which begins with `who`, for anything else."""
+    return scene_or_fmu if isinstance(scene_or_fmu, Component) else Component(run_source(scene_or_fmu, who))
 
 
-def _fmu_path(fmu: str | Path) -> Path:
-    from softffd.scene.document import shipped_scenes
+def run_source(scene_or_fmu: Any, who: str) -> Scene | Path:
+    """The path of an FMU, which ends in .fmu, or the scene that is given by itself, by its file's path or by its name."""
+    if isinstance(scene_or_fmu, str | Path) and Path(scene_or_fmu).suffix.lower() == ".fmu":
+        return Path(scene_or_fmu)
+    from softffd.scene.scene import scene_of  # brings pydantic along, which those who have an FMU do without
 
-    path = Path(fmu)
-    if path.suffix.lower() == ".toml" or (str(fmu) in shipped_scenes() and not path.exists()):
-        raise FmuError(f'{fmu}: wanted a Scene or the path of an FMU, got the name of a scene; take load_scene("{fmu}")')
-    return path
+    return scene_of(scene_or_fmu, who, "a Scene, the path or name of one, or the path of an FMU")
 
 
 def _components_of(name: str, value: Any, count: int) -> list[Any]:

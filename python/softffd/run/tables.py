@@ -62,7 +62,7 @@ def _together(names: Iterable[str]) -> dict[str, list[str]]:
 
 def _at_points(name: str) -> bool:
     found = parse_name(name)
-    return found is not None and isinstance(found.instance, tuple)
+    return found is not None and found.at_point
 
 
 def _array(members: list[str], values: dict[str, np.ndarray], shape: tuple[int, ...]) -> tuple[tuple[str, ...], np.ndarray]:

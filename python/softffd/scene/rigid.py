@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, WithJsonSchema
 
+from softffd.names import Part
 from softffd.obstacles import SolidShape
 from softffd.scene.quantity import Number, PositiveVector, Vector, key, quantity, refusal
 from softffd.scene.section import NAME, Direction, Name, RotationTable, Section
@@ -73,9 +74,14 @@ class Plane(Section):
         """What is an input of pose and motion: "point.z", ..."""
         return _components(PLANE_POSE, self.inputs) if self.motion == "input" else []
 
+    @property
+    def part(self) -> Part:
+        """Kind and name, with which the names of its variables begin."""
+        return Part("plane", self.name)
+
 
 class Solid(Section):
-    """An obstacle with an inside: what it has in common with others. Its variables have the names of a plane's."""
+    """An obstacle with an inside: what it has in common with others. Its variables are those of a plane."""
 
     name: Name = key(..., NAME, examples=["ball"])
     point: Vector = quantity((0.0, 0.0, 0.0), "m", "its centre")
@@ -83,6 +89,15 @@ class Solid(Section):
     angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about its centre")
     friction: Number = quantity(0.4, "1", "Coulomb's coefficient of friction", ge=0)
     motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
+
+    @property
+    def part(self) -> Part:
+        """Kind and name, with which the names of its variables begin."""
+        return Part(self.shape().kind, self.name)
+
+    def shape(self) -> SolidShape:
+        """What there is to see."""
+        raise NotImplementedError
 
 
 class Round(Solid):

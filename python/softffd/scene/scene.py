@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import PrivateAttr, ValidationInfo, model_validator
 
-from softffd.errors import SceneError
+from softffd.errors import SceneError, SoftffdError
 from softffd.lattice import LatticeBox, rest_grid, to_flat
 from softffd.rotation import quaternion, turned
 from softffd.scene.changes import changed
@@ -159,6 +159,16 @@ def load_scene(path_or_name: str | Path) -> Scene:
     """The scene of a TOML file, or the shipped scene of that name. Raises SceneError with all problems."""
     path = find_scene(path_or_name)
     return scene_from(read_document(path), path=path)
+
+
+def scene_of(given: Any, who: str, wanted: str = "a Scene, or the path or name of one") -> Scene:
+    """The scene itself, or that of a TOML file's path or of a shipped scene's name. SoftffdError, which begins with `who`, for anything
+    else."""
+    if isinstance(given, Scene):
+        return given
+    if isinstance(given, str | Path):
+        return load_scene(given)
+    raise SoftffdError(f"{who}: wanted {wanted}, got {given!r:.70}")
 
 
 def scene_from(document: Mapping[str, Any], *, path: str | Path = NAMELESS) -> Scene:

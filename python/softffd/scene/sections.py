@@ -316,8 +316,8 @@ class Experiment(Section):
 class Fmu(Section):
     """How the FMU shows itself to other tools."""
 
-    names: Literal["structured", "plain"] = key(
+    names: Literal["structured", "flat"] = key(
         "structured",
-        'names of variables at control points: "structured" is position[0,1,2].x; "plain" is position_0_1_2.x, for tools that split '
+        'names of variables at control points: "structured" is position[0,1,2].x; "flat" is position_0_1_2.x, for tools that split '
         "names at commas or know no brackets; runs and CSV files take either form",
     )

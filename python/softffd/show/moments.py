@@ -19,8 +19,8 @@ def telling_moments(result):
 
 
 def first_contact(result):
-    """The first frame in which a plane reports a reaction, or None."""
-    forces = [force for part, force in reactions(result).items() if part.kind == "plane"]
+    """The first frame in which an obstacle reports a reaction, or None."""
+    forces = [force for part, force in reactions(result).items() if part.is_obstacle]
     touching = np.flatnonzero(np.any([force.any(axis=1) for force in forces], axis=0)) if forces else []
     return int(touching[0]) if len(touching) else None
 

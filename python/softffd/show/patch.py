@@ -16,21 +16,21 @@ ENOUGH = 3.0
 """Cells across a patch from which on its force is that of the material within some per cent."""
 
 
-def contact_widths(result: Result) -> dict[str, float]:
+def contact_widths(result: Result) -> dict[Part, float]:
     """The width of contact with each obstacle that the body presses on, when the force is largest, in cells: the lesser of the two extents
     of the touched places at rest. Without obstacles, reactions or positions that were recorded, none."""
-    forces = {part: np.linalg.norm(force, axis=1) for part, force in reactions(result).items() if part.kind == "plane"}
-    if result.lattice is None or not result.has_positions or not any(force.any() for force in forces.values()):
+    forces = {part.name: (part, np.linalg.norm(force, axis=1)) for part, force in reactions(result).items() if part.is_obstacle}
+    if result.lattice is None or not result.has_positions or not any(force.any() for _, force in forces.values()):
         return {}
     stage = stage_of(result, mesh=result.loaded_mesh)
     touch, cells = touch_of(result, stage), stage.size / (np.array(stage.counts) - 1)
-    widths = {}
+    widths: dict[Part, float] = {}
     for obstacle in (*stage.planes, *stage.solids):
-        force = forces.get(Part("plane", obstacle.name), np.zeros(1))
+        part, force = forces.get(obstacle.name, (None, np.zeros(1)))
         for frame in (int(force.argmax()), int(force.argmax()) - 1):  # what was touched in the step may be left at its end
             touched = touch.touched(frame, obstacle) if force.any() and frame >= 0 else np.empty((0, 3))
             if len(touched):
-                widths[obstacle.name] = float(np.sort(np.ptp(touched / cells, axis=0))[1])
+                widths[part] = float(np.sort(np.ptp(touched / cells, axis=0))[1])
                 break
     return widths
 
@@ -38,8 +38,8 @@ def contact_widths(result: Result) -> dict[str, float]:
 def narrow_contact(result: Result) -> dict[str, Any]:
     """Entries for the summary: the widths by obstacle, and of those that are too narrow a line to read."""
     widths = contact_widths(result)
-    narrow = {name: width for name, width in widths.items() if width < ENOUGH - 1e-6}
-    entries: dict[str, Any] = {f"plane.{name}.contact_cells": width for name, width in widths.items()}
+    narrow = {part.name: width for part, width in widths.items() if width < ENOUGH - 1e-6}
+    entries: dict[str, Any] = {f"{part}.contact_cells": width for part, width in widths.items()}
     if not narrow:
         return entries | {"findings": []}
     listed = ", ".join(f"{name}: {f'{width:.2g}' if width >= 0.01 else 'a point or a line'}" for name, width in narrow.items())

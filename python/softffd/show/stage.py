@@ -185,8 +185,8 @@ def _solids(result):
 
 def _flat(result):
     """Names of the obstacles that are planes; in other FMUs what could be one."""
-    solids, values = [solid.name for solid in _solids(result)], [*result.parameters, *result.inputs]
-    return [name for name in result.plane_names() if name not in solids and set(vector_names("plane_normal", name)) <= set(values)]
+    values = {*result.parameters, *result.inputs}
+    return [part.name for part in result.obstacle_parts() if part.kind == "plane" and set(vector_names("plane_normal", part)) <= values]
 
 
 def beside(covered, solid, frame):

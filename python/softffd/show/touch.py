@@ -87,8 +87,9 @@ class Touch:
 
 def touch_of(result, stage):
     """What to draw of the contacts of `result`; without arrows where reactions or centres of pressure were not recorded."""
-    forces = {part.name: force for part, force in reactions(result).items() if part.kind == "plane"}
-    centres = {plane.name: vector_names("plane_centre", plane.name) for plane in (*stage.planes, *stage.solids)}
+    forces = {part.name: force for part, force in reactions(result).items() if part.is_obstacle}
+    paths = {part.name: part for part in result.obstacle_parts()}
+    centres = {each.name: vector_names("plane_centre", paths[each.name]) for each in (*stage.planes, *stage.solids)}
     drawn = [name for name, names in centres.items() if name in forces and all(each in result.outputs for each in names)]
     of = None if result.obstacles is None else result.obstacles.meet
     if not drawn:

@@ -19,7 +19,6 @@ from softffd.embedding.deform import deform
 from softffd.files import write_text
 from softffd.lattice import to_flat
 from softffd.mesh.normals import split_at_creases
-from softffd.names import Part
 from softffd.run.history import energies, reactions
 from softffd.show.stage import FREE, PINNED, VIEW, round_length, stage_of
 from softffd.show.template import filled
@@ -181,10 +180,10 @@ def _touch(result, stage, frames):
 
 def _rows(result, stage, frames):
     """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J]."""
-    marks = {Part("plane", plane.name): _hex(plane.tint) for plane in (*stage.planes, *stage.solids)}
+    marks = {each.name: _hex(each.tint) for each in (*stage.planes, *stage.solids)}
     rows = []
     for part, force in reactions(result).items():
-        mark = marks.get(part, "var(--pin)")
+        mark = marks[part.name] if part.is_obstacle else "var(--pin)"
         rows.append(_row(part.name, "reaction", "N", mark, np.linalg.norm(force, axis=1)[frames], force[frames]))
     recorded = energies(result)
     for name, mark in ENERGY_MARKS.items():

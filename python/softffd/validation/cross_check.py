@@ -3,7 +3,7 @@
     python -m softffd.validation.cross_check FOLDER
 
 writes fmus/2.0/cs/PLATFORM/softffd/VERSION/NAME with NAME.fmu, NAME_ref.opt, NAME_ref.csv and, where the scene has inputs over time,
-NAME_in.csv into the folder. The FMUs have plain names, which no reader of CSV files splits.
+NAME_in.csv into the folder. The FMUs have flat names, which no reader of CSV files splits.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def write_cross_check(folder: Path, names: Iterable[str] | None = None) -> list[
 
 
 def _write(folder: Path, name: str) -> list[Path]:
-    scene = load_scene(name).replace({"fmu.names": "plain"})
+    scene = load_scene(name).replace({"fmu.names": "flat"})
     inputs = inputs_over_time(name)
     result = simulate(scene, inputs=inputs)
     texts = {"ref.opt": _options(scene), "ref.csv": _csv(result.time, _reference(result))}
@@ -79,7 +79,7 @@ def _reference(result: Result) -> dict[str, np.ndarray]:
     corners = [(0, 0, 0), tuple(count - 1 for count in result.positions.shape[1:4])]
     columns = {key: values for key, values in result.outputs.items() if (found := parse_name(key)) and not LEFT_OUT.match(found.family)}
     for corner in corners:
-        columns |= dict(zip(variable_names("position", [corner], plain=True), result.positions[:, *corner].T, strict=True))
+        columns |= dict(zip(variable_names("position", [corner], flat=True), result.positions[:, *corner].T, strict=True))
     moved: dict[str, float] = {}
     for key, values in columns.items():
         moved[_vector(key)] = max(moved.get(_vector(key), 0.0), np.ptp(values))

@@ -36,8 +36,8 @@ TEST(names_tell_the_member_and_the_component) {
   CHECK(name(Family::load, 1) == "load.push.y" && name(Family::probe, 0) == "probe.nose.x" && name(Family::mass, 0) == "mass");
 }
 
-TEST(plain_names_have_underscores_at_control_points) {
-  const SceneFile file = parse_scene(small_scene::Box{.side = 3}.text("plain_names\nforces 2 3\n"));
+TEST(flat_names_have_underscores_at_control_points) {
+  const SceneFile file = parse_scene(small_scene::Box{.side = 3}.text("flat_names\nforces 2 3\n"));
   SoftBody body(file.definition);
   const Variables variables(file, body.settings);
   CHECK(variables.name(reference_of(Family::force, 4)) == "force_0_1_0.y");

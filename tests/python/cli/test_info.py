@@ -41,7 +41,7 @@ def held(tmp_path, monkeypatch):
     Path("held.toml").write_text(HELD)
 
 
-@pytest.mark.parametrize("names", ["structured", "plain"])
+@pytest.mark.parametrize("names", ["structured", "flat"])
 @pytest.mark.parametrize("fmi", ["2", "3"])
 def test_an_fmu_is_told_like_its_scene(fmi, names, capsys):
     Path("held.toml").write_text(f'{HELD}[fmu]\nnames = "{names}"\n')

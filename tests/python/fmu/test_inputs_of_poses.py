@@ -169,11 +169,28 @@ def test_boxes_beside_other_obstacles_have_rotations_where_these_have_normals(tm
         component.set_up()
         described = {name: v.start for name, v in component.by_name.items() if v.causality in ("input", "parameter") and v.type == "Real"}
         assert dict(zip(described, component.block(list(described)).get(), strict=True)) == described
-        assert described["plane.crate.rotation.z"] == described["plane.shelf.rotation.z"] == pytest.approx(np.pi / 2)
-        assert "plane.crate.normal.z" not in described and "plane.log.rotation.z" not in described
+        assert described["box.crate.rotation.z"] == described["box.shelf.rotation.z"] == pytest.approx(np.pi / 2)
+        assert "box.crate.normal.z" not in described and "cylinder.log.rotation.z" not in described
         assert [name for name in described if component.by_name[name].causality == "input" and "crate" in name] == [
-            "plane.crate.point.x", "plane.crate.rotation.z",
+            "box.crate.point.x", "box.crate.rotation.z",
         ]  # fmt: skip
+
+
+def test_obstacles_of_all_kinds_go_by_their_names(tmp_path):
+    with Simulation(beside_solids(tmp_path)) as sim:
+        assert [*sim.obstacle] == ["lid", "ball", "log", "crate", "shelf"] and [*sim.plane] == ["lid"]
+        assert [repr(sim.obstacle[name]) for name in ("lid", "ball")] == ["<plane.lid>", "<sphere.ball>"]
+        assert "sphere ball" in repr(sim) and "box crate, shelf" in repr(sim)
+        sim.obstacle["log"].friction = 0.7
+        assert sim["cylinder.log.friction"] == 0.7
+        for path in ("sphere.ball", "cylinder.log", "box.crate"):  # the library calls them so too
+            with pytest.raises(FmuError, match=rf"{path}\.friction: wanted >= 0, got -1"):
+                sim[f"{path}.friction"] = -1
+            sim.restart()
+        with pytest.raises(FmuError, match='obstacle bal: there is no such obstacle, did you mean "ball"'):
+            sim.obstacle["bal"]
+        with pytest.raises(FmuError, match=r"plane\.ball\.point: the FMU has no such variable"):
+            sim["plane.ball.point"]
 
 
 def test_an_fmu_alone_knows_its_solids_and_says_what_they_are(tmp_path):
@@ -188,8 +205,8 @@ def test_an_fmu_alone_knows_its_solids_and_says_what_they_are(tmp_path):
     assert [solid.name for solid in stage.solids] == ["ball", "log", "crate", "shelf"]
     assert [plane.name for plane in stage.planes] == ["lid"]
     said = {v.name: v.description for v in read_model_description(fmu).modelVariables}
-    assert said["plane.ball.point.x"].startswith("Centre of the sphere ball of radius 1 m, x")
-    assert said["plane.ball.normal.x"].startswith("A sphere's normal is of no meaning")
-    assert said["plane.log.normal.x"].startswith("Axis of the cylinder log of radius 1 m and length 2 m")
-    assert said["plane.crate.point.x"].startswith("Centre of the box crate of 1 x 2 x 3 m at the communication point, x")
+    assert said["sphere.ball.point.x"].startswith("Centre of the sphere ball of radius 1 m, x")
+    assert said["sphere.ball.normal.x"].startswith("A sphere's normal is of no meaning")
+    assert said["cylinder.log.normal.x"].startswith("Axis of the cylinder log of radius 1 m and length 2 m")
+    assert said["box.crate.point.x"].startswith("Centre of the box crate of 1 x 2 x 3 m at the communication point, x")
     assert said["plane.lid.normal.z"].startswith("Normal of the obstacle plane lid, out of it")

@@ -9,7 +9,7 @@ import pytest
 
 from scenes import box
 from softffd import FmuError, Simulation, package_fmu, simulate
-from softffd.fmu.values import list_of_values, listed_values
+from softffd.fmu.variables import list_of_values, listed_values
 from softffd.installed import table
 
 METHODS = {method["key"]: method["value"] for method in table()["method"]}

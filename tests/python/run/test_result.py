@@ -7,9 +7,11 @@ import pytest
 
 from mesh_files import ball
 from scenes import box
-from softffd import FmuError, MeshError, Result, SoftffdError, deform, load_scene, package_fmu, save_mesh, simulate
+from softffd import FmuError, MeshError, Result, SoftffdError, deform, load_scene, package_fmu, save_mesh, simulate, sweep
+from softffd.installed import host_library
 from softffd.show.stage import stage_of
 
+PRESS = load_scene("press")
 TURNING = box(
     plane=[
         {"name": "left", "point": [-5.0, 0.0, 0.0], "normal": [1.0, 0.0, 0.0], "motion": "input"},
@@ -141,16 +143,29 @@ def test_more_communication_points_than_memory_are_refused_in_words(ending, resu
 @pytest.mark.parametrize(
     "given, message",
     [
-        ("box.toml", r'got the name of a scene; take load_scene\("box.toml"\)'),
-        (Path("press"), r'take load_scene\("press"\)'),
-        (None, "wanted a Scene or the path of an FMU, got NoneType"),
+        ("box.toml", "no such file or shipped scene"),
+        (Path("pres"), 'did you mean "press"'),
+        (None, "wanted a Scene, the path or name of one, or the path of an FMU, got None"),
     ],
 )
 def test_what_is_neither_scene_nor_fmu_is_refused(given, message):
-    with pytest.raises(FmuError, match=message):
+    with pytest.raises(SoftffdError, match=message):
         simulate(given)
-    with pytest.raises(SoftffdError, match="package_fmu: wanted a Scene, got "):
+    with pytest.raises(SoftffdError, match=message if given else "package_fmu: wanted a Scene, or the path or name of one, got None"):
         package_fmu(given, "x.fmu")
+
+
+def test_a_scene_goes_by_its_name_and_is_driven_by_its_own_inputs():
+    own, same, none = (simulate("press", stop_time=0.02, **inputs) for inputs in ({}, {"inputs": PRESS.default_inputs}, {"inputs": {}}))
+    np.testing.assert_array_equal(own.positions, same.positions)
+    assert own.scene == PRESS and np.ptp(own.inputs["plane.press.point.z"]) > 0 == np.ptp(none.inputs["plane.press.point.z"])
+    made = sweep("press", {"mass": [PRESS.mass.total]}, outputs="position[0,0,1].z", stop_time=0.02)
+    assert made.outputs["position[0,0,1].z"].item() == own.positions[-1, 0, 0, 1, 2]
+
+
+def test_an_fmu_is_made_of_a_scene_s_name(tmp_path):
+    one, other = package_fmu("press", tmp_path / "a.fmu", platforms=host_library().parent.name), package_fmu(PRESS, tmp_path / "b.fmu")
+    assert one.read_bytes() == other.read_bytes()
 
 
 def test_a_name_that_is_no_text_is_an_unknown_variable(result):

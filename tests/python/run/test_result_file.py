@@ -71,12 +71,12 @@ def test_what_the_command_keeps_is_a_result(tmp_path, monkeypatch):
 
 
 def test_an_fmu_s_result_has_no_scene_and_keeps_its_names(tmp_path):
-    scene = box(fmu={"names": "plain"}, velocities="all", stop_time=0.02)
+    scene = box(fmu={"names": "flat"}, velocities="all", stop_time=0.02)
     run = simulate(package_fmu(scene, tmp_path / "plain.fmu"))
     run.save(tmp_path / "run.npz")
     loaded = Result.load(tmp_path / "run.npz")
     require_same(run, loaded)
-    assert loaded.scene is None and loaded.sceneless == "" and loaded.plain_names
+    assert loaded.scene is None and loaded.sceneless == "" and loaded.flat_names
 
 
 def test_outputs_may_be_called_what_the_file_calls_its_own(result, tmp_path):
@@ -168,9 +168,9 @@ def test_a_later_version_is_named(result, tmp_path, monkeypatch):
 
 
 WRONG = [
-    *[{key: None} for key in ("outputs", "inputs", "parameters", "summary", "plain_names", "log")],
+    *[{key: None} for key in ("outputs", "inputs", "parameters", "summary", "flat_names", "log")],
     *[{key: 3} for key in ("version", "outputs", "inputs", "parameters", "summary", "lattice", "log", "scene", "obstacles")],
-    *[{key: []} for key in ("parameters", "summary", "lattice", "plain_names", "obstacles")],
+    *[{key: []} for key in ("parameters", "summary", "lattice", "flat_names", "obstacles")],
     {"version": "1", "outputs": {}}, {"version": None, "log": [[1]]}, {"version": 10**400}, {"version": 2, "softffd": ...},
     {"outputs": ["time"]}, {"outputs": [["mass"]]}, {"inputs": ["a"] * 99}, {"parameters": {"mass": [1]}}, {"log": [["a", "b", "c"]]},
     {"lattice": {"points": [2, 2]}}, {"lattice": {"points": [2, 2, 3], "origin": [0, 0, 0], "size": [1, 1, 1], "basis": "bezier"}},
@@ -201,7 +201,7 @@ def test_a_header_that_is_not_of_this_form_is_refused(small, tmp_path, changes):
         rewritten(small, tmp_path / "run.npz", **changes)
 
 
-@pytest.mark.parametrize("key", ["version", "outputs", "inputs", "parameters", "summary", "lattice", "plain_names", "log", "scene"])
+@pytest.mark.parametrize("key", ["version", "outputs", "inputs", "parameters", "summary", "lattice", "flat_names", "log", "scene"])
 def test_a_header_without_a_part_is_refused(small, tmp_path, key):
     with pytest.raises(SoftffdError, match="damaged, or no result that softffd wrote"):
         rewritten(small, tmp_path / "run.npz", **{key: ...})

@@ -127,8 +127,8 @@ def test_vertices_on_a_solid_touch_and_arrows_begin_on_its_surface():
     """A block on whose upper face the object lies in the end; the centre of pressure is given as a point within."""
     block = Box(name="block", size=(4.0, 4.0, 1.0), point=(0.0, 0.0, ORIGIN[2] - 0.5))
     result = beside(block)
-    force = {f"plane.block.reaction.{c}": np.full(len(result.time), -float(c == "z")) for c in "xyz"}
-    centre = {f"plane.block.centre.{c}": np.full(len(result.time), v) for c, v in zip("xyz", (0.1, 0.2, -0.3), strict=True)}
+    force = {f"box.block.reaction.{c}": np.full(len(result.time), -float(c == "z")) for c in "xyz"}
+    centre = {f"box.block.centre.{c}": np.full(len(result.time), v) for c, v in zip("xyz", (0.1, 0.2, -0.3), strict=True)}
     result = replace(result, outputs=force | centre)
     touch = touch_of(result, stage_of(result))
     assert len(touch.places(40)[0]) == 16 and len(touch.places(0)[0]) == 0

@@ -10,6 +10,7 @@ import numpy as np
 from c_host import Fmu, Host, ints
 from signatures3 import ABSENT, COUNTS, REALS, SIGNATURES
 from softffd import Scene, package_fmu
+from softffd.fmu.interface import elements
 from softffd.fmu.package import scene_masses
 from softffd.fmu.variables import variables
 from softffd.names import parse_name
@@ -49,7 +50,7 @@ class Fmu3(Fmu):
         self.categories = {category.name.encode() for category in description.logCategories}
         self.arrays = {v.name: v for v in description.modelVariables}
         self.shapes = {name: tuple(int(dimension.start) for dimension in v.dimensions) for name, v in self.arrays.items()}
-        self.names = self._places([v.name for v in variables(scene, scene_masses(scene).mass)])
+        self.names = self._places([each.name for variable in variables(scene, scene_masses(scene).mass) for each in elements(variable)])
 
     def _places(self, names: list[str]) -> dict[str, tuple[str, int]]:
         """Array and element, row by row, by the names that FMI 2.0 has."""

@@ -15,11 +15,13 @@ def result():
 
 
 def test_the_ball_shoves_the_car_against_the_log(result):
-    first = {name: result.time[np.flatnonzero(vector(result, f"plane.{name}.reaction").any(axis=1))[0]] for name in ("ball", "log")}
-    assert first == pytest.approx({"ball": 0.48, "log": 0.87}, abs=0.011)
+    first = {
+        name: result.time[np.flatnonzero(vector(result, f"{name}.reaction").any(axis=1))[0]] for name in ("sphere.ball", "cylinder.log")
+    }
+    assert first == pytest.approx({"sphere.ball": 0.48, "cylinder.log": 0.87}, abs=0.011)
     held = (result.time > 1.3) & (result.time < 1.5)
-    assert vector(result, "plane.ball.reaction")[held, 1].mean() == pytest.approx(-34e3, rel=0.05)
-    assert vector(result, "plane.log.reaction")[held, 1].mean() == pytest.approx(30e3, rel=0.05)
+    assert vector(result, "sphere.ball.reaction")[held, 1].mean() == pytest.approx(-34e3, rel=0.05)
+    assert vector(result, "cylinder.log.reaction")[held, 1].mean() == pytest.approx(30e3, rel=0.05)
     assert result.deformation().max() == pytest.approx(0.42, abs=0.02)
     assert not [message.text for message in result.log if "warning" in str(message.status)]
 

@@ -54,7 +54,7 @@ def test_a_cube_rests_on_a_large_solid(body, kind):
     solid = {"name": "under", "friction": 0.4, **LARGE[kind]}
     scene = body(bodies.cube(5, 0.0), gravity=GRAVITY, damping=1.0, offset=[0.0, 0.0, 0.02], stop_time=10.0, **{kind: [solid]})
     result = simulate(scene)
-    assert vector(result, "plane.under.reaction")[-1] == pytest.approx([0.0, 0.0, -G], abs=1e-9)
+    assert vector(result, f"{kind}.under.reaction")[-1] == pytest.approx([0.0, 0.0, -G], abs=1e-9)
     assert deepest(result, kind, solid) >= -1e-12
 
 
@@ -75,8 +75,8 @@ def test_a_flat_face_is_as_good_as_a_plane(body, flat, friction):
     on_plane = simulate(body(shape, plane=[{"name": "ground", "friction": friction}], **keys))
     on_solid = simulate(body(shape, **{kind: [{"name": "ground", "friction": friction, **solid}]}, **keys))
     assert np.abs(on_plane.positions - on_solid.positions).max() <= (1e-13 if flat == "box" else 1e-9)
-    assert np.abs(vector(on_plane, "plane.ground.reaction") - vector(on_solid, "plane.ground.reaction")).max() <= 1e-6
-    assert (on_plane.outputs["plane.ground.contacts"] == on_solid.outputs["plane.ground.contacts"]).all()
+    assert np.abs(vector(on_plane, "plane.ground.reaction") - vector(on_solid, f"{kind}.ground.reaction")).max() <= 1e-6
+    assert (on_plane.outputs["plane.ground.contacts"] == on_solid.outputs[f"{kind}.ground.contacts"]).all()
 
 
 STEEP = {
@@ -94,7 +94,7 @@ def test_a_body_slides_off(body, kind):
     result = simulate(scene)
     assert deepest(result, kind, solid) >= -1e-12
     assert result.deformed(row=slice(None))[..., 2].min() >= -2 - 1e-12
-    assert np.abs(vector(result, "plane.log.reaction")).max() > 1
+    assert np.abs(vector(result, f"{kind}.log.reaction")).max() > 1
     assert vector(result, "probe.centre")[-1][2] < 0.5 - 1
 
 
@@ -111,7 +111,7 @@ def test_a_moving_solid_gives_the_momentum_that_it_is_charged_with(body, kind):
     scene = body(bodies.sphere(3), damping=0.0, velocities="all", stop_time=1.0, **{kind: [solid]})
     mass, H, least = scene_masses(scene).mass, 0.02, np.inf
     with Simulation(scene) as simulation:
-        impulse, ram = np.zeros(3), simulation.plane["ram"]
+        impulse, ram = np.zeros(3), simulation.obstacle["ram"]
         for step in range(50):
             ram.point = [-0.5 + step * H, 0.55, 0.5]
             if kind == "box":
@@ -134,7 +134,7 @@ def test_a_box_turns_by_its_angular_velocity_as_by_its_rotation(body, interpolat
     keys = {"damping": 0.0, "stop_time": 0.5}
     fixed = simulate(body(bodies.sphere(3), box=[solid | {"angular_velocity": [0.0, 3.0, 0.0]}], **keys))
     assert np.abs(fixed.positions[-1] - fixed.positions[0]).max() > 1e-2
-    course = {"inputs": lambda t: {f"plane.ram.rotation.{axis}": w * t for axis, w in zip("xyz", (0.0, 3.0, 0.0), strict=True)}}
+    course = {"inputs": lambda t: {f"box.ram.rotation.{axis}": w * t for axis, w in zip("xyz", (0.0, 3.0, 0.0), strict=True)}}
     led = simulate(body(bodies.sphere(3), box=[solid | TURNED], **keys), interpolation=interpolation, **course)
     assert np.abs(led.positions - fixed.positions).max() <= 1e-12
     assert np.abs(led.edges("ram") - fixed.edges("ram")).max() <= 1e-12
@@ -147,7 +147,7 @@ def test_rates_of_a_rotation_vector_turn_a_box_about_an_axis_that_turns(body):
     apart here, 9e-5 at twice the communication step, 7e-4 at four times."""
     solid = {"name": "ram", "size": [1.2, 0.5, 0.2], "point": [0.5, 0.5, -0.2], "friction": 0.3, **TURNED}
     scene = body(bodies.sphere(3), box=[solid], damping=0.0, stop_time=0.5, communication_step=0.005)
-    course = {"inputs": lambda t: {"plane.ram.rotation.x": 0.4, "plane.ram.rotation.y": 3.0 * t, "plane.ram.rotation.z": 1.0 - t}}
+    course = {"inputs": lambda t: {"box.ram.rotation.x": 0.4, "box.ram.rotation.y": 3.0 * t, "box.ram.rotation.z": 1.0 - t}}
     held, linear = (simulate(scene, interpolation=each, **course) for each in ("held", "linear"))
     assert np.abs(linear.positions[-1] - linear.positions[0]).max() > 1e-2
     assert np.abs(held.positions - linear.positions).max() <= 1e-4
@@ -190,7 +190,7 @@ def test_no_vertex_is_in_a_box_that_it_is_thrown_at_whatever_the_corner(body):
                  "rotation": {"axis": axis.tolist(), "degrees": random.uniform(0, 180)}}  # fmt: skip
         result = simulate(body(bodies.sphere(3), box=[solid], velocity=(20 * way).tolist(), step=2e-3, stop_time=0.1))
         assert deepest(result, "box", solid) >= -1e-12
-        touched += np.abs(vector(result, "plane.crate.reaction")).max() > 0
+        touched += np.abs(vector(result, "box.crate.reaction")).max() > 0
     assert touched >= 9
 
 
@@ -274,7 +274,7 @@ def test_a_solid_that_pushes_beyond_reason_is_answered(body, speed):
     ram = {"name": "ram", "size": [20.0, 20.0, 2.0], "point": [0.0, 0.0, -1.0], "motion": "input", "inputs": ["point", "velocity"]}
     with Simulation(body(bodies.cube(5, 0.0), method="auto", step=0.0, box=[ram], solver={"most_work": 1e5})) as simulation:
         before = simulation.positions.copy()
-        simulation.plane["ram"].velocity = [0.0, 0.0, speed]
+        simulation.obstacle["ram"].velocity = [0.0, 0.0, speed]
         try:
             simulation.step(0.01)
         except SoftffdError:

@@ -205,7 +205,7 @@ def test_a_velocity_that_moves_inside_the_step_spares_the_bodys_own_mass(tmp_pat
 
         def answer(rate: float) -> float:
             sim.restore(before)
-            sim.plane["lid"].point[2], sim.plane["lid"].velocity[2] = z, v
+            sim["plane.lid.point.z"], sim["plane.lid.velocity.z"] = z, v
             sim.set_rates({"plane.lid.velocity.z": rate})
             sim.step(STEP)
             return sim.plane["lid"].reaction[2]

@@ -47,7 +47,7 @@ def on_cluster(scheduler: str | Client, plan: Plan, indices: Sequence[Index]) ->
         fmu = _bytes_of(plan)
         _require_alike(client)
         _require_opens(client, fmu)
-        sent = client.submit(_sent, replace(plan, source="", folder=""), fmu, pure=False)  # where it is lost it is sent again
+        sent = client.submit(_sent, replace(plan, source=Path(), folder=""), fmu, pure=False)  # where it is lost it is sent again
         together = min(TOGETHER, math.ceil(len(indices) / (4 * sum(client.nthreads().values()))))
         given: dict[Any, Sequence[Index]] = {}
 

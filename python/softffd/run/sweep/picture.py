@@ -32,9 +32,9 @@ LETTER, LINE = 0.09, 0.2
 """Of a tick's words: width of a letter and height of a line [inches]"""
 
 
-def draw(table: Sweep, file: str | Path | None, outputs: Iterable[str] | None) -> Figure:
+def draw(table: Sweep, file: str | Path | None, outputs: Iterable[str] | str | None) -> Figure:
     """A panel for each output, beside and below each other; failed runs are crosses."""
-    names = list(table.outputs if outputs is None else outputs)
+    names = [outputs] if isinstance(outputs, str) else list(table.outputs if outputs is None else outputs)
     if not 1 <= len(table.values) <= 2:
         raise SoftffdError(f"plot: wanted one or two varied variables, got {len(table.values)}; to_xarray takes any number")
     if not 1 <= len(names) <= LARGEST:

@@ -21,7 +21,7 @@ from softffd.fmu.interface import ScalarVariable
 from softffd.names import parse_name
 from softffd.run.driven import driven_inputs, require_undriven
 from softffd.run.inputs import Inputs, Source
-from softffd.run.simulation import Simulation
+from softffd.run.simulation import Simulation, run_source
 from softffd.run.times import communication_points, positive, require_memory
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -48,7 +48,7 @@ class Reading(NamedTuple):
 class Plan:
     """All that a worker needs, and what tells one sweep from another. It goes to other processes."""
 
-    source: Scene | str | Path
+    source: Scene | Path
     given: dict[str, list[Any]]
     """The values of each varied variable as they were given: numbers or names"""
     numbers: dict[str, list[Any]]
@@ -84,11 +84,14 @@ class Plan:
 
 
 def plan_of(
-    scene_or_fmu: Scene | str | Path, vary: Mapping[str, Iterable[Any]], outputs: Iterable[str] | None, stop_time: float | None,
+    scene_or_fmu: Scene | str | Path, vary: Mapping[str, Iterable[Any]], outputs: Iterable[str] | str | None, stop_time: float | None,
     step: float | None, start_values: Mapping[str, Any] | None, inputs: Source | None, settings: Mapping[str, Any],
 ) -> Plan:  # fmt: skip
     """The plan of a sweep, see `sweep`; FmuError for what cannot be asked of this FMU."""
-    with Simulation(scene_or_fmu, start_values=start_values, **settings) as simulation:
+    what = run_source(scene_or_fmu, "sweep")
+    if inputs is None and not isinstance(what, Path):
+        inputs = what.default_inputs
+    with Simulation(what, start_values=start_values, **settings) as simulation:
         component = simulation.component
         interface = component.interface
         stop_time = positive("stop time", stop_time, interface.stop_time)
@@ -110,7 +113,7 @@ def plan_of(
             "inputs": _fingerprint(driven, course),
         }  # fmt: skip
         return Plan(
-            scene_or_fmu, given, numbers, readings, dict(start_values or {}), dict(settings), stop_time, step, tuple(driven),
+            what, given, numbers, readings, dict(start_values or {}), dict(settings), stop_time, step, tuple(driven),
             np.zeros((0, 0)) if course is None else course, about, os.getcwd(),
         )  # fmt: skip
 
@@ -148,7 +151,7 @@ def _not_varied(component: Component, name: str, variable: ScalarVariable | None
 
 
 def _at_point(name: str) -> bool:
-    return (found := parse_name(name)) is not None and isinstance(found.instance, tuple)
+    return (found := parse_name(name)) is not None and found.at_point
 
 
 def _listed(name: str, values: Iterable[Any]) -> list[Any]:
@@ -168,7 +171,7 @@ def _number(variable: ScalarVariable, value: Any) -> Any:
     return number
 
 
-def _readings(component: Component, outputs: Iterable[str] | None) -> tuple[Reading, ...]:
+def _readings(component: Component, outputs: Iterable[str] | str | None) -> tuple[Reading, ...]:
     """Those asked for; by default all outputs but those at control points."""
     every = [v.name for v in component.by_name.values() if v.causality == "output" and v.kind != "String"]
     if outputs is None:

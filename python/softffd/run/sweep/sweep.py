@@ -41,7 +41,7 @@ def sweep(
     scene_or_fmu: Scene | str | Path,
     vary: Mapping[str, Iterable[Any]],
     *,
-    outputs: Iterable[str] | None = None,
+    outputs: Iterable[str] | str | None = None,
     stop_time: float | None = None,
     step: float | None = None,
     start_values: Mapping[str, Any] | None = None,
@@ -55,6 +55,7 @@ def sweep(
 ) -> Sweep:
     """Runs every combination of the values in `vary` and returns a table of outputs; the numbers are those of `simulate`.
 
+    scene_or_fmu: a scene, the path of its file, the name of a shipped one, or the path of an FMU.
     vary: values by the name of a parameter or input of the FMU.
     outputs: names, for the value at the end of the run, or "max(NAME)", "min(NAME)", "mean(NAME)" over its communication points; a
     vector's name means its components. By default all outputs but those at control points.

@@ -125,7 +125,7 @@ class Sweep:
         axes = {name: (name, values, {"units": units[name]}) for name, values in self.values.items()}
         return xarray.Dataset(data, axes, {"title": self.about["title"]})
 
-    def plot(self, file: str | Path | None = None, *, outputs: Iterable[str] | None = None) -> Any:
+    def plot(self, file: str | Path | None = None, *, outputs: Iterable[str] | str | None = None) -> Any:
         """A matplotlib Figure of some outputs, all by default: lines over one varied variable, maps over two; written where `file` says."""
         from softffd.run.sweep.picture import draw
 

@@ -141,7 +141,8 @@ class Drawn:
         for name, (normal, course) in self.planes.items():
             point, velocity, spin, _ = course.at(time)
             pose = {"point": point, "normal": course.turned(normal, time), "velocity": velocity, "angular_velocity": spin}
-            drive.set(**{f"plane.{name}.{what}": pose[what] if what in pose else self._rotation(name, time) for what in self._inputs(name)})
+            path = f"{self._kind(name)}.{name}"
+            drive.set(**{f"{path}.{what}": pose[what] if what in pose else self._rotation(name, time) for what in self._inputs(name)})
         for name, course in self.pins.items():
             point, velocity, spin, (angle, _) = course.at(time)
             values: dict[str, Any] = {"position": point, "orientation": _quaternion(angle), "velocity": velocity, "angular_velocity": spin}
@@ -173,6 +174,10 @@ class Drawn:
 
     def _obstacles(self) -> list[tuple[str, dict[str, Any]]]:
         return [(kind, each) for kind in KINDS for each in self.document.get(kind, ())]
+
+    def _kind(self, name: str) -> str:
+        """Of an obstacle."""
+        return next(kind for kind, each in self._obstacles() if each["name"] == name)
 
     def _inputs(self, name: str) -> list[str]:
         """Of an obstacle."""

@@ -57,7 +57,7 @@ class Drive:
             points = list(all_points(self.scene.lattice.points))
             self._x, self._v = (self.simulation.block(variable_names(family, points)) for family in ("position", "velocity"))
             self._blocks: dict[str, Block] = {}
-            self._fixtures = [f"plane.{plane.name}" for plane in self.scene.obstacles] + [f"pin.{pin.name}" for pin in self.scene.pin]
+            self._fixtures = [str(obstacle.part) for obstacle in self.scene.obstacles] + [f"pin.{pin.name}" for pin in self.scene.pin]
             self._start()
         except BaseException:
             self.close()

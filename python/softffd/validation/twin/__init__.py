@@ -23,13 +23,13 @@ import numpy as np
 from softffd.drivers import MENDING
 from softffd.embedding.basis import weights
 from softffd.errors import SoftffdError
-from softffd.fmu.description_parts import completed
-from softffd.fmu.model_description import model_description
+from softffd.fmu.interface import elements
+from softffd.fmu.model_description import completed, model_description
 from softffd.fmu.package import fmu_path, scene_masses
 from softffd.fmu.variables import internal_damping_present, variables
 from softffd.installed import table
 from softffd.lattice import point_at
-from softffd.names import structured, variable_name
+from softffd.names import variable_name
 from softffd.scene.scene import Scene
 from softffd.validation.resolved import resolved
 
@@ -119,7 +119,11 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
         "velocity": at_points("velocity", scene.outputs.velocities),
         "reactions": scene.outputs.reactions,
         "methods": {str(method["value"]): method["key"] for method in table()["method"]},
-        "variables": [{"name": structured(v.name), "reference": v.reference, "start": v.start} for v in variables(scene, mass)],
+        "variables": [
+            {"name": element.name, "reference": element.reference, "start": element.start}
+            for variable in variables(scene, mass)
+            for element in elements(variable)
+        ],
     }
 
 

@@ -14,8 +14,9 @@ from fmpy.fmi2 import FMU2Slave
 
 from host_scenes import HELD, STEP, scene, step
 from softffd import FmuError, Simulation, SoftffdError, installed, package_fmu, write_ssp
-from softffd.fmu import unpacking
+from softffd.fmu import archive
 from softffd.fmu.component import Component
+from softffd.scene.document import SHIPPED
 
 
 def test_a_path_as_text_and_an_opened_component_are_taken_too(tmp_path):
@@ -82,12 +83,20 @@ def test_an_fmu_with_the_installed_library_is_opened_without_unpacking_it(monkey
 
 
 @pytest.mark.parametrize(
-    "wrong, words", [(None, "wanted a Scene or the path"), (3, "wanted a Scene"), ("press", 'take load_scene("press")')]
+    "wrong, words",
+    [(None, "wanted a Scene, the path or name of one, or the path"), (3, "wanted a Scene"), ("pres", 'did you mean "press"?')],
 )
 def test_what_is_neither_scene_nor_fmu_is_refused(wrong, words):
-    with pytest.raises(FmuError) as refused:
+    with pytest.raises(SoftffdError) as refused:
         Simulation(wrong)
     assert words in str(refused.value)
+
+
+def test_a_scene_goes_by_its_name_and_its_path():
+    file = SHIPPED / "press.toml"
+    for given in ("press", str(file), file):
+        with Simulation(given) as sim:
+            assert sim.plane and sim.component.interface.name == "press"
 
 
 def test_a_run_takes_the_library_of_this_machine_alone(tmp_path, monkeypatch):
@@ -123,13 +132,13 @@ def test_many_run_side_by_side_in_one_process():
 
 def test_an_archive_that_would_fill_the_disk_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
     fmu = package_fmu(scene(), tmp_path / "box.fmu")
-    with ZipFile(fmu, "a", ZIP_DEFLATED) as archive:
-        archive.writestr("resources/zeros.bin", bytes(100_000_000))
+    with ZipFile(fmu, "a", ZIP_DEFLATED) as packed:
+        packed.writestr("resources/zeros.bin", bytes(100_000_000))
     with Simulation(fmu) as opened:
         step(opened)
-    monkeypatch.setattr(unpacking, "LARGEST", 1e7)
-    monkeypatch.setattr(unpacking, "MOST_TIMES", 10)
-    monkeypatch.setattr(unpacking.fmpy, "extract", lambda *_given, **_keys: pytest.fail("unpacked"))
+    monkeypatch.setattr(archive, "LARGEST", 1e7)
+    monkeypatch.setattr(archive, "MOST_TIMES", 10)
+    monkeypatch.setattr(archive.fmpy, "extract", lambda *_given, **_keys: pytest.fail("unpacked"))
     for ask in (lambda: Simulation(fmu), lambda: write_ssp(tmp_path / "box.ssp", {"box": fmu}, [])):
         with pytest.raises(SoftffdError, match=r"box\.fmu: its .* MB would unpack to 0\.1\d* GB; wanted at most 0\.01 GB, or 10 times"):
             ask()

@@ -10,7 +10,7 @@ from softffd import FmuError, Simulation, simulate
 def test_scalars_vectors_and_components_are_set(sim):
     sim["plane.plate.point.z"] = 0.9
     assert sim.plane["plate"].point[2] == 0.9
-    sim.plane["plate"].point[0] = 0.5
+    sim["plane.plate.point.x"] = 0.5
     np.testing.assert_array_equal(sim.plane["plate"].point, [0.5, 0.0, 0.9])
     sim.plane["plate"].normal = np.array([0.0, 0.6, -0.8])
     sim["plane.plate.velocity"] = (0, 0, -1)
@@ -26,14 +26,14 @@ def test_scalars_vectors_and_components_are_set(sim):
 def test_a_plate_that_comes_down_presses(sim):
     plate = sim.plane["plate"]
     for n in range(20):
-        plate.point[2], plate.velocity[2] = 1.2 - 2.0 * n * STEP, -2.0
+        plate.point, plate.velocity = (0, 0, 1.2 - 2.0 * n * STEP), (0, 0, -2.0)
         step(sim)
     assert plate.reaction[2] > 10 and sim.positions[..., 2].max() <= 0.8 + 1e-12
 
 
 def test_pins_move_what_they_hold(held):
     grip = held.pin["grip"]
-    grip.position[2] = -0.1
+    held["pin.grip.position.z"] = -0.1
     grip.orientation = (np.cos(0.1), 0, 0, np.sin(0.1))
     grip.velocity, grip.angular_velocity = (0, 0, -1), (0, 0, 0.5)
     np.testing.assert_allclose(grip.orientation, [np.cos(0.1), 0, 0, np.sin(0.1)])
@@ -46,7 +46,7 @@ def test_pins_move_what_they_hold(held):
 
 def test_loads_and_forces_act_on_the_points(sim):
     sim.load["push"] = (16.0, 0, 0)
-    sim.load["push"][1] = 8.0
+    sim["load.push.y"] = 8.0
     np.testing.assert_array_equal(sim["load.push"], [16.0, 8.0, 0.0])
     sim.force[3, 3, 3] = (0, 0, 5.0)
     assert sim["force[3,3,3].z"] == 5.0 and sim.force[3, 3, 3][2] == 5.0
@@ -107,7 +107,7 @@ def test_outputs_cannot_be_set(sim):
         with pytest.raises(FmuError, match="wanted an input or a parameter, got an output"):
             sim[name] = value
     with pytest.raises(FmuError, match="got an output"):
-        sim.plane["plate"].reaction[2] = 1.0
+        sim.plane["plate"].reaction = (0, 0, 1.0)
     with pytest.raises(FmuError, match="got an output"):
         sim.block(["energy.work"]).set()
     step(sim)
@@ -119,28 +119,16 @@ def test_a_vector_wants_its_components(sim):
             sim.plane["plate"].point = wrong
 
 
-def test_what_is_assigned_to_a_copy_is_refused_or_acts(sim):
+def test_what_is_read_is_a_copy(sim):
     with pytest.raises(ValueError, match="read-only"):
         sim.positions[1, 1, 1] = 0
     point = sim.plane["plate"].point
-    for write in (lambda: point.fill(1), lambda: point[1:].__setitem__(0, 1), lambda: np.add(point, 1, out=point)):
-        with pytest.raises(ValueError, match="read-only"):
-            write()
-    before = np.array(point)
+    assert type(point) is np.ndarray and type(sim.load["push"]) is type(sim.force[3, 3, 3]) is type(sim["gravity"]) is np.ndarray
+    before = point.copy()
     point += (0, 0, 1)
-    point *= 2
-    np.testing.assert_array_equal(sim.plane["plate"].point, 2 * np.add(before, (0, 0, 1)))
-    np.testing.assert_array_equal(point, sim.plane["plate"].point)
+    point[0] = 5
+    np.testing.assert_array_equal(sim.plane["plate"].point, before)
+    sim.plane["plate"].point = point
+    np.testing.assert_array_equal(sim.plane["plate"].point, point)
     sim.plane["plate"].point -= (1, 0, 0)
-    assert sim["plane.plate.point.x"] == 2 * before[0] - 1
-    own = point + 1
-    own += 1
-    own[0] = 7
-    assert own[0] == 7 and sim["plane.plate.point.x"] == 2 * before[0] - 1
-
-
-def test_a_vector_that_was_read_before_changes_one_component_alone(sim):
-    old = sim.plane["plate"].point
-    sim.plane["plate"].point = (1, 1, 1)
-    old[0] = 5
-    np.testing.assert_array_equal(sim.plane["plate"].point, [5, 1, 1])
+    assert sim["plane.plate.point.x"] == 4

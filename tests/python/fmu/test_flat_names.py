@@ -1,4 +1,4 @@
-"""fmu.names = "plain": the same component under names without commas and brackets, and runs that take either form."""
+"""fmu.names = "flat": the same component under names without commas and brackets, and runs that take either form."""
 
 import csv
 import re
@@ -22,29 +22,29 @@ STEP, STOP = 0.01, 0.1
 FORCE, PLAIN_FORCE = "force[2,1,0].y", "force_2_1_0.y"
 
 
-def scene(names="plain", **keys):
+def scene(names="flat", **keys):
     return box(points=[3, 3, 3], forces="all", velocities="all", fmu={"names": names}, **PARTS, **keys)
 
 
 @pytest.fixture(scope="module")
 def descriptions(tmp_path_factory):
     folder = tmp_path_factory.mktemp("names")
-    paths = {names: package_fmu(scene(names), folder / f"{names}.fmu") for names in ("structured", "plain")}
+    paths = {names: package_fmu(scene(names), folder / f"{names}.fmu") for names in ("structured", "flat")}
     return {names: (path, fmpy.read_model_description(str(path))) for names, path in paths.items()}
 
 
-def test_plain_names_have_no_commas_and_stand_for_the_same_references(descriptions):
-    structured, plain = ({v.valueReference: v.name for v in description.modelVariables} for _, description in descriptions.values())
-    assert all(re.fullmatch(r"[A-Za-z_][A-Za-z0-9_.]*", name) for name in plain.values())
-    assert len(set(plain.values())) == len(plain)
-    assert plain == {reference: re.sub(r"\[(\d+),(\d+),(\d+)\]", r"_\1_\2_\3", name) for reference, name in structured.items()}
+def test_flat_names_have_no_commas_and_stand_for_the_same_references(descriptions):
+    structured, flat = ({v.valueReference: v.name for v in description.modelVariables} for _, description in descriptions.values())
+    assert all(re.fullmatch(r"[A-Za-z_][A-Za-z0-9_.]*", name) for name in flat.values())
+    assert len(set(flat.values())) == len(flat)
+    assert flat == {reference: re.sub(r"\[(\d+),(\d+),(\d+)\]", r"_\1_\2_\3", name) for reference, name in structured.items()}
     assert any("[" in name for name in structured.values())
     assert [description.variableNamingConvention for _, description in descriptions.values()] == ["structured", "flat"]
 
 
-def test_fmpys_reader_of_csv_files_drives_plain_names(descriptions, tmp_path):
+def test_fmpys_reader_of_csv_files_drives_flat_names(descriptions, tmp_path):
     """Its own reader splits quoted names at their commas and loses the input without a word."""
-    path, _ = descriptions["plain"]
+    path, _ = descriptions["flat"]
     (tmp_path / "in.csv").write_text(f"time,{PLAIN_FORCE}\n0,5\n1,5\n")
     start = {"solver.step": 1e-4}  # a run does not depend on the last bits of a host's clock
     theirs = fmpy.simulate_fmu(
@@ -56,7 +56,7 @@ def test_fmpys_reader_of_csv_files_drives_plain_names(descriptions, tmp_path):
     assert theirs["velocity_2_1_0.y"][-1] > 0.1
 
 
-@pytest.mark.parametrize("names", ["structured", "plain"])
+@pytest.mark.parametrize("names", ["structured", "flat"])
 @pytest.mark.parametrize("header", [f'"{FORCE}"', PLAIN_FORCE])
 def test_files_of_either_form_drive_either_fmu(descriptions, tmp_path, names, header):
     (tmp_path / "in.csv").write_text(f"time,{header},plane.lid.point.z\n0,5,3\n0.1,2,2.9\n")
