@@ -13,7 +13,7 @@ from boxes import STEP, box
 from measured import Pair, row
 
 from softffd import Simulation
-from softffd.validation import bodies
+from validation import bodies
 
 GROUP = "parts of a scene"
 INTERVAL = 0.1

@@ -14,7 +14,6 @@ MODULES = {
     "softffd.inputs": "softffd.run.inputs",
     "softffd.package": "softffd.fmu.package",
     "softffd.result": "softffd.run.result",
-    "softffd.twin": "softffd.validation.twin",
 }
 """Modules whose name is no module any more"""
 
