@@ -14,7 +14,7 @@ from softffd.scene.scene import load_scene
 from validation.cross_check import PLACE, write_cross_check
 from validation.stability.drawn_runs import FAMILIES
 from validation.stability.drawn_survey import report_random
-from validation.stability.survey import report_stability
+from validation.stability.results import report_stability
 from validation.twin import build_twin
 
 

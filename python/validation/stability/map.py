@@ -11,6 +11,8 @@ rotation    set spinning at 1 rad/s without a stress. Exactly: angular momentum 
 contact     resting on a plane that is drawn away under it with friction, under gravity g = min(9.81 m/s2, k / (50 kg)), which a soft box
             can carry, and slightly damped. Exactly: the friction impulse is mu times the normal one; momentum is what the impulses,
             gravity and damping make it; the centre sinks by the static sag in the end, and on the way not much beyond twice of it.
+
+Beside it the border of the raw explicit scheme, the central difference of eq. (13) without anybody to divide its steps, is measured.
 """
 
 from __future__ import annotations
@@ -18,14 +20,16 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
 
 import numpy as np
 
+from validation.mechanics import Body
 from validation.stability import rebound
 from validation.stability.answers import static_sag
-from validation.stability.cell import GAIN, STATED, Cell, Judged, Trial, omega
+from validation.stability.cell import GAIN, STATED, Cell, Judged, Panel, Trial, omega, settings
 from validation.stability.drive import Drive, Refused, StateTouched
 
 STRETCH, TOLERANCE = 0.01, 1e-5
@@ -195,3 +199,71 @@ def unit_sag() -> float:
     """Static sag of the centre of the box on a plane for a gravity of 1 m/s2 and a stiffness of 1 N/m, by the linear theory [m]."""
     with Drive(document("contact")) as drive:
         return static_sag(drive)
+
+
+STEPS = 2000
+"""Of one trial."""
+
+NOISE = 1e-9
+"""Disturbance of the rest shape, m."""
+
+GROWN = 1e3
+"""A disturbance that has grown so much grows for ever: below the border it stays within about ten times itself."""
+
+
+@dataclass(frozen=True)
+class Border:
+    """Steps at the border for one stiffness [s]."""
+
+    stiffness: float
+    """N/m"""
+    theory: float
+    """2 / omega"""
+    raw: float
+    """Largest step without growth, by bisection"""
+    bound: float
+    """The component's `solver.stable_step`"""
+    divided: float
+    """Smallest given `solver.step` that the component divides, by bisection"""
+
+
+def borders(stiffnesses: Sequence[float], rounds: int = 14) -> list[Border]:
+    """For the box of the map, at rest; each bisection within 2^-rounds of its start, a factor of 4."""
+    found = []
+    with Drive(document("vibration") | {"initial": {}}) as drive:
+        for stiffness in stiffnesses:
+            theory = 2 / omega(stiffness)
+            drive.body.stiffness[:] = stiffness
+            body, rest = drive.body, drive.rest
+            raw = _bisected(theory, rounds, lambda h, body=body, rest=rest: grows(body, rest, h))
+            drive.restart(settings(Panel("vibration", "leapfrog", True), stiffness, 0.0))
+            bound = drive.value("solver.stable_step")
+            divided = _bisected(theory, rounds, lambda h, stiffness=stiffness: _divides(drive, stiffness, h))
+            found.append(Border(stiffness, theory, raw, bound, divided))
+    return found
+
+
+def _bisected(theory: float, rounds: int, beyond) -> float:
+    low, high = theory / 2, 2 * theory
+    for _ in range(rounds):
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if beyond(middle) else (middle, high)
+    return math.sqrt(low * high)
+
+
+def grows(body: Body, rest: np.ndarray, h: float) -> bool:
+    """Whether a small disturbance of the rest shape grows without end in leapfrog with the step h [s]."""
+    noise = NOISE * np.random.default_rng(0).standard_normal(rest.shape)
+    x, v = rest + noise, np.zeros_like(rest)
+    for _ in range(STEPS):
+        v = v + h * body.spring_force(x) / body.mass[:, None]
+        x = x + h * v
+        if not np.abs(x - rest).max() < GROWN * NOISE:
+            return True
+    return False
+
+
+def _divides(drive: Drive, stiffness: float, h: float) -> bool:
+    drive.restart(settings(Panel("vibration", "leapfrog", True), stiffness, h))
+    drive.step(h)
+    return "above the stability bound" in drive.warned

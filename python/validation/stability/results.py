@@ -1,4 +1,4 @@
-"""The files that a survey is kept in: a table, a document with all checks, and pictures of the map.
+"""A survey is run and kept in files: a table, a document with all checks, and pictures of the map.
 
 A picture has a small chart per method: stiffness to the right, communication step upwards, a colour for each class of cells.
 """
@@ -6,27 +6,24 @@ A picture has a small chart per method: stiffness to the right, communication st
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-from softffd.accuracy.kept import csv_text, json_text, keep_files
-from validation.stability.cases import CASES
-from validation.stability.cell import Cell, Judged
-from validation.stability.verdict import Outcome
-
-if TYPE_CHECKING:
-    from validation.stability.survey import Survey
-from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
+from softffd.accuracy.kept import conditions, csv_text, json_text, keep_files
+from softffd.errors import SoftffdError
+from softffd.run.progress import Note, silent
 from softffd.show.figure import new_figure, png_of
 from softffd.show.sheet import INK, SOFT
-from validation.stability.cell import CLASSES, Panel, omega
+from validation.stability.cases import CASES
+from validation.stability.cell import CLASSES, Cell, Judged, Panel, omega
+from validation.stability.survey import Survey, planned, run
+from validation.stability.verdict import Outcome
 
 COLUMNS = (
     "part", "name", "method", "given_step", "stiffness_n_per_m", "tau_omega", "communication_step_s", "verdict", "measured", "limit",
@@ -194,3 +191,45 @@ def _edges(centres: np.ndarray) -> np.ndarray:
 def _label(axis, values: np.ndarray, every: int) -> None:
     ticks = np.arange(math.ceil(values[0] - 1e-9), values[-1] + 1e-9, every)
     axis.set_ticks(ticks, [f"$10^{{{tick:.0f}}}$" for tick in ticks])
+
+
+SHOWN = 20
+"""Wrong answers that are told one by one on stderr."""
+
+
+def report_stability(
+    folder: Path,
+    *,
+    only: Sequence[str] = (),
+    quick: bool = False,
+    processes: int = 1,
+    note: Note = silent,
+    say: Note = print,
+) -> Survey:
+    """Runs the map and the cases, or those that `only` names, and keeps CSV, JSON and pictures in `folder`.
+
+    quick: some cases and a coarse map, within half a minute. processes: cells and cases at a time, SoftffdError if none. note: told what is
+    done; say: told what has come out. Raises SoftffdError for an unknown name before anything is run, and in the end if an answer is wrong;
+    KeyboardInterrupt on Ctrl-C once what is done is kept.
+    """
+    survey = planned(only, quick=quick)
+    about = _about(only, quick)
+    try:
+        for place, news in enumerate(run(survey, note, processes)):
+            say(news)
+            if place < len(survey.panels):
+                keep(folder, survey, about)
+    except KeyboardInterrupt:
+        keep(folder, survey, about)
+        raise KeyboardInterrupt(f"what is done is kept in {folder}; {len(survey.missing)} parts are missing") from None
+    keep(folder, survey, about)
+    if wrong := survey.wrong():
+        more = [f"  and {len(wrong) - SHOWN} more in {folder}"] if len(wrong) > SHOWN else []
+        raise SoftffdError("\n".join([f"{len(wrong)} wrong answers given as right:", *(f"  {line}" for line in wrong[:SHOWN]), *more]))
+    return survey
+
+
+def _about(only: Sequence[str], quick: bool) -> dict[str, Any]:
+    named = ["--only", *(f"'{name}'" for name in only)] if only else []
+    options = ["--quick" * quick, *named]
+    return conditions(["python3 python/run.py stability", *options])

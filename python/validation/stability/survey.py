@@ -1,25 +1,20 @@
-"""A survey of stiff and extreme scenes: which panels and cases, what came of them, and the files that keep it."""
+"""A survey of stiff and extreme scenes: which panels and cases, and what came of them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
 
-from softffd.accuracy.kept import conditions
 from softffd.errors import SoftffdError
 from softffd.run.guard import Lost, guarded
-from softffd.run.progress import Note, silent
+from softffd.run.progress import Note
 from softffd.spelling import did_you_mean, nearest_of
 from validation.stability import rebound
-from validation.stability.border import Border, borders
 from validation.stability.cases import CASES, run_named
 from validation.stability.cell import HANG, Cell, Judged, Panel
 from validation.stability.drive import Drive
-from validation.stability.map import SCENES, document, run_cells
-from validation.stability.results import keep
+from validation.stability.map import SCENES, Border, borders, document, run_cells
 from validation.stability.verdict import Outcome, outcome_of
 
 LEAVES_CONTACT = ("bm4", "rkn12", "dop853", "ros34pw2")
@@ -179,45 +174,3 @@ def _panel_news(survey: Survey, panel: Panel) -> str:
     kinds = [survey.cells[cell].kind for cell in survey.cells_of(panel)]
     counts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
     return f"map, {panel}: {counts}"
-
-
-SHOWN = 20
-"""Wrong answers that are told one by one on stderr."""
-
-
-def report_stability(
-    folder: Path,
-    *,
-    only: Sequence[str] = (),
-    quick: bool = False,
-    processes: int = 1,
-    note: Note = silent,
-    say: Note = print,
-) -> Survey:
-    """Runs the map and the cases, or those that `only` names, and keeps CSV, JSON and pictures in `folder`.
-
-    quick: some cases and a coarse map, within half a minute. processes: cells and cases at a time, SoftffdError if none. note: told what is
-    done; say: told what has come out. Raises SoftffdError for an unknown name before anything is run, and in the end if an answer is wrong;
-    KeyboardInterrupt on Ctrl-C once what is done is kept.
-    """
-    survey = planned(only, quick=quick)
-    about = _about(only, quick)
-    try:
-        for place, news in enumerate(run(survey, note, processes)):
-            say(news)
-            if place < len(survey.panels):
-                keep(folder, survey, about)
-    except KeyboardInterrupt:
-        keep(folder, survey, about)
-        raise KeyboardInterrupt(f"what is done is kept in {folder}; {len(survey.missing)} parts are missing") from None
-    keep(folder, survey, about)
-    if wrong := survey.wrong():
-        more = [f"  and {len(wrong) - SHOWN} more in {folder}"] if len(wrong) > SHOWN else []
-        raise SoftffdError("\n".join([f"{len(wrong)} wrong answers given as right:", *(f"  {line}" for line in wrong[:SHOWN]), *more]))
-    return survey
-
-
-def _about(only: Sequence[str], quick: bool) -> dict[str, Any]:
-    named = ["--only", *(f"'{name}'" for name in only)] if only else []
-    options = ["--quick" * quick, *named]
-    return conditions(["python3 python/run.py stability", *options])

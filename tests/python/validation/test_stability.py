@@ -18,11 +18,10 @@ from softffd.errors import SoftffdError, UnknownName
 from softffd.run import guard
 from softffd.run.guard import Lost, abreast, guarded
 from validation.stability import survey as survey_module
-from validation.stability.border import borders, grows
 from validation.stability.cases import CASES, run_named
 from validation.stability.cell import Cell, Judged, Panel, omega, settings
 from validation.stability.drive import DOWN, Drive, Refused, box, plane
-from validation.stability.map import document, run_cells, unit_sag
+from validation.stability.map import borders, document, grows, run_cells, unit_sag
 from validation.stability.survey import Survey, planned, run
 from validation.stability.verdict import VERDICTS, Case, Check, Findings, Outcome, behind, outcome_of, run_case
 from validation.tools import run_tool
@@ -231,7 +230,7 @@ def small(monkeypatch):
     """Makes the survey that is planned a small one."""
     panels = [Panel("vibration", "leapfrog", True)]
     monkeypatch.setattr(
-        "validation.stability.survey.planned",
+        "validation.stability.results.planned",
         lambda only, quick: Survey(panels, [1e0, 1e3], [1e-3, 1e-2, 1e-1], ["plane jumps", "force not a number"]),
     )
 
