@@ -32,14 +32,18 @@ if TYPE_CHECKING:
 def main(arguments: list[str] | None = None) -> int:
     """Runs one command; returns its exit status: 0 success, 1 refused with a message on stderr, 2 wrong usage, 130 interrupted, 141 where
     nobody reads the output any more."""
-    return exit_status(lambda: _command(sys.argv[1:] if arguments is None else arguments))
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # what its encoding does not have
+    words = sys.argv[1:] if arguments is None else arguments
+    if words[:1] == ["stability"]:
+        return exit_status(lambda: _tool(words))
+    options = parse(words)
+    return exit_status(lambda: COMMANDS[options.command](options))
 
 
 def exit_status(command: Callable[[], object]) -> int:
     """Runs a command and returns its exit status, as `main` does; what it may end with is said on stderr."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # what its encoding does not have
     try:
         command()
         sys.stdout.flush()
@@ -58,14 +62,11 @@ def exit_status(command: Callable[[], object]) -> int:
         return 130
 
 
-def _command(words: list[str]) -> None:
-    if words[:1] != ["stability"]:
-        options = parse(words)
-        COMMANDS[options.command](options)
-    elif find_spec("validation"):  # a tool of the sources, which no wheel has
-        import_module("validation.tools").run_tool(words)
-    else:
-        raise SoftffdError(f"stability: a tool of the sources, where it is run by: python3 python/run.py {shlex.join(words)}")
+def _tool(words: list[str]) -> None:
+    """Runs a tool of the sources, which no wheel has."""
+    if not (find_spec("validation") and find_spec("validation.tools")):
+        raise SoftffdError(f"{words[0]} is a tool of the sources, where it is run by: python3 python/run.py {shlex.join(words)}")
+    import_module("validation.tools").run_tool(words)
 
 
 def _mesh_options(options: argparse.Namespace) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""`softffd stability --random`: scenes drawn at random, run on several processes, and the table of verdicts."""
+"""Scenes drawn at random, run on several processes, and the table of verdicts."""
 
 from __future__ import annotations
 

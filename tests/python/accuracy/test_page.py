@@ -63,8 +63,8 @@ def test_times_have_three_digits():
 
 
 def test_conditions_name_command_machine_and_versions():
-    about = conditions(["softffd stability", "", "--quick"], "numpy", "no-such-package")
-    assert about["command"] == "softffd stability --quick" and about["versions"]["no-such-package"] == "?"
+    about = conditions(["softffd accuracy", "", "--quick"], "numpy", "no-such-package")
+    assert about["command"] == "softffd accuracy --quick" and about["versions"]["no-such-package"] == "?"
     assert about["machine"]["cores"] >= 1 and all(word in condition_words(about) for word in ("--quick", "Python 3", "cores"))
 
 
