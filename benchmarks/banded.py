@@ -6,8 +6,8 @@ import numpy as np
 from scipy.linalg import solveh_banded
 
 from softffd import Scene
-from softffd.validation.mechanics import Body, start
-from softffd.validation.resolved import resolved
+from validation.mechanics import Body, start
+from validation.resolved import resolved
 
 
 class Banded:

@@ -23,10 +23,10 @@ import table
 from measured import ROWS, Row
 from picture import GROUP, draw
 
+from softffd.accuracy.kept import conditions
 from softffd.errors import SoftffdError
 from softffd.files import require_writable, write_text
 from softffd.run.progress import ProgressLine
-from softffd.validation.conditions import conditions
 
 FILE = Path("softffd-bench") / "bench.json"
 

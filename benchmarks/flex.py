@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 
 from softffd import Scene
-from softffd.validation.mechanics import Body, start
-from softffd.validation.resolved import resolved
+from validation.mechanics import Body, start
+from validation.resolved import resolved
 
 POINT = """<body name="p{name}" pos="{x} {y} {z}"><inertial pos="0 0 0" mass="{mass}" diaginertia="1e-9 1e-9 1e-9"/>
 <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/><joint type="slide" axis="0 0 1"/></body>"""

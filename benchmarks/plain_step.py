@@ -8,8 +8,8 @@ import numba
 import numpy as np
 
 from softffd import Scene
-from softffd.validation.mechanics import Body, start
-from softffd.validation.resolved import resolved
+from validation.mechanics import Body, start
+from validation.resolved import resolved
 
 
 class PlainSteps:

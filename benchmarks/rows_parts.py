@@ -13,7 +13,7 @@ from boxes import STEP, box
 from measured import Pair, row
 
 from softffd import Simulation
-from softffd.validation import bodies
+from validation import shapes
 
 GROUP = "parts of a scene"
 INTERVAL = 0.1
@@ -41,26 +41,26 @@ def part(name: str, *, goal: float | None = None, **sections: Any) -> None:
             yield Pair(lambda: lap(own), lambda: lap(bare), per=round(INTERVAL / STEP))
 
 
-def on_its_surface(name: str, body: bodies.Shape, *, goal: float | None = None, after: float = 0.0, **sections: Any) -> None:
+def on_its_surface(name: str, body: shapes.Shape, *, goal: float | None = None, after: float = 0.0, **sections: Any) -> None:
     """The same where a plane meets the vertices of this body, from the beginning of its run, or from a time [s] on."""
 
     @row(GROUP, name, "a step of springs alone", goal=goal)
     def with_surface() -> Iterator[Pair]:
         with tempfile.TemporaryDirectory() as folder:
-            mesh = {"file": bodies.write(Path(folder) / "body.obj", body)}
+            mesh = {"file": shapes.write(Path(folder) / "body.obj", body)}
             with Simulation(box(mesh=mesh, contact={"of": "surface"}, **sections)) as own, Simulation(box()) as bare:
                 while own.time < after:
                     own.step(INTERVAL)
                 yield Pair(lambda: own.step(INTERVAL) if after else lap(own), lambda: lap(bare), per=round(INTERVAL / STEP))
 
 
-def on_feet() -> bodies.Shape:
+def on_feet() -> shapes.Shape:
     """A body with three vertices below."""
     below, above = [(0.2, 0.2, 0.0), (0.8, 0.25, 0.0), (0.5, 0.8, 0.0)], [(0.3, 0.3, 0.9), (0.7, 0.3, 0.9), (0.5, 0.7, 0.9)]
     return np.array(below + above), np.array([(0, 2, 1), (3, 4, 5), (0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4), (2, 0, 3), (2, 3, 5)])
 
 
-def on_a_face(side: int) -> bodies.Shape:
+def on_a_face(side: int) -> shapes.Shape:
     """A pyramid with side x side vertices below."""
     along = np.linspace(0, 1, side)
     below = np.stack([*np.meshgrid(along, along), np.zeros((side, side))], -1).reshape(-1, 3)

@@ -12,7 +12,7 @@ from boxes import STEP, box
 from measured import NotMeasured, Pair, require_alike, row
 
 from softffd import Simulation
-from softffd.validation.mechanics import spring_list
+from validation.mechanics import spring_list
 
 SPRING_STEPS = 8_000_000
 """Springs times internal steps of a call."""

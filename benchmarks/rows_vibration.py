@@ -11,8 +11,8 @@ import numpy as np
 from measured import NotMeasured, Pair, row
 
 import softffd
-from softffd.validation.accuracy.reference import Reference, find_reference
-from softffd.validation.accuracy.rig import Rig, Setting
+from softffd.accuracy.reference import Reference, find_reference
+from softffd.accuracy.rig import Rig, Setting
 
 TOLERANCES = tuple(10.0**-n for n in range(1, 12))
 
@@ -51,7 +51,7 @@ def own_run(rig: Rig, expected: Reference, level: float) -> Callable[[], float]:
 
 @row("free vibration", "auto, to 1e-6 of the box", "SciPy's DOP853 over numpy, to 1e-6")
 def against_dop853() -> Iterator[Pair]:
-    from softffd.validation.accuracy.scipy import Equations, integrate, nodal_forces, solver
+    from validation.scipy import Equations, integrate, nodal_forces, solver
 
     with judged() as (rig, expected):
         equations, forces, solve = Equations(rig.scene), nodal_forces(rig), solver()

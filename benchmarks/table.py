@@ -8,7 +8,7 @@ from typing import Any
 
 from matplotlib.ticker import EngFormatter
 
-from softffd.validation.conditions import condition_words
+from softffd.accuracy.kept import condition_words
 
 LOADED = 0.7
 """Processes that ran on average of the last minute before: the machine is not ours alone."""

@@ -25,7 +25,7 @@ def build_release(python: Path) -> int:
     commands.append(
         [*wheel, "-C", f"cmake.define.SOFTFFD_LIBRARIES={libraries}", "-C", "wheel.platlib=false", "-C", "build-dir=build/wheel"]
     )
-    commands.append([python, "-m", "softffd.validation.cross_check", "dist/cross-check"])
+    commands.append([python, "-m", "validation", "cross-check", "dist/cross-check"])
     for number, command in enumerate(commands):
         if "wheel" in command:
             for name in PLATFORMS:

@@ -5,6 +5,11 @@
     python3 python/run.py test [ARGUMENTS]    the tests, on all cores (pytest's arguments; -n 0: in one process)
     python3 python/run.py test --full         with the long ones: complete matrices, endurance, importers, surveys
     python3 python/run.py bench               times of everything, as ratios to what one would use otherwise
+    python3 python/run.py stability           stiff and extreme scenes, each judged by an exact answer or a bound
+    python3 python/run.py random 200          the same of scenes drawn at random
+    python3 python/run.py scipy SCENE ...     error against run time, with SciPy's solvers beside
+    python3 python/run.py twin SCENE          an FMU of the same model in numpy
+    python3 python/run.py cross-check DIR     the files of the FMI Cross-Check
     python3 python/run.py docs                this documentation as a site, in build/docs/site
     python3 python/run.py release             a wheel with the libraries of all platforms (some ten minutes)
     python3 python/run.py build SCENE ...     any other command of softffd
@@ -30,6 +35,7 @@ PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 BUILD = ROOT / "build" / "native"
 STAMP = VENV / "softffd-built"
 BUILT_FROM = ("pyproject.toml", "CMakeLists.txt", "LICENSE", "fmu_src", "modelDescription")
+TOOLS = ("stability", "random", "scipy", "twin", "cross-check")  # of python/validation
 LEAST_PYTHON = (3, 11)
 COMPILED = re.compile(r"^\s*\[\s*([1-9]\d*/\d+|\d+%)\]")  # ninja's words for how far it is, and those of make
 CLEAR = "\r\033[K"
@@ -101,7 +107,7 @@ def compiler_environment():
 
 
 def fingerprint():
-    modules = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "python" / "softffd").rglob("*.py"))
+    modules = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "python").rglob("*.py"))
     digest = hashlib.sha256("\n".join([str(PYTHON), *modules]).encode())  # an editable install knows the modules there are
     for name in BUILT_FROM:
         path = ROOT / name
@@ -179,7 +185,7 @@ def main():
     if arguments[0] == "bench":
         add_comparisons()
         return subprocess.call([PYTHON, ROOT / "benchmarks" / "bench.py", *arguments[1:]])
-    command = [str(PYTHON), "-m", "softffd", *arguments]
+    command = [str(PYTHON), "-m", "validation" if arguments[0] in TOOLS else "softffd", *arguments]
     if os.name == "posix":  # in this process, so that signals reach it
         os.execv(PYTHON, command)
     return subprocess.call(command)

@@ -1,4 +1,4 @@
-"""Arrows between the rooms point one way: a room uses rooms to its right, none to its left."""
+"""Arrows between the rooms point one way: a room uses rooms to its right, none to its left; the package uses no tools of the sources."""
 
 import ast
 import re
@@ -18,7 +18,7 @@ MADE = ("variable_table.hpp", "fmi2FunctionTypes.h", "fmi2Functions.h", "fmi2Typ
 """Belong to no room; the core has no way to them on its include path, nor to the rooms of fmi."""
 
 PACKAGE_ROOMS = [
-    *("cli", "validation", "show", "drivers", "run", "fmu", "scene", "embedding", "mesh"),
+    *("cli", "accuracy", "show", "drivers", "run", "fmu", "scene", "embedding", "mesh"),
     *("names", "lattice", "obstacles", "rotation", "files", "installed", "spelling", "errors"),
 ]
 """The shipped scenes are data, and the package's own __init__ knows everybody."""
@@ -59,3 +59,8 @@ def imported(file: str) -> set[str]:
 def test_no_import_of_the_package_points_up(file):
     place = PACKAGE_ROOMS.index(package_room(file))
     assert [name for name in imported(file) - ASKED.get(file, set()) if PACKAGE_ROOMS.index(package_room(name)) < place] == []
+
+
+@pytest.mark.parametrize("file", PACKAGE_FILES)
+def test_the_package_does_without_the_tools_of_the_sources(file):
+    assert not re.search(r"^\s*(from|import) validation\b", (PACKAGE / file).read_text(), re.MULTILINE)

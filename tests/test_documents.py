@@ -17,6 +17,7 @@ import pytest
 
 from mesh_files import ball
 from softffd import save_mesh
+from validation.tools import TOOLS
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "fmu_src").rglob("README.md"))]
@@ -107,7 +108,7 @@ def test_command_runs(line, folder):
     elif words[:2] == ["python3", "python/run.py"] and words[2] in ("release", "docs"):
         words = [sys.executable, str(ROOT / "python" / "run.py"), words[2]]
     elif words[:2] == ["python3", "python/run.py"]:  # hands over to the same program once it has set up
-        words = [sys.executable, "-m", "softffd", *words[2:]]
+        words = [sys.executable, "-m", "validation" if words[2] in TOOLS else "softffd", *words[2:]]
     elif words[0] == "softffd":
         words = [sys.executable, "-m", *words, *(["--overwrite"] if words[1] in MADE_BEFORE else [])]
     run(words, folder, minutes=60)

@@ -18,7 +18,7 @@ from softffd import load_scene
 
 pytest.importorskip("pythonfmu", reason="the driver FMUs are made with pythonfmu")
 from softffd.drivers import build_drivers
-from softffd.validation.twin import build_twin
+from validation.twin import build_twin
 
 COMPILER = shutil.which("cc")
 pytestmark = pytest.mark.skipif(sys.platform != "linux" or not COMPILER, reason="wants Linux and a C compiler named cc")

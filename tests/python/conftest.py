@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from measured_scenes import COURSE, DRIVEN, SMALL
-from softffd.validation.accuracy import command as command
-from softffd.validation.accuracy import measure as accuracy
-from softffd.validation.accuracy import reference as accuracy_reference
-from softffd.validation.accuracy.measure import measure
+from softffd.accuracy import command as command
+from softffd.accuracy import measure as accuracy
+from softffd.accuracy import reference as accuracy_reference
+from softffd.accuracy.measure import measure
 
 
 @pytest.fixture

@@ -35,9 +35,9 @@ from softffd import FmuError, Result, Scene, installed, load_scene, simulate
 from softffd.installed import table
 from softffd.run.guard import guarded
 from softffd.scene.scene import shipped_scenes
-from softffd.validation.stability.cases import CASES
-from softffd.validation.stability.drive import Drive
-from softffd.validation.stability.verdict import run_case
+from validation.stability.cases import CASES
+from validation.stability.drive import Drive
+from validation.stability.verdict import run_case
 
 FILE = Path(__file__).resolve().parents[1] / "data" / "fingerprint.json"
 

@@ -14,6 +14,8 @@ import sys
 import webbrowser
 from collections.abc import Callable
 from contextlib import nullcontext
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,9 +35,17 @@ def main(arguments: list[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # what its encoding does not have
-    options = parse(arguments)
+    words = sys.argv[1:] if arguments is None else arguments
+    if words[:1] == ["stability"]:
+        return exit_status(lambda: _tool(words))
+    options = parse(words)
+    return exit_status(lambda: COMMANDS[options.command](options))
+
+
+def exit_status(command: Callable[[], object]) -> int:
+    """Runs a command and returns its exit status, as `main` does; what it may end with is said on stderr."""
     try:
-        COMMANDS[options.command](options)
+        command()
         sys.stdout.flush()
         return 0
     except SoftffdError as error:
@@ -50,6 +60,13 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         print(f"softffd: interrupted; {str(interrupt) or 'no file was left half written'}", file=sys.stderr)
         return 130
+
+
+def _tool(words: list[str]) -> None:
+    """Runs a tool of the sources, which no wheel has."""
+    if not (find_spec("validation") and find_spec("validation.tools")):
+        raise SoftffdError(f"{words[0]} is a tool of the sources, where it is run by: python3 python/run.py {shlex.join(words)}")
+    import_module("validation.tools").run_tool(words)
 
 
 def _mesh_options(options: argparse.Namespace) -> dict[str, Any]:
@@ -142,51 +159,21 @@ def _ssp(options: argparse.Namespace) -> None:
 
 
 def _accuracy(options: argparse.Namespace) -> None:
-    from softffd.validation.accuracy.command import report_accuracy
+    from softffd.accuracy.command import report_accuracy
 
     if options.repeats < 1:
         raise SoftffdError(f"--repeats {options.repeats}: wanted at least 1")
     require_writable(options.output)
     with ProgressLine("measuring") as progress:
         report_accuracy(
-            options.scenes, options.output, step=options.step, scipy=options.scipy, quick=options.quick, repeats=options.repeats,
+            options.scenes, options.output, step=options.step, quick=options.quick, repeats=options.repeats,
             note=progress.note, say=progress.say,
         )  # fmt: skip
     print(f"kept in {options.output}: report.html, accuracy.csv, accuracy.json, a picture of each scene")
 
 
-def _stability(options: argparse.Namespace) -> None:
-    from softffd.validation.stability.command import report_stability
-
-    require_writable(options.output)
-    if options.random is not None:
-        _random(options)
-        return
-    if options.family != "lattice":
-        raise SoftffdError(f"--{options.family}: wanted with --random N; the cases of surfaces run with --only surface")
-    with ProgressLine("running") as progress:
-        report_stability(
-            options.output, only=options.only, quick=options.quick, slowness=options.slowness, processes=_jobs(options), note=progress.note,
-            say=progress.say,
-        )  # fmt: skip
-    print(f"kept in {options.output}: report.html, stability.csv, stability.json, pictures of the map")
-
-
 def _jobs(options: argparse.Namespace) -> int:
     return (os.cpu_count() or 1) if options.jobs is None else options.jobs
-
-
-def _random(options: argparse.Namespace) -> None:
-    from softffd.validation.stability.drawn_survey import report_random
-
-    if options.only or options.quick:
-        raise SoftffdError("--random: wanted without --only and --quick, which choose among the cases; --seed S --random 1 runs one scene")
-    with ProgressLine("running") as progress:
-        report_random(
-            options.output, options.random, options.seed, family=options.family, processes=_jobs(options), slowness=options.slowness,
-            note=progress.note, say=progress.say,
-        )  # fmt: skip
-    print(f"kept in {options.output}: random.csv, random.json")
 
 
 def _drivers(options: argparse.Namespace) -> None:
@@ -257,6 +244,6 @@ def _schema(_options: argparse.Namespace) -> None:
 
 
 COMMANDS: dict[str, Callable[[argparse.Namespace], None]] = {
-    "demo": _demo, "build": _build, "run": _run, "ssp": _ssp, "sweep": _sweep, "accuracy": _accuracy, "stability": _stability,
+    "demo": _demo, "build": _build, "run": _run, "ssp": _ssp, "sweep": _sweep, "accuracy": _accuracy,
     "drivers": _drivers, "scenes": _scenes, "view": _view, "info": _info, "new": _new, "schema": _schema,
 }  # fmt: skip

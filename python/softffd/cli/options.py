@@ -72,7 +72,7 @@ def parser() -> Parser:
         command.set_defaults(parser=command)
         return command
 
-    for add_commands in (_demo_and_build, _run, _ssp, _sweep, _accuracy, _stability, _others):
+    for add_commands in (_demo_and_build, _run, _ssp, _sweep, _accuracy, _others):
         add_commands(add)
     return whole
 
@@ -188,32 +188,8 @@ def _accuracy(add: Add) -> None:
     accuracy.add_argument("scenes", nargs="*", metavar="SCENE", help="scene files or names of shipped ones; default: the standard set")
     accuracy.add_argument("-o", "--output", type=Path, default=Path("softffd-accuracy"), metavar="DIR")
     accuracy.add_argument("--step", type=_number, metavar="H", help="communication step, s; default: each scene's own")
-    accuracy.add_argument("--scipy", action="store_true", help="SciPy's solvers on the same equations beside the FMU's methods")
     accuracy.add_argument("--quick", action="store_true", help="fewer and shorter runs: a first look")
     accuracy.add_argument("--repeats", type=int, default=5, metavar="N", help="of each run, the smallest time counts; default 5")
-
-
-def _stability(add: Add) -> None:
-    stability = add(
-        "stability",
-        "run stiff and extreme scenes and judge each by an oracle: map, table, report",
-        "softffd stability --random 200 --seed 1 -j 2",
-        more=": scenes drawn at random, those of the seeds 1 to 200, on two cores; --random 1 --seed 17 runs the one of seed 17 again",
-    )
-    stability.add_argument("-o", "--output", type=Path, default=Path("softffd-stability"), metavar="DIR")
-    stability.add_argument("--quick", action="store_true", help="some cases and a coarse map: a first look")
-    stability.add_argument("--only", nargs="+", default=[], metavar="NAME", help='"map", "cases", or parts of the names of cases')
-    stability.add_argument("--slowness", type=_number, default=1.0, metavar="FACTOR", help="cases may take so many times longer")
-    stability.add_argument(
-        "--random", type=int, metavar="N", help="N scenes drawn at random instead, in which auto is judged by tight runs"
-    )
-    stability.add_argument("--seed", type=int, default=1, metavar="S", help="of the first of them, the next has S + 1; default 1")
-    families = stability.add_mutually_exclusive_group()
-    stability.set_defaults(family="lattice")
-    for family, words in (("surface", "the obstacles"), ("solids", "spheres, cylinders and boxes")):
-        words = f"with --random: of bodies whose own surface meets {words}"
-        families.add_argument(f"--{family}", dest="family", action="store_const", const=family, help=words)
-    stability.add_argument("-j", "--jobs", type=int, metavar="J", help="scenes at a time; default: the number of cores")
 
 
 def _others(add: Add) -> None:

@@ -9,10 +9,10 @@ from softffd.fmu.package import package_fmu, scene_masses
 from softffd.fmu.records import scene_records
 from softffd.fmu.variables import variables
 from softffd.run.simulation import Simulation
-from softffd.validation.mechanics import Body
-from softffd.validation.resolved import resolved
-from softffd.validation.stability.drive import Drive
-from softffd.validation.twin import build_twin
+from validation.mechanics import Body
+from validation.resolved import resolved
+from validation.stability.drive import Drive
+from validation.twin import build_twin
 
 SOLID = {"points": [4, 3, 5], "size": [0.3, 0.22, 0.36]}
 REGIONS = [{"points": {"k": [0, 2]}, "youngs_modulus": 8e5}, {"points": {"i": [0, 1], "j": [0, 1]}, "youngs_modulus": 3e4}]

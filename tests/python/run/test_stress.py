@@ -8,8 +8,8 @@ import pytest
 from scenes import box
 from softffd import SoftffdError, simulate
 from softffd.run.stress import WAYS, cauchy_stress, cell_stiffness, gradients, green_strain
-from softffd.validation.mechanics import Body
-from softffd.validation.resolved import resolved
+from validation.mechanics import Body
+from validation.resolved import resolved
 
 SOLID = {"points": [4, 3, 5], "size": [0.3, 0.22, 0.36]}
 HALF = {"points": {"k": [0, 2]}}

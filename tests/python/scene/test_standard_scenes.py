@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from softffd import load_scene
+from softffd.accuracy.rig import Rig, Setting
 from softffd.run.inputs import read_csv
-from softffd.validation.accuracy.rig import Rig, Setting
-from softffd.validation.mechanics import Body
-from softffd.validation.resolved import resolved
+from validation.mechanics import Body
+from validation.resolved import resolved
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from fmpy.util import read_csv, read_ref_opt_file, validate_result
 
 from softffd import __version__
 from softffd.scene.scene import shipped_scenes
-from softffd.validation.cross_check import MOST, write_cross_check
+from validation.cross_check import MOST, write_cross_check
 
 KEPT = Path(__file__).resolve().parents[3] / "cross-check" / "fmus" / "2.0" / "cs" / "linux64" / "softffd" / __version__
 MEGABYTE = 1_000_000

@@ -8,9 +8,9 @@ import pytest
 from measured_scenes import DRIVEN
 from scenes import box
 from softffd import load_scene
-from softffd.validation.mechanics import Body, outside_force, solid_shares, spring_list, start
-from softffd.validation.resolved import resolved
-from softffd.validation.stability.drive import Drive
+from validation.mechanics import Body, outside_force, solid_shares, spring_list, start
+from validation.resolved import resolved
+from validation.stability.drive import Drive
 
 
 @pytest.fixture

@@ -8,15 +8,15 @@ import math
 import numpy as np
 import pytest
 
-from softffd.cli.command import main
+from softffd.cli.command import exit_status
 from softffd.run.guard import Lost
 from softffd.scene.scene import scene_from
-from softffd.validation.stability import drawn_survey
-from softffd.validation.stability.drawn import Course, Draws, drawn
-from softffd.validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, Job, Run, _grown, judge, run_jobs
-from softffd.validation.stability.drive import Drive
-from softffd.validation.stability.scenes import box
-from softffd.validation.stability.stated import stated_error
+from validation.stability import drawn_survey
+from validation.stability.drawn import Course, Draws, drawn
+from validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, Job, Run, _grown, judge, run_jobs
+from validation.stability.drive import Drive, box
+from validation.stability.verdict import stated_error
+from validation.tools import run_tool
 
 RIGHT_NOW = (1, 7, 13)
 """Seeds whose scenes run quickly and are right."""
@@ -144,7 +144,7 @@ def test_the_ladder_ends_where_two_runs_agree():
 
 
 def test_command_keeps_the_table_of_verdicts(tmp_path, capsys):
-    assert main(["stability", "--random", "1", "--seed", str(RIGHT_NOW[2]), "-j", "1", "-o", str(tmp_path)]) == 0
+    assert exit_status(lambda: run_tool(["random", "1", "--seed", str(RIGHT_NOW[2]), "-j", "1", "-o", str(tmp_path)])) == 0
     (row,) = csv.DictReader((tmp_path / "random.csv").open())
     assert (row["seed"], row["verdict"]) == (str(RIGHT_NOW[2]), "right") and float(row["error_tolerances"]) < 10
     document = json.loads((tmp_path / "random.json").read_text())
@@ -167,28 +167,23 @@ def made_up(results):
 def test_a_silent_error_is_exit_status_1_with_its_seed(tmp_path, monkeypatch, capsys):
     silent = [at(11 * UNIT), *[at(0)] * (len(RUNS) - 1)]
     monkeypatch.setattr(drawn_survey, "guarded", made_up({RIGHT_NOW[0]: silent}))
-    assert main(["stability", "--random", "1", "--seed", str(RIGHT_NOW[0]), "-o", str(tmp_path)]) == 1
+    assert exit_status(lambda: run_tool(["random", "1", "--seed", str(RIGHT_NOW[0]), "-o", str(tmp_path)])) == 1
     assert f"seed {RIGHT_NOW[0]}: SILENT, error 11 tolerances" in capsys.readouterr().err
     assert json.loads((tmp_path / "random.json").read_text())["scenes"][0]["verdict"] == "SILENT"
 
 
 def test_an_interrupt_keeps_the_table_of_what_is_done(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(drawn_survey, "guarded", made_up({1: [NONE] * len(RUNS), 2: [KeyboardInterrupt()]}))
-    assert main(["stability", "--random", "3", "--seed", "1", "-o", str(tmp_path)]) == 130
+    assert exit_status(lambda: run_tool(["random", "3", "--seed", "1", "-o", str(tmp_path)])) == 130
     document = json.loads((tmp_path / "random.json").read_text())
     assert document["missing"] == [2, 3] and [row["seed"] for row in document["scenes"]] == [1]
     assert "2 scenes are missing" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("options", [["--random", "0"], ["--random", "1", "--seed", "-1"], ["--random", "1", "-j", "0"]])
+@pytest.mark.parametrize("options", [["0"], ["1", "--seed", "-1"], ["1", "-j", "0"]])
 def test_numbers_out_of_range_are_refused(options, tmp_path, capsys):
-    assert main(["stability", *options, "-o", str(tmp_path)]) == 1
+    assert exit_status(lambda: run_tool(["random", *options, "-o", str(tmp_path)])) == 1
     assert "wanted at least" in capsys.readouterr().err
-
-
-def test_cases_are_not_chosen_among_scenes_drawn_at_random(tmp_path, capsys):
-    assert main(["stability", "--random", "1", "--only", "S1", "-o", str(tmp_path)]) == 1
-    assert "without --only" in capsys.readouterr().err
 
 
 ONCE_SILENT = (202, 272)

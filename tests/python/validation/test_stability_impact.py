@@ -5,16 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from softffd.validation.stability import rebound
-from softffd.validation.stability.cases import CASES
-from softffd.validation.stability.cases_impact import SCENES, cases
-from softffd.validation.stability.cell import Cell, Panel
-from softffd.validation.stability.drive import Drive
-from softffd.validation.stability.impact import after_impact
-from softffd.validation.stability.map import run_cells
-from softffd.validation.stability.sag import static_sag
-from softffd.validation.stability.scenes import DOWN, box, plane
-from softffd.validation.stability.verdict import run_case
+from validation.stability import rebound
+from validation.stability.answers import after_impact, static_sag
+from validation.stability.cases import CASES
+from validation.stability.cases_impact import SCENES, cases
+from validation.stability.cell import Cell, Panel
+from validation.stability.drive import DOWN, Drive, box, plane
+from validation.stability.map import run_cells
+from validation.stability.verdict import run_case
 
 NAMES = [case.name for case in cases()]
 

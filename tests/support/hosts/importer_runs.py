@@ -22,7 +22,7 @@ from softffd.files import write_text
 from softffd.names import parse_name
 from softffd.run.inputs import Inputs
 from softffd.scene.scene import shipped_scenes
-from softffd.validation.cross_check import inputs_over_time
+from validation.cross_check import inputs_over_time
 
 STEP, STEPS = 0.01, 100
 """Communication step [s] and number of steps of every run"""

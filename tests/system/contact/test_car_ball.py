@@ -5,7 +5,7 @@ import pytest
 
 from readings import vector
 from softffd import load_scene, simulate
-from softffd.validation.obstacles import gap
+from validation.shapes import gap
 
 
 @pytest.fixture(scope="module")

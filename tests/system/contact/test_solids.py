@@ -10,7 +10,7 @@ from softffd import Simulation, deform, simulate
 from softffd.errors import SceneError, SoftffdError
 from softffd.fmu.package import scene_masses
 from softffd.rotation import turned
-from softffd.validation.twin import build_twin
+from validation.twin import build_twin
 
 G = -GRAVITY[2]
 

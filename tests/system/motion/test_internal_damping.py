@@ -6,9 +6,9 @@ import pytest
 from softffd import Scene, simulate
 from softffd.fmu.package import scene_masses
 from softffd.scene.scene import scene_from
-from softffd.validation.mechanics import Body
-from softffd.validation.resolved import resolved
 from stepping import Stepper
+from validation.mechanics import Body
+from validation.resolved import resolved
 
 FOLLOWING = ["auto", "leapfrog", "dop853", "ros34pw2", "backward_euler"]
 """The methods that take internal damping themselves."""

@@ -8,7 +8,7 @@ from scenes import GRAVITY, LED, box
 from softffd import Simulation, simulate
 from softffd.fmu.package import package_fmu
 from softffd.rotation import quaternion, turned
-from softffd.validation.twin import build_twin
+from validation.twin import build_twin
 
 ROTATION = {"axis": [1.0, -2.0, 0.5], "degrees": 35.0}
 TURN = np.radians(35.0) * np.array(ROTATION["axis"]) / np.linalg.norm(ROTATION["axis"])

@@ -10,7 +10,7 @@ from scenes import box
 from softffd import simulate
 from softffd.fmu.notes import spin_note
 from softffd.fmu.package import scene_masses
-from softffd.validation.twin import build_twin
+from validation.twin import build_twin
 
 VELOCITY = np.array([0.1, 0.0, -0.2])
 

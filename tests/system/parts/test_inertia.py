@@ -8,7 +8,7 @@ from scenes import GRAVITY, box
 from softffd import simulate
 from softffd.fmu.package import scene_masses
 from softffd.fmu.records import scene_records
-from softffd.validation.twin import build_twin
+from validation.twin import build_twin
 
 G = -GRAVITY[2]
 TILT = 0.02

@@ -7,7 +7,7 @@ from readings import points, vector
 from scenes import GRAVITY, LED, box
 from softffd import Simulation, simulate
 from softffd.rotation import turned
-from softffd.validation.twin import build_twin
+from validation.twin import build_twin
 
 FLANGE = np.array([-0.5, 0.25, 1.5])
 CENTROID = np.array([0.0, 0.5, 0.5])

@@ -11,8 +11,8 @@ from softffd import simulate
 from softffd.errors import FmuError
 from softffd.fmu.component import Component
 from softffd.fmu.package import package_fmu
-from softffd.validation.twin import build_twin
 from twin_scenes import CONTACT, SMOOTH, conveyor, drop, free, held_in_contact, press, tumble
+from validation.twin import build_twin
 
 pytest.importorskip("pythonfmu", reason="the twin is packaged with pythonfmu")
 

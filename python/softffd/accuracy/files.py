@@ -1,0 +1,104 @@
+"""The files that a measurement is kept in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from softffd.accuracy.kept import csv_text, finite, json_text, keep_files
+from softffd.accuracy.records import CHOSEN, LEVELS, Record, Records, level_words
+from softffd.accuracy.report import report_page
+
+COLUMNS = (
+    "scene", "method", "origin", "step_s", "tolerance", "communication_step_s", "cpu_time_s", "repeats", "error", "error_claimed",
+    "internal_steps", "rejected_steps", "failure",
+)  # fmt: skip
+
+Pictures = Mapping[str, Sequence[bytes]]
+"""PNGs by scene: error against run time, error against simulated time"""
+
+
+def keep(folder: Path, measured: Sequence[Records], missing: Mapping[str, str], about: Mapping[str, Any], pictures: Pictures) -> None:
+    """Writes accuracy.csv, accuracy.json, report.html and a SCENE.png of each scene into `folder`."""
+    files: dict[str, bytes | str] = {
+        "accuracy.csv": csv_text(COLUMNS, (_row(records, run) for records in measured for run in records.runs)),
+        "accuracy.json": json_text(_document(measured, missing, about)),
+        "report.html": report_page(measured, missing, about, pictures),
+    }
+    keep_files(folder, files | {f"{records.scene}.png": pictures[records.scene][0] for records in measured})
+
+
+def _row(records: Records, run: Record) -> dict[str, Any]:
+    failed = run.failure is not None
+    return {
+        "scene": records.scene,
+        "method": run.setting.method,
+        "origin": run.origin,
+        "step_s": run.setting.step or None,
+        "tolerance": run.setting.tolerance or None,
+        "communication_step_s": records.communication_step,
+        "cpu_time_s": None if failed else run.cpu_time,
+        "repeats": run.repeats,
+        "error": None if failed else run.error,
+        "error_claimed": None if failed else finite(records.claimed(run)),
+        "internal_steps": run.steps,
+        "rejected_steps": run.rejected,
+        "failure": run.failure,
+    }
+
+
+def _document(measured: Sequence[Records], missing: Mapping[str, str], about: Mapping[str, Any]) -> dict[str, Any]:
+    return {**about, "error_levels": LEVELS, "scenes": [_scene(records) for records in measured], "scenes_not_measured": dict(missing)}
+
+
+def _scene(records: Records) -> dict[str, Any]:
+    reference = records.reference
+    return {
+        "scene": records.scene,
+        "title": records.title,
+        "complete": records.complete,
+        "control_points": records.points,
+        "stop_time_s": records.stop_time,
+        "communication_step_s": records.communication_step,
+        "reference": {
+            "method": reference.method,
+            "compared_with": reference.check,
+            "confirmed": reference.confirmed,
+            "uncertainty": reference.uncertainty,
+        },
+        "left_out": records.left_out,
+        "levels": {level_words(level): _level(records, level) for level in LEVELS},
+        "error_over_tolerance": {name: _worst(run) for name in records.names("softffd") if (run := records.worst_of_tolerance(name))},
+        "recommended": _told(records.recommended(records.tolerance)),
+        "times_s": records.times.tolist(),
+        "runs": [_row(records, run) | {"errors": _rounded(run)} for run in records.runs],
+    }
+
+
+def _level(records: Records, level: float) -> dict[str, Any]:
+    """Times to reach an error, factors over the published scheme (a bound where it never gets there), and auto's time over the best's."""
+    best, chosen = records.best(level), records.cheapest(CHOSEN, level)
+    reached = {name: run.cpu_time for name in records.names() if (run := records.cheapest(name, level))}
+    factors = {name: records.factor(run, level) for name, run in (("best", best), ("auto", chosen))}
+    told = {f"{name}_over_published": pair and {"factor": pair[0], "is_lower_bound": pair[1]} for name, pair in factors.items()}
+    return {"cpu_time_s": reached, "best": best and best.name, **told, "auto_over_best": records.ratio(level)}
+
+
+def _told(run: Record | None) -> dict[str, Any] | None:
+    if run is None:
+        return None
+    return {
+        "method": run.setting.method,
+        "step_s": run.setting.step or None,
+        "tolerance": run.setting.tolerance or None,
+        "cpu_time_s": run.cpu_time,
+    }
+
+
+def _worst(run: Record) -> dict[str, float]:
+    return {"largest": run.error / run.setting.tolerance, "tolerance": run.setting.tolerance}
+
+
+def _rounded(run: Record) -> list[float] | None:
+    return None if run.errors is None else [float(f"{error:.3e}") for error in run.errors]

@@ -1,0 +1,81 @@
+"""What a measurement leaves: its files, each of which appears whole or not at all, and the machine and versions that it belongs to."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import os
+import platform
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from softffd.files import write_bytes
+
+
+def keep_files(folder: Path, files: Mapping[str, bytes | str]) -> None:
+    """Writes files by name into a folder, which is made where absent."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in files.items():
+        write_bytes(folder / name, content.encode() if isinstance(content, str) else content)
+
+
+def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
+    """A table with a head; None is an empty cell."""
+    stream = StringIO()
+    writer = csv.DictWriter(stream, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({name: "" if value is None else value for name, value in row.items()} for row in rows)
+    return stream.getvalue()
+
+
+def json_text(document: Mapping[str, Any]) -> str:
+    """JSON; numbers that it does not have are null."""
+    return json.dumps(finite(document), indent=1, allow_nan=False) + "\n"
+
+
+def finite(value: Any) -> Any:
+    """The same with None for numbers that are not finite, also inside."""
+    if isinstance(value, Mapping):
+        return {name: finite(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def conditions(command: Iterable[str], *packages: str) -> dict[str, Any]:
+    """For files and pages. command: its words, empty ones are left out; packages: whose speed or results count, besides softffd's own."""
+    return {
+        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "command": " ".join(word for word in command if word),
+        "machine": {"processor": _processor(), "cores": os.cpu_count(), "system": platform.platform(terse=True)},
+        "versions": {
+            "Python": platform.python_version(),
+            **{name: _version(name) for name in ("softffd", "numpy", "fmpy", *packages)},
+        },
+    }
+
+
+def condition_words(about: Mapping[str, Any]) -> str:
+    """The same in a line."""
+    machine = about["machine"]
+    names = ", ".join(f"{name} {number}" for name, number in about["versions"].items())
+    return f"{about['command']}; {about['date']}; {machine['processor']}, {machine['cores']} cores, {machine['system']}; {names}"
+
+
+def _processor() -> str:
+    table = Path("/proc/cpuinfo")
+    lines = table.read_text().splitlines() if table.is_file() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "?"

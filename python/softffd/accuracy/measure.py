@@ -1,0 +1,136 @@
+"""Error against run time of every method on one scene, measured through the FMU as a host would run it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+
+from softffd.accuracy.records import Record, Records
+from softffd.accuracy.reference import find_reference
+from softffd.accuracy.rig import Rig, Setting, TooLong
+from softffd.errors import FmuError
+from softffd.run.progress import Note, silent
+from softffd.scene.scene import Scene
+
+FIXED_STEP = ("central_difference", "leapfrog", "bm4")
+"""Methods that are measured over fixed internal steps; all others, over tolerances."""
+
+CONTACT = ("central_difference", "leapfrog", "auto")
+"""Methods that differ where contact is possible: the others hand such communication steps to leapfrog."""
+
+AS_AUTO = ("backward_euler",)
+"""Methods that do what `auto` does, but for the impacts of stiff bodies, which they lose: beside it they say nothing of the best method."""
+
+FINER, QUICK_FINER = 1.5, 2.0
+"""Ratio of successive fixed steps; the largest stable one of leapfrog is among them."""
+
+COARSER = 2
+"""So many steps are beyond that bound: some methods are stable there, for the others the FMU divides them."""
+
+BUDGET, QUICK_BUDGET = 2.0, 0.2
+"""A method's sweep ends at a run of more CPU time [s]."""
+
+FAILURES = 6
+"""A method's sweep ends after this many failed runs in a row."""
+
+
+Anchors = Callable[[Rig, Records, bool, Note], Iterator[Record]]
+"""Measures other programs on a scene, given whether it has to be quick"""
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C during a measurement; `records` holds what is done."""
+
+    def __init__(self, records: Records):
+        super().__init__(f"{records.scene} is not complete")
+        self.records = records
+
+
+def measure(
+    scene: Scene,
+    *,
+    methods: Sequence[str] | None = None,
+    step: float | None = None,
+    anchors: Anchors | None = None,
+    quick: bool = False,
+    repeats: int = 5,
+    note: Note = silent,
+) -> Records:
+    """Runs every applicable method over its steps or tolerances against a much tighter reference.
+
+    methods: some of the values of `solver.method`; all by default. step: communication step [s], the scene's own by default.
+    anchors: makes records of other programs, after the FMU's. quick: fewer, shorter runs. repeats: of each run, the smallest time counts.
+    note: told what is being run. A failed run is a record with its message.
+    Raises FmuError for an unknown method and where no reference can be made, Interrupted on Ctrl-C.
+    """
+    with Rig(scene, step=step) as rig:
+        records = Records(
+            scene.name, scene.title, rig.communication_step, rig.stop_time, rig.times, len(scene.rest_positions()), scene.solver.tolerance
+        )
+        chosen = _applicable(rig, methods, records.left_out)
+        try:
+            records.reference = find_reference(rig, quick=quick, note=note)
+            for method in chosen:
+                _sweep(rig, method, records, quick, repeats, note)
+            for record in anchors(rig, records, quick, note) if anchors else ():
+                records.runs.append(record)
+            records.complete = True
+        except KeyboardInterrupt:
+            raise Interrupted(records) from None
+    return records
+
+
+def _applicable(rig: Rig, methods: Sequence[str] | None, left_out: dict[str, str]) -> list[str]:
+    for method in methods or ():
+        if method not in rig.methods:
+            raise FmuError(f"{method}: wanted one of the FMU's methods, {', '.join(rig.methods)}")
+    chosen = []
+    for method in methods or rig.methods:
+        if method in AS_AUTO:
+            left_out[method] = "does what auto does, but that stiff bodies do not rebound"
+        elif rig.contact and method not in CONTACT:
+            left_out[method] = "leaves communication steps with possible contact to leapfrog"
+        elif rig.damped and method == "rkn12":
+            left_out[method] = "runs as dop853 where there is damping"
+        else:
+            chosen.append(method)
+    return chosen
+
+
+def settings_of(method: str, rig: Rig, *, quick: bool = False) -> Iterator[Setting]:
+    """The settings of a method from coarse to fine: fixed steps without end, or tolerances 1e-1 .. 1e-11."""
+    if method not in FIXED_STEP:
+        for half_decades in range(2, 23, 2 if quick else 1):
+            yield Setting(method, tolerance=10.0 ** (-half_decades / 2))
+        return
+    stable, finer = math.ceil(rig.communication_step / rig.stable_step), QUICK_FINER if quick else FINER
+    count, power = 0, -COARSER
+    while True:
+        count = max(count + 1, round(stable * finer**power))
+        yield Setting(method, step=rig.communication_step / count)
+        power += 1
+
+
+def _sweep(rig: Rig, method: str, records: Records, quick: bool, repeats: int, note: Note) -> None:
+    """Adds the runs of a method until it is accurate enough, takes too long, or keeps failing."""
+    budget = QUICK_BUDGET if quick else BUDGET
+    before, failures = None, 0
+    for setting in settings_of(method, rig, quick=quick):
+        note(f"{records.scene}: {setting}")
+        try:
+            run = rig.run(setting, repeats=repeats, most=3 * budget, before=before)
+        except FmuError as error:
+            records.runs.append(Record(setting, failure=str(error)))
+            failures += 1
+            if isinstance(error, TooLong) or failures == FAILURES:
+                return
+            continue
+        failures = 0
+        if setting.step and before is not None and run.steps == before.steps:
+            continue  # the FMU has shortened both steps to the same one
+        before = run
+        errors = records.reference.errors(run.positions, rig.side)
+        record = Record(setting, "softffd", run.cpu_time, run.repeats, run.steps, run.rejected, errors)
+        records.runs.append(record)
+        if record.error < records.floor or run.cpu_time > budget:
+            return

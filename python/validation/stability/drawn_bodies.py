@@ -1,0 +1,87 @@
+"""Scenes drawn at random, of bodies whose own surface meets the obstacles, planes or solids."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from softffd.rotation import between_directions, turned
+from softffd.scene.keys import SOLIDS
+from validation.shapes import Shape, cube, sphere
+from validation.stability.drawn import Course, Drawn, Draws, drawn
+
+OWN_BODY = 1_000_000
+"""Added to a seed for the draws of the body."""
+
+
+def drawn_surface(seed: int) -> Drawn:
+    """The scene of a seed, of a body with a surface."""
+    scene = drawn(seed)
+    document = scene.document
+    stiffness = {kind: float(f"{1e2 * (value / 1e2) ** 0.5:.4g}") for kind, value in document["material"]["stiffness"].items()}
+    material = document["material"] | {"stiffness": stiffness}
+    regions = [region for region in document["region"] if "mass" not in region]
+    surface, words = _body(Draws(OWN_BODY + seed), np.array(document["lattice"]["size"]))
+    return replace(scene, document=document | {"material": material, "region": regions}, surface=surface, body=words)
+
+
+def _body(draws: Draws, size: np.ndarray) -> tuple[Shape, str]:
+    """An ellipsoid or a cuboid in a box of this size (3,) [m], touching its sides or further in, and what it is."""
+    margin = draws.between(0.02, 0.15) * draws.chance(0.7)
+    if draws.chance(0.6):
+        vertices, faces = sphere(draws.whole(1, 4), radius=0.5 - margin)
+    else:
+        vertices, faces = cube(draws.whole(2, 9), margin)
+    return (size * vertices, faces), f"{len(vertices)} vertices, {margin:g} inside"
+
+
+OWN_SOLIDS = 2_000_000
+"""Added to a seed for the draws of the solids."""
+
+
+def drawn_solids(seed: int) -> Drawn:
+    """The scene of a seed, of a body beside solids."""
+    scene, draws = drawn_surface(seed), Draws(OWN_SOLIDS + seed)
+    size = max(scene.document["lattice"]["size"])
+    sections: dict[str, Any] = {"plane": [], **{section: [] for section in SOLIDS}}
+    courses = {}
+    for plane in scene.document["plane"]:
+        normal, course = scene.planes[plane["name"]]
+        kind, shape, axis, depth = _solid(draws, size, normal)
+        point = course.point - depth * normal
+        keys = plane | shape | {"point": point.tolist()}
+        if kind != "cylinder":
+            del keys["normal"]
+        if kind != "cylinder" and "inputs" in keys:
+            keys["inputs"] = [each for each in keys["inputs"] if each != "normal"] + ["rotation"] * (kind == "box")
+        sections[kind].append(keys)
+        courses[plane["name"]] = axis, Course(point, course.turning_at, course.velocities, course.spins)
+    return replace(scene, document=scene.document | sections, planes=courses)
+
+
+def _solid(draws: Draws, size: float, normal: np.ndarray) -> tuple[str, dict[str, Any], np.ndarray, float]:
+    """The section, its keys, the axis, and how far the centre is below the outermost point in the direction of a normal [m]."""
+    radius, length = draws.log(0.1, 10.0) * size, draws.log(0.3, 10.0) * size
+    across = np.cross(normal, draws.direction())
+    across = across / np.sqrt((across**2).sum())
+    kind = draws.one_of(("sphere", "cylinder", "cylinder", "box", "box"))
+    flat = draws.chance(0.4)
+    if kind == "sphere":
+        return kind, {"radius": radius}, normal, radius
+    if kind == "cylinder":
+        axis, depth = (normal, length / 2) if flat else (across, radius)
+        return kind, {"radius": radius, "length": length, "normal": axis.tolist()}, axis, depth
+    return _box(draws, size, normal, flat)
+
+
+def _box(draws: Draws, size: float, normal: np.ndarray, flat: bool) -> tuple[str, dict[str, Any], np.ndarray, float]:
+    """Flat: with a side up; else with a corner."""
+    sides = [draws.log(0.2, 5.0) * size for _ in "xyz"]
+    turn = between_directions(np.array([0.0, 0.0, 1.0]), normal if flat else draws.direction())
+    angle = float(np.sqrt((turn**2).sum()))
+    rotation = {"axis": (turn / angle).tolist() if angle > 0 else [0.0, 0.0, 1.0], "degrees": float(np.degrees(angle))}
+    axes = np.array([turned(each, turn) for each in np.eye(3)])
+    depth = float((np.array(sides) / 2 * np.abs((axes * normal).sum(axis=1))).sum())
+    return "box", {"size": sides, "rotation": rotation}, axes[2], depth

@@ -1,0 +1,293 @@
+"""The runs of a scene drawn at random, what they agree on, and what that says of `auto`.
+
+All runs end at the same time, after the same communication steps and inputs:
+
+    asked    auto at the scene's tolerance: the one that is judged
+    tight    auto at a thirtieth of it
+    rungs    leapfrog with steps that get four times shorter, from a seventh of the stable step on, as far as the work allows
+
+The truth is the last rung where it agrees with the one before, or with tight, within a third of the tolerance; there the ladder ends.
+Where nothing agrees, the last two rungs still convict asked if it is ten times as far from the last as they part: a rough truth. Else there
+is none: a chaotic motion, or one that would take more work.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+
+import numpy as np
+
+from softffd.run.guard import Lost
+from validation.stability.drawn import Drawn, drawn
+from validation.stability.drawn_bodies import drawn_solids, drawn_surface
+from validation.stability.drive import GRAVITY, Drive, Refused, StateTouched
+from validation.stability.verdict import STATED, stated_errors
+
+RUNGS = ("rung 1", "rung 2", "rung 3", "rung 4")
+RUNS = ("asked", "tight", *RUNGS)
+
+TIGHTER = 30.0
+"""Tolerance of asked by that of tight; stable step by that of the second rung."""
+FINER = 4.0
+"""A rung's step by that of the next."""
+AGREED = 1 / 3
+"""Of the tolerance: so far two runs may part that tell the truth."""
+ROUGH = 0.1
+"""Of the error found: so far two rungs may part that show it all the same."""
+ALLOWED = 10.0
+"""Of the tolerance: so far asked may be from the truth."""
+BEHIND = 1e-12
+"""Penetration that rounding explains, relative to the box."""
+GAIN = 1.0
+"""Energy out of nothing, relative to what is there: steps near the limit of stability let that of vibrations swing by almost as much."""
+
+WORK = 1.2e9
+"""Springs times steps of a rung at most, some six seconds."""
+POINT_WORK = 8
+"""A control point's own work in a step, in units of a spring's."""
+SURFACE_WORK = 4
+"""Times as much work is a step in which a surface may touch."""
+NEAREST = 0.25
+"""Of the stable step: the last rung takes no longer one, for friction and resonance feed vibrations there."""
+
+PATIENCE = {"asked": 8.0, "tight": 12.0} | dict.fromkeys(RUNGS, 60.0)
+"""s"""
+NOT_NEEDED, NO_MORE = "not needed", "no more work"
+
+VERDICTS = ("right", "stated", "refused", "no truth", "slow", "SILENT", "WRONG")
+"""right: within ten tolerances of the truth. stated: beyond, and a warning has said so with a number. refused: fmi2Discard or fmi2Error,
+the state untouched. no truth: nothing to compare with. slow: no answer within the time. SILENT: beyond, without a word. WRONG: a crash, a
+result that is not finite, a control point behind a plane, energy that has doubled out of nothing, a discarded step that has changed the
+state."""
+FAULTS = ("SILENT", "WRONG")
+
+FAMILIES = {"lattice": drawn, "surface": drawn_surface, "solids": drawn_solids}
+"""What meets obstacles, the control points or the object's own surface, and solid ones"""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: where the control points are at its end."""
+
+    x: np.ndarray | None
+    """(n, 3) [m]; None: it did not get there"""
+    words: str = ""
+    """Why it did not"""
+    wrong: bool = False
+    """What it did instead breaks a promise"""
+    stated: float = 0.0
+    """The largest error that a warning gave a number for [m]"""
+    warnings: tuple[str, ...] = ()
+    methods: tuple[str, ...] = ()
+    """That took over, each once"""
+    step: float = math.nan
+    """Of leapfrog, by that of stability"""
+    internal_steps: int = 0
+    run_time: float = 0.0
+    """s"""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run of a scene."""
+
+    seed: int
+    run: str
+    """One of RUNS"""
+    family: str = "lattice"
+    """Of scenes: one of FAMILIES"""
+
+    @property
+    def scene(self) -> Drawn:
+        """What the seed means."""
+        return FAMILIES[self.family](self.seed)
+
+
+def patience(job: Job) -> float:
+    """How long a run may take [s]."""
+    return PATIENCE[job.run]
+
+
+def run_jobs(jobs: Sequence[Job]) -> Iterator[Run]:
+    """Runs in their order, those of a scene together."""
+    for _, several in groupby(jobs, lambda job: job.seed):
+        group = list(several)
+        scene, found = group[0].scene, {}
+        try:
+            drive = Drive(scene.document, surface=scene.surface)
+        except Refused as refusal:
+            yield from (Run(None, f"refused at the start: {refusal}") for _ in group)
+            continue
+        with drive:
+            for job in group:
+                run = found[job.run] = _run(drive, scene, job.run, found)
+                yield run
+
+
+def _run(drive: Drive, scene: Drawn, which: str, found: dict[str, Run]) -> Run:
+    began = clock.perf_counter()
+    if which in ("asked", "tight"):
+        tolerance = scene.tolerance / (TIGHTER if which == "tight" else 1.0)
+        return _followed(drive, scene, {}, tolerance, began, watched=which == "asked")
+    place = RUNGS.index(which)
+    shares = ladder(drive, scene)
+    if truth_of(scene, drive.side, found):
+        return Run(None, NOT_NEEDED)
+    if not shares:
+        return Run(None, f"leapfrog would take {scene.duration / (NEAREST * drive.value('solver.stable_step')):.1e} steps")
+    if place >= len(shares):
+        return Run(None, NO_MORE)
+    step = shares[place] * drive.value("solver.stable_step")
+    run = _followed(drive, scene, {"solver.method": "leapfrog", "solver.step": step}, scene.tolerance, began)
+    return replace(run, step=shares[place])
+
+
+def ladder(drive: Drive, scene: Drawn) -> list[float]:
+    """Steps of the rungs, relative to the stable one of the start; none where the work does not allow two."""
+    drive.restart({}, scene.duration)
+    work = (len(drive.body.pairs) + POINT_WORK * len(drive.mass)) * (SURFACE_WORK if scene.surface else 1)
+    least = scene.duration * work / WORK / drive.value("solver.stable_step")
+    if least > NEAREST:
+        return []
+    if least > 1 / TIGHTER:
+        return [2 * least, least]
+    shares = [FINER ** (1 - place) / TIGHTER for place in range(len(RUNGS))]
+    return [share for share in shares if share >= least]
+
+
+def _followed(drive: Drive, scene: Drawn, settings: dict, tolerance: float, began: float, *, watched: bool = False) -> Run:
+    """The scene to its end; watched: also that energy does not come from nowhere."""
+    try:
+        drive.restart(settings, scene.duration, tolerance=tolerance)
+        scale = abs(drive.start_energy) + drive.mass.sum() * GRAVITY * drive.side
+        for length in scene.lengths:
+            scene.tell(drive, length)
+            drive.step(length)
+            if broken := _broken(drive, scene) or (watched and _grown(drive, scale)):
+                return Run(None, broken, wrong=True, run_time=clock.perf_counter() - began)
+    except Refused as refusal:
+        return Run(None, f"refused at {drive.time:.3g} s: {refusal}", run_time=clock.perf_counter() - began)
+    except StateTouched as fault:
+        return Run(None, str(fault), wrong=True, run_time=clock.perf_counter() - began)
+    warnings = tuple(drive.simulation.warnings)
+    stated = stated_errors(drive, scene.duration)
+    steps, elapsed = int(drive.value("solver.steps")), clock.perf_counter() - began
+    methods = tuple(dict.fromkeys(method for method, _ in drive.simulation.methods()))
+    return Run(drive.x, stated=stated, warnings=warnings, methods=methods, internal_steps=steps, run_time=elapsed)
+
+
+def _broken(drive: Drive, scene: Drawn) -> str:
+    """The promise that the state at a communication point breaks; nothing for none."""
+    if not drive.finite():
+        return f"not finite at {drive.time:.3g} s"
+    free = drive.touching
+    if scene.surface is None:
+        held = {p for pin in scene.document["pin"] for p in drive.scene.select(pin["points"]).tolist()}
+        free = np.delete(free, sorted(held), axis=0)
+    for name, gaps in scene.gaps(free, drive.time).items():
+        behind = -float(gaps.min(initial=0.0)) / drive.side
+        if behind > BEHIND:
+            return f"{behind:.1e} of the box behind obstacle {name} at {drive.time:.3g} s"
+    return ""
+
+
+def _grown(drive: Drive, scale: float) -> str:
+    """The energy that comes from nowhere, if it is more than that of the scene [J] and has not been warned of; nothing otherwise."""
+    gain = drive.balance() / (scale + abs(drive.value("energy.work")))
+    return (
+        f"energy has grown out of nothing by {gain:.1e} of its own at {drive.time:.3g} s"
+        if gain > GAIN and "has gained" not in drive.warned
+        else ""
+    )
+
+
+def distance(one: Run | None, other: Run | None) -> float:
+    """The largest distance between the same control point of two runs [m]; NaN where there is one missing."""
+    if one is None or other is None or one.x is None or other.x is None:
+        return math.nan
+    return float(np.linalg.norm(one.x - other.x, axis=1).max())
+
+
+def agree(scene: Drawn, side: float, one: Run | None, other: Run | None) -> bool:
+    """Whether two runs tell the same."""
+    return distance(one, other) <= AGREED * scene.tolerance * side
+
+
+def truth_of(scene: Drawn, side: float, found: dict[str, Run]) -> tuple[str, str] | None:
+    """The names of two runs that agree, the one that counts first; None: there is no truth."""
+    done = [name for name in RUNGS if name in found and found[name].x is not None]
+    pairs = [(name, other) for place, name in enumerate(done) for other in (*done[max(0, place - 1) : place], "tight")]
+    return next((pair for pair in reversed(pairs) if agree(scene, side, found[pair[0]], found.get(pair[1]))), None)
+
+
+def convicted(scene: Drawn, side: float, asked: Run, before: Run, last: Run) -> bool:
+    """Whether two rungs show an error beyond doubt, though they do not agree."""
+    error = distance(asked, last)
+    return error > 2 * ALLOWED * scene.tolerance * side and distance(before, last) <= ROUGH * error
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A scene with its verdict."""
+
+    scene: Drawn
+    verdict: str
+    """One of VERDICTS"""
+    error: float = math.nan
+    """Of asked, in tolerances"""
+    stated: float = 0.0
+    """By a warning of asked, in tolerances"""
+    tight_error: float = math.nan
+    """Of tight, in tolerances of asked"""
+    truth: str = ""
+    """The two runs that agree"""
+    apart: float = math.nan
+    """How far these two part, or without a truth the last two rungs, in tolerances"""
+    rough: bool = False
+    """Whether the truth is a rough one"""
+    words: str = ""
+    runs: dict[str, Run] | None = None
+
+    @property
+    def run_time(self) -> float:
+        """Of all runs [s]."""
+        return sum(run.run_time for run in (self.runs or {}).values())
+
+
+def judge(scene: Drawn, results: Sequence[Run | Lost]) -> Judged:
+    """The verdict on the runs of a scene, in the order of RUNS."""
+    asked = results[0]
+    side = max(scene.document["lattice"]["size"])
+    unit = scene.tolerance * side
+    runs = {name: result for name, result in zip(RUNS, results, strict=True) if isinstance(result, Run)}
+    lost = {name: result for name, result in zip(RUNS, results, strict=True) if isinstance(result, Lost)}
+    for name, result in lost.items():
+        if result.how != "hang":
+            return Judged(scene, "WRONG", words=f"{name}: {result.how}: {result.words}", runs=runs)
+    for name, run in runs.items():
+        if run.wrong:
+            return Judged(scene, "WRONG", words=f"{name}: {run.words}", runs=runs)
+    if isinstance(asked, Lost):
+        return Judged(scene, "slow", words=asked.words, runs=runs)
+    if asked.x is None:
+        return Judged(scene, "refused", words=asked.words, runs=runs)
+    done = [name for name in RUNGS if name in runs and runs[name].x is not None]
+    pair = truth_of(scene, side, runs)
+    rough = pair is None and len(done) > 1
+    if rough and convicted(scene, side, asked, *(runs[name] for name in done[-2:])):
+        pair = done[-1], done[-2]
+    if pair is None:
+        why = {f"{name}: {run.words}" for name, run in runs.items() if run.words not in ("", NOT_NEEDED, NO_MORE)}
+        why |= {f"{name}: {result.words}" for name, result in lost.items()}
+        apart = distance(*(runs[name] for name in done[-2:])) / unit if rough else math.nan
+        return Judged(scene, "no truth", apart=apart, words="; ".join(sorted(why)), runs=runs)
+    truth = runs[pair[0]]
+    error, stated, apart = distance(asked, truth) / unit, asked.stated / unit, distance(truth, runs[pair[1]]) / unit
+    verdict = "right" if error <= ALLOWED else "stated" if error <= STATED * stated else "SILENT"
+    tight = distance(runs.get("tight"), truth) / unit
+    words = "; ".join(asked.warnings)
+    return Judged(scene, verdict, error, stated, tight, " = ".join(pair), apart, rough, words, runs)

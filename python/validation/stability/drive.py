@@ -1,0 +1,274 @@
+"""A scene's FMU under test: stepped as a host steps it, and looked at with mechanics of its own, written in numpy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from softffd.embedding.deform import Embedding
+from softffd.errors import FmuError, UnknownName
+from softffd.fmu.component import DISCARD, Block
+from softffd.fmu.package import scene_samples
+from softffd.lattice import all_points, to_grid
+from softffd.names import variable_names
+from softffd.run.inputs import Inputs
+from softffd.run.simulation import Simulation
+from softffd.scene.scene import Scene, scene_from
+from validation.mechanics import Body
+from validation.resolved import resolved
+from validation.shapes import Shape, write
+
+GRAVITY = 9.81
+DOWN = {"gravity": [0.0, 0.0, -GRAVITY]}
+Z, X = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
+ORIGIN = (0.0, 0.0, 0.0)
+
+
+def box(
+    stiffness: float = 1e3, damping: float = 0.0, *, points: tuple[int, int, int] = (4, 4, 4), method: str = "auto", **sections: Any
+) -> dict[str, Any]:
+    """A box of 1 m and 1 kg with springs of one stiffness [N/m] and a damping of each control point [N s/m]; other sections as given."""
+    document: dict[str, Any] = {
+        "lattice": {"points": list(points)},
+        "material": {"stiffness": stiffness, "damping": damping},
+        "solver": {"method": method},
+    }
+    for name, section in sections.items():
+        document[name] = document.get(name, {}) | section if isinstance(section, dict) else section
+    return document
+
+
+def plane(name: str = "ground", *, point=ORIGIN, normal=Z, friction: float = 0.0, velocity=ORIGIN, **motion: Any) -> dict[str, Any]:
+    """An obstacle. motion: `motion` and `inputs` of a plane that inputs move."""
+    return {
+        "name": name, "point": list(point), "normal": list(normal), "friction": friction, "velocity": list(velocity), **motion,
+    }  # fmt: skip
+
+
+def tilted(degrees: float) -> dict[str, Any]:
+    """Gravity of a world in which the plane z = 0 is an incline."""
+    angle = math.radians(degrees)
+    return {"gravity": [GRAVITY * math.sin(angle), 0.0, -GRAVITY * math.cos(angle)]}
+
+
+class Refused(Exception):
+    """The component answered fmi2Discard or fmi2Error; the text is its message."""
+
+
+class StateTouched(Exception):
+    """The component discarded a step but did not leave the state as it was."""
+
+
+class Drive:
+    """One scene from its start on. Use as a context manager.
+
+    `impulse` (3,) [N s] is what planes and pins have given to the object since the start.
+
+    document: a scene, or what its TOML file would give; all positions, velocities, reactions, energies and solver outputs are added.
+    settings: start values by variable name. surface: the object's, in the lattice's box, where obstacles meet it. Raises SceneError for a
+    scene that cannot be, Refused where the FMU does not start.
+    """
+
+    def __init__(self, document: Mapping[str, Any] | Scene, settings: Mapping[str, Any] | None = None, *, surface: Shape | None = None):
+        self.scene = _observed(document) if surface is None else _of_surface(document, surface)
+        self.side = max(self.scene.lattice_box.size)
+        self.rest = self.scene.rest_positions()
+        self.resolved = resolved(self.scene)
+        self.body = Body.of(self.resolved)
+        self.mass = self.body.mass
+        samples, box = scene_samples(self.scene), self.scene.lattice_box
+        self._samples = None if samples is None else Embedding(samples.places, box.origin, box.size, box.points, box.basis)
+        with _refusals():
+            self.simulation = Simulation(self.scene, start_values=settings)
+        try:
+            points = list(all_points(self.scene.lattice.points))
+            self._x, self._v = (self.simulation.block(variable_names(family, points)) for family in ("position", "velocity"))
+            self._blocks: dict[str, Block] = {}
+            self._fixtures = [str(obstacle.part) for obstacle in self.scene.obstacles] + [f"pin.{pin.name}" for pin in self.scene.pin]
+            self._start()
+        except BaseException:
+            self.close()
+            raise
+
+    def _start(self) -> None:
+        with _refusals():
+            self.simulation.initialize()
+        self.impulse = np.zeros(3)
+        self.start_energy, self.start_centre, self.start_momentum = self.energy(), self.centre, self.momentum
+        self.start_angular_momentum = self.angular_momentum
+
+    def restart(self, settings: Mapping[str, Any], stop_time: float | None = None, *, tolerance: float | None = None) -> None:
+        """From the start again, with other start values; stop_time [s]: what the host says of the end, for which the tolerance holds.
+
+        tolerance: the host's, relative to the largest side of the box; the scene's own by default.
+        """
+        with _refusals():
+            self.simulation.restart(start_values=settings, stop_time=stop_time, tolerance=tolerance)
+        self._start()
+
+    def set(self, **vectors: Any) -> None:
+        """Sets inputs: names with two underscores for a dot, values for all components: plane__lid__point=(0, 0, 1)."""
+        for name, values in vectors.items():
+            self._block(name.replace("__", ".")).set(values)
+
+    def set_rates(self, name: str, rates: Any) -> None:
+        """Time derivatives of an input vector, for the next step."""
+        self._block(name).set_rates(rates)
+
+    def step(self, length: float) -> None:
+        """One communication step [s]. Refused with the component's message; StateTouched when a discarded step has changed something."""
+        before = self.x, self.v
+        try:
+            self.simulation.step(length)
+        except FmuError as error:
+            if self.simulation.log and self.simulation.log[-1].status == DISCARD and not self._is(*before):
+                raise StateTouched(f"a discarded step has changed the state: {error}") from None
+            raise Refused(str(error)) from None
+        for fixture in self._fixtures:
+            self.impulse -= self.reaction(fixture) * length
+
+    def run(self, duration: float, step: float, each: Callable[[], None] | None = None, inputs: Inputs | None = None) -> None:
+        """Steps of one length for a time [s]; each: called after every step; inputs: go linearly from step to step."""
+        if inputs:
+            inputs.derive_only({variable.name for variable in self.simulation.component.variables("input")})
+        given, driven = (self.simulation.block(names) for names in _input_names(inputs))
+        for _ in range(max(1, round(duration / step))):
+            if inputs:
+                given.set(inputs.values(self.time, self.time + step))
+                driven.set_rates(inputs.rates(self.time, self.time + step))
+            self.step(step)
+            if each:
+                each()
+
+    def net_force(self) -> np.ndarray:
+        """Forces of the springs on the points (n, 3) [N], by numpy."""
+        return self.body.spring_force(self.x)
+
+    def _is(self, x: np.ndarray, v: np.ndarray) -> bool:
+        return np.array_equal(self.x, x) and np.array_equal(self.v, v)
+
+    def _block(self, name: str) -> Block:
+        """The kept block of a number or a vector."""
+        if name not in self._blocks:
+            self._blocks[name] = self.simulation.block([name])
+        return self._blocks[name]
+
+    @property
+    def time(self) -> float:
+        """s"""
+        return self.simulation.time
+
+    @property
+    def x(self) -> np.ndarray:
+        """Control points (n, 3) [m]."""
+        return self._x.get().reshape(-1, 3).copy()
+
+    @property
+    def v(self) -> np.ndarray:
+        """Their velocities (n, 3) [m/s]."""
+        return self._v.get().reshape(-1, 3).copy()
+
+    @property
+    def touching(self) -> np.ndarray:
+        """What obstacles meet (n, 3) [m]: control points, or points of the surface."""
+        return self.x if self._samples is None else self._samples.deform(to_grid(self.x, self.scene.lattice_box.points))
+
+    def reaction(self, plane: str) -> np.ndarray:
+        """Mean force of the object on a plane or pin over the last step (3,) [N]; name as in the FMU: "plane.ground"."""
+        return self._block(f"{plane}.reaction").get().copy()
+
+    def value(self, name: str) -> float:
+        """A scalar output."""
+        return float(self._block(name).get()[0])
+
+    @property
+    def warned(self) -> str:
+        """The component's warnings so far, in one text."""
+        return "; ".join(self.simulation.warnings)
+
+    @property
+    def centre(self) -> np.ndarray:
+        """Centre of mass (3,) [m]."""
+        return self.mass @ self.x / self.mass.sum()
+
+    @property
+    def momentum(self) -> np.ndarray:
+        """(3,) kg m/s"""
+        return self.mass @ self.v
+
+    @property
+    def angular_momentum(self) -> np.ndarray:
+        """About the centre of mass (3,) [kg m2/s]."""
+        return self.mass @ np.cross(self.x - self.centre, self.v - self.momentum / self.mass.sum())
+
+    def energy(self) -> float:
+        """Kinetic, elastic and gravity energy of the points and springs as they are now [J], by numpy and not by the FMU's outputs."""
+        x, v = self.x, self.v
+        gravity = np.array(self.scene.environment.gravity or (0.0, 0.0, 0.0))
+        return self.body.kinetic_energy(v) + self.body.elastic_energy(x) - float(self.mass @ (x @ gravity))
+
+    def balance(self) -> float:
+        """What the FMU's own energies miss: now, with what was dissipated and less the work, minus the start [J]."""
+        return self.energy() + self.value("energy.dissipated") - self.value("energy.work") - self.start_energy
+
+    def missing_momentum(self) -> np.ndarray:
+        """What planes, pins, weight and damping (all points alike) have not given since the start (3,) [kg m/s]."""
+        weight = self.mass.sum() * np.array(self.scene.environment.gravity or (0.0, 0.0, 0.0))
+        damped = self.body.damping.sum() * (self.centre - self.start_centre)
+        return self.momentum - self.start_momentum - self.impulse - weight * self.time + damped
+
+    def turning_change(self) -> float:
+        """Change of the angular momentum since the start, relative."""
+        before = self.start_angular_momentum
+        return float(np.linalg.norm(self.angular_momentum - before) / np.linalg.norm(before))
+
+    def finite(self) -> bool:
+        """Whether all positions and velocities are numbers."""
+        return bool(np.isfinite(self.x).all() and np.isfinite(self.v).all())
+
+    def close(self) -> None:
+        """Frees the FMU and its files."""
+        self.simulation.close()
+
+    def __enter__(self) -> Drive:
+        return self
+
+    def __exit__(self, *_exception) -> None:
+        self.close()
+
+
+@contextmanager
+def _refusals() -> Iterator[None]:
+    try:
+        yield
+    except UnknownName:
+        raise  # the survey's own fault, no refusal
+    except FmuError as error:
+        raise Refused(str(error)) from None
+
+
+def _input_names(inputs: Inputs | None) -> tuple[list[str], list[str]]:
+    """All that are set, and those of them that the source gives itself."""
+    return ([*inputs.names, *inputs.derived_names], inputs.names) if inputs else ([], [])
+
+
+def _observed(document: Mapping[str, Any] | Scene) -> Scene:
+    outputs = {"positions": "all", "velocities": "all", "reactions": True, "energy": True, "solver": True}
+    if isinstance(document, Scene):
+        return document.replace({f"outputs.{name}": value for name, value in outputs.items()})
+    return scene_from({**document, "outputs": outputs | document.get("outputs", {})}, path="case.toml")
+
+
+def _of_surface(document: Mapping[str, Any] | Scene, surface: Shape) -> Scene:
+    """A scene whose object has this surface, which obstacles meet."""
+    assert isinstance(document, Mapping)
+    with TemporaryDirectory() as folder:
+        mesh = {"file": write(Path(folder) / "surface.obj", surface)}
+        lattice = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]} | document["lattice"]
+        return _observed({**document, "mesh": mesh, "lattice": lattice, "contact": {"of": "surface"}})

@@ -1,0 +1,269 @@
+"""The map: stiffness against communication step, each cell run through the FMU and judged by an exact solution.
+
+Four scenes are a box of 2 x 2 x 2 points, 1 m, 1 kg, all springs of stiffness k, undamped:
+
+vibration   released from a stretch of 1 % along every axis. By the cube's symmetry the box keeps its shape for ever: the points are at
+            centre + s (rest - centre) with s = 1 + 0.01 cos(omega t), omega = 8 sqrt(k / (1 kg)), exactly, at any amplitude; and
+            this is the lattice's highest frequency. Every method has to resolve it, or to say that it does not.
+damping     the same with dashpots along the springs, tau omega from 0.01 to 1000: all points keep to one line, so that s is the damped
+            oscillator's exactly. Strong damping lets it creep.
+rotation    set spinning at 1 rad/s without a stress. Exactly: angular momentum and energy stay what they are.
+contact     resting on a plane that is drawn away under it with friction, under gravity g = min(9.81 m/s2, k / (50 kg)), which a soft box
+            can carry, and slightly damped. Exactly: the friction impulse is mu times the normal one; momentum is what the impulses,
+            gravity and damping make it; the centre sinks by the static sag in the end, and on the way not much beyond twice of it.
+
+Beside it the border of the raw explicit scheme, the central difference of eq. (13) without anybody to divide its steps, is measured.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import groupby
+
+import numpy as np
+
+from validation.mechanics import Body
+from validation.stability import rebound
+from validation.stability.answers import static_sag
+from validation.stability.cell import GAIN, STATED, Cell, Judged, Panel, Trial, omega, settings
+from validation.stability.drive import Drive, Refused, StateTouched
+
+STRETCH, TOLERANCE = 0.01, 1e-5
+SPIN = 1.0
+"""rad/s"""
+
+TURNED = 1e-3
+"""Relative error of angular momentum and energy that counts as accurate."""
+
+FRICTION, GRAVITY = 0.4, 9.81
+DAMPING = 0.4
+"""Damping rate of the contact scene in units of sqrt(k / (1 kg)): a few per cent of the critical one."""
+
+SETTLED = 12.0
+"""Damping rate times time from which on the box has to have come to rest."""
+
+MOMENTUM, LOOSE = 1e-3, 20.0
+"""Limits of soundness: missing momentum, relative to that of the weight (damping makes it an integration error); inner energy, relative to
+weight times static sag."""
+
+RIGHT = 10 * TOLERANCE
+"""Error of a position that counts as accurate [m]."""
+
+SLIDE = 1e-3
+"""Relative error of the friction impulse that counts as accurate."""
+
+BEHIND = 1e-12
+"""Penetration that rounding explains, relative to the box."""
+
+
+def run_cells(cells: Sequence[Cell]) -> Iterator[Judged]:
+    """Runs cells one after the other, each in the scene of its panel."""
+    for scene, some in groupby(cells, lambda cell: cell.panel.scene):
+        with Drive(document(scene)) as drive:
+            for cell in some:
+                began = clock.perf_counter()
+                try:
+                    judged = SCENES[scene](Trial(drive, cell, began))
+                except Refused as refusal:
+                    judged = Judged("refused", why=str(refusal), run_time=clock.perf_counter() - began)
+                except StateTouched as fault:
+                    judged = Judged("WRONG", why=str(fault), run_time=clock.perf_counter() - began)
+                yield judged
+
+
+def document(scene: str) -> dict:
+    """The scene of a panel."""
+    if scene == "rebound":
+        return rebound.DOCUMENT
+    box = {"lattice": {"points": [2, 2, 2]}, "material": {"stiffness": 1.0, "damping": 1.0 if scene == "contact" else 0.0}}
+    solver = {"tolerance": TOLERANCE, "error_estimate": True}
+    if scene == "vibration":
+        return box | {"initial": {"stretch": [1 + STRETCH] * 3}, "solver": solver}
+    if scene == "damping":
+        material = {"stiffness": 1.0, "damping": 0.0, "internal_damping": 1.0}
+        return box | {"material": material, "initial": {"stretch": [1 + STRETCH] * 3}, "solver": solver}
+    if scene == "rotation":
+        return box | {"initial": {"angular_velocity": [0.0, 0.0, SPIN]}, "solver": solver}
+    ground = {"name": "ground", "friction": FRICTION, "motion": "input"}
+    return box | {"plane": [ground], "environment": {"gravity": [0.0, 0.0, -GRAVITY]}, "solver": solver}
+
+
+def _oscillation(ratio: float, phase: float) -> float:
+    """What is left of a unit stretch, let go at rest, at omega t = phase."""
+    damping = ratio / 2
+    if damping < 1:
+        root = math.sqrt(1 - damping**2)
+        return math.exp(-damping * phase) * (math.cos(root * phase) + damping / root * math.sin(root * phase))
+    if damping == 1:
+        return (1 + phase) * math.exp(-phase)
+    root = math.sqrt(damping**2 - 1)
+    slow, fast = 1 / (damping + root), damping + root
+    return (fast * math.exp(-slow * phase) - slow * math.exp(-fast * phase)) / (fast - slow)
+
+
+def _vibration(trial: Trial) -> Judged:
+    drive, frequency = trial.drive, omega(trial.cell.stiffness)
+    trial.start()
+    middle, error, far = drive.rest.mean(axis=0), 0.0, 0.0
+    centre = middle + STRETCH / 2
+    for _ in trial.steps():
+        x = drive.x
+        exact = centre + (1 + STRETCH * _oscillation(trial.cell.ratio, frequency * drive.time)) * (drive.rest - middle)
+        error = max(error, float(np.linalg.norm(x - exact, axis=1).max()))
+        far = max(far, float(np.linalg.norm(x - centre, axis=1).max()))
+    if not drive.finite():
+        return trial.judged("WRONG", math.inf, "not finite")
+    if error <= RIGHT:
+        return trial.judged("accurate", error)
+    if far > math.sqrt(3) / 2 * (1 + 1.5 * STRETCH):
+        return trial.judged("WRONG", error, "the vibration grows without end")
+    if error <= STATED * trial.stated:
+        return trial.judged("bounded", error)
+    kind = "unstated" if trial.cell.panel.given else "WRONG"
+    return trial.judged(kind, error, f"error {error:.1e} m, but the estimate says {trial.stated:.1e} m")
+
+
+def _rotation(trial: Trial) -> Judged:
+    drive = trial.drive
+    trial.start()
+    error, gain = 0.0, 0.0
+    for _ in trial.steps():
+        gained = drive.energy() / drive.start_energy - 1
+        gain, error = max(gain, gained), max(error, drive.turning_change(), abs(gained))
+    if not drive.finite():
+        return trial.judged("WRONG", math.inf, "not finite")
+    if error <= TURNED:
+        return trial.judged("accurate", error)
+    stated, way = trial.stated, error * SPIN * drive.time * math.sqrt(0.5)
+    if gain <= GAIN and way <= STATED * stated:
+        return trial.judged("bounded", error)
+    why = f"energy gained {gain:.1e}, energy or angular momentum wrong by {error:.1e}, {way:.1e} m; the estimate says {stated:.1e} m"
+    return trial.judged("WRONG", error, why)
+
+
+def _contact(trial: Trial) -> Judged:
+    drive, cell = trial.drive, trial.cell
+    gravity, rate, mass = min(GRAVITY, cell.stiffness / 50), DAMPING * math.sqrt(cell.stiffness), drive.mass.sum()
+    pull = 100 * FRICTION * gravity * trial.wanted * cell.step
+    trial.start(**{"gravity.z": -gravity, "plane.ground.velocity.x": pull, "damping": rate * drive.mass[0]})
+    start, sag = drive.centre, gravity / cell.stiffness * unit_sag()
+    behind = off = loose = 0.0
+    for _ in trial.steps():
+        behind = max(behind, -float(drive.x[:, 2].min()))
+        sunk = start[2] - drive.centre[2]
+        off = max(off, sunk - 2.5 * sag, -sunk)
+        loose = max(loose, _inner_energy(drive) / (mass * gravity * sag))
+    if rate * drive.time > SETTLED:
+        off = max(off, abs(sunk - sag) - 0.2 * sag)
+    given, weight = drive.impulse, mass * gravity * drive.time
+    missing = drive.momentum - given + rate * mass * (drive.centre - start) + np.array([0.0, 0.0, weight])
+    found = {
+        "behind": behind,
+        "slide": float(np.hypot(given[0] - FRICTION * given[2], given[1])) / (FRICTION * weight),
+        "off": off,
+        "loose": loose,
+        "missing": float(np.abs(missing).max()) / weight,
+    }
+    return _contact_judged(trial, found)
+
+
+def _contact_judged(trial: Trial, found: dict[str, float]) -> Judged:
+    """Sound: none behind the plane, momentum balances, the inner energy stays below twenty times what the weight brings in."""
+    published = trial.cell.panel.method == "central_difference"
+    words = ", ".join(f"{name} {value:.1e}" for name, value in found.items())
+    error = found["slide"]
+    balanced = found["behind"] <= BEHIND and found["missing"] <= MOMENTUM
+    if not ((published or balanced) and found["loose"] <= LOOSE and trial.drive.finite()):
+        return trial.judged("WRONG", error, words)
+    if error <= SLIDE and found["off"] <= RIGHT and balanced:
+        return trial.judged("accurate", error)
+    if published or (error <= SLIDE and found["off"] <= STATED * trial.stated):
+        return trial.judged("bounded", error, words)
+    return trial.judged("WRONG", error, words)
+
+
+def _inner_energy(drive: Drive) -> float:
+    """Elastic energy and that of the motion about the centre [J]."""
+    return drive.body.elastic_energy(drive.x) + drive.body.kinetic_energy(drive.v - drive.momentum / drive.mass.sum())
+
+
+SCENES = {"vibration": _vibration, "damping": _vibration, "rotation": _rotation, "contact": _contact, "rebound": rebound.rebound}
+
+
+@cache
+def unit_sag() -> float:
+    """Static sag of the centre of the box on a plane for a gravity of 1 m/s2 and a stiffness of 1 N/m, by the linear theory [m]."""
+    with Drive(document("contact")) as drive:
+        return static_sag(drive)
+
+
+STEPS = 2000
+"""Of one trial."""
+
+NOISE = 1e-9
+"""Disturbance of the rest shape, m."""
+
+GROWN = 1e3
+"""A disturbance that has grown so much grows for ever: below the border it stays within about ten times itself."""
+
+
+@dataclass(frozen=True)
+class Border:
+    """Steps at the border for one stiffness [s]."""
+
+    stiffness: float
+    """N/m"""
+    theory: float
+    """2 / omega"""
+    raw: float
+    """Largest step without growth, by bisection"""
+    bound: float
+    """The component's `solver.stable_step`"""
+    divided: float
+    """Smallest given `solver.step` that the component divides, by bisection"""
+
+
+def borders(stiffnesses: Sequence[float], rounds: int = 14) -> list[Border]:
+    """For the box of the map, at rest; each bisection within 2^-rounds of its start, a factor of 4."""
+    found = []
+    with Drive(document("vibration") | {"initial": {}}) as drive:
+        for stiffness in stiffnesses:
+            theory = 2 / omega(stiffness)
+            drive.body.stiffness[:] = stiffness
+            body, rest = drive.body, drive.rest
+            raw = _bisected(theory, rounds, lambda h, body=body, rest=rest: grows(body, rest, h))
+            drive.restart(settings(Panel("vibration", "leapfrog", True), stiffness, 0.0))
+            bound = drive.value("solver.stable_step")
+            divided = _bisected(theory, rounds, lambda h, stiffness=stiffness: _divides(drive, stiffness, h))
+            found.append(Border(stiffness, theory, raw, bound, divided))
+    return found
+
+
+def _bisected(theory: float, rounds: int, beyond) -> float:
+    low, high = theory / 2, 2 * theory
+    for _ in range(rounds):
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if beyond(middle) else (middle, high)
+    return math.sqrt(low * high)
+
+
+def grows(body: Body, rest: np.ndarray, h: float) -> bool:
+    """Whether a small disturbance of the rest shape grows without end in leapfrog with the step h [s]."""
+    noise = NOISE * np.random.default_rng(0).standard_normal(rest.shape)
+    x, v = rest + noise, np.zeros_like(rest)
+    for _ in range(STEPS):
+        v = v + h * body.spring_force(x) / body.mass[:, None]
+        x = x + h * v
+        if not np.abs(x - rest).max() < GROWN * NOISE:
+            return True
+    return False
+
+
+def _divides(drive: Drive, stiffness: float, h: float) -> bool:
+    drive.restart(settings(Panel("vibration", "leapfrog", True), stiffness, h))
+    drive.step(h)
+    return "above the stability bound" in drive.warned

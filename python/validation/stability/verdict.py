@@ -1,0 +1,180 @@
+"""What a case of the table is, what is measured in it, what the component's warnings say of its error, and the verdict that follows."""
+
+from __future__ import annotations
+
+import math
+import re
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import SupportsFloat
+
+from softffd.run.guard import Lost
+from validation.stability.drive import Drive, Refused, StateTouched
+
+VERDICTS = ("right", "bounded", "refused", "slow", "WRONG")
+"""right: within every limit. bounded: outside a limit, but within the bound that goes with it. refused: fmi2Discard or fmi2Error, with its
+message. slow: no answer within the case's time. WRONG: anything else, a crash too."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One oracle: what was measured, and the limit it must keep."""
+
+    what: str
+    measured: float
+    limit: float
+    bound: float | None = None
+    """Of an answer that is not exact but harmless; None: there is no such thing here"""
+
+    @property
+    def verdict(self) -> str:
+        """ "right", "bounded" or "WRONG"."""
+        if self.measured <= self.limit:
+            return "right"
+        return "bounded" if self.bound is not None and self.measured <= self.bound else "WRONG"
+
+    def __str__(self) -> str:
+        return f"{self.what} {self.measured:.2g} (limit {self.limit:.2g})"
+
+
+@dataclass
+class Findings:
+    """What a case finds while it runs."""
+
+    checks: list[Check] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def check(self, what: str, measured: SupportsFloat, limit: float, *, bound: float | None = None) -> None:
+        """Adds an oracle."""
+        self.checks.append(Check(what, float(measured), limit, bound))
+
+    def at_most(self, what: str, measured: SupportsFloat, limit: float, *, bound: float | None = None) -> None:
+        """The same for an oracle that is asked again and again: the worst is kept."""
+        for place, check in enumerate(self.checks):
+            if check.what == what:
+                if not float(measured) <= check.measured:  # NaN is worst
+                    self.checks[place] = Check(what, float(measured), limit, bound)
+                return
+        self.check(what, measured, limit, bound=bound)
+
+    def sound(self, drive: Drive, planes: Sequence[tuple] = ()) -> None:
+        """Bounds that hold in every case: all numbers finite, nothing that obstacles meet behind a plane (point, normal)."""
+        self.at_most("not finite", 0.0 if drive.finite() else math.inf, 0.0)
+        for point, normal in planes:
+            self.at_most("penetration / box", behind(drive, point, normal), 1e-12)
+
+
+def behind(drive: Drive, point: Sequence[float], normal: Sequence[float]) -> float:
+    """How far the furthest control point, or point of the surface, is behind a plane, relative to the box."""
+    length = math.sqrt(sum(part * part for part in normal))
+    gaps = (drive.touching - point) @ [part / length for part in normal]
+    return max(0.0, -float(gaps.min())) / drive.side
+
+
+@dataclass(frozen=True)
+class Case:
+    """One row of the table."""
+
+    name: str
+    what: str
+    oracle: str
+    run: Callable[[Findings], None]
+    quick: bool = False
+    refusal: str = ""
+    """Pattern of the message with which it has to be refused; empty: an answer is wanted, a refusal is the second best"""
+    patience: float = 60.0
+    """s"""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a case."""
+
+    verdict: str
+    """One of VERDICTS"""
+    checks: tuple[Check, ...] = ()
+    words: str = ""
+    """Message of a refusal, or notes"""
+    run_time: float = 0.0
+    """s"""
+
+    @property
+    def worst(self) -> Check | None:
+        """The check that decides: the one nearest to its limit or furthest beyond."""
+        return max(self.checks, key=_excess, default=None)
+
+
+def _excess(check: Check) -> tuple[int, float]:
+    order = ("right", "bounded", "WRONG").index(check.verdict)
+    ratio = check.measured / check.limit if check.limit > 0 else -1.0 if check.measured == 0 else math.inf
+    return order, math.inf if math.isnan(ratio) else ratio
+
+
+def run_case(case: Case) -> Outcome:
+    """Runs one case in this process."""
+    findings, began = Findings(), clock.perf_counter()
+    try:
+        case.run(findings)
+    except Refused as refusal:
+        expected = re.search(case.refusal, str(refusal)) is not None
+        words = str(refusal) if expected else f"wanted a refusal that says {case.refusal!r}, got: {refusal}"
+        return Outcome("refused" if expected else "WRONG", tuple(findings.checks), words, clock.perf_counter() - began)
+    except StateTouched as fault:
+        return Outcome("WRONG", tuple(findings.checks), str(fault), clock.perf_counter() - began)
+    elapsed, notes = clock.perf_counter() - began, "; ".join(findings.notes)
+    if case.refusal:
+        return Outcome("WRONG", tuple(findings.checks), "wanted a refusal, got an answer", elapsed)
+    verdicts = [check.verdict for check in findings.checks]
+    worst = max(verdicts, key=VERDICTS.index)
+    return Outcome(worst, tuple(findings.checks), notes, elapsed)
+
+
+def outcome_of(result: Outcome | Lost, patience: float) -> Outcome:
+    """The outcome of a case that ran in another process."""
+    if isinstance(result, Outcome):
+        return result
+    if result.how == "hang":
+        return Outcome("slow", words=result.words, run_time=patience)
+    return Outcome("WRONG", words=f"{result.how}: {result.words}")
+
+
+def run_cases(cases: dict[str, Case], names: Sequence[str]) -> Iterator[Outcome]:
+    """Runs cases by name."""
+    for name in names:
+        yield run_case(cases[name])
+
+
+STATED = 5.0
+"""An error up to so many times what a warning states has been stated."""
+
+NUMBER = r"([-+]?[0-9.]+(?:e[-+]?[0-9]+)?)"
+WRONG_BY = re.compile(rf"(?:wrong|off) by (?:up to |about |some )*{NUMBER}")
+GAINED = re.compile(rf"has gained {NUMBER} J")
+TURNS = re.compile(rf"omega = {NUMBER} rad/s in implicit steps .* omega h / 2 = {NUMBER} a radian")
+
+
+def stated_length(text: str) -> float:
+    """By how much something is wrong, in its own words [m]; 0 where nothing is said."""
+    return max((float(number) for number in WRONG_BY.findall(text)), default=0.0)
+
+
+def stated_error(warning: str, drive: Drive, duration: float) -> float:
+    """The error of a position that a warning gives a number for [m]; 0 for one that gives none.
+
+    A length stands for itself. An energy gained is the speed of the whole body, for the time [s] of the run; a share of a rotation, taken
+    for each radian, is that of the angle, at the side of the box.
+    """
+    if WRONG_BY.search(warning):
+        return stated_length(warning)
+    if found := GAINED.search(warning):
+        return math.sqrt(2 * max(0.0, float(found[1])) / drive.mass.sum()) * duration
+    if found := TURNS.search(warning):
+        angle = float(found[1]) * duration
+        return float(found[2]) * angle**2 * drive.side
+    return 0.0
+
+
+def stated_errors(drive: Drive, duration: float) -> float:
+    """The largest that has been stated so far [m]."""
+    return max((stated_error(text, drive, duration) for text in drive.simulation.warnings), default=0.0)
