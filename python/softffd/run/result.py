@@ -21,10 +21,9 @@ from softffd.names import OBSTACLES, ByName, Part, parts_of, variable_names, vec
 from softffd.obstacles import Obstacles
 from softffd.rotation import turned
 from softffd.run import shown
-from softffd.run.deformation import deformation
 from softffd.run.parts import require_name
 from softffd.run.result_file import read_result, write_result
-from softffd.run.stress import cauchy_stress, cell_stiffness, gradients, green_strain
+from softffd.run.stress import cauchy_stress, cell_stiffness, deformation, gradients, green_strain
 from softffd.run.tables import data_frame, dataset
 from softffd.spelling import did_you_mean, nearest_of
 

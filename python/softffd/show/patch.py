@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from softffd.names import Part
-from softffd.run.history import reactions
+from softffd.run.findings import reactions
 from softffd.run.result import Result
 from softffd.show.stage import stage_of
 from softffd.show.touch import touch_of

@@ -7,7 +7,7 @@ import numpy as np
 
 from softffd.errors import SoftffdError
 from softffd.names import unit_of
-from softffd.run.history import energies, heights, reactions
+from softffd.run.findings import energies, heights, reactions
 from softffd.run.result import Columns
 from softffd.show.moments import first_contact, largest_deformation, telling_moments
 from softffd.show.panel import Panels, Shape

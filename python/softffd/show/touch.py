@@ -6,7 +6,7 @@ import numpy as np
 
 from softffd.lattice import to_flat
 from softffd.names import vector_names
-from softffd.run.history import reactions
+from softffd.run.findings import reactions
 from softffd.show.stage import Stage
 
 INK, MARK = (0.10, 0.12, 0.16), (1.0, 0.84, 0.0)
