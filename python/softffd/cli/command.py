@@ -13,7 +13,6 @@ import shlex
 import sys
 import webbrowser
 from collections.abc import Callable
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -90,16 +89,14 @@ def _build(options: argparse.Namespace) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from softffd.show.drawing import drawing
-
     if options.no_input and options.input:
         raise SoftffdError("--no-input: wanted without --input")
     settings = dict(setting(text) for text in options.settings)
     folder = options.output or Path(f"softffd-{Path(options.what).stem}")
     require_writable(folder)
     interrupted = None
-    with ProgressLine("packaging") as progress, nullcontext() if options.no_pictures else drawing() as draw:
-        from softffd.cli.keep import keep_run, require_no_results, run_scene_or_fmu  # while what draws is loaded beside
+    with ProgressLine("packaging") as progress:
+        from softffd.cli.keep import keep_run, require_no_results, run_scene_or_fmu
         from softffd.cli.told import told_after, told_before
 
         if not options.overwrite:
@@ -117,7 +114,7 @@ def _run(options: argparse.Namespace) -> None:
             )  # fmt: skip
         except Interrupted as stop:
             result, interrupted = stop.result, stop
-        files = keep_run(result, folder, progress.stage, draw=draw, colour=options.colour, lattice=options.lattice)
+        files = keep_run(result, folder, progress.stage, pictures=not options.no_pictures, colour=options.colour, lattice=options.lattice)
     print(told_after(result.summary))
     print(f"  kept in {folder}: {', '.join(file.name for file in files)}")
     if interrupted:

@@ -250,14 +250,18 @@ class Result:
         `position`; parameters are attributes. Needs softffd[datasets]."""
         return dataset(self)
 
-    def plot(self, path: str | Path | None = None, *, x: str = "time", y: str | Iterable[str] = (), colour: str | None = None) -> Figure:
+    def plot(
+        self, path: str | Path | None = None, *, x: str = "time", y: str | Iterable[str] = (), colour: str | None = None,
+        lattice: bool = False,
+    ) -> Figure:  # fmt: skip
         """The picture of the run: its telling moments, with its scene's mesh, and the curves; written to `path` (PNG) where one is given.
         colour: "von_mises" (stress) or "stretch" (the largest principal one) of the cells, in place of the object's own colours.
+        lattice: show the lattice over a mesh too.
         With `y`, names of outputs or inputs, a vector's for its components, those alone over `x`, time or another one of them:
         plot(x="plane.press.point.z", y="plane.press.reaction.z").
         Returns matplotlib's Figure. UnknownName with the nearest name; SoftffdError where the picture needs positions that were not
         recorded."""
-        return shown.picture(self, path, x=x, y=y, colour=colour)
+        return shown.picture(self, path, x=x, y=y, colour=colour, lattice=lattice)
 
     def view(self, path: str | Path | None = None, *, browser: bool = True) -> Path:
         """Writes the interactive page to `path`, and opens it in the browser. Returns the page's path. Without a path it is a temporary
