@@ -6,6 +6,7 @@ import re
 import shlex
 import tomllib
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from typing import Any, Literal
 
@@ -152,6 +153,12 @@ def require_no_results(folder: Path) -> None:
             f"{folder}: holds the results of an earlier run ({', '.join(kept)}); to write over them: --overwrite, "
             "to keep them: another folder by -o DIR"
         )
+
+
+def free_folder(folder: Path) -> Path:
+    """The folder, or the first of NAME-2, NAME-3, ... that is not there or is empty: what a run keeps goes beside what is there."""
+    names = (folder if number == 1 else folder.with_name(f"{folder.name}-{number}") for number in count(1))
+    return next(name for name in names if not name.exists() or (name.is_dir() and not any(name.iterdir())))
 
 
 def page_of(kept: Path) -> Path:
