@@ -20,7 +20,7 @@ from softffd.run.result import KEPT, Result
 from softffd.run.simulate import Begun, Interpolation, Progress, simulate
 from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
-from softffd.show.patch import narrow_contact
+from softffd.show.touch import narrow_contact
 
 RESULTS = (KEPT, "result.csv", "summary.json")
 """What every run is kept in."""
