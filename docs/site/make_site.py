@@ -19,7 +19,6 @@ from nbconvert.preprocessors import ExecutePreprocessor
 
 import softffd
 from softffd.cli.keep import keep_run, run_scene_or_fmu
-from softffd.show.drawing import drawing
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -76,8 +75,7 @@ def card(name: str) -> str:
     """Runs a scene into the gallery."""
     folder = PAGES / "gallery" / name
     result = run_scene_or_fmu(name)
-    with drawing() as draw:
-        keep_run(result, folder, draw=draw)
+    keep_run(result, folder)
     for file in folder.iterdir():
         if file.name not in ("picture.png", "view.html"):
             file.unlink()

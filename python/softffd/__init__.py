@@ -1,4 +1,4 @@
-"""softffd: a soft object (mass-spring Bezier free-form deformation) as an FMI 2.0 co-simulation component."""
+"""softffd: a soft object (mass-spring Bezier free-form deformation) as a co-simulation component of FMI 2 and FMI 3."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING

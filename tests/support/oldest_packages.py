@@ -40,7 +40,9 @@ def require_sweeps(folder: Path) -> None:
     asked = {"stiffness.edge": [500, 1e3], "mass": [1, 2, 3]}
     here = softffd.sweep(softffd.load_scene("press"), asked, outputs=["energy.elastic"], stop_time=0.02)
     with LocalCluster(1, processes=False, dashboard_address=None) as cluster, Client(cluster) as client:
-        there = softffd.sweep(softffd.load_scene("press"), asked, outputs=["energy.elastic"], stop_time=0.02, scheduler=client)
+        there = softffd.sweep(
+            softffd.load_scene("press"), asked, outputs=["energy.elastic"], stop_time=0.02, executor=client.get_executor()
+        )
     assert np.array_equal(here.outputs["energy.elastic"], there.outputs["energy.elastic"]) and not here.failures
     here.plot(folder / "sweep.png")
     here.to_xarray()

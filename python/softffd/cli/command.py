@@ -13,7 +13,6 @@ import shlex
 import sys
 import webbrowser
 from collections.abc import Callable
-from contextlib import nullcontext
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -107,20 +106,21 @@ def _build(options: argparse.Namespace) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    from softffd.show.drawing import drawing
-
     if options.no_input and options.input:
         raise SoftffdError("--no-input: wanted without --input")
     settings = dict(setting(text) for text in options.settings)
-    folder = options.output or Path(f"softffd-{Path(options.what).stem}")
-    require_writable(folder)
+    wanted = folder = options.output or Path(f"softffd-{Path(options.what).stem}")
     interrupted = None
-    with ProgressLine("packaging") as progress, nullcontext() if options.no_pictures else drawing() as draw:
-        from softffd.cli.keep import keep_run, require_no_results, run_scene_or_fmu  # while what draws is loaded beside
+    with ProgressLine("packaging") as progress:
+        from softffd.cli.keep import free_folder, keep_run, require_no_results, run_scene_or_fmu
         from softffd.cli.told import told_after, told_before
 
         if not options.overwrite:
-            require_no_results(folder)
+            if options.output:
+                require_no_results(folder)
+            else:
+                folder = free_folder(wanted)
+        require_writable(folder)
 
         def begun(simulation: Simulation, inputs: Inputs) -> None:
             progress.say(told_before(simulation, inputs))
@@ -134,9 +134,10 @@ def _run(options: argparse.Namespace) -> None:
             )  # fmt: skip
         except Interrupted as stop:
             result, interrupted = stop.result, stop
-        files = keep_run(result, folder, progress.stage, draw=draw, colour=options.colour, lattice=options.lattice)
+        files = keep_run(result, folder, progress.stage, pictures=not options.no_pictures, colour=options.colour, lattice=options.lattice)
     print(told_after(result.summary))
-    print(f"  kept in {folder}: {', '.join(file.name for file in files)}")
+    beside = f" ({wanted} is there already; --overwrite writes over it)" if folder != wanted else ""
+    print(f"  kept in {folder}: {', '.join(file.name for file in files)}{beside}")
     if interrupted:
         reached, wanted = result.summary["simulated_time_s"], result.summary["interrupted_before_s"]
         raise KeyboardInterrupt(f"at {reached:g} s of {wanted:g} s; what was simulated until then is kept in {folder}")
@@ -204,6 +205,8 @@ def _new(options: argparse.Namespace) -> None:
     path = Path(options.name if options.name.lower().endswith(".toml") else f"{options.name}.toml")
     if not path.name.removesuffix(".toml").strip(". "):
         raise SoftffdError(f'"{options.name}": wanted the name of a scene, e.g. softffd new mine')
+    if any(0xD800 <= ord(letter) < 0xE000 for letter in options.name):
+        raise SoftffdError(f"{os.fsencode(options.name)!r}: wanted a name in UTF-8, e.g. softffd new mine")
     if path.exists():
         raise SoftffdError(f"{path}: exists already; wanted a new name")
     if options.mesh is not None:

@@ -10,7 +10,7 @@ from softffd.fmu.package import package_fmu
 from softffd.run.progress import ProgressLine
 from softffd.run.simulate import simulate
 from softffd.scene.scene import load_scene
-from softffd.show.drawing import drawing
+from softffd.show.figure import save_sheet
 from softffd.show.picture import history_sheet, run_sheet, strip_sheet
 from softffd.show.view import write_view
 
@@ -19,20 +19,20 @@ def run_demo(folder: Path) -> None:
     """Builds, runs and shows the car in `folder`, saying what it does."""
     scene = load_scene("car_drop")
     print(scene.title)
-    with ProgressLine("packaging") as progress, drawing() as draw:
+    with ProgressLine("packaging") as progress:
         progress.say(f"  FMU: {package_fmu(scene, folder / 'car_drop.fmu')}")
         progress.stage("simulating")
         result = run_scene_or_fmu("car_drop", progress=progress)
         progress.say(told_after(result.summary))
-        keep_run(result, folder, progress.stage, draw=draw)
+        keep_run(result, folder, progress.stage)
         progress.stage("drawing strip.png and history.png")
-        draw(strip_sheet(result, mesh=result.loaded_mesh), folder / "strip.png")
-        draw(history_sheet(result), folder / "history.png")
+        save_sheet(strip_sheet(result, mesh=result.loaded_mesh), folder / "strip.png")
+        save_sheet(history_sheet(result), folder / "history.png")
         bump = load_scene("car_bump")
         progress.stage("simulating car_bump")
         struck = simulate(bump)
         progress.stage("drawing bump.png, writing bump.html")
-        draw(run_sheet(struck, mesh=bump.loaded_mesh), folder / "bump.png")
+        save_sheet(run_sheet(struck, mesh=bump.loaded_mesh), folder / "bump.png")
         write_view(struck, folder / "bump.html", mesh=bump.loaded_mesh)
     print(f"  pictures: {folder / 'strip.png'}, {folder / 'history.png'}, {folder / 'picture.png'}")
     print(f"  to play and turn it in a browser: {folder / 'view.html'}")

@@ -6,8 +6,9 @@ import re
 import shlex
 import tomllib
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from softffd.errors import FmuError, Interrupted, SoftffdError
 from softffd.fmu.component import Component
@@ -19,10 +20,7 @@ from softffd.run.result import KEPT, Result
 from softffd.run.simulate import Begun, Interpolation, Progress, simulate
 from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
-from softffd.show.patch import narrow_contact
-
-if TYPE_CHECKING:
-    from softffd.show.drawing import Draw
+from softffd.show.touch import narrow_contact
 
 RESULTS = (KEPT, "result.csv", "summary.json")
 """What every run is kept in."""
@@ -102,12 +100,12 @@ def _mesh_scene(file: Path, error: bool, given: dict[str, Any]) -> Scene:
 
 
 def keep_run(
-    result: Result, folder: Path, stage: Note = silent, *, draw: Draw | None, colour: str | None = None, lattice: bool = False
+    result: Result, folder: Path, stage: Note = silent, *, pictures: bool = True, colour: str | None = None, lattice: bool = False
 ) -> list[Path]:
     """Writes results, picture, interactive page and, with a mesh, its last shape; returns the files.
 
-    stage: is told what is being done. draw: of `drawing`, whose block's end is when the picture is there; without, neither picture nor
-    page. What an earlier run left in the folder goes first.
+    stage: is told what is being done. pictures: write picture and page.
+    What an earlier run left in the folder goes first.
     colour: of the picture, as in `Result.plot`. lattice: the picture shows it over a mesh too.
     """
     stage("writing the numbers")
@@ -119,12 +117,13 @@ def keep_run(
         return files
     mesh = result.loaded_mesh
     picture, page = folder / "picture.png", folder / "view.html"
-    if draw:
+    if pictures:
+        from softffd.show.figure import save_sheet
         from softffd.show.picture import run_sheet
         from softffd.show.view import write_view
 
         stage("drawing picture.png")
-        draw(run_sheet(result, mesh=mesh, colour=colour, lattice=lattice), picture)
+        save_sheet(run_sheet(result, mesh=mesh, colour=colour, lattice=lattice), picture)
         stage("writing view.html")
         write_view(result, page, mesh=mesh)
         files += [picture, page]
@@ -154,6 +153,12 @@ def require_no_results(folder: Path) -> None:
             f"{folder}: holds the results of an earlier run ({', '.join(kept)}); to write over them: --overwrite, "
             "to keep them: another folder by -o DIR"
         )
+
+
+def free_folder(folder: Path) -> Path:
+    """The folder, or the first of NAME-2, NAME-3, ... that is not there or is empty: what a run keeps goes beside what is there."""
+    names = (folder if number == 1 else folder.with_name(f"{folder.name}-{number}") for number in count(1))
+    return next(name for name in names if not name.exists() or (name.is_dir() and not any(name.iterdir())))
 
 
 def page_of(kept: Path) -> Path:

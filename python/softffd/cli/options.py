@@ -99,15 +99,18 @@ def _run(add: Add) -> None:
         help="a scene file, a shipped scene's name, a mesh to drop on the ground, or an FMU",
     )
     _add_mesh_options(run)
-    run.add_argument("--stop-time", type=_number, metavar="T", help="s")
+    run.add_argument("--stop-time", type=_number, metavar="T", help="time at which the run ends, in s")
     run.add_argument("--step", type=_number, metavar="H", help="communication step, s")
     _add_accuracy_options(run)
     run.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value of a variable")
     run.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time: columns time and names of inputs")
     run.add_argument("--no-input", action="store_true", help="without the CSV beside the scene: inputs keep their start values")
-    run.add_argument("--interpolation", default="held", metavar="HOW", help="of inputs inside a step: held (default), linear or cubic")
+    run.add_argument("--interpolation", default="held", metavar="HOW", help="how inputs go inside a step: held (default), linear or cubic")
     run.add_argument("--error", action="store_true", help="estimate the error of the run by a second one beside it")
-    run.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-NAME here")
+    run.add_argument(
+        "-o", "--output", type=Path, metavar="DIR",
+        help="folder for the results; default: softffd-NAME here, or softffd-NAME-2 and so on where that is there",
+    )  # fmt: skip
     _add_overwrite(run, "the results of an earlier run")
     run.add_argument(
         "--colour", choices=["von_mises", "stretch"], help="the picture shows the cells' von Mises stress or largest principal stretch"
@@ -170,7 +173,7 @@ def _sweep(add: Add) -> None:
     sweep.add_argument(
         "--measure", action="append", metavar="OUTPUT", help="an output at the end, or max(NAME), min(NAME), mean(NAME); may be repeated"
     )
-    sweep.add_argument("--stop-time", type=_number, metavar="T", help="s")
+    sweep.add_argument("--stop-time", type=_number, metavar="T", help="time at which the run ends, in s")
     sweep.add_argument("--step", type=_number, metavar="H", help="communication step, s")
     _add_accuracy_options(sweep)
     sweep.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value in every run")

@@ -5,6 +5,9 @@ from __future__ import annotations
 import argparse
 import math
 import time as clock
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +17,11 @@ from softffd.errors import SoftffdError
 from softffd.files import require_writable
 from softffd.run.progress import ProgressLine
 from softffd.run.sweep.sweep import sweep
+from softffd.run.tables import package
 from softffd.spelling import number_in
+
+CONNECTING, WORKERS = 10.0, 60.0
+"""So long a scheduler may take to answer, and a cluster to have its first worker [s]."""
 
 WANTED = "NAME=FROM:TO:COUNT, NAME=FROM:TO:COUNT:log or NAME=V1,V2,..., e.g. --vary stiffness.edge=500:2000:4:log"
 
@@ -29,7 +36,7 @@ def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: i
     folder = options.output or Path(f"softffd-sweep-{Path(options.what).stem}")
     require_writable(folder)
     began = clock.monotonic()
-    with ProgressLine("sweeping") as line:
+    with _executor(options.scheduler, jobs) as executor, ProgressLine("sweeping") as line:
 
         def progress(done: int, total: int) -> None:
             line.note(f"{done} of {total} runs, {clock.monotonic() - began:.0f} s", at_once=done == total)
@@ -37,13 +44,35 @@ def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: i
         table = sweep(
             options.what, vary, outputs=options.measure, stop_time=options.stop_time, step=options.step, start_values=start_values,
             inputs={} if options.no_input else options.input, tolerance=options.tolerance, method=options.method,
-            jobs=jobs, scheduler=options.scheduler, file=folder / "sweep.npz", progress=progress,
+            jobs=jobs, executor=executor, file=folder / "sweep.npz", progress=progress,
         )  # fmt: skip
     files = [folder / "sweep.npz", table.to_csv(folder / "sweep.csv")]
     if len(table.values) <= 2:
         table.plot(folder / "sweep.png", outputs=list(table.outputs)[:30])
         files.append(folder / "sweep.png")
     _say(table, files, folder)
+
+
+@contextmanager
+def _executor(scheduler: str | None, jobs: int | None) -> Iterator[Executor | None]:
+    """Of the Dask cluster at an address; none without one."""
+    if scheduler is None:
+        yield None
+        return
+    if jobs is not None:
+        raise SoftffdError("jobs: wanted without a scheduler, whose workers say how many runs there are at a time")
+    distributed = package("distributed", "softffd sweep --scheduler", "clusters")
+    try:
+        client = distributed.Client(scheduler, timeout=CONNECTING, set_as_default=False)
+    except (OSError, ValueError) as error:  # nobody is there; no address
+        why = f"no Dask scheduler answered within {CONNECTING:g} s" if isinstance(error, OSError) else str(error)
+        raise SoftffdError(f"--scheduler: wanted the address of one, such as tcp://host:8786, got {scheduler}: {why}") from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=WORKERS)
+        except TimeoutError:
+            raise SoftffdError(f"--scheduler: wanted a cluster with workers, that at {scheduler} had none for {WORKERS:g} s") from None
+        yield client.get_executor(pure=False)
 
 
 def _say(table: Any, files: list[Path], folder: Path) -> None:

@@ -1,13 +1,75 @@
-"""What a run found, in numbers and in words: largest deformation, reaction peaks, energy balance."""
+"""What a run found, in numbers and in words: methods and why they were taken, reactions, energies, the largest deformation."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from softffd.run.history import energies, reactions
+from softffd.names import OBSTACLES, Part, parts_of, variable_name, vector_names
 from softffd.run.result import Result
+
+if TYPE_CHECKING:
+    from softffd.run.result import Result
+
+BEGINS = "; internal step"
+"""What follows method and reason in the message of a choice."""
+
+
+def choice_in(text: str) -> tuple[str, str] | None:
+    """Method and reason in a message of a component; None in one that tells of no choice."""
+    if BEGINS not in text:
+        return None
+    method, _, reason = text.split(BEGINS)[0].partition(": ")
+    return method, reason
+
+
+def shares(changes: Sequence[tuple[int, tuple[str, str]]], times: np.ndarray) -> list[dict[str, Any]]:
+    """What each method with its reason took of a run, most first: method, reason, simulated_s, share in 0..1, communication_steps.
+
+    changes: the communication steps, from 0, in which a choice was new, in their order, with it. times: communication points (T,) [s].
+    Without changes, as of a component that tells of no choice, there is nothing.
+    """
+    if not changes:
+        return []
+    ends = [row for row, _ in changes[1:]] + [len(times) - 1]
+    taken: dict[tuple[str, str], list[float]] = {}
+    for (begin, choice), end in zip(changes, ends, strict=True):
+        so_far = taken.setdefault(choice, [0.0, 0])
+        so_far[0] += float(times[end] - times[begin])
+        so_far[1] += end - begin
+    whole = float(times[-1] - times[0])
+    rows = [
+        {"method": method, "reason": reason, "simulated_s": length, "share": length / whole, "communication_steps": int(steps)}
+        for (method, reason), (length, steps) in taken.items()
+        if steps
+    ]
+    return sorted(rows, key=lambda row: -float(row["share"]))
+
+
+ENERGIES = ("kinetic", "elastic", "gravity", "dissipated", "work")
+
+
+def reactions(result: Result) -> dict[Part, np.ndarray]:
+    """Forces of the object on its obstacles and fixtures, (T, 3) [N] each; a part as text is "plane.ground" or "pin.base"."""
+    parts = [*parts_of(result.outputs, *OBSTACLES), *parts_of(result.outputs, "pin")]
+    recorded = {part: vector_names("plane_reaction" if part.is_obstacle else "pin_reaction", part) for part in parts}
+    whole = {part: names for part, names in recorded.items() if all(name in result.outputs for name in names)}
+    return {part: np.stack([result.outputs[name] for name in names], axis=1) for part, names in whole.items()}
+
+
+def energies(result: Result) -> dict[str, np.ndarray]:
+    """The recorded energies: "kinetic", "elastic", ... -> (T,) [J]."""
+    names = {kind: variable_name(f"energy_{kind}") for kind in ENERGIES}
+    return {kind: result.outputs[name] for kind, name in names.items() if name in result.outputs}
+
+
+def heights(result: Result, up: np.ndarray) -> dict[str, np.ndarray]:
+    """The lattice's highest and lowest place along `up` (3,): words -> (T,) [m]."""
+    along = result.positions @ np.asarray(up)
+    return {"highest point": along.max(axis=(1, 2, 3)), "lowest point": along.min(axis=(1, 2, 3))}
+
 
 ESTIMATE = "solver.error_estimate"
 """The output that estimates the error so far [m]."""

@@ -1,14 +1,17 @@
-"""Inputs that are given as Python has them: constants by name, and the tables of pandas and its like."""
+"""What inputs are given as: constants by name, a DataFrame, a CSV file."""
 
 from __future__ import annotations
 
+import csv
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from softffd.errors import FmuError
+from softffd.spelling import did_you_mean, nearest_of, number_in
 
 COMPONENTS = {3: "xyz", 4: "wxyz"}
 """Of vectors and quaternions, by how many numbers there are."""
@@ -55,3 +58,67 @@ def table_of(frame: Any) -> np.ndarray:
     for name, values in columns.items():
         table[name] = values
     return table
+
+
+SEPARATORS = {";": "semicolons", "\t": "tabs"}
+"""What other programs put where a comma is wanted."""
+
+
+def read_csv(path: Path) -> np.ndarray:
+    """A structured array (rows,) from a CSV file: a header line of `time` and names of inputs, then rows of numbers, times not decreasing.
+
+    Empty lines and lines that begin with # are passed over. FmuError says which line is wrong and why.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise FmuError(f"{path}: cannot be read: {error}") from None
+    rows = [(f"{path}: line {n}", _words(path, n, line)) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+    if len(rows) < 2:
+        raise FmuError(f"{path}: wanted a header line (time, names of inputs) and at least one row of numbers")
+    names = _header(*rows[0])
+    table = np.zeros(len(rows) - 1, dtype=[(name, float) for name in names])
+    for number, (where, words) in enumerate(rows[1:]):
+        table[number] = _numbers(where, names, words)
+        if number and table["time"][number] < table["time"][number - 1]:
+            raise FmuError(f"{where}: the times must not decrease, got {words[0].strip()} after {table['time'][number - 1]:g}")
+    return table
+
+
+def _words(path: Path, number: int, line: str) -> list[str]:
+    try:
+        return [word.strip() for word in next(csv.reader([line]))]
+    except csv.Error as error:
+        raise FmuError(f"{path}: line {number}: is no line of a CSV file: {error}") from None
+
+
+def _header(where: str, names: list[str]) -> list[str]:
+    wanted = f"{where}: wanted a header of `time` and names of inputs, each once, separated by commas"
+    if len(names) == 1 and (separator := next((each for each in SEPARATORS if each in names[0]), None)):
+        raise FmuError(f"{wanted}, got {SEPARATORS[separator]} between them")
+    if names[0] != "time":
+        hint = "; `time` must be the first" if "time" in names else did_you_mean(nearest_of(names[0], ["time"]))
+        raise FmuError(f"{wanted}, got {names[0]!r} at its begin{hint}")
+    if len(names) < 2:
+        raise FmuError(f"{wanted}, got no name of an input")
+    if "" in names:
+        ends = ": the line ends with a comma" if names.index("") == len(names) - 1 else ""
+        raise FmuError(f"{wanted}, got column {names.index('') + 1} without a name{ends}")
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise FmuError(f"{wanted}, got {twice!r} again")
+    return names
+
+
+def _numbers(where: str, names: list[str], words: list[str]) -> tuple[float, ...]:
+    if len(words) != len(names):
+        ends = "" if words[-1] else ", for the line ends with a comma"
+        raise FmuError(f"{where}: wanted {len(names)} numbers as in the header, got {len(words)}{ends}")
+    numbers: list[float] = []
+    for name, word in zip(names, words, strict=True):
+        try:
+            numbers.append(number_in(word))
+        except ValueError:
+            raise FmuError(f"{where}, {name}: wanted a number, got {word[:70]!r}") from None
+        if not math.isfinite(numbers[-1]):
+            raise FmuError(f"{where}, {name}: wanted a finite number, got {word!r}")
+    return tuple(numbers)

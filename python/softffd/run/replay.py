@@ -9,8 +9,7 @@ import numpy as np
 
 from softffd.errors import FmuError
 from softffd.run.inputs import Inputs
-from softffd.run.inputs_csv import read_csv
-from softffd.run.inputs_given import is_data_frame, table_of
+from softffd.run.inputs_given import is_data_frame, read_csv, table_of
 from softffd.run.simulate import simulate
 from softffd.run.simulation import Simulation
 

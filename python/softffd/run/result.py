@@ -21,10 +21,9 @@ from softffd.names import OBSTACLES, ByName, Part, parts_of, variable_names, vec
 from softffd.obstacles import Obstacles
 from softffd.rotation import turned
 from softffd.run import shown
-from softffd.run.deformation import deformation
 from softffd.run.parts import require_name
 from softffd.run.result_file import read_result, write_result
-from softffd.run.stress import cauchy_stress, cell_stiffness, gradients, green_strain
+from softffd.run.stress import cauchy_stress, cell_stiffness, deformation, gradients, green_strain
 from softffd.run.tables import data_frame, dataset
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -251,14 +250,18 @@ class Result:
         `position`; parameters are attributes. Needs softffd[datasets]."""
         return dataset(self)
 
-    def plot(self, path: str | Path | None = None, *, x: str = "time", y: str | Iterable[str] = (), colour: str | None = None) -> Figure:
+    def plot(
+        self, path: str | Path | None = None, *, x: str = "time", y: str | Iterable[str] = (), colour: str | None = None,
+        lattice: bool = False,
+    ) -> Figure:  # fmt: skip
         """The picture of the run: its telling moments, with its scene's mesh, and the curves; written to `path` (PNG) where one is given.
         colour: "von_mises" (stress) or "stretch" (the largest principal one) of the cells, in place of the object's own colours.
+        lattice: show the lattice over a mesh too.
         With `y`, names of outputs or inputs, a vector's for its components, those alone over `x`, time or another one of them:
         plot(x="plane.press.point.z", y="plane.press.reaction.z").
         Returns matplotlib's Figure. UnknownName with the nearest name; SoftffdError where the picture needs positions that were not
         recorded."""
-        return shown.picture(self, path, x=x, y=y, colour=colour)
+        return shown.picture(self, path, x=x, y=y, colour=colour, lattice=lattice)
 
     def view(self, path: str | Path | None = None, *, browser: bool = True) -> Path:
         """Writes the interactive page to `path`, and opens it in the browser. Returns the page's path. Without a path it is a temporary

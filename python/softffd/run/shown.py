@@ -47,15 +47,16 @@ def in_words(result: Result) -> str:
 
 
 def picture(
-    result: Result, path: str | Path | None = None, *, x: str = "time", y: str | Iterable[str] = (), colour: str | None = None
-) -> Figure:
+    result: Result, path: str | Path | None = None, *, x: str = "time", y: str | Iterable[str] = (), colour: str | None = None,
+    lattice: bool = False,
+) -> Figure:  # fmt: skip
     """The picture of the run, or of outputs `y` over `x` where there are any, written to `path` where one is given."""
     from softffd.show.figure import figure_of, save_figure
     from softffd.show.picture import curve_sheet, run_sheet
 
-    if (x != "time" and not y) or (colour and y):
-        raise SoftffdError("plot: wanted x with y, and colour without them")
-    figure = figure_of(curve_sheet(result, x=x, y=y) if y else run_sheet(result, mesh=result.loaded_mesh, colour=colour))
+    if (x != "time" and not y) or ((colour or lattice) and y):
+        raise SoftffdError("plot: wanted x with y, and colour and lattice without them")
+    figure = figure_of(curve_sheet(result, x=x, y=y) if y else run_sheet(result, mesh=result.loaded_mesh, colour=colour, lattice=lattice))
     if path is not None:
         save_figure(figure, path)
     return figure

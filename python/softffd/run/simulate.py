@@ -15,13 +15,12 @@ from softffd.errors import FmuError, Interrupted
 from softffd.fmu.block import Blocks
 from softffd.fmu.component import Block, Component
 from softffd.lattice import LatticeBox
-from softffd.run.choices import choice_in, shares
-from softffd.run.driven import driven_inputs, require_undriven
+from softffd.run.findings import choice_in, shares
 from softffd.run.inputs import Inputs, Source
 from softffd.run.many_steps import ManySteps
 from softffd.run.points import in_place, is_position, places
-from softffd.run.recorded import recorded_outputs
 from softffd.run.result import Result
+from softffd.run.selected import driven_inputs, recorded_outputs, require_undriven
 from softffd.run.simulation import Simulation, run_source
 from softffd.run.times import communication_points, one_number, positive, require_memory, step_lengths
 from softffd.spelling import did_you_mean, nearest_of

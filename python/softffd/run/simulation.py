@@ -15,7 +15,7 @@ from softffd.fmu.block import number_of
 from softffd.fmu.component import Block, Component, Message
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import OBSTACLES, part_names, parts_of
-from softffd.run.choices import choice_in
+from softffd.run.findings import choice_in
 from softffd.run.parts import Obstacle, Parts, Pin, Vectors
 from softffd.run.points import PointField, PointVectors
 from softffd.run.states import State, taken_apart

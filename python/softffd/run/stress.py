@@ -1,4 +1,4 @@
-"""Strain and stress of the lattice's cells: what an engineer looks at, from control points and springs.
+"""Deformation of the lattice, strain and stress of its cells: what an engineer looks at, from control points and springs.
 
 A cell's deformation gradient F at its centre is that of the mean of its four edges along each axis. Its springs, each shared equally by the
 cells around it, or of a modulus with what this cell gives it, store under F the energy
@@ -20,6 +20,19 @@ from softffd.lattice import cells_within, index_grid
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
+
+
+def deformation(positions: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """The largest distance (T,) [m] of a control point from the rest shape, moved and turned to fit best.
+
+    positions: (T, nx, ny, nz, 3) [m]. rest: (nx, ny, nz, 3) [m]. The best fit is that of the least squares (Kabsch 1976), no mirror image.
+    """
+    moved, at_rest = positions.reshape(len(positions), -1, 3), rest.reshape(-1, 3)
+    moved, at_rest = moved - moved.mean(axis=1, keepdims=True), at_rest - at_rest.mean(axis=0)
+    u, _, vt = np.linalg.svd(np.einsum("na,tnb->tab", at_rest, moved))
+    u[:, :, -1] *= np.where(np.linalg.det(u @ vt) < 0, -1.0, 1.0)[:, None]
+    return np.linalg.norm(moved - at_rest @ (u @ vt), axis=2).max(axis=1)
+
 
 WAYS = [way for way in product((-1, 0, 1), repeat=3) if way > (0, 0, 0)]
 """From a control point to half of its neighbours, in numbers of cells."""

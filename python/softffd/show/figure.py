@@ -1,6 +1,5 @@
 """A sheet as a figure of matplotlib, and a figure as a PNG."""
 
-from dataclasses import replace
 from io import BytesIO
 from itertools import cycle
 from pathlib import Path
@@ -48,7 +47,7 @@ class Pixels(FigureImage):
 def figure_of(sheet):
     """The sheet as a Picture."""
     figure = new_figure(sheet.width, sheet.height, dpi=sheet.dpi)
-    for image in sheet.images():
+    for image in sheet.images:
         figure.add_artist(Pixels(figure, image))
     for words in sheet.words:
         told = (f"{before}{EngFormatter(unit=unit, places=1)(value)}" for before, value, unit in words.quantities)
@@ -105,27 +104,9 @@ def new_figure(width, height, *, dpi):
     return figure
 
 
-def drawn(sheet):
-    """The sheet as a figure on whose canvas all but the images is drawn, for `finished`."""
-    figure = figure_of(replace(sheet, images=tuple))
-    figure.canvas.draw()
-    return figure
-
-
-def finished(figure, images):
-    """The bytes of a PNG of what is drawn on the figure's canvas, and the images."""
-    for image in images:
-        figure.draw_artist(Pixels(figure, image))
-    return _encoded(figure)
-
-
 def png_of(figure):
     """The figure as the bytes of a PNG: drawn once, where savefig first asks what it takes, and without transparency."""
     figure.canvas.draw()
-    return _encoded(figure)
-
-
-def _encoded(figure):
     canvas, stream = figure.canvas, BytesIO()
     image = Image.frombuffer("RGBA", canvas.get_width_height(), canvas.buffer_rgba()).convert("RGB")
     image.save(stream, format="png", dpi=(figure.dpi, figure.dpi), compress_level=COMPRESSION)
@@ -136,3 +117,8 @@ def save_figure(figure, path):
     """Write the figure to `path` (PNG); returns the path."""
     write_bytes(path, png_of(figure))
     return Path(path)
+
+
+def save_sheet(sheet, path):
+    """Draw the sheet and write it to `path` (PNG); returns the path."""
+    return save_figure(figure_of(sheet), path)

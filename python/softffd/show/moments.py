@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from softffd.run.history import reactions
+from softffd.run.findings import reactions
 
 
 def telling_moments(result):

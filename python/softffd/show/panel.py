@@ -9,8 +9,7 @@ import numpy as np
 from softffd.mesh.normals import ShadingNormals, face_normals
 from softffd.show.raster import FIELD, Camera, Canvas
 from softffd.show.raster_mark import draw_arrow, draw_dots
-from softffd.show.raster_plane import Patch, draw_plane
-from softffd.show.raster_solid import draw_solid
+from softffd.show.raster_plane import Patch, draw_plane, draw_solid
 from softffd.show.stage import FREE, PINNED, VIEW, Stage, beside, round_length
 from softffd.show.touch import INK, MARK
 

@@ -1,13 +1,12 @@
 """Pictures of a run: its telling moments in a row, and the curves of its reactions and energies below."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from softffd.errors import SoftffdError
 from softffd.names import unit_of
-from softffd.run.history import energies, heights, reactions
+from softffd.run.findings import energies, heights, reactions
 from softffd.run.result import Columns
 from softffd.show.moments import first_contact, largest_deformation, telling_moments
 from softffd.show.panel import Panels, Shape
@@ -39,7 +38,7 @@ def run_sheet(result, *, mesh=None, origin=None, size=None, colour=None, lattice
     low = 0.45 if tension else 0.40
     sheet = Sheet(13.0, 7.6, dpi=130)
     box = (0.02, low, 0.96, 0.93 - low)
-    images = partial(_images, sheet, stage, list(moments), box=box, tension=tension, touch=touch, lattice=lattice or mesh is None)
+    images = _images(sheet, stage, list(moments), box=box, tension=tension, touch=touch, lattice=lattice or mesh is None)
     words = [Words(stage.title, (0.02, 0.965), 15, "left", weight="bold"), *_captions(sheet, captions, box)]
     if (error := result.summary.get("estimated_error_m")) is not None:
         quantities = (("run time ", result.summary["run_time_s"], "s"), (", estimated error ", error, "m"))
@@ -68,7 +67,7 @@ def strip_sheet(result, *, mesh=None, moments=None, labels=None, origin=None, si
         labels = ["at rest" if frame is None else f"t = {stage.time[frame]:.4g} s" for frame in frames]
     sheet = Sheet(3.6 * len(frames), 3.2, dpi=170)
     box = (0.0, 0.0, 1.0, 1.0)
-    images = partial(_images, sheet, stage, frames, box=box, touch=touch_of(result, stage))
+    images = _images(sheet, stage, frames, box=box, touch=touch_of(result, stage))
     return replace(sheet, images=images, words=tuple(_captions(sheet, labels, box)))
 
 

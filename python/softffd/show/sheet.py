@@ -1,6 +1,6 @@
-"""What a picture is made of before it is drawn: words, curves and images, as plain data that another process can draw."""
+"""What a picture is made of before it is drawn: words, curves and images, as plain data."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,15 +66,12 @@ class Scale:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """A picture of `width` x `height` inches with `dpi` pixels to the inch.
-
-    `images` makes those of the sheet, which takes longest: the rest, which nowhere overlaps them, can be drawn meanwhile.
-    """
+    """A picture of `width` x `height` inches with `dpi` pixels to the inch."""
 
     width: float
     height: float
     dpi: int
-    images: Callable[[], tuple[Image, ...]] = tuple
+    images: tuple[Image, ...] = ()
     words: tuple[Words, ...] = ()
     curves: tuple[Curves, ...] = ()
     scale: Scale | None = None

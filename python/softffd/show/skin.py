@@ -1,4 +1,5 @@
-"""What colours a surface in pictures and page: a tint at every vertex, and the pictures that it is multiplied with."""
+"""The surface that pictures and page show where there is no mesh; what colours a surface: a tint at every vertex, and the pictures
+that it is multiplied with."""
 
 from __future__ import annotations
 
@@ -9,6 +10,28 @@ import numpy as np
 
 if TYPE_CHECKING:
     from PIL import Image
+
+
+def cage_surface(origin, size, *, divisions=24):
+    """The six faces of the box `origin` .. `origin + size` [m], each cut into `divisions` x `divisions` squares.
+
+    Returns vertices (6 (divisions+1)^2, 3) [m] and faces (12 divisions^2, 3), wound so that normals point outwards.
+    """
+    t = np.linspace(0.0, 1.0, divisions + 1)
+    first, second = (a.ravel() for a in np.meshgrid(t, t, indexing="ij"))
+    corner = (np.arange(divisions)[:, None] * (divisions + 1) + np.arange(divisions)).ravel()
+    lower = np.stack([corner, corner + divisions + 1, corner + 1], axis=1)
+    upper = np.stack([corner + 1, corner + divisions + 1, corner + divisions + 2], axis=1)
+    square = np.concatenate([lower, upper])
+    vertices, faces = [], []
+    for axis in range(3):
+        for side in (0.0, 1.0):
+            coordinates = np.empty((len(first), 3))
+            coordinates[:, axis], coordinates[:, axis - 2], coordinates[:, axis - 1] = side, first, second
+            faces.append(len(first) * len(faces) + (square if side else square[:, ::-1]))
+            vertices.append(coordinates)
+    return np.asarray(origin) + np.concatenate(vertices) * np.asarray(size), np.concatenate(faces)
+
 
 PAINT = (0.15, 0.45, 0.68)
 """Of what has no colour of its own."""

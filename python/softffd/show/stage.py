@@ -9,9 +9,8 @@ from softffd.embedding.deform import Embedding
 from softffd.errors import SoftffdError
 from softffd.lattice import index_grid, rest_grid
 from softffd.names import vector_names
-from softffd.show.skin import Skin, painted, skinned
+from softffd.show.skin import Skin, cage_surface, painted, skinned
 from softffd.show.solid import Form, form_of
-from softffd.show.surface import cage_surface
 
 FREE, PINNED = (0.90, 0.42, 0.05), (0.10, 0.10, 0.12)
 OBSTACLES = ((0.63, 0.67, 0.73), (0.34, 0.71, 0.91), (0.80, 0.47, 0.65), (0.0, 0.62, 0.45), (0.90, 0.62, 0.0))

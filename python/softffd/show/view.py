@@ -19,7 +19,7 @@ from softffd.embedding.deform import deform
 from softffd.files import write_text
 from softffd.lattice import to_flat
 from softffd.mesh.normals import split_at_creases
-from softffd.run.history import energies, reactions
+from softffd.run.findings import energies, reactions
 from softffd.show.stage import FREE, PINNED, VIEW, round_length, stage_of
 from softffd.show.template import filled
 from softffd.show.tension import cells_of

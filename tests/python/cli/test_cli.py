@@ -150,6 +150,7 @@ def test_new_writes_a_scene_that_runs(quick, capsys):
     assert main(["new", "mine"]) == 0
     assert main(["run", "mine.toml", "--stop-time", "0.05", "-o", "out"]) == 0
     assert "exists already" in refused(capsys, "new", "mine")
+    assert "wanted a name in UTF-8" in refused(capsys, "new", "\udcff") and not list(Path().glob("\udcff*"))
 
 
 def test_new_wants_a_name_and_prints_a_command_to_copy(quick, capsys):

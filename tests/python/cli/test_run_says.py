@@ -22,8 +22,7 @@ from softffd.errors import FmuError
 from softffd.fmu.package import package_fmu, scene_masses
 from softffd.fmu.variables import method_value
 from softffd.run import progress
-from softffd.run.choices import shares
-from softffd.run.findings import findings
+from softffd.run.findings import findings, shares
 from softffd.run.many_steps import ManySteps
 from softffd.run.progress import ProgressLine
 
@@ -184,7 +183,10 @@ def test_an_interrupted_simulation_hands_over_its_result(monkeypatch):
 def test_results_of_an_earlier_run_stay_unless_asked(capsys):
     told(capsys, "run", "box.toml")
     before = Path("softffd-box/result.npz").read_bytes()
-    said = told(capsys, "run", "box.toml", "--set", "mass=3", status=1)
+    said = told(capsys, "run", "box.toml", "--set", "mass=3", "--no-pictures")
+    assert "kept in softffd-box-2: " in said and "softffd-box is there already; --overwrite" in said
+    assert Path("softffd-box-2/result.npz").is_file() and Path("softffd-box/result.npz").read_bytes() == before
+    said = told(capsys, "run", "box.toml", "--set", "mass=3", "-o", "softffd-box", status=1)
     assert "softffd-box: holds the results of an earlier run (result.npz" in said and "--overwrite" in said
     assert Path("softffd-box/result.npz").read_bytes() == before
     told(capsys, "run", "box.toml", "--set", "load.push.x=3", "--overwrite")

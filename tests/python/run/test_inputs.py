@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from softffd import FmuError
-from softffd.run.inputs import Inputs, read_csv
-from softffd.run.motion import derived_velocities
+from softffd.run.inputs import Inputs, derived_velocities, read_csv
 
 
 def table(**columns) -> np.ndarray:

@@ -17,6 +17,7 @@ from made_up_run import made_up_run
 from scenes import LED, box, table_and_press
 from softffd import SoftffdError, simulate
 from softffd.run import shown
+from softffd.show.sheet import Sheet
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +40,14 @@ def test_plot_gives_the_figure_and_writes_it(tmp_path):
         assert image.size == tuple((figure.get_size_inches() * figure.dpi).round().astype(int))
 
 
+def test_plot_shows_the_lattice_over_a_mesh_where_it_is_asked_for(monkeypatch):
+    asked = []
+    monkeypatch.setattr("softffd.show.picture.run_sheet", lambda _result, **options: asked.append(options) or Sheet(1.0, 1.0, 50))
+    made_up_run().plot()
+    made_up_run().plot(lattice=True)
+    assert [options["lattice"] for options in asked] == [False, True]
+
+
 def test_plot_draws_outputs_over_another(result, tmp_path):
     figure = result.plot(tmp_path / "force.png", x="position[0,0,3].z", y=["plane.press.reaction", "plane.press.point.z"])
     forces, points = figure.axes
@@ -57,7 +66,8 @@ def test_plot_draws_outputs_over_another(result, tmp_path):
         ({"y": "plane.pres.reaction.z"}, 'did you mean "plane.press.reaction.z"'),
         ({"x": "plane.press.point", "y": "time"}, r"x: wanted one output or input, got the vector plane\.press\.point; take plane"),
         ({"x": "plane.press.point.z"}, "plot: wanted x with y"),
-        ({"y": "time", "colour": "stretch"}, "plot: wanted x with y, and colour without them"),
+        ({"y": "time", "colour": "stretch"}, "plot: wanted x with y, and colour and lattice without them"),
+        ({"y": "time", "lattice": True}, "plot: wanted x with y, and colour and lattice without them"),
     ],
 )
 def test_what_cannot_be_plotted_is_refused(result, asked, words):

@@ -1,6 +1,8 @@
 """Sweeps on a Dask cluster, two workers in processes of their own: the same tables as here, and words for what a cluster does wrong."""
 
 import os
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
 
 import numpy as np
 import pytest
@@ -8,8 +10,9 @@ import pytest
 import softffd
 from scenes import box
 from softffd import SoftffdError, Sweep, sweep
+from softffd.cli import sweep as command
 from softffd.cli.command import main
-from softffd.run.sweep import cluster
+from softffd.run.sweep import elsewhere
 
 distributed = pytest.importorskip("distributed")
 
@@ -30,8 +33,14 @@ def scheduler():
         yield made.scheduler_address
 
 
-def test_a_cluster_makes_the_table_of_this_machine_with_the_words_of_what_failed(scheduler):
-    here, there = sweep(SCENE, VARY, outputs=[WORK]), sweep(SCENE, VARY, outputs=[WORK], scheduler=scheduler)
+@pytest.fixture
+def client(scheduler):
+    with distributed.Client(scheduler, set_as_default=False) as client:
+        yield client
+
+
+def test_a_cluster_makes_the_table_of_this_machine_with_the_words_of_what_failed(client):
+    here, there = sweep(SCENE, VARY, outputs=[WORK]), sweep(SCENE, VARY, outputs=[WORK], executor=client.get_executor())
     assert np.array_equal(there.outputs[WORK], here.outputs[WORK], equal_nan=True)
     assert there.done.all() and there.failures == here.failures
     assert [words for _, words in there.failures] == [here.failures[0][1]] * 2 and "got -5" in here.failures[0][1]
@@ -47,76 +56,69 @@ def test_an_interrupted_sweep_goes_on_there_or_here(scheduler, tmp_path, monkeyp
 
     with distributed.Client(scheduler) as client:
         with pytest.raises(KeyboardInterrupt, match=r"2 of 8 runs are kept in kept\.npz"):
-            sweep("pinned.fmu", VARY, outputs=[WORK], file="kept.npz", progress=stop, scheduler=client)
+            sweep("pinned.fmu", VARY, outputs=[WORK], file="kept.npz", progress=stop, executor=client.get_executor())
         assert client.status == "running"
     told = []
     whole = sweep("pinned.fmu", VARY, outputs=[WORK], file="kept.npz", progress=lambda *counts: told.append(counts), jobs=1)
     assert told == [(n, 8) for n in range(3, 9)] and whole.failures == sweep("pinned.fmu", VARY, outputs=[WORK]).failures
 
 
-def test_workers_of_another_version_are_refused(scheduler, monkeypatch):
-    real = distributed.Client.get_versions
-
-    def later(client, **options):
-        told = real(client, **options)
-        told["client"]["packages"]["softffd"] = "9.9"
-        return told
-
-    monkeypatch.setattr(softffd, "__version__", "9.9")  # a worker that comes later looks itself
+def test_workers_of_another_version_are_refused(client, monkeypatch):
+    monkeypatch.setattr(softffd, "__version__", "9.9")
     with pytest.raises(SoftffdError, match=rf"a worker has softffd {VERSION}, wanted 9.9"):
-        sweep(SCENE, {"mass": [1]}, outputs=[WORK], scheduler=scheduler)
-    monkeypatch.setattr(distributed.Client, "get_versions", later)
-    with pytest.raises(SoftffdError, match=rf"the same versions .* worker tcp://\S+ has softffd {VERSION}, here is 9.9"):
-        sweep(SCENE, {"mass": [1]}, outputs=[WORK], scheduler=scheduler)
+        sweep(SCENE, {"mass": [1]}, outputs=[WORK], executor=client.get_executor())
 
 
-def test_what_has_to_be_alike():
-    here = {"softffd": "0.1.0", "distributed": "2026.8.0", "python": "3.11.2.final.0", "numpy": "2.1.0"}
-    assert list(cluster.differences(here, here | {"python": "3.11.9.final.0", "numpy": "2.4.1"}, "worker a")) == []
-    assert list(cluster.differences(here, here | {"softffd": None, "numpy": None}, "the scheduler")) == []
-    found = list(cluster.differences(here, here | {"softffd": None, "python": "3.12.1.final.0", "numpy": "1.26.0"}, "worker a"))
-    assert found == [
-        "worker a has no softffd, here is 0.1.0",
-        "worker a has python 3.12.1.final.0, here is 3.11.2.final.0",
-        "worker a has numpy 1.26.0, here is 2.1.0",
-    ]
+@pytest.mark.parametrize("made", [lambda: ThreadPoolExecutor(2), lambda: ProcessPoolExecutor(2, get_context("spawn"))])
+def test_any_executor_makes_the_table_of_this_machine(made):
+    with made() as executor:
+        there = sweep(SCENE, VARY, outputs=[WORK], executor=executor)
+    here = sweep(SCENE, VARY, outputs=[WORK])
+    assert np.array_equal(there.outputs[WORK], here.outputs[WORK], equal_nan=True) and there.failures == here.failures
 
 
-def test_an_fmu_that_a_worker_cannot_open_is_refused(scheduler, tmp_path, monkeypatch):
-    monkeypatch.setattr(cluster, "_bytes_of", lambda plan: b"no FMU")
-    with pytest.raises(SoftffdError, match=r"cannot open the FMU: .*swept\.fmu"):
-        sweep(SCENE, {"mass": [1]}, outputs=[WORK], scheduler=scheduler)
+def test_an_fmu_that_a_worker_cannot_open_is_told(client, monkeypatch):
+    monkeypatch.setattr(elsewhere, "_bytes_of", lambda plan: b"no FMU")
+    table = sweep(SCENE, {"mass": [1]}, outputs=[WORK], executor=client.get_executor())
+    assert "swept.fmu" in table.failures[0][1]
 
 
-@pytest.mark.parametrize(
-    "address, words",
-    [("tcp://127.0.0.1:9", "no Dask scheduler answered"), ("post://a", "got post://a"), (7, "address of a Dask scheduler")],
-)
-def test_an_address_where_no_scheduler_is_is_refused(address, words, monkeypatch):
-    monkeypatch.setattr(cluster, "CONNECTING", 0.3)
-    with pytest.raises(SoftffdError, match=words):
-        sweep(SCENE, {"mass": [1]}, outputs=[WORK], scheduler=address)
+def test_an_executor_that_is_none_or_is_shut_down_is_refused():
+    with pytest.raises(SoftffdError, match=r"executor: wanted one of concurrent\.futures, got int"):
+        sweep(SCENE, {"mass": [1]}, executor=7)
+    with ThreadPoolExecutor(1) as executor:
+        pass
+    with pytest.raises(SoftffdError, match="executor: takes no runs any more"):
+        sweep(SCENE, {"mass": [1]}, outputs=[WORK], executor=executor)
+
+
+COMMAND = ["sweep", "hanging", "--vary", "mass=1", "--scheduler"]
+
+
+@pytest.mark.parametrize("address, words", [("tcp://127.0.0.1:9", "no Dask scheduler answered"), ("post://a", "got post://a")])
+def test_an_address_where_no_scheduler_is_is_refused(address, words, monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(command, "CONNECTING", 0.3)
+    assert main([*COMMAND, address, "-o", str(tmp_path / "kept")]) == 1
+    assert words in capsys.readouterr().err
 
 
 @pytest.mark.full  # distributed gives its loop 10 s to begin, which a busy machine may need
-def test_a_cluster_without_workers_is_refused(monkeypatch):
-    monkeypatch.setattr(cluster, "WORKERS", 0.1)
-    with (
-        distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as made,
-        pytest.raises(SoftffdError, match=r"wanted a cluster with workers, that at tcp://.* had none for 0.1 s"),
-    ):
-        sweep(SCENE, {"mass": [1]}, outputs=[WORK], scheduler=made.scheduler_address)
+def test_a_cluster_without_workers_is_refused(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(command, "WORKERS", 0.1)
+    with distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as made:
+        assert main([*COMMAND, made.scheduler_address, "-o", str(tmp_path / "kept")]) == 1
+    assert "had none for 0.1 s" in capsys.readouterr().err
 
 
-def test_jobs_are_the_clusters_own():
-    with pytest.raises(SoftffdError, match="jobs: wanted without a scheduler"):
-        sweep(SCENE, {"mass": [1]}, jobs=2, scheduler="tcp://127.0.0.1:9")
+def test_jobs_are_the_executors_own():
+    with ThreadPoolExecutor(1) as executor, pytest.raises(SoftffdError, match="jobs: wanted without an executor"):
+        sweep(SCENE, {"mass": [1]}, jobs=2, executor=executor)
 
 
-def test_without_dask_its_extra_is_told(monkeypatch):
+def test_without_dask_its_extra_is_told(monkeypatch, capsys, tmp_path):
     monkeypatch.setitem(__import__("sys").modules, "distributed", None)
-    with pytest.raises(SoftffdError, match=r"pip install 'softffd\[clusters\]'"):
-        sweep(SCENE, {"mass": [1]}, outputs=[WORK], scheduler="tcp://127.0.0.1:9")
+    assert main([*COMMAND, "tcp://127.0.0.1:9", "-o", str(tmp_path / "kept")]) == 1
+    assert "pip install 'softffd[clusters]'" in capsys.readouterr().err
 
 
 def test_the_command_takes_a_scheduler(scheduler, tmp_path, capsys):
@@ -128,13 +130,13 @@ def test_the_command_takes_a_scheduler(scheduler, tmp_path, capsys):
     assert "jobs: wanted without a scheduler" in capsys.readouterr().err
 
 
-def test_a_run_that_takes_its_worker_down_is_a_failed_run_and_the_rest_goes_on(scheduler, monkeypatch):
-    def deadly(sent, runs, _version):
+def test_a_run_that_takes_its_worker_down_is_a_failed_run_and_the_rest_goes_on(client, monkeypatch):
+    def deadly(_plan, _fmu, runs, _version):
         return os._exit(1) if (1,) in runs else [np.array([float(run[0])]) for run in runs]
 
     deadly.__module__ = "__main__"  # goes to the workers as it is
-    monkeypatch.setattr(cluster, "run_elsewhere", deadly)
-    monkeypatch.setattr(cluster, "TOGETHER", 2)
-    table = sweep(SCENE, {"mass": [1, 2, 3, 4]}, outputs=[WORK], scheduler=scheduler)
+    monkeypatch.setattr(elsewhere, "run_elsewhere", deadly)
+    monkeypatch.setattr(elsewhere, "CHUNKS", 2)
+    table = sweep(SCENE, {"mass": [1, 2, 3, 4]}, outputs=[WORK], executor=client.get_executor(pure=False))
     assert table.failures == [({"mass": 2}, "the worker process ended, each time that it was tried")]
     assert table.outputs[WORK][[0, 2, 3]].tolist() == [0.0, 2.0, 3.0]

@@ -140,7 +140,7 @@ USERS = ["set {1}", "{x}", "{", "}{", "from $5 to $10", "$ $", r"\alpha $x^2$ 10
 @pytest.mark.parametrize("title", USERS)
 def test_a_title_is_drawn_as_it_is(title):
     run = replace(made_up_run(), summary={"title": title, "run_time_s": 1.0, "estimated_error_m": 1e-3}, scene=None)
-    figure = figure_of(replace(run_sheet(run), images=tuple))
+    figure = figure_of(replace(run_sheet(run), images=()))
     png_of(figure)
     assert title in [text.get_text() for text in figure.texts]
     assert "run time 1.0 s, estimated error 1.0 mm" in [text.get_text() for text in figure.texts]

@@ -6,7 +6,7 @@ import pytest
 from made_up_run import ORIGIN, SIZE, made_up_run, rest_points
 from softffd.errors import SoftffdError
 from softffd.mesh.mesh import Mesh
-from softffd.run.history import energies, heights, reactions
+from softffd.run.findings import energies, heights, reactions
 from softffd.show.stage import round_length, stage_of
 
 TRIANGLE = Mesh(ORIGIN + SIZE * np.array([[0.1, 0.2, 0.3], [0.9, 0.2, 0.4], [0.5, 0.8, 0.6]]), np.array([[0, 1, 2]]))

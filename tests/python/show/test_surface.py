@@ -1,7 +1,7 @@
 import numpy as np
 
 from softffd.mesh.normals import ShadingNormals, _neighbouring_corners, face_normals, split_at_creases
-from softffd.show.surface import cage_surface
+from softffd.show.skin import cage_surface
 
 
 def sphere(rings=24):

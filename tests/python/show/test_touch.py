@@ -8,10 +8,9 @@ import pytest
 from made_up_run import ORIGIN, SIZE, made_up_run
 from softffd.mesh.mesh import Mesh
 from softffd.obstacles import Obstacles
-from softffd.show.patch import narrow_contact
+from softffd.show.skin import cage_surface
 from softffd.show.stage import stage_of
-from softffd.show.surface import cage_surface
-from softffd.show.touch import LONGEST, MOST, touch_of
+from softffd.show.touch import LONGEST, MOST, narrow_contact, touch_of
 
 
 def seen(*, of="lattice", divisions=None, **changes):

@@ -14,7 +14,7 @@ from softffd.errors import SoftffdError
 from softffd.mesh.mesh import Mesh
 from softffd.scene.rigid import Box, Sphere
 from softffd.show import view
-from softffd.show.surface import cage_surface
+from softffd.show.skin import cage_surface
 from softffd.show.view import write_view
 
 

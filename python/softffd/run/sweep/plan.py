@@ -19,8 +19,8 @@ from softffd.fmu.block import number_of
 from softffd.fmu.component import Component
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import parse_name
-from softffd.run.driven import driven_inputs, require_undriven
 from softffd.run.inputs import Inputs, Source
+from softffd.run.selected import driven_inputs, require_undriven
 from softffd.run.simulation import Simulation, run_source
 from softffd.run.times import communication_points, positive, require_memory
 from softffd.spelling import did_you_mean, nearest_of

@@ -6,6 +6,7 @@ import math
 import multiprocessing
 import time as clock
 from collections.abc import Callable, Generator, Iterable, Mapping
+from concurrent.futures import Executor
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -21,8 +22,6 @@ from softffd.run.sweep.table import Sweep
 from softffd.run.sweep.worker import run_all
 
 if TYPE_CHECKING:
-    from distributed import Client
-
     from softffd.scene.scene import Scene
 
 KEEP_EVERY = 10.0
@@ -49,7 +48,7 @@ def sweep(
     tolerance: float | None = None,
     method: str | None = None,
     jobs: int | None = None,
-    scheduler: str | Client | None = None,
+    executor: Executor | None = None,
     file: str | Path | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Sweep:
@@ -62,15 +61,18 @@ def sweep(
     stop_time, step, start_values, inputs, tolerance, method: of every run, as for `simulate`. What `inputs` or start
         values give cannot be varied.
     jobs: processes, by default this one. In more than one a run that takes its process down is a failed run too.
-    scheduler: address of a Dask cluster's scheduler, such as "tcp://host:8786", or a distributed.Client: the runs are made there, on as
-    many workers as there are, which need the same softffd and no files; such a run that takes its worker down is a failed run too.
+    executor: any of concurrent.futures, such as `client.get_executor()` of a distributed.Client, MPIPoolExecutor of mpi4py, or loky's: the
+    runs are made by its workers, which need the same softffd and no files. It stays open; where it goes on without a worker that a run
+    took down, that is a failed run too.
     file: NPZ file that keeps what is done, written whole or not at all: of an interrupted sweep the same call makes what is missing.
     progress: called as progress(runs done, runs of the sweep).
     A run that fails is NaN in the table, with its words. Raises FmuError where a name or a value cannot be used in any run, and
     SoftffdError where `file` holds another sweep.
     """
-    if jobs is not None and scheduler is not None:
-        raise SoftffdError("jobs: wanted without a scheduler, whose workers say how many runs there are at a time")
+    if jobs is not None and executor is not None:
+        raise SoftffdError("jobs: wanted without an executor, whose workers say how many runs there are at a time")
+    if executor is not None and not hasattr(executor, "submit"):
+        raise SoftffdError(f"executor: wanted one of concurrent.futures, got {type(executor).__name__}")
     if jobs is not None and jobs < 1:
         raise SoftffdError(f"jobs: wanted at least 1, got {jobs}")
     if (jobs or 1) > 1 and multiprocessing.current_process().daemon:
@@ -79,7 +81,7 @@ def sweep(
     plan = plan_of(scene_or_fmu, vary, outputs, stop_time, step, start_values, inputs, settings)
     table = _begun(plan, None if file is None else Path(file))
     try:
-        _run(plan, table, partial(_results, jobs=jobs or 1, scheduler=scheduler), file, progress)
+        _run(plan, table, partial(_results, jobs=jobs or 1, executor=executor), file, progress)
     except KeyboardInterrupt:
         if file is None:
             raise
@@ -125,11 +127,11 @@ def _run(
                 progress(count, table.done.size)
 
 
-def _results(plan: Plan, indices: list[Index], jobs: int, scheduler: str | Client | None) -> Made:
-    if scheduler is not None:
-        from softffd.run.sweep.cluster import on_cluster
+def _results(plan: Plan, indices: list[Index], jobs: int, executor: Executor | None) -> Made:
+    if executor is not None:
+        from softffd.run.sweep.elsewhere import on_executor
 
-        yield from on_cluster(scheduler, plan, indices)
+        yield from on_executor(executor, plan, indices)
         return
     if jobs == 1:
         yield from zip(indices, run_all(plan, indices), strict=True)
