@@ -3,6 +3,7 @@
 
     python3 python/run.py demo                the car, with pictures
     python3 python/run.py test [ARGUMENTS]    the tests, on all cores (pytest's arguments; -n 0: in one process)
+    python3 python/run.py lint                layout and types of the code
     python3 python/run.py test --full         with the long ones: complete matrices, endurance, importers, surveys
     python3 python/run.py bench               times of everything, as ratios to what one would use otherwise
     python3 python/run.py stability           stiff and extreme scenes, each judged by an exact answer or a bound
@@ -177,8 +178,8 @@ def main():
     if arguments[0] == "docs":
         pip("install", *settings("project")["optional-dependencies"]["docs"])
         return subprocess.call([PYTHON, ROOT / "docs" / "site" / "make_site.py"])
-    if arguments[0] == "test":
-        options = ["-n", "auto", "--dist", "worksteal"]
+    if arguments[0] in ("test", "lint"):
+        options = ["-n", "auto", "--dist", "worksteal", *(["-m", "lint"] if arguments[0] == "lint" else [])]
         if "--full" not in arguments:  # a test that hangs ends its process with a stack trace, and fails
             options += ["-o", f"faulthandler_timeout={HANGS}", "-o", "faulthandler_exit_on_timeout=true"]
         return subprocess.call([PYTHON, "-m", "pytest", *options, *arguments[1:]], cwd=ROOT, env=compiler_environment())

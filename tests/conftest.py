@@ -2,6 +2,7 @@
 
     pytest                  the short run: every feature, representative cells of the large matrices
     pytest --full           everything
+    pytest -m lint          layout and types, which the short run leaves out
     pytest --rotate KEY     of what the short run leaves out, the group that KEY (a commit's hash) chooses
 
 A test marked `full` is left to the long runs; a parametrised one marked `short("a-*", "b")` but for the cells of these ids.
@@ -32,6 +33,7 @@ def pytest_addoption(parser):
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "full: left to the long runs")
+    config.addinivalue_line("markers", "lint: layout and types, a step of its own")
     config.addinivalue_line("markers", "bundle(name): --rotate keeps tests of this name in one group, as they share a long preparation")
     config.addinivalue_line("markers", "short(*ids): of this matrix the short run takes the cells of these ids (with * and ?)")
 
@@ -45,7 +47,8 @@ def pytest_collection_modifyitems(config, items):
         wanted, config.rotation = chosen_group(long_ones, seconds, config.option.rotate, bundle)
         keep(config, items, lambda item: item.nodeid in wanted)
     elif not config.option.full and not any("::" in argument for argument in config.args):
-        keep(config, items, lambda item: not is_long(item))
+        lint = config.option.markexpr == "lint"
+        keep(config, items, lambda item: not is_long(item) and (item.get_closest_marker("lint") is not None) == lint)
 
 
 def is_long(item) -> bool:

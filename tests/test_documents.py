@@ -153,6 +153,7 @@ def checked_as() -> dict[str, str]:
     return found | {f"examples_{file.stem}": file.read_text() for file in EXAMPLES}
 
 
+@pytest.mark.lint
 def test_a_type_checker_finds_nothing_in_what_the_documents_show(tmp_path):
     texts = checked_as()
     for name, text in texts.items():

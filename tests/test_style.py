@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.lint
+
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAMS = Path(sys.executable).parent
 CHECKS = [("ruff", "check", "."), ("ruff", "format", "--check", "."), ("mypy",)]
