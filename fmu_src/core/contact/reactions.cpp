@@ -11,6 +11,8 @@ Reactions::Reactions(int points, int planes) : trial_(points, planes), rested_(p
   for (Points* each : {&forces_, &free_, &held_, &x_}) each->setZero(points, 3);
 }
 
+void Reactions::clear() { forces_.setZero(); }
+
 void Reactions::kick(const StepView& step, const Points& v0) {
   const Body& body = step.body;
   for (int axis = 0; axis < 3; ++axis)
@@ -26,13 +28,13 @@ void Reactions::find(const StepView& step) {
     if (!step.body.pinned[p]) set_row(forces_, p, step.body.mass[p] * (row(held_, p) - row(free_, p)) / (0.5 * step.h));
 }
 
-StepStatus Reactions::open(const StepView& step, const Points& v0) {
+void Reactions::open(const StepView& step, const Points& v0) {
   kick(step, v0);
   x_ = step.x0 + step.h * held_;
   std::fill(rested_.begin(), rested_.end(), 0);
   trial_.begin(step.around, step.t0, step.h);
   trial_.find(step, x_);
-  if (const StepStatus status = trial_.drift(step, v0, held_, x_, nowhere_); status != StepStatus::ok) return status;
+  if (trial_.drift(step, v0, held_, x_, nowhere_) != StepStatus::ok) return clear();
   find(step);
   for (const int p : trial_.points()) {  // those that land now are not held yet
     const bool rests = std::any_of(step.around.planes.begin(), step.around.planes.end(), [&](const Plane& plane) {
@@ -41,24 +43,21 @@ StepStatus Reactions::open(const StepView& step, const Points& v0) {
     if (!rests) set_row(forces_, p, Vec3::Zero());
     rested_[p] = rests;
   }
-  return StepStatus::ok;
 }
 
-StepStatus Reactions::close(const StepView& step, const Contact& contact, const Points& v0) {
+void Reactions::close(const StepView& step, const Contact& contact, const Points& v0) {
   trial_ = contact;
   kick(step, v0);
-  if (const StepStatus status = trial_.close(step, held_, nowhere_); status != StepStatus::ok) return status;
+  if (trial_.close(step, held_, nowhere_) != StepStatus::ok) return clear();
   find(step);
   for (const int p : trial_.points())
     if (!rested_[p]) set_row(forces_, p, Vec3::Zero());
-  return StepStatus::ok;
 }
 
-StepStatus Reactions::hold(const StepView& step, SurfaceContact& surface, const SurfaceRows& rows, const Points& v0) {
+void Reactions::hold(const StepView& step, SurfaceContact& surface, const SurfaceRows& rows, const Points& v0) {
   kick(step, v0);
-  if (const StepStatus status = surface.hold(step, held_, rows); status != StepStatus::ok) return status;
+  if (surface.hold(step, held_, rows) != StepStatus::ok) return clear();
   for (int axis = 0; axis < 3; ++axis) forces_.col(axis) = step.body.mass * (held_.col(axis) - free_.col(axis)) / (0.5 * step.h);
-  return StepStatus::ok;
 }
 
 void Reactions::give_back(const StepView& step, Points& v) const {

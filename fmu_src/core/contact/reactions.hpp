@@ -13,13 +13,14 @@ class Reactions {
  public:
   Reactions(int points, int planes);
 
-  /// Not ok: the rule has no answer, there are no forces.
   /// At the opening: of points on an obstacle at t0, from velocities v0 before the kick. step.spring: forces of springs and dashpots there.
-  StepStatus open(const StepView& step, const Points& v0);
+  void open(const StepView& step, const Points& v0);
   /// At the closing: of points that were on an obstacle then and still are. v0: velocities before the kick; contact: after its drift.
-  StepStatus close(const StepView& step, const Contact& contact, const Points& v0);
+  void close(const StepView& step, const Contact& contact, const Points& v0);
   /// At either kick, where samples of the surface meet obstacles: of those that touch. rows: of the state.
-  StepStatus hold(const StepView& step, SurfaceContact& surface, const SurfaceRows& rows, const Points& v0);
+  void hold(const StepView& step, SurfaceContact& surface, const SurfaceRows& rows, const Points& v0);
+  /// None.
+  void clear();
 
   const Points& forces() const { return forces_; }  ///< on the points [N], (points, 3)
   /// Takes what the forces give their points in half a step out of the velocities again.

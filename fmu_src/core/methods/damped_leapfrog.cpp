@@ -106,8 +106,10 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
   rates_ = before_;
   prepare_kick(view, state, view.h);
   if (planes && resolved_) {
-    const StepStatus status = surface_ ? reactions_.hold(view, *surface_, path.surface, before_) : reactions_.open(view, before_);
-    if (status != StepStatus::ok) return status;
+    if (surface_)
+      reactions_.hold(view, *surface_, path.surface, before_);
+    else
+      reactions_.open(view, before_);
   }
   kick(view, state, planes && resolved_, false, exchange);
   next_ = state.x + view.h * state.v;
@@ -143,9 +145,10 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
       if (!view.body.pinned[p]) set_row(rates_, p, 2 / view.h * row(drift_, p) - row(kicked_, p));
   prepare_kick(view, state, -view.h);
   if (touched && resolved_) {
-    const StepStatus status =
-        surface_ ? reactions_.hold(view, *surface_, path.surface, before_) : reactions_.close(view, contact_, before_);
-    if (status != StepStatus::ok) return status;
+    if (surface_)
+      reactions_.hold(view, *surface_, path.surface, before_);
+    else
+      reactions_.close(view, contact_, before_);
   }
   kick(view, state, touched && resolved_, true, exchange);
   return_pins(view, middle_, state.v, exchange);

@@ -183,7 +183,7 @@ def _rows(result, stage, frames):
     marks = {each.name: _hex(each.tint) for each in (*stage.planes, *stage.solids)}
     rows = []
     for part, force in reactions(result).items():
-        mark = marks[part.name] if part.is_obstacle else "var(--pin)"
+        mark = marks.get(part.name, "var(--pin)") if part.is_obstacle else "var(--pin)"
         rows.append(_row(part.name, "reaction", "N", mark, np.linalg.norm(force, axis=1)[frames], force[frames]))
     recorded = energies(result)
     for name, mark in ENERGY_MARKS.items():

@@ -8,7 +8,7 @@ namespace {
 
 using Matrix = Eigen::Matrix3d;
 
-struct Scene {
+struct Throw {
   Lattice lattice;
   Body body;
   Drive around;
@@ -17,9 +17,9 @@ struct Scene {
 };
 
 /// Points of a lattice that turn with the spin and fly with the velocity; masses alike unless `uneven`.
-Scene flying(const Lattice& lattice, const Vec3& velocity, const Vec3& spin, bool uneven = false) {
+Throw flying(const Lattice& lattice, const Vec3& velocity, const Vec3& spin, bool uneven = false) {
   const int n = lattice.points();
-  Scene s{lattice,
+  Throw s{lattice,
           {Springs(lattice, Topology::distinct), Scalars::Constant(n, 0.1), Scalars::Zero(n), std::vector<bool>(n, false)},
           {},
           {},
@@ -38,7 +38,7 @@ Scene flying(const Lattice& lattice, const Vec3& velocity, const Vec3& spin, boo
 Lattice slab() { return {{4, 3, 2}, Vec3(1, 2, 3), Vec3(1.0, 0.6, 0.2)}; }
 Lattice column() { return {{3, 3, 5}, Vec3::Zero(), Vec3(0.4, 0.4, 1.3)}; }
 
-RigidState after(const Scene& s, double time, int steps) {
+RigidState after(const Throw& s, double time, int steps) {
   RigidBody body;
   body.start(s.equations(), 0, s.x, s.v);
   for (int i = 0; i < steps; ++i) CHECK(body.advance(time / steps) < 1e-12);
@@ -49,14 +49,14 @@ double kinetic_energy(const RigidState& s, double mass) {
   return 0.5 * mass * s.velocity.squaredNorm() + 0.5 * s.spin.dot(s.angular_momentum);
 }
 
-double distance(const Vec3& a, const Vec3& b) { return (a - b).norm(); }
+double farthest(const Vec3& a, const Vec3& b) { return (a - b).norm(); }
 
 }  // namespace
 
 /// L = I1 w + (I3 - I1) w3 e: the axis e goes round L with L / I1, and the body about it with w3 (1 - I3 / I1), w3 being constant.
 TEST(symmetric_top_moves_as_the_exact_solution) {
   const Vec3 spin(3, -4, 10), axis = Vec3::UnitZ();
-  const Scene s = flying(column(), Vec3(1, 2, 3), spin);
+  const Throw s = flying(column(), Vec3(1, 2, 3), spin);
   double across = 0, along = 0;
   for (int p = 0; p < s.body.points(); ++p) {
     const Vec3 arm = row(s.x, p) - 0.5 * s.lattice.size;
@@ -69,14 +69,14 @@ TEST(symmetric_top_moves_as_the_exact_solution) {
     const RigidState end = after(s, time, steps);
     for (int a = 0; a < 3; ++a) {
       const Vec3 self = rotated(axis * (spin[2] * (1 - along / across) * time), Vec3::Unit(a));
-      CHECK_NEAR(distance(end.turn.col(a), rotated(momentum * (time / across), self)), 0, 1e-13 * (1 + steps));
+      CHECK_NEAR(farthest(end.turn.col(a), rotated(momentum * (time / across), self)), 0, 1e-13 * (1 + steps));
     }
-    CHECK_NEAR(distance(end.centre, 0.5 * s.lattice.size + time * Vec3(1, 2, 3)), 0, 1e-13);
+    CHECK_NEAR(farthest(end.centre, 0.5 * s.lattice.size + time * Vec3(1, 2, 3)), 0, 1e-13);
   }
 }
 
 TEST(torque_free_flight_keeps_every_bit_of_the_angular_momentum_and_its_energy) {
-  const Scene s = flying(slab(), Vec3::Zero(), Vec3(0.01, 20, 0.02), true);  // about the middle axis, which is unstable
+  const Throw s = flying(slab(), Vec3::Zero(), Vec3(0.01, 20, 0.02), true);  // about the middle axis, which is unstable
   RigidBody body;
   body.start(s.equations(), 0, s.x, s.v);
   const RigidState begin = body.state();
@@ -87,7 +87,7 @@ TEST(torque_free_flight_keeps_every_bit_of_the_angular_momentum_and_its_energy) 
     const RigidState now = body.state();
     CHECK(now.angular_momentum == begin.angular_momentum);
     CHECK_NEAR(kinetic_energy(now, mass), energy, 1e-11 * energy);
-    tilt = std::max(tilt, distance(now.turn.col(1), begin.turn.col(1)));
+    tilt = std::max(tilt, farthest(now.turn.col(1), begin.turn.col(1)));
   }
   CHECK(tilt > 1.9);  // it tumbles
   CHECK_NEAR((body.state().turn.transpose() * body.state().turn - Matrix::Identity()).norm(), 0, 1e-15 * 10);
@@ -96,7 +96,7 @@ TEST(torque_free_flight_keeps_every_bit_of_the_angular_momentum_and_its_energy) 
 /// With the potential -f (c + R r) of a constant force on a point energy is conserved; with damping in proportion to mass nothing but the
 /// rate of decay changes.
 TEST(constant_force_on_a_point_keeps_the_energy) {
-  Scene s = flying(slab(), Vec3(1, 0, 2), Vec3(3, 1, -2), true);
+  Throw s = flying(slab(), Vec3(1, 0, 2), Vec3(3, 1, -2), true);
   const Vec3 force(5, -3, 8);
   const int corner = s.body.points() - 1;
   set_row(s.around.force, corner, force);
@@ -113,21 +113,21 @@ TEST(constant_force_on_a_point_keeps_the_energy) {
 }
 
 TEST(damping_in_proportion_to_mass_decays_exponentially) {
-  Scene s = flying(slab(), Vec3(1, 0, 2), Vec3(3, 1, -2), true);
+  Throw s = flying(slab(), Vec3(1, 0, 2), Vec3(3, 1, -2), true);
   const double rate = 2, time = 0.7, left = std::exp(-rate * time);
   s.body.damping = rate * s.body.mass;
   s.body.damped = true;
   RigidBody body;
   body.start(s.equations(), 0, s.x, s.v);
   const RigidState begin = body.state(), end = after(s, time, 3);
-  CHECK_NEAR(distance(end.velocity, left * begin.velocity), 0, 1e-14);
-  CHECK_NEAR(distance(end.angular_momentum, left * begin.angular_momentum), 0, 1e-14);
-  CHECK_NEAR(distance(end.centre, begin.centre + (1 - left) / rate * begin.velocity), 0, 1e-14);
+  CHECK_NEAR(farthest(end.velocity, left * begin.velocity), 0, 1e-14);
+  CHECK_NEAR(farthest(end.angular_momentum, left * begin.angular_momentum), 0, 1e-14);
+  CHECK_NEAR(farthest(end.centre, begin.centre + (1 - left) / rate * begin.velocity), 0, 1e-14);
 }
 
 /// Momentum is the time integral of the force; accelerations are derivatives of velocities.
 TEST(forces_are_followed_in_time) {
-  Scene s = flying(slab(), Vec3::Zero(), Vec3(1, 2, 3), true);
+  Throw s = flying(slab(), Vec3::Zero(), Vec3(1, 2, 3), true);
   s.around.ramped = s.around.bent = true;
   for (int p = 0; p < s.body.points(); ++p)
     for (int a = 0; a < 3; ++a) {
@@ -157,8 +157,8 @@ TEST(forces_are_followed_in_time) {
     force += f;
     torque += arm.cross(f);
   }
-  CHECK_NEAR(distance(mass * here.acceleration, force), 0, 1e-12);
-  CHECK_NEAR(distance((behind.velocity - before.velocity) / (2 * h), here.acceleration), 0, 1e-7);
-  CHECK_NEAR(distance((behind.angular_momentum - before.angular_momentum) / (2 * h), torque), 0, 1e-7);
-  CHECK_NEAR(distance((behind.spin - before.spin) / (2 * h), here.spin_rate), 0, 1e-6);
+  CHECK_NEAR(farthest(mass * here.acceleration, force), 0, 1e-12);
+  CHECK_NEAR(farthest((behind.velocity - before.velocity) / (2 * h), here.acceleration), 0, 1e-7);
+  CHECK_NEAR(farthest((behind.angular_momentum - before.angular_momentum) / (2 * h), torque), 0, 1e-7);
+  CHECK_NEAR(farthest((behind.spin - before.spin) / (2 * h), here.spin_rate), 0, 1e-6);
 }

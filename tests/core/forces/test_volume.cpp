@@ -12,15 +12,15 @@ namespace {
 
 constexpr double kappa = 9e3;
 
-double pseudo_random(int i) { return 0.5 + 0.5 * std::sin(12.9898 * i * i + 78.233 * i); }
+double scattered(int i) { return 0.5 + 0.5 * std::sin(12.9898 * i * i + 78.233 * i); }
 
-Points crumpled(const Lattice& lattice, double amplitude, int seed = 0) {
+Points crumple(const Lattice& lattice, double amplitude, int seed = 0) {
   Points x = rest_positions(lattice);
-  for (int i = 0; i < x.size(); ++i) x.data()[i] += 2 * amplitude * (pseudo_random(100 * seed + i) - 0.5);
+  for (int i = 0; i < x.size(); ++i) x.data()[i] += 2 * amplitude * (scattered(100 * seed + i) - 0.5);
   return x;
 }
 
-Body make(const Lattice& lattice, double k) {
+Body make_filled(const Lattice& lattice, double k) {
   Body body{.springs = Springs(lattice, Topology::distinct), .mass = {}, .damping = {}, .pinned = {}};
   body.springs.set_stiffness({k, k, k}, {});
   body.mass = Scalars::Constant(lattice.points(), 1.0 / lattice.points());
@@ -37,8 +37,8 @@ TEST(nothing_happens_before_a_corner_has_lost_half_its_volume) {
   const Volume volume(lattice, kappa);
   const Scalars mass = Scalars::Ones(64);
   const std::vector<bool> pinned(64, false);
-  for (const Points& x : {rest_positions(lattice), crumpled(lattice, 0.03), Points(3.0 * rest_positions(lattice))}) {
-    Points f = crumpled(lattice, 1.0), before = f;
+  for (const Points& x : {rest_positions(lattice), crumple(lattice, 0.03), Points(3.0 * rest_positions(lattice))}) {
+    Points f = crumple(lattice, 1.0), before = f;
     f(5, 1) = before(5, 1) = -0.0;
     Scalars sums = Scalars::Ones(6 * 64);
     volume.add_force(x, f);
@@ -58,7 +58,7 @@ TEST(energy_of_a_flattened_box_is_the_formula) {
 TEST(force_is_minus_the_gradient_of_the_energy) {
   for (const Lattice& lattice : {Lattice{}, Lattice{{2, 3, 5}, Vec3::Zero(), {1, 0.7, 2}}}) {
     const Volume volume(lattice, 1.0);
-    Points x = crumpled(lattice, 0.2), f = Points::Zero(x.rows(), 3);
+    Points x = crumple(lattice, 0.2), f = Points::Zero(x.rows(), 3);
     volume.add_force(x, f);
     CHECK(f.abs().maxCoeff() > 0.01);
     const double d = 1e-6;
@@ -76,7 +76,7 @@ TEST(force_is_minus_the_gradient_of_the_energy) {
 
 TEST(forces_and_their_moments_add_up_to_nothing) {
   const Lattice lattice;
-  const Points x = crumpled(lattice, 0.3);
+  const Points x = crumple(lattice, 0.3);
   Points f = Points::Zero(64, 3);
   Volume(lattice, 1.0).add_force(x, f);
   const double size = f.abs().maxCoeff();
@@ -103,12 +103,12 @@ TEST(stability_bound_holds_whatever_the_shape_masses_and_pins) {
   int crushed = 0;
   for (int trial = 0; trial < 40; ++trial) {
     const Lattice lattice{{3, 4, 2}, Vec3::Zero(), {1, 1.5, 0.6}};
-    Body body = make(lattice, trial % 3 ? 0 : 500);
-    Points x = crumpled(lattice, 0.1 + 0.02 * trial, trial);
+    Body body = make_filled(lattice, trial % 3 ? 0 : 500);
+    Points x = crumple(lattice, 0.1 + 0.02 * trial, trial);
     if (trial % 4 == 1) x.col(2) *= 0.3;
     if (trial % 4 == 2) x.col(0) *= -2;
     if (trial % 5) {
-      for (int p = 0; p < body.points(); ++p) body.mass[p] = std::pow(10.0, 4 * pseudo_random(7 * trial + p) - 3);
+      for (int p = 0; p < body.points(); ++p) body.mass[p] = std::pow(10.0, 4 * scattered(7 * trial + p) - 3);
     }
     if (trial % 2) body.pinned[trial % 24] = body.pinned[2 * trial % 24] = true;
     Stability stability(body.points());
@@ -124,7 +124,7 @@ TEST(stability_bound_holds_whatever_the_shape_masses_and_pins) {
 
 TEST(bound_is_sharp_where_one_corner_alone_gives_way) {
   const Lattice lattice{{2, 2, 2}};
-  Body body = make(lattice, 0);
+  Body body = make_filled(lattice, 0);
   Points x = rest_positions(lattice);
   x.row(0) = 0.168;  // J = 0.496 at this corner, 0.83 and more at all others
   const Cells::Corner corner = Cells(lattice).corner(x, 0, 0, 0, 0);
@@ -137,13 +137,13 @@ TEST(bound_is_sharp_where_one_corner_alone_gives_way) {
 
 TEST(bound_of_a_crushed_uniform_box_is_sharp_enough_to_use) {
   const Lattice lattice;
-  const Body body = make(lattice, 1e3);
+  const Body body = make_filled(lattice, 1e3);
   Stability stability(64);
   stability.prepare(body);
   const double loose = stability.frequency(body, rest_positions(lattice));
   CHECK(loose <= 1.21 * 930.848018037389);  // as without the term
   for (double height : {0.45, 0.2, 0.05}) {
-    Points x = crumpled(lattice, 0.02);
+    Points x = crumple(lattice, 0.02);
     x.col(2) *= height;
     const double truth = highest_frequency(body, x), bound = stability.frequency(body, x);
     std::printf("    height %.2f: bound %.0f, true %.0f rad/s\n", height, bound, truth);

@@ -1,4 +1,4 @@
-/// Solutions on wide lattices against those of a factor, on a stiff body out of shape; and what is not positive definite.
+/// Solutions on wide solved_lattices against those of a factor, on a stiff body out of shape; and what is not positive definite.
 #include "check.hpp"
 #include "matrix/stiffness_matrix.hpp"
 
@@ -6,7 +6,7 @@ using namespace softffd;
 
 namespace {
 
-const std::vector<Lattice> lattices{{{9, 9, 9}}, {{4, 18, 17}}, {{12, 9, 10}}};
+const std::vector<Lattice> solved_lattices{{{9, 9, 9}}, {{4, 18, 17}}, {{12, 9, 10}}};
 
 struct Stiff {
   Lattice lattice;
@@ -60,7 +60,7 @@ struct Stiff {
 }  // namespace
 
 TEST(solutions_are_those_of_a_factor_and_take_no_longer_on_stiff_bodies) {
-  for (const Lattice& lattice : lattices)
+  for (const Lattice& lattice : solved_lattices)
     for (const double omega_g : {1.0, 1e2, 1e4, 1e6}) {
       Stiff s(lattice, omega_g);
       s.assemble();
@@ -73,7 +73,7 @@ TEST(solutions_are_those_of_a_factor_and_take_no_longer_on_stiff_bodies) {
 }
 
 TEST(pinned_points_and_crushed_springs_are_solved_for_too) {
-  Stiff s(lattices[0], 1e3);
+  Stiff s(solved_lattices[0], 1e3);
   s.x *= 0.5;
   for (int p = 0; p < 81; ++p) s.body.pinned[p] = true;
   s.body.pinned[400] = true;
@@ -87,7 +87,7 @@ TEST(pinned_points_and_crushed_springs_are_solved_for_too) {
 }
 
 TEST(a_soft_body_with_a_stiff_layer_is_solved_for_too) {
-  Stiff s(lattices[0], 1e2);
+  Stiff s(solved_lattices[0], 1e2);
   std::vector<bool> bottom(s.body.points(), false);
   std::fill_n(bottom.begin(), 81, true);
   s.body.springs.set_stiffness({1e4, 1e4, 1e4}, {{bottom, 1e9}});
@@ -97,7 +97,7 @@ TEST(a_soft_body_with_a_stiff_layer_is_solved_for_too) {
 }
 
 TEST(less_accuracy_takes_less_work) {
-  Stiff s(lattices[0], 1e3);
+  Stiff s(solved_lattices[0], 1e3);
   s.assemble();
   s.difference();
   Points b = s.b;
@@ -105,7 +105,7 @@ TEST(less_accuracy_takes_less_work) {
 }
 
 TEST(nothing_gives_nothing_and_the_same_gives_the_same_bits) {
-  Stiff s(lattices[0], 1e3);
+  Stiff s(solved_lattices[0], 1e3);
   s.assemble();
   Points b = Points::Zero(s.body.points(), 3);
   s.matrix.solve(b);
@@ -119,7 +119,7 @@ TEST(nothing_gives_nothing_and_the_same_gives_the_same_bits) {
 
 TEST(a_matrix_that_is_not_positive_definite_gives_no_numbers) {
   for (const bool everywhere : {false, true}) {
-    Stiff s(lattices[0], 1e3);
+    Stiff s(solved_lattices[0], 1e3);
     s.assemble();
     if (!everywhere)
       s.matrix.set_block(400, 400, -Mat3::Identity());

@@ -10,7 +10,7 @@ using namespace softffd;
 
 namespace {
 
-const std::vector<Lattice> lattices{{{4, 4, 4}}, {{2, 2, 2}}, {{2, 3, 8}}, {{8, 2, 2}}, {{3, 5, 4}}};
+const std::vector<Lattice> layered_lattices{{{4, 4, 4}}, {{2, 2, 2}}, {{2, 3, 8}}, {{8, 2, 2}}, {{3, 5, 4}}};
 
 double noise() {
   static std::mt19937 engine(7);
@@ -127,14 +127,14 @@ double largest(const Eigen::MatrixXd& m) { return m.cwiseAbs().maxCoeff(); }
 
 TEST(layers_lie_across_the_axis_with_the_most_points) {
   const int axes[] = {2, 2, 2, 0, 1}, layers[] = {4, 2, 8, 8, 5};
-  for (std::size_t i = 0; i < lattices.size(); ++i) {
-    const LayerMatrix matrix(lattices[i]);
+  for (std::size_t i = 0; i < layered_lattices.size(); ++i) {
+    const LayerMatrix matrix(layered_lattices[i]);
     CHECK(matrix.axis() == axes[i] && matrix.layers() == layers[i]);
   }
 }
 
 TEST(every_coordinate_is_one_unknown) {
-  for (const Lattice& lattice : lattices) {
+  for (const Lattice& lattice : layered_lattices) {
     const LayerMatrix matrix(lattice);
     std::vector<int> seen;
     for (int p = 0; p < lattice.points(); ++p)
@@ -145,7 +145,7 @@ TEST(every_coordinate_is_one_unknown) {
 }
 
 TEST(solutions_are_those_of_a_dense_factor) {
-  for (const Lattice& lattice : lattices) {
+  for (const Lattice& lattice : layered_lattices) {
     LayerMatrix matrix(lattice);
     for (int repeat = 0; repeat < 3; ++repeat) {
       fill(lattice, matrix);
@@ -175,7 +175,7 @@ TEST(a_matrix_that_is_not_positive_definite_gives_no_numbers) {
 }
 
 TEST(at_rest_and_stretched_the_stiffness_is_minus_the_derivative_of_the_forces) {
-  for (const Lattice& lattice : lattices)
+  for (const Lattice& lattice : layered_lattices)
     for (double stretch : {1.0, 1.3}) {
       const Sample s = sample(lattice, stretch, stretch > 1 ? 0.01 : 0.0);
       CHECK_NEAR(largest(stiffness(s) - differences(s)), 0.0, 1e-4);  // differences of forces of some 1000 N over 2e-6 m
@@ -183,7 +183,7 @@ TEST(at_rest_and_stretched_the_stiffness_is_minus_the_derivative_of_the_forces) 
 }
 
 TEST(compressed_springs_have_no_transverse_stiffness) {
-  for (const Lattice& lattice : lattices) {
+  for (const Lattice& lattice : layered_lattices) {
     const Sample s = sample(lattice, 0.8, 0.1);
     const Eigen::MatrixXd k = stiffness(s), formula = projected(s);
     CHECK_NEAR(largest(k - formula), 0.0, 1e-13 * largest(formula));

@@ -7,7 +7,7 @@ namespace {
 
 double pseudo_random(int i) { return std::sin(12.9898 * i * i + 78.233 * i); }
 
-const std::vector<Lattice> lattices{{{4, 4, 4}}, {{2, 2, 2}}, {{2, 9, 3}}, {{9, 2, 4}}, {{7, 6, 8}}};
+const std::vector<Lattice> stencil_lattices{{{4, 4, 4}}, {{2, 2, 2}}, {{2, 9, 3}}, {{9, 2, 4}}, {{7, 6, 8}}};
 
 Mat3 noise(int seed, bool symmetric) {
   Mat3 block;
@@ -26,7 +26,7 @@ void visit_pairs(const Lattice& lattice, Visit visit) {
 }
 
 /// Blocks of noise, in the matrix and in a dense one.
-Eigen::MatrixXd fill(const Lattice& lattice, StencilMatrix& matrix) {
+Eigen::MatrixXd filled(const Lattice& lattice, StencilMatrix& matrix) {
   const int n = lattice.points();
   Eigen::MatrixXd full = Eigen::MatrixXd::Zero(3 * n, 3 * n);
   const auto put = [&](int p, int q, const Mat3& block) {
@@ -43,9 +43,9 @@ Eigen::MatrixXd fill(const Lattice& lattice, StencilMatrix& matrix) {
 }  // namespace
 
 TEST(the_product_is_that_of_the_dense_matrix) {
-  for (const Lattice& lattice : lattices) {
+  for (const Lattice& lattice : stencil_lattices) {
     StencilMatrix matrix(lattice);
-    const Eigen::MatrixXd full = fill(lattice, matrix);
+    const Eigen::MatrixXd full = filled(lattice, matrix);
     Points x(lattice.points(), 3), y(lattice.points(), 3);
     for (int i = 0; i < x.size(); ++i) x.data()[i] = pseudo_random(i);
     matrix.multiply(x, y);
@@ -55,9 +55,9 @@ TEST(the_product_is_that_of_the_dense_matrix) {
 }
 
 TEST(a_block_is_the_transpose_of_its_mirror_image) {
-  for (const Lattice& lattice : lattices) {
+  for (const Lattice& lattice : stencil_lattices) {
     StencilMatrix matrix(lattice);
-    fill(lattice, matrix);
+    filled(lattice, matrix);
     visit_pairs(lattice, [&](int p, int q) { CHECK(matrix.block(p, q) == matrix.block(q, p).transpose()); });
     const int q = lattice.index(1, 1, 1);
     const Mat3 before = matrix.block(0, q), more = noise(3, false);
@@ -69,9 +69,9 @@ TEST(a_block_is_the_transpose_of_its_mirror_image) {
 }
 
 TEST(every_pair_of_neighbours_is_visited_once) {
-  for (const Lattice& lattice : lattices) {
+  for (const Lattice& lattice : stencil_lattices) {
     StencilMatrix matrix(lattice);
-    fill(lattice, matrix);
+    filled(lattice, matrix);
     int pairs = 0, visited = 0;
     visit_pairs(lattice, [&](int, int) { ++pairs; });
     matrix.visit_couplings([&](int p, int q, const Mat3& block) {

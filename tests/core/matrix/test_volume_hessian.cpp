@@ -9,11 +9,11 @@ namespace {
 
 constexpr double kappa = 9e3;
 
-double pseudo_random(int i) { return 0.5 + 0.5 * std::sin(12.9898 * i * i + 78.233 * i); }
+double scattered(int i) { return 0.5 + 0.5 * std::sin(12.9898 * i * i + 78.233 * i); }
 
 Points crumpled(const Lattice& lattice, double amplitude, int seed) {
   Points x = rest_positions(lattice);
-  for (int i = 0; i < x.size(); ++i) x.data()[i] += 2 * amplitude * (pseudo_random(100 * seed + i) - 0.5);
+  for (int i = 0; i < x.size(); ++i) x.data()[i] += 2 * amplitude * (scattered(100 * seed + i) - 0.5);
   return x;
 }
 
@@ -81,7 +81,7 @@ TEST(stiffness_is_the_second_derivative_where_the_force_is_small) {
   const Volume volume(lattice, kappa);
   Points x = rest_positions(lattice);
   x.col(2) *= 0.4999;  // phi' is the square of 1e-4, phi'' twice that number
-  for (int p = 0; p < 64; ++p) x(p, 2) += 2e-6 * pseudo_random(p);
+  for (int p = 0; p < 64; ++p) x(p, 2) += 2e-6 * scattered(p);
   const Eigen::MatrixXd exact = hessian(volume, x), k = -products(volume, x);
   CHECK((exact - k).cwiseAbs().maxCoeff() < 1e-3 * k.cwiseAbs().maxCoeff());
 }

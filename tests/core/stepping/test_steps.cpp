@@ -10,7 +10,7 @@ using namespace softffd;
 
 namespace {
 
-constexpr Method fixed[] = {Method::central_difference, Method::leapfrog, Method::bm4};
+constexpr Method fixed_methods[] = {Method::central_difference, Method::leapfrog, Method::bm4};
 constexpr Method controlled[] = {Method::rkn12, Method::dop853, Method::ros34pw2};
 
 /// Where 0.1 s of small given steps of the method of highest order lead.
@@ -42,7 +42,7 @@ TEST(given_steps_of_every_method_have_its_order) {
 
 TEST(fitted_steps_keep_the_tolerance_and_end_where_they_should) {
   const Points exact = reference();
-  for (Method method : fixed) {
+  for (Method method : fixed_methods) {
     Bench b;
     Calibrator calibrator(b.run);
     CHECK(run_fitted(b.integrators, calibrator, b.job(), method, 0.1, INFINITY) == StepStatus::ok);

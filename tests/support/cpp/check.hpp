@@ -1,4 +1,4 @@
-/// A test is a block `TEST(fact) { ... }`; CHECK prints what failed; main runs all and returns the number of failed checks.
+/// A test is a block `TEST(fact) { ... }`; CHECK prints what failed; main.cpp runs those of the files that it is given.
 #pragma once
 #include <cmath>
 #include <cstdio>
@@ -7,14 +7,14 @@
 namespace check {
 
 struct Test {
-  const char* name;
+  const char *file, *name;
   void (*run)();
 };
 inline std::vector<Test> tests;
 inline int failures = 0;
 
 struct Register {
-  Register(const char* name, void (*run)()) { tests.push_back({name, run}); }
+  Register(const char* file, const char* name, void (*run)()) { tests.push_back({file, name, run}); }
 };
 
 inline void report(const char* file, int line, const char* text) {
@@ -31,19 +31,13 @@ inline bool near(double a, double b, double tolerance, const char* file, int lin
 
 }  // namespace check
 
-#define TEST(name)                                           \
-  static void name();                                        \
-  static const check::Register register_##name(#name, name); \
-  static void name()
+#define TEST(name) TEST_OF(name, __COUNTER__)
+#define TEST_OF(name, number) TEST_NUMBERED(name, number)  // several files of a room are compiled as one
+#define TEST_NUMBERED(name, number) TEST_AS(name, name##_##number)
+#define TEST_AS(name, function)                                                \
+  static void function();                                                      \
+  static const check::Register register_##function(__FILE__, #name, function); \
+  static void function()
 #define CHECK(condition) \
   if (!(condition)) check::report(__FILE__, __LINE__, #condition)
 #define CHECK_NEAR(a, b, tolerance) check::near(a, b, tolerance, __FILE__, __LINE__, #a " == " #b)
-
-int main() {
-  for (const check::Test& test : check::tests) {
-    std::printf("%s\n", test.name);
-    test.run();
-  }
-  std::printf("%zu tests, %d failed checks\n", check::tests.size(), check::failures);
-  return check::failures > 0;
-}

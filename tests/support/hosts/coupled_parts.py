@@ -43,12 +43,12 @@ class Run:
         return np.array(self.rows)[:, n]
 
 
-def run_explicitly(folder, body_path, step, steps, *, body_start=None, plate_start=None, read=()) -> Run:
-    """Rows: plate's momentum (3), reaction (3), then the body's variables `read`."""
+def run_explicitly(folder, body_path, step, steps, *, body_start=None, plate_start=None, read=(), plate_name=PLANE) -> Run:
+    """Rows: plate's momentum (3), reaction (3), then the body's variables `read`. plate_name: how names of the plate in the body begin."""
     run = Run()
     with Component(body_path) as body, Component(folder / "plate.fmu") as plate:
-        motion, moved = plate.block(MOTION), body.block([PLANE + name for name in MOTION])
-        reaction, pushed = body.block([PLANE + name for name in FORCE]), plate.block(FORCE)
+        motion, moved = plate.block(MOTION), body.block([plate_name + name for name in MOTION])
+        reaction, pushed = body.block([plate_name + name for name in FORCE]), plate.block(FORCE)
         momentum, observed = plate.block([f"momentum.{axis}" for axis in "xyz"]), body.block(list(read))
         for part, start in ((body, body_start), (plate, plate_start)):
             part.initialize(start or {})

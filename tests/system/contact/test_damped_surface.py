@@ -102,6 +102,6 @@ UNDER = {"sphere": {"radius": 2.0, "point": [0.5, 0.5, -2.2]}, "box": {"size": [
 def test_a_damped_body_falls_on_a_solid(body, kind):
     """While no sample is within reach there is no half-space at all."""
     result = simulate(body(bodies.cube(3, 0.0), stop_time=0.4, **{kind: [{"name": "under", **UNDER[kind]}]}))
-    fall = vector(result, "plane.under.reaction")[:, 2]
+    fall = vector(result, f"{kind}.under.reaction")[:, 2]
     assert (fall[:10] == 0).all()
     assert fall.min() < -9.81

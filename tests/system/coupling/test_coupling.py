@@ -58,7 +58,9 @@ def test_a_solid_that_falls_on_a_body_gives_it_its_momentum(drivers, tmp_path, s
     velocities = [f"velocity[{i},{j},{k}].{axis}" for k in range(4) for j in range(4) for i in range(4) for axis in "xyz"]
     plate = {"mass": 3.0, "gravity.z": 0.0} | dict(zip(MOTION_START, (*keys["point"], *keys["velocity"]), strict=True))
     step = 2e-3
-    run = run_explicitly(drivers, package_fmu(scene, tmp_path / "body.fmu"), step, 100, plate_start=plate, read=velocities)
+    run = run_explicitly(
+        drivers, package_fmu(scene, tmp_path / "body.fmu"), step, 100, plate_start=plate, read=velocities, plate_name=f"{solid}.plate."
+    )
     rows = np.array(run.rows)
     body = np.einsum("p,tpa->ta", scene_masses(scene).mass, rows[:, 6:].reshape(len(rows), 64, 3))
     left = rows[:, :3] + body + step * rows[:, 3:6] - [0.0, 0.0, -6.0]

@@ -113,7 +113,7 @@ def test_a_solid_moves_with_the_plate(tmp_path):
         plate = next(name for name in system.namelist() if name.endswith("plate.fmu"))
         with zipfile.ZipFile(io.BytesIO(system.read(plate))) as fmu:
             description = fmu.read("modelDescription.xml").decode()
-    assert all(pair in [set(each) for each in ends] for name in ("point.x", "reaction.z") for pair in [{name, f"plane.ram.{name}"}])
+    assert all(pair in [set(each) for each in ends] for name in ("point.x", "reaction.z") for pair in [{name, f"box.ram.{name}"}])
     assert re.search(r'name="initial.point.z"[^>]*>\s*<Real[^>]*start="1.2"', description)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rigid import STILL, Belt, G, slide
+from softffd.names import OBSTACLES
 from textbook import BRICK, CUBE, SMALL, Case, along, block, called
 
 BODIES = {"cube": CUBE, "brick": BRICK, "small": SMALL}
@@ -31,9 +32,9 @@ def turning(body, on, stiffness, step, course, *, friction=0.25, stop=1.2, linea
     scene = block(BODIES[body], stiffness=stiffness, step=step, on=on, below=below, stop_time=stop, **keys)
     speed, times = COURSES[course], np.arange(0.0, stop + step / 2, step)
     belt = Belt(times, np.array([speed(t) for t in times]), linear)
-    names = ("left", "right") if on == "rails" else ("ground",)
+    moved = [f"{kind}.{each['name']}.velocity.x" for kind in OBSTACLES for each in scene.get(kind, ())]
     return Case(called(name, keys), scene, lambda t, b: along(slide(t, grip=friction * G, belt=belt), b),
-        inputs=lambda t: {f"plane.{n}.velocity.x": speed(t) for n in names}, interpolation="linear" if linear else "held",
+        inputs=lambda t: dict.fromkeys(moved, speed(t)), interpolation="linear" if linear else "held",
     )  # fmt: skip
 
 

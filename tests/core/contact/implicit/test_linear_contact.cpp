@@ -8,15 +8,15 @@ using namespace softffd;
 
 namespace {
 
-const Lattice lattice{{3, 2, 3}};
+const Lattice brick{{3, 2, 3}};
 constexpr int n = 18;
 constexpr double h = 0.01, k = 500;
 
 /// A body that has moved by u since the step began, under forces that are out of balance.
 struct Setting {
-  Body body{.springs = Springs(lattice, Topology::distinct), .mass = Scalars::Ones(n), .damping = Scalars::Zero(n), .pinned = {}};
+  Body body{.springs = Springs(brick, Topology::distinct), .mass = Scalars::Ones(n), .damping = Scalars::Zero(n), .pinned = {}};
   Drive around;
-  Points x0 = rest_positions(lattice), u{n, 3}, x{n, 3}, residual{n, 3};
+  Points x0 = rest_positions(brick), u{n, 3}, x{n, 3}, residual{n, 3};
   Scalars diagonal = Scalars::Constant(n, 800);  // positive definite with springs that are a fifth shorter
 
   Setting(Random& random, double friction, bool pinned) {
@@ -58,7 +58,7 @@ Points reaction(const Setting& s, const Points& change) {
   return Eigen::Map<const Points>(made.data(), n, 3) - s.residual;
 }
 
-const Holds unheld;
+const Holds no_holds;
 
 }  // namespace
 
@@ -67,9 +67,9 @@ TEST(without_friction_it_is_the_solution_of_the_quadratic_programme) {
   int settled = 0, loaded = 0;
   for (int trial = 0; trial < 100; ++trial) {
     const Setting s(random, 0, trial % 2);
-    ContactSet contacts(lattice, 3);
-    contacts.open(s.body, s.around, 0, h, unheld);
-    LinearContact linear(lattice);
+    ContactSet contacts(brick, 3);
+    contacts.open(s.body, s.around, 0, h, no_holds);
+    LinearContact linear(brick);
     CHECK(linear.solve(s.problem(), contacts, false));
     if (!linear.settled) continue;
     ++settled;
@@ -100,13 +100,13 @@ TEST(with_friction_loads_and_friction_solve_the_equations_together) {
   for (int trial = 0; trial < 100; ++trial) {
     const double mu = 0.4;
     const Setting s(random, mu, false);
-    ContactSet contacts(lattice, 3);
-    contacts.open(s.body, s.around, 0, h, unheld);
+    ContactSet contacts(brick, 3);
+    contacts.open(s.body, s.around, 0, h, no_holds);
     for (int p = 0; p < n; ++p)
       if (s.x0(p, 2) < 0.1) contacts.add(p, 0, 10);
     contacts.scale_friction(1, k);
     contacts.find_friction(s.x0, s.u, h, 0);
-    LinearContact linear(lattice);
+    LinearContact linear(brick);
     CHECK(linear.solve(s.problem(), contacts, false));
     if (!linear.settled) continue;
     ++settled;
@@ -134,9 +134,9 @@ TEST(indefinite_springs_are_taken_less_and_less) {
   s.x.col(0) = 0.1 * s.x.col(0).eval() + 0.3;  // crushed to a tenth: the exact matrix has no Cholesky factor
   s.u = s.x - s.x0;
   s.diagonal.setConstant(1);
-  ContactSet contacts(lattice, 3);
-  contacts.open(s.body, s.around, 0, h, unheld);
-  LinearContact linear(lattice);
+  ContactSet contacts(brick, 3);
+  contacts.open(s.body, s.around, 0, h, no_holds);
+  LinearContact linear(brick);
   CHECK(dense::eigenvalues(s.matrix()).minCoeff() < -1);
   CHECK(linear.solve(s.problem(), contacts, false));
   CHECK(linear.change.isFinite().all());
