@@ -19,7 +19,7 @@ import importers
 from importers import Missing, Run, Tool, drive
 from softffd import load_scene, package_fmu, simulate
 from softffd.files import write_text
-from softffd.names import parse_name
+from softffd.names import OBSTACLES, parse_name
 from softffd.run.inputs import Inputs
 from softffd.scene.scene import shipped_scenes
 from validation.cross_check import inputs_over_time
@@ -168,7 +168,7 @@ def compared(names: list[str], theirs: np.ndarray, wanted: np.ndarray) -> str:
     if np.array_equal(theirs, wanted):
         return "same bits"
     different = theirs != wanted
-    means = np.array([name.startswith(("plane.", "pin.")) and ".contacts" not in name for name in names])
+    means = np.array([name.startswith((*(f"{kind}." for kind in OBSTACLES), "pin.")) and ".contacts" not in name for name in names])
     gap = np.abs(theirs - wanted)[different] / np.maximum(np.abs(wanted), np.abs(theirs))[different]
     what = "reactions " if not different[:, ~means].any() else ""
     return f"{what}{gap.max():.0e}"
