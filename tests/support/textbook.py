@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-import bodies
 from rigid import G
 from scenes import box
 from softffd import Result, Scene, simulate
 from softffd.fmu.package import scene_masses
 from softffd.lattice import to_flat
 from softffd.rotation import turned
+from validation import shapes as bodies
 
 TOLERANCE = 1e-4
 """The default one: of the box's largest side."""

@@ -12,7 +12,7 @@ namespace softffd::fmi {
 template <class Object>
 class Registry {
  public:
-  /// Takes it; the pointer is the handle.
+  /// Takes ownership; the pointer is the handle.
   Object* adopt(std::unique_ptr<Object> object) {
     const Lock lock(busy_);
     if (!objects_) objects_ = new Table;

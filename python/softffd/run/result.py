@@ -162,7 +162,7 @@ class Result:
         return deform(mesh, positions, origin=self.lattice.origin, size=self.lattice.size, basis=self.lattice.basis)
 
     def plane_names(self) -> list[str]:
-        """Names of the obstacles, planes and then solids, in the order of the scene: what stands in plane.NAME.reaction.x."""
+        """Names of the obstacles, planes and then solids, in the order of the scene, without their kinds."""
         return [part.name for part in self.obstacle_parts()]
 
     def obstacle_parts(self) -> list[Part]:

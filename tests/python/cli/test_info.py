@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-import bodies
 from softffd import load_scene, simulate
 from softffd.cli.command import main
+from validation import shapes as bodies
 
 HELD = """
 title = "Held at two ends"

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
 
-import bodies
 from scenes import box
 from softffd import load_scene
 from softffd.embedding.basis import weights
@@ -16,6 +15,7 @@ from softffd.fmu.package import scene_masses, scene_samples
 from softffd.fmu.records import scene_records
 from softffd.lattice import LatticeBox
 from softffd.mesh.mesh import Mesh
+from validation import shapes as bodies
 
 BOX = LatticeBox((4, 4, 4), (0.1, 0.1, 0.1), (0.8, 0.8, 0.8), "bezier")
 GROUND = {"name": "ground"}

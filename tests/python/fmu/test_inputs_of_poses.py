@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 
-import bodies
 from scenes import GRAVITY, LED, MOVED, box
 from softffd import FmuError, Result, Scene, SceneError, Simulation, package_fmu, simulate
 from softffd.fmu.component import Component
 from softffd.fmu.package import write_folder
 from softffd.obstacles import Obstacles
 from softffd.show.stage import stage_of
+from validation import shapes as bodies
 
 POSES = {"plane": ("point", "normal", "velocity", "angular_velocity"), "pin": ("position", "orientation", "velocity", "angular_velocity")}
 LID = {"name": "lid", "point": [0.1, 0.2, 1.3], "normal": [0.1, 0.0, -1.0], "velocity": [0.3, 0.0, 0.0], "motion": "input"}

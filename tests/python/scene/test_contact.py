@@ -2,9 +2,9 @@
 
 import pytest
 
-import bodies
 from softffd.errors import SceneError
 from softffd.scene.scene import scene_from
+from validation import shapes as bodies
 
 MEETING = {"plane": [{"name": "ground"}], "contact": {"of": "surface"}}
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-import bodies
 from scenes import box
 from softffd import Scene
+from validation import shapes as bodies
 
 UNIT = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
 CENTRE = {"name": "centre", "at": [0.5, 0.5, 0.5]}

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-import bodies
 from readings import points, vector
 from scenes import GRAVITY, MOVED, box
 from softffd import Simulation, simulate
 from softffd.fmu.package import scene_masses
+from validation import shapes as bodies
 
 UNIT = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
 GROUND = {"name": "ground", "friction": 0.5, "point": [0.3, -0.2, 0.0]}

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-import bodies
 from readings import points, vector, velocities
 from scenes import GRAVITY, LED, MOVED, box
 from softffd import Scene, simulate
 from softffd.fmu.package import scene_masses
 from stepping import require_same_continuation
+from validation import shapes as bodies
 
 RUBBER = {"youngs_modulus": 6e3, "internal_damping": 5e-4}
 """The fastest vibrations have their critical damping."""

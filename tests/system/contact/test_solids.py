@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-import bodies
 from readings import vector
 from scenes import GRAVITY
 from softffd import Simulation, deform, simulate
 from softffd.errors import SceneError, SoftffdError
 from softffd.fmu.package import scene_masses
 from softffd.rotation import turned
+from validation import shapes as bodies
 from validation.twin import build_twin
 
 G = -GRAVITY[2]

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-import bodies
 from readings import points, vector
 from scenes import GRAVITY, MOVED, box
 from softffd import Scene, Simulation, deform, load_mesh, simulate
 from softffd.fmu.package import scene_masses, scene_samples
 from softffd.rotation import turned
 from stepping import require_same_continuation
+from validation import shapes as bodies
 
 G = -GRAVITY[2]
 GROUND = {"name": "ground", "friction": 0.4}

@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import bodies
 from coupled_parts import BODY_MASS, GRAVITY, MECHANICAL, PLANE, REST_ENERGY, Part, body_fmu, run_explicitly
 from scenes import box
 from softffd import package_fmu
 from softffd.fmu.component import Component
 from softffd.fmu.package import scene_masses
+from validation import shapes as bodies
 
 MOTION_START = [f"initial.{family}.{axis}" for family in ("point", "velocity") for axis in "xyz"]
 

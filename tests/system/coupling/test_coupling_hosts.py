@@ -12,13 +12,13 @@ import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssv
 
-import bodies
 import importers
 from coupled_parts import PLANE, body_fmu, run_explicitly
 from scenes import box
 from softffd import SoftffdError, load_scene, simulate, write_ssp
 from softffd.cli.command import main
 from softffd.drivers.coupled import write_plate_ssp
+from validation import shapes as bodies
 
 READ_BACK = ("plate", "point.z"), ("plate", "velocity.z"), ("body", PLANE + "reaction.z"), ("body", "probe.middle.z")
 STEP, STEPS = 1e-3, 200

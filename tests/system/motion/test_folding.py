@@ -94,7 +94,9 @@ def test_a_stiff_box_that_was_crushed_comes_back(method, stiffness, share):
         if method == "backward_euler":
             assert body.methods()[0][0] == "backward Euler with contact"
         else:
-            assert ("leapfrog", "a stiff body strikes an obstacle, or rings on one") in body.methods()[:2]  # it may rest before
+            methods = body.methods()
+            begun = 1 if methods[0][0] == "backward Euler with contact" else 0  # it may rest on the table before
+            assert methods[begun] == ("leapfrog", "a stiff body strikes an obstacle, or rings on one")
         volumes = corner_volumes(body.positions())
         left = 1e-6 if method == "backward_euler" else 1e-4
         assert volumes.min() > 1 - left and volumes.max() < 1 + left

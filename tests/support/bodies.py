@@ -1,5 +1,0 @@
-"""Bodies with a surface: those of the surveys."""
-
-from validation.shapes import cube, sphere, write
-
-__all__ = ["cube", "sphere", "write"]
