@@ -3,13 +3,15 @@
 A row's name is a pattern (variables.toml): `position[{i},{j},{k}].{c}`, `{obstacle}.point.{c}`, `pin.{name}.position.{c}`,
 `stiffness.edge`. What stands for {i},{j},{k}, for {obstacle} or for KIND.{name} is the *instance*: a control point (i, j, k), or a part, an
 obstacle, pin, load or probe with its kind and its name; {c} is the *component*.
-Names have two forms, of which a scene chooses one for its FMU (fmu.names): *structured* as in the table, and *flat*, where commas and
-brackets are underscores, `position_0_1_2.x`. Only names at control points differ. Either form is understood wherever names are read.
+Names have two forms, of which a scene chooses one for its FMU (fmu.names): *structured* as in the table, and *flat*, with underscores in
+the place of points, commas and brackets: `position_0_1_2_x`, `plane_ground_point_z`. Either form is understood wherever names are read.
+A flat name is that of the part with the shortest name it can be of: `plane_a_angular_velocity_x` belongs to the plane a. A scene with flat
+names has no part whose variables would be taken for another's (`mistaken`).
 The pose of a fixed obstacle has the same names as that of an input; as family it counts the first in the table, the input.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from functools import cache, lru_cache
 from typing import Any, NamedTuple, TypeVar
 
@@ -24,12 +26,13 @@ IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
 OBSTACLES = ("plane", "sphere", "cylinder", "box")
 """Kinds of obstacles"""
 
-POINT, FLAT_POINT = "[{i},{j},{k}]", "_{i}_{j}_{k}"
-"""What stands for the control point in a pattern, and in the flat form of it."""
+POINT = "[{i},{j},{k}]"
+"""What stands for the control point in a pattern"""
 
 _PART_NAME = re.compile(IDENTIFIER)
 _N = r"(0|[1-9]\d*)"
-_AT_POINT = re.compile(rf"([a-z_]+)(?:\[{_N},{_N},{_N}\]|_{_N}_{_N}_{_N})(?:\.(\w+))?")
+_AT_POINT = re.compile(rf"([a-z_]+)\[{_N},{_N},{_N}\](?:\.(\w+))?")
+_FLAT = str.maketrans({".": "_", "[": "_", ",": "_", "]": None})
 
 
 class Part(NamedTuple):
@@ -68,16 +71,18 @@ class Name(NamedTuple):
 
 def variable_name(family: str, instance: Instance = None, component: str = "", *, flat: bool = False) -> str:
     """The name of one variable of a family: variable_name("plane_point", "ground", "z") is plane.ground.point.z."""
-    stem = _stem(_row(family), instance, flat)
-    return f"{stem}.{component}" if component else stem
+    stem = _stem(_row(family), instance)
+    name = f"{stem}.{component}" if component else stem
+    return flat_form(name) if flat else name
 
 
 def variable_names(family: str, instances: Iterable[Instance] = (None,), *, flat: bool = False) -> list[str]:
     """The names of a family for several instances, one instance with all its components after the other, as in the FMU."""
     row = _row(family)
-    stems = (_stem(row, instance, flat) for instance in instances)
+    stems = (_stem(row, instance) for instance in instances)
     components = row.get("components", "")
-    return [f"{stem}.{component}" for stem in stems for component in components] if components else list(stems)
+    names = [f"{stem}.{component}" for stem in stems for component in components] if components else list(stems)
+    return [flat_form(name) for name in names] if flat else names
 
 
 def vector_names(family: str, instance: Instance = None) -> list[str]:
@@ -85,19 +90,30 @@ def vector_names(family: str, instance: Instance = None) -> list[str]:
     return variable_names(family, (instance,))
 
 
+def flat_form(name: str) -> str:
+    """The flat form of a structured name, or of the beginning of one."""
+    return name.translate(_FLAT)
+
+
 def meant_by(name: str) -> list[str]:
-    """Everything that stands for this variable: its name and the beginnings of it, position[0,0,1].x, position[0,0,1], position."""
+    """Everything that stands for this variable: its name and the beginnings of it, position[0,0,1].x, position[0,0,1], position, and the
+    flat forms of all these."""
     name = structured(name)
-    return [name, *(name[: found.start()] for found in re.finditer(r"[.\[]", name))]
+    whole = [name, *(name[: found.start()] for found in re.finditer(r"[.\[]", name))]
+    return list(dict.fromkeys([*whole, *map(flat_form, whole)]))
 
 
 @lru_cache(maxsize=4096)  # the inputs of a run come back at every step
 def parse_name(name: str) -> Name | None:
-    """Family, instance and component of a name; None for what is no name of the table."""
+    """Family, instance and component of a name in either form; None for what is no name of the table."""
+    return _parse_structured(name) or _parse_flat(name)
+
+
+def _parse_structured(name: str) -> Name | None:
     at_points, others = _shapes()
     if found := _AT_POINT.fullmatch(name):
-        row, component = at_points.get(found[1]), found[8] or ""
-        i, j, k = (int(number) for number in found.groups()[1:7] if number is not None)
+        row, component = at_points.get(found[1]), found[5] or ""
+        i, j, k = int(found[2]), int(found[3]), int(found[4])
         return Name(row["key"], (i, j, k), component) if row is not None and _has(row, component) else None
     words = tuple(name.split("."))
     last = words[-1]
@@ -112,18 +128,41 @@ def parse_name(name: str) -> Name | None:
     return None
 
 
+def _parse_flat(name: str) -> Name | None:
+    best: Name | None = None
+    for pattern, key, kind in _flat_shapes().get(name.partition("_")[0], ()):
+        if found := pattern.fullmatch(name):
+            words = found.groupdict()
+            instance = Part(kind, words["name"]) if kind else (int(words["i"]), int(words["j"]), int(words["k"])) if "i" in words else None
+            if best is None or (isinstance(instance, Part) and len(instance.name) < len(best.instance.name)):
+                best = Name(key, instance, words.get("c") or "")
+    return best
+
+
 @lru_cache(maxsize=4096)
 def other_form(name: str) -> str | None:
     """The flat name of the variable that has this structured one, or the other way round; None where there is one form only."""
     found = parse_name(name)
-    if found is None or not found.at_point:
+    if found is None:
         return None
-    return variable_name(found.family, found.instance, found.component, flat="[" in name)
+    whole = variable_name(found.family, found.instance, found.component)
+    other = flat_form(whole) if name == whole else whole
+    return other if other != name else None
 
 
 def structured(name: str) -> str:
     """The name in its structured form, whichever is given; what is no name stays as it is."""
-    return name if "[" in name else other_form(name) or name
+    return name if _parse_structured(name) else other_form(name) or name
+
+
+def mistaken(part: Part) -> str | None:
+    """A structured name of this part's variables whose flat form is taken for another variable's; None where there is none."""
+    for row in _rows().values():
+        if part.kind in _kinds(row):
+            for name in variable_names(row["key"], [part]):
+                if structured(flat_form(name)) != name:
+                    return name
+    return None
 
 
 class ByName(dict[str, T]):
@@ -142,6 +181,16 @@ class ByName(dict[str, T]):
             return self[name]
         except KeyError:
             return default
+
+
+def components_in(variables: Container[str], vector: str, letters: Iterable[str] = "wxyz") -> dict[str, str]:
+    """By letter, the names of a vector's components among the variables, in either form; empty where there are none."""
+    return {c: full for c in letters for between in "._" if (full := f"{vector}{between}{c}") in variables}
+
+
+def vectors_in(variables: Iterable[str]) -> list[str]:
+    """What the components among the variables are of."""
+    return list(dict.fromkeys(name[:-2] for name in variables if name[-2:-1] in ("_", ".") and name[-1] in "wxyz"))
 
 
 def is_pose(name: str) -> bool:
@@ -168,7 +217,7 @@ def parts_of(names: Iterable[str], *kinds: str) -> list[Part]:
 def stem(name: str) -> str:
     """What the components and control points of a variable have in common: "plane.press.point", "velocity[i,j,k]", "mass"."""
     found = parse_name(name)
-    whole = name.removesuffix(f".{found.component}") if found and found.component else name
+    whole = name[: -1 - len(found.component)] if found and found.component else name
     return f"{found.family}[i,j,k]" if found and found.at_point else whole
 
 
@@ -190,11 +239,9 @@ def part_names(names: Iterable[str], *kinds: str) -> list[str]:
     return [part.name for part in parts_of(names, *kinds)]
 
 
-def _stem(row: dict[str, Any], instance: Instance, flat: bool) -> str:
-    """A name without its component, which comes last in every pattern."""
+def _stem(row: dict[str, Any], instance: Instance) -> str:
+    """A structured name without its component, which comes last in every pattern."""
     pattern = row["name"].removesuffix(".{c}")
-    if flat:
-        pattern = pattern.replace(POINT, FLAT_POINT)
     if isinstance(instance, Part):
         return pattern.format(name=instance.name, obstacle=instance)
     if isinstance(instance, tuple):
@@ -233,3 +280,29 @@ def _shapes() -> tuple[Rows, dict[tuple[str | None, ...], dict[str, Any]]]:
                 words = row["name"].replace("{obstacle}", f"{kind}.{{name}}").split(".")
                 others.setdefault(tuple(None if word.startswith("{") else word for word in words), row)
     return at_points, others
+
+
+def _kinds(row: dict[str, Any]) -> tuple[str, ...]:
+    """The kinds of parts that the row's variables belong to; empty where they belong to control points or to the whole."""
+    if "{obstacle}" in row["name"]:
+        return OBSTACLES
+    return (row["name"].partition(".")[0],) if "{name}" in row["name"] else ()
+
+
+@cache
+def _flat_shapes() -> dict[str, list[tuple[re.Pattern[str], str, str]]]:
+    """What flat names look like, by their first word: the pattern, the row's key and the kind of the part, empty where it is of none.
+
+    Of families of one name the first has it, as with structured names.
+    """
+    shapes: dict[str, list[tuple[re.Pattern[str], str, str]]] = {}
+    known = set()
+    for row in _rows().values():
+        for kind in _kinds(row) or ("",):
+            words = {"name": f"(?P<name>{IDENTIFIER})", "c": f"(?P<c>[{row.get('components', '')}])"}
+            shape = flat_form(row["name"].replace("{obstacle}", f"{kind}.{{name}}"))
+            pattern = shape.format(**words, i=f"(?P<i>{_N})", j=f"(?P<j>{_N})", k=f"(?P<k>{_N})")
+            if pattern not in known:
+                known.add(pattern)
+                shapes.setdefault(shape.partition("_")[0], []).append((re.compile(pattern), row["key"], kind))
+    return shapes

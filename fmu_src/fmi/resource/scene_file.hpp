@@ -58,7 +58,7 @@ struct SceneFile {
   std::vector<Probe> probes;
   std::vector<Vec3> samples;                       ///< of the surface, at rest [m]; none: planes meet the control points
   std::vector<int> forces, positions, velocities;  ///< control points with a variable
-  bool flat_names = false;                         ///< position_0_1_2.x in the place of position[0,1,2].x
+  bool flat_names = false;                         ///< position_0_1_2_x in the place of position[0,1,2].x
   bool reactions = false, energy = false, solver = false, error_estimate = false;
   Basis basis = Basis::bezier;
   int method = 1;

@@ -14,6 +14,13 @@ void replace(std::string& text, std::string_view placeholder, const std::string&
   if (at != text.npos) text.replace(at, placeholder.size(), value);
 }
 
+/// With letters, digits and underscores only.
+std::string flat(std::string text) {
+  text.erase(std::remove(text.begin(), text.end(), ']'), text.end());
+  std::replace_if(text.begin(), text.end(), [](char c) { return c == '.' || c == '[' || c == ','; }, '_');
+  return text;
+}
+
 Method method_of(double value) {
   switch (MethodValue(int(value))) {
     case MethodValue::automatic: return Method::automatic;
@@ -117,7 +124,6 @@ std::string Variables::name(fmi2ValueReference reference) const {
   std::string text(info.name);
   if (part.of_points) {
     const auto& counts = scene_.definition.lattice.counts;
-    if (scene_.flat_names) replace(text, "[{i},{j},{k}]", "_{i}_{j}_{k}");
     replace(text, "{i}", std::to_string(own % counts[0]));
     replace(text, "{j}", std::to_string(own / counts[0] % counts[1]));
     replace(text, "{k}", std::to_string(own / counts[0] / counts[1]));
@@ -125,7 +131,7 @@ std::string Variables::name(fmi2ValueReference reference) const {
   if (part.name)
     for (const char* placeholder : {"{name}", "{obstacle}"}) replace(text, placeholder, part.name(scene_, own));
   if (!info.components.empty()) replace(text, "{c}", std::string(1, info.components[variable->component()]));
-  return text;
+  return scene_.flat_names ? flat(std::move(text)) : text;
 }
 
 void Variables::restore(Values values, LastStep last) {

@@ -68,9 +68,9 @@ def _grouped(variables: list[ScalarVariable], flat: bool) -> Iterator[tuple[str,
         if family is None:
             yield from map(_row, listed)
             continue
-        components = dict.fromkeys(variable.name.rpartition(".")[2] for variable in listed)
+        components = dict.fromkeys(variable.name[-2:] for variable in listed)
         stem = variable_name(family, (0, 0, 0), flat=flat).replace("0,0,0", "i,j,k").replace("0_0_0", "i_j_k")
-        name = f"{stem}{''.join(f' .{each}' for each in components)} ({len(listed) // len(components)} control points)"
+        name = f"{stem} {' '.join(components)} ({len(listed) // len(components)} control points)"
         yield (name, *_row(listed[0])[1:])
 
 

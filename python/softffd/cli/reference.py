@@ -77,9 +77,8 @@ A scene's FMU has the variables that the scene needs and no others. `NAME` is th
 indices of a control point from 0. The variables of a `[[sphere]]`, `[[cylinder]]` or `[[box]]` are those of a plane under their own kind:
 `sphere.NAME.point.x`, `cylinder.NAME.reaction.z`, `box.NAME.friction`. Names with `.x .y .z` are vectors in the world frame, one variable a
 component. Of control points `i` runs fastest, then `j`, then `k`; the variables of a line are one block of value references. With
-`[fmu] names = "flat"` names at control points have neither commas nor brackets: `position_i_j_k.x` in the place of `position[i,j,k].x`.
-Others are the same, and so are all value
-references; `variableNamingConvention` is then `flat`.
+`[fmu] names = "flat"` names have letters, digits and underscores only: `position_i_j_k_x` in the place of `position[i,j,k].x`,
+`plane_NAME_point_z` in the place of `plane.NAME.point.z`. The value references are the same; `variableNamingConvention` is then `flat`.
 
 This page is made from the table of variables: `python -m softffd.cli.reference docs`.
 """

@@ -66,7 +66,7 @@ class Interface:
     variables: ByName[ScalarVariable]
     """By name, in the description's order"""
     flat: bool
-    """Whether names at control points are flat (softffd.names)"""
+    """Whether its names are flat (softffd.names)"""
     stop_time: float | None
     """Of the default experiment [s]"""
     step: float | None
@@ -157,7 +157,8 @@ def _elements_of(array: Any, resources: Path, *, flat: bool) -> list[ScalarVaria
     if family["part"] in OF_POINTS:
         names = variable_names(family["key"], read_points(resources, family["part"]), flat=flat)
     else:
-        names = [f"{array.name}.{component}" for component in family["components"]] if array.dimensions else [array.name]
+        between = "_" if flat else "."
+        names = [f"{array.name}{between}{component}" for component in family["components"]] if array.dimensions else [array.name]
     kind = next(kind for kind, word in TYPES3.items() if word == array.type)
     starts: list[Any] = [float(word) if kind == "Real" else int(word) for word in (array.start or "").split()] or [None]
     items = listed_values(array.description) if family.get("named") else None

@@ -90,7 +90,7 @@ def model_description3(scene: Scene, variables: Sequence[Variable]) -> str:
     time = {"name": "time", "valueReference": str(TIME), "causality": "independent", "variability": "continuous", "unit": "s"}
     Xml.SubElement(listed, "Float64", time, description="Time of the communication point")
     for variable in variables:
-        name = {"name": variable.name, "valueReference": str(variable.reference)}
+        name = {"name": variable.name(flat=scene.fmu.names == "flat"), "valueReference": str(variable.reference)}
         attributes = name | _causality(variable) | {"description": variable.description} | _its_values(variable, variable.start)
         element = Xml.SubElement(listed, TYPES3[variable.family.get("type", "Real")], attributes)
         for side in variable.shape:

@@ -73,12 +73,11 @@ class Variable:
         """Greatest value allowed."""
         return _value_in(self.family, "max", self.instances[0], 0)
 
-    @property
-    def name(self) -> str:
-        """Of the whole."""
+    def name(self, *, flat: bool = False) -> str:
+        """Of the whole. flat: the names' form (softffd.names)."""
         if self.family["part"] in OF_POINTS:
-            return self.family["name"].partition("[")[0]
-        return variable_name(self.family["key"], _instance(self.instances[0]), "" if self.shape else self.components)
+            return str(self.family["name"]).partition("[")[0]
+        return variable_name(self.family["key"], _instance(self.instances[0]), "" if self.shape else self.components, flat=flat)
 
     @property
     def description(self) -> str:

@@ -14,7 +14,7 @@ from xml.etree import ElementTree as Xml
 from softffd.errors import SoftffdError
 from softffd.fmu.block import number_of
 from softffd.fmu.interface import Interface, ScalarVariable
-from softffd.names import meant_by, structured
+from softffd.names import components_in, meant_by, structured, vectors_in
 from softffd.spelling import did_you_mean, nearest_of
 
 STARTS = ("Real", "Integer", "Boolean", "Enumeration")
@@ -153,10 +153,9 @@ class Wiring:
         known = owner.interface.variables
         if variable in known:
             return {"": End(owner, known[variable])}
-        ends = {f".{c}": End(owner, known[full]) for c in "wxyz" if (full := f"{variable}.{c}") in known}
+        ends = {f".{c}": End(owner, known[full]) for c, full in components_in(known, variable).items()}
         if not ends:
-            vectors = {each[:-2] for each in known if each[-2:] in (".w", ".x", ".y", ".z")}
-            nearest = nearest_of(variable, [*known, *sorted(vectors)])
+            nearest = nearest_of(variable, [*known, *sorted(vectors_in(known))])
             self.problems.append(f"{name}: {element} has no such variable{did_you_mean(nearest and f'{element}.{nearest}')}")
         return ends
 

@@ -14,7 +14,7 @@ from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import number_of
 from softffd.fmu.component import Block, Component, Message
 from softffd.fmu.interface import ScalarVariable
-from softffd.names import OBSTACLES, part_names, parts_of
+from softffd.names import OBSTACLES, components_in, part_names, parts_of, vectors_in
 from softffd.run.findings import choice_in
 from softffd.run.parts import Obstacle, Parts, Pin, Vectors
 from softffd.run.points import PointField, PointVectors
@@ -227,13 +227,12 @@ class Simulation:
         """The scalar variables that a name means: itself, or its components; of `stiffness` those of the kinds of springs."""
         if name in self.variables:
             return [name]
-        return [full for c in (*"wxyz", *SPRINGS) if (full := f"{name}.{c}") in self.variables]
+        return list(components_in(self.variables, name, (*"wxyz", *SPRINGS)).values())
 
     def _named(self, name: str) -> list[str]:
         if found := self._components(name) if isinstance(name, str) else []:
             return found
-        vectors = {each[:-2]: None for each in self.variables if each[-2:] in (".w", ".x", ".y", ".z")}
-        nearest = nearest_of(str(name), [*self.variables, *vectors])
+        nearest = nearest_of(str(name), [*self.variables, *vectors_in(self.variables)])
         raise UnknownName(f"{name}: the FMU has no such variable{did_you_mean(nearest)}")
 
     def _require_settable(self, variable: ScalarVariable) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from softffd.lattice import point_at
+from softffd.names import Part, flat_form, mistaken, structured
 from softffd.scene.cells import MOST, cells_of
 from softffd.scene.checks_contact import contact_check
 from softffd.scene.checks_material import material_check
@@ -47,6 +48,10 @@ def _names(draft: Draft) -> Iterator[Fault]:
             if draft.sound(*path) and (owner := owners.setdefault(item.name, path)) != path:
                 taken = f"already the name of {path_text(owner[:2])}"
                 yield Fault(path, f"wanted a name of its own, got {toml_text(item.name)}, {taken}")
+            if draft.scene.fmu.names == "flat" and draft.sound(*path) and (lost := mistaken(Part(section, item.name))):
+                flat = flat_form(lost)
+                what = f"its {lost} would be {flat}, which is {structured(flat)}"
+                yield Fault(path, f'wanted another name beside fmu.names = "flat", got {toml_text(item.name)}: {what}')
 
 
 def _idle_inputs(draft: Draft) -> Iterator[Fault]:

@@ -318,6 +318,6 @@ class Fmu(Section):
 
     names: Literal["structured", "flat"] = key(
         "structured",
-        'names of variables at control points: "structured" is position[0,1,2].x; "flat" is position_0_1_2.x, for tools that split '
-        "names at commas or know no brackets; runs and CSV files take either form",
+        'names of variables: "structured" is position[0,1,2].x and plane.ground.point.z; "flat" is position_0_1_2_x and '
+        "plane_ground_point_z, for tools that take letters, digits and underscores only; runs and CSV files take either form",
     )

@@ -40,8 +40,8 @@ TEST(flat_names_have_underscores_at_control_points) {
   const SceneFile file = parse_scene(small_scene::Box{.side = 3}.text("flat_names\nforces 2 3\n"));
   SoftBody body(file.definition);
   const Variables variables(file, body.settings);
-  CHECK(variables.name(reference_of(Family::force, 4)) == "force_0_1_0.y");
-  CHECK(variables.name(reference_of(Family::position, 3 * 26)) == "position_2_2_2.x");
+  CHECK(variables.name(reference_of(Family::force, 4)) == "force_0_1_0_y");
+  CHECK(variables.name(reference_of(Family::position, 3 * 26)) == "position_2_2_2_x");
   CHECK(variables.name(reference_of(Family::mass, 0)) == "mass");
 }
 

@@ -20,7 +20,7 @@ SCENE = box(plane=table_and_press(), velocities="all", energy=True, stop_time=0.
         ("energy.elastic", ["energy.elastic"]),
         (["energy"], ["energy.kinetic", "energy.elastic", "energy.dissipated", "energy.work"]),
         (["velocity[0,1,2]"], [f"velocity[0,1,2].{c}" for c in "xyz"]),
-        (["plane.press.contacts", "velocity_0_1_2.x"], ["velocity[0,1,2].x", "plane.press.contacts"]),
+        (["plane.press.contacts", "velocity_0_1_2_x"], ["velocity[0,1,2].x", "plane.press.contacts"]),
         ([], []),
     ],
 )
