@@ -36,6 +36,14 @@ Octet met(const Approach& plane, const Octet& free, unsigned& landed) {
   return octet;
 }
 
+/// Are lanes a and b alike, to the bit?
+bool same_lane(const Octet& octet, int a, const Octet& other, int b) {
+  bool same = octet.work[a] == other.work[b] && octet.lost[a] == other.lost[b];
+  for (auto part : {&Octet::x0, &Octet::before, &Octet::force, &Octet::x1, &Octet::v, &Octet::impulse, &Octet::torque, &Octet::received})
+    same = same && lane_of(octet.*part, a) == lane_of(other.*part, b);
+  return same;
+}
+
 }  // namespace
 
 TEST(points_land_on_the_plane_and_go_with_it_or_slide_by_coulomb) {
@@ -96,72 +104,20 @@ TEST(a_point_has_the_same_bits_in_every_lane) {
     for (auto part : {&Octet::mass, &Octet::damping, &Octet::opening}) (alone.*part)[0] = (whole.*part)[lane];
     const Octet single = met(plane, alone, other);
     CHECK(other == (landed >> lane & 1));
-    for (auto part : {&Octet::x1, &Octet::v, &Octet::impulse, &Octet::torque, &Octet::received})
-      CHECK(lane_of(single.*part, 0) == lane_of(octet.*part, lane));
-    CHECK(single.work[0] == octet.work[lane]);
+    CHECK(same_lane(single, 0, octet, lane));
   }
 }
 
-TEST(a_plane_at_rest_needs_no_velocity_of_its_surface) {
-  const HalfSpace rests{turning.point, turning.normal, turning.offset, Vec3::Zero(), Vec3::Zero()};
-  unsigned landed = 0, other = 0;
-  const Approach any{rests, rests, rests, 0.3, 0.1}, known{rests, rests, rests, 0.3, 0.1, true};
-  const Octet octet = met(any, approaching(any), landed), same = met(known, approaching(known), other);
-  CHECK(landed == other);
-  for (int lane = 0; lane < Octet::lanes; ++lane)
-    for (auto part : {&Octet::x1, &Octet::v, &Octet::impulse, &Octet::torque})
-      CHECK(lane_of(octet.*part, lane) == lane_of(same.*part, lane));
-}
-
-TEST(numbers_go_to_lanes_and_back_from_points_anywhere) {
-  Points all(24, 3), x1 = Points::Zero(24, 3), v = x1;
-  for (int i = 0; i < all.size(); ++i) all(i) = i;
-  const double* each = all.data();
-  const Points twice = 2 * all;
-  for (const int stride : {1, 3})
-    for (const int count : {Octet::lanes, 5}) {
-      Octet octet;
-      octet.clear(0);
-      for (int lane = 0; lane < count; ++lane) octet.add(2 + stride * lane);
-      fetch({each, each, each, each, each, each, all, all, all, all, twice, all}, octet);
-      x1.setZero();
-      put(octet, x1, v);
-      for (int lane = 0; lane < count; ++lane) {
-        const int p = 2 + stride * lane;
-        CHECK(octet.mass[lane] == p && lane_of(octet.force, lane) == 2 * row(all, p) && row(x1, p) == row(twice, p) &&
-              row(v, p) == row(all, p));
-      }
-      CHECK((x1 != 0).count() == 3 * count);
-    }
-}
-
-TEST(the_next_step_begins_where_this_one_ends) {
-  const double h = 0.1;
-  const Approach plane{turning, turning, turning, 0.3, h};
-  Octet octet = approaching(plane);
-  Points x1 = Points::Zero(24, 3);
-  for (int lane = 0; lane < Octet::lanes; ++lane) {
-    octet.keep[lane] = 0.9, octet.gain[lane] = 0.05 * lane;
-    set_lane(octet.spring, lane, Vec3(lane, 2, 3)), set_lane(octet.outside, lane, Vec3(1, 1, -lane));
-  }
-  const Octet end = octet;
-  go_on(h, octet, x1);
-  for (int lane = 0; lane < Octet::lanes; ++lane) {
-    const Vec3 force(lane + 1, 3, 3 - lane), velocity = 0.9 * lane_of(end.v, lane) + 0.05 * lane * force;
-    CHECK(lane_of(octet.x0, lane) == lane_of(end.x1, lane) && lane_of(octet.before, lane) == lane_of(end.v, lane));
-    CHECK(lane_of(octet.force, lane) == force);
-    CHECK_NEAR((lane_of(octet.v, lane) - velocity).norm(), 0.0, 1e-15);
-    CHECK(row(x1, 3 * lane) == lane_of(octet.x1, lane));
-    CHECK_NEAR((row(x1, 3 * lane) - lane_of(end.x1, lane) - h * velocity).norm(), 0.0, 1e-15);
-  }
-}
-
-TEST(an_end_and_the_next_beginning_at_once_are_both_to_the_last_bit) {
+TEST(an_end_and_the_next_beginning_at_once_are_both_to_the_last_bit_and_so_is_a_plane_that_is_known_to_rest) {
   const HalfSpace rests{turning.point, turning.normal, turning.offset, Vec3::Zero(), Vec3::Zero()};
   for (const double friction : {0.0, 0.3, 5.0})
     for (const Approach& plane : {Approach{turning, turning, turning, friction, 0.1}, Approach{rests, rests, rests, friction, 0.1, true}}) {
       unsigned landed = 0;
       Octet octet = met(plane, approaching(plane), landed), other = octet;
+      Approach any = plane;
+      any.still = false;
+      const Octet unknown = met(any, approaching(any), landed);
+      for (int lane = 0; lane < Octet::lanes; ++lane) CHECK(same_lane(octet, lane, unknown, lane));
       Points v(24, 3), spring(24, 3), outside(24, 3), x1 = Points::Zero(24, 3), w, y = x1;
       for (int i = 0; i < v.size(); ++i) v(i) = std::sin(i), spring(i) = std::cos(3 * i), outside(i) = std::sin(5 * i);
       w = v;
@@ -169,18 +125,6 @@ TEST(an_end_and_the_next_beginning_at_once_are_both_to_the_last_bit) {
       go_on(plane.h, octet, x1);
       settle_and_go_on(plane, w, spring, outside, other, y);
       CHECK((v == w).all() && (x1 == y).all());
-      for (int lane = 0; lane < Octet::lanes; ++lane) {
-        for (auto part : {&Octet::x0, &Octet::before, &Octet::force, &Octet::x1, &Octet::v, &Octet::impulse, &Octet::torque})
-          CHECK(lane_of(octet.*part, lane) == lane_of(other.*part, lane));
-        CHECK(octet.work[lane] == other.work[lane] && octet.lost[lane] == other.lost[lane]);
-      }
+      for (int lane = 0; lane < Octet::lanes; ++lane) CHECK(same_lane(octet, lane, other, lane));
     }
-}
-
-TEST(lanes_are_told_by_their_gaps) {
-  Octet octet;
-  for (int lane = 0; lane < Octet::lanes; ++lane) set_lane(octet.x1, lane, turning.point + (lane - 3) * turning.normal);
-  set_lane(octet.x1, 7, Vec3::Constant(std::nan("")));
-  const Sides found = sides(turning, octet, 1e-12);
-  CHECK(found.at_least == 0b01110000 && found.at_most == 0b00001111);
 }
