@@ -9,7 +9,7 @@
 
 #include "embedding/deform.hpp"
 #include "machine/instructions.hpp"
-#include "soft_body.hpp"
+#include "soft_bodies.hpp"
 
 using namespace softffd;
 
@@ -41,11 +41,8 @@ struct Box {
     go_on(16);
   }
   static Definition definition(const std::array<int, 3>& points, const Vec3& stretch, int planes, const std::vector<Vec3>& vertices) {
-    Definition definition;
-    definition.lattice.counts = points;
-    definition.mass.assign(definition.lattice.points(), 1.0 / definition.lattice.points());
+    Definition definition = one_kilogram(points, planes);
     definition.stretch = stretch;
-    definition.planes = planes;
     if (!vertices.empty()) definition.samples = std::make_shared<Samples>(Basis::bezier, definition.lattice, vertices);
     return definition;
   }

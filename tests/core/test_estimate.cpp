@@ -1,22 +1,16 @@
 #include "estimate.hpp"
 
-#include <cmath>
-#include <cstdio>
-
-#include "check.hpp"
+#include "soft_bodies.hpp"
 
 using namespace softffd;
 
 TEST(the_second_run_of_a_stiff_body_that_flies_near_an_obstacle_takes_long_steps_too) {
-  Definition definition;
-  definition.mass.assign(64, 1.0 / 64);
-  definition.planes = 1;
+  Definition definition = one_kilogram({4, 4, 4}, 1);
   definition.offset = {0, 0, 0.01};
   definition.velocity = {2, 0, 0};
   definition.angular_velocity = {0, 0, 3};
-  SoftBody body(definition);
+  SoftBody body = soft_body(definition, 1e9);
   ErrorEstimate estimate(definition);
-  body.settings.stiffness = {1e9, 1e9, 1e9};
   body.initialize(0);
   estimate.initialize(body, 0);
   for (int n = 0; n < 10; ++n) {
@@ -26,18 +20,15 @@ TEST(the_second_run_of_a_stiff_body_that_flies_near_an_obstacle_takes_long_steps
   const Course run = body.run().course, second = estimate.memory().shadow.course;
   CHECK(run.method == Method::floating_frame);
   CHECK(second.method == Method::floating_frame);
-  std::printf("  work %g, second %g\n", run.work, second.work);
   CHECK(second.work <= 4 * run.work);  // twice the steps, each with a matrix of its own; explicit steps: a hundred times
 }
 
 /// The order of dop853 is 8, and the second run takes two thirds of its steps.
 TEST(steps_that_follow_the_tolerance_err_by_what_two_runs_differ_by_over_one_less_the_ratio_to_the_order) {
-  Definition definition;
-  definition.mass.assign(64, 1.0 / 64);
+  Definition definition = one_kilogram();
   definition.stretch = {1.1, 1, 1};
-  SoftBody body(definition), exact(definition);
+  SoftBody body = soft_body(definition, 100), exact = soft_body(definition, 100);
   ErrorEstimate estimate(definition);
-  body.settings.stiffness = exact.settings.stiffness = {100, 100, 100};
   body.settings.method = Method::dop853;
   exact.settings.method = Method::rkn12;
   body.settings.tolerance = 1e-5;

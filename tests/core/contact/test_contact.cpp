@@ -1,23 +1,17 @@
 #include <array>
 #include <functional>
 
-#include "check.hpp"
-#include "soft_body.hpp"
+#include "soft_bodies.hpp"
 
 using namespace softffd;
 
 namespace {
 
 SoftBody box(int planes, Vec3 offset, Vec3 velocity, double k = 0) {
-  Definition definition;
-  definition.lattice.counts = {2, 2, 2};
-  definition.mass.assign(8, 0.125);
-  definition.planes = planes;
+  Definition definition = one_kilogram({2, 2, 2}, planes);
   definition.offset = offset;
   definition.velocity = velocity;
-  SoftBody body(definition);
-  body.settings.stiffness = {k, k, k};
-  return body;
+  return soft_body(definition, k);
 }
 
 double lowest_gap(const SoftBody& body, const Vec3& point, const Vec3& normal) {
@@ -53,7 +47,7 @@ TEST(friction_stops_a_slide_after_v_squared_over_two_mu_g) {
   body.settings.planes[0].friction = 0.4;
   body.settings.step = 1e-3;
   body.initialize(0);
-  for (int i = 0; i < 100; ++i) body.advance(0.01);
+  go(body, 100, 0.01);
   CHECK_NEAR(body.state().x(0, 0), 2.0 * 2 / (2 * 0.4 * 10), 1e-6);
   CHECK(body.state().v(0, 0) == 0);
 }
@@ -100,9 +94,7 @@ TEST(three_planes_catch_a_point_in_their_corner) {
   body.initialize(0);
   for (int i = 0; i < 200; ++i) {
     CHECK(body.advance(0.01) == StepStatus::ok);
-    for (const auto& plane : body.settings.planes) {
-      CHECK(lowest_gap(body, plane.point, plane.normal) >= -1e-15);
-    }
+    for (const auto& plane : body.settings.planes) CHECK(lowest_gap(body, plane.point, plane.normal) >= -1e-15);
   }
 }
 
@@ -110,10 +102,7 @@ namespace {
 
 /// A box that falls askew, slides and rolls, with 64 steps to a communication step or as many communication steps.
 SoftBody tumbled(const std::function<void(SoftBody&)>& scene, int planes, bool at_once) {
-  Definition definition;
-  definition.lattice.counts = {3, 4, 3};
-  definition.mass.assign(36, 1.0 / 36);
-  definition.planes = planes;
+  Definition definition = one_kilogram({3, 4, 3}, planes);
   definition.offset = {0, 0, 0.02};
   definition.velocity = {1, 0.4, -2};
   definition.angular_velocity = {0.5, 3, 0.2};
@@ -125,8 +114,7 @@ SoftBody tumbled(const std::function<void(SoftBody&)>& scene, int planes, bool a
   for (PlaneMotion& plane : body.settings.planes) plane.friction = 0.4;
   scene(body);
   body.initialize(0);
-  for (int i = 0; i < 10; ++i)
-    for (int part = 0; part < (at_once ? 1 : 64); ++part) CHECK(body.advance((at_once ? 64 : 1) / 1024.0) == StepStatus::ok);
+  go(body, at_once ? 10 : 640, (at_once ? 64 : 1) / 1024.0);
   return body;
 }
 

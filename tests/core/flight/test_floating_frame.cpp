@@ -1,3 +1,4 @@
+#include "bodies.hpp"
 #include "check.hpp"
 #include "flight/floating_frame.hpp"
 #include "methods/dop853.hpp"
@@ -20,22 +21,18 @@ struct Scene {
 Scene turning(double stiffness, bool loaded = false, bool ramped = false, double damping = 0) {
   const Lattice lattice{{4, 3, 2}, Vec3::Zero(), Vec3(1.0, 0.6, 0.3)};
   const int n = lattice.points();
-  Scene s{lattice, {Springs(lattice, Topology::distinct), Scalars(n), Scalars::Constant(n, damping), std::vector<bool>(n, false)}, {}, {}};
-  s.body.springs.set_stiffness({stiffness, stiffness, stiffness}, {});
+  Scene s{lattice, even_body(lattice, stiffness), no_forces(n), at_rest(lattice)};
+  s.body.damping.setConstant(damping);
   s.body.damped = damping > 0;
   for (int p = 0; p < n; ++p) s.body.mass[p] = 0.1 + 0.03 * std::sin(3.0 * p);
   s.body.inverse_mass = 1 / s.body.mass.replicate(3, 1);
   s.body.damping_rate = damping * s.body.inverse_mass;
-  for (Points* points : {&s.around.force, &s.around.force_rate, &s.around.force_bend[0], &s.around.force_bend[1]}) points->setZero(n, 3);
   if (loaded) {
     s.around.force.col(2) = -9.81 * s.body.mass;
     set_row(s.around.force, n - 1, row(s.around.force, n - 1) + Vec3(2, -1, 3));
   }
   s.around.ramped = ramped;
   if (ramped) set_row(s.around.force_rate, 0, Vec3(5, 10, -5));
-  s.start.x = rest_positions(lattice);
-  s.start.v.setZero(n, 3);
-  s.start.spring.setZero(n, 3);
   for (int p = 0; p < n; ++p) set_row(s.start.v, p, Vec3(1, 0, 2) + Vec3(3, 6, -2).cross(row(s.start.x, p) - 0.5 * lattice.size));
   return s;
 }
@@ -79,8 +76,6 @@ Flown reference(const Scene& s) {
 double energy(const Scene& s, const State& state) {
   return 0.5 * (s.body.mass * state.v.square().rowwise().sum()).sum() + s.body.elastic_energy(state.x);
 }
-
-double distance(const Points& a, const Points& b) { return (a - b).abs().maxCoeff(); }
 
 RigidMotion motion(const Scene& s, const State& state) { return rigid_motion(s.body.mass, state.x, state.v); }
 

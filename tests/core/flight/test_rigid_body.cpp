@@ -1,3 +1,4 @@
+#include "bodies.hpp"
 #include "check.hpp"
 #include "flight/rigid_body.hpp"
 #include "model/rotation.hpp"
@@ -19,19 +20,12 @@ struct Throw {
 /// Points of a lattice that turn with the spin and fly with the velocity; masses alike unless `uneven`.
 Throw flying(const Lattice& lattice, const Vec3& velocity, const Vec3& spin, bool uneven = false) {
   const int n = lattice.points();
-  Throw s{lattice,
-          {Springs(lattice, Topology::distinct), Scalars::Constant(n, 0.1), Scalars::Zero(n), std::vector<bool>(n, false)},
-          {},
-          {},
-          {}};
-  s.x = rest_positions(lattice);
-  s.v = Points::Zero(n, 3);
+  Throw s{lattice, even_body(lattice, 0, 0.1 * n), no_forces(n), rest_positions(lattice), Points::Zero(n, 3)};
   const Vec3 middle = lattice.origin + 0.5 * lattice.size;
   for (int p = 0; p < n; ++p) {
     if (uneven) s.body.mass[p] += 0.03 * std::sin(3.0 * p);
     set_row(s.v, p, velocity + spin.cross(row(s.x, p) - middle));
   }
-  for (Points* points : {&s.around.force, &s.around.force_rate, &s.around.force_bend[0], &s.around.force_bend[1]}) points->setZero(n, 3);
   return s;
 }
 

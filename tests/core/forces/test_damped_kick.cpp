@@ -2,8 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "crumpled.hpp"
-#include "dense.hpp"
+#include "derivatives.hpp"
 #include "ros34pw2_scenes.hpp"
 
 using namespace softffd;
@@ -79,21 +78,16 @@ TEST(strong_damping_costs_little_more_than_its_square_root) {
 TEST(of_a_motion_it_leaves_the_exponential_or_at_most_the_inverse_of_the_kicks_rate) {
   for (const double time : {0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 10.0}) {
     const Crumpled c(time);
-    const Body& body = c.body();
-    const int n = 3 * body.points();
-    Scalars root(n);
-    for (int i = 0; i < n; ++i) root[i] = std::sqrt(body.mass[i % body.points()]);
-    Eigen::MatrixXd rates(n, n), left(n, n);
-    for (int i = 0; i < n; ++i) {
-      Points unit = c.none(), slope = c.none();
-      unit(i) = 1 / root[i];
-      body.springs.add_dashpot_force(c.x, unit, slope);
-      const Points after = c.kicked(0.02, c.none(), unit);
-      for (int j = 0; j < n; ++j) rates(j, i) = -slope(j) / root[j], left(j, i) = after(j) * root[j];
-    }
+    const Points root = c.body().mass.sqrt().replicate(1, 3);
+    const Eigen::MatrixXd rates = matrix_of(c.body().points(), [&](const Points& u, Points& f) {
+      c.body().springs.add_dashpot_force(c.x, u / root, f);
+      f /= -root;
+    });
+    const Eigen::MatrixXd left =
+        matrix_of(c.body().points(), [&](const Points& u, Points& v) { v = c.kicked(0.02, c.none(), u / root) * root; });
     const Eigen::VectorXd eigenvalues = dense::eigenvalues(rates);
     const Eigen::MatrixXd modes = dense::eigenvectors(rates), shares = dense::product(modes.transpose(), dense::product(left, modes));
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < shares.rows(); ++i) {
       const double z = 0.02 * eigenvalues[i], share = shares(i, i);
       CHECK(std::abs(share - std::exp(-z)) < 0.1);
       CHECK(z < 0.1 || std::abs(share) < 1 / z);

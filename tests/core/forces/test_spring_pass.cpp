@@ -1,5 +1,5 @@
+#include "bodies.hpp"
 #include "check.hpp"
-#include "crumpled.hpp"
 #include "forces/springs.hpp"
 
 using namespace softffd;

@@ -16,38 +16,32 @@ Run at(double time) {
 
 }  // namespace
 
-TEST(a_trial_goes_back_by_itself) {
-  Run run = at(1), buffer;
+TEST(a_trial_goes_back_by_itself_and_allocates_nothing_where_the_buffer_has_the_size) {
+  Run run = at(1), buffer = run;
+  const double* place = buffer.path.motion.x.data();
   {
     Trial trial(run, buffer);
     run.path.motion.time = 2;
     run.path.motion.x.setConstant(2);
     run.course.work = 5;
-    CHECK(trial.before().path.motion.time == 1);
+    CHECK(trial.before().path.motion.time == 1 && buffer.path.motion.x.data() == place);
   }
   CHECK(run.path.motion.time == 1 && run.path.motion.x(3, 2) == 1 && run.course.work == 0);
 }
 
-TEST(what_is_kept_stays) {
-  Run run = at(1), buffer;
-  {
-    Trial trial(run, buffer);
-    run.path.motion.time = 2;
-    trial.keep();
+TEST(going_back_once_more_leaves_the_trial_open_and_what_is_kept_stays) {
+  for (const bool kept : {false, true}) {
+    Run run = at(1), buffer;
+    {
+      Trial trial(run, buffer);
+      run.path.motion.time = 2;
+      trial.back();
+      CHECK(run.path.motion.time == 1);
+      run.path.motion.time = 3;
+      if (kept) trial.keep();
+    }
+    CHECK(run.path.motion.time == (kept ? 3 : 1));
   }
-  CHECK(run.path.motion.time == 2);
-}
-
-TEST(going_back_once_more_leaves_the_trial_open) {
-  Run run = at(1), buffer;
-  {
-    Trial trial(run, buffer);
-    run.path.motion.time = 2;
-    trial.back();
-    CHECK(run.path.motion.time == 1);
-    run.path.motion.time = 3;
-  }
-  CHECK(run.path.motion.time == 1);
 }
 
 TEST(a_trial_of_the_path_keeps_what_was_learnt) {
@@ -60,11 +54,4 @@ TEST(a_trial_of_the_path_keeps_what_was_learnt) {
     run.course.work = 5;
   }
   CHECK(run.path.motion.time == 1 && run.path.steps == 0 && run.course.work == 5);
-}
-
-TEST(a_trial_allocates_nothing_where_the_buffer_has_the_size) {
-  Run run = at(1), buffer = run;
-  const double* kept = buffer.path.motion.x.data();
-  Trial trial(run, buffer);
-  CHECK(buffer.path.motion.x.data() == kept);
 }

@@ -14,6 +14,21 @@
 
 using namespace softffd;
 
+namespace {
+
+/// Two pieces that happen at the same time: each is done once both have begun.
+template <class Piece>
+void share_at_once(Team& team, Piece&& piece) {
+  std::atomic<int> begun{0};
+  team.share([&](int n) {
+    piece(n);
+    ++begun;
+    while (begun < 2) std::this_thread::yield();
+  });
+}
+
+}  // namespace
+
 TEST(each_piece_is_done_once_in_every_round) {
   for (const int members : {1, 2, 3, 7}) {
     Team team(members);
@@ -28,28 +43,13 @@ TEST(each_piece_is_done_once_in_every_round) {
   }
 }
 
-TEST(pieces_happen_at_the_same_time) {
-  Team team(2);
-  std::atomic<int> begun{0};
-  std::thread::id by[2];
-  team.share([&](int piece) {
-    by[piece] = std::this_thread::get_id();
-    ++begun;
-    while (begun < 2) std::this_thread::yield();  // for the other one
-  });
-  CHECK(by[0] != by[1]);
-}
-
-TEST(helpers_that_sleep_wake_up) {
+TEST(pieces_happen_at_the_same_time_and_helpers_that_sleep_wake_up) {
   Team team(2);
   for (int round = 0; round < 3; ++round) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    std::atomic<int> begun{0};
-    team.share([&](int) {
-      ++begun;
-      while (begun < 2) std::this_thread::yield();
-    });
-    CHECK(begun == 2);
+    std::thread::id by[2];
+    share_at_once(team, [&](int piece) { by[piece] = std::this_thread::get_id(); });
+    CHECK(by[0] != by[1]);
   }
 }
 
@@ -57,13 +57,8 @@ TEST(helpers_round_as_results_assume_whatever_their_maker_does) {
   std::fesetround(FE_UPWARD);
   Team team(2);
   std::fesetround(FE_TONEAREST);
-  std::atomic<int> begun{0};
   int rounding[2];
-  team.share([&](int piece) {
-    rounding[piece] = std::fegetround();
-    ++begun;
-    while (begun < 2) std::this_thread::yield();
-  });
+  share_at_once(team, [&](int piece) { rounding[piece] = std::fegetround(); });
   CHECK(rounding[0] == FE_TONEAREST && rounding[1] == FE_TONEAREST);
 }
 
@@ -95,14 +90,11 @@ TEST(one_part_in_which_it_holds_is_enough) {
 #ifndef _WIN32
 TEST(no_signal_is_delivered_to_helpers) {
   Team team(2);
-  std::atomic<int> begun{0};
   int blocked[2];
-  team.share([&](int piece) {
+  share_at_once(team, [&](int piece) {
     sigset_t mask;
     pthread_sigmask(SIG_SETMASK, nullptr, &mask);
     blocked[piece] = sigismember(&mask, SIGINT);
-    ++begun;
-    while (begun < 2) std::this_thread::yield();
   });
   CHECK(blocked[0] + blocked[1] == 1);
 }
@@ -114,11 +106,8 @@ TEST(the_child_of_a_fork_does_all_pieces_and_ends) {
   if (child == 0) {
     alarm(20);
     int done[3] = {};
-    {
-      Team& ours = team;
-      for (int round = 0; round < 10; ++round) ours.share([&](int piece) { ++done[piece]; });
-      ours.~Team();
-    }
+    for (int round = 0; round < 10; ++round) team.share([&](int piece) { ++done[piece]; });
+    team.~Team();
     _exit(done[0] == 10 && done[1] == 10 && done[2] == 10 ? 0 : 1);
   }
   int status = -1;

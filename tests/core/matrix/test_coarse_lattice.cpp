@@ -11,21 +11,19 @@ const std::vector<Lattice> lattices{{{9, 9, 9}}, {{16, 16, 16}}, {{12, 8, 10}}, 
 void fill(const Lattice& lattice, StencilMatrix& matrix) {
   const auto& n = lattice.counts;
   matrix.clear();
-  for (int k = 0; k < n[2]; ++k)
-    for (int j = 0; j < n[1]; ++j)
-      for (int i = 0; i < n[0]; ++i) {
-        const int p = lattice.index(i, j, k);
-        matrix.add_block(p, p, 0.01 * Mat3::Identity());
-        for (const Direction& d : directions) {
-          if (!d.within(lattice, i, j, k)) continue;
-          const int q = lattice.index(i + d.di, j + d.dj, k + d.dk);
-          const Eigen::Vector3d u = Eigen::Vector3d(d.di, d.dj, d.dk).normalized();
-          const Mat3 block = (1 + 0.5 * std::sin(p)) * u * u.transpose();
-          matrix.add_block(p, p, block);
-          matrix.add_block(q, q, block);
-          matrix.set_block(p, q, -block);
-        }
-      }
+  for (int p = 0; p < lattice.points(); ++p) {
+    matrix.add_block(p, p, 0.01 * Mat3::Identity());
+    for (const Direction& d : directions) {
+      const int i = p % n[0], j = p / n[0] % n[1], k = p / (n[0] * n[1]);
+      if (!d.within(lattice, i, j, k)) continue;
+      const int q = lattice.index(i + d.di, j + d.dj, k + d.dk);
+      const Eigen::Vector3d u = Eigen::Vector3d(d.di, d.dj, d.dk).normalized();
+      const Mat3 block = (1 + 0.5 * std::sin(p)) * u * u.transpose();
+      matrix.add_block(p, p, block);
+      matrix.add_block(q, q, block);
+      matrix.set_block(p, q, -block);
+    }
+  }
 }
 
 }  // namespace

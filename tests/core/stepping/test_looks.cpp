@@ -2,7 +2,7 @@
 #include "bench.hpp"
 #include "check.hpp"
 #include "kit/limits.hpp"
-#include "soft_body.hpp"
+#include "soft_bodies.hpp"
 #include "stepping/controlled_steps.hpp"
 #include "stepping/fixed_steps.hpp"
 
@@ -26,11 +26,9 @@ struct Bursting : Bench {
 
 /// Whether leapfrog's step is calibrated anew when the forces jump by this fraction, between the time for that and the usual one.
 bool calibrates_after(double jump) {
-  Definition definition;
-  definition.mass.assign(64, 1.0 / 64);
+  Definition definition = one_kilogram();
   definition.stretch = {1.1, 1, 1};
-  SoftBody body(definition);
-  body.settings.stiffness = {1e3, 1e3, 1e3};
+  SoftBody body = soft_body(definition, 1e3);
   body.settings.method = Method::leapfrog;
   body.settings.tolerance = 1e-5;
   const double H = 1e-3;

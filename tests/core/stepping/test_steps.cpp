@@ -21,44 +21,39 @@ Points reference() {
   return b.run.path.motion.x;
 }
 
-double difference(const Points& a, const Points& b) { return (a - b).abs().maxCoeff(); }
-
 }  // namespace
 
 TEST(given_steps_of_every_method_have_its_order) {
   const Points exact = reference();
-  for (Method method : {Method::central_difference, Method::leapfrog, Method::bm4}) {
+  for (Method method : fixed_methods) {
     std::vector<double> errors;
     for (Count steps : {50, 100}) {
       Bench b;
       b.request.step = 0.1 / double(steps);
       CHECK(run_counted(b.integrators, b.job(), method, steps) == StepStatus::ok);
       CHECK(b.run.path.steps == steps && b.run.path.clock.count == steps);
-      errors.push_back(difference(b.run.path.motion.x, exact));
+      errors.push_back(distance(b.run.path.motion.x, exact));
     }
     CHECK_NEAR(std::log2(errors[0] / errors[1]), double(traits(method).order), 0.15);
   }
 }
 
-TEST(fitted_steps_keep_the_tolerance_and_end_where_they_should) {
+TEST(fitted_and_controlled_steps_keep_the_tolerance_and_end_where_they_should) {
   const Points exact = reference();
+  const auto keeps = [&](const Bench& b) {
+    CHECK(b.run.path.motion.time == 0.1 && b.run.path.steps > 1 && b.run.course.work > 0);
+    CHECK(distance(b.run.path.motion.x, exact) < 5e-6);
+  };
   for (Method method : fixed_methods) {
     Bench b;
     Calibrator calibrator(b.run);
     CHECK(run_fitted(b.integrators, calibrator, b.job(), method, 0.1, INFINITY) == StepStatus::ok);
-    CHECK(b.run.path.motion.time == 0.1);
-    CHECK(difference(b.run.path.motion.x, exact) < 5e-6);
-    CHECK(b.run.course.work > 0);
+    keeps(b);
   }
-}
-
-TEST(controlled_steps_keep_the_tolerance_and_end_where_they_should) {
-  const Points exact = reference();
   for (Method method : controlled) {
     Bench b;
     CHECK(run_controlled(b.integrators, b.job(), method, 0.1, INFINITY) == StepStatus::ok);
-    CHECK(b.run.path.motion.time == 0.1 && b.run.path.steps > 1);
-    CHECK(difference(b.run.path.motion.x, exact) < 5e-6);
+    keeps(b);
     CHECK(b.run.course.controlled_step(method) > 0);
   }
 }

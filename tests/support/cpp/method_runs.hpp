@@ -49,6 +49,8 @@ struct Claim {
   double order;
   int coarse, fine;
   double less = 0.15;  ///< by which the order of the sums may be below it
+  /// The order that two errors show.
+  double shown(double large, double small) const { return std::log(large / small) / std::log(double(fine) / coarse); }
 };
 
 /// Errors of the positions fall with the claimed power of the step, to 0.15, and those of the velocities and of the sums (what pins
@@ -57,21 +59,12 @@ inline void check_order(const char* name, Stepping run, const Claim& claim, cons
   const auto rms = [](const Points& a, const Points& b) { return std::sqrt((a - b).square().mean()); };
   const Result rough = run(s, claim.coarse), good = run(s, claim.fine);
   const Errors a = difference(rough, exact), b = difference(good, exact);
-  const auto order = [&](double large, double small) { return std::log(large / small) / std::log(double(claim.fine) / claim.coarse); };
-  const double x = order(rms(rough.state.x, exact.state.x), rms(good.state.x, exact.state.x));
-  std::printf("  %s: x %.2f", name, x);
+  const double x = claim.shown(rms(rough.state.x, exact.state.x), rms(good.state.x, exact.state.x));
+  std::printf("  %s: x %.2f (errors %.1e and %.1e m)\n", name, x, a.x, b.x);
   CHECK_NEAR(x, claim.order, 0.15);
-  const auto at_least = [&](const char* what, double large, double small) {
-    if (large < 1e-3 * a.x) return;  // there is none, it is exact, or it happens to change its sign
-    std::printf(" %s %.2f", what, order(large, small));
-    CHECK(order(large, small) > claim.order - claim.less);
-  };
-  at_least("v", a.v, b.v);
-  at_least("impulse", a.impulse, b.impulse);
-  at_least("torque", a.torque, b.torque);
-  at_least("dissipated", a.dissipated, b.dissipated);
-  at_least("work", a.work, b.work);
-  std::printf("  (errors %.1e and %.1e m)\n", a.x, b.x);
+  for (double Errors::* part : {&Errors::v, &Errors::impulse, &Errors::torque, &Errors::dissipated, &Errors::work})
+    if (a.*part >= 1e-3 * a.x)  // else there is none, it is exact, or it happens to change its sign
+      CHECK(claim.shown(a.*part, b.*part) > claim.order - claim.less);
 }
 
 /// On smooth motions: free and damped, under forces that stay and that grow.
@@ -125,14 +118,11 @@ struct Oscillator {
 
 inline Scene scene(const Oscillator& o, double duration) {
   const Lattice lattice{{2, 2, 2}};
-  Scene s{lattice, {Springs(lattice, Topology::distinct), Scalars(8), Scalars(8), std::vector<bool>(8, false)}, {}, {}, duration};
+  Scene s{lattice, even_body(lattice, 0, 8 * o.m), no_forces(8), {}, duration};
   s.body.springs.set_stiffness({o.k, 0, 0}, {});
-  s.body.mass.setConstant(o.m);
   s.body.damping.setConstant(o.d);
   s.body.springs.set_dashpots(o.tau);
   set_rates(s.body);
-  s.around.force.setZero(8, 3);
-  s.around.force_rate.setZero(8, 3);
   s.around.ramped = o.g != 0;
   Points x = rest_positions(lattice), v = Points::Zero(8, 3);
   for (int p = 0; p < 8; ++p) {
@@ -159,8 +149,7 @@ inline double error(const Oscillator& o, const Scene& s, const State& end) {
 inline void check_oscillator_order(const Oscillator& o, Stepping run, const Claim& claim) {
   const Scene s = scene(o, 1);
   const double a = error(o, s, run(s, claim.coarse).state), b = error(o, s, run(s, claim.fine).state);
-  std::printf("  oscillator: errors %.1e and %.1e m\n", a, b);
-  CHECK_NEAR(std::log(a / b) / std::log(double(claim.fine) / claim.coarse), claim.order, 0.15);
+  CHECK_NEAR(claim.shown(a, b), claim.order, 0.15);
 }
 
 /// Free, damped, damped under a force that grows; and so by dashpots, where the method knows them.
@@ -198,7 +187,7 @@ struct Held {
 inline Scene held_scene(const Held& held, double duration) {
   Scene s = scene(held.o, duration);
   Pin pin;
-  pin.position.x() = -0.5 * held.o.y0;
+  pin.position.x() = -0.5 * held.o.y0;  // where the held points are
   pin.acceleration.x() = held.a;
   Points x = s.start.x, v = s.start.v;
   for (int p = 0; p < 8; ++p) v(p, 0) = p % 2 ? held.o.w0 : 0;
@@ -222,10 +211,8 @@ inline void check_held_order(const Held& held, Stepping run, const Claim& claim)
     motion[i] = error(held.extension(), s, r.state);
     impulse[i] = std::abs(-r.exchange.pins[0].force.x() - held.impulse(s.duration));
   }
-  const auto order = [&](const double* e) { return std::log(e[0] / e[1]) / std::log(double(claim.fine) / claim.coarse); };
-  std::printf("  held: motion %.2f impulse %.2f (errors %.1e m, %.1e N s)\n", order(motion), order(impulse), motion[1], impulse[1]);
-  CHECK_NEAR(order(motion), claim.order, 0.15);
-  CHECK(order(impulse) > claim.order - 0.15);
+  CHECK_NEAR(claim.shown(motion[0], motion[1]), claim.order, 0.15);
+  CHECK(claim.shown(impulse[0], impulse[1]) > claim.order - 0.15);
 }
 
 /// Back along the way that the method has come: forward, velocities turned round, forward. Distance from the start [m].

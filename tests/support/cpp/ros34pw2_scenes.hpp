@@ -2,6 +2,7 @@
 #pragma once
 #include <cstring>
 
+#include "bodies.hpp"
 #include "check.hpp"
 #include "forces/stability.hpp"
 #include "methods/dop853.hpp"
@@ -46,12 +47,10 @@ inline void start_at(Scene& scene, const Points& x, const Points& v) {
 /// point.
 inline Scene soft(bool damped = false, bool ramped = false, const Lattice& lattice = {{3, 4, 2}}) {
   const int n = lattice.points();
-  Scene s{lattice, {Springs(lattice, Topology::distinct), Scalars(n), Scalars::Zero(n), std::vector<bool>(n, false)}, {}, {}, 0.5};
+  Scene s{lattice, even_body(lattice), no_forces(n), {}, 0.5};
   s.body.springs.set_stiffness({30, 20, 10}, {});
   Points x = rest_positions(lattice), v(n, 3);
   x.col(0) *= 1.1;
-  s.around.force.resize(n, 3);
-  s.around.force_rate.setZero(n, 3);
   s.around.ramped = ramped;
   for (int p = 0; p < n; ++p) {
     s.body.mass[p] = 0.1 + 0.02 * std::sin(p);
@@ -78,14 +77,9 @@ inline Scene with_dashpots(Scene s, double time) {
 inline void pin_ends(Scene& s, const Pin& motion) {
   const Points rest = rest_positions(s.lattice);
   for (int j : {0, s.lattice.counts[1] - 1}) {
-    Pin pin = j == 0 ? Pin{} : motion;
-    for (int i = 0; i < s.lattice.counts[0]; ++i) pin.points.push_back(s.lattice.index(i, j, 0));
-    for (int p : pin.points) pin.position += row(rest, p) / double(pin.points.size());
-    for (int p : pin.points) {
-      pin.local.push_back(row(rest, p) - pin.position);
-      s.body.pinned[p] = true;
-    }
-    s.around.pins.push_back(pin);
+    std::vector<int> points;
+    for (int i = 0; i < s.lattice.counts[0]; ++i) points.push_back(s.lattice.index(i, j, 0));
+    s.around.pins.push_back(pin_points(s.body, rest, points, j == 0 ? Pin{} : motion));
   }
   set_rates(s.body);
   start_at(s, Points(s.start.x), Points(s.start.v));
@@ -145,8 +139,6 @@ inline Result reference(const Scene& s, int steps = 400) {
   return run(method, s, steps);
 }
 
-inline double distance(const Points& a, const Points& b) { return (a - b).abs().maxCoeff(); }
-
 struct Errors {
   double x, v, impulse, torque, dissipated, work;
 };
@@ -167,20 +159,12 @@ inline Errors difference(const Result& a, const Result& b) {
 
 /// log2 of the ratio of two errors must be near 3 for the state and at least that for the sums.
 inline void check_third_order(const char* name, const Errors& coarse, const Errors& fine) {
-  const auto order = [](double a, double b) { return std::log2(a / b); };
-  std::printf("  %s: x %.2f v %.2f", name, order(coarse.x, fine.x), order(coarse.v, fine.v));
-  CHECK_NEAR(order(coarse.x, fine.x), 3.0, 0.15);
-  CHECK_NEAR(order(coarse.v, fine.v), 3.0, 0.15);
-  const auto at_least = [&](const char* what, double a, double b) {
-    if (a < 1e-13) return;  // there is none, or it is exact
-    std::printf(" %s %.2f", what, order(a, b));
-    CHECK(order(a, b) > 2.85);
-  };
-  at_least("impulse", coarse.impulse, fine.impulse);
-  at_least("torque", coarse.torque, fine.torque);
-  at_least("dissipated", coarse.dissipated, fine.dissipated);
-  at_least("work", coarse.work, fine.work);
-  std::printf("  (error %.1e m)\n", fine.x);
+  const auto order = [&](double Errors::* part) { return std::log2(coarse.*part / (fine.*part)); };
+  std::printf("  %s: x %.2f v %.2f\n", name, order(&Errors::x), order(&Errors::v));
+  CHECK_NEAR(order(&Errors::x), 3.0, 0.15);
+  CHECK_NEAR(order(&Errors::v), 3.0, 0.15);
+  for (double Errors::* part : {&Errors::impulse, &Errors::torque, &Errors::dissipated, &Errors::work})
+    CHECK(coarse.*part < 1e-13 || order(part) > 2.85);  // there is none, or it is exact
 }
 
 inline void check_third_order(const char* name, const Scene& s) {
@@ -205,15 +189,9 @@ inline bool same_bits(const Points& a, const Points& b) { return std::memcmp(a.d
 /// The 64-point block of 1 kg, k = 1e7 N/m, pulled apart by forces that grow over 0.5 s; one stretch of 0.1 s with linear growth.
 inline Scene stiff() {
   const Lattice lattice;
-  Scene s{lattice,
-          {Springs(lattice, Topology::distinct), Scalars::Constant(64, 1.0 / 64), Scalars::Constant(64, 0.5), std::vector<bool>(64, false)},
-          {},
-          {},
-          0.1};
-  s.body.springs.set_stiffness({1e7, 1e7, 1e7}, {});
+  Scene s{lattice, even_body(lattice, 1e7), no_forces(64), {}, 0.1};
+  s.body.damping.setConstant(0.5);
   set_rates(s.body);
-  s.around.force.setZero(64, 3);
-  s.around.force_rate.setZero(64, 3);
   s.around.force.col(2) = -9.81 / 64;
   s.around.ramped = true;
   for (int j = 0; j < 4; ++j)
@@ -243,8 +221,7 @@ inline Scene spin() {
   s.body.springs.set_stiffness({1e5, 1e5, 1e5}, {});
   s.body.damping.setZero();
   set_rates(s.body);
-  s.around = {};
-  s.around.force.setZero(64, 3);
+  s.around = no_forces(64);
   s.duration = 2 * 3.14159265358979 / 20;
   Points x = rest_positions(s.lattice) - 0.5, v = Points::Zero(64, 3);
   v.col(0) = -20 * x.col(1);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "soft_body.hpp"
+#include "soft_bodies.hpp"
 
 namespace softffd {
 

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "icosphere.hpp"
-#include "soft_body.hpp"
+#include "soft_bodies.hpp"
 
 namespace softffd {
 
@@ -17,16 +17,20 @@ struct Sphere {
   int planes = 1;
 
   Samples samples() const { return {Basis::bezier, {}, icosphere(level, 0.4, {0.5, 0.5, 0.5})}; }
-  SoftBody body(const Vec3& spin = Vec3::Zero()) const {
-    Definition definition;
-    definition.mass.assign(64, 1.0 / 64);
-    definition.planes = planes;
+  Definition definition() const {
+    Definition definition = one_kilogram({4, 4, 4}, planes);
     definition.offset = {0, 0, height - 0.1};
     definition.velocity = velocity;
-    definition.angular_velocity = spin;
     definition.samples = std::make_shared<Samples>(samples());
-    SoftBody body(definition);
-    body.settings.stiffness = {stiffness, stiffness, stiffness};
+    return definition;
+  }
+  SoftBody body(const Vec3& spin = Vec3::Zero()) const {
+    Definition spinning = definition();
+    spinning.angular_velocity = spin;
+    return body(spinning);
+  }
+  SoftBody body(const Definition& definition) const {
+    SoftBody body = soft_body(definition, stiffness);
     body.settings.damping = damping;
     body.settings.gravity = {0, 0, -9.81};
     for (PlaneMotion& plane : body.settings.planes) plane.friction = friction;
@@ -43,9 +47,6 @@ inline double lowest(const Samples& samples, const SoftBody& body) {
 
 /// Of mass [m].
 inline Vec3 centre(const SoftBody& body) { return body.state().x.colwise().mean().matrix().transpose(); }
-
-/// Largest difference of any coordinate [m].
-inline double apart(const Points& a, const Points& b) { return (a - b).abs().maxCoeff(); }
 
 /// A sphere that is thrown onto the ground with spin, in steps of h; a second plane comes to meet it, and turns.
 inline SoftBody tumbling(double h, int planes = 1, double damping = 0) {
@@ -69,14 +70,10 @@ inline SoftBody cube(int planes, double stiffness, int side = 8) {
           place[(axis + 2) % 3] = 0.05 + 0.9 * j / (side - 1);
           places.push_back(place);
         }
-  Definition definition;
-  definition.mass.assign(64, 1.0 / 64);
-  definition.planes = planes;
+  Definition definition = one_kilogram({4, 4, 4}, planes);
   definition.offset = {0, 0, -0.05};
   definition.samples = std::make_shared<Samples>(Basis::bezier, definition.lattice, places);
-  SoftBody body(definition);
-  body.settings.stiffness = {stiffness, stiffness, stiffness};
-  return body;
+  return soft_body(definition, stiffness);
 }
 
 /// Gravity, where the ground is turned by this angle about y [m/s2].

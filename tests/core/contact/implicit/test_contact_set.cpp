@@ -1,5 +1,6 @@
 #include "contact/implicit/contact_set.hpp"
 
+#include "bodies.hpp"
 #include "check.hpp"
 #include "dense.hpp"
 #include "random_numbers.hpp"
@@ -10,17 +11,14 @@ namespace {
 
 const Lattice lattice{{2, 2, 2}};
 
-Body body() {
-  Body body{.springs = Springs(lattice, Topology::distinct), .mass = Scalars::Ones(8), .damping = Scalars::Zero(8), .pinned = {}};
-  body.pinned.assign(8, false);
-  return body;
-}
-
-Drive behind(const std::vector<Plane>& planes) {
-  Drive around;
+/// For points of 1 kg.
+ContactSet contacts_with(const std::vector<Plane>& planes, double h = 1e-3) {
+  static const Holds none;
+  Drive around = no_forces(8);
   around.planes = planes;
-  around.force.setZero(8, 3);
-  return around;
+  ContactSet set(lattice, int(planes.size()));
+  set.open(even_body(lattice, 0, 8), around, 0, h, none);
+  return set;
 }
 
 /// The vector nearest to y with gap >= 0 for all planes, by trying every set of at most three planes.
@@ -70,8 +68,6 @@ std::vector<Plane> bowl(Random& random, int count) {
   return planes;
 }
 
-const Holds unheld;
-
 }  // namespace
 
 TEST(several_planes_on_one_point_are_the_exact_projection) {
@@ -80,8 +76,7 @@ TEST(several_planes_on_one_point_are_the_exact_projection) {
   const int trials = 500;
   for (int trial = 0; trial < trials; ++trial) {
     const std::vector<Plane> planes = bowl(random, 1 + trial % 5);
-    ContactSet set(lattice, int(planes.size()));
-    set.open(body(), behind(planes), 0, 1e-3, unheld);
+    ContactSet set = contacts_with(planes);
     Points x(8, 3), wish(8, 3), dx(8, 3);
     for (int p = 0; p < 8; ++p) set_row(x, p, random.vector(0.1)), set_row(wish, p, random.vector(3));
     if (!settle(set, x, wish, dx)) continue;
@@ -95,8 +90,6 @@ TEST(several_planes_on_one_point_are_the_exact_projection) {
       CHECK_NEAR((pushed - (row(dx, p) - row(wish, p))).norm(), 0.0, 1e-9);
     }
   }
-  std::printf("  %d of %d settled; points on 0, 1, 2, 3 planes: %d %d %d %d\n", settled, trials, touches[0], touches[1], touches[2],
-              touches[3]);
   CHECK(settled > 0.97 * trials);  // active sets may run in circles: implicit steps are halved then
   CHECK(touches[1] > 100 && touches[2] > 100 && touches[3] > 50);
 }
@@ -104,24 +97,21 @@ TEST(several_planes_on_one_point_are_the_exact_projection) {
 TEST(of_planes_that_cannot_all_be_touched_the_least_loaded_goes) {
   const std::vector<Plane> planes{
       {{.normal = Vec3::UnitX()}}, {{.normal = Vec3::UnitY()}}, {{.normal = Vec3::UnitZ()}}, {{.normal = Vec3(1, 1, 1).normalized()}}};
-  ContactSet set(lattice, 4);
-  set.open(body(), behind(planes), 0, 1e-3, unheld);
+  ContactSet set = contacts_with(planes);
   const double loads[] = {3, 1, 2, 0.5};
   for (int q = 0; q < 4; ++q) set.add(0, q, loads[q]);
   int touched = 0;
   for (int i = 0; i < set.touches(0); ++i) touched |= 1 << set.touch(0, i).plane;
   CHECK(set.touches(0) == 3 && touched == 0b1101);
   CHECK(set.freedom(0) == ContactSet::Freedom::none);
-  set.open(body(), behind({planes[0], planes[0], planes[1], planes[1]}), 0, 1e-3, unheld);
-  for (int q = 0; q < 4; ++q) set.add(0, q, 1);
-  CHECK(set.touches(0) == 2);  // of the two that are alike one is enough
+  ContactSet alike = contacts_with({planes[0], planes[0], planes[1], planes[1]});
+  for (int q = 0; q < 4; ++q) alike.add(0, q, 1);
+  CHECK(alike.touches(0) == 2);  // of the two that are alike one is enough
 }
 
 TEST(only_touches_that_pull_are_released_and_one_by_one_the_strongest_first) {
-  const std::vector<Plane> planes(1, {{.normal = Vec3::UnitZ()}});
   for (const bool all : {true, false}) {
-    ContactSet set(lattice, 1);
-    set.open(body(), behind(planes), 0, 1e-3, unheld);
+    ContactSet set = contacts_with({{{.normal = Vec3::UnitZ()}}});
     const double loads[] = {1, -1, -3, -1e-12};
     for (int p = 0; p < 4; ++p) set.add(p, 0, loads[p]);
     CHECK(set.release_pulling(1e-9, all));
@@ -135,8 +125,7 @@ TEST(friction_stays_in_its_cone_and_against_the_slip) {
   int held = 0, sliding = 0;
   for (int trial = 0; trial < 300; ++trial) {
     std::vector<Plane> planes{{{.normal = random.direction(), .velocity = random.vector(1e-9), .friction = random(0, 1.5)}}};
-    ContactSet set(lattice, 1);
-    set.open(body(), behind(planes), 0, h, unheld);
+    ContactSet set = contacts_with(planes, h);
     Points x0 = Points::Zero(8, 3), u(8, 3);
     double largest = 0;
     for (int p = 0; p < 8; ++p) {
@@ -159,7 +148,6 @@ TEST(friction_stays_in_its_cone_and_against_the_slip) {
       (touch.sticks ? held : sliding) += 1;
     }
   }
-  std::printf("  %d held, %d sliding\n", held, sliding);
   CHECK(held > 300 && sliding > 300);
 }
 
@@ -167,9 +155,7 @@ TEST(the_linear_friction_is_the_frictions_derivative) {
   Random random;
   const double h = 0.01;
   for (int trial = 0; trial < 100; ++trial) {
-    std::vector<Plane> planes{{{.normal = random.direction(), .friction = 0.5}}};
-    ContactSet set(lattice, 1);
-    set.open(body(), behind(planes), 0, h, unheld);
+    ContactSet set = contacts_with({{{.normal = random.direction(), .friction = 0.5}}}, h);
     Points x0 = Points::Zero(8, 3), u(8, 3), more(8, 3);
     for (int p = 0; p < 8; ++p) set.add(p, 0, random(1, 10));
     set.scale_friction(1, 1e4);

@@ -55,7 +55,6 @@ TEST(forces_keep_to_coulombs_law) {
           if (slip.norm() > 1e-9) CHECK((across + limit * slip.normalized()).norm() <= 1e-9 / own);
         }
       }
-  std::printf("  %d of %d found\n", found, tries);
   CHECK(found >= tries - tries / 50);
 }
 

@@ -1,8 +1,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "check.hpp"
-#include "soft_body.hpp"
+#include "soft_bodies.hpp"
 
 using namespace softffd;
 
@@ -18,12 +17,9 @@ std::vector<Vec3> face(int side) {
 
 /// A box of 1 kg on the ground.
 SoftBody standing(const std::vector<Vec3>& places, int planes = 1) {
-  Definition definition;
-  definition.mass.assign(64, 1.0 / 64);
-  definition.planes = planes;
+  Definition definition = one_kilogram({4, 4, 4}, planes);
   definition.samples = std::make_shared<Samples>(Basis::bezier, definition.lattice, places);
-  SoftBody body(definition);
-  body.settings.stiffness = {1e3, 1e3, 1e3};
+  SoftBody body = soft_body(definition, 1e3);
   body.settings.damping = 0.3;
   body.settings.gravity = {0, 0, -9.81};
   body.settings.step = 1e-4;
@@ -43,7 +39,7 @@ Count rows(const std::vector<Count>& numbers) {
 TEST(a_crowded_face_comes_to_rest) {
   SoftBody body = standing(face(21));
   CHECK(body.initialize(0) == StepStatus::ok);
-  for (int i = 0; i < 30; ++i) CHECK(body.advance(0.1) == StepStatus::ok);
+  go(body, 30, 0.1);
   CHECK(body.state().v.abs().maxCoeff() < 1e-10);
   CHECK_NEAR(body.readings().plane_reaction(0).z(), -9.81, 1e-6);
   const SurfaceRows& surface = body.run().path.surface;
@@ -81,7 +77,7 @@ TEST(what_stands_on_a_moving_plane_goes_with_it) {
   SoftBody body = standing(face(3));
   body.settings.planes[0].velocity = {0.1, 0, 0};
   CHECK(body.initialize(0) == StepStatus::ok);
-  for (int i = 0; i < 40; ++i) CHECK(body.advance(0.1) == StepStatus::ok);
+  go(body, 40, 0.1);
   const double before = body.state().x.col(0).mean();
   CHECK(body.advance(0.1) == StepStatus::ok);
   CHECK_NEAR(body.state().x.col(0).mean() - before, 0.01, 1e-9);

@@ -1,6 +1,3 @@
-#include <cstdio>
-
-#include "check.hpp"
 #include "surface_bodies.hpp"
 
 using namespace softffd;
@@ -42,19 +39,11 @@ TEST(impulses_on_the_planes_are_what_the_body_loses) {
 TEST(energy_is_kept_but_for_what_is_booked) {
   std::vector<double> errors;
   for (const double h : {4e-4, 2e-4}) {
-    Definition definition;
-    Sphere sphere{.level = 2, .height = 0.02};
-    definition.mass.assign(64, 1.0 / 64);
-    definition.planes = 2;
-    definition.offset = {0, 0, -0.08};
-    definition.velocity = {1, 0, -1};
+    const Sphere sphere{.level = 2, .height = 0.02, .damping = 0, .friction = 0.5, .velocity = {1, 0, -1}, .planes = 2};
+    Definition definition = sphere.definition();
     definition.watch_energy = true;
-    definition.samples = std::make_shared<Samples>(sphere.samples());
-    SoftBody body(definition);
-    body.settings.stiffness = {2e3, 2e3, 2e3};
-    body.settings.gravity = {0, 0, -9.81};
+    SoftBody body = sphere.body(definition);
     body.settings.step = h;
-    body.settings.planes[0].friction = 0.5;
     body.settings.planes[1] = {{1.2, 0, 0}, {-1, 0, 0.1}, {-0.5, 0, 0}, {0, 0.2, 0}, 0.3, false};
     body.initialize(0);
     const auto energy = [&] {
@@ -78,7 +67,7 @@ TEST(cutting_and_restoring_changes_no_bit_in_contact_of_the_surface) {
   for (const int parts : {1, 2, 5}) {
     SoftBody body = tumbling(1e-3, 2, 0.02);
     body.initialize(0.7);
-    for (int i = 0; i < 20 * parts; ++i) CHECK(body.advance(0.05 / parts) == StepStatus::ok);
+    go(body, 20 * parts, 0.05 / parts);
     ends.push_back(body.state().x);
   }
   CHECK((ends[0] == ends[1]).all());
@@ -86,7 +75,7 @@ TEST(cutting_and_restoring_changes_no_bit_in_contact_of_the_surface) {
   for (const double step : {1e-3, 0.0}) {
     SoftBody body = tumbling(step, 2, 0.02), other = tumbling(step, 2, 0.02);
     body.initialize(0);
-    for (int i = 0; i < 4; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+    go(body, 4, 0.01);
     other.initialize(0);
     other.restore(body.run(), 0, body.gravity_of_masses());
     bool touched = false;
@@ -104,17 +93,13 @@ TEST(cutting_and_restoring_changes_no_bit_in_contact_of_the_surface) {
 }
 
 TEST(what_is_pinned_stays_and_the_rest_gives_way) {
-  Sphere sphere{.level = 3, .height = 0.02, .damping = 0.5};
-  Definition definition;
-  definition.mass.assign(64, 1.0 / 64);
-  definition.planes = 1;
-  definition.offset = {0, 0, -0.08};
+  const Sphere sphere{.level = 3, .height = 0.02, .damping = 0.5};
+  const Samples samples = sphere.samples();
+  Definition definition = sphere.definition();
   definition.pins.emplace_back();
   for (int p = 48; p < 64; ++p) definition.pins[0].points.push_back(p);
-  definition.samples = std::make_shared<Samples>(sphere.samples());
-  SoftBody body(definition);
-  body.settings.stiffness = {2e3, 2e3, 2e3};
-  body.settings.damping = 0.5;
+  SoftBody body = sphere.body(definition);
+  body.settings.gravity.setZero();
   body.settings.step = 1e-3;
   body.settings.pins[0].position = Vec3(0.5, 0.5, 1) + definition.offset;
   body.settings.planes[0] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 0.05}, Vec3::Zero(), 0.4, false};
@@ -122,7 +107,7 @@ TEST(what_is_pinned_stays_and_the_rest_gives_way) {
   double force = 0;
   for (int i = 0; i < 200; ++i) {
     CHECK(body.advance(0.01) == StepStatus::ok);
-    CHECK(lowest(sphere.samples(), body) >= body.state().time * 0.05 - 1e-12);
+    CHECK(lowest(samples, body) >= body.state().time * 0.05 - 1e-12);
     CHECK_NEAR(body.state().x(63, 2), 0.92, 1e-15);
     force = -body.readings().plane_reaction(0).z();
   }
@@ -137,14 +122,13 @@ TEST(automatic_steps_follow_a_landing_by_the_tolerance_and_state_their_error) {
     body.settings.horizon = 0.15;
     body.settings.tolerance = tolerance;
     CHECK(body.initialize(0) == StepStatus::ok);
-    for (int i = 0; i < 15; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+    go(body, 15, 0.01);
     return body;
   };
   const SoftBody fine = landed(2e-6, 1e-4);
   for (const double tolerance : {1e-3, 3e-4, 1e-4, 3e-5}) {
     const SoftBody body = landed(0, tolerance);
-    const double error = apart(fine.state().x, body.state().x), stated = body.readings().stated_error();
-    std::printf("  tolerance %g: error %.2g, stated %.2g m\n", tolerance, error, stated);
+    const double error = distance(fine.state().x, body.state().x), stated = body.readings().stated_error();
     CHECK(body.readings().method() == Method::leapfrog && body.readings().reason() == Reason::contact);
     CHECK(error < 3 * tolerance && error < 3 * stated);
   }
@@ -159,11 +143,10 @@ TEST(a_stiff_body_with_samples_falls_by_its_modes_and_rests_in_implicit_steps) {
     body.settings.horizon = 0.5;
     for (SoftBody* each : {&fine, &body}) {
       CHECK(each->initialize(0) == StepStatus::ok);
-      for (int i = 0; i < 25; ++i) CHECK(each->advance(0.02) == StepStatus::ok);
+      go(*each, 25, 0.02);
     }
-    std::printf("  k %g: apart %.3g m\n", stiffness, apart(fine.state().x, body.state().x));
-    CHECK(apart(fine.state().x, body.state().x) < 1e-4);  // the tolerance
-    for (int i = 0; i < 125; ++i) CHECK(body.advance(0.02) == StepStatus::ok);
+    CHECK(distance(fine.state().x, body.state().x) < 1e-4);  // the tolerance
+    go(body, 125, 0.02);
     CHECK(body.readings().method() == Method::backward_euler);
     CHECK_NEAR(body.readings().plane_reaction(0).z(), -9.81, 1e-9);
     CHECK(lowest(sphere.samples(), body) >= -1e-12);
@@ -174,7 +157,7 @@ TEST(steps_of_backward_euler_alone_are_implicit_ones) {
   SoftBody body = Sphere{.level = 1, .height = 0.001, .stiffness = 1e7}.body();
   body.settings.method = Method::backward_euler;
   CHECK(body.initialize(0) == StepStatus::ok);
-  for (int i = 0; i < 200; ++i) CHECK(body.advance(0.01) == StepStatus::ok);
+  go(body, 200, 0.01);
   CHECK(body.readings().method() == Method::backward_euler);
   CHECK_NEAR(body.readings().plane_reaction(0).z(), -9.81, 1e-9);
 }

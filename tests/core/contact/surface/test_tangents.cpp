@@ -30,6 +30,12 @@ std::vector<Plane> shapes(Random& random) {
   return all;
 }
 
+/// Of a body whose surface is a sphere.
+const Samples& round_samples() {
+  static const Samples samples(Basis::bezier, {}, icosphere(2, 0.4, {0.5, 0.5, 0.5}));
+  return samples;
+}
+
 bool holds(const Plane& solid, const SolidPose& pose, const Vec3& x) {
   const Vec3 arm = x - pose.point;
   if (solid.box()) return ((pose.edges.transpose() * arm).cwiseAbs() - 0.5 * solid.sides).maxCoeff() <= slight;
@@ -67,7 +73,7 @@ TEST(a_tangent_holds_the_whole_solid_and_touches_it_where_it_is_closest) {
   CHECK(outside > 1000 && inside > 500);
 }
 
-TEST(what_is_in_a_box_goes_out_by_the_nearest_face) {
+TEST(what_is_in_a_box_goes_out_by_the_nearest_face_and_before_a_face_the_tangent_is_its_plane_to_the_bit) {
   Plane box;
   box.sides = {2, 1, 4};
   const SolidPose pose = box.pose_at(0);
@@ -75,23 +81,16 @@ TEST(what_is_in_a_box_goes_out_by_the_nearest_face) {
   CHECK(tangent(box, pose, {0.2, -0.3, 1.0}).normal == Vec3(0, -1, 0));
   CHECK(tangent(box, pose, {0.2, 0.3, -1.9}).normal == Vec3(0, 0, -1));
   CHECK_NEAR(tangent(box, pose, {0.2, 0.3, -1.9}).gap({0.2, 0.3, -1.9}), -0.1, slight);
-}
-
-TEST(before_a_face_of_a_box_that_is_not_turned_the_tangent_is_its_plane_to_the_bit) {
   Random random;
-  Plane box;
-  box.sides = {2, 1, 4};
-  box.point = {0.1, 0.2, -2};
-  const SolidPose pose = box.pose_at(0);
+  box.point = {0.1, 0.2, -2};  // not turned
   for (int trial = 0; trial < 100; ++trial) {
-    const HalfSpace facing = tangent(box, pose, Vec3(random(-0.8, 1), random(-0.2, 0.6), random(1e-17, 1)));
+    const HalfSpace facing = tangent(box, box.pose_at(0), Vec3(random(-0.8, 1), random(-0.2, 0.6), random(1e-17, 1)));
     CHECK(facing.normal == Vec3::UnitZ() && facing.offset == 0);
   }
 }
 
 TEST(tangents_go_with_their_solid) {
   Random random;
-  const Samples samples(Basis::bezier, {}, icosphere(2, 0.4, {0.5, 0.5, 0.5}));
   const Points x = rest_positions({});
   int found = 0;
   for (int trial = 0; trial < 100; ++trial)
@@ -99,7 +98,7 @@ TEST(tangents_go_with_their_solid) {
       move(solid, random);
       Drive around;
       around.planes = {solid};
-      Tangents tangents(samples, 1);
+      Tangents tangents(round_samples(), 1);
       tangents.find(around, 0, 0.1, x, 0.1);
       const SolidPose start = solid.pose_at(0), end = solid.pose_at(0.1);
       for (const Tangent& each : tangents.found()) {
@@ -117,7 +116,6 @@ TEST(tangents_go_with_their_solid) {
 
 TEST(every_sample_that_comes_to_a_solid_has_a_tangent) {
   Random random;
-  const Samples samples(Basis::bezier, {}, icosphere(2, 0.4, {0.5, 0.5, 0.5}));
   const double h = 0.01, way = 0.02;
   int came = 0, looked = 0;
   for (int trial = 0; trial < 20; ++trial)
@@ -126,7 +124,7 @@ TEST(every_sample_that_comes_to_a_solid_has_a_tangent) {
       solid.point = Vec3(0.5, 0.5, 0.5) + 1.2 * random.direction();
       Drive around;
       around.planes = {solid};
-      Tangents tangents(samples, 1);
+      Tangents tangents(round_samples(), 1);
       Points x = rest_positions({});
       for (int step = 0; step < 50; ++step) {
         Points next = x;
@@ -135,8 +133,8 @@ TEST(every_sample_that_comes_to_a_solid_has_a_tangent) {
         looked += int(tangents.found().size());
         std::set<int> has;
         for (const Tangent& each : tangents.found()) has.insert(each.sample);
-        for (int s = 0; s < samples.count(); ++s) {
-          const Vec3 place = samples.at(s, next);
+        for (int s = 0; s < round_samples().count(); ++s) {
+          const Vec3 place = round_samples().at(s, next);
           if (!holds(solid, solid.pose_at((step + 1) * h), place)) continue;
           ++came;
           CHECK(has.contains(s));
@@ -144,11 +142,10 @@ TEST(every_sample_that_comes_to_a_solid_has_a_tangent) {
         x = next;
       }
     }
-  CHECK(came > 1000 && looked < 20 * 3 * 50 * samples.count() / 2);
+  CHECK(came > 1000 && looked < 20 * 3 * 50 * round_samples().count() / 2);
 }
 
 TEST(a_solid_that_turns_beside_a_body_at_rest_is_seen_when_it_comes) {
-  const Samples samples(Basis::bezier, {}, icosphere(2, 0.4, {0.5, 0.5, 0.5}));
   const Points x = rest_positions({});
   Plane cylinder, box;
   cylinder.radius = 0.05;
@@ -160,13 +157,13 @@ TEST(a_solid_that_turns_beside_a_body_at_rest_is_seen_when_it_comes) {
     solid.angular_velocity = {0, 0, -1};
     Drive around;
     around.planes = {solid};
-    Tangents tangents(samples, 1);
+    Tangents tangents(round_samples(), 1);
     int came = 0;
     for (int step = 0; step < 160; ++step) {
       const double t1 = 0.01 * (step + 1);
       tangents.find(around, 0.01 * step, t1, x, 0);
-      for (int s = 0; s < samples.count(); ++s) {
-        if (!holds(solid, solid.pose_at(t1), samples.at(s, x))) continue;
+      for (int s = 0; s < round_samples().count(); ++s) {
+        if (!holds(solid, solid.pose_at(t1), round_samples().at(s, x))) continue;
         ++came;
         CHECK(std::ranges::any_of(tangents.found(), [&](const Tangent& each) { return each.sample == s; }));
       }
