@@ -3,16 +3,36 @@
 import pytest
 
 from c_host import Fmu
+from c_host3 import Fmu3
 from straight_run import BARE, RICH
+
+
+def unpacked(standard, folder) -> list:
+    rich = standard(RICH, folder / "rich")
+    return [rich, standard(BARE, folder / "bare", rich.library)]
 
 
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory) -> list[Fmu]:
-    folder = tmp_path_factory.mktemp("sequences")
-    rich = Fmu(RICH, folder / "rich")
-    return [rich, Fmu(BARE, folder / "bare", rich.library)]
+    return unpacked(Fmu, tmp_path_factory.mktemp("fmi2"))
 
 
 @pytest.fixture(scope="module")
 def rich(fmus) -> Fmu:
     return fmus[0]
+
+
+@pytest.fixture(scope="module")
+def rich3(tmp_path_factory) -> Fmu3:
+    return Fmu3(RICH, tmp_path_factory.mktemp("fmi3") / "rich")
+
+
+@pytest.fixture(scope="module", params=[Fmu, Fmu3], ids=["fmi2", "fmi3"])
+def of_each(request, tmp_path_factory) -> list[Fmu]:
+    """The same of either standard."""
+    return unpacked(request.param, tmp_path_factory.mktemp("each"))
+
+
+@pytest.fixture(scope="module")
+def rich_of_each(of_each) -> Fmu:
+    return of_each[0]

@@ -103,38 +103,36 @@ PACKAGE_CALLS = {"softffd_bounds", "softffd_deform", "softffd_many_steps"}
 """What the Python package calls of the library beside the standards' functions."""
 
 
-def test_the_library_exports_the_functions_of_both_standards_and_what_the_package_calls(standard, tmp_path):
-    if not shutil.which("nm"):
-        pytest.skip("nm is not on this machine")
+@pytest.fixture(scope="module")
+def library(standard, tmp_path_factory) -> Path:
     with zipfile.ZipFile(standard) as archive:
-        library = archive.extract("binaries/linux64/softffd.so", tmp_path)
-    listed = subprocess.run(["nm", "-D", "--defined-only", library], capture_output=True, text=True, check=True).stdout
-    exported = {line.split()[-1] for line in listed.splitlines()}
+        return Path(archive.extract("binaries/linux64/softffd.so", tmp_path_factory.mktemp("library")))
+
+
+def told(*command: str | Path) -> str:
+    if not shutil.which(command[0]):
+        pytest.skip(f"{command[0]} is not on this machine")
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def test_the_library_exports_the_functions_of_both_standards_and_what_the_package_calls(library):
+    exported = {line.split()[-1] for line in told("nm", "-D", "--defined-only", library).splitlines()}
     fmi3 = set(re.findall(r"FMI3_Export (fmi3\w+)TYPE\s+fmi3\w+;", (HEADERS / "fmi3Functions.h").read_text()))
     assert exported == declared_functions() | fmi3 | PACKAGE_CALLS
     assert (len(declared_functions()), len(fmi3)) == (34, 75)
 
 
-def test_the_library_needs_the_c_library_alone_and_names_no_path(standard, tmp_path):
-    if not shutil.which("readelf"):
-        pytest.skip("readelf is not on this machine")
-    with zipfile.ZipFile(standard) as archive:
-        library = Path(archive.extract("binaries/linux64/softffd.so", tmp_path))
-    listed = subprocess.run(["readelf", "-d", library], capture_output=True, text=True, check=True).stdout
+def test_the_library_needs_the_c_library_alone_and_names_no_path(library):
+    listed = told("readelf", "-d", library)
     needed = set(re.findall(r"NEEDED.*\[(.*?)\.so", listed))
     assert needed <= {"libm", "libc", "ld-linux-x86-64", "ld-linux-aarch64", "libpthread", "libdl"}
     assert "RPATH" not in listed and "RUNPATH" not in listed and "BIND_NOW" in listed
     assert str(Path(__file__).resolve().parents[2]).encode() not in library.read_bytes()
 
 
-def test_writing_past_an_array_of_the_component_ends_the_process(standard, tmp_path):
+def test_writing_past_an_array_of_the_component_ends_the_process(library):
     """Compilers put a call of the C library's last words behind functions with arrays; here they are asked to."""
-    if not shutil.which("nm"):
-        pytest.skip("nm is not on this machine")
-    with zipfile.ZipFile(standard) as archive:
-        library = archive.extract("binaries/linux64/softffd.so", tmp_path)
-    wanted = subprocess.run(["nm", "-D", "--undefined-only", library], capture_output=True, text=True, check=True).stdout
-    assert "__stack_chk_fail" in wanted
+    assert "__stack_chk_fail" in told("nm", "-D", "--undefined-only", library)
 
 
 def declared_functions() -> set[str]:
@@ -150,7 +148,8 @@ def declared_functions() -> set[str]:
 
 
 def test_every_output_is_listed_with_its_dependencies(standard):
-    root = ElementTree.fromstring(zipfile.ZipFile(standard).read("modelDescription.xml"))
+    root = described(standard)
+    assert root.find("CoSimulation").get("providesDirectionalDerivative") in (None, "false")
     variables = root.find("ModelVariables")
     outputs = [index for index, v in enumerate(variables, start=1) if v.get("causality") == "output"]
     for section in ("Outputs", "InitialUnknowns"):
@@ -176,7 +175,7 @@ def test_scenes_that_differ_only_in_what_the_library_alone_reads_have_different_
 
 
 def test_units_names_and_references_are_sound(standard):
-    root = ElementTree.fromstring(zipfile.ZipFile(standard).read("modelDescription.xml"))
+    root = described(standard)
     units = {unit.get("name") for unit in root.find("UnitDefinitions")}
     variables = list(root.find("ModelVariables"))
     assert len({v.get("name") for v in variables}) == len(variables)

@@ -1,7 +1,7 @@
 """The FMU of FMI 3.0: valid, its arrays those of the library, and its runs the same bits as those of FMI 2.0."""
 
 import zipfile
-from ctypes import c_double, c_int64
+from ctypes import c_char_p, c_double, c_int64
 from pathlib import Path
 
 import fmpy
@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from c_host import DISCARD, ERROR, OK, STEP, Fmu, check_message
+from c_host import DISCARD, ERROR, OK, STEP, WARNING, Fmu, check_message
 from c_host3 import Fmu3, Host3
 from scenes import LED, MOVED, box
+from signatures3 import OTHER_TYPES
 from softffd import FmuError, Scene, SoftffdError, load_scene, package_fmu, simulate
 from softffd.cli.command import main
 from softffd.fmu.component import Component
@@ -24,21 +25,35 @@ from straight_run import BARE, RICH, straight
 
 MIXED = box(
     points=[3, 4, 2],
-    plane=[{"name": "lid", "motion": "input", "inputs": ["point.z", "velocity"]}, {"name": "floor", "point": [0.0, 0.0, -0.5], **MOVED}],
+    stiffness={"edge": 900.0, "face": 450.0, "body": 200.0},
+    damping=0.3,
+    gravity=[0.1, 0.2, -9.81],
+    mass={"total": 2.5},
+    plane=[
+        {"name": "lid", "point": [0.1, 0.2, 1.3], "normal": [0.1, 0.0, -1.0], "velocity": [0.0, 0.3, 0.4],
+         "angular_velocity": [0.5, 0.6, 0.7], "friction": 0.2, "motion": "input", "inputs": ["point.z", "velocity"]},
+        {"name": "floor", "point": [0.3, 0.4, -0.5], "normal": [0.0, 0.2, 1.0], "velocity": [0.1, 0.2, -0.3],
+         "angular_velocity": [0.4, 0.5, 0.6], "friction": 0.6, **MOVED},
+        {"name": "wall", "point": [-1.0, 0.0, 0.0], "normal": [1.0, 0.1, 0.0], "velocity": [-0.1, 0.0, 0.0],
+         "angular_velocity": [0.0, 0.1, 0.2], "friction": 0.1},
+    ],
     pin=[
         {"name": "arm", "points": [[0, 0, 0]], "motion": "input", "inputs": ["orientation", "position.x"]},
         {"name": "hand", "points": [[2, 3, 1]], **LED},
     ],
     forces=[[2, 0, 1], [0, 1, 1]],
     velocities={"i": [1, 2], "k": [1, 1]},
-    gravity=[0.0, 0.0, -9.81],
     load=[{"name": "pull", "points": "x+"}],
-)
+    method="leapfrog",
+    tolerance=2e-4,
+    step=1e-3,
+)  # fmt: skip
+"""Of every kind, with start values that are none by default"""
 
 
 @pytest.fixture(scope="module")
-def rich(tmp_path_factory) -> Fmu3:
-    return Fmu3(RICH, tmp_path_factory.mktemp("rich") / "fmi3")
+def rich(rich3) -> Fmu3:
+    return rich3
 
 
 @pytest.fixture(scope="module")
@@ -83,16 +98,13 @@ def test_a_pose_that_is_partly_input_is_a_scalar_each(mixed):
     assert mixed.arrays["plane.lid.velocity"].causality == "input" and mixed.arrays["plane.lid.normal"].causality == "parameter"
 
 
-@pytest.mark.parametrize("scene", ["rich", "mixed"])
-def test_start_values_are_those_of_the_library(request, scene):
-    host = request.getfixturevalue(scene).host()
-    for name, variable in host.fmu.arrays.items():
-        if variable.causality not in ("input", "parameter"):
-            continue
-        stated = np.array(variable.start.split(), dtype=float)
-        got = host.get(name, kind=variable.type)[name]
-        np.testing.assert_array_equal(got.ravel(), np.broadcast_to(stated, got.size), err_msg=name)
-    host.free()
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("scene", [RICH, MIXED], ids=["rich", "mixed"])
+def test_start_values_of_the_description_are_those_of_the_library(scene, fmi, tmp_path):
+    with Component(package_fmu(scene, tmp_path / "it.fmu", fmi=fmi)) as component:
+        component.set_up()
+        described = {name: float(v.start) for name, v in component.by_name.items() if v.causality != "output"}
+        assert len(described) > 50 and described == {name: component.block([name]).get()[0] for name in described}
 
 
 def test_every_array_has_the_number_of_elements_that_its_dimensions_say(mixed):
@@ -100,13 +112,11 @@ def test_every_array_has_the_number_of_elements_that_its_dimensions_say(mixed):
     host.begin()
     for name, variable in mixed.arrays.items():
         host.get(name, kind=variable.type)
+    for name, variable in mixed.arrays.items():
         size, room = host.size([name]), c_double if variable.type == "Float64" else c_int64
         for wrong in (size - 1, size + 1):
-            one = mixed.host()
-            one.begin()
-            assert one(f"Get{variable.type}", *one.references([name]), (room * (size + 1))(), wrong) == ERROR, name
-            check_message(one, f"nValues: wanted {size}, one for each element of the variables, got {wrong}")
-            one.free()
+            assert host(f"Get{variable.type}", *host.references([name]), (room * (size + 1))(), wrong) == ERROR, name
+            check_message(host, f"nValues: wanted {size}, one for each element of the variables, got {wrong}")
     host.free()
 
 
@@ -223,60 +233,14 @@ def test_a_discarded_step_may_be_tried_again(rich):
     undisturbed.free()
 
 
-def test_messages_double_what_the_standard_gives_a_meaning(rich):
-    host = rich.host(token=b"50% of #1")
-    assert not host.component
-    (_, _, status, category, text) = host.messages[0]
-    assert (status, category) == (ERROR, b"logStatusError")
-    assert text.decode() == f"fmi3InstantiateCoSimulation: instantiationToken: wanted {rich.guid.decode()}, got 50% of ##1"
-
-
-@pytest.mark.parametrize(
-    "given, wanted",
-    [
-        ({"name": b" "}, "instanceName: wanted a text, got nothing but blanks"),
-        ({"name": None}, "instanceName: wanted a text, got nothing"),
-        ({"token": None}, "instantiationToken: wanted a text, got null"),
-        ({"resources": None}, "resourcePath: wanted the path of the resources folder, got nothing"),
-        ({"resources": b"/nowhere"}, "cannot read /nowhere/scene.txt"),
-        ({"events": True}, "eventModeUsed: wanted fmi3False"),
-        ({"intermediate": 2}, "nRequiredIntermediateVariables: wanted 0, got 2"),
-    ],
-)
-def test_what_cannot_be_instantiated_is_refused_with_the_reason(rich, given, wanted):
-    host = rich.host(**given)
-    assert not host.component
-    assert [wanted in message[-1].decode() for message in host.messages] == [True]
-
-
-def test_a_folder_without_a_separator_at_its_end_is_taken_too(rich):
+def test_a_folder_without_a_separator_calls_about_no_variables_and_an_unknown_log_category_are_taken(rich):
     host = rich.host(resources=rich.resources.rstrip(b"/"))
-    assert host.component
+    for name in (*OTHER_TYPES, "GetFloat64", "SetFloat64", "GetInt64", "SetInt64"):
+        host.must(name, None, 0, None, 0)
+    assert not host.messages
+    assert host("SetDebugLogging", True, 2, (c_char_p * 2)(b"solver", b"weather")) == WARNING
+    assert b"passed over weather" in host.messages[-1][-1]
     host.free()
-
-
-def test_an_instance_answers_calls_of_its_own_standard_only(rich, tmp_path):
-    two = Fmu(RICH, tmp_path / "fmi2")
-    old, new = two.host(), rich.host()
-    assert rich.library.fmi3Reset(old.component) == ERROR
-    assert two.library.fmi2Reset(new.component) == ERROR
-    old.must("Reset")
-    new.must("Reset")
-    old.free()
-    new.free()
-
-
-def test_a_state_goes_on_in_another_instance_as_bytes(rich):
-    one, other = rich.host(), rich.host()
-    one.begin()
-    one.step(0)
-    handle = other.received(one.serialized(one.save()))
-    other.must("SetFMUState", handle)
-    for host in (one, other):
-        host.step(1)
-    assert one.outputs() == other.outputs()
-    one.free()
-    other.free()
 
 
 @pytest.mark.parametrize("scene", [RICH, MIXED, MIXED.replace({"fmu.names": "flat"})], ids=["rich", "mixed", "flat"])

@@ -1,6 +1,7 @@
 """Instantiation that is refused, and messages: when they come, in which category, and what they look like."""
 
 from ctypes import CDLL, c_char_p, c_size_t, create_string_buffer
+from pathlib import Path
 
 import pytest
 
@@ -11,30 +12,44 @@ from straight_run import apply, straight
 CANCELLED = b"fmi2CancelStep: steps are never pending, there is none to cancel"
 
 
-@pytest.mark.parametrize(
-    "given, wanted",
-    [
-        ({"type": 0}, "fmuType: wanted fmi2CoSimulation"),
-        ({"guid": None}, "fmuGUID: wanted a text, got null"),
-        ({"guid": b"{no%s#n}"}, "fmuGUID: wanted {"),
-        ({"uri": None}, "fmuResourceLocation: wanted the URI"),
-        ({"uri": b""}, "fmuResourceLocation: wanted the URI"),
-        ({"uri": b"http://x/%20#y"}, "wanted a file: URI, got http://x/%%20##y"),
-        ({"uri": b"file:///no/such%20folder"}, "cannot read /no/such folder/scene.txt"),
-        ({"name": b""}, "instanceName: wanted a text"),
-        ({"name": b" \t\n "}, "instanceName: wanted a text, got nothing but blanks"),
-        ({"name": None}, "instanceName: wanted a text"),
-    ],
-)
-def test_a_refused_instantiation_says_why_once(rich, given, wanted):
-    host = Host(rich, **given)
+REFUSED = [
+    (2, {"type": 0}, "fmuType: wanted fmi2CoSimulation"),
+    (2, {"guid": None}, "fmuGUID: wanted a text, got null"),
+    (2, {"guid": b"{no%s#n}"}, "fmuGUID: wanted {"),
+    (2, {"uri": None}, "fmuResourceLocation: wanted the URI"),
+    (2, {"uri": b""}, "fmuResourceLocation: wanted the URI"),
+    (2, {"uri": b"http://x/%20#y"}, "wanted a file: URI, got http://x/%%20##y"),
+    (2, {"uri": b"file:///no/such%20folder"}, "cannot read /no/such folder/scene.txt"),
+    (2, {"name": b""}, "instanceName: wanted a text"),
+    (3, {"token": b"50%of#1"}, "fmi3InstantiateCoSimulation: instantiationToken: wanted {"),
+    (3, {"token": None}, "instantiationToken: wanted a text, got null"),
+    (3, {"resources": None}, "resourcePath: wanted the path of the resources folder, got nothing"),
+    (3, {"resources": b"/nowhere"}, "cannot read /nowhere/scene.txt"),
+    (3, {"events": True}, "eventModeUsed: wanted fmi3False"),
+    (3, {"intermediate": 2}, "nRequiredIntermediateVariables: wanted 0, got 2"),
+    *[(fmi, {"name": b" \t\n "}, "instanceName: wanted a text, got nothing but blanks") for fmi in (2, 3)],
+    *[(fmi, {"name": None}, "instanceName: wanted a text, got nothing") for fmi in (2, 3)],
+]
+
+
+@pytest.mark.parametrize("fmi, given, wanted", REFUSED)
+def test_a_refused_instantiation_says_why_once(rich, rich3, fmi, given, wanted):
+    host = {2: rich, 3: rich3}[fmi].host(**given)
     assert not host.component
     assert len(host.messages) == 1
     environment, instance, status, category, message = host.messages[0]
-    assert (environment, instance) == (4711, given.get("name", b"host") or b"")
+    assert (environment, instance) == (4711, given.get("name", b"host") or (b"" if fmi == 2 else None))
     assert (status, category) == (ERROR, b"logStatusError")
     assert wanted in message.decode()
-    assert "%" not in message.decode().replace("%%", "")
+    assert fmi == 3 or "%" not in message.decode().replace("%%", "")
+    assert not given.get("token") or message.endswith(b", got 50%of##1")  # in FMI 3.0 # alone has a meaning
+
+
+def test_a_damaged_resource_is_refused_with_the_reason(rich, tmp_path):
+    scene = Path(rich.path).parents[2] / "resources" / "scene.txt"
+    (tmp_path / "scene.txt").write_text(scene.read_text().replace("friction", "frictio") + "step 0.0\n")
+    host = Host(rich, uri=tmp_path.as_uri().encode())
+    assert not host.component and b"checksum" in host.messages[0][4]
 
 
 @pytest.mark.parametrize("given", [{"guid": b"{no}\n"}, {"uri": b"http://x\n"}, {"uri": b"file:///no\xff\xfe"}, {"guid": b"\xff"}])
@@ -116,8 +131,7 @@ def test_there_is_no_step_to_cancel_and_the_run_goes_on(rich):
         return status == message[2] == WARNING and message[3:] == (b"logStatusWarning", CANCELLED) and not host.messages
 
     assert cancelled()
-    host.must("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-    host.must("EnterInitializationMode")
+    assert host.enter() == OK
     assert cancelled()
     host.must("ExitInitializationMode")
     for n in range(3):
@@ -127,20 +141,6 @@ def test_there_is_no_step_to_cancel_and_the_run_goes_on(rich):
         assert host.outputs() == expected[n + 1]
     host.must("Terminate")
     assert cancelled()
-    host.free()
-
-
-def test_a_run_that_was_not_set_up_is_warned_of_once_and_is_that_of_the_defaults(rich):
-    expected = straight(rich, 3)
-    host = Host(rich, logging=True)
-    host.must("EnterInitializationMode")
-    host.must("ExitInitializationMode")
-    for n in range(3):
-        apply(host, n)
-        host.must("DoStep", TIMES[n], STEP, 1)
-        assert host.outputs() == expected[n + 1]
-    said = [message[2:4] for message in host.messages if b"fmi2SetupExperiment was not called" in message[4]]
-    assert said == [(WARNING, b"logStatusWarning")]
     host.free()
 
 
@@ -234,9 +234,7 @@ def test_points_that_start_behind_a_plane_are_warned_of_once(sunk, values, warni
 
 def test_layers_that_a_plane_lays_together_are_refused_with_the_plane(sunk):
     host = Host(sunk)
-    host.must("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-    host.must("EnterInitializationMode")
-    assert host.set({"plane.floor.point.z": 0.5}) == OK
+    assert host.enter() == host.set({"plane.floor.point.z": 0.5}) == OK
     assert host("ExitInitializationMode") == ERROR
     message = host.messages[0][4].decode()
     assert "springs have no length, because 32 control points start behind plane floor, by up to 0.5 m" in message

@@ -6,15 +6,7 @@ from ctypes import byref, c_void_p
 import pytest
 
 from c_host import DISCARD, OK, STEP, STEPS, TIMES, Fmu
-from c_host3 import Fmu3
-from straight_run import BARE, RICH, apply, straight
-
-
-@pytest.fixture(scope="module", params=[Fmu, Fmu3], ids=["fmi2", "fmi3"])
-def fmus(request, tmp_path_factory) -> list[Fmu]:
-    folder = tmp_path_factory.mktemp("sequences")
-    rich = request.param(RICH, folder / "rich")
-    return [rich, request.param(BARE, folder / "bare", rich.library)]
+from straight_run import apply, straight
 
 
 class Walker:
@@ -92,17 +84,8 @@ class Walker:
 
 
 MOVES = {
-    "advance": 60,
-    "save": 12,
-    "restore": 10,
-    "look": 6,
-    "discard": 3,
-    "restart": 1,
-    "replace": 1,
-    "drop": 6,
-    "take": 6,
-    "overwrite": 3,
-}
+    "advance": 60, "save": 12, "restore": 10, "look": 6, "discard": 3, "restart": 1, "replace": 1, "drop": 6, "take": 6, "overwrite": 3,
+}  # fmt: skip
 
 
 def wander(fmus: list[Fmu], seed: int, moves: int) -> int:
@@ -128,12 +111,12 @@ def wander(fmus: list[Fmu], seed: int, moves: int) -> int:
 
 @pytest.mark.short("fmi2-*", "fmi3-0")
 @pytest.mark.parametrize("seed", range(4))
-def test_thousands_of_random_legal_calls_stay_on_the_straight_run(fmus, seed):
-    assert wander(fmus, seed, 1200) > 500
+def test_thousands_of_random_legal_calls_stay_on_the_straight_run(of_each, seed):
+    assert wander(of_each, seed, 1200) > 500
 
 
-def test_the_straight_run_depends_on_what_the_schedule_sets(fmus):
-    for fmu in fmus:
+def test_the_straight_run_depends_on_what_the_schedule_sets(of_each):
+    for fmu in of_each:
         host = fmu.host()
         host.begin()
         for n in range(STEPS):

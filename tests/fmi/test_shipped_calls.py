@@ -19,7 +19,9 @@ LENGTHS = (1e-3, 2e-3, 5e-3)
 @pytest.fixture(scope="module", params=shipped_scenes())
 def shipped(request, tmp_path_factory) -> Fmu:
     folder = tmp_path_factory.mktemp("shipped")
-    fmu = Fmu(load_scene(request.param), folder / "fmu_of")
+    scene = load_scene(request.param)
+    fmu = Fmu(scene, folder / "fmu_of")
+    fmu.experiment = scene.experiment
     fmu.variables = fmpy.read_model_description(str(folder / "fmu_of" / "box.fmu"), validate=False).modelVariables
     return fmu
 
@@ -224,3 +226,17 @@ def test_random_calls_of_any_kind_end_without_a_crash(shipped, calls):
         refused += status == ERROR
     assert refused > CALLS[calls] / 4
     check_as_new(host.host, shipped)
+
+
+@pytest.mark.short("car_drop", "incline", "stiff_bounce")
+def test_a_host_that_gives_the_scenes_stop_time_and_one_that_gives_none_end_with_the_same_bits(shipped):
+    stop, step = shipped.experiment.stop_time, shipped.experiment.communication_step
+    ends = []
+    for given in (stop, None):
+        host = Host(shipped)
+        host.begin(stop=given)
+        for n in range(round(stop / step)):
+            host.must("DoStep", n * step, step, 1)
+        ends.append(host.outputs())
+        host.free()
+    assert ends[0] == ends[1]

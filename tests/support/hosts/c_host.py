@@ -69,6 +69,7 @@ def opened(path: str) -> CDLL:
 class Fmu:
     """An unpacked FMU: its library, guid, resources and value references by name."""
 
+    standard, signatures = "fmi2", SIGNATURES
     interpolates = True
     """Whether inputs take derivatives"""
 
@@ -90,6 +91,10 @@ class Fmu:
 
     def host(self, **options) -> "Host":
         return Host(self, **options)
+
+    def spelled(self, function: str) -> str:
+        """A function's name in this standard."""
+        return function
 
 
 def doubles(values):
@@ -128,14 +133,24 @@ class Host:
         status = self(function, *arguments)
         assert status == OK, (function, status, self.messages[-1:])
 
-    def begin(self, initialize=lambda host: None) -> None:
-        self.must("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-        self.must("EnterInitializationMode")
+    def enter(self, start: float = 0.0, stop: float | None = None, tolerance: float | None = None) -> int:
+        """Sets the run up and enters initialization mode."""
+        status = self("SetupExperiment", tolerance is not None, tolerance or 0.0, start, stop is not None, stop or 0.0)
+        return status or self("EnterInitializationMode")
+
+    def begin(self, initialize=lambda host: None, **given) -> None:
+        assert self.enter(**given) == OK, self.messages[-1:]
         initialize(self)
         self.must("ExitInitializationMode")
 
     def set(self, values: dict[str, float]) -> int:
         return self("SetReal", uints([self.fmu.names[name] for name in values]), len(values), doubles(list(values.values())))
+
+    put_by_name = set
+    """Whatever the names are"""
+
+    def set_integer(self, name: str, value: int) -> int:
+        return self("SetInteger", uints([self.fmu.names[name]]), 1, ints([value]))
 
     def set_rates(self, rates: dict[str, float]) -> None:
         references = uints([self.fmu.names[name] for name in rates])
@@ -168,6 +183,9 @@ class Host:
         values = (c_double * count)()
         self.must("GetRealOutputDerivatives", uints(references), count, ints([1] * count), values)
         return bytes(values)
+
+    def ask_slope(self, name: str, order: int = 1) -> int:
+        return self("GetRealOutputDerivatives", uints([self.fmu.names[name]]), 1, ints([order]), doubles([0.0]))
 
     def step(self, n: int) -> int:
         return self("DoStep", TIMES[n], STEP, 1)

@@ -1,7 +1,7 @@
 """The same host on the C functions of FMI 3.0. It speaks of variables by the names that they have in FMI 2.0, so that one schedule and one
 run serve both: what is an element of an array is put there, and the arrays that hold it are set as a whole."""
 
-from ctypes import CDLL, CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_size_t, c_uint32, c_void_p, create_string_buffer
+from ctypes import CDLL, CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint32, c_void_p, create_string_buffer
 from pathlib import Path
 
 import fmpy
@@ -16,6 +16,8 @@ from softffd.fmu.variables import variables
 from softffd.names import parse_name
 
 Logger = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
+SPELLED = {"FMUstate": "FMUState", "DeSerialize": "Deserialize", "RealOutput": "Output", "tReal": "tFloat64", "tInteger": "tInt64"}
+"""Functions' names of FMI 2.0 and those of FMI 3.0, where they differ"""
 
 
 def opened(path: str) -> CDLL:
@@ -35,6 +37,7 @@ def opened(path: str) -> CDLL:
 class Fmu3(Fmu):
     """An unpacked FMU of FMI 3.0."""
 
+    standard, signatures = "fmi3", SIGNATURES | ABSENT
     interpolates = False
 
     def __init__(self, scene: Scene, folder: Path, library: CDLL | None = None):
@@ -50,6 +53,7 @@ class Fmu3(Fmu):
         self.categories = {category.name.encode() for category in description.logCategories}
         self.arrays = {v.name: v for v in description.modelVariables}
         self.shapes = {name: tuple(int(dimension.start) for dimension in v.dimensions) for name, v in self.arrays.items()}
+        self._orders: dict[tuple[str, ...], np.ndarray] = {}
         self.names = self._places([each.name for variable in variables(scene, scene_masses(scene).mass) for each in elements(variable)])
 
     def _places(self, names: list[str]) -> dict[str, tuple[str, int]]:
@@ -65,12 +69,24 @@ class Fmu3(Fmu):
         places = {name: (array, n) for array, own in elements.items() for n, name in enumerate(own)}
         return {name: places[name] for name in names}
 
+    def order(self, arrays: tuple[str, ...]) -> np.ndarray:
+        """Where in these arrays, one after the other, the elements are in the order of FMI 2.0."""
+        if arrays not in self._orders:
+            begins = dict(zip(arrays, np.cumsum([0, *(int(np.prod(self.shapes[name])) for name in arrays)]), strict=False))
+            self._orders[arrays] = np.array([begins[array] + n for array, n in self.names.values() if array in begins], dtype=int)
+        return self._orders[arrays]
+
     def of(self, causality: str, kind: str) -> list[str]:
         """Names of arrays."""
         return [name for name, v in self.arrays.items() if v.causality == causality and v.type == kind]
 
     def host(self, **options) -> "Host3":
         return Host3(self, **options)
+
+    def spelled(self, function: str) -> str:
+        for two, three in SPELLED.items():
+            function = function.replace(two, three)
+        return function
 
 
 class Host3(Host):
@@ -96,7 +112,7 @@ class Host3(Host):
 
     def __call__(self, function: str, *arguments) -> int:
         """Functions by their names in either standard."""
-        function = function.replace("FMUstate", "FMUState").replace("DeSerialize", "Deserialize")
+        function = self.fmu.spelled(function)
         if function == "DoStep" and len(arguments) == 3:
             self.flags = [c_bool(True) for _ in range(3)]
             arguments += (*map(byref, self.flags), byref(self.last))
@@ -104,11 +120,6 @@ class Host3(Host):
 
     def enter(self, start: float = 0.0, stop: float | None = None, tolerance: float | None = None) -> int:
         return self("EnterInitializationMode", tolerance is not None, tolerance or 0.0, start, stop is not None, stop or 0.0)
-
-    def begin(self, initialize=lambda host: None) -> None:
-        assert self.enter() == 0
-        initialize(self)
-        self.must("ExitInitializationMode")
 
     # ---- arrays ----
 
@@ -142,6 +153,21 @@ class Host3(Host):
             arrays[array].reshape(-1)[element] = values[name]
         return self.put(arrays)
 
+    def put_by_name(self, values: dict[str, float]) -> int:
+        """Whatever the names are, without a look at what else the arrays hold: zeros."""
+        arrays = {array: np.zeros(self.fmu.shapes[array]) for array, _ in map(self.fmu.names.get, values)}
+        for name, value in values.items():
+            array, element = self.fmu.names[name]
+            arrays[array].reshape(-1)[element] = value
+        return self.put(arrays)
+
+    def set_integer(self, name: str, value: int) -> int:
+        return self("SetInt64", *self.references([name]), (c_int64 * 1)(value), 1)
+
+    def ask_slope(self, name: str, order: int = 1) -> int:
+        count = self.size([name])
+        return self("GetOutputDerivatives", *self.references([name]), ints([order]), (c_double * count)(), count)
+
     def set_rates(self, rates) -> None:
         raise AssertionError("inputs have no derivatives")
 
@@ -149,7 +175,8 @@ class Host3(Host):
         return self.last.value
 
     def _in_order(self, arrays: dict[str, np.ndarray]) -> np.ndarray:
-        return np.array([arrays[array].reshape(-1)[n] for array, n in self.fmu.names.values() if array in arrays])
+        """Elements one by one as FMI 2.0 lists them."""
+        return np.concatenate([values.ravel() for values in arrays.values()])[self.fmu.order(tuple(arrays))]
 
     def settings(self) -> bytes:
         return self._in_order(self.get(*self.fmu.of("input", "Float64"), *self.fmu.of("parameter", "Float64"))).tobytes()
