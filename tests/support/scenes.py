@@ -1,9 +1,11 @@
 """Scenes as dictionaries: `box(stiffness=2e3, plane=[{"name": "ground"}])` is what the same keys in a file would be."""
 
+from pathlib import Path
 from typing import Any
 
 from softffd import Scene
 from softffd.scene.scene import scene_from
+from validation import shapes
 
 GRAVITY = [0.0, 0.0, -9.81]
 """m/s2"""
@@ -41,3 +43,9 @@ def box(**keys: Any) -> Scene:
         else:
             document[name] = value
     return scene_from(document)
+
+
+def meshed(folder: Path, shape: shapes.Shape, **keys: Any) -> Scene:
+    """A body in the unit box, whose surface touches: vertices and faces, written to the folder."""
+    unit = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
+    return box(**{"mesh": {"file": shapes.write(folder / "body.obj", shape)}, "lattice": unit, "contact": {"of": "surface"}, **keys})

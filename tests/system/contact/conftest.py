@@ -2,12 +2,11 @@
 
 import pytest
 
-from scenes import box
+from scenes import GRAVITY, meshed
 from softffd import Scene
-from validation import shapes as bodies
 
-UNIT = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
-CENTRE = {"name": "centre", "at": [0.5, 0.5, 0.5]}
+RUBBER = {"youngs_modulus": 6e3, "internal_damping": 5e-4}
+"""The fastest vibrations have their critical damping."""
 
 
 @pytest.fixture
@@ -15,7 +14,14 @@ def body(tmp_path):
     """body(vertices and faces, keys) is a scene of a body in the unit box, with contact of its surface and steps of 1 ms."""
 
     def made(shape, **keys) -> Scene:
-        keys = {"contact": {"of": "surface"}, "lattice": UNIT, "method": "leapfrog", "step": 1e-3, "communication_step": 0.02, **keys}
-        return box(mesh={"file": bodies.write(tmp_path / "body.obj", shape)}, stiffness=keys.pop("stiffness", 2e3), probe=[CENTRE], **keys)
+        material = {} if "material" in keys else {"stiffness": 2e3}
+        start = {"method": "leapfrog", "step": 1e-3, "communication_step": 0.02, "probe": [{"name": "centre", "at": [0.5, 0.5, 0.5]}]}
+        return meshed(tmp_path, shape, **{**material, **start, **keys})
 
     return made
+
+
+@pytest.fixture
+def rubber(body):
+    """Such a body of 1 kg/m3 with internal damping, under gravity."""
+    return lambda shape, **keys: body(shape, **{"material": RUBBER, "mass": {"density": 1.0}, "gravity": GRAVITY, **keys})

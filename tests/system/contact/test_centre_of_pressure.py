@@ -4,34 +4,30 @@ import numpy as np
 import pytest
 
 from readings import points, vector
-from scenes import GRAVITY, MOVED, box
+from scenes import GRAVITY, MOVED
 from softffd import Simulation, simulate
 from softffd.fmu.package import scene_masses
 from validation import shapes as bodies
 
-UNIT = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
 GROUND = {"name": "ground", "friction": 0.5, "point": [0.3, -0.2, 0.0]}
 TOUCHING = ["lattice", "surface"]
+PUSHED = {"load.push.x": 1.5, "load.push.y": -0.5}
+"""N"""
 
 
 @pytest.fixture
-def body(tmp_path):
-    """body(of, keys) is a scene of a cube with samples all over its faces, of which control points or these touch."""
-
-    def made(of, **keys):
-        keys = {"gravity": GRAVITY, "plane": [GROUND], "communication_step": 0.02, **keys}
-        mesh = {"file": bodies.write(tmp_path / "cube.obj", bodies.cube(4, 0.0))}
-        return box(mesh=mesh, contact={"of": of}, lattice=UNIT, stiffness=2e3, **keys)
-
-    return made
+def cube(body):
+    """cube(of, keys) is a scene of a cube with samples all over its faces, of which control points or these touch."""
+    start = {"gravity": GRAVITY, "plane": [GROUND], "method": "auto", "step": 0.0, "load": [{"name": "push", "points": "x-"}]}
+    return lambda of, **keys: body(bodies.cube(4, 0.0), contact={"of": of}, **{**start, **keys})
 
 
 @pytest.mark.parametrize("of", TOUCHING)
 @pytest.mark.parametrize("method", ["leapfrog", "auto"])
-def test_a_box_that_is_pushed_presses_where_its_moments_balance(body, of, method):
+def test_a_box_that_is_pushed_presses_where_its_moments_balance(cube, of, method):
     """About the centre of pressure the weight and the push have no moment along the ground."""
-    scene = body(of, method=method, damping=4.0, stop_time=4.0, load=[{"name": "push", "points": "x-"}])
-    result = simulate(scene, start_values={"load.push.x": 1.5, "load.push.y": -0.5})
+    scene = cube(of, method=method, damping=4.0, stop_time=4.0)
+    result = simulate(scene, start_values=PUSHED)
     x = points(result)[-1]
     pushed = x[np.isclose(scene.rest_positions()[:, 0], 0.0)].mean(axis=0)
     weight, push = np.array(GRAVITY), np.array([1.5, -0.5, 0.0])
@@ -41,14 +37,10 @@ def test_a_box_that_is_pushed_presses_where_its_moments_balance(body, of, method
     assert centre[:2] == pytest.approx([0.5 + 1.5 * 0.5 / 9.81, 0.5 - 0.5 * 0.5 / 9.81], abs=5e-3)  # of the undeformed box
 
 
-def test_a_sphere_presses_below_its_centre_of_mass(tmp_path):
-    mesh = {"file": bodies.write(tmp_path / "ball.obj", bodies.sphere(3))}
-    scene = box(
-        mesh=mesh, contact={"of": "surface"}, lattice=UNIT, stiffness=2e3, damping=1.0, gravity=GRAVITY, method="leapfrog",
-        plane=[GROUND], offset=[0.0, 0.0, -0.09], stop_time=8.0, communication_step=0.05,
-    )  # fmt: skip
-    result = simulate(scene)
-    mass = scene_masses(scene).mass
+def test_a_sphere_presses_below_its_centre_of_mass(body):
+    low = {"offset": [0.0, 0.0, -0.09], "damping": 1.0, "step": 0.0, "stop_time": 8.0, "communication_step": 0.05}
+    scene = body(bodies.sphere(3), gravity=GRAVITY, plane=[GROUND], **low)
+    result, mass = simulate(scene), scene_masses(scene).mass
     middle = (mass @ points(result)[-1]) / mass.sum()
     assert vector(result, "plane.ground.centre")[-1] == pytest.approx([*middle[:2], 0.0], abs=1e-6)
 
@@ -61,12 +53,11 @@ SOLIDS = {
 
 
 @pytest.mark.parametrize("solid", SOLIDS)
-def test_on_a_flat_face_of_a_solid_the_centre_is_on_it_and_where_it_is_on_a_plane(body, solid):
-    keys = {"method": "leapfrog", "damping": 4.0, "stop_time": 1.0, "load": [{"name": "push", "points": "x-"}]}
-    pushed = {"start_values": {"load.push.x": 1.5, "load.push.y": -0.5}}
+def test_on_a_flat_face_of_a_solid_the_centre_is_on_it_and_where_it_is_on_a_plane(cube, solid):
     kind = solid.split()[-1]
-    solids = {kind: [{"name": "ground", "friction": 0.5, **SOLIDS[solid]}]}
-    on_plane, on_solid = simulate(body("surface", **keys), **pushed), simulate(body("surface", **keys, plane=[], **solids), **pushed)
+    below = {}, {"plane": [], kind: [{"name": "ground", "friction": 0.5, **SOLIDS[solid]}]}
+    keys = {"method": "leapfrog", "damping": 4.0, "stop_time": 1.0}
+    on_plane, on_solid = (simulate(cube("surface", **keys, **each), start_values=PUSHED) for each in below)
     presses = vector(on_solid, f"{kind}.ground.reaction")[:, 2] < 0
     assert presses.sum() > 20
     centre = vector(on_solid, f"{kind}.ground.centre")
@@ -74,18 +65,18 @@ def test_on_a_flat_face_of_a_solid_the_centre_is_on_it_and_where_it_is_on_a_plan
     assert np.abs(centre - vector(on_plane, "plane.ground.centre"))[presses].max() < 1e-6
 
 
-def test_on_a_ridge_the_centre_is_on_its_line(body):
+def test_on_a_ridge_the_centre_is_on_its_line(cube):
     """Of a cylinder that lies under a row of vertices."""
     log = {"name": "log", "radius": 0.5, "length": 3.0, "normal": [0.0, 1.0, 0.0], "point": [1 / 3, 0.5, -0.5]}
-    scene = body("surface", plane=[], cylinder=[log], method="leapfrog", stop_time=0.04)
+    scene = cube("surface", plane=[], cylinder=[log], method="leapfrog", stop_time=0.04)
     assert vector(simulate(scene), "cylinder.log.centre")[-1] == pytest.approx([1 / 3, 0.5, 0.0], abs=1e-3)
 
 
 @pytest.mark.short("lattice")
 @pytest.mark.parametrize("of", TOUCHING)
-def test_of_a_thrown_body_the_centre_is_below_it_and_takes_all_torque_but_the_normals(body, of):
+def test_of_a_thrown_body_the_centre_is_below_it_and_takes_all_torque_but_the_normals(cube, of):
     thrown = {"velocity": [1.5, 0.3, -1.0], "angular_velocity": [2.0, 4.0, 1.0]}
-    result = simulate(body(of, damping=0.1, offset=[0.0, 0.0, 0.3], stop_time=1.5, communication_step=5e-3, **thrown))
+    result = simulate(cube(of, damping=0.1, offset=[0.0, 0.0, 0.3], stop_time=1.5, communication_step=5e-3, **thrown))
     force, torque = vector(result, "plane.ground.reaction"), vector(result, "plane.ground.torque")
     presses = force[:, 2] < 0
     assert 20 < presses.sum() < presses.size - 20
@@ -100,32 +91,20 @@ def test_of_a_thrown_body_the_centre_is_below_it_and_takes_all_torque_but_the_no
 
 
 @pytest.mark.parametrize("of", TOUCHING)
-def test_on_a_plane_that_moves_the_centre_is_where_the_plane_is_at_the_steps_end(body, of):
+def test_on_a_plane_that_moves_the_centre_is_where_the_plane_is_at_the_steps_end(cube, of):
     lift = {"name": "lift", "friction": 0.5, "velocity": [0.1, 0.0, 0.2]}
-    result = simulate(body(of, plane=[lift], damping=1.0, stop_time=1.0))
+    result = simulate(cube(of, plane=[lift], damping=1.0, stop_time=1.0))
     centre = vector(result, "plane.lift.centre")
     assert centre[1:, 2] == pytest.approx(0.2 * result.time[1:], abs=1e-12)
     drag = 64 * np.array([0.1, 0.0, 0.2])  # of the damping of all control points, at the middle of the box
     assert centre[-1, 0] == pytest.approx(points(result)[-1].mean(axis=0)[0] - 0.5 * drag[0] / (9.81 + drag[2]), abs=5e-3)
 
 
-def test_a_plane_that_nothing_presses_has_its_point_for_a_centre(body):
+def test_a_plane_that_nothing_presses_has_its_point_for_a_centre(cube):
     away = {"name": "plate", "point": [0.2, 0.1, 3.0], "normal": [0.0, 0.3, -1.0], **MOVED}
-    with Simulation(body("surface", plane=[GROUND, away], stop_time=1.0)) as simulation:
+    with Simulation(cube("surface", plane=[GROUND, away], stop_time=1.0)) as simulation:
         np.testing.assert_array_equal(simulation.plane["plate"].centre, [0.2, 0.1, 3.0])
         np.testing.assert_array_equal(simulation.plane["ground"].centre, GROUND["point"])
         simulation.plane["plate"].velocity = [0.0, 0.0, -0.5]
         simulation.step()
         assert simulation.plane["plate"].centre == pytest.approx([0.2, 0.1, 3.0 - 0.5 * 0.02], abs=1e-15)
-
-
-@pytest.mark.parametrize("of", TOUCHING)
-def test_a_state_brings_the_centre_back(body, of):
-    """In another component, without a step there."""
-    scene = body(of, damping=1.0, stop_time=1.0, velocity=[0.5, 0.0, 0.0])
-    with Simulation(scene) as first, Simulation(scene) as second:
-        for _ in range(10):
-            first.step()
-        second.restore(bytes(first.save()))
-        np.testing.assert_array_equal(second.plane["ground"].centre, first.plane["ground"].centre)
-        assert np.abs(first.plane["ground"].centre - GROUND["point"])[:2].min() > 0.01

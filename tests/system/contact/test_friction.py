@@ -9,24 +9,14 @@ from softffd import simulate
 
 G = 9.81
 NONE: dict = {}
-
 BELT = {"velocity": [0.8, 0.0, 0.0]}
 OBSERVED = {"velocities": "all", "method": "leapfrog"}
 
 
 def on_slope(degrees, *, stiffness=2e4, speed=0.0, **arguments):
     slope = np.radians(degrees)
-    scene = box(
-        stiffness=stiffness,
-        damping=0.0,
-        gravity=[G * np.sin(slope), 0.0, -G * np.cos(slope)],
-        plane=[{"name": "slope", "friction": 0.4}],
-        velocity=[speed, 0.0, 0.0],
-        step=1e-4,
-        stop_time=2.0,
-        communication_step=0.02,
-        **OBSERVED,
-    )
+    keys = {"gravity": [G * np.sin(slope), 0.0, -G * np.cos(slope)], "plane": [{"name": "slope", "friction": 0.4}], "stiffness": stiffness}
+    scene = box(damping=0.0, velocity=[speed, 0.0, 0.0], step=1e-4, stop_time=2.0, communication_step=0.02, **keys, **OBSERVED)
     result = simulate(scene, **arguments)
     assert_nothing_is_behind(result)
     return result, G * (np.sin(slope) - 0.4 * np.cos(slope))
@@ -34,17 +24,8 @@ def on_slope(degrees, *, stiffness=2e4, speed=0.0, **arguments):
 
 def level(*, velocity=(0.0, 0.0, 0.0), floor=NONE, stiffness=1e5, damping=0.0):
     """A scene with a floor of this motion."""
-    return box(
-        stiffness=stiffness,
-        damping=damping,
-        gravity=GRAVITY,
-        plane=[{"name": "floor", "friction": 0.3, **floor}],
-        velocity=velocity,
-        energy=True,
-        stop_time=1.0,
-        communication_step=0.01,
-        **OBSERVED,
-    )
+    keys = {"stiffness": stiffness, "damping": damping, "velocity": velocity, "plane": [{"name": "floor", "friction": 0.3, **floor}]}
+    return box(gravity=GRAVITY, energy=True, **keys, **OBSERVED)
 
 
 def on_level(*, speed=0.0, floor=NONE, **arguments):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from readings import vector
+from readings import deepest, vector
 from scenes import GRAVITY
 from softffd import Simulation, deform, simulate
 from softffd.errors import SceneError, SoftffdError
@@ -13,32 +13,6 @@ from validation import shapes as bodies
 from validation.twin import build_twin
 
 G = -GRAVITY[2]
-
-
-def gap(places, kind, solid, *, point=None, turn=None):
-    """Signed distance [m] from a solid as the scene has it, or from there moved to a point and turned by a rotation vector (a box)."""
-    arm = places - np.array(solid["point"] if point is None else point)
-    if kind == "sphere":
-        return np.linalg.norm(arm, axis=-1) - solid["radius"]
-    if kind == "cylinder":
-        axis = np.array(solid["normal"])
-        height = arm @ axis
-        beside = np.linalg.norm(arm - height[..., None] * axis, axis=-1) - solid["radius"]
-        out = np.stack([beside, np.abs(height) - solid["length"] / 2], axis=-1)
-    else:
-        back = -rotation_vector(solid) if turn is None else -turn
-        out = np.abs(turned(arm, np.broadcast_to(back, arm.shape))) - np.array(solid["size"]) / 2
-    return np.minimum(out.max(axis=-1), 0) + np.linalg.norm(np.maximum(out, 0), axis=-1)
-
-
-def rotation_vector(solid):
-    given = solid.get("rotation", {"axis": [0.0, 0.0, 1.0], "degrees": 0.0})
-    return np.radians(given["degrees"]) * np.array(given["axis"]) / np.linalg.norm(given["axis"])
-
-
-def deepest(result, kind, solid):
-    """The least gap of a vertex of the mesh at any communication point [m]."""
-    return gap(result.deformed(row=slice(None)), kind, solid).min()
 
 
 LARGE = {
@@ -55,7 +29,7 @@ def test_a_cube_rests_on_a_large_solid(body, kind):
     scene = body(bodies.cube(5, 0.0), gravity=GRAVITY, damping=1.0, offset=[0.0, 0.0, 0.02], stop_time=10.0, **{kind: [solid]})
     result = simulate(scene)
     assert vector(result, f"{kind}.under.reaction")[-1] == pytest.approx([0.0, 0.0, -G], abs=1e-9)
-    assert deepest(result, kind, solid) >= -1e-12
+    assert deepest(result, solid["name"]) <= 1e-12
 
 
 FLAT = {
@@ -90,10 +64,8 @@ def test_a_body_slides_off(body, kind):
     """Over a cylinder's side, and over a tilted box's face and edge."""
     solid = {"name": "log", "friction": 0.2, **STEEP[kind]}
     ground = {"name": "ground", "point": [0.0, 0.0, -2.0], "friction": 0.2}
-    scene = body(bodies.sphere(3), gravity=GRAVITY, damping=0.1, plane=[ground], stop_time=2.0, **{kind: [solid]})
-    result = simulate(scene)
-    assert deepest(result, kind, solid) >= -1e-12
-    assert result.deformed(row=slice(None))[..., 2].min() >= -2 - 1e-12
+    result = simulate(body(bodies.sphere(3), gravity=GRAVITY, damping=0.1, plane=[ground], stop_time=2.0, **{kind: [solid]}))
+    assert max(deepest(result, "log"), deepest(result, "ground")) <= 1e-12
     assert np.abs(vector(result, f"{kind}.log.reaction")).max() > 1
     assert vector(result, "probe.centre")[-1][2] < 0.5 - 1
 
@@ -120,7 +92,8 @@ def test_a_moving_solid_gives_the_momentum_that_it_is_charged_with(body, kind):
             impulse += H * np.array(ram.reaction)
             places = deform(scene.loaded_mesh, simulation.positions, origin=scene.lattice_box.origin, size=scene.lattice_box.size)
             end = (step + 1) * H
-            least = min(least, gap(places, kind, solid, point=[-0.5 + end, 0.55, 0.5], turn=end * SPIN).min())
+            axes = turned(np.eye(3)[[2, 0]], end * SPIN)
+            least = min(least, bodies.gap(kind, solid, places, np.array([-0.5 + end, 0.55, 0.5]), *axes).min())
             momentum = mass @ np.array(simulation.velocities).reshape(-1, 3)
             assert np.abs(momentum + impulse).max() <= 1e-12
         assert momentum[0] > 0.1
@@ -161,11 +134,14 @@ INSIDE = {
 
 
 @pytest.mark.parametrize("kind", INSIDE)
-def test_what_starts_inside_is_moved_out(body, kind):
-    solid = {"name": "thorn", **INSIDE[kind]}
-    result = simulate(body(bodies.sphere(3), stop_time=0.1, **{kind: [solid]}))
-    assert deepest(result, kind, solid) >= -1e-12
-    assert any(f"in {kind} thorn" in message.text for message in result.log)
+def test_what_starts_inside_is_moved_out_and_said_to_be(body, kind):
+    solid, shape = {"name": "thorn", **INSIDE[kind]}, bodies.sphere(3)
+    result = simulate(body(shape, stop_time=0.1, **{kind: [solid]}))
+    assert deepest(result, "thorn") <= 1e-12
+    axis, across = (result.edges("thorn")[0, :, n] if kind == "box" else np.array([0.0, 1.0, 0.0]) for n in (2, 0))
+    depth = -bodies.gap(kind, solid, shape[0], np.array(solid["point"]), axis, across).min()
+    told = f"start in {kind} thorn, by up to {depth:.2g} m, and are moved out at once; to start clear of it move the obstacle"
+    assert any(told in text for text in result.summary["warnings"])
 
 
 THIN = {"cylinder": {"radius": 3.0, "length": 1e-4}, "box": {"size": [6.0, 6.0, 1e-4]}}
@@ -189,30 +165,9 @@ def test_no_vertex_is_in_a_box_that_it_is_thrown_at_whatever_the_corner(body):
         solid = {"name": "crate", "size": random.uniform(0.02, 0.6, 3).tolist(), "point": (0.5 + way).tolist(), "friction": 0.3,
                  "rotation": {"axis": axis.tolist(), "degrees": random.uniform(0, 180)}}  # fmt: skip
         result = simulate(body(bodies.sphere(3), box=[solid], velocity=(20 * way).tolist(), step=2e-3, stop_time=0.1))
-        assert deepest(result, "box", solid) >= -1e-12
+        assert deepest(result, "crate") <= 1e-12
         touched += np.abs(vector(result, "box.crate.reaction")).max() > 0
     assert touched >= 9
-
-
-@pytest.mark.parametrize(("friction", "ratio"), [(0.0, 3.5), (0.3, 1.8)], ids=["smooth", "rough"])
-@pytest.mark.parametrize("solid", ["sphere", "cylinder", "box"])
-def test_sliding_in_lasting_contact_is_second_order_without_friction(body, solid, friction, ratio):
-    """By how much the error against a small step falls when the step is halved: a cube slides on four corners."""
-    sphere = {"name": "ball", "radius": 2.0, "point": [0.5, 0.5, -np.sqrt(4 - 0.5)], "friction": friction}
-    log = {**sphere, "length": 10.0, "normal": [0.0, 1.0, 0.0], "point": [0.5, 0.5, -np.sqrt(4 - 0.25)]}
-    tilt, up = {"axis": [0, 1, 0], "degrees": 10.0}, np.array([np.sin(np.radians(10)), 0.0, np.cos(np.radians(10))])
-    slope = {"name": "slope", "size": [10.0, 10.0, 1.0], "rotation": tilt, "point": (np.full(3, 0.5) - up).tolist(), "friction": friction}
-    keys = {
-        solid: [{"sphere": sphere, "cylinder": log, "box": slope}[solid]],
-        "gravity": GRAVITY,
-        "velocity": [0.5, 0.2, 0.0],
-        "damping": 0.5,
-        "stop_time": 0.2,
-        **({"rotation": tilt} if solid == "box" else {}),
-    }
-    ends = [simulate(body(bodies.cube(2, 0.0), step=h, **keys)).positions[-1] for h in (4e-4, 2e-4, 5e-6)]
-    errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
-    assert errors[0] > ratio * errors[1]
 
 
 def test_implicit_steps_and_the_lattice_refuse_them(body):
@@ -224,25 +179,6 @@ def test_implicit_steps_and_the_lattice_refuse_them(body):
     for kind, solid in (("sphere", ball), ("box", {"name": "crate", "size": [1.0, 1.0, 1.0]})):
         with pytest.raises(SceneError, match=rf"contact.of: .lattice. knows planes alone, but the scene has a \[\[{kind}\]\]"):
             body(bodies.sphere(1), contact={"of": "lattice"}, **{kind: [solid]})
-
-
-UNDER = {"sphere": {"radius": 1.0, "point": [0.5, 0.5, -1.0]}, "box": {"size": [0.5, 0.4, 0.2], "point": [0.6, 0.5, -0.05]}}
-
-
-@pytest.mark.parametrize("kind", UNDER)
-def test_a_state_continues_with_the_same_bits(body, kind):
-    solid = {"name": "under", **UNDER[kind]}
-    with Simulation(body(bodies.sphere(2), gravity=GRAVITY, stop_time=1.0, **{kind: [solid]})) as simulation:
-        for _ in range(20):
-            simulation.step()
-        state = simulation.save()
-        ends = []
-        for _ in range(2):
-            simulation.restore(state)
-            for _ in range(10):
-                simulation.step()
-            ends.append(np.array(simulation.positions))
-        assert (ends[0] == ends[1]).all()
 
 
 def test_the_twin_has_no_solids_and_says_so(body, tmp_path):
@@ -258,14 +194,6 @@ def test_a_box_turned_beyond_all_numbers_is_refused(body, turn):
     scene = body(bodies.cube(2, 0.0), gravity=GRAVITY, box=[box], method="auto", step=0.0, stop_time=0.3)
     with pytest.raises(SoftffdError, match="not finite"):
         simulate(scene)
-
-
-def test_who_starts_inside_a_solid_is_told_to_move_it(body):
-    ball = {"name": "ball", "radius": 2.0, "point": [0.5, 0.5, -1.9]}
-    with Simulation(body(bodies.cube(3, 0.0), sphere=[ball])) as simulation:
-        simulation.step()
-        told = " ".join(simulation.warnings)
-    assert "start in sphere ball, by up to 0.1 m, and are moved out at once; to start clear of it move the obstacle" in told
 
 
 @pytest.mark.parametrize("speed", [1e8, 1e10])

@@ -14,7 +14,7 @@ from fmpy.ssp.ssd import read_ssv
 
 import importers
 from coupled_parts import PLANE, body_fmu, run_explicitly
-from scenes import box
+from scenes import meshed
 from softffd import SoftffdError, load_scene, simulate, write_ssp
 from softffd.cli.command import main
 from softffd.drivers.coupled import write_plate_ssp
@@ -104,10 +104,8 @@ def test_a_plane_that_is_none_of_the_scenes_is_refused(tmp_path):
 
 
 def test_a_solid_moves_with_the_plate(tmp_path):
-    sections = {"mesh": {"file": bodies.write(tmp_path / "b.obj", bodies.sphere(1))}, "contact": {"of": "surface"}}
-    sections["lattice"] = {"origin": [0.0] * 3, "size": [1.0] * 3}
     ram = {"name": "ram", "size": [1.0, 1.0, 0.2], "point": [0.5, 0.5, 1.2], "motion": "input"}
-    path = write_plate_ssp(tmp_path / "ram.ssp", box(**sections, reactions=True, box=[ram]), plate={"mass": 2.0})
+    path = write_plate_ssp(tmp_path / "ram.ssp", meshed(tmp_path, bodies.sphere(1), reactions=True, box=[ram]), plate={"mass": 2.0})
     with zipfile.ZipFile(path) as system:
         ends = re.findall(r'startConnector="([^"]*)"[^>]*endConnector="([^"]*)"', system.read("SystemStructure.ssd").decode())
         plate = next(name for name in system.namelist() if name.endswith("plate.fmu"))
