@@ -8,7 +8,7 @@ GRIP = {"name": "grip", **LED}
 STIFFNESSES = {"edge": 1e3, "face": 500.0, "body": 200.0}
 
 
-def free(*, damping=0.0, method="leapfrog", step=5e-4, stop_time=0.5):
+def free(*, damping=0.0, method="leapfrog", step=5e-4, stop_time=0.2):
     return box(
         lattice={"points": [5, 3, 4], "size": [1.0, 0.5, 0.8], "springs": "paper"},
         stiffness=STIFFNESSES,
@@ -23,7 +23,7 @@ def free(*, damping=0.0, method="leapfrog", step=5e-4, stop_time=0.5):
 
 
 def stiff():
-    return box(stiffness=1e7, damping=0.5, gravity=GRAVITY, forces="all", step=1e-5, stop_time=0.03, communication_step=1e-3)
+    return box(stiffness=1e7, damping=0.5, gravity=GRAVITY, forces="all", step=1e-5, stop_time=0.015, communication_step=1e-3)
 
 
 def solid():
@@ -36,7 +36,7 @@ def solid():
         gravity=GRAVITY,
         pin=[{"name": "base", "points": "x-"}],
         step=5e-4,
-        stop_time=0.3,
+        stop_time=0.15,
     )
 
 
@@ -49,7 +49,7 @@ def patched(*, damping=30.0, **keys):
     return box(region=regions, load=[{"name": "push", "points": "x+"}], probe=[nose], step=2.5e-4, stop_time=0.3, **keys)
 
 
-def drop(method="auto", *, step=1e-3):
+def drop(method="auto", *, step=1e-3, stop_time=1.0):
     return box(
         stiffness=2e3,
         damping=0.1,
@@ -60,28 +60,28 @@ def drop(method="auto", *, step=1e-3):
         plane=[{"name": "ground", "friction": 0.4}],
         method=method,
         step=step,
-        stop_time=1.0,
+        stop_time=stop_time,
     )
 
 
 def incline():
     ground = {"name": "ground", "friction": 0.3}
-    return box(stiffness=1e4, damping=0.0, gravity=[4.1458852, 0.0, -8.8908794], plane=[ground], step=5e-4, stop_time=0.6)
+    return box(stiffness=1e4, damping=0.0, gravity=[4.1458852, 0.0, -8.8908794], plane=[ground], step=5e-4, stop_time=0.3)
 
 
 def conveyor(*others):
     belt = {"name": "ground", "friction": 0.5, "velocity": [0.5, 0.2, 0.0], "angular_velocity": [0.0, 0.0, 0.3]}
-    return box(gravity=GRAVITY, plane=[belt, *others], step=1e-3, stop_time=0.8)
+    return box(gravity=GRAVITY, plane=[belt, *others], step=1e-3, stop_time=0.4)
 
 
 def cradle():
     moved = {"name": "ground", "point": [0.3, 0.4, 0.0], **MOVED}
-    return box(gravity=GRAVITY, plane=[moved], step=1e-3, stop_time=0.8)
+    return box(gravity=GRAVITY, plane=[moved], step=1e-3, stop_time=0.4)
 
 
 def press(**keys):
     plate = {"name": "press", "point": [0.3, 0.4, 1.05], "normal": [0.0, 0.0, -1.0], **MOVED}
-    return box(damping=0.1, gravity=GRAVITY, plane=[{"name": "ground"}, plate], step=1e-3, stop_time=1.2, **keys)
+    return box(damping=0.1, gravity=GRAVITY, plane=[{"name": "ground"}, plate], step=1e-3, stop_time=0.9, **keys)
 
 
 def tumble(offset=0.0):
@@ -100,7 +100,24 @@ def tumble(offset=0.0):
 
 def held(method="leapfrog"):
     pins = [{"name": "base", "points": "x-"}, {**GRIP, "points": {"i": [3, 3], "j": [0, 1]}}]
-    return box(stiffness=2e3, damping=0.05, gravity=GRAVITY, pin=pins, method=method, step=5e-4, stop_time=0.5)
+    return box(stiffness=2e3, damping=0.05, gravity=GRAVITY, pin=pins, method=method, step=5e-4, stop_time=0.25)
+
+
+def thrown(**keys):
+    """Stretched, turned and thrown; one side is heavy."""
+    motion = {"velocity": [0.1, 0.0, -0.2], "angular_velocity": [1.0, 0.5, 3.0], "stretch": [1.2, 1.0, 0.9], "offset": [0.5, 0.0, 0.2]}
+    heavy = {"points": "x+", "mass": 0.2}
+    return box(region=[heavy], stiffness=500.0, damping=0.05, **motion, **keys, method="leapfrog", step=1e-3, stop_time=0.1)
+
+
+TURNED = {"rotation": {"axis": [1.0, -2.0, 0.5], "degrees": 35.0}}
+ENDS = [{"name": "hook", "points": "z+"}, {**GRIP, "points": "z-"}]
+FLANGE = [{**GRIP, "points": "x-", "origin": [-0.5, 0.25, 1.5]}]
+LANDING = {"gravity": GRAVITY, "plane": [{"name": "ground", "point": [0.0, 0.0, -0.02]}], "angular_velocity": [0.5, 0.0, 0.0]}
+
+
+def matched():
+    return box(stiffness=1e3, mass={"inertia": "matched"}, **LANDING, method="leapfrog", step=1e-3, stop_time=0.1)
 
 
 def held_in_contact(method="leapfrog"):
@@ -173,8 +190,13 @@ SMOOTH = {
     "two materials by their modulus": (solid(), None, 1e-12),
     "pins, one moving": (held(), wave, 1e-12),
     "pins, published": (held("central_difference"), wave, 1e-11),
+    "pins of a body that starts turned": (thrown(pin=ENDS, **TURNED), None, 1e-12),
+    "pins of a body that is turned at the start": (thrown(pin=ENDS, **TURNED), None, 1e-12, {"initial.rotation.x": 0.3}),
+    "a pin told about another point": (thrown(pin=FLANGE), wave, 1e-11),
+    "a spin about the centre of mass": (thrown(initial={"spin_about": "mass"}), None, 1e-12),
+    "masses of matched inertia, landing": (matched(), None, 1e-12, {"mass": 1.5}),
 }
-"""Name: scene, inputs, how far positions may part [m]."""
+"""Name: scene, inputs, how far positions may part [m], start values."""
 
 CONTACT = {
     "drop with friction": (drop("leapfrog"), None),

@@ -9,7 +9,6 @@ from softffd import Simulation, simulate
 from softffd.fmu.package import package_fmu
 from softffd.rotation import quaternion, turned
 from stepping import require_same_continuation
-from validation.twin import build_twin
 
 ROTATION = {"axis": [1.0, -2.0, 0.5], "degrees": 35.0}
 TURN = np.radians(35.0) * np.array(ROTATION["axis"]) / np.linalg.norm(ROTATION["axis"])
@@ -92,12 +91,3 @@ def test_a_start_behind_a_plane_is_told_of_the_turned_body():
         simulation.initialize()
         (warning,) = simulation.warnings
     assert f"start behind plane ground, by up to {corner:.2g} m" in warning
-
-
-def test_the_twin_turns_body_and_pins_alike(tmp_path):
-    pytest.importorskip("pythonfmu", reason="the twin is packaged with pythonfmu")
-    scene = body(ROTATION, pin=[{"name": "hook", "points": "z+"}, {"name": "hand", "points": "z-", **LED}])
-    twin = build_twin(scene, tmp_path / "twin.fmu")
-    for values in ({}, {"initial.rotation.x": 0.3}):
-        own, other = (simulate(each, stop_time=0.1, step=0.01, start_values=values) for each in (scene, twin))
-        np.testing.assert_allclose(points(other), points(own), rtol=0, atol=1e-12)

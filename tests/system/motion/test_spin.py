@@ -10,7 +10,6 @@ from scenes import box
 from softffd import simulate
 from softffd.fmu.notes import spin_note
 from softffd.fmu.package import scene_masses
-from validation.twin import build_twin
 
 VELOCITY = np.array([0.1, 0.0, -0.2])
 
@@ -45,10 +44,3 @@ def test_about_its_box_the_centre_of_mass_has_a_velocity_too_which_is_told(rotat
     np.testing.assert_allclose(speed_of_the_centre(scene) - VELOCITY, given, rtol=0, atol=0.005 * np.linalg.norm(given))
     assert np.linalg.norm(given) > 0.1
     assert spin_note(box(angular_velocity=[0.0, 0.0, 3.0]), scene_masses(box())) is None
-
-
-def test_the_twin_spins_about_the_same_centre(tmp_path):
-    pytest.importorskip("pythonfmu", reason="the twin is packaged with pythonfmu")
-    scene = uneven(spin_about="mass")
-    own, other = (simulate(each, stop_time=0.1, step=0.01) for each in (scene, build_twin(scene, tmp_path / "twin.fmu")))
-    np.testing.assert_allclose(points(other), points(own), rtol=0, atol=1e-12)

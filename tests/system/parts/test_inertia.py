@@ -8,7 +8,6 @@ from scenes import GRAVITY, box
 from softffd import simulate
 from softffd.fmu.package import scene_masses
 from softffd.fmu.records import scene_records
-from validation.twin import build_twin
 
 G = -GRAVITY[2]
 TILT = 0.02
@@ -57,18 +56,6 @@ def test_another_mass_scales_masses_and_weights_alike():
     fall = box(gravity=GRAVITY, damping=0.0, stiffness=0.0, mass={"inertia": "matched"}, stop_time=0.1)
     one, other = (points(simulate(fall, start_values={"mass": mass})) for mass in (1.0, 3.0))
     np.testing.assert_allclose(other, one, rtol=0, atol=1e-14)
-
-
-def test_the_twin_has_the_same_weights(tmp_path):
-    pytest.importorskip("pythonfmu", reason="the twin is packaged with pythonfmu")
-    scene = box(
-        stiffness=1e3, gravity=GRAVITY, mass={"inertia": "matched"}, method="leapfrog", step=1e-3, stop_time=0.1,
-        plane=[{"name": "ground", "point": [0.0, 0.0, -0.02]}], angular_velocity=[0.5, 0.0, 0.0],
-    )  # fmt: skip
-    own, twin = (
-        simulate(each, step=0.01, stop_time=0.1, start_values={"mass": 1.5}) for each in (scene, build_twin(scene, tmp_path / "twin.fmu"))
-    )
-    np.testing.assert_allclose(points(twin), points(own), rtol=0, atol=1e-12)
 
 
 def test_lumped_masses_leave_no_trace_of_weights():

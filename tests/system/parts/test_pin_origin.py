@@ -7,7 +7,6 @@ from readings import points, vector
 from scenes import GRAVITY, LED, box
 from softffd import Simulation, simulate
 from softffd.rotation import turned
-from validation.twin import build_twin
 
 FLANGE = np.array([-0.5, 0.25, 1.5])
 CENTROID = np.array([0.0, 0.5, 0.5])
@@ -64,9 +63,3 @@ def test_a_fixed_pin_tells_its_torque_about_its_origin():
     (centred, force), (shifted, same) = at_rest(), at_rest(origin=list(FLANGE))
     close(same, force, 1e-12)
     close(shifted, centred + np.cross(CENTROID - FLANGE, force), 1e-9)
-
-
-def test_the_second_implementation_agrees(tmp_path):
-    scene = held(FLANGE)
-    ours, theirs = (simulate(each, inputs=led(FLANGE), start_values=POSE) for each in (scene, build_twin(scene, tmp_path / "twin.fmu")))
-    close(points(ours), points(theirs), 1e-11)
