@@ -77,7 +77,7 @@ def energy_error(drivers, fmu, step: float, *, delay: int = 1) -> float:
 
 def test_the_energy_error_falls_at_least_with_the_square_of_the_communication_step(drivers):
     fmu = body_fmu(drivers, step=2e-5)
-    errors = [energy_error(drivers, fmu, step) for step in (2e-3, 1e-3, 5e-4, 2.5e-4)]
+    errors = [energy_error(drivers, fmu, step) for step in (2e-3, 1e-3, 5e-4)]
     assert orders(errors).min() > 1.85
     assert errors[1] < 0.002
 
@@ -181,6 +181,7 @@ def test_a_light_plate_under_load_diverges_explicitly(drivers, tmp_path):
     assert max(speeds) > 20, "m/s, where the load can give it 0.2"
 
 
+@pytest.mark.short("0.001")
 @pytest.mark.parametrize("mass", [0.05, 0.001])
 def test_a_light_plate_under_load_is_solved_implicitly(drivers, tmp_path, mass):
     body, plate = Part(body_fmu(drivers), tmp_path), Part(drivers / "plate.fmu", tmp_path, mass=mass, delay=0)

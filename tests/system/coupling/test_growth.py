@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from coupled_parts import body_fmu
-from softffd import Scene, Simulation, package_fmu
+from softffd import Scene, Simulation
 from softffd.fmu.component import Component
 from softffd.scene.scene import scene_from
 
@@ -181,12 +181,12 @@ CASES = [(0.343, 1e-3), (0.1, 1e-3)] + [pytest.param(m, h, marks=pytest.mark.ful
 
 @pytest.mark.parametrize("host", [HOSTS[0], *(pytest.param(host, marks=pytest.mark.full) for host in HOSTS[1:]), "iterated"])
 @pytest.mark.parametrize("mass, step", CASES)
-def test_a_mass_on_a_pad_swings_out_as_the_damped_oscillator(drivers, tmp_path, mass, step, host):
+def test_a_mass_on_a_pad_swings_out_as_the_damped_oscillator(drivers, mass, step, host):
     """But for the pad's own mass, which takes a jump of velocity at every step: up to omega h / 2 times its share of the plate's mass."""
     density = 1100.0
     omega = np.sqrt(PAD_STIFFNESS / mass)
     steps = round(40 / (omega * step))
-    with Simulation(package_fmu(pad(density), tmp_path / "pad.fmu")) as sim, Component(drivers / "plate.fmu") as plate:
+    with Simulation(pad(density)) as sim, Component(drivers / "plate.fmu") as plate:
         if host == "iterated":
             rows = iterated(pressed(sim), sim.save, sim.restore, mass, step, steps)
         else:
@@ -196,12 +196,12 @@ def test_a_mass_on_a_pad_swings_out_as_the_damped_oscillator(drivers, tmp_path, 
     assert exact - max(0.5 * share * omega * step, 6e-4) < found < exact + 2e-4, f"{found:+.5f} where {exact:+.5f} is right"
 
 
-def test_a_velocity_that_moves_inside_the_step_spares_the_bodys_own_mass(tmp_path):
+def test_a_velocity_that_moves_inside_the_step_spares_the_bodys_own_mass():
     """The loop tries for the rate of the velocity in place of its mean; the touched points then take no jumps."""
     mass, omega = 0.1, np.sqrt(PAD_STIFFNESS / 0.1)
     z = v = force = give = 0.0
     rows = []
-    with Simulation(package_fmu(pad(1100.0), tmp_path / "pad.fmu")) as sim:
+    with Simulation(pad(1100.0)) as sim:
 
         def answer(rate: float) -> float:
             sim.restore(before)

@@ -28,6 +28,7 @@ def test_trajectories_are_those_of_scipy(made_again, golden, name, allowed):
     assert np.abs(again["x"] - stored["x"]).max() < allowed
 
 
+@pytest.mark.full
 def test_states_of_rest_are_those_of_newton_s_method(made_again, golden):
     again, stored = made_again.states_of_rest(), golden("static")
     assert set(again) == set(stored)
