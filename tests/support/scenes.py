@@ -49,3 +49,23 @@ def meshed(folder: Path, shape: shapes.Shape, **keys: Any) -> Scene:
     """A body in the unit box, whose surface touches: vertices and faces, written to the folder."""
     unit = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
     return box(**{"mesh": {"file": shapes.write(folder / "body.obj", shape)}, "lattice": unit, "contact": {"of": "surface"}, **keys})
+
+
+OBSERVED = {"velocities": "all", "energy": True, "outputs": {"solver": True}}
+
+
+def damping_for(method: str) -> float:
+    """rkn12 is for undamped bodies [N s/m]."""
+    return 0.0 if method == "rkn12" else 0.05
+
+
+def let_go(method: str, *planes: dict[str, Any]) -> Scene:
+    """A box that is let go of 10 % compression, damped as the method takes it."""
+    return box(stiffness=1e3, damping=damping_for(method), stretch=[0.9, 1.0, 1.0], plane=planes, **OBSERVED)
+
+
+def falling(method: str, **ground: Any) -> Scene:
+    """A box that falls on the ground, turning; damped likewise."""
+    motion = {"offset": [0.0, 0.0, 0.2], "velocity": [0.5, 0.0, 0.0], "angular_velocity": [1.0, 2.0, 0.0], "stop_time": 0.4}
+    floor = {"name": "ground", "friction": 0.4, **ground}
+    return box(stiffness=1e3, damping=damping_for(method), gravity=GRAVITY, plane=[floor], **motion, **OBSERVED)

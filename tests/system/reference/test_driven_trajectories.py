@@ -8,23 +8,8 @@ from readings import orders, points
 from scenes import GRAVITY, box
 from softffd import simulate
 
-STIFF = {
-    "stiffness": 1e7,
-    "damping": 0.5,
-    "gravity": GRAVITY,
-    "forces": "all",
-    "method": "leapfrog",
-    "step": 1.25e-5,
-    "stop_time": 1.0,
-}
-SHAKEN = {
-    "stiffness": 1e3,
-    "damping": 0.02,
-    "forces": [[3, 3, 3]],
-    "method": "leapfrog",
-    "stop_time": 1.0,
-    "communication_step": 0.01,
-}
+STIFF = {"stiffness": 1e7, "damping": 0.5, "gravity": GRAVITY, "forces": "all", "method": "leapfrog", "step": 1.25e-5}
+SHAKEN = {"stiffness": 1e3, "damping": 0.02, "forces": [[3, 3, 3]], "method": "leapfrog"}
 
 
 def ramp(u):
@@ -42,11 +27,7 @@ def pull(time):
 def shake(time):
     """(3 sin(2 pi 3 t), -2 sin(2 pi 5 t), 4 cos(2 pi 2 t)) N."""
     turn = 2 * np.pi * time
-    return {
-        "force[3,3,3].x": 3 * np.sin(3 * turn),
-        "force[3,3,3].y": -2 * np.sin(5 * turn),
-        "force[3,3,3].z": 4 * np.cos(2 * turn),
-    }
+    return {"force[3,3,3].x": 3 * np.sin(3 * turn), "force[3,3,3].y": -2 * np.sin(5 * turn), "force[3,3,3].z": 4 * np.cos(2 * turn)}
 
 
 def largest_error(result, stored):
