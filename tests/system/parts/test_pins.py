@@ -41,50 +41,23 @@ def spin(time):
 
 def hanging(*, damping=2.0, method="leapfrog"):
     """A box of 2 kg on a hook."""
-    return box(
-        mass={"total": 2.0},
-        stiffness=1e3,
-        damping=damping,
-        gravity=GRAVITY,
-        pin=[{"name": "hook", "points": "z+"}],
-        velocities="all",
-        method=method,
-        stop_time=2.0,
-        communication_step=0.01,
-    )
+    hook = [{"name": "hook", "points": "z+"}]
+    return box(mass={"total": 2.0}, stiffness=1e3, damping=damping, gravity=GRAVITY, pin=hook, method=method, step=5e-4, stop_time=4.0)
 
 
-def held(*, damping=0.0, gravity=GRAVITY, method="leapfrog", hand=HAND, **keys):
+def held(*, damping=0.0, method="leapfrog", hand=HAND, **keys):
     """A box in a hand."""
-    return box(
-        lattice=PLACED,
-        stiffness=1e3,
-        damping=damping,
-        gravity=gravity,
-        pin=[hand],
-        velocities="all",
-        method=method,
-        step=5e-4,
-        stop_time=0.5,
-        communication_step=0.01,
-        **keys,
-    )
-
-
-def led(inputs, *, method="leapfrog", **arguments):
-    return simulate(held(method=method), inputs=inputs, **arguments)
+    keys = {"gravity": GRAVITY, "velocities": "all", "stop_time": 0.5, **keys}
+    return box(lattice=PLACED, stiffness=1e3, damping=damping, pin=[hand], method=method, step=5e-4, **keys)
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_fixed_pin_carries_the_weight(method):
-    result = simulate(hanging(method=method), stop_time=4.0, step=0.5, start_values={"solver.step": 5e-4})
+def test_a_box_hangs_in_equilibrium_and_the_pin_carries_its_weight(method):
+    result = simulate(hanging(method=method), step=0.5)
     assert vector(result, "pin.hook.reaction")[-1] == pytest.approx([0, 0, -2 * 9.81], abs=1e-8)
     assert vector(result, "pin.hook.torque")[-1] == pytest.approx([0, 0, 0], abs=1e-8)
     assert np.array_equal(points(result)[:, 48:], np.broadcast_to(points(result)[0, 48:], (9, 16, 3)))
-
-
-def test_a_hanging_box_rests_in_equilibrium():
-    x = points(simulate(hanging(), stop_time=4.0))[-1]
+    x = points(result)[-1]
     force = reference.cube(stiffness=1e3).spring_force(x) + np.array([0.0, 0.0, -2 * 9.81 / 64])
     assert np.abs(force[:48]).max() < 1e-8
     assert x[:16, 2].max() < 0  # it hangs down
@@ -92,7 +65,7 @@ def test_a_hanging_box_rests_in_equilibrium():
 
 def test_an_undamped_hanging_box_swings_about_its_equilibrium():
     """The reference with the held points put back after every step is the same recurrence."""
-    result = simulate(hanging(damping=0.0), start_values={"solver.step": 5e-4}, stop_time=0.5)
+    result = simulate(hanging(damping=0.0), stop_time=0.5)
     model = reference.cube(stiffness=1e3, total=2.0)
     free = (np.arange(64) < 48)[:, None]
     gravity = np.array([0.0, 0.0, -2 * 9.81 / 64])
@@ -103,32 +76,31 @@ def test_an_undamped_hanging_box_swings_about_its_equilibrium():
     assert points(result)[-1] == pytest.approx(x, abs=1e-12)
 
 
+def led_motion(time):
+    """Of the held points along the path: places (T, h, 3) [m], velocities in each communication step (T - 1, h, 3) [m/s]."""
+    frame = np.array([place(t) for t in time])
+    speed = np.diff(frame, axis=0) / np.diff(time)[:, None]  # constant over each
+    return REST[HELD] - CENTROID + frame[:, None], np.broadcast_to(speed[:, None], (len(speed), HELD.sum(), 3))
+
+
+def turned_motion(time):
+    places = np.array([turned(REST[HELD] - CENTROID, SPIN * t) for t in time])
+    return places + CENTROID, np.cross(SPIN, places)[1:]
+
+
 @pytest.mark.parametrize("method", METHODS)
-def test_led_points_are_where_the_frame_is(method):
-    result = led(path, method=method)
-    expected = REST[HELD] - CENTROID + np.array([place(time) for time in result.time])[:, None]
-    assert points(result)[:, HELD] == pytest.approx(expected, abs=2e-15)
+@pytest.mark.parametrize(("inputs", "motion", "rounding"), [(path, led_motion, 2e-15), (spin, turned_motion, 1e-14)], ids=["led", "turned"])
+def test_held_points_move_with_the_frame_which_takes_exactly_the_momentum_that_is_missing(inputs, motion, rounding, method):
+    """Sum of reaction H = M g T - (P(T) - P(0)), with every change of the frame's velocity between steps included."""
+    result = simulate(held(method=method), inputs=inputs)
+    places, speeds = motion(result.time)
+    assert points(result)[:, HELD] == pytest.approx(places, abs=rounding)
     assert np.abs(points(result)[:, ~HELD] - REST[~HELD]).max() > 0.1  # the others follow
-
-
-def test_led_points_have_the_velocity_of_the_frame():
-    result = led(path)
-    speed = np.diff([place(time) for time in result.time], axis=0) / 0.01  # constant over each communication step
-    held = velocities(result)[1:, HELD]
-    assert held == pytest.approx(np.broadcast_to(speed[:, None], held.shape), abs=1e-12)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_turning_pin_turns_its_points(method):
-    result = led(spin, method=method)
-    moved = [turned(REST[HELD] - CENTROID, SPIN * time) + CENTROID for time in result.time]
-    assert points(result)[:, HELD] == pytest.approx(np.array(moved), abs=1e-14)
-
-
-def test_points_of_a_turning_pin_have_its_velocity():
-    result = led(spin)
-    expected = np.cross(SPIN, points(result)[:, HELD] - CENTROID)
-    assert velocities(result)[:, HELD] == pytest.approx(expected, abs=1e-13)
+    if method != "central_difference":
+        assert velocities(result)[1:, HELD] == pytest.approx(speeds, abs=1e-12)
+        momentum = velocities(result).mean(axis=1)
+        received = np.cumsum(0.01 * vector(result, "pin.hand.reaction"), axis=0)
+        assert received == pytest.approx(np.outer(result.time, [0, 0, -9.81]) - (momentum - momentum[0]), abs=1e-12)
 
 
 def test_a_frame_that_turns_steadily_ends_in_rigid_rotation():
@@ -137,21 +109,12 @@ def test_a_frame_that_turns_steadily_ends_in_rigid_rotation():
     assert np.ptp(radius, axis=0).max() < 1e-3  # seen from the frame nothing moves any more
 
 
-@pytest.mark.parametrize("inputs", [path, spin], ids=["led", "turned"])
-def test_the_pin_takes_exactly_the_momentum_that_is_missing(inputs):
-    """Sum of reaction H = M g T - (P(T) - P(0)), with every change of the frame's velocity between steps included."""
-    result = led(inputs)
-    momentum = velocities(result).mean(axis=1)
-    received = np.cumsum(0.01 * vector(result, "pin.hand.reaction"), axis=0)
-    assert received == pytest.approx(np.outer(result.time, [0, 0, -9.81]) - (momentum - momentum[0]), abs=1e-12)
-
-
 def test_the_pin_takes_exactly_the_momentum_that_is_missing_with_damping():
     result = simulate(held(damping=0.3), inputs=path, step=5e-4)
     total = velocities(result).sum(axis=1)
     # velocities at the start of a step are those of the frame in that step, which follow from the path
     start = velocities(result)[:-1].copy()
-    start[:, HELD] = (np.diff([place(time) for time in result.time], axis=0) / 5e-4)[:, None]
+    start[:, HELD] = led_motion(result.time)[1]
     drag = 0.3 * 5e-4 * (start.sum(axis=1) + total[1:]) / 2
     missing = 5e-4 * np.array([0, 0, -9.81]) - drag - (total[1:] - total[:-1]) / 64
     assert 5e-4 * vector(result, "pin.hand.reaction")[1:] == pytest.approx(missing, abs=1e-13)
