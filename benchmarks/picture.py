@@ -8,8 +8,7 @@ from typing import Any
 
 from rows_parts import GROUP
 
-from softffd.show.figure import new_figure
-from softffd.show.sheet import INK, SOFT
+from softffd.show.figure import INK, SOFT, new_figure
 
 
 def draw(document: Mapping[str, Any], path: Path) -> None:

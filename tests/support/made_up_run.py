@@ -35,6 +35,13 @@ def made_up_run(*, counts=(4, 4, 4), frames=41, title="A soft box under a press"
     )
 
 
+def at_rest_about(mesh):
+    """The run with all frames at rest, in the box of a mesh."""
+    origin, size, run = mesh.bounds[0], np.ptp(mesh.bounds, axis=0), made_up_run()
+    positions = np.tile(rest_grid((4, 4, 4), origin, size), (len(run.time), 1, 1, 1, 1))
+    return replace(run, positions=positions, lattice=LatticeBox((4, 4, 4), tuple(origin), tuple(size), "bezier"))
+
+
 def with_solids(result, *solids):
     """The run with solid obstacles of these sections, which move as these say, and touch nothing."""
     values = {}

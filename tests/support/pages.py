@@ -3,13 +3,11 @@
 import base64
 import json
 import re
-from dataclasses import replace
 
 import numpy as np
 
-from made_up_run import made_up_run
+from made_up_run import at_rest_about
 from mesh_files import two_colours
-from softffd.lattice import rest_grid
 from softffd.mesh.mesh import load_mesh
 from softffd.show.view import write_view
 
@@ -24,8 +22,5 @@ def decoded(text, kind, width):
 
 def page_of_two_colours(folder, name):
     mesh = load_mesh(two_colours(folder, name))
-    origin, size = mesh.bounds[0], np.ptp(mesh.bounds, axis=0)
-    result = made_up_run()
-    still = replace(result, positions=np.tile(rest_grid((4, 4, 4), origin, size), (len(result.time), 1, 1, 1, 1)))
-    page = write_view(still, folder / "view.html", mesh=mesh, origin=origin, size=size)
+    page = write_view(at_rest_about(mesh), folder / "view.html", mesh=mesh)
     return run_of(page), page

@@ -4,8 +4,7 @@ import numpy as np
 from matplotlib.ticker import EngFormatter, LogLocator, NullFormatter
 
 from softffd.accuracy.records import CHOSEN, CLAIM, LEVELS, PUBLISHED
-from softffd.show.figure import CURVES, new_figure, png_of
-from softffd.show.sheet import INK, PLAIN, SOFT
+from softffd.show.figure import CURVES, INK, PLAIN, SOFT, new_figure, png_of
 
 LOOKS = {
     CHOSEN: {"color": INK, "linewidth": 3.4, "marker": "o", "markersize": 5, "zorder": 5},

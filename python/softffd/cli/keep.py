@@ -17,7 +17,7 @@ from softffd.run.findings import ESTIMATE, findings
 from softffd.run.inputs import Source
 from softffd.run.progress import Note, silent
 from softffd.run.result import KEPT, Result
-from softffd.run.simulate import Begun, Interpolation, Progress, simulate
+from softffd.run.simulate import simulate
 from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
 from softffd.show.touch import narrow_contact
@@ -32,25 +32,16 @@ SHOWN = re.compile(rf"picture\.png|view\.html|deformed(_\d+)?\.png|deformed\.mtl
 def run_scene_or_fmu(
     what: str | Path,
     *,
-    stop_time: float | None = None,
-    step: float | None = None,
-    settings: dict[str, Any] | None = None,
     inputs: Source | Literal[""] | None = None,
-    interpolation: Interpolation = "held",
     error: bool = False,
-    tolerance: float | None = None,
-    method: str | None = None,
-    progress: Progress | None = None,
-    begun: Begun | None = None,
     of_mesh: dict[str, Any] | None = None,
+    **asked: Any,
 ) -> Result:
     """Runs a scene file, a shipped scene, a mesh that falls on the ground, or an FMU.
 
     inputs: as `simulate` takes them; by default a scene's own (NAME.csv beside it) drive it, with "" nothing does.
-    interpolation: of the inputs between communication points, see `simulate`.
     error: estimate the error at the end too, in the summary as estimated_error_m; an FMU must have been built with that.
-    tolerance, method: instead of the scene's own, see `simulate`.
-    of_mesh: unit, up and density of a mesh file, see `scene_of_mesh`.
+    of_mesh: unit, up and density of a mesh file, see `scene_of_mesh`. asked: what else `simulate` takes.
     """
     given = {key: value for key, value in (of_mesh or {}).items() if value is not None}
     is_mesh = Path(what).suffix.lower() in READ
@@ -60,13 +51,9 @@ def run_scene_or_fmu(
     if (isinstance(inputs, str) and not inputs) or (inputs is None and is_mesh):
         inputs = {}
     try:
-        result = simulate(
-            scene_or_fmu, stop_time=stop_time, step=step, start_values=settings, inputs=inputs, interpolation=interpolation,
-            tolerance=tolerance, method=method, progress=progress, begun=begun,
-        )  # fmt: skip
+        return _with_findings(simulate(scene_or_fmu, inputs=inputs, **asked))
     except Interrupted as interrupt:
         raise Interrupted(_with_findings(interrupt.result)) from None
-    return _with_findings(result)
 
 
 def _with_findings(result: Result) -> Result:
@@ -118,12 +105,12 @@ def keep_run(
     mesh = result.loaded_mesh
     picture, page = folder / "picture.png", folder / "view.html"
     if pictures:
-        from softffd.show.figure import save_sheet
-        from softffd.show.picture import run_sheet
+        from softffd.show.figure import save_figure
+        from softffd.show.picture import run_picture
         from softffd.show.view import write_view
 
         stage("drawing picture.png")
-        save_sheet(run_sheet(result, mesh=mesh, colour=colour, lattice=lattice), picture)
+        save_figure(run_picture(result, mesh=mesh, colour=colour, lattice=lattice), picture)
         stage("writing view.html")
         write_view(result, page, mesh=mesh)
         files += [picture, page]

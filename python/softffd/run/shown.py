@@ -51,12 +51,12 @@ def picture(
     lattice: bool = False,
 ) -> Figure:  # fmt: skip
     """The picture of the run, or of outputs `y` over `x` where there are any, written to `path` where one is given."""
-    from softffd.show.figure import figure_of, save_figure
-    from softffd.show.picture import curve_sheet, run_sheet
+    from softffd.show.figure import save_figure
+    from softffd.show.picture import curve_picture, run_picture
 
     if (x != "time" and not y) or ((colour or lattice) and y):
         raise SoftffdError("plot: wanted x with y, and colour and lattice without them")
-    figure = figure_of(curve_sheet(result, x=x, y=y) if y else run_sheet(result, mesh=result.loaded_mesh, colour=colour, lattice=lattice))
+    figure = curve_picture(result, x=x, y=y) if y else run_picture(result, mesh=result.loaded_mesh, colour=colour, lattice=lattice)
     if path is not None:
         save_figure(figure, path)
     return figure

@@ -1,5 +1,6 @@
 """The object in one frame, or at rest, as an image: its surface, its lattice and the obstacles, from the usual side."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -10,8 +11,9 @@ from softffd.mesh.normals import ShadingNormals, face_normals
 from softffd.show.raster import FIELD, Camera, Canvas
 from softffd.show.raster_mark import draw_arrow, draw_dots
 from softffd.show.raster_plane import Patch, draw_plane, draw_solid
+from softffd.show.skin import Painter
 from softffd.show.stage import FREE, PINNED, VIEW, Stage, beside, round_length
-from softffd.show.touch import INK, MARK
+from softffd.show.touch import INK, MARK, Touch
 
 SMOOTH_FACES = 150_000
 """Up to here normals are smoothed; the triangles of larger meshes are hardly larger than a pixel."""
@@ -28,12 +30,12 @@ class Shape:
     frame: int | None
 
     @cached_property
-    def points(self):
+    def points(self) -> np.ndarray:
         """Control points, (nx, ny, nz, 3) [m]."""
         return self.stage.rest if self.frame is None else self.stage.positions[self.frame]
 
     @property
-    def middle(self):
+    def middle(self) -> np.ndarray:
         """Middle of the lattice's bounding box, (3,) [m]."""
         return _middle(self.points.reshape(-1, 3))
 
@@ -46,7 +48,10 @@ class Panels:
     lattice: draw the lattice, not only the control points that pins hold.
     """
 
-    def __init__(self, stage, shapes, width, height, *, tints=None, touch=None, lattice=True):
+    def __init__(
+        self, stage: Stage, shapes: Sequence[Shape], width: int, height: int, *, tints: Mapping[int, np.ndarray] | None = None,
+        touch: Touch | None = None, lattice: bool = True,
+    ):  # fmt: skip
         self._tints, self._touch, self._lattice = tints or {}, touch, lattice
         self._stage, self._shapes, self._width, self._height = stage, shapes, width, height
         self._axes = view_axes(stage.up)
@@ -56,12 +61,13 @@ class Panels:
         moving = [shape.points.reshape(-1, 3) for shape in shapes if shape.frame is not None]
         points = np.concatenate(moving or [shapes[0].points.reshape(-1, 3)])
         covered = np.stack([points.min(axis=0), points.max(axis=0)])
-        self._beside = {s.frame: [beside(covered, solid, s.frame) for solid in stage.solids] for s in shapes if s.frame is not None}
+        frames = [shape.frame for shape in shapes if shape.frame is not None]
+        self._beside: dict[int | None, list[np.ndarray]] = {f: [beside(covered, solid, f) for solid in stage.solids] for f in frames}
         points = np.concatenate([points, *(ends for each in self._beside.values() for ends in each)])
         self._centre, self._half = _middle(points), np.ptp(points, axis=0) / 2
         self._distance = float(max(self._needed(shape) for shape in shapes))
 
-    def image(self, shape):
+    def image(self, shape: Shape) -> np.ndarray:
         """The image (height, width, 3), 0 .. 1, of one of the shapes."""
         stage, target = self._stage, self._target(shape)
         canvas = Canvas(Camera(target + self._distance * self._axes[2], target, stage.up), self._width, self._height)
@@ -74,32 +80,32 @@ class Panels:
             self._draw_planes(canvas, shape.frame, [surface, *((vertices, faces) for vertices, _, faces in solids)])
         self._draw_lattice(canvas, shape.points)
         if shape.frame is not None and self._touch:
-            self._draw_touch(canvas, shape.frame)
+            self._draw_touch(canvas, shape.frame, self._touch)
         return canvas.image()
 
-    def _painter(self, frame):
-        if frame not in self._tints:
+    def _painter(self, frame: int | None) -> Painter:
+        if frame is None or frame not in self._tints:
             return self._paint
         return replace(self._stage.skin, tints=self._tints[frame], pictures=()).painter(self._stage.faces)
 
-    def _target(self, shape):
+    def _target(self, shape: Shape) -> np.ndarray:
         return shape.middle if shape.frame is None else self._centre
 
-    def _needed(self, shape):
+    def _needed(self, shape: Shape) -> float:
         """The distance [m] from which the shape's lattice fits into the image, its arrows and what is beside it of solids."""
-        points = np.concatenate([shape.points.reshape(-1, 3), *map(_corners, self._beside.get(shape.frame, ()))])
+        points = np.concatenate([shape.points.reshape(-1, 3), *map(_corners, self._beside.get(shape.frame, []))])
         if self._touch and shape.frame is not None:
             points = np.concatenate([points, self._touch.arrows(shape.frame)[:, 1]])
         right, above, back = self._axes @ (points - self._target(shape)).T
         tall = FILLED * FIELD
         return (back + np.maximum(np.abs(right) * self._height / self._width, np.abs(above)) / tall).max()
 
-    def _corner_normals(self, vertices, faces):
+    def _corner_normals(self, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
         if self._normals:
             return self._normals.corners(vertices)
         return np.repeat(face_normals(vertices, faces)[:, None], 3, axis=1)
 
-    def _draw_planes(self, canvas, frame, surfaces):
+    def _draw_planes(self, canvas: Canvas, frame: int, surfaces: Sequence[tuple[np.ndarray, np.ndarray]]) -> None:
         reach, spacing = 0.8 * self._distance, round_length(0.15 * self._distance)
         floors = [(p.points[frame], p.normals[frame]) for p in self._stage.planes if p.is_floor]
         for plane in self._stage.planes:
@@ -110,20 +116,19 @@ class Panels:
                 patch = replace(patch, plate=plate, reach=float(plate.max()), floors=floors)
             draw_plane(canvas, patch, surfaces=surfaces)
 
-    def _draw_touch(self, canvas, frame):
-        points, vertices = self._touch.places(frame)
-        look = {"colour": MARK, "outline": INK}
-        draw_dots(canvas, vertices, radius=self._height / 160, **look)
-        draw_dots(canvas, points, radius=self._ball, **look)
-        for start, end in self._touch.arrows(frame):
-            draw_arrow(canvas, start, end, width=self._height / 90, **look)
+    def _draw_touch(self, canvas: Canvas, frame: int, touch: Touch) -> None:
+        points, vertices = touch.places(frame)
+        draw_dots(canvas, vertices, radius=self._height / 160, colour=MARK, outline=INK)
+        draw_dots(canvas, points, radius=self._ball, colour=MARK, outline=INK)
+        for start, end in touch.arrows(frame):
+            draw_arrow(canvas, start, end, width=self._height / 90, colour=MARK, outline=INK)
 
     @property
-    def _ball(self):
+    def _ball(self) -> float:
         """Radius of a control point, pixels."""
         return self._height / 90 * min(1.0, 4 / max(self._stage.counts))
 
-    def _draw_lattice(self, canvas, points):
+    def _draw_lattice(self, canvas: Canvas, points: np.ndarray) -> None:
         flat = points.transpose(2, 1, 0, 3).reshape(-1, 3)
         colours = np.tile(FREE, (len(flat), 1))
         colours[self._stage.pinned] = PINNED
@@ -133,7 +138,7 @@ class Panels:
         canvas.balls(flat[shown], radius=self._ball, colours=colours[shown])
 
 
-def view_axes(up):
+def view_axes(up: np.ndarray) -> np.ndarray:
     """Rows right, above, back (3, 3) of the usual view: from the side and a little above."""
     turn, lift = VIEW
     east = np.cross([0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [0.0, 0.0, 1.0], up)
@@ -143,10 +148,10 @@ def view_axes(up):
     return np.stack([right, np.cross(back, right), back])
 
 
-def _corners(ends):
+def _corners(ends: np.ndarray) -> np.ndarray:
     """Of a box with these ends (2, 3), (8, 3)."""
     return np.array(list(product(*ends.T)))
 
 
-def _middle(points):
-    return (points.min(axis=0) + points.max(axis=0)) / 2
+def _middle(points: np.ndarray) -> np.ndarray:
+    return np.asarray(points.min(axis=0) + points.max(axis=0)) / 2

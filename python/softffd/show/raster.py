@@ -4,10 +4,16 @@ Pictures are drawn twice as large in each direction and averaged. Depth is 1 / d
 linear on the screen; the largest is the nearest, and 0 is infinitely far.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+
+from softffd.show.skin import Painter, single
+
+Tint = tuple[float, float, float]
+"""A colour, 0 .. 1."""
 
 FIELD = 0.29
 FACES = 1 << 12
@@ -24,7 +30,7 @@ class Camera:
     up: np.ndarray
 
     @cached_property
-    def axes(self):
+    def axes(self) -> np.ndarray:
         """Rows right, above, back: an orthonormal frame, back pointing from target to eye."""
         back = (self.eye - self.target) / np.linalg.norm(self.eye - self.target)
         right = np.cross(self.up, back)
@@ -38,29 +44,29 @@ class Canvas:
     `width`, `height`, `focal` [fine pixels] and `depth` (height * width,) are those of the fine picture.
     """
 
-    def __init__(self, camera, width, height, *, top=(0.985, 0.99, 1.0), bottom=(0.88, 0.90, 0.93)):
+    def __init__(self, camera: Camera, width: int, height: int, *, top: Tint = (0.985, 0.99, 1.0), bottom: Tint = (0.88, 0.90, 0.93)):
         self.camera, self.width, self.height = camera, 2 * width, 2 * height
         share = np.linspace(0.0, 1.0, self.height, dtype=np.float32)[:, None]
-        rows = [(1 - share) * np.float32(high) + share * np.float32(low) for high, low in zip(top, bottom, strict=True)]
+        rows = [(1 - share) * single(high) + share * single(low) for high, low in zip(top, bottom, strict=True)]
         self._colour = np.repeat(rows, self.width, axis=2).reshape(3, -1)
         self.depth = np.zeros(self.width * self.height, dtype=np.float32)
         self.focal = self.height / (2 * FIELD)
         self._key = _unit(camera.axes.T @ [-0.45, 0.35, 0.55] + 0.6 * np.asarray(camera.up))
 
-    def image(self):
+    def image(self) -> np.ndarray:
         """The picture (height, width, 3), 0 .. 1."""
         fine = self._colour.reshape(3, self.height // 2, 2, self.width // 2, 2)
         mean = (fine[:, :, 0, :, 0] + fine[:, :, 0, :, 1] + fine[:, :, 1, :, 0] + fine[:, :, 1, :, 1]) / 4
         return np.moveaxis(mean.clip(0, 1), 0, -1)
 
-    def project(self, points):
+    def project(self, points: np.ndarray) -> np.ndarray:
         """Screen positions (N, 3) of points (N, 3) [m]: x, y in fine pixels from the upper left, and depth."""
         seen = (points - self.camera.eye) @ self.camera.axes.T
         depth = 1.0 / np.maximum(-seen[:, 2], 1e-9)
         x = self.width / 2 + self.focal * seen[:, 0] * depth
         return np.stack([x, self.height / 2 - self.focal * seen[:, 1] * depth, depth], axis=1)
 
-    def triangles(self, points, faces, normals, paint):
+    def triangles(self, points: np.ndarray, faces: np.ndarray, normals: np.ndarray, paint: Painter) -> None:
         """Draw `faces` (F, 3) of `points` (V, 3) [m].
 
         normals: of the corners, (F, 3, 3), either way round. paint: gives the colours (3, P), 0 .. 1, of places on the
@@ -71,18 +77,18 @@ class Canvas:
         seen, number = _numbered(nearest, len(faces))  # what is worked out for each face is for these, often few of many
         corners = faces[seen].T
         facets = self._facets(*(points[each].T for each in corners))
-        normals = np.float32(normals[seen]).transpose(2, 1, 0).copy()
+        normals = single(normals[seen]).transpose(2, 1, 0).copy()
         edges = edge_functions(*screen[corners].transpose(2, 0, 1)[:2])
         for low in range(0, len(shown), FRAGMENTS):
             pixel, face, here = (each[low : low + FRAGMENTS] for each in (shown, nearest, number))
-            share = np.float32(shares(edges, pixel, here, self.width))
+            share = single(shares(edges, pixel, here, self.width))
             normal = np.einsum("kp,akp->ap", share, normals.take(here, axis=2))
             length = np.sqrt(_dot(normal, normal))
             length[length == 0] = 1
             length[_dot(normal, facets.take(here, axis=1)) < 0] *= -1
-            self._colour[:, pixel] = self._lit(normal, length, np.float32(paint(face, share)) ** 2.2)
+            self._colour[:, pixel] = self._lit(normal, length, single(paint(face, share)) ** 2.2)
 
-    def _nearest(self, screen, faces):
+    def _nearest(self, screen: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The pixels (P,) where one of the faces (P,) is the nearest thing; takes over their depths."""
         nearest = np.full(len(self.depth), -1, dtype=np.int32)
         for pixel, face, depth in fragments(screen, faces, self.width, self.height):
@@ -94,16 +100,16 @@ class Canvas:
         shown = np.flatnonzero(nearest >= 0)
         return shown, nearest[shown]
 
-    def _facets(self, a, b, c):
+    def _facets(self, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
         """Normals (3, F) of triangles with these corners (3, F), towards the eye."""
         facets = np.cross(b - a, c - a, axis=0)
         return facets * np.where(_dot(facets, self.camera.eye[:, None] - a) < 0, -1.0, 1.0)
 
-    def _lit(self, normal, length, colour):
+    def _lit(self, normal: np.ndarray, length: np.ndarray, colour: np.ndarray) -> np.ndarray:
         """Light from colours (3, P) with normals (3, P) of these lengths (P,), below 0 where they point the other way."""
-        key, up, back = np.float32([self._key, self.camera.up, self.camera.axes[2]])
+        key, up, back = single([self._key, self.camera.up, self.camera.axes[2]])
 
-        def along(direction):
+        def along(direction: np.ndarray) -> np.ndarray:
             return _dot(direction[:, None], normal) / length
 
         diffuse = ((along(key) + 0.15) / 1.15).clip(0, None)
@@ -113,7 +119,10 @@ class Canvas:
         light = colour * (0.12 + 0.26 * sky + 0.80 * diffuse) + 0.28 * gloss + 0.14 * rim * sky
         return light.clip(0, 1) ** (1 / 2.2)
 
-    def lines(self, points, ends, *, width=1.0, colour=(0.1, 0.12, 0.16), opacity=0.75, hidden=0.12):
+    def lines(
+        self, points: np.ndarray, ends: np.ndarray, *, width: float = 1.0, colour: Tint = (0.1, 0.12, 0.16), opacity: float = 0.75,
+        hidden: float = 0.12,
+    ) -> None:  # fmt: skip
         """Draw segments points[ends], ends (E, 2), `width` pixels wide; `hidden`: opacity behind other things."""
         screen = self.project(points)
         a, b = screen[ends[:, 0]], screen[ends[:, 1]]
@@ -124,7 +133,7 @@ class Canvas:
         for pixel, _, depth in fragments(corners, quads.reshape(-1, 3), self.width, self.height):
             self.blend(pixel, colour, np.where(depth >= 0.999 * self.depth[pixel], opacity, hidden))
 
-    def balls(self, points, *, radius, colours, hidden=0.12):
+    def balls(self, points: np.ndarray, *, radius: float, colours: np.ndarray, hidden: float = 0.12) -> None:
         """Draw balls of `radius` pixels, colours (N, 3), in front of what they touch; hidden ones show faintly."""
         screen, reach = self.project(points), 2 * radius
         for (x, y, depth), colour in sorted(zip(screen, colours, strict=True), key=lambda ball: ball[0][2]):
@@ -140,32 +149,32 @@ class Canvas:
             self.depth[pixel[seen]] = depth
             self.blend(pixel, np.multiply.outer(colour, light), np.where(seen, 1.0, hidden))
 
-    def sight(self):
+    def sight(self) -> tuple[np.ndarray, np.ndarray]:
         """Slopes of the rays through the fine pixels against the view: rightwards (width,), upwards (height,)."""
         x = np.arange(self.width, dtype=np.float32) + 0.5 - self.width / 2
         y = self.height / 2 - np.arange(self.height, dtype=np.float32) - 0.5
         return x / self.focal, y / self.focal
 
-    def in_pixels(self, held):
+    def in_pixels(self, held: np.ndarray) -> np.ndarray:
         """Which fine pixels are `held` (height, width), by pixel: four bytes of a number (P,), left to right and down."""
         pairs = held.view(np.uint16)
         return np.stack([pairs[::2], pairs[1::2]], axis=-1).view(np.uint32).ravel()
 
-    def lay(self, pixel, shown, colour, opacity):
+    def lay(self, pixel: np.ndarray, shown: np.ndarray, colour: np.ndarray, opacity: np.ndarray) -> None:
         """Lay colours (3, P) with opacity (P,) over the fine ones of pixels `pixel` (P,) that are `shown` (P,), as `in_pixels` has it."""
         row, column = np.divmod(pixel, self.width // 2)
         first = 2 * (row * self.width + column)
         for fine, here in zip((0, 1, self.width, self.width + 1), shown.view(bool).reshape(-1, 4).T, strict=True):
             self.blend(first + fine, colour, opacity * here)
 
-    def blend(self, pixel, colour, opacity):
+    def blend(self, pixel: np.ndarray, colour: Tint | np.ndarray, opacity: np.ndarray) -> None:
         """Lay `colour` (3,) or (3, P) over the fine pixels `pixel` (P,) with `opacity` (P,)."""
         for channel, over in zip(self._colour, colour, strict=True):
             under = channel[pixel]
-            channel[pixel] = under + np.float32(opacity) * (np.float32(over) - under)
+            channel[pixel] = under + single(opacity) * (single(over) - under)
 
 
-def fragments(screen, faces, width, height):
+def fragments(screen: np.ndarray, faces: np.ndarray, width: int, height: int) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """What triangles cover: yields pixel (P,), face (P,) and depth (P,), in blocks.
 
     screen: (V, 3) as from `Canvas.project`. A pixel counts where its centre is inside or on the edge.
@@ -183,7 +192,8 @@ def fragments(screen, faces, width, height):
         depths = [_dot(each, heights) for each in (slope, constant)]
         count = np.maximum(last - first + 1, 0)
         ends = np.cumsum(count)
-        cuts = np.searchsorted(ends, np.arange(FRAGMENTS, ends[-1] + FRAGMENTS, FRAGMENTS)) + 1 if len(ends) else []
+        every = np.arange(FRAGMENTS, ends[-1] + FRAGMENTS, FRAGMENTS) if len(ends) else np.zeros(0)
+        cuts = np.searchsorted(ends, every) + 1
         for low, high in zip([0, *cuts[:-1]], cuts, strict=False):
             n = count[low:high]
             pixel = np.repeat((begin + first)[low:high] - np.cumsum(n) + n, n)
@@ -191,10 +201,10 @@ def fragments(screen, faces, width, height):
             depth, at_zero = (np.repeat(each[low:high], n) for each in depths)
             depth *= pixel
             depth += at_zero
-            yield pixel, start + np.repeat(face[low:high], n), np.float32(depth)
+            yield pixel, start + np.repeat(face[low:high], n), single(depth)
 
 
-def edge_functions(x, y):
+def edge_functions(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Edge functions (3, 3, F) of triangles with corners x, y (3, F); 0 for one without area.
 
     The products of a face's edge functions, the first axis, with (x, y, 1) are the barycentric shares of its corners, the second.
@@ -205,14 +215,14 @@ def edge_functions(x, y):
     return edge / np.where(area == 0, np.inf, area)
 
 
-def shares(edges, pixel, face, width):
+def shares(edges: np.ndarray, pixel: np.ndarray, face: np.ndarray, width: int) -> np.ndarray:
     """Barycentric shares (3, P) of the middles of pixels (P,) in faces (P,) with these edge functions."""
     row, column = np.divmod(pixel, width)
     x, y, constant = (each.take(face, axis=1) for each in edges)
     return x * (column + 0.5) + y * (row + 0.5) + constant
 
 
-def _rows(y, real, height):
+def _rows(y: np.ndarray, real: np.ndarray, height: int) -> tuple[np.ndarray, np.ndarray]:
     """All pairs row (R,), face (R,) that may touch of faces with corners at y (3, F), of those that are `real` (F,)."""
     low = np.ceil(y.min(axis=0) - 0.5).clip(0, height).astype(np.int64)
     high = np.floor(y.max(axis=0) - 0.5).clip(-1, height - 1).astype(np.int64)
@@ -221,7 +231,7 @@ def _rows(y, real, height):
     return np.repeat(low - np.cumsum(count) + count, count) + np.arange(count.sum()), face
 
 
-def _span(slope, constant, width):
+def _span(slope: np.ndarray, constant: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
     """First and last column of each row whose centre has slope * x + constant >= 0 for all three edges."""
     with np.errstate(divide="ignore", invalid="ignore"):
         bound = -constant / slope
@@ -230,18 +240,18 @@ def _span(slope, constant, width):
     return np.ceil(low - 0.5).clip(0, width).astype(np.int64), np.floor(high - 0.5).clip(-1, width - 1).astype(np.int64)
 
 
-def _numbered(values, count):
+def _numbered(values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Which of 0 .. count - 1 are among the values (P,), (S,) in order, and the values' places in that (P,)."""
     held = np.zeros(count, dtype=bool)
     held[values] = True
     return np.flatnonzero(held), (np.cumsum(held) - 1)[values]
 
 
-def _dot(a, b):
+def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Of vectors (3, P); without the linear algebra library, whose threads go on spinning after each."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def _unit(vectors):
+def _unit(vectors: np.ndarray) -> np.ndarray:
     length = np.sqrt(np.einsum("...a,...a->...", vectors, vectors))[..., None]
     return vectors / np.where(length > 0, length, 1.0)

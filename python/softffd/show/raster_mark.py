@@ -2,13 +2,15 @@
 
 import numpy as np
 
-from softffd.show.raster import fragments
+from softffd.show.raster import Canvas, Tint, fragments
 
 ROUND = 16
 """Corners of a dot."""
 
 
-def draw_arrow(canvas, start, end, *, width, colour, outline, hidden=0.55):
+def draw_arrow(
+    canvas: Canvas, start: np.ndarray, end: np.ndarray, *, width: float, colour: Tint, outline: Tint, hidden: float = 0.55
+) -> None:
     """An arrow from `start` to `end` (3,) [m], or longer, so that it is one; its shaft is `width` pixels wide.
 
     hidden: opacity behind other things.
@@ -26,7 +28,7 @@ def draw_arrow(canvas, start, end, *, width, colour, outline, hidden=0.55):
 _ARROW = np.array([[0, 1, 2], [1, 3, 2], [4, 5, 6]])
 
 
-def _arrow_corners(a, b, along, wide, extra):
+def _arrow_corners(a: np.ndarray, b: np.ndarray, along: np.ndarray, wide: float, extra: float) -> np.ndarray:
     """Screen positions of the shaft's corners and the head's, all larger by `extra` fine pixels."""
     side = np.array([along[1], -along[0]])
     neck = b[:2] - along * 4 * wide
@@ -36,7 +38,7 @@ def _arrow_corners(a, b, along, wide, extra):
     return np.column_stack([flat, [a[2]] * 2 + [b[2]] * 5])
 
 
-def draw_dots(canvas, points, *, radius, colour, outline, hidden=0.4):
+def draw_dots(canvas: Canvas, points: np.ndarray, *, radius: float, colour: Tint, outline: Tint, hidden: float = 0.4) -> None:
     """Dots of `radius` pixels at points (N, 3) [m], in front of what they touch."""
     angle = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
     circle = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(ROUND)])
@@ -47,7 +49,7 @@ def draw_dots(canvas, points, *, radius, colour, outline, hidden=0.4):
         _fill(canvas, (centres[:, None] + size * circle).reshape(-1, 3), faces, tint, hidden)
 
 
-def _fill(canvas, screen, faces, colour, hidden):
+def _fill(canvas: Canvas, screen: np.ndarray, faces: np.ndarray, colour: Tint, hidden: float) -> None:
     """Lay triangles `faces` of screen positions (N, 3) over the picture, each pixel once."""
     for pixel, _, depth in fragments(screen, faces, canvas.width, canvas.height):
         pixel, first = np.unique(pixel, return_index=True)

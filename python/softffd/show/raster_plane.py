@@ -1,17 +1,19 @@
 """Obstacles in a picture: a convex solid; of a plane a translucent patch with a grid and the soft shadow of what is above it."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from softffd.show.raster import fragments
+from softffd.show.raster import Canvas, Tint, fragments
+from softffd.show.skin import single
 
 NEAR = 0.05
 """What is closer to the eye than this share of its distance from the target is not drawn."""
 
 
-def draw_solid(canvas, vertices, normals, faces, *, tint):
+def draw_solid(canvas: Canvas, vertices: np.ndarray, normals: np.ndarray, faces: np.ndarray, *, tint: Tint) -> None:
     """Draw a convex solid of vertices (V, 3) [m] with outward normals (V, 3) and `faces` (F, 3) on `canvas`; from within it is not seen."""
     camera = canvas.camera
     seen = (normals[faces].sum(axis=1) * (camera.eye - vertices[faces].mean(axis=1))).sum(axis=1) > 0
@@ -19,10 +21,10 @@ def draw_solid(canvas, vertices, normals, faces, *, tint):
     near = NEAR * np.linalg.norm(camera.eye - camera.target)
     corners = _in_front(corners, (camera.eye - corners[..., :3]) @ camera.axes[2] - near)
     flat, normals = corners[..., :3].reshape(-1, 3), corners[..., 3:]
-    canvas.triangles(flat, np.arange(len(flat)).reshape(-1, 3), normals, lambda *_: np.float32(tint)[:, None])
+    canvas.triangles(flat, np.arange(len(flat)).reshape(-1, 3), normals, lambda *_: single(tint)[:, None])
 
 
-def _in_front(corners, ahead):
+def _in_front(corners: np.ndarray, ahead: np.ndarray) -> np.ndarray:
     """Triangles (G, 3, C) that are the parts of triangles (F, 3, C) where `ahead` (F, 3), given at the corners, is positive."""
     inside = ahead > 0
     count = inside.sum(axis=1)
@@ -63,21 +65,21 @@ class Patch:
     centre: np.ndarray
     reach: float
     spacing: float
-    tint: tuple[float, float, float]
+    tint: Tint
     plate: np.ndarray | None = None
-    floors: tuple = ()
+    floors: Sequence[tuple[np.ndarray, np.ndarray]] = ()
 
     @cached_property
-    def foot(self):
+    def foot(self) -> np.ndarray:
         """Where the patch has its middle, (3,) [m]."""
         return self.centre - self.normal * (self.normal @ (self.centre - self.point))
 
     @cached_property
-    def frame(self):
+    def frame(self) -> np.ndarray:
         """Rows tangent, normal x tangent, normal."""
         return np.stack([self.tangent, np.cross(self.normal, self.tangent), self.normal])
 
-    def window(self, canvas):
+    def window(self, canvas: Canvas) -> np.ndarray:
         """The first row and column of pixels that may be its, and those after the last, (2, 2); all where it reaches behind the eye."""
         most = np.array([canvas.height, canvas.width]) // 2
         half = np.full(2, self.reach) if self.plate is None else self.plate
@@ -87,34 +89,34 @@ class Patch:
         at = canvas.project(corners)[:, 1::-1] / 2
         return np.stack([at.min(axis=0) - 1, at.max(axis=0) + 2]).clip(0, most).astype(int)
 
-    def share(self, place, size):
+    def share(self, place: np.ndarray, size: np.ndarray) -> np.ndarray:
         """How much of the pixels at the places (2, P) [m] from the foot, along the frame's first axes, with sizes (2, P) [m], is its."""
         if self.plate is None:
-            return np.float32(np.hypot(*place) < self.reach)
-        held = ((np.float32(self.plate)[:, None] - np.abs(place)) / size + 0.5).clip(0, 1).prod(axis=0)
+            return single(np.hypot(*place) < self.reach)
+        held = ((single(self.plate)[:, None] - np.abs(place)) / size + 0.5).clip(0, 1).prod(axis=0)
         for point, normal in self.floors:
-            slope = np.float32(self.frame[:2] @ normal)
-            above = slope[0] * place[0] + slope[1] * place[1] - np.float32(normal @ (point - self.foot))
+            slope = single(self.frame[:2] @ normal)
+            above = slope[0] * place[0] + slope[1] * place[1] - single(normal @ (point - self.foot))
             pixel = np.abs(slope[0]) * size[0] + np.abs(slope[1]) * size[1]
             held *= (above / np.maximum(pixel, 1e-9 * self.reach) + 0.5).clip(0, 1)
         return held
 
-    def lines(self, place, size):
+    def lines(self, place: np.ndarray, size: np.ndarray) -> np.ndarray:
         """How dark the grid and the edge are at the places (2, P) where pixels have the sizes (2, P) [m]."""
-        shift = np.float32(self.frame[:2] @ (self.foot - self.point) % (5 * self.spacing))
+        shift = single(self.frame[:2] @ (self.foot - self.point) % (5 * self.spacing))
         anchored = place + shift[:, None]
         line = 0.26 * _grid(anchored, size, self.spacing) + 0.2 * _grid(anchored, size, 5 * self.spacing)
         if self.plate is None:
             return line
-        inside = np.minimum(*((np.float32(self.plate)[:, None] - np.abs(place)) / size))
+        inside = np.minimum(*((single(self.plate)[:, None] - np.abs(place)) / size))
         return line + 0.6 * (1 - _smooth(inside - 1))
 
-    def fade(self, place):
+    def fade(self, place: np.ndarray) -> np.ndarray | float:
         """Opacity at the places (2, P), as a share."""
         return 1.0 if self.plate is not None else 1 - _smooth((np.hypot(*place) / self.reach - 0.55) / 0.45)
 
 
-def draw_plane(canvas, patch, *, surfaces=()):
+def draw_plane(canvas: Canvas, patch: Patch, *, surfaces: Sequence[tuple[np.ndarray, np.ndarray]] = ()) -> None:
     """Lay `patch` over `canvas`; surfaces: pairs of vertices (V, 3) [m] and faces, of the object and the solids that darken it.
 
     Colours and lines are those of whole pixels, by how much of them lines and patch cover; what is before the plane hides fine ones. The
@@ -128,18 +130,18 @@ def draw_plane(canvas, patch, *, surfaces=()):
     pixel, seen, place, size, share = pixel[within], seen[within], place.take(within, axis=1), size.take(within, axis=1), share[within]
     line = patch.lines(place, size)
     cover = (opacity if front else 0.10) + (1 - opacity) * line * (1.0 if front else 0.5)
-    colour = np.multiply.outer(np.float32(patch.tint), 1 - 0.55 * line)
+    colour = np.multiply.outer(single(patch.tint), 1 - 0.55 * line)
     if surfaces and front:
         dark = 0.8 * _sampled(_occlusion(surfaces, patch.foot, patch.frame, patch.reach), place / patch.reach)
         colour, cover = colour * (1 - dark), cover + (1 - cover) * dark
     canvas.lay(pixel, seen, colour, cover * share * patch.fade(place))
 
 
-def _seen(canvas, patch):
+def _seen(canvas: Canvas, patch: Patch) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Pixels (P,) in which the patch is nearest somewhere, in which of their four fine ones it is, as `in_pixels` has it, and on its two
     axes the places of their middles (2, P) and their sizes (2, P) [m]."""
-    right, above, back = np.float32(canvas.camera.axes @ patch.frame.T)
-    away = np.float32(patch.frame @ (canvas.camera.eye - patch.foot))
+    right, above, back = single(canvas.camera.axes @ patch.frame.T)
+    away = single(patch.frame @ (canvas.camera.eye - patch.foot))
     (top, left), (low, end) = patch.window(canvas)
     x, y = (slopes[2 * a : 2 * b] for slopes, a, b in zip(canvas.sight(), (left, top), (end, low), strict=True))
     depth = canvas.depth.reshape(canvas.height, canvas.width)[2 * top : 2 * low, 2 * left : 2 * end]
@@ -160,21 +162,21 @@ def _seen(canvas, patch):
     return pixel, shown, place, 2 * np.stack(size) / canvas.focal
 
 
-def _grid(at, size, spacing):
+def _grid(at: np.ndarray, size: np.ndarray, spacing: float) -> np.ndarray:
     """How much of a pixel the lines at multiples of `spacing` cover; none where they crowd."""
     distance = np.abs(at - spacing * np.round(at / spacing))
     line = (1.0 - _smooth(distance / size / 1.2)) * (1 - _smooth((size / spacing - 0.3) / 0.6))
     return np.maximum(*line)
 
 
-def _occlusion(surfaces, foot, frame, reach):
+def _occlusion(surfaces: Sequence[tuple[np.ndarray, np.ndarray]], foot: np.ndarray, frame: np.ndarray, reach: float) -> np.ndarray:
     """Share of the sky that surfaces hide from each texel of the patch, (TEXELS, TEXELS).
 
     A piece dA of an underside at height h and lateral distance r hides h^2 / (pi (h^2 + r^2)^2) dA of it.
     """
     height = np.minimum.reduce([_heights(*surface, foot, frame, reach) for surface in surfaces])
     covered = np.nonzero(height < 1)
-    hidden = np.zeros((2 * TEXELS, 2 * TEXELS), dtype=np.float32)  # with room for what falls beside the patch
+    hidden: np.ndarray = np.zeros((2 * TEXELS, 2 * TEXELS), dtype=np.float32)  # with room for what falls beside the patch
     if len(covered[0]):
         low = np.min(covered, axis=1)
         block = height[tuple(slice(a, b + 1) for a, b in zip(low, np.max(covered, axis=1), strict=True))]
@@ -188,10 +190,10 @@ def _occlusion(surfaces, foot, frame, reach):
     hidden = hidden[TEXELS // 2 : -TEXELS // 2, TEXELS // 2 : -TEXELS // 2]
     for axis in (0, 1, 0, 1):
         hidden = (np.roll(hidden, 1, axis) + hidden + np.roll(hidden, -1, axis)) / 3
-    return np.float32(hidden.clip(0, 1))
+    return single(hidden.clip(0, 1))
 
 
-def _heights(vertices, faces, foot, frame, reach):
+def _heights(vertices: np.ndarray, faces: np.ndarray, foot: np.ndarray, frame: np.ndarray, reach: float) -> np.ndarray:
     """Height of a surface's underside above each texel in patch radii, (TEXELS, TEXELS); 1 where there is none above the plane."""
     offset = (vertices - foot) / reach
     along, across, height = (offset @ frame.T).T
@@ -203,7 +205,7 @@ def _heights(vertices, faces, foot, frame, reach):
     return 1.0 - nearest.reshape(TEXELS, TEXELS)
 
 
-def _covered(screen, faces):
+def _covered(screen: np.ndarray, faces: np.ndarray) -> Iterable[tuple[np.ndarray, np.ndarray]]:
     """Texels and depths of the triangles, or, where these are hardly larger than a texel, of their vertices."""
     if len(faces) <= DENSE:
         return ((pixel, depth) for pixel, _, depth in fragments(screen, faces, TEXELS, TEXELS))
@@ -212,7 +214,7 @@ def _covered(screen, faces):
     return [((row * TEXELS + column)[within], screen[within, 2].astype(np.float32))]
 
 
-def _sampled(image, offset):
+def _sampled(image: np.ndarray, offset: np.ndarray) -> np.ndarray:
     """`image` (TEXELS, TEXELS) at `offset` (2, P), -1 .. 1, between the texels."""
     x, y = ((offset + 1) * TEXELS / 2 - 0.5).clip(0, TEXELS - 1.001)
     i, j = x.astype(int), y.astype(int)
@@ -221,6 +223,6 @@ def _sampled(image, offset):
     return rows[0] * (1 - b) + rows[1] * b
 
 
-def _smooth(t):
+def _smooth(t: np.ndarray) -> np.ndarray:
     t = t.clip(0, 1)
     return t * t * (3 - 2 * t)

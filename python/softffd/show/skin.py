@@ -1,18 +1,25 @@
 """The surface that pictures and page show where there is no mesh; what colours a surface: a tint at every vertex, and the pictures
 that it is multiplied with."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
+from PIL import Image
 
-if TYPE_CHECKING:
-    from PIL import Image
+from softffd.mesh.mesh import Mesh
+
+Painter = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Gives the colours (3, P), 0 .. 1, of places on a surface, by face (P,) and shares of its corners (3, P)."""
 
 
-def cage_surface(origin, size, *, divisions=24):
+def single(values: ArrayLike) -> np.ndarray:
+    """In single precision."""
+    return np.asarray(values, dtype=np.float32)
+
+
+def cage_surface(origin: ArrayLike, size: ArrayLike, *, divisions: int = 24) -> tuple[np.ndarray, np.ndarray]:
     """The six faces of the box `origin` .. `origin + size` [m], each cut into `divisions` x `divisions` squares.
 
     Returns vertices (6 (divisions+1)^2, 3) [m] and faces (12 divisions^2, 3), wound so that normals point outwards.
@@ -23,7 +30,8 @@ def cage_surface(origin, size, *, divisions=24):
     lower = np.stack([corner, corner + divisions + 1, corner + 1], axis=1)
     upper = np.stack([corner + 1, corner + divisions + 1, corner + divisions + 2], axis=1)
     square = np.concatenate([lower, upper])
-    vertices, faces = [], []
+    vertices: list[np.ndarray] = []
+    faces: list[np.ndarray] = []
     for axis in range(3):
         for side in (0.0, 1.0):
             coordinates = np.empty((len(first), 3))
@@ -47,14 +55,13 @@ class Skin:
     uv: np.ndarray
     pictures: tuple[Image.Image, ...] = ()
 
-    def painter(self, faces):
-        """A function that gives the colours (3, P) of places on the surface, by face (P,) and shares of its corners (3, P)."""
-        of_corners = np.float32(self.tints).T[:, faces.T]
+    def painter(self, faces: np.ndarray) -> Painter:
+        of_corners = single(self.tints).T[:, faces.T]
         even = bool((of_corners == of_corners[:, :1]).all())
         images = [np.asarray(picture.convert("RGB"), dtype=np.float32) / 255 for picture in self.pictures]
-        uv = np.float32(self.uv).T[:, faces.T]
+        uv = single(self.uv).T[:, faces.T]
 
-        def paint(face, share):
+        def paint(face: np.ndarray, share: np.ndarray) -> np.ndarray:
             colours = of_corners[:, 0].take(face, axis=1) if even else np.einsum("kp,akp->ap", share, of_corners.take(face, axis=2))
             for number, image in enumerate(images):
                 held = np.flatnonzero(self.picture_of[face] == number)
@@ -69,12 +76,12 @@ class Skin:
         return paint
 
 
-def painted(vertices, faces):
+def painted(vertices: np.ndarray, faces: np.ndarray) -> Skin:
     """The skin of a surface without looks."""
     return Skin(np.tile(PAINT, (len(vertices), 1)), np.full(len(faces), -1), np.zeros((len(vertices), 2)))
 
 
-def skinned(mesh):
+def skinned(mesh: Mesh) -> tuple[np.ndarray, np.ndarray, Skin]:
     """A mesh as it is shown, vertices (W, 3) [m] that each have one material, faces (F, 3) of them, and their skin."""
     looks = mesh.looks
     source, material, faces = looks.apart(mesh.faces)

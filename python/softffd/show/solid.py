@@ -4,10 +4,12 @@ A shape lies about the origin, along its own axes; a cylinder's axis is the thir
 its triangles are finest, so that a sphere far larger than the object is round where it comes near.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from softffd.obstacles import SolidShape
 
 AROUND, RINGS = 64, 48
 """Sides of what is round, and rings of a sphere from pole to pole"""
@@ -32,12 +34,12 @@ class Form:
     faces: np.ndarray
     beyond: Callable[[np.ndarray], np.ndarray]
 
-    def gap(self, places):
+    def gap(self, places: np.ndarray) -> np.ndarray:
         """Signed distance of places (N, 3) [m], negative inside, (N,) [m]."""
         beyond = self.beyond(places)
         return np.linalg.norm(beyond.clip(0), axis=1) + beyond.max(axis=1).clip(max=0)
 
-    def entered(self, places, ways):
+    def entered(self, places: np.ndarray, ways: np.ndarray) -> np.ndarray:
         """How far from places (N, 3) [m] lines along unit ways (N, 3) enter it, (N,) [m]; 0 for lines that pass by.
 
         From before it on, each time by the distance that nothing of it is nearer than.
@@ -49,12 +51,12 @@ class Form:
         return np.where(self.gap(places + far[:, None] * ways) <= 1e-6 * size, far, 0.0)
 
 
-def form_of(solid, scale):
+def form_of(solid: SolidShape, scale: float) -> Form:
     """The form of a SolidShape, for pictures of a scene of a size `scale` [m]."""
     return FORMS[solid.kind](solid, scale)
 
 
-def _sphere(solid, scale):
+def _sphere(solid: SolidShape, scale: float) -> Form:
     """Half of the rings are within `scale` of the pole."""
     crowded = np.log2(max(2.0, np.pi * solid.radius / scale))
     angle = np.pi * np.linspace(0, 1, RINGS + 1) ** crowded
@@ -63,19 +65,19 @@ def _sphere(solid, scale):
     return Form(*lathed, lambda places: np.linalg.norm(places, axis=1, keepdims=True) - solid.radius)
 
 
-def _cylinder(solid, scale):
+def _cylinder(solid: SolidShape, scale: float) -> Form:
     r, h = solid.radius, solid.length / 2
     sides = np.clip(np.pi * np.sqrt(r / (2 * SAGITTA * scale)), AROUND, FINEST)
     profile = [((0, h), (r, h), (0, 1)), ((r, h), (r, -h), (1, 0)), ((r, -h), (0, -h), (0, -1))]
     lathed = _lathed([(np.array([a, b], float), np.array([out, out], float)) for a, b, out in profile], int(sides))
 
-    def beyond(places):
+    def beyond(places: np.ndarray) -> np.ndarray:
         return np.column_stack([np.hypot(places[:, 0], places[:, 1]) - r, np.abs(places[:, 2]) - h])
 
     return Form(*lathed, beyond)
 
 
-def _box(solid, scale):
+def _box(solid: SolidShape, scale: float) -> Form:
     half = np.array(solid.size) / 2
     corners, normals = [], []
     for axis in range(3):
@@ -90,7 +92,7 @@ def _box(solid, scale):
 FORMS = {"sphere": _sphere, "cylinder": _cylinder, "box": _box}
 
 
-def _lathed(lines, sides):
+def _lathed(lines: Sequence[tuple[np.ndarray, np.ndarray]], sides: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Vertices, normals and faces of what profiles leave around the third axis.
 
     lines: pairs of places (P, 2) [m] and normals (P, 2), each as distance from the axis and height.
@@ -107,7 +109,7 @@ def _lathed(lines, sides):
     return np.concatenate(vertices), np.concatenate(normals), np.concatenate(faces)
 
 
-def _turned(profile, angle):
+def _turned(profile: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """Profile (P, 2) at each angle (A,), (P * A, 3)."""
     around = np.stack([np.cos(angle), np.sin(angle)], axis=1) * profile[:, None, :1]
     return np.concatenate([around, np.broadcast_to(profile[:, None, 1:], (*around.shape[:2], 1))], axis=2).reshape(-1, 3)

@@ -8,7 +8,11 @@ import numpy as np
 from softffd.embedding.deform import Embedding
 from softffd.errors import SoftffdError
 from softffd.lattice import index_grid, rest_grid
+from softffd.mesh.mesh import Mesh
 from softffd.names import vector_names
+from softffd.obstacles import SolidShape
+from softffd.run.result import Result
+from softffd.show.raster import Tint
 from softffd.show.skin import Skin, cage_surface, painted, skinned
 from softffd.show.solid import Form, form_of
 
@@ -36,13 +40,13 @@ class PlaneTrack:
     """
 
     name: str
-    tint: tuple[float, float, float]
+    tint: Tint
     is_floor: bool
     points: np.ndarray
     normals: np.ndarray
     tangents: np.ndarray
 
-    def gap(self, frame, places):
+    def gap(self, frame: int, places: np.ndarray) -> np.ndarray:
         """Distance of places (N, 3) [m] from it in a frame, negative behind it, (N,) [m]."""
         return (places - self.points[frame]) @ self.normals[frame]
 
@@ -55,26 +59,26 @@ class SolidTrack:
     """
 
     name: str
-    tint: tuple[float, float, float]
+    tint: Tint
     form: Form
     points: np.ndarray
     normals: np.ndarray
     tangents: np.ndarray
 
     @cached_property
-    def axes(self):
+    def axes(self) -> np.ndarray:
         """Its axes, unit vectors as rows (T, 3, 3)."""
         return np.stack([self.tangents, np.cross(self.normals, self.tangents), self.normals], axis=1)
 
-    def surface(self, frame):
+    def surface(self, frame: int) -> tuple[np.ndarray, np.ndarray]:
         """Vertices (V, 3) [m] and their normals (V, 3) in a frame."""
         return self.points[frame] + self.form.vertices @ self.axes[frame], self.form.normals @ self.axes[frame]
 
-    def gap(self, frame, places):
+    def gap(self, frame: int, places: np.ndarray) -> np.ndarray:
         """Signed distance of places (N, 3) [m] from it in a frame, negative inside, (N,) [m]."""
         return self.form.gap((places - self.points[frame]) @ self.axes[frame].T)
 
-    def entered(self, places, ways):
+    def entered(self, places: np.ndarray, ways: np.ndarray) -> np.ndarray:
         """Where the lines through places (T, 3) [m] along ways (T, 3) enter it, (T, 3) [m]; the places themselves where they pass by."""
         arms, along = (np.einsum("tka,ta->tk", self.axes, each) for each in (places - self.points, _unit(ways)))
         return places + _unit(ways) * self.form.entered(arms, along)[:, None]
@@ -109,52 +113,56 @@ class Stage:
     half: np.ndarray
 
     @property
-    def counts(self):
+    def obstacles(self) -> tuple[PlaneTrack | SolidTrack, ...]:
+        return (*self.planes, *self.solids)
+
+    @property
+    def counts(self) -> tuple[int, ...]:
         return self.positions.shape[1:4]
 
     @property
-    def radius(self):
+    def radius(self) -> float:
         """Half the diagonal of the box of all there is to see, m."""
         return float(np.linalg.norm(self.half))
 
     @cached_property
-    def rest(self):
+    def rest(self) -> np.ndarray:
         """The undeformed lattice, (nx, ny, nz, 3) [m]."""
         return rest_grid(self.counts, self.origin, self.size)
 
     @cached_property
-    def edges(self):
+    def edges(self) -> np.ndarray:
         """Neighbours along the axes, (E, 2) flat indices: the lines of the lattice."""
         index = index_grid(self.counts).T
         pairs = [(index[:, :, :-1], index[:, :, 1:]), (index[:, :-1], index[:, 1:]), (index[:-1], index[1:])]
         return np.concatenate([np.stack([a.ravel(), b.ravel()], axis=1) for a, b in pairs])
 
     @cached_property
-    def _embedding(self):
+    def _embedding(self) -> Embedding:
         return Embedding(self.vertices, self.origin, self.size, self.counts, self.basis)
 
-    def deformed(self, positions):
+    def deformed(self, positions: np.ndarray) -> np.ndarray:
         """The surface's vertices (V, 3) [m] for control points (nx, ny, nz, 3) [m]."""
         return self._embedding.deform(positions)
 
 
-def stage_of(result, *, mesh=None, origin=None, size=None):
-    """The stage of a `Result` with `mesh` as its object, or without one the boundary of the volume.
-
-    origin, size: the box (3,) [m]; by default the lattice's, else the mesh's bounds, else those of the first frame.
-    Raises SoftffdError when positions of control points were not recorded.
-    """
+def stage_of(result: Result, *, mesh: Mesh | None = None) -> Stage:
+    """The stage of a `Result` with `mesh` as its object, or without one the boundary of the volume; in the box of the lattice, else of the
+    mesh, else of the first frame. Raises SoftffdError when positions of control points were not recorded."""
     positions = _recorded(result)
-    origin, size = _box(result, mesh, origin, size)
+    origin, size = _box(result, mesh)
     if mesh is not None:
         vertices, faces, skin = skinned(mesh)
     else:
-        vertices, faces = cage_surface(origin, size, divisions=_divisions(positions))
+        several = max(24, 3 * (max(positions.shape[1:4]) - 1))  # squares to a cell, so that its bends look round
+        vertices, faces = cage_surface(origin, size, divisions=several)
         skin = painted(vertices, faces)
-    up = up_direction(result.scene)
+    up = up_direction(result)
     covered = np.stack([positions.min(axis=(0, 1, 2, 3)), positions.max(axis=(0, 1, 2, 3))])
     tints = {name: OBSTACLES[number % len(OBSTACLES)] for number, name in enumerate(result.plane_names())}
-    solids = tuple(_solid_track(solid, tints[solid.name], result, covered) for solid in _solids(result))
+    solids = tuple(
+        _solid_track(solid, tints[solid.name], result, covered) for solid in (result.obstacles.solids if result.obstacles else ())
+    )
     frames = np.unique(np.linspace(0, len(positions) - 1, GLANCES).astype(int))
     seen = np.concatenate([covered, *(beside(covered, solid, frame) for solid in solids for frame in frames)])
     low, high = seen.min(axis=0), seen.max(axis=0)
@@ -171,24 +179,20 @@ def stage_of(result, *, mesh=None, origin=None, size=None):
         is_cage=mesh is None,
         planes=tuple(_track(name, tints[name], up, *result.plane(name)) for name in _flat(result)),
         solids=solids,
-        pinned=_pinned(result.scene),
+        pinned=_pinned(result),
         up=up,
         centre=(low + high) / 2,
         half=(high - low) / 2,
     )
 
 
-def _solids(result):
-    return () if result.obstacles is None else result.obstacles.solids
-
-
-def _flat(result):
+def _flat(result: Result) -> list[str]:
     """Names of the obstacles that are planes; in other FMUs what could be one."""
     values = {*result.parameters, *result.inputs}
     return [part.name for part in result.obstacle_parts() if part.kind == "plane" and set(vector_names("plane_normal", part)) <= values]
 
 
-def beside(covered, solid, frame):
+def beside(covered: np.ndarray, solid: SolidTrack, frame: int) -> np.ndarray:
     """What is in view of a solid in a frame, as a box: ends (2, 3) [m]; covered: those of the box that the lattice covers, and what it is
     where the solid is far from it."""
     margin = BESIDE * np.linalg.norm(covered[1] - covered[0])
@@ -199,19 +203,14 @@ def beside(covered, solid, frame):
     return np.stack([low.clip(least, most), high.clip(least, most)]) if near else covered
 
 
-def up_direction(scene):
+def up_direction(result: Result) -> np.ndarray:
     """Unit vector (3,) against gravity; +z without a scene or without gravity."""
-    gravity = None if scene is None else scene.environment.gravity
+    gravity = result.scene.environment.gravity if result.scene else None
     pull = 0.0 if gravity is None else np.linalg.norm(gravity)
     return np.array([0.0, 0.0, 1.0]) if pull == 0 else -np.asarray(gravity, float) / pull
 
 
-def _divisions(positions):
-    """Squares along each edge of the drawn box: several to a cell, so that its bends look round."""
-    return max(24, 3 * (max(positions.shape[1:4]) - 1))
-
-
-def _recorded(result):
+def _recorded(result: Result) -> np.ndarray:
     positions = np.asarray(result.positions, dtype=float)
     missing = np.isnan(positions).any(axis=(0, 4)) if len(positions) else np.ones(positions.shape[1:4], dtype=bool)
     if missing.any():
@@ -222,24 +221,21 @@ def _recorded(result):
     return positions
 
 
-def _box(result, mesh, origin, size):
+def _box(result: Result, mesh: Mesh | None) -> tuple[np.ndarray, np.ndarray]:
     if result.lattice is not None:
-        low, extent = result.lattice.origin, result.lattice.size
-    elif mesh is not None:
-        low, extent = mesh.bounds[0], mesh.bounds[1] - mesh.bounds[0]
-    else:
-        low = result.positions[0].min(axis=(0, 1, 2))
-        extent = result.positions[0].max(axis=(0, 1, 2)) - low
-    return np.array(low if origin is None else origin, float), np.array(extent if size is None else size, float)
+        return np.array(result.lattice.origin, float), np.array(result.lattice.size, float)
+    points = result.positions[0].reshape(-1, 3)
+    low, high = mesh.bounds if mesh is not None else (points.min(axis=0), points.max(axis=0))
+    return low, high - low
 
 
-def _track(name, tint, up, points, normals):
+def _track(name: str, tint: Tint, up: np.ndarray, points: np.ndarray, normals: np.ndarray) -> PlaneTrack:
     normals = _unit(normals)
     is_floor = bool((normals @ up > 0.7).all())
     return PlaneTrack(name, tint, is_floor, np.asarray(points, dtype=float), normals, _tangents(normals))
 
 
-def _solid_track(solid, tint, result, covered):
+def _solid_track(solid: SolidShape, tint: Tint, result: Result, covered: np.ndarray) -> SolidTrack:
     """The pole of a sphere, which looks the same however it is turned, is where the lattice's box is."""
     form = form_of(solid, float(np.linalg.norm(covered[1] - covered[0])))
     points, normals = result.plane(solid.name)
@@ -252,26 +248,25 @@ def _solid_track(solid, tint, result, covered):
     return SolidTrack(solid.name, tint, form, points, normals, _tangents(normals))
 
 
-def _tangents(normals):
+def _tangents(normals: np.ndarray) -> np.ndarray:
     """Unit vectors (T, 3) across unit normals (T, 3), along one world axis through the run: that which the normal comes least close to."""
     axis, spare = np.eye(3)[np.abs(normals).max(axis=0).argsort()[:2]]
     axes = np.where(np.abs(normals @ axis)[:, None] < 0.999, axis, spare)
     return _unit(axes - normals * np.einsum("ta,ta->t", normals, axes)[:, None])
 
 
-def _unit(vectors):
+def _unit(vectors: np.ndarray) -> np.ndarray:
     """Vectors (..., 3) as long as 1; 0 remains."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.where(length > 0, length, 1.0)
 
 
-def _pinned(scene):
-    if scene is None or not scene.pin:
-        return np.zeros(0, dtype=np.int64)
-    return np.unique(np.concatenate([scene.select(pin.points) for pin in scene.pin]))
+def _pinned(result: Result) -> np.ndarray:
+    held = [result.scene.select(pin.points) for pin in result.scene.pin] if result.scene else []
+    return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *held]))
 
 
-def round_length(length):
+def round_length(length: float) -> float:
     """The largest of 1, 2, 5, 10, ... [m] not above `length`: a spacing for grids."""
     power = 10.0 ** np.floor(np.log10(length))
     return float(max(f * power for f in (1, 2, 5) if f * power <= length * (1 + 1e-9)))

@@ -1,13 +1,16 @@
 """Colours of what happens inside: a quantity of the lattice's cells on the surface of a picture."""
 
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from softffd.errors import SoftffdError
 from softffd.run.parts import require_name
-from softffd.show.sheet import Scale
+from softffd.run.result import Result
+from softffd.show.stage import Stage
 
 RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)
 """The second: cells that are turned inside out, which have no stress."""
@@ -15,14 +18,14 @@ RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)
 CELLS_AT_A_TIME = 200_000
 
 
-def _von_mises(result, frame):
+def _von_mises(result: Result, frame: Any) -> np.ndarray:
     stress = result.stress(frame)
     apart = stress - np.trace(stress, axis1=-2, axis2=-1)[..., None, None] / 3 * np.eye(3)
-    return np.sqrt(1.5 * (apart**2).sum(axis=(-2, -1)))
+    return np.asarray(np.sqrt(1.5 * (apart**2).sum(axis=(-2, -1))))
 
 
-def _stretch(result, frame):
-    return np.sqrt(np.linalg.eigvalsh(2 * result.strain(frame) + np.eye(3))[..., -1].clip(0))
+def _stretch(result: Result, frame: Any) -> np.ndarray:
+    return np.asarray(np.sqrt(np.linalg.eigvalsh(2 * result.strain(frame) + np.eye(3))[..., -1].clip(0)))
 
 
 COLOURS = {
@@ -36,17 +39,13 @@ COLOURS = {
 class Tension:
     """Tints (V, 3) of the stage's vertices by frame, and what they mean."""
 
-    tints: dict
+    tints: dict[int, np.ndarray]
     ends: tuple[float, float]
     words: str
     unit: str
 
-    def scale(self, box):
-        """The scale in `box` of a sheet."""
-        return Scale(box, RAMP, self.ends, self.unit, self.words)
 
-
-def tension_of(result, stage, frames, colour):
+def tension_of(result: Result, stage: Stage, frames: Iterable[int], colour: str) -> Tension:
     """The Tension of a name of COLOURS in `frames`. Between the centres of cells it is linear, beyond them that of the nearest.
     SoftffdError where the result does not know it."""
     from matplotlib import colormaps
@@ -76,7 +75,7 @@ class Cells:
     ends: tuple[float, float]
 
 
-def cells_of(result, frames):
+def cells_of(result: Result, frames: np.ndarray) -> list[Cells]:
     """The Cells of every name of COLOURS that the result knows, at these rows."""
     found = []
     for name, (words, unit, measure) in COLOURS.items():
@@ -87,19 +86,19 @@ def cells_of(result, frames):
     return found
 
 
-def _parts(result, frames):
+def _parts(result: Result, frames: np.ndarray) -> list[np.ndarray]:
     """Of the frames, each with so many cells that what stress needs on the way stays small."""
     cells = np.prod(np.array(result.positions.shape[1:4]) - 1)
     return np.array_split(frames, max(1, int(len(frames) * cells / CELLS_AT_A_TIME)))
 
 
-def _ends(name, values):
+def _ends(name: str, values: np.ndarray) -> tuple[float, float]:
     """Of the scale, low before high; stress begins at nothing, stretch where it is least, at 1 at most."""
     low, high = (0.0 if name == "von_mises" else values.min(initial=1.0)), values.max(initial=1e-300)
     return float(low), float(high if high > low else low + 1)
 
 
-def _at_vertices(values, stage):
+def _at_vertices(values: np.ndarray, stage: Stage) -> np.ndarray:
     most = np.array(values.shape) - 1
     place = ((stage.vertices - stage.origin) / stage.size * values.shape - 0.5).clip(0, most)
     low = np.minimum(place.astype(int), np.maximum(most - 1, 0))

@@ -12,7 +12,7 @@ from softffd.lattice import to_flat
 from softffd.names import Part, vector_names
 from softffd.run.findings import reactions
 from softffd.run.result import Result
-from softffd.show.stage import Stage, stage_of
+from softffd.show.stage import PlaneTrack, SolidTrack, Stage, stage_of
 
 INK, MARK = (0.10, 0.12, 0.16), (1.0, 0.84, 0.0)
 """Colours of the outlines, and of what is inside; no paint, control point or obstacle has these."""
@@ -45,13 +45,13 @@ class Touch:
     starts: np.ndarray
     ways: np.ndarray
 
-    def arrows(self, frame):
+    def arrows(self, frame: int) -> np.ndarray:
         """Beginnings and ends of the arrows in a frame, (A, 2, 3) [m]."""
         ways = self.ways[:, frame]
         there = ways.any(axis=1)
         return np.stack([self.starts[there, frame], self.starts[there, frame] + ways[there]], axis=1)
 
-    def places(self, frame):
+    def places(self, frame: int) -> tuple[np.ndarray, np.ndarray]:
         """The control points (N, 3) [m] and the surface's vertices (M, 3) [m] on obstacles in a frame."""
         stage, none = self.stage, np.empty((0, 3))
         points = to_flat(stage.positions[frame])
@@ -64,13 +64,13 @@ class Touch:
         vertices = np.unique(vertices[self._near(frame, vertices)], axis=0)
         return on_points, vertices[np.linspace(0, len(vertices) - 1, min(len(vertices), MOST)).astype(int)]
 
-    def touched(self, frame, obstacle):
+    def touched(self, frame: int, obstacle: PlaneTrack | SolidTrack) -> np.ndarray:
         """What is on one obstacle in a frame, control points or vertices of the surface, by its places at rest, (N, 3) [m]."""
         stage, positions = self.stage, self.stage.positions[frame]
         places, rest = (stage.deformed(positions), stage.vertices) if self.of == "surface" else (to_flat(positions), to_flat(stage.rest))
         return rest[np.abs(obstacle.gap(frame, places)) <= self._limit]
 
-    def _may_touch(self, frame, points):
+    def _may_touch(self, frame: int, points: np.ndarray) -> bool:
         """Is anything between the control points (N, 3) [m] on an obstacle? Of solids only that is known which is far from all of them."""
         low, high = points.min(axis=0), points.max(axis=0)
         middle, reach = (low + high) / 2, np.linalg.norm(high - low) / 2 + self._limit
@@ -78,23 +78,23 @@ class Touch:
             solid.gap(frame, middle[None])[0] <= reach for solid in self.stage.solids
         )
 
-    def _near(self, frame, places):
+    def _near(self, frame: int, places: np.ndarray) -> np.ndarray:
         """Which places (N, 3) [m] are on an obstacle in a frame."""
         found = np.zeros(len(places), dtype=bool)
-        for obstacle in (*self.stage.planes, *self.stage.solids):
+        for obstacle in self.stage.obstacles:
             found |= np.abs(obstacle.gap(frame, places)) <= self._limit
         return found
 
     @property
-    def _limit(self):
-        return NEAR * np.linalg.norm(self.stage.size)
+    def _limit(self) -> float:
+        return NEAR * float(np.linalg.norm(self.stage.size))
 
 
-def touch_of(result, stage):
+def touch_of(result: Result, stage: Stage) -> Touch:
     """What to draw of the contacts of `result`; without arrows where reactions or centres of pressure were not recorded."""
     forces = {part.name: force for part, force in reactions(result).items() if part.is_obstacle}
     paths = {part.name: part for part in result.obstacle_parts()}
-    centres = {each.name: vector_names("plane_centre", paths[each.name]) for each in (*stage.planes, *stage.solids)}
+    centres = {each.name: vector_names("plane_centre", paths[each.name]) for each in stage.obstacles}
     drawn = [name for name, names in centres.items() if name in forces and all(each in result.outputs for each in names)]
     of = None if result.obstacles is None else result.obstacles.meet
     if not drawn:
@@ -119,19 +119,19 @@ ENOUGH = 3.0
 def contact_widths(result: Result) -> dict[Part, float]:
     """The width of contact with each obstacle that the body presses on, when the force is largest, in cells: the lesser of the two extents
     of the touched places at rest. Without obstacles, reactions or positions that were recorded, none."""
-    forces = {part.name: (part, np.linalg.norm(force, axis=1)) for part, force in reactions(result).items() if part.is_obstacle}
-    if result.lattice is None or not result.has_positions or not any(force.any() for _, force in forces.values()):
+    forces = {part: np.linalg.norm(force, axis=1) for part, force in reactions(result).items() if part.is_obstacle and force.any()}
+    if result.lattice is None or not result.has_positions or not forces:
         return {}
     stage = stage_of(result, mesh=result.loaded_mesh)
     touch, cells = touch_of(result, stage), stage.size / (np.array(stage.counts) - 1)
     widths: dict[Part, float] = {}
-    for obstacle in (*stage.planes, *stage.solids):
-        part, force = forces.get(obstacle.name, (None, np.zeros(1)))
-        for frame in (int(force.argmax()), int(force.argmax()) - 1):  # what was touched in the step may be left at its end
-            touched = touch.touched(frame, obstacle) if force.any() and frame >= 0 else np.empty((0, 3))
-            if len(touched):
-                widths[part] = float(np.sort(np.ptp(touched / cells, axis=0))[1])
-                break
+    for obstacle in stage.obstacles:
+        for part, force in forces.items():
+            if part.name == obstacle.name:
+                last = int(force.argmax())  # what was touched in the step may be left at its end
+                places = next(filter(len, (touch.touched(frame, obstacle) for frame in (last, last - 1) if frame >= 0)), None)
+                if places is not None:
+                    widths[part] = float(np.sort(np.ptp(places / cells, axis=0))[1])
     return widths
 
 

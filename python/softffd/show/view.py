@@ -8,21 +8,29 @@ so a frame costs the control points whatever the size of the mesh; of B-splines 
 import base64
 import html
 import json
+from collections.abc import Mapping
 from importlib import resources
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
+from PIL import Image
 
 from softffd.embedding.basis import parameter
 from softffd.embedding.deform import deform
 from softffd.files import write_text
 from softffd.lattice import to_flat
+from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import split_at_creases
 from softffd.run.findings import energies, reactions
-from softffd.show.stage import FREE, PINNED, VIEW, round_length, stage_of
+from softffd.run.result import Result
+from softffd.show.raster import Tint
+from softffd.show.solid import Form
+from softffd.show.stage import FREE, PINNED, VIEW, PlaneTrack, SolidTrack, Stage, round_length, stage_of
 from softffd.show.template import filled
-from softffd.show.tension import cells_of
+from softffd.show.tension import Cells, cells_of
 from softffd.show.touch import INK, MARK, touch_of
 
 MOST_FRAMES = 600
@@ -37,20 +45,20 @@ RAMP = ("ffffd9", "edf8b1", "c7e9b4", "7fcdbb", "41b6c4", "1d91c0", "225ea8", "2
 ENERGY_MARKS = {"kinetic": "#0072b2", "elastic": "#d55e00"}
 
 
-def write_view(result, path, *, mesh=None, origin=None, size=None):
+def write_view(result: Result, path: str | Path, *, mesh: Mesh | None = None) -> Path:
     """Write the page that plays `result` to `path`; returns the path.
 
-    mesh: the object at rest, or None for the boundary of the volume. origin, size: its box (3,) [m] if not the scene's.
+    mesh: the object at rest, or None for the boundary of the volume.
     A run of more than 600 frames is thinned evenly, keeping the first and the last, and the page says so.
     Raises SoftffdError when positions of control points were not recorded.
     """
-    write_text(path, page_text(result, mesh=mesh, origin=origin, size=size))
+    write_text(path, page_text(result, mesh=mesh))
     return Path(path)
 
 
-def page_text(result, *, mesh=None, origin=None, size=None):
+def page_text(result: Result, *, mesh: Mesh | None = None) -> str:
     """The page itself, see write_view."""
-    stage = stage_of(result, mesh=mesh, origin=origin, size=size)
+    stage = stage_of(result, mesh=mesh)
     frames = _frames(stage.positions)
     run = {
         **_words(stage, frames, mesh),
@@ -72,7 +80,7 @@ def page_text(result, *, mesh=None, origin=None, size=None):
     return _page(run)
 
 
-def _page(run):
+def _page(run: Mapping[str, Any]) -> str:
     parts = resources.files("softffd.show")
     texts = {
         "title": html.escape(run["title"]),
@@ -85,14 +93,14 @@ def _page(run):
     return filled("softffd.show", "view.html", texts)
 
 
-def _frames(positions):
+def _frames(positions: np.ndarray) -> np.ndarray:
     """Which frames the page holds: all, or evenly chosen ones with the first and the last."""
     count, points = len(positions), int(np.prod(positions.shape[1:4]))
     most = max(2, min(MOST_FRAMES, int(MOST_POINT_BYTES / (12 * points))))
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
 
 
-def _words(stage, frames, mesh):
+def _words(stage: Stage, frames: np.ndarray, mesh: Mesh | None) -> dict[str, Any]:
     subtitle = " × ".join(str(n) for n in stage.counts) + " control points"
     if mesh is not None:
         subtitle += f" · {mesh.name}: {len(mesh.vertices):,} vertices, {len(mesh.faces):,} triangles"
@@ -101,7 +109,7 @@ def _words(stage, frames, mesh):
     return {"title": stage.title, "subtitle": subtitle, "note": note}
 
 
-def _surface(stage):
+def _surface(stage: Stage) -> dict[str, Any]:
     """Parameters (W, 3), normals and tints (W, 4) of which three count, places in pictures (W, 2), and triangles (F, 3).
 
     Triangles with one picture follow each other: `parts` are pairs of a picture's number and how many there are.
@@ -121,7 +129,7 @@ def _surface(stage):
     }
 
 
-def _colours(stage):
+def _colours(stage: Stage) -> dict[str, Any]:
     given = np.array([list(bytes.fromhex(colour)) for colour in RAMP])
     places = np.linspace(0.1, 1.0, 64) * (len(RAMP) - 1)
     ramp = np.stack([np.interp(places, np.arange(len(RAMP)), channel) for channel in given.T], axis=1)
@@ -133,7 +141,7 @@ def _colours(stage):
     }
 
 
-def _image(texture):
+def _image(texture: Image.Image) -> str:
     """A texture as a PNG inside the page, at most 1024 pixels wide and high."""
     small = texture.convert("RGB")
     small.thumbnail((MOST_TEXELS, MOST_TEXELS))
@@ -142,7 +150,7 @@ def _image(texture):
     return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode("ascii")
 
 
-def _sights(stage):
+def _sights(stage: Stage) -> dict[str, Any]:
     """Where things are, relative to the stage's centre, so that single precision is enough anywhere in the world."""
     return {
         "origin": (stage.origin - stage.centre).tolist(),
@@ -155,18 +163,18 @@ def _sights(stage):
     }
 
 
-def _obstacle(track, stage, frames):
+def _obstacle(track: PlaneTrack | SolidTrack, stage: Stage, frames: np.ndarray) -> dict[str, Any]:
     """Its name, its colour and its poses (T, 9): a point relative to the stage's centre [m], the unit normal, a unit tangent."""
     poses = np.hstack([track.points - stage.centre, track.normals, track.tangents])[frames]
     return {"name": track.name, "tint": track.tint, "poses": _text(poses, "<f4")}
 
 
-def _form(form):
+def _form(form: Form) -> dict[str, Any]:
     """Vertices (V, 3) [m] along tangent, normal x tangent and normal, their normals (V, 3), and triangles (F, 3)."""
     return {"vertices": _text(form.vertices, "<f4"), "normals": _text(form.normals, "<f4"), "triangles": _text(form.faces, "<u4")}
 
 
-def _touch(result, stage, frames):
+def _touch(result: Result, stage: Stage, frames: np.ndarray) -> dict[str, Any]:
     """Places touched (N, 3), as many of them as `counts` has for each frame; beginnings and ways of arrows (T, 3); all in m."""
     touch = touch_of(result, stage)
     places = [np.concatenate(touch.places(frame)) - stage.centre for frame in frames]
@@ -178,9 +186,9 @@ def _touch(result, stage, frames):
     return {"places": _text(np.concatenate(places), "<f4"), "counts": counts, "arrows": arrows, "mark": MARK, "outline": INK}
 
 
-def _rows(result, stage, frames):
+def _rows(result: Result, stage: Stage, frames: np.ndarray) -> list[dict[str, Any]]:
     """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J]."""
-    marks = {each.name: _hex(each.tint) for each in (*stage.planes, *stage.solids)}
+    marks = {each.name: _hex(each.tint) for each in stage.obstacles}
     rows = []
     for part, force in reactions(result).items():
         mark = marks.get(part.name, "var(--pin)") if part.is_obstacle else "var(--pin)"
@@ -192,17 +200,16 @@ def _rows(result, stage, frames):
     return rows
 
 
-def _row(label, kind, unit, mark, values, vectors=None):
-    vectors = None if vectors is None else _text(vectors, "<f4")
+def _row(label: str, kind: str, unit: str, mark: str, values: np.ndarray, vectors: np.ndarray | None = None) -> dict[str, Any]:
     texts = {"label": label, "kind": kind, "unit": unit, "mark": mark}
-    return texts | {"values": _text(values, "<f4"), "vectors": vectors}
+    return texts | {"values": _text(values, "<f4"), "vectors": None if vectors is None else _text(vectors, "<f4")}
 
 
-def _hex(tint):
+def _hex(tint: Tint) -> str:
     return "#" + "".join(f"{round(255 * 0.8 * c):02x}" for c in tint)
 
 
-def _largest(stage, frames):
+def _largest(stage: Stage, frames: np.ndarray) -> dict[str, float]:
     """Ends of the colour scales, which 1 % of the worst frame's samples exceed: displacement [m], Green strain."""
     chosen = np.linspace(0, len(stage.vertices) - 1, min(len(stage.vertices), SAMPLES)).astype(int)
     samples = stage.vertices[chosen]
@@ -217,7 +224,7 @@ def _largest(stage, frames):
     return {name: float(np.quantile(size, 0.99, axis=1).max()) for name, size in sizes.items()}
 
 
-def _cells(cells):
+def _cells(cells: Cells) -> dict[str, Any]:
     """Shares of the scale in 255 and whether a cell is turned inside out (T, cells, 2), x running fastest."""
     low, high = cells.ends
     known = np.isfinite(cells.values)
@@ -227,5 +234,5 @@ def _cells(cells):
     return texts | {"values": _text(both.transpose(0, 3, 2, 1, 4), "u1")}
 
 
-def _text(values, kind):
+def _text(values: ArrayLike, kind: str) -> str:
     return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")

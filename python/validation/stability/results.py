@@ -18,8 +18,7 @@ from matplotlib.patches import Patch
 from softffd.accuracy.kept import conditions, csv_text, json_text, keep_files
 from softffd.errors import SoftffdError
 from softffd.run.progress import Note, silent
-from softffd.show.figure import new_figure, png_of
-from softffd.show.sheet import INK, SOFT
+from softffd.show.figure import INK, SOFT, new_figure, png_of
 from validation.stability.cases import CASES
 from validation.stability.cell import CLASSES, Cell, Judged, Panel, omega
 from validation.stability.survey import Survey, planned, run

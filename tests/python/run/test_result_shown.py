@@ -17,7 +17,7 @@ from made_up_run import made_up_run
 from scenes import LED, box, table_and_press
 from softffd import SoftffdError, simulate
 from softffd.run import shown
-from softffd.show.sheet import Sheet
+from softffd.show.figure import new_figure
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +42,7 @@ def test_plot_gives_the_figure_and_writes_it(tmp_path):
 
 def test_plot_shows_the_lattice_over_a_mesh_where_it_is_asked_for(monkeypatch):
     asked = []
-    monkeypatch.setattr("softffd.show.picture.run_sheet", lambda _result, **options: asked.append(options) or Sheet(1.0, 1.0, 50))
+    monkeypatch.setattr("softffd.show.picture.run_picture", lambda _, **options: asked.append(options) or new_figure(1, 1, dpi=50))
     made_up_run().plot()
     made_up_run().plot(lattice=True)
     assert [options["lattice"] for options in asked] == [False, True]

@@ -6,29 +6,42 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from made_up_run import made_up_run
+from made_up_run import ORIGIN, SIZE, at_rest_about, made_up_run
 from mesh_files import two_colours
 from softffd.errors import SoftffdError
-from softffd.lattice import rest_grid
 from softffd.mesh.mesh import load_mesh
-from softffd.show.figure import figure_of, png_of
+from softffd.show.figure import draw_curves, new_figure, png_of
 from softffd.show.panel import Panels, Shape, view_axes
-from softffd.show.picture import history_sheet, run_sheet, strip_sheet
-from softffd.show.sheet import Curves, Sheet
+from softffd.show.picture import first_contact, history_picture, run_picture, strip_picture, telling_moments
 from softffd.show.stage import FREE, PINNED, stage_of
 from softffd.show.touch import MARK
 
 
-def pixels(sheet):
-    return np.asarray(Image.open(BytesIO(png_of(figure_of(sheet)))).convert("RGB")) / 255.0
+def pixels(figure):
+    return np.asarray(Image.open(BytesIO(png_of(figure))).convert("RGB")) / 255.0
 
 
 def near(image, colour, tolerance=0.12):
     return (np.abs(image - colour).max(axis=-1) < tolerance).sum()
 
 
+def test_telling_moments_are_start_contact_largest_deformation_and_end():
+    result = made_up_run()
+    assert telling_moments(result) == {0: "start", 17: "first contact", 24: "largest deformation", 40: "end"}
+
+
+def test_a_contact_from_the_start_needs_no_picture_of_its_own():
+    result = made_up_run(frames=201)
+    touching = {name: np.where(result.time > 0, 1.0, 0.0) for name in result.outputs if "reaction" in name}
+    assert list(telling_moments(replace(result, outputs=touching)).values()) == ["start", "largest deformation", "end"]
+
+
+def test_without_planes_there_is_no_contact():
+    assert first_contact(replace(made_up_run(), outputs={})) is None
+
+
 def test_picture_of_a_run_shows_four_moments_and_curves():
-    image = pixels(run_sheet(made_up_run()))
+    image = pixels(run_picture(made_up_run()))
     assert image.shape == (988, 1690, 3)
     upper, lower = image[80:560], image[640:]
     quarters = np.array_split(upper, 4, axis=1)
@@ -40,7 +53,7 @@ def test_picture_of_a_run_shows_four_moments_and_curves():
 def test_a_picture_marks_what_touches_and_the_forces_on_obstacles():
     result = made_up_run()
     quiet = {name: values for name, values in result.outputs.items() if ".centre." not in name}
-    image, plain = (pixels(run_sheet(each))[80:545] for each in (result, replace(result, outputs=quiet)))
+    image, plain = (pixels(run_picture(each))[80:545] for each in (result, replace(result, outputs=quiet)))
     yellow, dots = ([near(quarter, MARK, 0.03) for quarter in np.array_split(each, 4, axis=1)] for each in (image, plain))
     assert yellow[0] == dots[0] == 0  # it falls
     assert min(yellow[2:]) > 100 and max(yellow) > 500
@@ -49,12 +62,12 @@ def test_a_picture_marks_what_touches_and_the_forces_on_obstacles():
 
 def test_without_reactions_and_energies_the_picture_shows_the_height():
     bare = replace(made_up_run(), outputs={}, inputs={}, parameters={}, scene=None)
-    image = pixels(run_sheet(bare))
+    image = pixels(run_picture(bare))
     assert near(image[640:], (0.0, 0.447, 0.698)) > 300
 
 
 def test_strip_is_wide_and_shows_the_shape_at_rest_without_obstacles():
-    image = pixels(strip_sheet(made_up_run()))
+    image = pixels(strip_picture(made_up_run()))
     height, width, _ = image.shape
     assert width > 4 * height
     corners = [quarter[int(0.8 * height), 20] for quarter in np.array_split(image, 4, axis=1)]
@@ -62,14 +75,15 @@ def test_strip_is_wide_and_shows_the_shape_at_rest_without_obstacles():
 
 
 def test_a_strip_marks_what_touches_and_the_forces_on_obstacles():
-    quarters = np.array_split(pixels(strip_sheet(made_up_run())), 4, axis=1)
+    quarters = np.array_split(pixels(strip_picture(made_up_run())), 4, axis=1)
     yellow = [near(quarter, MARK, 0.03) for quarter in quarters]
     assert yellow[0] == 0 and yellow[2] > 500 and yellow[3] > 100  # at rest, during, after
 
 
 def test_strip_takes_times_and_labels():
     one, two = (
-        pixels(strip_sheet(made_up_run(), moments=times, labels=labels)) for times, labels in (((1.2,), ("pressed",)), ((None, 2.0), None))
+        pixels(strip_picture(made_up_run(), moments=times, labels=labels))
+        for times, labels in (((1.2,), ("pressed",)), ((None, 2.0), None))
     )
     assert two.shape[1] == 2 * one.shape[1]
 
@@ -77,14 +91,14 @@ def test_strip_takes_times_and_labels():
 def test_history_needs_no_positions():
     result = made_up_run()
     result.positions[:] = np.nan
-    assert near(pixels(history_sheet(result)), (0.0, 0.447, 0.698)) > 300
+    assert near(pixels(history_picture(result)), (0.0, 0.447, 0.698)) > 300
 
 
 def test_a_run_without_recorded_positions_is_refused():
     result = made_up_run()
     result.positions[:, 0] = np.nan
     with pytest.raises(SoftffdError, match="16 of its 64 control points"):
-        run_sheet(result)
+        run_picture(result)
 
 
 def test_every_lattice_is_inside_its_image_and_fills_it():
@@ -115,10 +129,7 @@ def test_view_looks_down_a_little_with_up_upwards(up):
 def test_a_picture_shows_the_colours_of_the_mesh(name, tmp_path):
     """The red box is below the green one, and nothing is as blue as what has no colour."""
     mesh = load_mesh(two_colours(tmp_path, name))
-    origin, size = mesh.bounds[0], np.ptp(mesh.bounds, axis=0)
-    result = made_up_run()
-    at_rest = replace(result, positions=np.tile(rest_grid((4, 4, 4), origin, size), (len(result.time), 1, 1, 1, 1)))
-    image = pixels(strip_sheet(at_rest, mesh=mesh, moments=[None], origin=origin, size=size))
+    image = pixels(strip_picture(at_rest_about(mesh), mesh=mesh, moments=[None]))
     red, green, blue = image[..., 0], image[..., 1], image[..., 2]
     reddish, greenish = np.argwhere(red > 2 * np.maximum(green, blue)), np.argwhere(green > 1.3 * np.maximum(red, blue))
     assert len(reddish) > 3000 and len(greenish) > 3000
@@ -128,8 +139,9 @@ def test_a_picture_shows_the_colours_of_the_mesh(name, tmp_path):
 
 def test_picture_of_a_real_mesh(real_meshes):
     mesh = load_mesh(real_meshes / "spot.obj", up="y")
-    origin, size = mesh.bounds[0], np.ptp(mesh.bounds, axis=0)
-    image = pixels(strip_sheet(made_up_run(), mesh=mesh, moments=[1.2], origin=origin, size=size))
+    into = SIZE / np.ptp(mesh.bounds, axis=0)
+    mesh = replace(mesh, vertices=ORIGIN + (mesh.vertices - mesh.bounds[0]) * into)
+    image = pixels(strip_picture(made_up_run(), mesh=mesh, moments=[1.2]))
     assert ((image[..., 2] > image[..., 0] + 0.2).sum()) > 3000
 
 
@@ -140,7 +152,7 @@ USERS = ["set {1}", "{x}", "{", "}{", "from $5 to $10", "$ $", r"\alpha $x^2$ 10
 @pytest.mark.parametrize("title", USERS)
 def test_a_title_is_drawn_as_it_is(title):
     run = replace(made_up_run(), summary={"title": title, "run_time_s": 1.0, "estimated_error_m": 1e-3}, scene=None)
-    figure = figure_of(replace(run_sheet(run), images=()))
+    figure = run_picture(run)
     png_of(figure)
     assert title in [text.get_text() for text in figure.texts]
     assert "run time 1.0 s, estimated error 1.0 mm" in [text.get_text() for text in figure.texts]
@@ -148,8 +160,8 @@ def test_a_title_is_drawn_as_it_is(title):
 
 def test_names_of_curves_are_drawn_as_they_are():
     names = ["_press", "$a$", "$ $", "{}"]
-    curves = Curves((0.1, 0.2, 0.8, 0.6), "$ $", "N", TIMES, dict.fromkeys(names, TIMES), across=("$x$", "m"))
-    figure = figure_of(Sheet(4.0, 3.0, 100, curves=(curves,)))
+    figure = new_figure(4.0, 3.0, dpi=100)
+    draw_curves(figure, (0.1, 0.2, 0.8, 0.6), "$ $", "N", TIMES, dict.fromkeys(names, TIMES), across=("$x$", "m"))
     png_of(figure)
     (axes,) = figure.axes
     assert [text.get_text() for text in axes.get_legend().get_texts()] == names

@@ -92,3 +92,27 @@ def test_heights_are_measured_along_up():
     found = heights(made_up_run(), [0, 0, 1])
     assert np.isclose(found["lowest point"][0], ORIGIN[2] + 0.8)
     assert np.isclose(found["highest point"][0], ORIGIN[2] + 0.8 + SIZE[2])
+
+
+def rigid_run():
+    result = made_up_run(frames=9)
+    turns = [np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]]) for a in result.time]
+    moved = [rest_points((4, 4, 4)) @ turn.T + [3, 4, height] for height, turn in enumerate(turns)]
+    return replace(result, positions=np.stack(moved))
+
+
+def test_a_rigid_motion_is_no_deformation():
+    assert rigid_run().deformation().max() < 1e-7
+
+
+def test_a_stretch_is_a_deformation_of_its_size():
+    result = rigid_run()
+    result.positions[4] = rest_points((4, 4, 4)) * [1.5, 1, 1]
+    x = rest_points((4, 4, 4))[..., 0]
+    assert np.isclose(result.deformation()[4], 0.5 * abs(x - x.mean()).max())
+
+
+def test_a_mirrored_lattice_is_deformed():
+    result = rigid_run()
+    result.positions[4] = rest_points((4, 4, 4)) * [-1, 1, 1]
+    assert result.deformation()[4] > 0.1
