@@ -128,9 +128,9 @@ def _run(options: argparse.Namespace) -> None:
 
         try:
             result = run_scene_or_fmu(
-                options.what, stop_time=options.stop_time, step=options.step, settings=settings,
-                inputs="" if options.no_input else options.input, interpolation=options.interpolation, error=options.error,
-                tolerance=options.tolerance, method=options.method, progress=progress, begun=begun, of_mesh=_mesh_options(options),
+                options.what, inputs="" if options.no_input else options.input, error=options.error, of_mesh=_mesh_options(options),
+                stop_time=options.stop_time, step=options.step, start_values=settings, interpolation=options.interpolation,
+                tolerance=options.tolerance, method=options.method, progress=progress, begun=begun,
             )  # fmt: skip
         except Interrupted as stop:
             result, interrupted = stop.result, stop
@@ -162,14 +162,9 @@ def _ssp(options: argparse.Namespace) -> None:
 def _accuracy(options: argparse.Namespace) -> None:
     from softffd.accuracy.command import report_accuracy
 
-    if options.repeats < 1:
-        raise SoftffdError(f"--repeats {options.repeats}: wanted at least 1")
     require_writable(options.output)
     with ProgressLine("measuring") as progress:
-        report_accuracy(
-            options.scenes, options.output, step=options.step, quick=options.quick, repeats=options.repeats,
-            note=progress.note, say=progress.say,
-        )  # fmt: skip
+        report_accuracy(options.scenes, options.output, step=options.step, quick=options.quick, note=progress.note, say=progress.say)
     print(f"kept in {options.output}: report.html, accuracy.csv, accuracy.json, a picture of each scene")
 
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from softffd import __version__
+import softffd
 from softffd.errors import SoftffdError
 from softffd.spelling import did_you_mean, nearest_of, number_in
 
@@ -18,6 +17,10 @@ class Parser(argparse.ArgumentParser):
 
     instead = ""
     """What is said of a word too many"""
+
+    def __init__(self, **about: Any):
+        super().__init__(add_help=False, **about)
+        self.add_argument("-h", "--help", action="help", help="Show this help and exit.")
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
@@ -41,8 +44,11 @@ def _number(text: str) -> float:
         raise argparse.ArgumentTypeError(f"wanted a number, got {text!r:.70}") from None
 
 
-Add = Callable[..., Parser]
-"""Adds a command: name, help, an example, and `more` words about that."""
+Add = Callable[[str, str, str], Parser]
+"""Adds a command: name, help, an example."""
+
+SCENE = "Scene file, or name of a shipped scene."
+SCENE_OR_FMU = "Scene file, name of a shipped scene, or FMU."
 
 
 def setting(text: str, wanted: str = "NAME=VALUE, e.g. --set mass=2") -> tuple[str, str]:
@@ -62,13 +68,13 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
 
 
 def parser() -> Parser:
-    """All commands with their options."""
-    whole = Parser(prog="softffd", description=sys.modules["softffd"].__doc__, epilog="softffd COMMAND --help tells a command's options.")
-    whole.add_argument("--version", action="version", version=f"softffd {__version__}")
+    """All commands with their options. Every help text is a sentence, with the unit of what it asks for."""
+    whole = Parser(prog="softffd", description=softffd.__doc__, epilog="softffd COMMAND --help describes the options of a command.")
+    whole.add_argument("--version", action="version", version=f"softffd {softffd.__version__}", help="Show the version and exit.")
     commands = whole.add_subparsers(required=True, metavar="COMMAND", dest="command", parser_class=Parser)
 
-    def add(name: str, about: str, example: str, more: str = "") -> Parser:
-        command = commands.add_parser(name, help=about, description=f"{about[0].upper()}{about[1:]}.", epilog=f"example: {example}{more}")
+    def add(name: str, about: str, example: str) -> Parser:
+        command = commands.add_parser(name, help=about, description=about, epilog=f"example: {example}")
         command.set_defaults(parser=command)
         return command
 
@@ -78,155 +84,131 @@ def parser() -> Parser:
 
 
 def _demo_and_build(add: Add) -> None:
-    demo = add("demo", "a car falls and is pushed in: build, simulate, pictures, interactive page", "softffd demo -o car")
-    demo.add_argument("-o", "--output", type=Path, default=Path("softffd-demo"), metavar="DIR")
-
-    build = add("build", "make the FMU of a scene", "softffd build press -o press.fmu")
-    build.add_argument("scene", help="a scene file or the name of a shipped scene")
-    build.add_argument("-o", "--output", metavar="X.fmu", help="default: NAME.fmu here")
-    _add_overwrite(build, "a file that is there")
-    build.add_argument("--platform", action="append", metavar="NAME", help="FMI platform to carry, e.g. linux64; may be repeated")
-    build.add_argument(
-        "--fmi", type=int, choices=(2, 3), default=2, help="version of the standard: 2 (default), or 3, whose variables are arrays"
+    demo = add(
+        "demo", "Simulate a car that falls and is pushed in; write its FMU, pictures and an interactive page.", "softffd demo -o car"
     )
+    demo.add_argument(
+        "-o", "--output", type=Path, default=Path("softffd-demo"), metavar="DIR", help="Folder to write to; default: softffd-demo."
+    )
+
+    build = add("build", "Make the FMU of a scene.", "softffd build press -o press.fmu")
+    build.add_argument("scene", help=SCENE)
+    build.add_argument("-o", "--output", metavar="X.fmu", help="File to write; default: NAME.fmu in this folder.")
+    _add_overwrite(build, "a file that exists")
+    platforms = "FMI platform whose library the FMU carries, such as linux64; may be repeated; default: all that are installed."
+    build.add_argument("--platform", action="append", metavar="NAME", help=platforms)
+    versions = "Version of the FMI standard: 2 (default), or 3, in which variables are arrays."
+    build.add_argument("--fmi", type=int, choices=(2, 3), default=2, help=versions)
 
 
 def _run(add: Add) -> None:
-    run = add("run", "simulate a scene, a mesh or an FMU and keep results and pictures", "softffd run press --stop-time 1.5 --set mass=2")
-    run.add_argument(
-        "what",
-        metavar="SCENE|MESH|X.fmu",
-        help="a scene file, a shipped scene's name, a mesh to drop on the ground, or an FMU",
-    )
+    run = add("run", "Simulate a scene, a mesh or an FMU; keep results and pictures.", "softffd run press --stop-time 1.5 --set mass=2")
+    what = "Scene file, name of a shipped scene, mesh file to drop on the ground, or FMU."
+    run.add_argument("what", metavar="SCENE|MESH|X.fmu", help=what)
     _add_mesh_options(run)
-    run.add_argument("--stop-time", type=_number, metavar="T", help="time at which the run ends, in s")
-    run.add_argument("--step", type=_number, metavar="H", help="communication step, s")
-    _add_accuracy_options(run)
-    run.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value of a variable")
-    run.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time: columns time and names of inputs")
-    run.add_argument("--no-input", action="store_true", help="without the CSV beside the scene: inputs keep their start values")
-    run.add_argument("--interpolation", default="held", metavar="HOW", help="how inputs go inside a step: held (default), linear or cubic")
-    run.add_argument("--error", action="store_true", help="estimate the error of the run by a second one beside it")
-    run.add_argument(
-        "-o", "--output", type=Path, metavar="DIR",
-        help="folder for the results; default: softffd-NAME here, or softffd-NAME-2 and so on where that is there",
-    )  # fmt: skip
+    _add_run_options(run)
+    how = "How inputs change within a communication step: held (default), linear or cubic."
+    run.add_argument("--interpolation", default="held", metavar="HOW", help=how)
+    run.add_argument("--error", action="store_true", help="Estimate the error of the run in m, by a second run beside it.")
+    folder = "Folder for the results; default: softffd-NAME, or softffd-NAME-2 and so on where that exists."
+    run.add_argument("-o", "--output", type=Path, metavar="DIR", help=folder)
     _add_overwrite(run, "the results of an earlier run")
-    run.add_argument(
-        "--colour", choices=["von_mises", "stretch"], help="the picture shows the cells' von Mises stress or largest principal stretch"
-    )
-    run.add_argument("--lattice", action="store_true", help="the picture shows the lattice over a mesh too")
+    colour = "Colour the picture by the von Mises stress (Pa) or the largest principal stretch of the cells."
+    run.add_argument("--colour", choices=["von_mises", "stretch"], help=colour)
+    run.add_argument("--lattice", action="store_true", help="Show the lattice in the picture over a mesh too.")
     shown = run.add_mutually_exclusive_group()
-    shown.add_argument("--view", action="store_true", help="open the interactive page when done")
-    shown.add_argument("--no-pictures", action="store_true", help="numbers alone; softffd view DIR makes the page later")
+    shown.add_argument("--view", action="store_true", help="Open the interactive page when the run has ended.")
+    shown.add_argument("--no-pictures", action="store_true", help="Write numbers only; softffd view DIR makes the page later.")
 
 
 def _ssp(add: Add) -> None:
-    ssp = add(
-        "ssp",
-        "couple a scene's FMU with others in a system (SSP)",
-        "softffd ssp box.toml --with plate.fmu --connect plate.point=box.plane.plate.point --set plate.mass=2",
-    )
+    example = "softffd ssp box.toml --with plate.fmu --connect plate.point=box.plane.plate.point --set plate.mass=2"
+    ssp = add("ssp", "Couple the FMU of a scene with other FMUs in a system (SSP).", example)
     ssp.instead = "; another component goes after --with, a connection after --connect, a start value after --set"
-    ssp.add_argument(
-        "scene", metavar="[NAME=]SCENE", help="a scene file or the name of a shipped scene; its component has its name, or NAME"
+    scene = "Scene file, or name of a shipped scene; its component has the scene's name, or NAME."
+    ssp.add_argument("scene", metavar="[NAME=]SCENE", help=scene)
+    repeated: dict[str, Any] = {"action": "append", "default": []}
+    other = "Another component, an FMU or a scene; may be repeated."
+    ssp.add_argument("--with", **repeated, metavar="[NAME=]X.fmu", dest="others", help=other)
+    connection = (
+        "Connection of an output and an input, each COMPONENT.VARIABLE, vectors as a whole; the input gets FACTOR * output + OFFSET; may "
+        "be repeated."
     )
-    ssp.add_argument(
-        "--with",
-        action="append",
-        default=[],
-        metavar="[NAME=]X.fmu",
-        dest="others",
-        help="another component: an FMU or a scene; may be repeated",
-    )
-    ssp.add_argument(
-        "--connect", action="append", default=[], metavar="END=END[:FACTOR[:OFFSET]]", dest="connections",
-        help="an output and an input, COMPONENT.VARIABLE, vectors as a whole; the input gets factor * output + offset; may be repeated",
-    )  # fmt: skip
-    ssp.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="END=VALUE",
-        dest="settings",
-        help="start value of an input or parameter, vectors as x,y,z",
-    )
-    ssp.add_argument(
-        "--record", action="append", default=[], metavar="END", dest="recorded",
-        help="outputs that hosts are to record too, e.g. box.probe.top.z, box.energy, or all of box; may be repeated",
-    )  # fmt: skip
-    ssp.add_argument("-o", "--output", type=Path, metavar="X.ssp", help="default: the scene's name here")
-    _add_overwrite(ssp, "a file that is there")
+    ssp.add_argument("--connect", **repeated, metavar="END=END[:FACTOR[:OFFSET]]", dest="connections", help=connection)
+    start = "Start value of an input or parameter in its unit, vectors as x,y,z; may be repeated."
+    ssp.add_argument("--set", **repeated, metavar="END=VALUE", dest="settings", help=start)
+    record = "Outputs that hosts are to record too, such as box.probe.top.z, box.energy, or all of box; may be repeated."
+    ssp.add_argument("--record", **repeated, metavar="END", dest="recorded", help=record)
+    ssp.add_argument("-o", "--output", type=Path, metavar="X.ssp", help="File to write; default: NAME.ssp in this folder.")
+    _add_overwrite(ssp, "a file that exists")
 
 
 def _sweep(add: Add) -> None:
-    sweep = add(
-        "sweep",
-        "run a scene or an FMU for every combination of some values: table and picture",
-        "softffd sweep press --vary stiffness.edge=500:2000:5:log --vary damping=0.1,0.2 --stop-time 1.5",
-    )
-    sweep.add_argument("what", metavar="SCENE|X.fmu", help="a scene file, a shipped scene's name, or an FMU")
-    sweep.add_argument(
-        "--vary", action="append", required=True, metavar="NAME=FROM:TO:COUNT[:log]",
-        help="values of a parameter or input, or a list NAME=V1,V2; repeated: every combination",
-    )  # fmt: skip
-    sweep.add_argument(
-        "--measure", action="append", metavar="OUTPUT", help="an output at the end, or max(NAME), min(NAME), mean(NAME); may be repeated"
-    )
-    sweep.add_argument("--stop-time", type=_number, metavar="T", help="time at which the run ends, in s")
-    sweep.add_argument("--step", type=_number, metavar="H", help="communication step, s")
-    _add_accuracy_options(sweep)
-    sweep.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help="start value in every run")
-    sweep.add_argument("--input", type=Path, metavar="FILE.csv", help="inputs over time; default: the CSV beside the scene")
-    sweep.add_argument("--no-input", action="store_true", help="without the CSV beside the scene: inputs keep their start values")
-    sweep.add_argument("-j", "--jobs", type=int, metavar="J", help="runs at a time; default: the number of cores")
-    sweep.add_argument("--scheduler", metavar="ADDRESS", help="run on the Dask cluster of this scheduler, e.g. tcp://host:8786")
-    sweep.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: softffd-sweep-NAME here; the same sweep there goes on")
+    example = "softffd sweep press --vary stiffness.edge=500:2000:5:log --vary damping=0.1,0.2 --stop-time 1.5"
+    sweep = add("sweep", "Run a scene or an FMU for every combination of some values; keep a table and a picture.", example)
+    sweep.add_argument("what", metavar="SCENE|X.fmu", help=SCENE_OR_FMU)
+    values = "Values of a parameter or input in its unit, or a list NAME=V1,V2; repeated: every combination."
+    sweep.add_argument("--vary", action="append", required=True, metavar="NAME=FROM:TO:COUNT[:log]", help=values)
+    measure = "Output at the end of each run, or max(NAME), min(NAME), mean(NAME) over it; may be repeated."
+    sweep.add_argument("--measure", action="append", metavar="OUTPUT", help=measure)
+    _add_run_options(sweep)
+    sweep.add_argument("-j", "--jobs", type=int, metavar="J", help="Number of runs at a time; default: the number of processor cores.")
+    sweep.add_argument("--scheduler", metavar="ADDRESS", help="Address of the Dask cluster that does the runs, such as tcp://host:8786.")
+    folder = "Folder for the results; default: softffd-sweep-NAME; the same sweep there is continued."
+    sweep.add_argument("-o", "--output", type=Path, metavar="DIR", help=folder)
 
 
 def _accuracy(add: Add) -> None:
-    accuracy = add(
-        "accuracy", "measure error against run time of every method: table, pictures, report", "softffd accuracy free_vibration --quick"
-    )
-    accuracy.add_argument("scenes", nargs="*", metavar="SCENE", help="scene files or names of shipped ones; default: the standard set")
-    accuracy.add_argument("-o", "--output", type=Path, default=Path("softffd-accuracy"), metavar="DIR")
-    accuracy.add_argument("--step", type=_number, metavar="H", help="communication step, s; default: each scene's own")
-    accuracy.add_argument("--quick", action="store_true", help="fewer and shorter runs: a first look")
-    accuracy.add_argument("--repeats", type=int, default=5, metavar="N", help="of each run, the smallest time counts; default 5")
+    about = "Measure the error of every method against its run time; write a table, pictures and a report."
+    accuracy = add("accuracy", about, "softffd accuracy free_vibration --quick")
+    scenes = "Scene files, or names of shipped scenes; default: the standard set."
+    accuracy.add_argument("scenes", nargs="*", metavar="SCENE", help=scenes)
+    folder = "Folder for the report; default: softffd-accuracy."
+    accuracy.add_argument("-o", "--output", type=Path, default=Path("softffd-accuracy"), metavar="DIR", help=folder)
+    accuracy.add_argument("--step", type=_number, metavar="H", help="Communication step in s; default: each scene's own.")
+    accuracy.add_argument("--quick", action="store_true", help="Make fewer and shorter runs, for a first look.")
 
 
 def _others(add: Add) -> None:
-    drivers = add("drivers", "make driver FMUs (plate, actuator) and a coupled system (SSP)", "softffd drivers -o drivers")
-    drivers.add_argument("-o", "--output", type=Path, default=Path("."), metavar="DIR")
-    _add_overwrite(drivers, "files that are there")
+    drivers = add("drivers", "Make driver FMUs (plate, actuator) and a coupled system (SSP).", "softffd drivers -o drivers")
+    drivers.add_argument("-o", "--output", type=Path, default=Path("."), metavar="DIR", help="Folder to write to; default: this one.")
+    _add_overwrite(drivers, "files that exist")
 
-    add("scenes", "list the shipped scenes", "softffd scenes")
+    add("scenes", "List the shipped scenes.", "softffd scenes")
 
-    view = add("view", "open the interactive page of a run that was kept", "softffd view softffd-press")
-    view.add_argument("what", type=Path, metavar="DIR|X.npz", help="a folder of softffd run, or a file of Result.save")
+    view = add("view", "Open the interactive page of a run that was kept.", "softffd view softffd-press")
+    view.add_argument("what", type=Path, metavar="DIR|X.npz", help="Folder of softffd run, or file of Result.save.")
 
-    info = add("info", "list the variables of a scene or an FMU: unit, start, causality; and the pins' frames", "softffd info press")
-    info.add_argument("what", metavar="SCENE|X.fmu", help="a scene file, a shipped scene's name, or an FMU")
-    info.add_argument("--all", action="store_true", help="each control point's variables too")
+    about = "List the variables of a scene or an FMU with causality, unit and start value, and the frames of its pins."
+    info = add("info", about, "softffd info press")
+    info.add_argument("what", metavar="SCENE|X.fmu", help=SCENE_OR_FMU)
+    info.add_argument("--all", action="store_true", help="List the variables of each control point too.")
 
-    new = add("new", "write a commented scene file to start from", "softffd new mine")
-    new.add_argument("name", help="NAME of the scene; writes NAME.toml here")
-    new.add_argument("--mesh", type=Path, metavar="FILE", help="of this mesh, dropped on the ground")
+    new = add("new", "Write a commented scene file to start from.", "softffd new mine")
+    new.add_argument("name", help="Name of the scene; its file is NAME.toml in this folder.")
+    new.add_argument("--mesh", type=Path, metavar="FILE", help="Mesh file that the scene drops on the ground.")
     _add_mesh_options(new)
 
-    add("schema", "print the JSON schema of scene files, for editors", "softffd schema > scene.schema.json")
+    add("schema", "Print the JSON schema of scene files, for editors.", "softffd schema > scene.schema.json")
 
 
-def _add_accuracy_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--tolerance", type=_number, metavar="T", help="error aimed at, as a share of the box's largest side")
-    parser.add_argument("--method", metavar="NAME", help="of the time integration, as solver.method in the scene")
+def _add_run_options(parser: Parser) -> None:
+    parser.add_argument("--stop-time", type=_number, metavar="T", help="Time at which the run ends, in s.")
+    parser.add_argument("--step", type=_number, metavar="H", help="Communication step in s.")
+    parser.add_argument("--tolerance", type=_number, metavar="T", help="Error aimed at, as a fraction of the largest side of the box.")
+    parser.add_argument("--method", metavar="NAME", help="Method of time integration, as solver.method in the scene.")
+    start = "Start value of a variable in its unit; may be repeated."
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help=start)
+    table = "CSV file of inputs over time: a column time in s, others by the inputs' names; default: the one beside the scene."
+    parser.add_argument("--input", type=Path, metavar="FILE.csv", help=table)
+    parser.add_argument("--no-input", action="store_true", help="Ignore the CSV file beside the scene: inputs keep their start values.")
 
 
 def _add_overwrite(parser: Parser, what: str) -> None:
-    parser.add_argument("--overwrite", action="store_true", help=f"write over {what}")
+    parser.add_argument("--overwrite", action="store_true", help=f"Write over {what}.")
 
 
-def _add_mesh_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--unit", metavar="UNIT", help="of a mesh file: m, cm, mm, in or ft; default: by the file or its size")
-    parser.add_argument("--up", metavar="AXIS", help="axis of a mesh file that becomes +z: x, y or z; default: by the kind of file")
-    parser.add_argument("--density", type=_number, metavar="D", help="of a mesh, kg/m3; default 100")
+def _add_mesh_options(parser: Parser) -> None:
+    parser.add_argument("--unit", metavar="UNIT", help="Unit of a mesh file: m, cm, mm, in or ft; default: by the file or its size.")
+    parser.add_argument("--up", metavar="AXIS", help="Axis of a mesh file that becomes +z: x, y or z; default: by the kind of file.")
+    parser.add_argument("--density", type=_number, metavar="D", help="Density of a mesh in kg/m3; default: 100.")

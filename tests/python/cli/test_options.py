@@ -1,12 +1,13 @@
 """What can be typed: examples of every command, and the nearest right word for a wrong one."""
 
+import argparse
 import re
 import shlex
 
 import pytest
 
 from softffd.cli.command import COMMANDS, main
-from softffd.cli.options import parse
+from softffd.cli.options import _number, parse, parser
 
 
 def wrong(capsys, *arguments: str) -> str:
@@ -39,3 +40,22 @@ def test_every_command_has_an_example_that_can_be_typed(name, capsys):
 )
 def test_a_wrong_word_is_told_the_nearest(arguments, said, capsys):
     assert said in wrong(capsys, *arguments)
+
+
+WITHOUT_UNIT = {"tolerance": "as a fraction of"}
+"""Numbers that have no dimension, and what is said of them in the place of a unit"""
+
+
+def test_every_help_text_is_a_sentence_with_its_unit():
+    (commands,) = (action for action in parser()._actions if isinstance(action, argparse._SubParsersAction))
+    texts = {f"softffd {each.dest}": each.help for each in commands._choices_actions}
+    wrong = []
+    for name, command in {"softffd": parser(), **commands.choices}.items():
+        for action in command._actions:
+            if action is not commands and not isinstance(action, argparse._SubParsersAction):
+                texts[f"{name} {action.dest}"] = action.help
+                if action.type is _number and not re.search(WITHOUT_UNIT.get(action.dest, r"\bin (s|m|kg/m3)\b"), action.help or ""):
+                    wrong.append(f"{name} {action.dest}: no unit: {action.help}")
+    wrong += [f"{name}: no sentence: {text}" for name, text in texts.items() if not re.fullmatch(r"[A-Z].*\.", text or "", re.DOTALL)]
+    assert len(texts) > 60 and not wrong, "\n".join(wrong)
+    assert "FMI 2" in parser().format_help() and "FMI 3" in parser().format_help()
