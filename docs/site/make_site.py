@@ -95,7 +95,7 @@ def run_notebook(file: Path) -> None:
 
 def reference(name: str) -> str:
     """The entry of a public name."""
-    return f"\n::: softffd.{softffd.HOMES[name]}.{name}\n    options:\n      heading: {name}\n"
+    return f"\n::: {getattr(softffd, name).__module__}.{name}\n    options:\n      heading: {name}\n"
 
 
 if __name__ == "__main__":

@@ -19,54 +19,35 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 __all__ = [
-    "FmuError",
-    "MeshError",
-    "Result",
-    "Scene",
-    "SceneError",
-    "Simulation",
-    "SoftffdError",
-    "Sweep",
-    "deform",
-    "load_mesh",
-    "load_scene",
-    "package_fmu",
-    "replay",
-    "save_mesh",
-    "simulate",
-    "sweep",
-    "write_ssp",
-]
+    "FmuError", "MeshError", "Result", "Scene", "SceneError", "Simulation", "SoftffdError", "Sweep", "deform", "load_mesh", "load_scene",
+    "package_fmu", "replay", "save_mesh", "simulate", "sweep", "write_ssp",
+]  # fmt: skip
 
 HOMES = {
-    "FmuError": "errors",
-    "MeshError": "errors",
-    "Result": "run.result",
-    "Scene": "scene.scene",
-    "SceneError": "errors",
-    "Simulation": "run.simulation",
-    "SoftffdError": "errors",
-    "Sweep": "run.sweep.table",
-    "deform": "embedding.deform",
-    "load_mesh": "mesh.mesh",
-    "load_scene": "scene.scene",
-    "package_fmu": "fmu.package",
-    "replay": "run.replay",
-    "save_mesh": "mesh.mesh",
-    "simulate": "run.simulate",
-    "sweep": "run.sweep.sweep",
-    "write_ssp": "fmu.ssp",
+    "embedding.deform": ["deform"],
+    "errors": ["FmuError", "MeshError", "SceneError", "SoftffdError"],
+    "fmu.package": ["package_fmu"],
+    "fmu.ssp": ["write_ssp"],
+    "mesh.mesh": ["load_mesh", "save_mesh"],
+    "run.replay": ["replay"],
+    "run.result": ["Result"],
+    "run.simulate": ["simulate"],
+    "run.simulation": ["Simulation"],
+    "run.sweep.sweep": ["sweep"],
+    "run.sweep.table": ["Sweep"],
+    "scene.scene": ["Scene", "load_scene"],
 }
-"""The module of each public name, imported when the name is asked for: numpy, pydantic and fmpy take most of a second."""
+"""The public names by their module, which is imported when one is asked for: numpy, pydantic and fmpy take most of a second."""
 
 if not TYPE_CHECKING:  # which knows the names from above, and wrong ones too
 
     def __getattr__(name):
-        if name not in HOMES:
+        home = next((module for module, names in HOMES.items() if name in names), None)
+        if home is None:
             from softffd.spelling import did_you_mean, nearest_of
 
-            raise AttributeError(f"softffd has no {name!r}{did_you_mean(nearest_of(name, HOMES))}", name=name, obj=None)
-        globals()[name] = value = getattr(import_module(f"softffd.{HOMES[name]}"), name)
+            raise AttributeError(f"softffd has no {name!r}{did_you_mean(nearest_of(name, __all__))}", name=name, obj=None)
+        globals()[name] = value = getattr(import_module(f"softffd.{home}"), name)
         return value
 
 
