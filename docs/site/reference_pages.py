@@ -1,4 +1,4 @@
-"""The reference pages of the documentation, written from what the program itself goes by: `python -m softffd.cli.reference docs`.
+"""The reference pages of the documentation, written from what the program itself goes by: `python docs/site/reference_pages.py docs`.
 
 docs/scene.md comes from the keys of a scene, docs/variables.md from the table of variables.
 """
@@ -68,7 +68,7 @@ Sections in double brackets may stand several times. All problems of a file are 
 what was given, and the nearest spelling. `softffd new NAME` writes a commented scene to start from, `softffd schema` the JSON schema for
 editors, and `softffd scenes` lists the scenes that come with the program.
 
-This page is made from the program's own description of the keys: `python -m softffd.cli.reference docs`.
+This page is made from the program's own description of the keys: `python docs/site/reference_pages.py docs`.
 """
 
 VARIABLES_HEAD = """# The variables of an FMU
@@ -80,7 +80,7 @@ component. Of control points `i` runs fastest, then `j`, then `k`; the variables
 `[fmu] names = "flat"` names have letters, digits and underscores only: `position_i_j_k_x` in the place of `position[i,j,k].x`,
 `plane_NAME_point_z` in the place of `plane.NAME.point.z`. The value references are the same; `variableNamingConvention` is then `flat`.
 
-This page is made from the table of variables: `python -m softffd.cli.reference docs`.
+This page is made from the table of variables: `python docs/site/reference_pages.py docs`.
 """
 
 
