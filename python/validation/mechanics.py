@@ -193,7 +193,7 @@ def _of_regions(values: np.ndarray, pairs: np.ndarray, regions: Sequence[Mapping
     return values
 
 
-def start(scene: Mapping[str, Any], *, rotation: Sequence[float] | None = None) -> tuple[np.ndarray, np.ndarray]:
+def start(scene: Mapping[str, Any], *, rotation: Sequence[float] | np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Positions [m] and velocities [m/s] at the start, (n, 3) each; pins and planes have not acted yet.
 
     rotation: vector (3,) [rad] by which the body starts turned about the centre of its box; absent: the scene's.

@@ -10,12 +10,13 @@ from softffd.fmu.package import scene_masses
 from softffd.lattice import point_at
 from softffd.names import variable_name
 from softffd.scene.scene import Scene
+from softffd.scene.selection import Selection
 
 
 def resolved(scene: Scene, mass: np.ndarray | None = None) -> dict[str, Any]:
     """What `validation.mechanics` needs of a scene; `json` can keep it. mass: (n,) [kg], if it is known already."""
 
-    def points(selection) -> list[int]:
+    def points(selection: Selection) -> list[int]:
         return scene.select(selection).tolist()
 
     lattice, material, stiffness = scene.lattice, scene.material, scene.material.stiffness

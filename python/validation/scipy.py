@@ -14,6 +14,7 @@ import os
 import time as clock
 import warnings
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -62,7 +63,7 @@ def sweep_scipy(rig: Rig, records: Records, quick: bool = False, note: Note = si
                 break
 
 
-def solver() -> Callable:
+def solver() -> Callable[..., Any]:
     """scipy.integrate.solve_ivp. Raises SoftffdError where SciPy is not installed."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core, as the FMU; read when SciPy's library is loaded
     try:
@@ -72,7 +73,9 @@ def solver() -> Callable:
     return solve_ivp
 
 
-def _measured(solve_ivp, equations, forces, rig, records, setting, most) -> Record:
+def _measured(
+    solve_ivp: Callable[..., Any], equations: Equations, forces: Any, rig: Rig, records: Records, setting: Setting, most: float
+) -> Record:
     began = clock.process_time()
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -86,7 +89,9 @@ def _measured(solve_ivp, equations, forces, rig, records, setting, most) -> Reco
     return Record(setting, "scipy", elapsed, 1, evaluations, None, records.reference.errors(positions, rig.side))
 
 
-def integrate(solve_ivp, equations: Equations, forces, rig: Rig, setting: Setting, *, deadline: float = np.inf) -> tuple[np.ndarray, int]:
+def integrate(
+    solve_ivp: Callable[..., Any], equations: Equations, forces: Any, rig: Rig, setting: Setting, *, deadline: float = np.inf
+) -> tuple[np.ndarray, int]:
     """Positions (T, n, 3) [m] at the communication points, and how often the right-hand side was evaluated.
 
     Raises RuntimeError with the solver's message where it gives up, _TooLong past the deadline (CPU time of the process, s).
@@ -96,7 +101,7 @@ def integrate(solve_ivp, equations: Equations, forces, rig: Rig, setting: Settin
         options["jac_sparsity"] = equations.pattern()
     times = rig.times
 
-    def rate(t, y):
+    def rate(t: float, y: np.ndarray) -> np.ndarray:
         if clock.process_time() > deadline:
             raise _TooLong
         row = np.searchsorted(times[1:-1], t, side="right")
@@ -143,7 +148,7 @@ class Equations:
             total -= self.damping * v
         return np.concatenate([v.ravel(), (total / self.mass).ravel()])
 
-    def pattern(self):
+    def pattern(self) -> Any:
         """Where the Jacobian of the rate can have entries, sparse (6 n, 6 n)."""
         from scipy import sparse
 

@@ -47,7 +47,8 @@ def cube(count: int, margin: float) -> Shape:
     along = np.linspace(margin, 1 - margin, count)
     square = np.arange(count * count).reshape(count, count)
     a, b, c, d = square[:-1, :-1].ravel(), square[1:, :-1].ravel(), square[1:, 1:].ravel(), square[:-1, 1:].ravel()
-    vertices, faces = [], []
+    vertices: list[np.ndarray] = []
+    faces: list[np.ndarray] = []
     for axis in range(3):
         for high in (False, True):
             u, v = np.meshgrid(along, along, indexing="ij")
@@ -84,7 +85,7 @@ def gap(
         return arm @ normal
     if kind == "sphere":
         return np.linalg.norm(arm, axis=-1) - keys["radius"]
-    if kind == "box":
+    if kind == "box" and across is not None:
         off = np.abs(arm @ np.stack([across, np.cross(normal, across), normal], axis=1)) - np.array(keys["size"]) / 2
         return np.minimum(off.max(axis=-1), 0.0) + np.linalg.norm(np.maximum(off, 0.0), axis=-1)
     height = arm @ normal

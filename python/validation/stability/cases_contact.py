@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -15,7 +16,7 @@ from validation.stability.verdict import Case, Findings
 CLOSED = "no place to go"
 
 
-def _timed(findings: Findings, drive: Drive, duration: float, step: float, each=None) -> None:
+def _timed(findings: Findings, drive: Drive, duration: float, step: float, each: Callable[[], None] | None = None) -> None:
     began = clock.perf_counter()
     drive.run(duration, step, each)
     findings.notes.append(f"{duration / (clock.perf_counter() - began):.3g} times faster than real time")

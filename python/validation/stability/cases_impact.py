@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -218,7 +217,9 @@ def _rests(points: tuple[int, int, int], stiffness: float, findings: Findings) -
         with Drive(box(stiffness, 40 / count, points=points, plane=[plane(friction=FRICTION)], environment=DOWN)) as drive:
             drive.restart({}, 2.0, tolerance=TOLERANCE)
             drive.run(1.75, step)
-            weight, forces, heights = drive.mass.sum() * GRAVITY, [], []
+            weight = drive.mass.sum() * GRAVITY
+            forces: list[float] = []
+            heights: list[float] = []
 
             def each(drive: Drive = drive, forces: list[float] = forces, heights: list[float] = heights) -> None:
                 findings.sound(drive, [GROUND])
@@ -266,7 +267,7 @@ def cases() -> list[Case]:
                             f"{sound}; flight after the impact by numpy", _throw, stiffness)  # fmt: skip
     found += _each_step("corners pass a plane", "spins over it at a distance of 0.4 mm, k = 1e7 N/m", "exact: nothing happens", _passes)
     found += _each_step("light corner at rest", "k = 1e3 N/m, a corner of 1e-6 kg", "weight; at rest", _light_rest)
-    for points in (*product((2, 3), repeat=3), (2, 2, 4)):
+    for points in ((2, 2, 2), (2, 2, 3), (2, 3, 2), (2, 3, 3), (3, 2, 2), (3, 2, 3), (3, 3, 2), (3, 3, 3), (2, 2, 4)):
         for stiffness in (1e3, 1e6, 1e9):
             name = f"rest {points[0]} x {points[1]} x {points[2]}, k = {stiffness:g}"
             found.append(Case(name, "on the ground, damped, H = 1, 10, 50 ms", "weight; sag; nothing moves",

@@ -11,7 +11,7 @@ from softffd.run.inputs import Inputs
 from softffd.scene.scene import load_scene
 from validation.mechanics import outside_force
 from validation.stability.drive import DOWN, GRAVITY, ORIGIN, Drive, Z, box, plane
-from validation.stability.verdict import Case, Findings
+from validation.stability.verdict import Case, Findings, Run
 
 GROUND = (ORIGIN, Z)
 
@@ -72,7 +72,7 @@ def _pulled(name: str, findings: Findings) -> None:
 def _fall(drive: Drive) -> float:
     """Momentum of a body that falls from rest with the damping rate of its points [kg m/s], all points alike."""
     rate = drive.body.damping[0] / drive.body.mass[0]
-    return float(drive.mass.sum() * drive.scene.environment.gravity[2] * (1 - math.exp(-rate * drive.time)) / rate)
+    return float(drive.mass.sum() * -GRAVITY * (1 - math.exp(-rate * drive.time)) / rate)
 
 
 def _sliding_drop(findings: Findings) -> None:
@@ -111,7 +111,7 @@ def _spin_long(steps: float, findings: Findings) -> None:
         findings.notes.append(f"{drive.value('solver.steps'):.0f} internal steps")
 
 
-def crush(share: float, *, stiffness: float = 1e3, volume: float = 0.0, step: float = 0.01, method: str = "auto"):
+def crush(share: float, *, stiffness: float = 1e3, volume: float = 0.0, step: float = 0.01, method: str = "auto") -> Run:
     """A box on the ground under a lid that comes down to a share of its height, waits and goes away: how it ends."""
 
     def run(findings: Findings) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,11 @@ from validation.stability.verdict import Case, Findings
 
 MARGIN = 0.05
 """Of the cube, on all sides [m]; the sphere's is 0.1"""
-LATTICES = {"3^3": {"points": (3, 3, 3)}, "4^3": {"points": (4, 4, 4)}, "8^3": {"points": (8, 8, 8), "lattice": {"basis": "bspline"}}}
+LATTICES: dict[str, dict[str, Any]] = {
+    "3^3": {"points": (3, 3, 3)},
+    "4^3": {"points": (4, 4, 4)},
+    "8^3": {"points": (8, 8, 8), "lattice": {"basis": "bspline"}},
+}
 
 
 def _rest(lattice: str, stiffness: float, findings: Findings) -> None:

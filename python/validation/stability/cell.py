@@ -6,6 +6,7 @@ import math
 import time as clock
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from validation.stability.drive import Drive
 
@@ -76,7 +77,7 @@ def omega(stiffness: float) -> float:
     return 8 * math.sqrt(stiffness)
 
 
-def settings(panel: Panel, stiffness: float, step: float) -> dict:
+def settings(panel: Panel, stiffness: float, step: float) -> dict[str, Any]:
     """Start values for a stiffness [N/m] and a communication step [s]."""
     springs = {f"stiffness.{kind}": stiffness for kind in ("edge", "face", "body")}
     return springs | {"solver.method": panel.method, "solver.step": step if panel.given else 0.0}

@@ -73,9 +73,9 @@ class Course:
     """m, at the start"""
     turning_at: float = math.inf
     """s, of a communication point"""
-    velocities: tuple[np.ndarray, np.ndarray] = (np.zeros(3), np.zeros(3))
+    velocities: Sequence[np.ndarray] = (np.zeros(3), np.zeros(3))
     """m/s"""
-    spins: tuple[np.ndarray, np.ndarray] = (np.zeros(3), np.zeros(3))
+    spins: Sequence[np.ndarray] = (np.zeros(3), np.zeros(3))
     """rad/s"""
 
     def at(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -255,7 +255,7 @@ def drawn(seed: int) -> Drawn:
 def _lengths(draws: Draws) -> tuple[list[float], float]:
     """Of the communication steps, which make 0.3 to 1 s, and the time of one of the points between them [s]."""
     usual, changing, duration = draws.log(SHORTEST, LONGEST), draws.chance(0.3), 0.3 + 0.7 * draws.share() ** 2
-    lengths = []
+    lengths: list[float] = []
     while sum(lengths) < duration:
         lengths.append(min(LONGEST, max(SHORTEST, _four_digits(usual * draws.between(0.3, 1.7)))) if changing else usual)
     return lengths, sum(lengths[: draws.whole(1, len(lengths))])
@@ -298,7 +298,9 @@ def _some(draws: Draws, counts: list[int]) -> Any:
     return [list(place) for place in sorted({tuple(place) for place in ends})] or face
 
 
-def _planes(draws: Draws, size: np.ndarray, resting: bool, held: bool, duration: float, moment: float):
+def _planes(
+    draws: Draws, size: np.ndarray, resting: bool, held: bool, duration: float, moment: float
+) -> tuple[list[dict[str, Any]], dict[str, tuple[np.ndarray, Course]]]:
     """No plane, one below, or another one that leans beside or lies above; resting: the first touches the whole lower face; held: no other.
 
     size: of the body at its start (3,) [m]. A plane that moves towards the body comes at most 2 % of the size further than it touches.
@@ -342,7 +344,7 @@ def _foot(size: np.ndarray, normal: np.ndarray, clearance: float) -> np.ndarray:
     return _rounded(middle - (reach + clearance) * normal)
 
 
-def _pins(draws: Draws, size: np.ndarray, beside_plane: bool, duration: float):
+def _pins(draws: Draws, size: np.ndarray, beside_plane: bool, duration: float) -> tuple[list[dict[str, Any]], dict[str, Course]]:
     """One face, the upper one beside a plane; fixed or in uniform motion, not downwards, by a few per cent of the size."""
     face, moving = draws.one_of(FACES), draws.chance(0.5)
     face = "z+" if beside_plane else face
@@ -354,7 +356,7 @@ def _pins(draws: Draws, size: np.ndarray, beside_plane: bool, duration: float):
     return pins, {"hold": Course(centroid, velocities=(velocity, velocity), spins=(spin, spin))} if moving else {}
 
 
-def _loads(draws: Draws, stiffness: float, duration: float):
+def _loads(draws: Draws, stiffness: float, duration: float) -> tuple[list[dict[str, Any]], dict[str, Ramp]]:
     if not draws.chance(0.35):
         return [], {}
     face, size = draws.one_of(FACES), min(draws.log(0.1, 30.0), 0.02 * stiffness)

@@ -18,6 +18,7 @@ import time as clock
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 
@@ -116,7 +117,8 @@ def run_jobs(jobs: Sequence[Job]) -> Iterator[Run]:
     """Runs in their order, those of a scene together."""
     for _, several in groupby(jobs, lambda job: job.seed):
         group = list(several)
-        scene, found = group[0].scene, {}
+        scene = group[0].scene
+        found: dict[str, Run] = {}
         try:
             drive = Drive(scene.document, surface=scene.surface)
         except Refused as refusal:
@@ -159,7 +161,7 @@ def ladder(drive: Drive, scene: Drawn) -> list[float]:
     return [share for share in shares if share >= least]
 
 
-def _followed(drive: Drive, scene: Drawn, settings: dict, tolerance: float, began: float, *, watched: bool = False) -> Run:
+def _followed(drive: Drive, scene: Drawn, settings: dict[str, Any], tolerance: float, began: float, *, watched: bool = False) -> Run:
     """The scene to its end; watched: also that energy does not come from nowhere."""
     try:
         drive.restart(settings, scene.duration, tolerance=tolerance)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,7 +13,8 @@ import numpy as np
 
 from softffd.embedding.deform import Embedding
 from softffd.errors import FmuError, UnknownName
-from softffd.fmu.component import DISCARD, Block
+from softffd.fmu.block import Block
+from softffd.fmu.component import DISCARD
 from softffd.fmu.package import scene_samples
 from softffd.lattice import all_points, to_grid
 from softffd.names import variable_names
@@ -28,6 +29,7 @@ GRAVITY = 9.81
 DOWN = {"gravity": [0.0, 0.0, -GRAVITY]}
 Z, X = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 ORIGIN = (0.0, 0.0, 0.0)
+Vector = Sequence[float] | np.ndarray
 
 
 def box(
@@ -44,11 +46,9 @@ def box(
     return document
 
 
-def plane(name: str = "ground", *, point=ORIGIN, normal=Z, friction: float = 0.0, velocity=ORIGIN, **motion: Any) -> dict[str, Any]:
+def plane(name: str = "ground", *, point: Vector = ORIGIN, normal: Vector = Z, friction: float = 0.0, **motion: Any) -> dict[str, Any]:
     """An obstacle. motion: `motion` and `inputs` of a plane that inputs move."""
-    return {
-        "name": name, "point": list(point), "normal": list(normal), "friction": friction, "velocity": list(velocity), **motion,
-    }  # fmt: skip
+    return {"name": name, "point": list(point), "normal": list(normal), "friction": friction, **motion}
 
 
 def tilted(degrees: float) -> dict[str, Any]:
@@ -239,7 +239,7 @@ class Drive:
     def __enter__(self) -> Drive:
         return self
 
-    def __exit__(self, *_exception) -> None:
+    def __exit__(self, *_exception: object) -> None:
         self.close()
 
 

@@ -19,10 +19,11 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 
@@ -75,7 +76,7 @@ def run_cells(cells: Sequence[Cell]) -> Iterator[Judged]:
                 yield judged
 
 
-def document(scene: str) -> dict:
+def document(scene: str) -> dict[str, Any]:
     """The scene of a panel."""
     if scene == "rebound":
         return rebound.DOCUMENT
@@ -234,16 +235,15 @@ def borders(stiffnesses: Sequence[float], rounds: int = 14) -> list[Border]:
         for stiffness in stiffnesses:
             theory = 2 / omega(stiffness)
             drive.body.stiffness[:] = stiffness
-            body, rest = drive.body, drive.rest
-            raw = _bisected(theory, rounds, lambda h, body=body, rest=rest: grows(body, rest, h))
+            raw = _bisected(theory, rounds, partial(grows, drive.body, drive.rest))
             drive.restart(settings(Panel("vibration", "leapfrog", True), stiffness, 0.0))
             bound = drive.value("solver.stable_step")
-            divided = _bisected(theory, rounds, lambda h, stiffness=stiffness: _divides(drive, stiffness, h))
+            divided = _bisected(theory, rounds, partial(_divides, drive, stiffness))
             found.append(Border(stiffness, theory, raw, bound, divided))
     return found
 
 
-def _bisected(theory: float, rounds: int, beyond) -> float:
+def _bisected(theory: float, rounds: int, beyond: Callable[[float], bool]) -> float:
     low, high = theory / 2, 2 * theory
     for _ in range(rounds):
         middle = math.sqrt(low * high)

@@ -148,7 +148,7 @@ def map_picture(survey: Survey, panels: Sequence[Panel], title: str) -> bytes:
     return png_of(figure)
 
 
-def _chart(axes, survey: Survey, panel: Panel, *, first: bool) -> None:
+def _chart(axes: Any, survey: Survey, panel: Panel, *, first: bool) -> None:
     steps, across = survey.steps_of(panel), survey.across(panel)
     k, h = np.log10(across), np.log10(steps)
     numbers = np.full((len(h), len(k)), -1)
@@ -173,7 +173,7 @@ def _chart(axes, survey: Survey, panel: Panel, *, first: bool) -> None:
     axes.spines[:].set_visible(False)
 
 
-def _border(axes, survey: Survey) -> None:
+def _border(axes: Any, survey: Survey) -> None:
     """Where the explicit scheme of the box of 2 x 2 x 2 points ends."""
     line = np.array(axes.get_xlim())
     axes.plot(line, [math.log10(2 / omega(10.0**value)) for value in line], color=INK, linewidth=1.4, label="H = 2 / omega")
@@ -187,7 +187,7 @@ def _edges(centres: np.ndarray) -> np.ndarray:
     return np.concatenate([[2 * centres[0] - middle[0]], middle, [2 * centres[-1] - middle[-1]]])
 
 
-def _label(axis, values: np.ndarray, every: int) -> None:
+def _label(axis: Any, values: np.ndarray, every: int) -> None:
     ticks = np.arange(math.ceil(values[0] - 1e-9), values[-1] + 1e-9, every)
     axis.set_ticks(ticks, [f"$10^{{{tick:.0f}}}$" for tick in ticks])
 

@@ -9,8 +9,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import SupportsFloat
 
+import numpy as np
+
 from softffd.run.guard import Lost
-from validation.stability.drive import Drive, Refused, StateTouched
+from validation.stability.drive import Drive, Refused, StateTouched, Vector
 
 VERDICTS = ("right", "bounded", "refused", "slow", "WRONG")
 """right: within every limit. bounded: outside a limit, but within the bound that goes with it. refused: fmi2Discard or fmi2Error, with its
@@ -58,18 +60,21 @@ class Findings:
                 return
         self.check(what, measured, limit, bound=bound)
 
-    def sound(self, drive: Drive, planes: Sequence[tuple] = ()) -> None:
+    def sound(self, drive: Drive, planes: Sequence[tuple[Vector, Vector]] = ()) -> None:
         """Bounds that hold in every case: all numbers finite, nothing that obstacles meet behind a plane (point, normal)."""
         self.at_most("not finite", 0.0 if drive.finite() else math.inf, 0.0)
         for point, normal in planes:
             self.at_most("penetration / box", behind(drive, point, normal), 1e-12)
 
 
-def behind(drive: Drive, point: Sequence[float], normal: Sequence[float]) -> float:
+def behind(drive: Drive, point: Vector, normal: Vector) -> float:
     """How far the furthest control point, or point of the surface, is behind a plane, relative to the box."""
     length = math.sqrt(sum(part * part for part in normal))
-    gaps = (drive.touching - point) @ [part / length for part in normal]
+    gaps = (drive.touching - point) @ np.array([part / length for part in normal])
     return max(0.0, -float(gaps.min())) / drive.side
+
+
+Run = Callable[[Findings], None]
 
 
 @dataclass(frozen=True)
@@ -79,7 +84,7 @@ class Case:
     name: str
     what: str
     oracle: str
-    run: Callable[[Findings], None]
+    run: Run
     quick: bool = False
     refusal: str = ""
     """Pattern of the message with which it has to be refused; empty: an answer is wanted, a refusal is the second best"""

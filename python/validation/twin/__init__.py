@@ -11,11 +11,12 @@ import hashlib
 import importlib
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from shutil import copy
 from tempfile import TemporaryDirectory
+from typing import Any
 from xml.etree import ElementTree as Xml
 
 import numpy as np
@@ -29,9 +30,10 @@ from softffd.fmu.model_description import completed, model_description
 from softffd.fmu.package import fmu_path, scene_masses
 from softffd.fmu.variables import internal_damping_present, variables
 from softffd.installed import table
-from softffd.lattice import point_at
+from softffd.lattice import LatticeBox, point_at
 from softffd.names import variable_name
 from softffd.scene.scene import Scene
+from softffd.scene.selection import Selection
 from validation.resolved import resolved
 
 __all__ = ["build_twin", "resolved_scene"]
@@ -102,13 +104,13 @@ def _travelling_package(folder: Path) -> Path:
     return folder
 
 
-def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
+def resolved_scene(scene: Scene, mass: np.ndarray) -> dict[str, Any]:
     """What `twin.model.Model` needs of a scene, as it stands in the FMU's resources.
 
     mass: (n,) kg, region overrides included.
     """
 
-    def at_points(family: str, selection) -> dict[str, int]:
+    def at_points(family: str, selection: Selection) -> dict[str, int]:
         return {variable_name(family, point_at(p, scene.lattice.points)): p for p in scene.select(selection).tolist()}
 
     return resolved(scene, mass) | {
@@ -117,7 +119,7 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
             {"name": pin.name, "motion": pin.motion, "points": scene.select(pin.points).tolist(), "origin": scene.pin_origin(pin)}
             for pin in scene.pin
         ],
-        "probes": {probe.name: _embedded(probe.at, scene.lattice) for probe in scene.probe},
+        "probes": {probe.name: _embedded(probe.at, scene.lattice_box) for probe in scene.probe},
         "position": at_points("position", scene.outputs.positions),
         "velocity": at_points("velocity", scene.outputs.velocities),
         "reactions": scene.outputs.reactions,
@@ -130,7 +132,7 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict:
     }
 
 
-def _embedded(at, lattice) -> tuple[list[int], list[float]]:
+def _embedded(at: Sequence[float], lattice: LatticeBox) -> tuple[list[int], list[float]]:
     """The control points that count at a place of the rest shape, eq. (1), and how much."""
     shares = (np.array(at) - lattice.origin) / lattice.size
     u, v, w = (weights(t, n, lattice.basis)[0] for t, n in zip(shares, lattice.points, strict=True))
@@ -159,7 +161,7 @@ def _description(scene: Scene, mass: np.ndarray, content: str) -> str:
     return Xml.tostring(root, encoding="unicode")
 
 
-def _pythonfmu():
+def _pythonfmu() -> Any:
     try:
         return importlib.import_module("pythonfmu")
     except ImportError:

@@ -105,13 +105,16 @@ class Leapfrog:
                 self._close_on(ends, touched, x, v, kicked)
             motion.x, motion.v, motion.time = x, kicked, t1
 
-    def _hold(self, pin: Pin, old: np.ndarray, new: np.ndarray, force: np.ndarray, damped: np.ndarray, arms) -> None:
+    def _hold(self, pin: Pin, old: np.ndarray, new: np.ndarray, force: np.ndarray, damped: np.ndarray, arms: np.ndarray) -> None:
         """Books what half a step's forces do not explain of the change from velocities old (n, 3) to new (m, 3)."""
         p = pin.points
         explained = self.h / 2 * (force[p] - self.body.damping[p, None] * damped)
         pin.receive(self.body.mass[p, None] * (new - old[p]) - explained, arms)
 
-    def _drift_onto(self, ends, touched, deepest, t0, motion, force, x, v) -> None:
+    def _drift_onto(
+        self, ends: list[HalfSpace], touched: np.ndarray, deepest: np.ndarray, t0: float, motion: Motion, force: np.ndarray, x: np.ndarray,
+        v: np.ndarray,
+    ) -> None:  # fmt: skip
         """Each touched point meets the plane that it would be deepest behind; corrects x and v."""
         for q, (obstacle, end) in enumerate(zip(self.obstacles, ends, strict=True)):
             points = touched[deepest == q]
@@ -154,7 +157,7 @@ class Leapfrog:
         v = m.free + reaction * n + left - slip
         return m.end.snapped(m.x0 + self.h * v), v, v - m.free
 
-    def _close_on(self, ends, touched, x, v, kicked) -> None:
+    def _close_on(self, ends: list[HalfSpace], touched: np.ndarray, x: np.ndarray, v: np.ndarray, kicked: np.ndarray) -> None:
         """The closing half kick leaves touched points on their planes; corrects `kicked`."""
         on = np.array([end.gap(x[touched]) <= self.touching for end in ends])
         if np.any(on.sum(axis=0) > 1):

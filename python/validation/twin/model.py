@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import ceil
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ MATERIAL = ("mass", "damping", "stiffness.edge", "stiffness.face", "stiffness.bo
 class Model:
     """A resolved scene (the dictionary that validation.twin.resolved_scene makes) in motion."""
 
-    def __init__(self, scene: dict):
+    def __init__(self, scene: Mapping[str, Any]):
         self.scene, self.rest = scene, np.array(scene["rest"])
         self._material: list[float | None] | None = None
 
@@ -87,7 +88,7 @@ class Model:
         stiffness = None if modulus is not None else [values[f"stiffness.{kind}"] for kind in ("edge", "face", "body")]
         return Body.of(self.scene, total=values["mass"], stiffness=stiffness, youngs_modulus=modulus, damping=values.get("damping", 0.0))
 
-    def _obstacle(self, plane: dict, values: Mapping[str, float]) -> Obstacle:
+    def _obstacle(self, plane: Mapping[str, Any], values: Mapping[str, float]) -> Obstacle:
         name = f"plane.{plane['name']}"
         what = ("point", "normal", "velocity", "angular_velocity")
         point, normal, velocity, spin = (_read(values, f"{name}.{each}") for each in what)
@@ -97,7 +98,7 @@ class Model:
         start = HalfSpace(point, normal / np.linalg.norm(normal), velocity, spin)
         return Obstacle(start=start, friction=values[f"{name}.friction"], since=since)
 
-    def _pin(self, pin: dict, values: Mapping[str, float]) -> Pin:
+    def _pin(self, pin: Mapping[str, Any], values: Mapping[str, float]) -> Pin:
         points, name = np.array(pin["points"]), f"pin.{pin['name']}"
         origin = np.array(pin["origin"])
         arms, velocity, spin = self.rest[points] - origin, np.zeros(3), np.zeros(3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as Xml
 
 from pythonfmu import Fmi2Slave
@@ -16,10 +17,10 @@ SCENE, DESCRIPTION = "scene.json", "description.xml"
 """Files of the resources: the resolved scene with its table of variables, and modelDescription.xml to be."""
 
 
-class TwinSlave(Fmi2Slave):
+class TwinSlave(Fmi2Slave):  # type: ignore[misc]
     """Variables by the references of the component's table; outputs are calculated when asked for."""
 
-    def __init__(self, **kwargs):
+    def __init__(self, **kwargs: Any):
         super().__init__(**kwargs)
         self.modelName = "softffd_twin"  # pythonfmu's word for the model identifier
         folder = Path(self.resources)
@@ -27,21 +28,22 @@ class TwinSlave(Fmi2Slave):
         self._description = folder / DESCRIPTION
         self._names = {variable["reference"]: variable["name"] for variable in scene["variables"]}
         self._values = {variable["name"]: variable["start"] for variable in scene["variables"] if variable["start"] is not None}
-        self._model, self._outputs = Model(scene), None
+        self._model = Model(scene)
+        self._outputs: dict[str, float] | None = None
         self._start_time, self._initialized = 0.0, False
 
-    def to_xml(self, model_options=None) -> Xml.Element:
+    def to_xml(self, model_options: Any = None) -> Xml.Element:
         """The description that was made from the component's table."""
         return Xml.fromstring(self._description.read_text(encoding="utf-8"))
 
-    def setup_experiment(self, start_time, *_):
+    def setup_experiment(self, start_time: float, *_: Any) -> None:
         self._start_time = start_time
 
-    def exit_initialization_mode(self):
+    def exit_initialization_mode(self) -> None:
         self._read_outputs()
         self._initialized = True
 
-    def do_step(self, current_time, step_size):
+    def do_step(self, current_time: float, step_size: float) -> bool:
         """A step that cannot be done is discarded: exceptions spoil the interpreter's memory on their way through pythonfmu 0.7."""
         try:
             self._model.advance(self._values, step_size)
@@ -51,24 +53,24 @@ class TwinSlave(Fmi2Slave):
         self._outputs = None
         return True
 
-    def get_real(self, vrs):
+    def get_real(self, vrs: list[int]) -> list[float]:
         return [float(self._value(reference)) for reference in vrs]
 
-    def get_integer(self, vrs):
+    def get_integer(self, vrs: list[int]) -> list[int]:
         return [int(self._value(reference)) for reference in vrs]
 
-    def set_real(self, vrs, values):
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
         self._values.update(zip((self._names[reference] for reference in vrs), values, strict=True))
         if not self._initialized:
             self._outputs = None
 
     set_integer = set_real
 
-    def _value(self, reference):
+    def _value(self, reference: int) -> float:
         name = self._names[reference]
         return self._values[name] if name in self._values else self._read_outputs()[name]
 
-    def _read_outputs(self):
+    def _read_outputs(self) -> dict[str, float]:
         if self._outputs is None:
             if not self._initialized:
                 self._model.initialize(self._values, self._start_time)
