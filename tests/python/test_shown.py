@@ -38,11 +38,7 @@ def test_a_mesh_says_how_large_it_is():
 def test_a_simulation_and_its_blocks_say_what_they_are_of(scene):
     with Simulation(scene) as sim:
         sim.step(0.05)
-        assert lines_of(sim) == [
-            f"Simulation of {scene.title} at 0.05 s: 4 x 4 x 4 control points",
-            "  plane table, press",
-            "  probe top",
-        ]
+        assert lines_of(sim) == [f"Simulation of {scene.title} at 0.05 s: 4 x 4 x 4 control points", "  plane table, press", "  probe top"]
         block = sim.block(["position[0,0,0]", "position[1,0,0]", "plane.press.reaction"])
         assert lines_of(block) == ["Block of 9 numbers: position[i,j,k], plane.press.reaction"]
     assert "Simulation of" in repr(sim)  # closed

@@ -5,15 +5,7 @@ import pytest
 from softffd.spelling import did_you_mean, nearest_of
 
 
-@pytest.mark.parametrize(
-    "given, nearest",
-    [
-        ("stifness", "stiffness"),
-        ("STIFNESS", "stiffness"),
-        ("-z", "z-"),
-        ("unrelated", None),
-    ],
-)
+@pytest.mark.parametrize("given, nearest", [("stifness", "stiffness"), ("STIFNESS", "stiffness"), ("-z", "z-"), ("unrelated", None)])
 def test_the_nearest_word_is_near_in_spelling_or_has_the_same_letters(given, nearest):
     assert nearest_of(given, ["stiffness", "damping", "z-"]) == nearest
 

@@ -263,9 +263,9 @@ std::string_view checked_body(std::string_view text) {
   if (end == text.npos || head.word() != "softffd-scene") head.fail("not a softffd scene");
   if (head.word() != "1") head.fail("another version of the format");
   const std::string_view body = text.substr(end + 1), digits = head.word();
-  std::uint64_t wanted = 0;
+  std::uint32_t wanted = 0;
   const auto [last, error] = std::from_chars(digits.data(), digits.data() + digits.size(), wanted, 16);
-  if (error != std::errc() || last != digits.data() + digits.size() || wanted != fnv1a(body))
+  if (error != std::errc() || last != digits.data() + digits.size() || wanted != crc32(body))
     head.fail("the checksum does not fit: the file is damaged");
   return body;
 }

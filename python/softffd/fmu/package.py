@@ -126,10 +126,7 @@ def scene_texts(scene: Scene, fmi: int = 2) -> tuple[dict[str, bytes], list[Vari
     description = (model_description if fmi == 2 else model_description3)(scene, listed)
     records = scene_records(scene, masses, samples)
     guid = _guid(description, records)
-    texts = {
-        "modelDescription.xml": completed(description, guid).encode(),
-        f"resources/{NAME}": scene_text(records, guid).encode(),
-    }
+    texts = {"modelDescription.xml": completed(description, guid).encode(), f"resources/{NAME}": scene_text(records, guid).encode()}
     if notes := body_notes(scene, masses, samples):
         texts[f"resources/{NOTES}"] = "".join(f"{note}\n" for note in notes).encode()
     return texts, listed, guid

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
@@ -77,11 +78,7 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
     lines += [["probe", probe.name, *probe.at] for probe in scene.probe]
     if samples is not None:
         lines += [["sample", *place] for place in samples.places]
-    selections = {
-        "forces": scene.inputs.forces,
-        "positions": outputs.positions,
-        "velocities": outputs.velocities,
-    }
+    selections = {"forces": scene.inputs.forces, "positions": outputs.positions, "velocities": outputs.velocities}
     for key, selection in selections.items():
         points = scene.select(selection)
         if len(points):
@@ -113,7 +110,7 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
 def scene_text(records: str, guid: str) -> str:
     """The whole file: head with the checksum of all that follows, guid, records."""
     body = f"guid {guid}\n{records}"
-    return f"{HEAD} {_fnv1a(body.encode()):016x}\n{body}"
+    return f"{HEAD} {zlib.crc32(body.encode()):08x}\n{body}"
 
 
 def read_lattice(resources: Path) -> LatticeBox | None:
@@ -200,10 +197,3 @@ def _line(values: Iterable[object]) -> str:
 def _number(value: Any) -> str:
     """The shortest decimal that reads back as the same double."""
     return str(int(value)) if isinstance(value, int | np.integer) else repr(float(value))
-
-
-def _fnv1a(data: bytes) -> int:
-    value = 14695981039346656037
-    for byte in data:
-        value = (value ^ byte) * 1099511628211 % 2**64
-    return value

@@ -72,11 +72,7 @@ def told_ssp(path: Path, *asked: Any) -> list[str]:
 
 
 def _write(
-    path: Path,
-    components: Mapping[str, Any],
-    connections: Iterable[Sequence[Any]],
-    start_values: Mapping[str, Any],
-    record: Iterable[str],
+    path: Path, components: Mapping[str, Any], connections: Iterable[Sequence[Any]], start_values: Mapping[str, Any], record: Iterable[str]
 ) -> tuple[Path, Wiring]:
     if path.suffix.lower() != ".ssp" or path.is_dir():
         raise SoftffdError(f"{path}: wanted a file name ending in .ssp{did_you_mean(f'{path}.ssp')}")

@@ -59,14 +59,7 @@ class Lot:
 
 
 def report_random(
-    folder: Path,
-    number: int,
-    seed: int,
-    *,
-    family: str = "lattice",
-    processes: int = 1,
-    note: Note = silent,
-    say: Note = print,
+    folder: Path, number: int, seed: int, *, family: str = "lattice", processes: int = 1, note: Note = silent, say: Note = print
 ) -> Lot:
     """Runs the scenes of the seeds from `seed` on, so many, and keeps random.csv and random.json in `folder`.
 

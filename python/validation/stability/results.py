@@ -54,10 +54,7 @@ def keep(folder: Path, survey: Survey, about: Mapping[str, Any]) -> None:
     drawn = pictures(survey)
     rows = [_cell_row(cell, judged) for cell, judged in survey.cells.items()]
     rows += [_case_row(name, outcome) for name, outcome in survey.outcomes.items()]
-    files: dict[str, bytes | str] = {
-        "stability.csv": csv_text(COLUMNS, rows),
-        "stability.json": json_text(_document(survey, about)),
-    }
+    files: dict[str, bytes | str] = {"stability.csv": csv_text(COLUMNS, rows), "stability.json": json_text(_document(survey, about))}
     keep_files(folder, files | {f"{name}.png": png for name, png in drawn.items()})
 
 
@@ -197,13 +194,7 @@ SHOWN = 20
 
 
 def report_stability(
-    folder: Path,
-    *,
-    only: Sequence[str] = (),
-    quick: bool = False,
-    processes: int = 1,
-    note: Note = silent,
-    say: Note = print,
+    folder: Path, *, only: Sequence[str] = (), quick: bool = False, processes: int = 1, note: Note = silent, say: Note = print
 ) -> Survey:
     """Runs the map and the cases, or those that `only` names, and keeps CSV, JSON and pictures in `folder`.
 

@@ -73,10 +73,7 @@ class Leapfrog:
         e = 1 / (1 + g + g**2 / 2)  # strong damping: both halves decay towards the terminal velocity f / d
         strong, by_drag = g > 1, quotient(1 - e, damping)
         self.open_a, self.open_b = np.where(strong, e, 1 - g), np.where(strong, by_drag, half / mass)
-        self.close_a, self.close_b = (
-            np.where(strong, e, 1 / (1 + g)),
-            np.where(strong, by_drag, half / mass / (1 + g)),
-        )
+        self.close_a, self.close_b = (np.where(strong, e, 1 / (1 + g)), np.where(strong, by_drag, half / mass / (1 + g)))
 
     def run(self, motion: Motion, steps: int) -> None:
         """`steps` internal steps."""

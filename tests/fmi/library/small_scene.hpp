@@ -11,17 +11,20 @@
 
 namespace small_scene {
 
-/// FNV-1a, the checksum of the format.
-inline std::uint64_t hash_of(std::string_view text) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (unsigned char c : text) hash = (hash ^ c) * 1099511628211u;
-  return hash;
+/// CRC-32, the checksum of the format.
+inline std::uint32_t hash_of(std::string_view text) {
+  std::uint32_t hash = ~0u;
+  for (unsigned char c : text) {
+    hash ^= c;
+    for (int bit = 0; bit < 8; ++bit) hash = (hash >> 1) ^ (hash & 1 ? 0xedb88320u : 0);
+  }
+  return ~hash;
 }
 
 /// The records with the first line that belongs to them.
 inline std::string with_first_line(std::string_view records) {
   char line[64];
-  std::snprintf(line, sizeof line, "softffd-scene 1 %016llx\n", static_cast<unsigned long long>(hash_of(records)));
+  std::snprintf(line, sizeof line, "softffd-scene 1 %08lx\n", static_cast<unsigned long>(hash_of(records)));
   return std::string(line).append(records);
 }
 

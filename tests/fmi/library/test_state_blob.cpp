@@ -141,7 +141,8 @@ TEST(a_refusal_says_what_is_wrong_with_the_bytes) {
     CHECK(refusal(Bytes(good.begin(), good.begin() + length)) == "the state is too short");
 }
 
-TEST(the_checksum_is_fnv_1a_of_64_bits) {
+TEST(the_checksums_are_crc_32_and_fnv_1a_of_64_bits) {
+  CHECK(crc32("") == 0 && crc32("123456789") == 0xcbf43926);
   CHECK(fnv1a("") == 0xcbf29ce484222325 && fnv1a("a") == 0xaf63dc4c8601ec8c && fnv1a("foobar") == 0x85944171f73967e8);
   CHECK(fnv1a(Bytes{'a'}) == fnv1a("a"));
 }

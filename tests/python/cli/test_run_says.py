@@ -212,8 +212,7 @@ def test_every_stage_of_a_run_is_shown_where_somebody_looks(monkeypatch, capsys)
 
 
 @pytest.mark.parametrize(
-    "stage, command",
-    [("packaging", "build box.toml"), ("packaging", "info box.toml"), ("reading the mesh", "new cut --mesh flat.obj")],
+    "stage, command", [("packaging", "build box.toml"), ("packaging", "info box.toml"), ("reading the mesh", "new cut --mesh flat.obj")]
 )
 def test_other_commands_that_may_take_minutes_show_what_they_do(stage, command, monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
