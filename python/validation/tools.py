@@ -28,25 +28,30 @@ def parser() -> Parser:
         tool.set_defaults(parser=tool)
         return tool
 
+    folder = "Folder for the results."
     stability = add("stability", "Runs stiff and extreme scenes and judges each by an oracle: map, table, report.")
-    stability.add_argument("--quick", action="store_true", help="some cases and a coarse map: a first look")
-    stability.add_argument("--only", nargs="+", default=[], metavar="NAME", help='"map", "cases", or parts of the names of cases')
+    stability.add_argument("--quick", action="store_true", help="Run some cases and a coarse map, for a first look.")
+    stability.add_argument(
+        "--only", nargs="+", default=[], metavar="NAME", help='What to run: "map", "cases", or parts of the names of cases.'
+    )
     drawn = add("random", "Runs scenes drawn at random, in which auto is judged by tighter runs that agree.")
-    drawn.add_argument("number", type=int, metavar="N", help="of scenes")
-    drawn.add_argument("--seed", type=int, default=1, metavar="S", help="of the first scene, the next has S + 1; default 1")
-    drawn.add_argument("--family", choices=list(FAMILIES), default="lattice", help="what meets the obstacles: default lattice")
+    drawn.add_argument("number", type=int, metavar="N", help="Number of scenes.")
+    drawn.add_argument("--seed", type=int, default=1, metavar="S", help="Seed of the first scene, the next has S + 1; default: 1.")
+    drawn.add_argument("--family", choices=list(FAMILIES), default="lattice", help="What meets the obstacles; default: lattice.")
     for survey in (stability, drawn):
-        survey.add_argument("-o", "--output", type=Path, default=Path("softffd-stability"), metavar="DIR")
-        survey.add_argument("-j", "--jobs", type=int, default=os.cpu_count() or 1, metavar="J", help="at a time; default: number of cores")
+        survey.add_argument("-o", "--output", type=Path, default=Path("softffd-stability"), metavar="DIR", help=folder)
+        survey.add_argument(
+            "-j", "--jobs", type=int, default=os.cpu_count() or 1, metavar="J", help="Number of processes; default: the number of cores."
+        )
     scipy = add("scipy", "Measures error against run time as softffd accuracy does, with SciPy's solvers beside.")
-    scipy.add_argument("scenes", nargs="*", metavar="SCENE", help="default: the standard set")
-    scipy.add_argument("-o", "--output", type=Path, default=Path("softffd-accuracy"), metavar="DIR")
-    scipy.add_argument("--quick", action="store_true", help="fewer and shorter runs: a first look")
+    scipy.add_argument("scenes", nargs="*", metavar="SCENE", help="Scene files, or names of shipped scenes; default: the standard set.")
+    scipy.add_argument("-o", "--output", type=Path, default=Path("softffd-accuracy"), metavar="DIR", help=folder)
+    scipy.add_argument("--quick", action="store_true", help="Make fewer and shorter runs, for a first look.")
     twin = add("twin", "Makes an FMU of a scene whose model is written once more, in numpy.")
-    twin.add_argument("scene", metavar="SCENE")
-    twin.add_argument("-o", "--output", type=Path, metavar="X.fmu", help="default: NAME_twin.fmu here")
+    twin.add_argument("scene", metavar="SCENE", help="Scene file, or name of a shipped scene.")
+    twin.add_argument("-o", "--output", type=Path, metavar="X.fmu", help="File to write; default: NAME_twin.fmu in this folder.")
     cross_check = add("cross-check", "Makes the files of the FMI Cross-Check of the shipped scenes.")
-    cross_check.add_argument("output", type=Path, metavar="DIR", help="where to, cross-check in the sources")
+    cross_check.add_argument("output", type=Path, metavar="DIR", help="Folder to write to; of the sources it is cross-check.")
     return whole
 
 
@@ -70,15 +75,8 @@ def _stability(options: argparse.Namespace) -> None:
 def _random(options: argparse.Namespace) -> None:
     require_writable(options.output)
     with ProgressLine("running") as progress:
-        report_random(
-            options.output,
-            options.number,
-            options.seed,
-            family=options.family,
-            processes=options.jobs,
-            note=progress.note,
-            say=progress.say,
-        )
+        told = {"note": progress.note, "say": progress.say}
+        report_random(options.output, options.number, options.seed, family=options.family, processes=options.jobs, **told)
     print(f"kept in {options.output}: random.csv, random.json")
 
 

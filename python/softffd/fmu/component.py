@@ -14,6 +14,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import fmpy
 import numpy as np
 from fmpy import calloc, free
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackAllocateMemoryTYPE, fmi2CallbackFreeMemoryTYPE, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
@@ -24,6 +25,7 @@ from softffd.fmu.block import KINDS, Block, number_of
 from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
 from softffd.fmu.notes import read_notes
 from softffd.fmu.records import PinRecord, read_lattice, read_obstacles, read_pins
+from softffd.installed import host_library, loaded_library
 from softffd.lattice import LatticeBox
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -109,8 +111,6 @@ class Component:
     def _unpack(self, path: Path) -> str | None:
         """Unpacks and reads an FMU; returns the path of its library where that is not where FMI 2.0 says: the installed one if it is the
         same."""
-        import fmpy
-
         self._name = str(path)
         try:
             library = unpack(path, self._folder)
@@ -130,8 +130,7 @@ class Component:
 
     def _write(self, scene: Scene) -> str:
         """Writes a scene's FMU unpacked and returns the path of the library, which stays where it is installed."""
-        from softffd.fmu.package import write_folder
-        from softffd.installed import host_library, loaded_library
+        from softffd.fmu.package import write_folder  # brings pydantic along, which those who have an FMU do without
 
         self.interface = write_folder(scene, Path(self._folder))
         self._name = scene.name
@@ -141,8 +140,6 @@ class Component:
     @cached_property
     def description(self) -> Any:
         """fmpy's reading of the modelDescription.xml."""
-        import fmpy
-
         return fmpy.read_model_description(self._folder, validate=False)
 
     @cached_property
@@ -262,13 +259,11 @@ class Component:
 
     def set_up(self, *, start_time: float = 0.0, stop_time: float | None = None, tolerance: float | None = None) -> None:
         """fmi2SetupExperiment and fmi2EnterInitializationMode. tolerance: relative to the box's largest side."""
-        self._calls["fmi2SetupExperiment"](
-            c_int(tolerance is not None),
-            c_double(tolerance or 0.0),
-            c_double(start_time),
-            c_int(stop_time is not None),
-            c_double(stop_time or 0.0),
+        end, tolerated = (
+            (c_int(stop_time is not None), c_double(stop_time or 0.0)),
+            (c_int(tolerance is not None), c_double(tolerance or 0.0)),
         )
+        self._calls["fmi2SetupExperiment"](*tolerated, c_double(start_time), *end)
         self._calls["fmi2EnterInitializationMode"]()
 
     def initialize(self, start_values: Mapping[str, Any], *, start_time: float = 0.0, stop_time: float | None = None) -> None:

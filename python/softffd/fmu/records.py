@@ -26,84 +26,75 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
     """All records but the guid; what the scene does not need is absent."""
     from softffd.scene.rigid import Box, Plane  # brings pydantic along, which those who have an FMU do without
 
-    lattice, material, outputs = scene.lattice, scene.material, scene.outputs
-    basis: list[list[object]] = [["basis", lattice.basis]] if lattice.basis != "bezier" else []
-    lines: list[list[object]] = [
-        ["counts", *lattice.points],
-        ["origin", *(lattice.origin or ())],
-        ["size", *(lattice.size or ())],
-        ["topology", lattice.springs],
-        *basis,
-        ["mass", *masses.mass],
-    ]
+    lines: list[list[Any]] = []
+
+    def add(key: str, *values: Any, when: bool = True) -> None:
+        if when:
+            lines.append([key, *values])
+
+    lattice, material, initial, solver = scene.lattice, scene.material, scene.initial, scene.solver
+    add("counts", *lattice.points)
+    add("origin", *(lattice.origin or ()))
+    add("size", *(lattice.size or ()))
+    add("topology", lattice.springs)
+    add("basis", lattice.basis, when=lattice.basis != "bezier")
+    add("mass", *masses.mass)
     if masses.weight is not None:
-        lines.append(["weight", *masses.weight])
+        add("weight", *masses.weight)
     if material.stiffness is not None:
-        lines.append(["stiffness", material.stiffness.edge, material.stiffness.face, material.stiffness.body])
+        add("stiffness", material.stiffness.edge, material.stiffness.face, material.stiffness.body)
     else:
-        lines.append(["youngs_modulus", material.youngs_modulus])
-    if spring_damping_present(scene):
-        lines.append(["damping", material.damping])
-    if internal_damping_present(scene):
-        lines.append(["internal_damping", material.internal_damping])
-    if material.volume_stiffness > 0:
-        lines.append(["volume_stiffness", material.volume_stiffness])
+        add("youngs_modulus", material.youngs_modulus)
+    add("damping", material.damping, when=spring_damping_present(scene))
+    add("internal_damping", material.internal_damping, when=internal_damping_present(scene))
+    add("volume_stiffness", material.volume_stiffness, when=material.volume_stiffness > 0)
     if scene.environment.gravity is not None:
-        lines.append(["gravity", *scene.environment.gravity])
+        add("gravity", *scene.environment.gravity)
     for region in scene.region:
-        points = scene.select(region.points)
         for key in ("stiffness", "youngs_modulus", "damping", "internal_damping"):
-            if (value := getattr(region, key)) is not None:
-                lines.append([f"region_{key}", value, *points])
+            value = getattr(region, key)
+            add(f"region_{key}", value, *scene.select(region.points), when=value is not None)
     for plane in scene.obstacles:
         normal = (0.0, 0.0, 1.0) if isinstance(plane, Box) else plane.normal
         motion = [*plane.point, *normal, *plane.velocity, *plane.angular_velocity]
-        lines.append(["plane", plane.name, plane.motion, *motion, plane.friction])
+        add("plane", plane.name, plane.motion, *motion, plane.friction)
         if isinstance(plane, Box):
-            lines.append(["box", *plane.size, *plane.rotation_vector()])
+            add("box", *plane.size, *plane.rotation_vector())
         elif not isinstance(plane, Plane):
-            lines.append(["solid", plane.radius, plane.length])
-        if plane.motion == "input":
-            lines.append(["plane_inputs", *plane.input_components()])
+            add("solid", plane.radius, plane.length)
+        add("plane_inputs", *plane.input_components(), when=plane.motion == "input")
     for pin in scene.pin:
-        lines.append(["pin", pin.name, pin.motion, *scene.select(pin.points)])
+        add("pin", pin.name, pin.motion, *scene.select(pin.points))
         if pin.origin is not None:
-            lines.append(["pin_origin", *pin.origin])
-        if pin.motion == "input" and scene.initial.rotation is not None:
-            position, orientation = scene.pin_start(pin)
-            lines.append(["pin_start", *position, *orientation])
+            add("pin_origin", *pin.origin)
         if pin.motion == "input":
-            lines.append(["pin_inputs", *pin.input_components()])
-    lines += [["load", load.name, *scene.select(load.points)] for load in scene.load]
-    lines += [["probe", probe.name, *probe.at] for probe in scene.probe]
-    if samples is not None:
-        lines += [["sample", *place] for place in samples.places]
-    selections = {"forces": scene.inputs.forces, "positions": outputs.positions, "velocities": outputs.velocities}
-    for key, selection in selections.items():
+            position, orientation = scene.pin_start(pin)
+            add("pin_start", *position, *orientation, when=initial.rotation is not None)
+            add("pin_inputs", *pin.input_components())
+    for load in scene.load:
+        add("load", load.name, *scene.select(load.points))
+    for probe in scene.probe:
+        add("probe", probe.name, *probe.at)
+    for place in samples.places if samples is not None else ():
+        add("sample", *place)
+    outputs = scene.outputs
+    for key, selection in (("forces", scene.inputs.forces), ("positions", outputs.positions), ("velocities", outputs.velocities)):
         points = scene.select(selection)
-        if len(points):
-            lines.append([key, *points])
-    initial = scene.initial
-    lines.append(["initial", *initial.stretch, *initial.offset, *initial.velocity, *initial.angular_velocity])
+        add(key, *points, when=len(points) > 0)
+    add("initial", *initial.stretch, *initial.offset, *initial.velocity, *initial.angular_velocity)
     if initial.rotation is not None:
-        lines.append(["initial_rotation", *initial.rotation_vector()])
-    if initial.spin_about == "mass":
-        lines.append(["spin_about_mass"])
-    if scene.fmu.names == "flat":
-        lines.append(["flat_names"])
-    lines += [[key] for key in ("reactions", "energy", "solver") if getattr(outputs, key)]
-    lines.append(["stop_time", scene.experiment.stop_time])
-    solver = scene.solver
-    if solver.error_estimate:
-        lines.append(["error_estimate"])
-    lines += [
-        ["method", method_value(solver.method)],
-        ["tolerance", solver.tolerance],
-        ["step", solver.step],
-        ["most_work", solver.most_work],
-    ]
-    if solver.threads > 1:
-        lines.append(["threads", solver.threads])
+        add("initial_rotation", *initial.rotation_vector())
+    add("spin_about_mass", when=initial.spin_about == "mass")
+    add("flat_names", when=scene.fmu.names == "flat")
+    for key in ("reactions", "energy", "solver"):
+        add(key, when=getattr(outputs, key))
+    add("stop_time", scene.experiment.stop_time)
+    add("error_estimate", when=solver.error_estimate)
+    add("method", method_value(solver.method))
+    add("tolerance", solver.tolerance)
+    add("step", solver.step)
+    add("most_work", solver.most_work)
+    add("threads", solver.threads, when=solver.threads > 1)
     return "".join(_line(line) for line in lines)
 
 

@@ -14,6 +14,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 from xml.etree import ElementTree as Xml
 
+import fmpy
+
 from softffd.errors import SoftffdError
 from softffd.files import replacing
 from softffd.fmu.archive import require_no_bomb
@@ -112,8 +114,6 @@ def _fmu_of(name: str, what: Scene | str | Path, folder: Path) -> Path:
 
 
 def _element(name: str, file: Path) -> Element:
-    import fmpy
-
     try:
         with zipfile.ZipFile(file) as archive:
             require_no_bomb(archive, file.stat().st_size)

@@ -145,17 +145,8 @@ def _plane(plane: Plane | Sphere | Cylinder | Box) -> dict[str, Any]:
     else:
         axis = "A sphere's normal is of no meaning: {}" if isinstance(plane, Sphere) else "Axis of the {}"
         words = {"point_of": f"Centre of the {plane.shape()}", "normal_of": axis.format(plane.shape())}
-    return {
-        **words,
-        "part": plane.part,
-        "name": plane.name,
-        "point": plane.point,
-        **turned,
-        "velocity": plane.velocity,
-        "angular_velocity": plane.angular_velocity,
-        "friction": plane.friction,
-        "inputs": plane.input_components(),
-    }
+    own = {key: getattr(plane, key) for key in ("part", "name", "point", "velocity", "angular_velocity", "friction")}
+    return words | own | turned | {"inputs": plane.input_components()}
 
 
 def _pin(scene: Scene, pin: Pin) -> dict[str, Any]:
@@ -176,7 +167,10 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     surfaces, frames = [_plane(plane) for plane in planes], [_pin(scene, pin) for pin in pins if pin.motion == "input"]
     faced, boxes = ([each for each in surfaces if pose in each] for pose in ("normal", "rotation"))
     material, stiffness, gravity = scene.material, scene.material.stiffness, scene.environment.gravity
-    methods = table()["method"]
+    methods = {method["key"]: method["value"] for method in table()["method"]}
+    solver = {"method": method_value(scene.solver.method), "methods": list_of_values(methods), "last_method": max(methods.values())}
+    solver |= {"tolerance": scene.solver.tolerance, "step": scene.solver.step}
+    solver["mass"] = float(np.cumsum(mass)[-1])  # one after the other, as the library adds them
     touching = TOUCHING[scene.contact.of]
     return {
         "forces": points(scene.inputs.forces),
@@ -185,19 +179,8 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         **dict.fromkeys(("input_normals", "fixed_normals"), faced),
         **dict.fromkeys(("input_boxes", "fixed_boxes"), boxes),
         **dict.fromkeys(("input_pins", "fixed_pins"), frames),
-        "always": [
-            {
-                "mass": float(np.cumsum(mass)[-1]),  # one after the other, as the library adds them
-                "method": method_value(scene.solver.method),
-                "methods": list_of_values({method["key"]: method["value"] for method in methods}),
-                "last_method": max(method["value"] for method in methods),
-                "tolerance": scene.solver.tolerance,
-                "step": scene.solver.step,
-            }
-        ],
-        "stiffness": []
-        if stiffness is None
-        else [{"stiffness_edge": stiffness.edge, "stiffness_face": stiffness.face, "stiffness_body": stiffness.body}],
+        "always": [solver],
+        "stiffness": [{f"stiffness_{kind}": getattr(stiffness, kind) for kind in ("edge", "face", "body")}] if stiffness else [],
         "modulus": when(material.youngs_modulus is not None, youngs_modulus=material.youngs_modulus),
         "damping": when(spring_damping_present(scene), damping=material.damping),
         "internal_damping": when(internal_damping_present(scene), internal_damping=material.internal_damping),

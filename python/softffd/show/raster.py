@@ -51,7 +51,7 @@ class Canvas:
         self._colour = np.repeat(rows, self.width, axis=2).reshape(3, -1)
         self.depth = np.zeros(self.width * self.height, dtype=np.float32)
         self.focal = self.height / (2 * FIELD)
-        self._key = _unit(camera.axes.T @ [-0.45, 0.35, 0.55] + 0.6 * np.asarray(camera.up))
+        self._key = unit(camera.axes.T @ [-0.45, 0.35, 0.55] + 0.6 * np.asarray(camera.up))
 
     def image(self) -> np.ndarray:
         """The picture (height, width, 3), 0 .. 1."""
@@ -114,7 +114,7 @@ class Canvas:
 
         diffuse = ((along(key) + 0.15) / 1.15).clip(0, None)
         sky = 0.5 + 0.5 * along(up)
-        gloss = along(_unit(key + back)).clip(0.5, None) ** 70  # where it is less it is nothing, but slow
+        gloss = along(unit(key + back)).clip(0.5, None) ** 70  # where it is less it is nothing, but slow
         rim = np.square(np.square(1 - along(back).clip(0, 1)))
         light = colour * (0.12 + 0.26 * sky + 0.80 * diffuse) + 0.28 * gloss + 0.14 * rim * sky
         return light.clip(0, 1) ** (1 / 2.2)
@@ -126,7 +126,7 @@ class Canvas:
         """Draw segments points[ends], ends (E, 2), `width` pixels wide; `hidden`: opacity behind other things."""
         screen = self.project(points)
         a, b = screen[ends[:, 0]], screen[ends[:, 1]]
-        along = _unit((b - a)[:, :2] + [1e-9, 0.0])
+        along = unit((b - a)[:, :2] + [1e-9, 0.0])
         side = np.hstack([along[:, 1:], -along[:, :1], np.zeros((len(a), 1))]) * width
         corners = np.stack([a - side, a + side, b - side, b + side], axis=1).reshape(-1, 3)
         quads = 4 * np.arange(len(a))[:, None, None] + np.array([[0, 1, 2], [1, 3, 2]])
@@ -252,6 +252,7 @@ def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def _unit(vectors: np.ndarray) -> np.ndarray:
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (..., 3) as long as 1; 0 remains."""
     length = np.sqrt(np.einsum("...a,...a->...", vectors, vectors))[..., None]
     return vectors / np.where(length > 0, length, 1.0)

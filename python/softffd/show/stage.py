@@ -12,7 +12,7 @@ from softffd.mesh.mesh import Mesh
 from softffd.names import vector_names
 from softffd.obstacles import SolidShape
 from softffd.run.result import Result
-from softffd.show.raster import Tint
+from softffd.show.raster import Tint, unit
 from softffd.show.skin import Skin, cage_surface, painted, skinned
 from softffd.show.solid import Form, form_of
 
@@ -31,20 +31,23 @@ GLANCES = 50
 
 
 @dataclass(frozen=True, eq=False)
-class PlaneTrack:
-    """An obstacle plane over time.
-
-    `points` (T, 3) [m], unit `normals` (T, 3) and, in the plane, unit `tangents` (T, 3); `tint` its colour. `is_floor`:
-    one could stand on it all the time; it is drawn as a floor without an edge, which hides what is below, and
-    every other plane as a plate as large as the scene.
-    """
+class Track:
+    """An obstacle over time: a point (T, 3) [m], a plane's unit normal or a solid's third axis (T, 3), and across it a tangent or the
+    solid's first axis (T, 3); its colour."""
 
     name: str
     tint: Tint
-    is_floor: bool
     points: np.ndarray
     normals: np.ndarray
     tangents: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneTrack(Track):
+    """An obstacle plane over time. `is_floor`: one could stand on it all the time; it is drawn as a floor without an edge, which hides what
+    is below, and every other plane as a plate as large as the scene."""
+
+    is_floor: bool
 
     def gap(self, frame: int, places: np.ndarray) -> np.ndarray:
         """Distance of places (N, 3) [m] from it in a frame, negative behind it, (N,) [m]."""
@@ -52,18 +55,10 @@ class PlaneTrack:
 
 
 @dataclass(frozen=True, eq=False)
-class SolidTrack:
-    """A solid obstacle over time.
+class SolidTrack(Track):
+    """A solid obstacle over time, by its centre."""
 
-    `form`: its shape; `points` (T, 3) [m]: its centre; unit `normals` and `tangents` (T, 3): its third axis and its first.
-    """
-
-    name: str
-    tint: Tint
     form: Form
-    points: np.ndarray
-    normals: np.ndarray
-    tangents: np.ndarray
 
     @cached_property
     def axes(self) -> np.ndarray:
@@ -80,8 +75,8 @@ class SolidTrack:
 
     def entered(self, places: np.ndarray, ways: np.ndarray) -> np.ndarray:
         """Where the lines through places (T, 3) [m] along ways (T, 3) enter it, (T, 3) [m]; the places themselves where they pass by."""
-        arms, along = (np.einsum("tka,ta->tk", self.axes, each) for each in (places - self.points, _unit(ways)))
-        return places + _unit(ways) * self.form.entered(arms, along)[:, None]
+        arms, along = (np.einsum("tka,ta->tk", self.axes, each) for each in (places - self.points, unit(ways)))
+        return places + unit(ways) * self.form.entered(arms, along)[:, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,9 +225,9 @@ def _box(result: Result, mesh: Mesh | None) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _track(name: str, tint: Tint, up: np.ndarray, points: np.ndarray, normals: np.ndarray) -> PlaneTrack:
-    normals = _unit(normals)
+    normals = unit(normals)
     is_floor = bool((normals @ up > 0.7).all())
-    return PlaneTrack(name, tint, is_floor, np.asarray(points, dtype=float), normals, _tangents(normals))
+    return PlaneTrack(name, tint, np.asarray(points, dtype=float), normals, _tangents(normals), is_floor)
 
 
 def _solid_track(solid: SolidShape, tint: Tint, result: Result, covered: np.ndarray) -> SolidTrack:
@@ -240,25 +235,19 @@ def _solid_track(solid: SolidShape, tint: Tint, result: Result, covered: np.ndar
     form = form_of(solid, float(np.linalg.norm(covered[1] - covered[0])))
     points, normals = result.plane(solid.name)
     if solid.kind == "box":
-        return SolidTrack(solid.name, tint, form, points, normals, result.edges(solid.name)[..., 0])
+        return SolidTrack(solid.name, tint, points, normals, result.edges(solid.name)[..., 0], form)
     if solid.kind == "sphere":
         way = covered.mean(axis=0) - points
         normals = np.where(np.any(way, axis=1, keepdims=True), way, [0.0, 0.0, 1.0])
-    normals = _unit(normals)
-    return SolidTrack(solid.name, tint, form, points, normals, _tangents(normals))
+    normals = unit(normals)
+    return SolidTrack(solid.name, tint, points, normals, _tangents(normals), form)
 
 
 def _tangents(normals: np.ndarray) -> np.ndarray:
     """Unit vectors (T, 3) across unit normals (T, 3), along one world axis through the run: that which the normal comes least close to."""
     axis, spare = np.eye(3)[np.abs(normals).max(axis=0).argsort()[:2]]
     axes = np.where(np.abs(normals @ axis)[:, None] < 0.999, axis, spare)
-    return _unit(axes - normals * np.einsum("ta,ta->t", normals, axes)[:, None])
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    """Vectors (..., 3) as long as 1; 0 remains."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return vectors / np.where(length > 0, length, 1.0)
+    return unit(axes - normals * np.einsum("ta,ta->t", normals, axes)[:, None])
 
 
 def _pinned(result: Result) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import SupportsFloat
 
@@ -142,12 +142,6 @@ def outcome_of(result: Outcome | Lost, patience: float) -> Outcome:
     if result.how == "hang":
         return Outcome("slow", words=result.words, run_time=patience)
     return Outcome("WRONG", words=f"{result.how}: {result.words}")
-
-
-def run_cases(cases: dict[str, Case], names: Sequence[str]) -> Iterator[Outcome]:
-    """Runs cases by name."""
-    for name in names:
-        yield run_case(cases[name])
 
 
 STATED = 5.0
