@@ -27,11 +27,9 @@ from softffd.scene.document import shipped_scenes
 from softffd.scene.scene import Scene, load_scene
 
 PLACE = Path("fmus", "2.0", "cs", fmpy.platform, "softffd", __version__)
-MOST = 10
-"""Variables in a reference file, by the rules"""
+MOST = 10  # variables in a reference file, by the rules
 LEFT_OUT = re.compile("solver_|p.*_torque|plane_centre")
-LEAST = 1e-6
-"""A component that moves by less than this of the vector's largest is rounding, which no importer should be judged by."""
+LEAST = 1e-6  # a component that moves by less than this of the vector's largest is rounding, which no importer should be judged by
 
 
 def inputs_over_time(scene: str) -> Source | None:

@@ -27,12 +27,10 @@ from validation.mechanics import Body, outside_force, start
 from validation.resolved import resolved
 
 SOLVERS = ("DOP853", "RK45", "Radau", "LSODA")
-IMPLICIT_WITH_PATTERN = ("Radau",)
-"""Solvers that take the pattern of the Jacobian's entries; LSODA makes its own dense one."""
+IMPLICIT_WITH_PATTERN = ("Radau",)  # solvers that take the pattern of the Jacobian's entries; LSODA makes its own dense one
 
 TOLERANCES = tuple(10.0**-n for n in range(1, 12))
-MOST, QUICK_MOST = 5.0, 1.0
-"""CPU time of one run [s]; a solver's sweep ends at the first run that needs more."""
+MOST, QUICK_MOST = 5.0, 1.0  # CPU time of one run [s]; a solver's sweep ends at the first run that needs more
 
 
 class _TooLong(Exception):

@@ -12,8 +12,7 @@ from softffd.rotation import turned
 
 X, _, Z = np.eye(3)
 
-Shape = tuple[np.ndarray, np.ndarray]
-"""Vertices (V, 3) [m] and faces (F, 3)"""
+Shape = tuple[np.ndarray, np.ndarray]  # vertices (V, 3) [m] and faces (F, 3)
 
 
 def sphere(halvings: int, radius: float = 0.4, centre: float = 0.5) -> Shape:
@@ -68,8 +67,7 @@ def write(path: Path, body: Shape) -> str:
     return str(path)
 
 
-KINDS = ("plane", "sphere", "cylinder", "box")
-"""Sections of a scene file"""
+KINDS = ("plane", "sphere", "cylinder", "box")  # sections of a scene file
 
 
 def gap(

@@ -22,8 +22,7 @@ from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
 from softffd.show.touch import narrow_contact
 
-RESULTS = (KEPT, "result.csv", "summary.json")
-"""What every run is kept in."""
+RESULTS = (KEPT, "result.csv", "summary.json")  # what every run is kept in
 
 SHOWN = re.compile(rf"picture\.png|view\.html|deformed(_\d+)?\.png|deformed\.mtl|deformed({'|'.join(map(re.escape, WRITTEN))})")
 """What a run may be kept in beside these."""

@@ -44,8 +44,7 @@ def _number(text: str) -> float:
         raise argparse.ArgumentTypeError(f"wanted a number, got {text!r:.70}") from None
 
 
-Add = Callable[[str, str, str], Parser]
-"""Adds a command: name, help, an example."""
+Add = Callable[[str, str, str], Parser]  # adds a command: name, help, an example
 
 SCENE = "Scene file, or name of a shipped scene."
 SCENE_OR_FMU = "Scene file, name of a shipped scene, or FMU."

@@ -8,8 +8,7 @@ from softffd.fmu.component import Component
 from softffd.run.inputs import Inputs
 from softffd.run.simulation import Simulation
 
-MOST_NAMES = 6
-"""Of inputs, in one line."""
+MOST_NAMES = 6  # of inputs, in one line
 
 
 def told_before(simulation: Simulation, inputs: Inputs) -> str:

@@ -14,8 +14,7 @@ from softffd.errors import FmuError, SoftffdError
 from softffd.files import replacing
 from softffd.installed import host_library, loaded_library
 
-LARGEST, MOST_TIMES = 1e9, 100
-"""So many bytes any FMU may unpack to, a larger one so many times its own size."""
+LARGEST, MOST_TIMES = 1e9, 100  # so many bytes any FMU may unpack to, a larger one so many times its own size
 NEW_YEAR_2020 = (2020, 1, 1, 0, 0, 0)
 UNIX, MODE = 3, 0o644 << 16
 

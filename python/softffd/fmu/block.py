@@ -17,8 +17,7 @@ KINDS: dict[str, tuple[Any, Any]] = {
     "Real": (np.float64, c_double), "Integer": (np.int32, c_int), "Boolean": (np.int32, c_int), "String": (object, c_char_p),
 }  # fmt: skip
 """Kinds of variables: what numpy and C hold their values in"""
-TRUTHS = {"true": 1, "1": 1, "false": 0, "0": 0}
-"""What a Boolean may be given as, in words"""
+TRUTHS = {"true": 1, "1": 1, "false": 0, "0": 0}  # what a Boolean may be given as, in words
 
 
 class Access(Protocol):

@@ -19,12 +19,9 @@ from softffd.names import ByName, variable_names
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
-IDENTIFIER = "softffd"
-"""modelIdentifier of this package's FMUs"""
-TIME = 0
-"""Value reference of the independent variable of FMI 3.0; no family has the id 0"""
-TYPES3 = {"Real": "Float64", "Integer": "Int64"}
-"""What FMI 3.0 calls a type of the table"""
+IDENTIFIER = "softffd"  # modelIdentifier of this package's FMUs
+TIME = 0  # value reference of the independent variable of FMI 3.0; no family has the id 0
+TYPES3 = {"Real": "Float64", "Integer": "Int64"}  # what FMI 3.0 calls a type of the table
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,15 +18,11 @@ from softffd.installed import data_folder, table
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
-GUID_PLACE = "{softffd-guid}"
-"""Stands where the guid goes; the guid is a hash of everything else but the date."""
-DATE_PLACE = "{softffd-date}"
-"""Stands where the date goes."""
+GUID_PLACE = "{softffd-guid}"  # stands where the guid goes; the guid is a hash of everything else but the date
+DATE_PLACE = "{softffd-date}"  # stands where the date goes
 AUTHOR: Final = "the softffd authors"
-COPYRIGHT: Final = f"Copyright (c) 2026, {AUTHOR}"
-"""As the licence says it"""
-LAST: Final = 253402300799
-"""The last second of the year 9999"""
+COPYRIGHT: Final = f"Copyright (c) 2026, {AUTHOR}"  # as the licence says it
+LAST: Final = 253402300799  # the last second of the year 9999
 SIMULATION = {
     "modelIdentifier": IDENTIFIER,
     "canHandleVariableCommunicationStepSize": "true",

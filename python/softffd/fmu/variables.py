@@ -29,19 +29,14 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
     from softffd.scene.selection import Selection
 
-STANDARD_GRAVITY = 9.80665
-"""m/s2"""
-TOUCHING = {"lattice": "control points", "surface": "points of the surface"}
-"""What is counted on an obstacle"""
-READABLE = 20_000
-"""More variables than this make the descriptions slow to read in many tools"""
-OF_POINTS = ("forces", "positions", "velocities")
-"""Parts whose instances are control points"""
+STANDARD_GRAVITY = 9.80665  # m/s2
+TOUCHING = {"lattice": "control points", "surface": "points of the surface"}  # what is counted on an obstacle
+READABLE = 20_000  # more variables than this make the descriptions slow to read in many tools
+OF_POINTS = ("forces", "positions", "velocities")  # parts whose instances are control points
 
 _LIST = re.compile(r"[^:]*: (\d+ \w+(?:, \d+ \w+)*)")
 
-Words = dict[str, Any]
-"""What an instance of a part brings: what stands in its names and descriptions, and its start values"""
+Words = dict[str, Any]  # what an instance of a part brings: what stands in its names and descriptions, and its start values
 
 
 @dataclass(frozen=True)

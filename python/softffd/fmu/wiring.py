@@ -17,8 +17,7 @@ from softffd.fmu.interface import Interface, ScalarVariable
 from softffd.names import components_in, meant_by, structured, vectors_in
 from softffd.spelling import did_you_mean, nearest_of
 
-STARTS = ("Real", "Integer", "Boolean", "Enumeration")
-"""Types of variables that take a start value"""
+STARTS = ("Real", "Integer", "Boolean", "Enumeration")  # types of variables that take a start value
 
 
 @dataclass(frozen=True)

@@ -17,20 +17,15 @@ from PIL import Image
 
 from softffd.files import write_bytes
 
-INK, SOFT = "#1b2430", "#5b6675"
-"""Colours of words and lines."""
-
-PLAIN: dict[str, Any] = {"parse_math": False}
-"""Of words that are not this program's: two dollars in them make no formula."""
+INK, SOFT = "#1b2430", "#5b6675"  # colours of words and lines
+PLAIN: dict[str, Any] = {"parse_math": False}  # of words that are not this program's: two dollars in them make no formula
 
 CURVES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#56b4e9")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
 
-COMPRESSION = 3
-"""Of the PNG: half the time of the usual 6, a tenth more bytes."""
+COMPRESSION = 3  # of the PNG: half the time of the usual 6, a tenth more bytes
 
-Box = tuple[float, float, float, float]
-"""Left, bottom, width and height, as fractions of the figure."""
+Box = tuple[float, float, float, float]  # left, bottom, width and height, as fractions of the figure
 
 
 class Picture(Figure):

@@ -15,11 +15,8 @@ from softffd.show.skin import Painter
 from softffd.show.stage import FREE, PINNED, VIEW, Stage, beside, round_length
 from softffd.show.touch import INK, MARK, Touch
 
-SMOOTH_FACES = 150_000
-"""Up to here normals are smoothed; the triangles of larger meshes are hardly larger than a pixel."""
-
-FILLED = 0.84
-"""Share of the image's width or height that the lattices may take."""
+SMOOTH_FACES = 150_000  # up to here normals are smoothed; the triangles of larger meshes are hardly larger than a pixel
+FILLED = 0.84  # share of the image's width or height that the lattices may take
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,11 +16,8 @@ from softffd.show.stage import Stage, stage_of, up_direction
 from softffd.show.tension import RAMP, Tension, tension_of
 from softffd.show.touch import Touch, touch_of
 
-GAP = 0.004
-"""Between images, as a fraction of the figure's width."""
-
-CAPTION = 0.32
-"""Height of the line below the images, inches."""
+GAP = 0.004  # between images, as a fraction of the figure's width
+CAPTION = 0.32  # height of the line below the images, inches
 
 
 def run_picture(result: Result, *, mesh: Mesh | None = None, colour: str | None = None, lattice: bool = False) -> Picture:

@@ -12,8 +12,7 @@ import numpy as np
 
 from softffd.show.skin import Painter, single
 
-Tint = tuple[float, float, float]
-"""A colour, 0 .. 1."""
+Tint = tuple[float, float, float]  # a colour, 0 .. 1
 
 FIELD = 0.29
 FACES = 1 << 12

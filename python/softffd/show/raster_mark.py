@@ -4,8 +4,7 @@ import numpy as np
 
 from softffd.show.raster import Canvas, Tint, fragments
 
-ROUND = 16
-"""Corners of a dot."""
+ROUND = 16  # corners of a dot
 
 
 def draw_arrow(

@@ -9,8 +9,7 @@ import numpy as np
 from softffd.show.raster import Canvas, Tint, fragments
 from softffd.show.skin import single
 
-NEAR = 0.05
-"""What is closer to the eye than this share of its distance from the target is not drawn."""
+NEAR = 0.05  # what is closer to the eye than this share of its distance from the target is not drawn
 
 
 def draw_solid(canvas: Canvas, vertices: np.ndarray, normals: np.ndarray, faces: np.ndarray, *, tint: Tint) -> None:
@@ -43,11 +42,8 @@ def _in_front(corners: np.ndarray, ahead: np.ndarray) -> np.ndarray:
 TEXELS = 192
 TAPS = 128
 SPREAD = 0.5
-DENSE = 100_000
-"""Faces of a mesh that casts its shadow by its vertices alone."""
-
-BELOW = 0.01
-"""How far below a plane, in patch radii, a surface still casts a shadow on it."""
+DENSE = 100_000  # faces of a mesh that casts its shadow by its vertices alone
+BELOW = 0.01  # how far below a plane, in patch radii, a surface still casts a shadow on it
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,8 +41,7 @@ def cage_surface(origin: ArrayLike, size: ArrayLike, *, divisions: int = 24) -> 
     return np.asarray(origin) + np.concatenate(vertices) * np.asarray(size), np.concatenate(faces)
 
 
-PAINT = (0.15, 0.45, 0.68)
-"""Of what has no colour of its own."""
+PAINT = (0.15, 0.45, 0.68)  # of what has no colour of its own
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,17 +11,10 @@ import numpy as np
 
 from softffd.obstacles import SolidShape
 
-AROUND, RINGS = 64, 48
-"""Sides of what is round, and rings of a sphere from pole to pole"""
-
-FINEST = 2000
-"""Sides of a cylinder, at most"""
-
-MARCHES = 100
-"""Steps along a line, which are enough but for one that nearly grazes"""
-
-SAGITTA = 1e-3
-"""By which the sides of a cylinder may be off the circle, as a share of what there is to see"""
+AROUND, RINGS = 64, 48  # sides of what is round, and rings of a sphere from pole to pole
+FINEST = 2000  # sides of a cylinder, at most
+MARCHES = 100  # steps along a line, which are enough but for one that nearly grazes
+SAGITTA = 1e-3  # by which the sides of a cylinder may be off the circle, as a share of what there is to see
 
 
 @dataclass(frozen=True, eq=False)

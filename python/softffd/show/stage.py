@@ -20,14 +20,9 @@ FREE, PINNED = (0.90, 0.42, 0.05), (0.10, 0.10, 0.12)
 OBSTACLES = ((0.63, 0.67, 0.73), (0.34, 0.71, 0.91), (0.80, 0.47, 0.65), (0.0, 0.62, 0.45), (0.90, 0.62, 0.0))
 """Colours that remain apart for the colour-blind, and from the object's paint: its control points, the obstacles in turn."""
 
-VIEW = (-1.0, 0.27)
-"""From where one looks first, rad: about the up direction, and above the horizon."""
-
-BESIDE = 0.15
-"""How far beside the lattice a solid is in view, as a share of the diagonal of the lattice's box."""
-
-GLANCES = 50
-"""Frames, evenly chosen, whose solids are to be in view."""
+VIEW = (-1.0, 0.27)  # from where one looks first, rad: about the up direction, and above the horizon
+BESIDE = 0.15  # how far beside the lattice a solid is in view, as a share of the diagonal of the lattice's box
+GLANCES = 50  # frames, evenly chosen, whose solids are to be in view
 
 
 @dataclass(frozen=True, eq=False)

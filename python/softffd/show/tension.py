@@ -12,8 +12,7 @@ from softffd.run.parts import require_name
 from softffd.run.result import Result
 from softffd.show.stage import Stage
 
-RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)
-"""The second: cells that are turned inside out, which have no stress."""
+RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)  # the second: cells that are turned inside out, which have no stress
 
 CELLS_AT_A_TIME = 200_000
 

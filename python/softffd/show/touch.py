@@ -17,17 +17,10 @@ from softffd.show.stage import PlaneTrack, SolidTrack, Stage, stage_of
 INK, MARK = (0.10, 0.12, 0.16), (1.0, 0.84, 0.0)
 """Colours of the outlines, and of what is inside; no paint, control point or obstacle has these."""
 
-NEAR = 1e-6
-"""Share of the object's size that what touches may be off by: what was recorded may be rounded."""
-
-LONGEST = 0.25
-"""Of an arrow, as a share of the diagonal of the object's box."""
-
-LEAST = 1e-6
-"""Of the largest force: what has no arrow."""
-
-MOST = 200
-"""Vertices that are marked in a frame; of more, evenly chosen ones."""
+NEAR = 1e-6  # share of the object's size that what touches may be off by: what was recorded may be rounded
+LONGEST = 0.25  # of an arrow, as a share of the diagonal of the object's box
+LEAST = 1e-6  # of the largest force: what has no arrow
+MOST = 200  # vertices that are marked in a frame; of more, evenly chosen ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +105,7 @@ def touch_of(result: Result, stage: Stage) -> Touch:
     return Touch(stage, of, starts, np.where(pressed, scale * force / np.sqrt(np.where(pressed, size, 1.0)), 0.0))
 
 
-ENOUGH = 3.0
-"""Cells across a patch from which on its force is that of the material within some per cent."""
+ENOUGH = 3.0  # cells across a patch from which on its force is that of the material within some per cent
 
 
 def contact_widths(result: Result) -> dict[Part, float]:

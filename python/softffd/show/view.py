@@ -34,8 +34,7 @@ from softffd.show.tension import Cells, cells_of
 from softffd.show.touch import INK, MARK, touch_of
 
 MOST_FRAMES = 600
-MOST_POINT_BYTES = 24e6
-"""Of the control points of all frames, before they become text: 600 frames of up to 3300 points."""
+MOST_POINT_BYTES = 24e6  # of the control points of all frames, before they become text: 600 frames of up to 3300 points
 
 MOST_TEXELS = 1024
 SAMPLES = 1000

@@ -36,8 +36,7 @@ def static_sag(drive: Drive, *, held: bool = False) -> float:
     return float(-drive.mass @ moved.reshape(-1, 3)[:, 2] / drive.mass.sum())
 
 
-SHARE = 1 / 8
-"""Of the stable step: the place after a rebound is then right to some 1e-5 of the box."""
+SHARE = 1 / 8  # of the stable step: the place after a rebound is then right to some 1e-5 of the box
 LOOK, QUIET = 24.0, 240.0
 """In stable steps: a stretch between two looks, and the time without a touch after which there will be none; some five of the lowest
 vibrations of 4 x 4 x 4 points."""
@@ -47,16 +46,11 @@ vibrations of 4 x 4 x 4 points."""
 class Flight:
     """The body in free flight after an impact, at a time; vectors (3,)."""
 
-    centre: np.ndarray
-    """m"""
-    velocity: np.ndarray
-    """Of the centre [m/s]"""
-    angular_momentum: np.ndarray
-    """About the centre [kg m2/s]"""
-    impulse: np.ndarray
-    """On the plane [N s]"""
-    touched: float
-    """First touch [s]"""
+    centre: np.ndarray  # m
+    velocity: np.ndarray  # of the centre [m/s]
+    angular_momentum: np.ndarray  # about the centre [kg m2/s]
+    impulse: np.ndarray  # on the plane [N s]
+    touched: float  # first touch [s]
 
 
 def after_impact(document: Mapping[str, Any], duration: float, *, share: float = SHARE) -> Flight:

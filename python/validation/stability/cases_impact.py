@@ -20,13 +20,10 @@ from validation.stability.cases_standard import GROUND, conserves
 from validation.stability.drive import DOWN, GRAVITY, Drive, box, plane, tilted
 from validation.stability.verdict import STATED, Case, Findings, stated_length
 
-STEPS = (1e-3, 1e-2, 5e-2)
-"""Communication steps [s]."""
-TOLERANCE, RIGHT = 1e-4, 3e-4
-"""Relative to the box; what a control point may be off [m]."""
+STEPS = (1e-3, 1e-2, 5e-2)  # communication steps [s]
+TOLERANCE, RIGHT = 1e-4, 3e-4  # relative to the box; what a control point may be off [m]
 FRICTION = 0.4
-UNIT_INERTIA = 5 / 18
-"""Of 4 x 4 x 4 equal points of 1 kg and 1 m in all, about any axis [kg m2]."""
+UNIT_INERTIA = 5 / 18  # of 4 x 4 x 4 equal points of 1 kg and 1 m in all, about any axis [kg m2]
 
 
 @dataclass(frozen=True)
@@ -36,20 +33,13 @@ class Scene:
     name: str
     what: str
     document: Mapping[str, Any]
-    duration: float
-    """s"""
-    centre: Mapping[str, float] = field(default_factory=dict)
-    """Of mass, by axis [m]"""
-    corner: Mapping[str, float] = field(default_factory=dict)
-    """Point (0, 0, 0) [m]"""
-    opposite: Mapping[str, float] = field(default_factory=dict)
-    """Point (3, 3, 3) [m]"""
-    velocity: Mapping[str, float] = field(default_factory=dict)
-    """Of the centre [m/s]"""
-    limit: float = RIGHT
-    """m"""
-    scale: float = GRAVITY
-    """Of energies [J]: about the largest in the scene"""
+    duration: float  # s
+    centre: Mapping[str, float] = field(default_factory=dict)  # of mass, by axis [m]
+    corner: Mapping[str, float] = field(default_factory=dict)  # point (0, 0, 0) [m]
+    opposite: Mapping[str, float] = field(default_factory=dict)  # point (3, 3, 3) [m]
+    velocity: Mapping[str, float] = field(default_factory=dict)  # of the centre [m/s]
+    limit: float = RIGHT  # m
+    scale: float = GRAVITY  # of energies [J]: about the largest in the scene
     more: Callable[[Findings, Drive, float, float], None] | None = None
     """Further checks in the end; told the communication step [s] and the internal steps of the last one"""
 

@@ -13,8 +13,7 @@ from validation.stability.cases_standard import conserves, slides
 from validation.stability.drive import DOWN, GRAVITY, ORIGIN, Drive, Z, box, plane, tilted
 from validation.stability.verdict import Case, Findings
 
-MARGIN = 0.05
-"""Of the cube, on all sides [m]; the sphere's is 0.1"""
+MARGIN = 0.05  # of the cube, on all sides [m]; the sphere's is 0.1
 LATTICES: dict[str, dict[str, Any]] = {
     "3^3": {"points": (3, 3, 3)},
     "4^3": {"points": (4, 4, 4)},

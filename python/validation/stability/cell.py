@@ -10,17 +10,13 @@ from typing import Any
 
 from validation.stability.drive import Drive
 
-RADIANS = 400.0
-"""The highest mode is followed for so long where the communication step is short."""
+RADIANS = 400.0  # the highest mode is followed for so long where the communication step is short
 
 PATIENCE, HANG = 1.0, 4.0
 """No further communication step after this time [s]; a cell is given up when a single one takes longer than the second."""
 
-STATED = 10.0
-"""An error up to so many times the stated estimate is a stated one."""
-
-GAIN = 1e-2
-"""Relative gain of energy from which on a motion is WRONG, whatever is stated."""
+STATED = 10.0  # an error up to so many times the stated estimate is a stated one
+GAIN = 1e-2  # relative gain of energy from which on a motion is WRONG, whatever is stated
 
 CLASSES = ("accurate", "bounded", "divided", "unstated", "slow", "refused", "WRONG")
 """bounded: an error that the component's estimate tells. divided: accurate or bounded after the component has divided a given step.
@@ -34,8 +30,7 @@ class Panel:
 
     scene: str
     method: str
-    given: bool = False
-    """solver.step = the communication step"""
+    given: bool = False  # solver.step = the communication step
 
     def __str__(self) -> str:
         return f"{self.scene}, {self.method}{', solver.step = H' * self.given}"
@@ -46,29 +41,22 @@ class Cell:
     """One setting of a panel."""
 
     panel: Panel
-    stiffness: float
-    """N/m"""
-    step: float
-    """Communication step [s]"""
-    ratio: float = 0.0
-    """Time of the dashpots times the highest frequency: twice its damping ratio"""
+    stiffness: float  # N/m
+    step: float  # communication step [s]
+    ratio: float = 0.0  # time of the dashpots times the highest frequency: twice its damping ratio
 
 
 @dataclass(frozen=True)
 class Judged:
     """What came of a cell."""
 
-    kind: str
-    """One of CLASSES"""
+    kind: str  # one of CLASSES
     error: float = math.nan
     """vibration, rebound: of a position [m]; rotation, contact: relative, of energy or angular momentum, and of the friction impulse"""
-    stated: float = math.nan
-    """The component's own estimate [m]"""
-    steps: int = 0
-    """Communication steps made"""
+    stated: float = math.nan  # the component's own estimate [m]
+    steps: int = 0  # communication steps made
     internal_steps: int = 0
-    run_time: float = 0.0
-    """s"""
+    run_time: float = 0.0  # s
     why: str = ""
 
 

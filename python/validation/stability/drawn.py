@@ -19,8 +19,7 @@ from validation.shapes import KINDS, Shape, gap
 from validation.stability.drive import GRAVITY, Drive
 
 FACES = ("x-", "x+", "y-", "y+", "z-", "z+")
-SHORTEST, LONGEST = 1e-3, 5e-2
-"""Communication steps [s]."""
+SHORTEST, LONGEST = 1e-3, 5e-2  # communication steps [s]
 
 
 class Draws:
@@ -69,14 +68,10 @@ def _rounded(vector: Any) -> np.ndarray:
 class Course:
     """A frame in rigid motion that is uniform before and after one moment; vectors (3,)."""
 
-    point: np.ndarray
-    """m, at the start"""
-    turning_at: float = math.inf
-    """s, of a communication point"""
-    velocities: Sequence[np.ndarray] = (np.zeros(3), np.zeros(3))
-    """m/s"""
-    spins: Sequence[np.ndarray] = (np.zeros(3), np.zeros(3))
-    """rad/s"""
+    point: np.ndarray  # m, at the start
+    turning_at: float = math.inf  # s, of a communication point
+    velocities: Sequence[np.ndarray] = (np.zeros(3), np.zeros(3))  # m/s
+    spins: Sequence[np.ndarray] = (np.zeros(3), np.zeros(3))  # rad/s
 
     def at(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """The point [m], velocity [m/s] and spin [rad/s] from a time [s] on, and the spin integrated over the parts so far (2, 3) [rad]."""
@@ -97,12 +92,9 @@ class Course:
 class Ramp:
     """A load that grows linearly and then stays."""
 
-    force: np.ndarray
-    """N (3,)"""
-    length: float
-    """s; 0: at once"""
-    linear: bool
-    """Told with its rate within the communication step; held otherwise"""
+    force: np.ndarray  # N (3,)
+    length: float  # s; 0: at once
+    linear: bool  # told with its rate within the communication step; held otherwise
 
     def at(self, time: float) -> np.ndarray:
         return self.force * (min(1.0, time / self.length) if self.length > 0 else 1.0)
@@ -114,19 +106,13 @@ class Drawn:
 
     seed: int
     document: dict[str, Any]
-    lengths: list[float]
-    """Of the communication steps [s]"""
-    tolerance: float
-    """Relative to the largest side"""
-    planes: dict[str, tuple[np.ndarray, Course]]
-    """Normals or axes at the start, and courses; all obstacles"""
-    pins: dict[str, Course] = field(default_factory=dict)
-    """Those that move"""
+    lengths: list[float]  # of the communication steps [s]
+    tolerance: float  # relative to the largest side
+    planes: dict[str, tuple[np.ndarray, Course]]  # normals or axes at the start, and courses; all obstacles
+    pins: dict[str, Course] = field(default_factory=dict)  # those that move
     loads: dict[str, Ramp] = field(default_factory=dict)
-    surface: Shape | None = None
-    """Of the object, where obstacles meet it"""
-    body: str = ""
-    """What it is"""
+    surface: Shape | None = None  # of the object, where obstacles meet it
+    body: str = ""  # what it is
 
     @property
     def duration(self) -> float:

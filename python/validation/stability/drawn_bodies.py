@@ -12,8 +12,7 @@ from softffd.scene.keys import SOLIDS
 from validation.shapes import Shape, cube, sphere
 from validation.stability.drawn import Course, Drawn, Draws, drawn
 
-OWN_BODY = 1_000_000
-"""Added to a seed for the draws of the body."""
+OWN_BODY = 1_000_000  # added to a seed for the draws of the body
 
 
 def drawn_surface(seed: int) -> Drawn:
@@ -37,8 +36,7 @@ def _body(draws: Draws, size: np.ndarray) -> tuple[Shape, str]:
     return (size * vertices, faces), f"{len(vertices)} vertices, {margin:g} inside"
 
 
-OWN_SOLIDS = 2_000_000
-"""Added to a seed for the draws of the solids."""
+OWN_SOLIDS = 2_000_000  # added to a seed for the draws of the solids
 
 
 def drawn_solids(seed: int) -> Drawn:

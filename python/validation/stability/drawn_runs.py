@@ -31,32 +31,20 @@ from validation.stability.verdict import STATED, stated_errors
 RUNGS = ("rung 1", "rung 2", "rung 3", "rung 4")
 RUNS = ("asked", "tight", *RUNGS)
 
-TIGHTER = 30.0
-"""Tolerance of asked by that of tight; stable step by that of the second rung."""
-FINER = 4.0
-"""A rung's step by that of the next."""
-AGREED = 1 / 3
-"""Of the tolerance: so far two runs may part that tell the truth."""
-ROUGH = 0.1
-"""Of the error found: so far two rungs may part that show it all the same."""
-ALLOWED = 10.0
-"""Of the tolerance: so far asked may be from the truth."""
-BEHIND = 1e-12
-"""Penetration that rounding explains, relative to the box."""
+TIGHTER = 30.0  # tolerance of asked by that of tight; stable step by that of the second rung
+FINER = 4.0  # a rung's step by that of the next
+AGREED = 1 / 3  # of the tolerance: so far two runs may part that tell the truth
+ROUGH = 0.1  # of the error found: so far two rungs may part that show it all the same
+ALLOWED = 10.0  # of the tolerance: so far asked may be from the truth
+BEHIND = 1e-12  # penetration that rounding explains, relative to the box
 GAIN = 1.0
 """Energy out of nothing, relative to what is there: steps near the limit of stability let that of vibrations swing by almost as much."""
 
-WORK = 1.2e9
-"""Springs times steps of a rung at most, some six seconds."""
-POINT_WORK = 8
-"""A control point's own work in a step, in units of a spring's."""
-SURFACE_WORK = 4
-"""Times as much work is a step in which a surface may touch."""
-NEAREST = 0.25
-"""Of the stable step: the last rung takes no longer one, for friction and resonance feed vibrations there."""
-
-PATIENCE = {"asked": 8.0, "tight": 12.0} | dict.fromkeys(RUNGS, 60.0)
-"""s"""
+WORK = 1.2e9  # springs times steps of a rung at most, some six seconds
+POINT_WORK = 8  # a control point's own work in a step, in units of a spring's
+SURFACE_WORK = 4  # times as much work is a step in which a surface may touch
+NEAREST = 0.25  # of the stable step: the last rung takes no longer one, for friction and resonance feed vibrations there
+PATIENCE = {"asked": 8.0, "tight": 12.0} | dict.fromkeys(RUNGS, 60.0)  # s
 NOT_NEEDED, NO_MORE = "not needed", "no more work"
 
 VERDICTS = ("right", "stated", "refused", "no truth", "slow", "SILENT", "WRONG")
@@ -74,22 +62,15 @@ FAMILIES = {"lattice": drawn, "surface": drawn_surface, "solids": drawn_solids}
 class Run:
     """One run: where the control points are at its end."""
 
-    x: np.ndarray | None
-    """(n, 3) [m]; None: it did not get there"""
-    words: str = ""
-    """Why it did not"""
-    wrong: bool = False
-    """What it did instead breaks a promise"""
-    stated: float = 0.0
-    """The largest error that a warning gave a number for [m]"""
+    x: np.ndarray | None  # (n, 3) [m]; None: it did not get there
+    words: str = ""  # why it did not
+    wrong: bool = False  # what it did instead breaks a promise
+    stated: float = 0.0  # the largest error that a warning gave a number for [m]
     warnings: tuple[str, ...] = ()
-    methods: tuple[str, ...] = ()
-    """That took over, each once"""
-    step: float = math.nan
-    """Of leapfrog, by that of stability"""
+    methods: tuple[str, ...] = ()  # that took over, each once
+    step: float = math.nan  # of leapfrog, by that of stability
     internal_steps: int = 0
-    run_time: float = 0.0
-    """s"""
+    run_time: float = 0.0  # s
 
 
 @dataclass(frozen=True)
@@ -97,10 +78,8 @@ class Job:
     """One run of a scene."""
 
     seed: int
-    run: str
-    """One of RUNS"""
-    family: str = "lattice"
-    """Of scenes: one of FAMILIES"""
+    run: str  # one of RUNS
+    family: str = "lattice"  # of scenes: one of FAMILIES
 
     @property
     def scene(self) -> Drawn:
@@ -237,20 +216,13 @@ class Judged:
     """A scene with its verdict."""
 
     scene: Drawn
-    verdict: str
-    """One of VERDICTS"""
-    error: float = math.nan
-    """Of asked, in tolerances"""
-    stated: float = 0.0
-    """By a warning of asked, in tolerances"""
-    tight_error: float = math.nan
-    """Of tight, in tolerances of asked"""
-    truth: str = ""
-    """The two runs that agree"""
-    apart: float = math.nan
-    """How far these two part, or without a truth the last two rungs, in tolerances"""
-    rough: bool = False
-    """Whether the truth is a rough one"""
+    verdict: str  # one of VERDICTS
+    error: float = math.nan  # of asked, in tolerances
+    stated: float = 0.0  # by a warning of asked, in tolerances
+    tight_error: float = math.nan  # of tight, in tolerances of asked
+    truth: str = ""  # the two runs that agree
+    apart: float = math.nan  # how far these two part, or without a truth the last two rungs, in tolerances
+    rough: bool = False  # whether the truth is a rough one
     words: str = ""
     runs: dict[str, Run] | None = None
 

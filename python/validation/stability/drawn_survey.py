@@ -16,10 +16,8 @@ from softffd.run.progress import Note, silent
 from validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, VERDICTS, Job, Judged, judge, patience, run_jobs
 
 COMMAND = "python3 python/run.py random"
-TOGETHER = 4
-"""Scenes that a process runs one after the other."""
-SHOWN = 20
-"""Faults that are told one by one on stderr."""
+TOGETHER = 4  # scenes that a process runs one after the other
+SHOWN = 20  # faults that are told one by one on stderr
 
 COLUMNS = (
     "seed", "verdict", "rough", "error_tolerances", "stated_tolerances", "tight_error_tolerances", "truth", "apart_tolerances", "last_rung",
@@ -33,8 +31,7 @@ class Lot:
 
     seeds: list[int]
     judged: dict[int, Judged] = field(default_factory=dict)
-    family: str = "lattice"
-    """Of scenes"""
+    family: str = "lattice"  # of scenes
 
     @property
     def missing(self) -> list[int]:

@@ -34,31 +34,20 @@ from validation.stability.cell import GAIN, STATED, Cell, Judged, Panel, Trial, 
 from validation.stability.drive import Drive, Refused, StateTouched
 
 STRETCH, TOLERANCE = 0.01, 1e-5
-SPIN = 1.0
-"""rad/s"""
-
-TURNED = 1e-3
-"""Relative error of angular momentum and energy that counts as accurate."""
+SPIN = 1.0  # rad/s
+TURNED = 1e-3  # relative error of angular momentum and energy that counts as accurate
 
 FRICTION, GRAVITY = 0.4, 9.81
-DAMPING = 0.4
-"""Damping rate of the contact scene in units of sqrt(k / (1 kg)): a few per cent of the critical one."""
-
-SETTLED = 12.0
-"""Damping rate times time from which on the box has to have come to rest."""
+DAMPING = 0.4  # damping rate of the contact scene in units of sqrt(k / (1 kg)): a few per cent of the critical one
+SETTLED = 12.0  # damping rate times time from which on the box has to have come to rest
 
 MOMENTUM, LOOSE = 1e-3, 20.0
 """Limits of soundness: missing momentum, relative to that of the weight (damping makes it an integration error); inner energy, relative to
 weight times static sag."""
 
-RIGHT = 10 * TOLERANCE
-"""Error of a position that counts as accurate [m]."""
-
-SLIDE = 1e-3
-"""Relative error of the friction impulse that counts as accurate."""
-
-BEHIND = 1e-12
-"""Penetration that rounding explains, relative to the box."""
+RIGHT = 10 * TOLERANCE  # error of a position that counts as accurate [m]
+SLIDE = 1e-3  # relative error of the friction impulse that counts as accurate
+BEHIND = 1e-12  # penetration that rounding explains, relative to the box
 
 
 def run_cells(cells: Sequence[Cell]) -> Iterator[Judged]:
@@ -202,30 +191,20 @@ def unit_sag() -> float:
         return static_sag(drive)
 
 
-STEPS = 2000
-"""Of one trial."""
-
-NOISE = 1e-9
-"""Disturbance of the rest shape, m."""
-
-GROWN = 1e3
-"""A disturbance that has grown so much grows for ever: below the border it stays within about ten times itself."""
+STEPS = 2000  # of one trial
+NOISE = 1e-9  # disturbance of the rest shape, m
+GROWN = 1e3  # a disturbance that has grown so much grows for ever: below the border it stays within about ten times itself
 
 
 @dataclass(frozen=True)
 class Border:
     """Steps at the border for one stiffness [s]."""
 
-    stiffness: float
-    """N/m"""
-    theory: float
-    """2 / omega"""
-    raw: float
-    """Largest step without growth, by bisection"""
-    bound: float
-    """The component's `solver.stable_step`"""
-    divided: float
-    """Smallest given `solver.step` that the component divides, by bisection"""
+    stiffness: float  # N/m
+    theory: float  # 2 / omega
+    raw: float  # largest step without growth, by bisection
+    bound: float  # the component's `solver.stable_step`
+    divided: float  # smallest given `solver.step` that the component divides, by bisection
 
 
 def borders(stiffnesses: Sequence[float], rounds: int = 14) -> list[Border]:

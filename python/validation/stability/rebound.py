@@ -13,20 +13,11 @@ from validation.stability.cell import GAIN, STATED, Judged, Trial
 from validation.stability.drive import DOWN, box, plane
 from validation.stability.verdict import stated_errors
 
-FALL, FALL_TIME = 0.2, 0.4
-"""Height [m] and length of the run [s]: it has not come down again."""
-
-TOLERANCE, RIGHT = 1e-4, 3e-4
-"""Tolerance, relative to the box; error of the centre's place that counts as accurate [m]."""
-
-STIFFNESSES = tuple(10.0**n for n in range(4, 11))
-"""N/m"""
-
-STEPS = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2)
-"""s"""
-
-PATIENCE = 3.5
-"""Of a cell [s]: it counts at its end only."""
+FALL, FALL_TIME = 0.2, 0.4  # height [m] and length of the run [s]: it has not come down again
+TOLERANCE, RIGHT = 1e-4, 3e-4  # tolerance, relative to the box; error of the centre's place that counts as accurate [m]
+STIFFNESSES = tuple(10.0**n for n in range(4, 11))  # N/m
+STEPS = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2)  # s
+PATIENCE = 3.5  # of a cell [s]: it counts at its end only
 
 DOCUMENT: dict[str, Any] = box(
     1.0, plane=[plane(friction=0.4)], environment=DOWN, initial={"offset": [0.0, 0.0, FALL]},

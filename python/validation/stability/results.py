@@ -189,8 +189,7 @@ def _label(axis: Any, values: np.ndarray, every: int) -> None:
     axis.set_ticks(ticks, [f"$10^{{{tick:.0f}}}$" for tick in ticks])
 
 
-SHOWN = 20
-"""Wrong answers that are told one by one on stderr."""
+SHOWN = 20  # wrong answers that are told one by one on stderr
 
 
 def report_stability(

@@ -17,26 +17,20 @@ from validation.stability.drive import Drive
 from validation.stability.map import SCENES, Border, borders, document, run_cells
 from validation.stability.verdict import Outcome, outcome_of
 
-LEAVES_CONTACT = ("bm4", "rkn12", "dop853", "ros34pw2")
-"""Methods that hand communication steps with contact to another one."""
+LEAVES_CONTACT = ("bm4", "rkn12", "dop853", "ros34pw2")  # methods that hand communication steps with contact to another one
 
 RATIOS = [10.0 ** (n / 2) for n in range(-4, 7)]
 """Of the map of internal damping: its time in 1 / omega, 0.01 to 1000. None is a row of the map of vibration."""
 
-DAMPED = 1e3
-"""Stiffness of its box [N/m]."""
-
-LEAVES_DAMPING = ("bm4", "rkn12", "central_difference")
-"""Methods that hand bodies with internal damping to another one."""
+DAMPED = 1e3  # stiffness of its box [N/m]
+LEAVES_DAMPING = ("bm4", "rkn12", "central_difference")  # methods that hand bodies with internal damping to another one
 
 CHOSEN = "auto"
-MAP, EVERY_CASE = "map", "cases"
-"""Names of the map and of all cases among those of the cases."""
+MAP, EVERY_CASE = "map", "cases"  # names of the map and of all cases among those of the cases
 
 QUICK_PANELS = (*(Panel(scene, CHOSEN) for scene in SCENES if scene != "rebound"), Panel("vibration", "leapfrog", True))
 
-QUICK_PATIENCE = 10.0
-"""No case of a quick survey gets longer [s]."""
+QUICK_PATIENCE = 10.0  # no case of a quick survey gets longer [s]
 
 
 @dataclass
@@ -44,14 +38,10 @@ class Survey:
     """What is to be run, and what has been so far."""
 
     panels: list[Panel]
-    stiffnesses: list[float]
-    """N/m"""
-    steps: list[float]
-    """Communication steps [s]"""
-    names: list[str]
-    """Of cases"""
-    most_patience: float = math.inf
-    """No case gets longer [s]"""
+    stiffnesses: list[float]  # N/m
+    steps: list[float]  # communication steps [s]
+    names: list[str]  # of cases
+    most_patience: float = math.inf  # no case gets longer [s]
     borders: list[Border] = field(default_factory=list)
     cells: dict[Cell, Judged] = field(default_factory=dict)
     outcomes: dict[str, Outcome] = field(default_factory=dict)

@@ -26,8 +26,7 @@ class Check:
     what: str
     measured: float
     limit: float
-    bound: float | None = None
-    """Of an answer that is not exact but harmless; None: there is no such thing here"""
+    bound: float | None = None  # of an answer that is not exact but harmless; None: there is no such thing here
 
     @property
     def verdict(self) -> str:
@@ -86,23 +85,18 @@ class Case:
     oracle: str
     run: Run
     quick: bool = False
-    refusal: str = ""
-    """Pattern of the message with which it has to be refused; empty: an answer is wanted, a refusal is the second best"""
-    patience: float = 60.0
-    """s"""
+    refusal: str = ""  # pattern of the message with which it has to be refused; empty: an answer is wanted, a refusal is the second best
+    patience: float = 60.0  # s
 
 
 @dataclass(frozen=True)
 class Outcome:
     """What came of a case."""
 
-    verdict: str
-    """One of VERDICTS"""
+    verdict: str  # one of VERDICTS
     checks: tuple[Check, ...] = ()
-    words: str = ""
-    """Message of a refusal, or notes"""
-    run_time: float = 0.0
-    """s"""
+    words: str = ""  # message of a refusal, or notes
+    run_time: float = 0.0  # s
 
     @property
     def worst(self) -> Check | None:
@@ -144,8 +138,7 @@ def outcome_of(result: Outcome | Lost, patience: float) -> Outcome:
     return Outcome("WRONG", words=f"{result.how}: {result.words}")
 
 
-STATED = 5.0
-"""An error up to so many times what a warning states has been stated."""
+STATED = 5.0  # an error up to so many times what a warning states has been stated
 
 NUMBER = r"([-+]?[0-9.]+(?:e[-+]?[0-9]+)?)"
 WRONG_BY = re.compile(rf"(?:wrong|off) by (?:up to |about |some )*{NUMBER}")

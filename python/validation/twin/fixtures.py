@@ -11,10 +11,8 @@ import numpy as np
 
 from softffd.rotation import turned
 
-TOUCHING = 1e-12
-"""A gap below this share of the box's largest side is contact."""
-PIN_SLACK = 1e-9
-"""A pinned point this far behind a plane (share of the box's largest side) contradicts it."""
+TOUCHING = 1e-12  # a gap below this share of the box's largest side is contact
+PIN_SLACK = 1e-9  # a pinned point this far behind a plane (share of the box's largest side) contradicts it
 
 
 class TwinError(Exception):
