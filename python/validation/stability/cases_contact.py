@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from validation.stability.cases_standard import GROUND, conserves, slides
+from validation.stability.cases_standard import GROUND, held, slides
 from validation.stability.drive import DOWN, GRAVITY, ORIGIN, Drive, Z, box, plane, tilted
 from validation.stability.verdict import Case, Findings
 
@@ -25,12 +25,11 @@ def _timed(findings: Findings, drive: Drive, duration: float, step: float, each:
 def _rest(stiffness: float, step: float, duration: float, findings: Findings) -> None:
     """Slightly damped, starts without stress: the mean reaction of the last third is the weight."""
     with Drive(box(stiffness, 0.02, plane=[plane(friction=0.4)], environment=DOWN)) as drive:
-        force = []
+        force, sound = [], held(findings, drive, scale=GRAVITY)
 
         def each() -> None:
             force.append(-drive.reaction("plane.ground")[2])
-            findings.sound(drive, [GROUND])
-            conserves(findings, drive, scale=GRAVITY)
+            sound()
 
         _timed(findings, drive, duration, step, each)
         weight = drive.mass.sum() * GRAVITY
@@ -44,12 +43,7 @@ def _drop(stiffness: float, step: float, findings: Findings) -> None:
         stiffness, 0.02, plane=[plane(friction=0.4)], environment=DOWN, initial={"offset": [0, 0, 0.02], "velocity": [0.5, 0, 0]}
     )
     with Drive(document) as drive:
-
-        def each() -> None:
-            findings.sound(drive, [GROUND])
-            conserves(findings, drive, scale=1.0)
-
-        _timed(findings, drive, 1.0, step, each)
+        _timed(findings, drive, 1.0, step, held(findings, drive, scale=1.0))
         slides(findings, drive, missing=1e-3, beyond=1e-6)
         findings.check("mean speed in the end, m/s", abs(drive.momentum[0]), 1e-6, bound=0.05)
 
@@ -62,12 +56,11 @@ def _tumble(stiffness: float, step: float, findings: Findings) -> None:
     document = box(stiffness, 0.02, plane=[plane(point=(0, 0, -0.2), normal=normal, friction=0.4)], initial=initial,
                    environment={"gravity": list(-GRAVITY * normal)})  # fmt: skip
     with Drive(document) as drive:
-        force, seen = [], ((0, 0, -0.2), normal)
+        force, sound = [], held(findings, drive, [((0, 0, -0.2), normal)], scale=GRAVITY)
 
         def each() -> None:
             force.append(-normal @ drive.reaction("plane.ground"))
-            findings.sound(drive, [seen])
-            conserves(findings, drive, scale=GRAVITY)
+            sound()
 
         _timed(findings, drive, 4.0, step, each)
         weight = drive.mass.sum() * GRAVITY
@@ -126,23 +119,17 @@ def _landing(method: str, step: float, findings: Findings) -> None:
     height = 0.05
     ground = plane(point=(0.0, 0.0, -height))
     with Drive(box(1e5, 0.1, plane=[ground], environment=DOWN, method=method), {"solver.step": step}) as drive:
-
-        def each() -> None:
-            findings.sound(drive, [((0.0, 0.0, -height), (0.0, 0.0, 1.0))])
-            conserves(findings, drive, scale=GRAVITY * height, gain=2e-2)
-
-        drive.run(0.4, 2 * step, each)
+        drive.run(0.4, 2 * step, held(findings, drive, [((0.0, 0.0, -height), Z)], scale=GRAVITY * height, gain=2e-2))
 
 
 def _hang(stiffness: float, step: float, findings: Findings) -> None:
     """Hung up by its upper face, without contact."""
     with Drive(box(stiffness, 0.02, pin=[{"name": "hook", "points": "z+"}], environment=DOWN)) as drive:
-        force = []
+        force, sound = [], held(findings, drive, [], scale=GRAVITY)
 
         def each() -> None:
             force.append(-drive.reaction("pin.hook")[2])
-            findings.sound(drive)
-            conserves(findings, drive, scale=GRAVITY)
+            sound()
 
         _timed(findings, drive, max(1.0, 5 * step), step, each)
         weight = drive.mass.sum() * GRAVITY
@@ -204,11 +191,10 @@ def _corner(stiffness: float, findings: Findings) -> None:
     planes = [plane(name, normal=normal, friction=0.3) for name, normal in (("a", (1, 0, 0)), ("b", (0, 1, 0)), ("c", (0, 0, 1)))]
     document = box(stiffness, 0.1, plane=planes, environment={"gravity": list(gravity)}, initial={"offset": [0.1, 0.1, 0.1]})
     with Drive(document) as drive:
-        seen, force = [(ORIGIN, each["normal"]) for each in planes], []
+        force, sound = [], held(findings, drive, [(ORIGIN, each["normal"]) for each in planes], scale=GRAVITY)
 
         def each() -> None:
-            findings.sound(drive, seen)
-            conserves(findings, drive, scale=GRAVITY)
+            sound()
             force.append(np.sum([drive.reaction(f"plane.{name}") for name in "abc"], axis=0))
 
         drive.run(3.0, 1e-2, each)

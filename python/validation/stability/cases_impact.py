@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from validation.stability.answers import after_impact, static_sag
-from validation.stability.cases_standard import GROUND, conserves
+from validation.stability.cases_standard import GROUND, held
 from validation.stability.drive import DOWN, GRAVITY, Drive, box, plane, tilted
 from validation.stability.verdict import STATED, Case, Findings, stated_length
 
@@ -104,19 +104,14 @@ def run_to_end(scene: Scene, step: float, findings: Findings) -> Iterator[tuple[
     """The scene at its end, and the internal steps of its last communication step; what holds all the way is checked."""
     with Drive(scene.document) as drive:
         drive.restart({}, scene.duration, tolerance=TOLERANCE)
-        steps = [0.0]
+        steps, sound = [0.0], held(findings, drive, scale=scene.scale)
 
         def each() -> None:
-            _sound(findings, drive, scene.scale)
+            sound()
             steps.append(drive.value("solver.steps"))
 
         drive.run(scene.duration, step, each)
         yield drive, steps[-1] - steps[-2]
-
-
-def _sound(findings: Findings, drive: Drive, scale: float) -> None:
-    findings.sound(drive, [GROUND])
-    conserves(findings, drive, scale=scale)
 
 
 def _known_end(scene: Scene, step: float, findings: Findings) -> None:
@@ -170,7 +165,7 @@ def _lost_phase(step: float, findings: Findings) -> None:
     """Its path is one of many, and a warning has to say so with a number."""
     with Drive(_dropped(1e9, 0.05, 0.5)) as drive:
         drive.restart({}, 2.5, tolerance=TOLERANCE)
-        drive.run(2.5, step, lambda: _sound(findings, drive, GRAVITY))
+        drive.run(2.5, step, held(findings, drive, scale=GRAVITY))
         findings.check("0.01 m / the error that a warning states", 1e-2 / max(stated_length(drive.warned), 1e-12), 1.0)
 
 
@@ -180,7 +175,7 @@ def _throw(stiffness: float, step: float, findings: Findings) -> None:
                    initial={"offset": [0.0, 0.0, 0.1], "velocity": [2.0, 0.5, 0.0]})  # fmt: skip
     with Drive(document) as drive:
         drive.restart({}, 0.2, tolerance=TOLERANCE)
-        drive.run(0.2, step, lambda: _sound(findings, drive, 1.0))
+        drive.run(0.2, step, held(findings, drive, scale=1.0))
         known = after_impact(document, drive.time)
         said = STATED * stated_length(drive.warned) or None
         findings.check("error of the centre, m", np.abs(drive.centre - known.centre).max(), RIGHT, bound=said)

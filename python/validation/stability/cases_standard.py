@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from softffd.run.inputs import Inputs
 from softffd.scene.scene import load_scene
 from validation.mechanics import outside_force
-from validation.stability.drive import DOWN, GRAVITY, ORIGIN, Drive, Z, box, plane
+from validation.stability.drive import DOWN, GRAVITY, ORIGIN, Drive, Vector, Z, box, plane
 from validation.stability.verdict import Case, Findings, Run
 
 GROUND = (ORIGIN, Z)
@@ -20,6 +21,16 @@ def conserves(findings: Findings, drive: Drive, *, scale: float | None = None, g
     """No energy out of nothing: mechanical energy above the start's plus the work done, relative to the start's or a scale [J]."""
     scale = scale or max(drive.start_energy, 1e-300)
     findings.at_most("energy gained / energy", (drive.energy() - drive.value("energy.work") - drive.start_energy) / scale, gain)
+
+
+def held(findings: Findings, drive: Drive, planes: Sequence[tuple[Vector, Vector]] = (GROUND,), **energy: float) -> Callable[[], None]:
+    """What is to be asked after every step: that the state is sound before these planes, and that it conserves; energy: scale, gain."""
+
+    def each() -> None:
+        findings.sound(drive, planes)
+        conserves(findings, drive, **energy)
+
+    return each
 
 
 def undisturbed(findings: Findings, drive: Drive, *, gain: float = 1e-3, spin: bool = True) -> None:
@@ -78,12 +89,7 @@ def _fall(drive: Drive) -> float:
 def _sliding_drop(findings: Findings) -> None:
     scene = load_scene("sliding_drop")
     with Drive(scene) as drive:
-
-        def each() -> None:
-            findings.sound(drive, [GROUND])
-            conserves(findings, drive)
-
-        drive.run(scene.experiment.stop_time, scene.experiment.communication_step, each)
+        drive.run(scene.experiment.stop_time, scene.experiment.communication_step, held(findings, drive))
         slides(findings, drive, missing=1e-5, beyond=1e-9)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from validation.shapes import cube, sphere
-from validation.stability.cases_standard import conserves, slides
+from validation.stability.cases_standard import held, slides
 from validation.stability.drive import DOWN, GRAVITY, ORIGIN, Drive, Z, box, plane, tilted
 from validation.stability.verdict import Case, Findings
 
@@ -27,13 +27,12 @@ def _rest(lattice: str, stiffness: float, findings: Findings) -> None:
     document = box(stiffness, **LATTICES[lattice], plane=[plane(friction=0.4)], environment=DOWN, initial=start)
     document["material"]["damping"] = 20.0 / np.prod(document["lattice"]["points"])
     with Drive(document, surface=sphere(3)) as drive:
-        force, apart = [], []
+        force, apart, sound = [], [], held(findings, drive, scale=GRAVITY)
 
         def each() -> None:
             force.append(-drive.reaction("plane.ground")[2])
             apart.append(np.hypot(*(drive.simulation.plane["ground"].centre - drive.centre)[:2]))
-            findings.sound(drive, [(ORIGIN, Z)])
-            conserves(findings, drive, scale=GRAVITY)
+            sound()
 
         drive.run(2.0, 1e-2, each)
         weight = drive.mass.sum() * GRAVITY
@@ -47,12 +46,7 @@ def _drop(lattice: str, stiffness: float, findings: Findings) -> None:
     start = {"offset": [0, 0, 0.02 - MARGIN], "velocity": [0.5, 0, 0]}
     document = box(stiffness, 0.02, **LATTICES[lattice], plane=[plane(friction=0.4)], environment=DOWN, initial=start)
     with Drive(document, surface=cube(8, MARGIN)) as drive:
-
-        def each() -> None:
-            findings.sound(drive, [(ORIGIN, Z)])
-            conserves(findings, drive, scale=1.0)
-
-        drive.run(0.5, 1e-2, each)
+        drive.run(0.5, 1e-2, held(findings, drive, scale=1.0))
         slides(findings, drive, missing=1e-3, beyond=1e-6)
 
 
@@ -71,12 +65,7 @@ def _thrown(stiffness: float, friction: float, findings: Findings) -> None:
     planes = [plane(name, normal=normal, friction=friction) for name, normal in (("a", (1, 0, 0)), ("b", (0.1, 1, 0)), ("c", (0, 0, 1)))]
     start = {"offset": [0.05, 0.05, 0.05], "velocity": [-2.0, -1.5, -1.0], "angular_velocity": [3.0, -2.0, 4.0]}
     with Drive(box(stiffness, 0.02, plane=planes, environment=DOWN, initial=start), surface=sphere(3)) as drive:
-
-        def each() -> None:
-            findings.sound(drive, [(ORIGIN, each["normal"]) for each in planes])
-            conserves(findings, drive, scale=GRAVITY)
-
-        drive.run(0.6, 1e-2, each)
+        drive.run(0.6, 1e-2, held(findings, drive, [(ORIGIN, each["normal"]) for each in planes], scale=GRAVITY))
 
 
 def _squeezed(stiffness: float, findings: Findings) -> None:

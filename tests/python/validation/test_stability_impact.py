@@ -14,8 +14,6 @@ from validation.stability.drive import DOWN, Drive, box, plane
 from validation.stability.map import run_cells
 from validation.stability.verdict import run_case
 
-NAMES = [case.name for case in cases()]
-
 QUICK = ("A1, H = 0.001 s", "corners pass a plane, H = 0.01 s", "creep 10 deg, k = 1e+09, H = 0.01 s", "rest 2 x 2 x 3, k = 1e+09")
 """Of the short run."""
 
@@ -62,15 +60,9 @@ def test_a_rebound_that_misses_the_flight_by_numpy_is_wrong(monkeypatch):
     assert judged.kind == "WRONG" and judged.error == pytest.approx(1e-2, rel=0.05)
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.short(*QUICK)
+@pytest.mark.parametrize("name", [case.name for case in cases()])
 def test_a_case_is_right(name):
-    outcome = run_case(CASES[name])
-    assert outcome.verdict == "right", [str(check) for check in outcome.checks]
-
-
-@pytest.mark.full
-@pytest.mark.parametrize("name", [name for name in NAMES if name not in QUICK])
-def test_every_case_is_right(name):
     outcome = run_case(CASES[name])
     assert outcome.verdict == "right", [str(check) for check in outcome.checks]
 
