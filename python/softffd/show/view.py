@@ -8,8 +8,6 @@ so a frame costs the control points whatever the size of the mesh; of B-splines 
 import base64
 import html
 import json
-from collections.abc import Mapping
-from importlib import resources
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -76,20 +74,8 @@ def page_text(result: Result, *, mesh: Mesh | None = None) -> str:
         "cells": [_cells(each) for each in cells_of(result, frames)],
         "touch": _touch(result, stage, frames),
     }
-    return _page(run)
-
-
-def _page(run: Mapping[str, Any]) -> str:
-    parts = resources.files("softffd.show")
-    texts = {
-        "title": html.escape(run["title"]),
-        "shaders": parts.joinpath("view.glsl").read_text(encoding="utf-8"),
-        "drawing": parts.joinpath("view_drawing.js").read_text(encoding="utf-8"),
-        "touch": parts.joinpath("view_touch.js").read_text(encoding="utf-8"),
-        "controls": parts.joinpath("view.js").read_text(encoding="utf-8"),
-        "run": json.dumps(run, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
-    }
-    return filled("softffd.show", "view.html", texts)
+    data = json.dumps(run, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    return filled("softffd.show", "view.html", {"title": html.escape(stage.title), "run": data})
 
 
 def _frames(positions: np.ndarray) -> np.ndarray:
