@@ -129,14 +129,13 @@ def _parse_structured(name: str) -> Name | None:
 
 
 def _parse_flat(name: str) -> Name | None:
-    best: Name | None = None
+    possible = []
     for pattern, key, kind in _flat_shapes().get(name.partition("_")[0], ()):
         if found := pattern.fullmatch(name):
             words = found.groupdict()
-            instance = Part(kind, words["name"]) if kind else (int(words["i"]), int(words["j"]), int(words["k"])) if "i" in words else None
-            if best is None or (isinstance(instance, Part) and len(instance.name) < len(best.instance.name)):
-                best = Name(key, instance, words.get("c") or "")
-    return best
+            point = (int(words["i"]), int(words["j"]), int(words["k"])) if "i" in words else None
+            possible.append(Name(key, Part(kind, words["name"]) if kind else point, words.get("c", "")))
+    return min(possible, key=lambda each: len(str(each.instance)), default=None)
 
 
 @lru_cache(maxsize=4096)
