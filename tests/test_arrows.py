@@ -12,7 +12,7 @@ CPP, PACKAGE = ROOT / "fmu_src", ROOT / "python" / "softffd"
 CPP_ROOMS = [
     *("calls", "instance", "variables", "life_cycle", "messages", "resource"),  # fmi
     *("estimate", "soft_body", "stepping", "impacts", "kit", "watch", "flight", "methods", "contact", "matrix"),  # core
-    *("embedding", "forces", "model", "machine"),
+    *("embedding", "body", "forces", "model", "machine"),
 ]
 MADE = ("variable_table.hpp", "fmi2FunctionTypes.h", "fmi2Functions.h", "fmi2TypesPlatform.h", "fmi3FunctionTypes.h", "fmi3Functions.h")
 """Belong to no room; the core has no way to them on its include path, nor to the rooms of fmi."""

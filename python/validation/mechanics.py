@@ -176,7 +176,7 @@ class Body:
         return np.stack([np.bincount(a, f, len(x)) - np.bincount(b, f, len(x)) for f in pull.T], axis=1)
 
     def stable_step(self) -> float:
-        """A step [s] stable in any configuration: 2 / omega, bounded as in fmu_src/core/forces/stability.hpp."""
+        """A step [s] stable in any configuration: 2 / omega, bounded as in fmu_src/core/body/stability.hpp."""
         square = np.zeros(len(self.mass))
         for here, there in (self.pairs.T, self.pairs.T[::-1]):
             share = 1 + np.sqrt(self.mass[here] / self.mass[there])

@@ -26,9 +26,9 @@
 /// The impulses that are reported are exactly the momentum that the body lost: m R after the opening kick, m (1 + g) R after the closing
 /// one, whose damping is implicit.
 #pragma once
+#include "body/kick.hpp"
 #include "contact/feasible.hpp"
 #include "contact/octet.hpp"
-#include "forces/kick.hpp"
 #include "model/drive.hpp"
 #include "model/exchange.hpp"
 

@@ -1,6 +1,6 @@
 /// Whether control points can meet an obstacle: before a stretch of time that a method without contact is to take, and after it.
 #pragma once
-#include "forces/equations.hpp"
+#include "body/equations.hpp"
 #include "model/state.hpp"
 
 namespace softffd {

@@ -10,7 +10,7 @@
 /// are damped unequally, modes of the same frequency are those that damping does not couple; what it does to others, C = shape^T D shape,
 /// moves mode a by C_ab omega_b / |omega_a^2 - omega_b^2| of the amplitude of b, and by C_ab / C_bb at most, as b itself fades: `uneven`.
 #pragma once
-#include "forces/body.hpp"
+#include "body/body.hpp"
 
 namespace softffd {
 

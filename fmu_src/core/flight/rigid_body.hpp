@@ -16,7 +16,7 @@
 #include <Eigen/Geometry>
 #include <array>
 
-#include "forces/equations.hpp"
+#include "body/equations.hpp"
 
 namespace softffd {
 

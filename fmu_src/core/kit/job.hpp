@@ -2,8 +2,8 @@
 #pragma once
 #include <cmath>
 
-#include "forces/equations.hpp"
-#include "forces/model.hpp"
+#include "body/equations.hpp"
+#include "body/model.hpp"
 #include "model/drive.hpp"
 #include "model/run.hpp"
 

@@ -1,7 +1,7 @@
 /// How the springs' 3 x 3 matrices become a matrix of the lattice. Each is symmetric and stands as its six components xx yy zz xy xz yz,
 /// every component of all lanes in one run; a spring's matrix is in the diagonal blocks of both its ends, and negative between them.
 #pragma once
-#include "forces/body.hpp"
+#include "body/body.hpp"
 #include "matrix/lattice_matrix.hpp"
 
 namespace softffd {

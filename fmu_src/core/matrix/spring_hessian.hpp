@@ -6,7 +6,7 @@
 /// the matrices are exact. With 0 each is the nearest positive semidefinite bound, with which Newton's method converges slowly under
 /// compression: the same matrix as stiffness_matrix.hpp's, which is multiplied in another order, faster where it is used once.
 #pragma once
-#include "forces/body.hpp"
+#include "body/body.hpp"
 #include "matrix/lattice_matrix.hpp"
 
 namespace softffd {

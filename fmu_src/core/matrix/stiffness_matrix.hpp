@@ -5,7 +5,7 @@
 /// so that no state of the springs makes a system indefinite; at r = 0, where there is no direction, nothing. Of the volume stiffness,
 /// where there is one, the positive semidefinite part (volume.hpp).
 #pragma once
-#include "forces/body.hpp"
+#include "body/body.hpp"
 #include "matrix/lattice_matrix.hpp"
 
 namespace softffd {

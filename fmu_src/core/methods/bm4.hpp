@@ -5,7 +5,7 @@
 #pragma once
 #include <vector>
 
-#include "forces/kick.hpp"
+#include "body/kick.hpp"
 #include "methods/integrator.hpp"
 
 namespace softffd {

@@ -1,4 +1,4 @@
-/// Leapfrog of a body with internal damping: half kicks with the dashpots in them (forces/damped_kick.hpp) around a drift; second order for
+/// Leapfrog of a body with internal damping: half kicks with the dashpots in them (body/damped_kick.hpp) around a drift; second order for
 /// any damping, stable for the same steps as without. Its fixed points are those of the equations: rest, and rest on obstacles.
 ///
 /// A body that turns drifts along its tangents, so that every spring grows by the square of the angle; the springs' own forces bring it
@@ -11,8 +11,8 @@
 #pragma once
 #include <memory>
 
+#include "body/damped_kick.hpp"
 #include "contact/reactions.hpp"
-#include "forces/damped_kick.hpp"
 #include "methods/integrator.hpp"
 
 namespace softffd {

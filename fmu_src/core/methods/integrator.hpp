@@ -1,8 +1,8 @@
 /// The one shape of all methods. A new one is a file here, a row in traits.cpp, its place in kit/integrators.cpp and in the test list.
 #pragma once
+#include "body/equations.hpp"
+#include "body/model.hpp"
 #include "contact/slip.hpp"
-#include "forces/equations.hpp"
-#include "forces/model.hpp"
 #include "model/run.hpp"
 
 namespace softffd {

@@ -29,7 +29,7 @@
 #include "matrix/stiffness_matrix.hpp"
 #include "methods/one_step.hpp"
 #include "methods/traits.hpp"
-#include "model/factored.hpp"
+#include "model/state.hpp"
 
 namespace softffd {
 

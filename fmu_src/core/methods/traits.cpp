@@ -3,7 +3,7 @@
 #include <array>
 #include <limits>
 
-#include "forces/damped_kick.hpp"
+#include "body/damped_kick.hpp"
 #include "matrix/lattice_matrix.hpp"
 
 namespace softffd {

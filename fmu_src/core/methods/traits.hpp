@@ -1,6 +1,6 @@
 /// The methods' own numbers, one row each.
 #pragma once
-#include "forces/body.hpp"
+#include "body/body.hpp"
 #include "model/method.hpp"
 
 namespace softffd {

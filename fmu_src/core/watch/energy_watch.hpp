@@ -17,8 +17,8 @@
 #pragma once
 #include <algorithm>
 
-#include "forces/equations.hpp"
-#include "forces/model.hpp"
+#include "body/equations.hpp"
+#include "body/model.hpp"
 #include "model/run.hpp"
 
 namespace softffd {

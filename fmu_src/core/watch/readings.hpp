@@ -1,8 +1,8 @@
 /// What can be read of a soft body after a communication step: reactions, energies, and what is worth a warning. A view: it changes nothing
 /// and is valid until the body changes.
 #pragma once
+#include "body/model.hpp"
 #include "forces/cells.hpp"
-#include "forces/model.hpp"
 #include "model/drive.hpp"
 #include "watch/energy_watch.hpp"
 #include "watch/vibration.hpp"

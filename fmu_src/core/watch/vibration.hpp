@@ -1,8 +1,8 @@
 /// How far the springs' own motion moves control points: a bound, by experience, of what an error in the phase of vibrations can amount to,
 /// however long it has been adding up.
 #pragma once
-#include "forces/equations.hpp"
-#include "forces/model.hpp"
+#include "body/equations.hpp"
+#include "body/model.hpp"
 #include "model/state.hpp"
 
 namespace softffd {

@@ -1,6 +1,6 @@
 """How the twin moves: leapfrog with contact by local restart, central difference as published, obstacles.
 
-Contact follows the essays of the component (in fmu_src/core: contact/contact.hpp, forces/kick.hpp, methods/central_difference.hpp) and
+Contact follows the essays of the component (in fmu_src/core: contact/contact.hpp, body/kick.hpp, methods/central_difference.hpp) and
 takes all points that meet a plane at once. A point that two planes hold at a time is refused, and so is a
 pinned one behind a plane.
 """

@@ -1,4 +1,4 @@
-#include "forces/damped_kick.hpp"
+#include "body/damped_kick.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,4 +1,4 @@
-#include "forces/kick.hpp"
+#include "body/kick.hpp"
 
 #include "bodies.hpp"
 #include "check.hpp"

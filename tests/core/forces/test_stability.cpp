@@ -1,4 +1,4 @@
-#include "forces/stability.hpp"
+#include "body/stability.hpp"
 
 #include "bodies.hpp"
 #include "check.hpp"

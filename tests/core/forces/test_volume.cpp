@@ -3,9 +3,9 @@
 #include <cstring>
 
 #include "bodies.hpp"
+#include "body/stability.hpp"
 #include "check.hpp"
 #include "derivatives.hpp"
-#include "forces/stability.hpp"
 
 using namespace softffd;
 

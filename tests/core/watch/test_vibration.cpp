@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "forces/stability.hpp"
+#include "body/stability.hpp"
 #include "method_runs.hpp"
 
 using namespace softffd;

@@ -2,7 +2,7 @@
 #pragma once
 #include <cmath>
 
-#include "forces/body.hpp"
+#include "body/body.hpp"
 #include "model/drive.hpp"
 #include "model/state.hpp"
 

@@ -1,7 +1,7 @@
 /// Derivatives by central differences and matrices by products, for comparison.
 #pragma once
+#include "body/body.hpp"
 #include "dense.hpp"
-#include "forces/body.hpp"
 
 namespace softffd {
 

@@ -3,8 +3,8 @@
 #include <cstring>
 
 #include "bodies.hpp"
+#include "body/stability.hpp"
 #include "check.hpp"
-#include "forces/stability.hpp"
 #include "methods/dop853.hpp"
 #include "methods/ros34pw2.hpp"
 

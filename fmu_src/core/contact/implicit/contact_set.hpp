@@ -24,8 +24,8 @@
 #pragma once
 #include <vector>
 
+#include "body/body.hpp"
 #include "contact/feasible.hpp"
-#include "forces/body.hpp"
 #include "matrix/lattice_matrix.hpp"
 #include "model/drive.hpp"
 #include "model/state.hpp"

@@ -11,8 +11,8 @@
 #pragma once
 #include <vector>
 
+#include "body/equations.hpp"
 #include "contact/implicit/step_matrix.hpp"
-#include "forces/equations.hpp"
 #include "model/state.hpp"
 
 namespace softffd {

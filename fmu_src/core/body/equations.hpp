@@ -6,7 +6,7 @@
 ///
 /// Pinned points are no unknowns: they are where their frame is at the time of the stage, and their acceleration counts as zero.
 #pragma once
-#include "forces/body.hpp"
+#include "body/body.hpp"
 #include "model/drive.hpp"
 #include "model/exchange.hpp"
 

@@ -1,4 +1,4 @@
-#include "forces/model.hpp"
+#include "body/model.hpp"
 
 #include <limits>
 

@@ -1,4 +1,4 @@
-#include "forces/equations.hpp"
+#include "body/equations.hpp"
 
 namespace softffd {
 

@@ -22,7 +22,7 @@
 #pragma once
 #include <vector>
 
-#include "forces/body.hpp"
+#include "body/body.hpp"
 
 namespace softffd {
 

@@ -9,7 +9,7 @@
 /// alternate in sign; there both halves use v <- E v + (1 - E) f/d with E = 1 / (1 + g + g^2/2), the second-order Pade approximation of
 /// exp(-g) that vanishes for large g: the terminal velocity f/d is exact.
 #pragma once
-#include "forces/body.hpp"
+#include "body/body.hpp"
 #include "model/arithmetic.hpp"
 
 namespace softffd {

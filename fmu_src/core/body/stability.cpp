@@ -1,4 +1,4 @@
-#include "forces/stability.hpp"
+#include "body/stability.hpp"
 
 #include <algorithm>
 #include <cmath>

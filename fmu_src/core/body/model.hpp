@@ -1,6 +1,6 @@
 /// The body, its forces, and all that follows from the material: constant within a communication step.
 #pragma once
-#include "forces/stability.hpp"
+#include "body/stability.hpp"
 
 namespace softffd {
 

@@ -15,7 +15,7 @@
 /// it no bound holds in every configuration: a step that was stable may no longer be after the next fold, so that the bound of the state
 /// has to be renewed as the body deforms, and more often than without.
 #pragma once
-#include "forces/body.hpp"
+#include "body/body.hpp"
 
 namespace softffd {
 

@@ -1,4 +1,4 @@
-#include "forces/damped_kick.hpp"
+#include "body/damped_kick.hpp"
 
 #include <algorithm>
 #include <cmath>
