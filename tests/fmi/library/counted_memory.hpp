@@ -1,4 +1,4 @@
-/// Counts a program's requests for memory and lets any of them fail; scenes and components to do that with.
+/// Counts a program's requests for memory and lets any of them fail.
 ///
 /// With glibc the program's own malloc stands in front of the C library's, so every request is seen: operator
 /// new, Eigen's buffers, the C library's own. Sanitizers bring a malloc of their own; there operator new
@@ -6,15 +6,8 @@
 #pragma once
 #include <cstdlib>
 #include <new>
-#include <string>
 
-extern "C" {
-#include "fmi2Functions.h"
-}
-
-#include "check.hpp"
-#include "small_scene.hpp"
-#include "variable_table.hpp"
+#include "host.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SANITIZED 1
@@ -102,45 +95,25 @@ KEPT_WHOLE void operator delete[](void* block) noexcept { operator delete(block)
 KEPT_WHOLE void operator delete[](void* block, std::size_t) noexcept { operator delete(block); }
 #endif
 
-namespace component {
+namespace memory {
 
-using softffd::fmi::Family;
-
-/// Writes a scene and returns the URI of its folder.
-inline std::string resources(const std::string& parts, bool stiff = false, const std::string& spin = "0 0 0") {
-  return (stiff ? small_scene::Box{.stiffness = 1e8, .initial = "1 1 1 0 0 0.001 0 0 0 " + spin} : small_scene::Box{}).resources(parts);
+/// Calls attempt(failing) again and again; of what is called by `failing` in it the first, second, ... request fails, until it needs no
+/// more. Nothing may be left behind.
+template <class Attempt>
+void each_request_fails(const char* what, Attempt&& attempt) {
+  const int failures = check::failures;
+  for (long request = 0; check::failures <= failures + 20; ++request) {
+    const long before = live;
+    attempt([request](auto&& call) {
+      fail_at(request);
+      const auto result = call();
+      fail_no_more();
+      return result;
+    });
+    if (live != before) std::printf("    %s: request %ld leaves %ld blocks\n", what, request, live - before);
+    CHECK(live == before);
+    if (!failed) return;
+  }
 }
 
-inline const std::string damped = "damping 0.05\n", heavy = "gravity 0 0 -9.81\n", watched = "energy\nsolver\nreactions\n";
-inline const std::string planes = "plane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 0.4\nplane wall input 1.02 0 0 -1 0 0 0 0 0 0 0.1 0 0.2\n";
-inline const std::string corner = "plane side fixed 0 -0.01 0 0 1 0 0 0 0 0 0 0 0.3\n";
-inline const std::string pins = "pin base fixed 0 1\npin hand input 26\n";
-inline const std::string driven = "load push 18 19 20\nforces 13 14\n";
-inline const std::string regions = "region_stiffness 4000 0 1 2\nregion_damping 0.2 3 4\nprobe tip 0.5 0.5 0.9\nvelocities 0 13\n";
-inline const std::string everything = damped + heavy + planes + pins + driven + regions + watched;
-
-inline fmi2ValueReference reference(Family family, unsigned index = 0) { return unsigned(family) << 24 | index; }
-
-inline void silent(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...) {}
-
-inline fmi2Component instantiate(const std::string& uri, fmi2Boolean logging = fmi2False, const char* guid = "{g}") {
-  const fmi2CallbackFunctions callbacks{silent, std::calloc, std::free, nullptr, nullptr};
-  return fmi2Instantiate("box", fmi2CoSimulation, guid, uri.c_str(), &callbacks, fmi2False, logging);
-}
-
-inline fmi2Component started(const std::string& uri, int method = 1, fmi2Boolean logging = fmi2False) {
-  fmi2Component c = instantiate(uri, logging);
-  const fmi2ValueReference solver = reference(Family::solver_method);
-  CHECK(fmi2SetInteger(c, &solver, 1, &method) == fmi2OK);
-  CHECK(fmi2SetupExperiment(c, fmi2False, 0, 0, fmi2False, 0) == fmi2OK);
-  CHECK(fmi2EnterInitializationMode(c) == fmi2OK);
-  CHECK(fmi2ExitInitializationMode(c) == fmi2OK);
-  return c;
-}
-
-inline fmi2Status set(fmi2Component c, Family family, unsigned index, double value) {
-  const fmi2ValueReference wanted = reference(family, index);
-  return fmi2SetReal(c, &wanted, 1, &value);
-}
-
-}  // namespace component
+}  // namespace memory

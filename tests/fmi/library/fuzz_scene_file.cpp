@@ -5,13 +5,9 @@
 /// 0 leaves it to the input.
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <string>
 
-#include "instance/instance.hpp"
-#include "small_scene.hpp"
+#include "instances.hpp"
 
 using namespace softffd::fmi;
 
@@ -35,17 +31,13 @@ void run(SceneFile scene) {
   const double step = short_step(scene);
   const fmi2CallbackFunctions callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
   Instance instance(std::move(scene), Logger(callbacks, "fuzz", true));
-  instance.setup_experiment(0, 0, 1);
-  instance.enter_initialization();
-  instance.exit_initialization();
+  start(instance, 1);
   const fmi2Status stepped = instance.do_step(0, step);
   if (stepped == fmi2OK) instance.load_state(instance.save_state());
   for (const FamilyInfo& info : families)
     for (unsigned index = 0; index < 8; ++index) {
-      const fmi2ValueReference reference = unsigned(info.family) << 24 | index;
-      double value = 0;
       try {
-        instance.get(info.type, &reference, 1, &value);
+        value_of(instance, info.family, info.type, int(index));
       } catch (const CallError&) {  // the scene has no such variable
         break;
       }

@@ -10,15 +10,10 @@
 /// step. A change is two bytes that say which word, one that says what becomes of it, and for a word of the input's own eight more.
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
-#include <limits>
-#include <memory>
 
-#include "instance/instance.hpp"
-#include "small_scene.hpp"
+#include "instances.hpp"
 
 using namespace softffd::fmi;
 
@@ -32,32 +27,17 @@ const std::string text = small_scene::Box{.side = 2, .mass = 1, .stiffness = 100
     "damping 0.05\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 0.4\n"
     "plane lid input 0 0 2 0 0 -1 0 0 0 0 0 0 0.1\npin hand input 7\nload push 0 1\nforces 2\nreactions\nenergy\nsolver\n");
 
-std::unique_ptr<Instance> fresh() {
-  const fmi2CallbackFunctions callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
-  return std::make_unique<Instance>(parse_scene(text), Logger(callbacks, "fuzz", true));
-}
-
-void set(Instance& instance, Type type, Family family, double value) {
-  const fmi2ValueReference reference = unsigned(family) << 24;
-  instance.set(type, &reference, 1, &value);
-}
-
-double value_of(Instance& instance, Family family) {
-  const fmi2ValueReference reference = unsigned(family) << 24;
-  double value = 0;
-  instance.get(Type::Real, &reference, 1, &value);
-  return value;
-}
+std::unique_ptr<Instance> fresh() { return instance_of(text); }
 
 Bytes running(int method, double step) {
   const auto instance = fresh();
-  set(*instance, Type::Integer, Family::solver_method, method);
-  set(*instance, Type::Real, Family::solver_step, step);
+  set_value(*instance, Family::solver_method, method, Type::Integer);
+  set_value(*instance, Family::solver_step, step);
   instance->enter_initialization();
   instance->exit_initialization();
   for (int n = 0; n < 20; ++n)
     if (instance->do_step(n * 0.01, 0.01) != fmi2OK) std::abort();
-  set(*instance, Type::Real, Family::stiffness_edge, 150);  // waits for the next step
+  set_value(*instance, Family::stiffness_edge, 150);  // waits for the next step
   return instance->save_state();
 }
 
@@ -73,34 +53,26 @@ std::uint64_t word_of(double value) { return std::bit_cast<std::uint64_t>(value)
 
 Bytes changed(Bytes bytes, Input input) {
   using Limits = std::numeric_limits<double>;
-  static const std::uint64_t special[] = {word_of(0.0),
-                                          word_of(-0.0),
-                                          word_of(1.0),
-                                          word_of(-1.0),
-                                          word_of(Limits::infinity()),
-                                          word_of(-Limits::infinity()),
-                                          word_of(Limits::quiet_NaN()),
-                                          word_of(Limits::max()),
-                                          word_of(-Limits::max()),
-                                          word_of(Limits::min()),
-                                          word_of(Limits::denorm_min()),
-                                          word_of(1e-9),
-                                          word_of(1e9),
-                                          1,
-                                          2,
-                                          4,
-                                          8,
-                                          16,
-                                          32,
-                                          std::uint64_t(1) << 53,
-                                          20'000'000,
-                                          ~std::uint64_t(0),
-                                          std::uint64_t(1) << 63,
-                                          ~(std::uint64_t(1) << 63)};
+  constexpr std::uint64_t one = 1;
+  static const double numbers[] = {0.0,
+                                   -0.0,
+                                   1.0,
+                                   -1.0,
+                                   Limits::infinity(),
+                                   Limits::quiet_NaN(),
+                                   Limits::max(),
+                                   Limits::min(),
+                                   Limits::denorm_min(),
+                                   1e-9,
+                                   1e9,
+                                   -Limits::infinity(),
+                                   -Limits::max()};
+  static const std::uint64_t words[] = {1, 2, 4, 8, 16, 32, one << 53, 20'000'000, ~(one << 63), ~std::uint64_t{0}, one << 63};
   while (input.size() >= 3) {
     const std::size_t at = 8 * ((input[0] | input[1] << 8) % (bytes.size() / 8)), kind = input[2];
     input = input.subspan(3);
-    std::uint64_t word = special[kind % std::size(special)];
+    const std::size_t chosen = kind % (std::size(numbers) + std::size(words));
+    std::uint64_t word = chosen < std::size(numbers) ? word_of(numbers[chosen]) : words[chosen - std::size(numbers)];
     if (kind >= 128) {
       if (input.size() < 8) break;
       std::memcpy(&word, input.data(), 8);

@@ -1,7 +1,5 @@
 /// Wherever a request for memory fails, the call ends with fmi2Error (or no component), no crash and no leak.
-#include <cstring>
 #include <functional>
-#include <vector>
 
 #include "counted_memory.hpp"
 
@@ -34,37 +32,20 @@ void survived(const char* what, const std::function<void()>& block) {
 #endif
 }
 
-/// True once a scenario has said enough.
-bool enough_failures(int before) { return check::failures > before + 20; }
-
-/// Lets the first, second, ... request of `call` fail, each on a component that `prepare` made, until the
-/// call needs no more.
+/// On a component that `prepare` made.
 void every_request_may_fail(const char* what, const std::function<fmi2Component()>& prepare,
-                            const std::function<fmi2Status(fmi2Component)>& call) {
+                            const std::function<fmi2Status(fmi2Component)>& call, fmi2Status otherwise = fmi2OK) {
   survived(what, [&] {
     fmi2Component warm = prepare();
     call(warm);
     fmi2FreeInstance(warm);
-    const int failures = check::failures;
-    for (long request = 0;; ++request) {
-      const long before = memory::live;
+    memory::each_request_fails(what, [&](auto&& failing) {
       fmi2Component c = prepare();
-      memory::fail_at(request);
-      const fmi2Status status = call(c);
-      memory::fail_no_more();
-      if (memory::failed) {
-        CHECK(status == fmi2Error);
-        CHECK(fmi2Reset(c) == fmi2OK);
-        CHECK(fmi2SetupExperiment(c, fmi2False, 0, 0, fmi2False, 0) == fmi2OK);
-        CHECK(fmi2EnterInitializationMode(c) == fmi2OK);
-        CHECK(fmi2ExitInitializationMode(c) == fmi2OK);
-        CHECK(fmi2DoStep(c, 0, 0.01, fmi2True) == fmi2OK);
-      }
+      const fmi2Status status = failing([&] { return call(c); });
+      CHECK(status == (memory::failed ? fmi2Error : otherwise));
+      if (memory::failed) CHECK(fmi2Reset(c) == fmi2OK && begin(c) == fmi2OK && step(c, 0) == fmi2OK);
       fmi2FreeInstance(c);
-      if (memory::live != before) std::printf("    %s: request %ld leaves %ld blocks\n", what, request, memory::live - before);
-      CHECK(memory::live == before);
-      if (!memory::failed || enough_failures(failures)) break;
-    }
+    });
   });
 }
 
@@ -75,18 +56,11 @@ TEST(instantiation_survives_any_failing_request) {
   for (const char* guid : {"{g}", "{another}"})
     survived(guid, [&] {
       fmi2FreeInstance(instantiate(uri, fmi2True, guid));
-      const int failures = check::failures;
-      for (long request = 0;; ++request) {
-        const long before = memory::live;
-        memory::fail_at(request);
-        fmi2Component c = instantiate(uri, fmi2True, guid);
-        memory::fail_no_more();
+      memory::each_request_fails(guid, [&](auto&& failing) {
+        fmi2Component c = failing([&] { return instantiate(uri, fmi2True, guid); });
         CHECK(!memory::failed || !c);
         fmi2FreeInstance(c);
-        if (memory::live != before) std::printf("    request %ld leaves %ld blocks\n", request, memory::live - before);
-        CHECK(memory::live == before);
-        if (!memory::failed || enough_failures(failures)) break;
-      }
+      });
     });
 }
 
@@ -135,11 +109,13 @@ TEST(values_survive_any_failing_request) {
 
 TEST(refusals_survive_any_failing_request) {
   const std::string uri = resources(everything);
-  const auto running = [&] { return started(uri, 3, fmi2True); };
-  every_request_may_fail("a value below its bound", running, [](fmi2Component c) { return set(c, Family::stiffness_edge, 0, -1); });
-  every_request_may_fail("a call in the wrong state", running, fmi2EnterInitializationMode);
-  every_request_may_fail("a step at the wrong time", running, [](fmi2Component c) { return fmi2DoStep(c, 7, 0.01, fmi2True); });
-  every_request_may_fail("a damaged state", running, [](fmi2Component c) {
+  const auto refused = [&](const char* what, const std::function<fmi2Status(fmi2Component)>& call) {
+    every_request_may_fail(what, [&] { return started(uri, 3, fmi2True); }, call, fmi2Error);
+  };
+  refused("a value below its bound", [](fmi2Component c) { return set(c, Family::stiffness_edge, 0, -1); });
+  refused("a call in the wrong state", fmi2EnterInitializationMode);
+  refused("a step at the wrong time", [](fmi2Component c) { return fmi2DoStep(c, 7, 0.01, fmi2True); });
+  refused("a damaged state", [](fmi2Component c) {
     const fmi2Byte bytes[50] = {};
     fmi2FMUstate state = nullptr;
     return fmi2DeSerializeFMUstate(c, bytes, sizeof bytes, &state);
@@ -150,43 +126,34 @@ TEST(steps_and_resets_survive_any_failing_request) {
   const std::string uri = resources(everything);
   for (int method : {2, 3}) {
     const auto running = [&] { return started(uri, method, fmi2True); };
-    every_request_may_fail("step", running, [](fmi2Component c) { return fmi2DoStep(c, 0, 0.01, fmi2True); });
+    every_request_may_fail("step", running, [](fmi2Component c) { return step(c, 0); });
     every_request_may_fail(
         "step after a change",
         [&] {
           fmi2Component c = running();
-          fmi2DoStep(c, 0, 0.01, fmi2True);
+          step(c, 0);
           set(c, Family::stiffness_edge, 0, 5000);
           return c;
         },
-        [](fmi2Component c) { return fmi2DoStep(c, 0.01, 0.01, fmi2True); });
+        [](fmi2Component c) { return step(c, 1); });
   }
   every_request_may_fail("reset", [&] { return started(uri, 3, fmi2True); }, fmi2Reset);
 }
 
 TEST(a_discarded_step_survives_any_failing_request) {
   const std::string uri = resources(everything);
-  survived("discard", [&] {
-    const int failures = check::failures;
-    for (long request = 0;; ++request) {
-      const long before = memory::live;
-      fmi2Component c = started(uri, 3, fmi2True);
-      set(c, Family::stiffness_edge, 0, 1e18);
-      memory::fail_at(request);
-      const fmi2Status status = fmi2DoStep(c, 0, 1, fmi2True);
-      memory::fail_no_more();
-      CHECK(status == (memory::failed ? fmi2Error : fmi2Discard));
-      fmi2FreeInstance(c);
-      if (request > 0) CHECK(memory::live == before);
-      if (!memory::failed || enough_failures(failures)) break;
-    }
-  });
+  const auto too_stiff = [&] {
+    fmi2Component c = started(uri, 3, fmi2True);
+    set(c, Family::stiffness_edge, 0, 1e18);
+    return c;
+  };
+  every_request_may_fail("discard", too_stiff, [](fmi2Component c) { return fmi2DoStep(c, 0, 1, fmi2True); }, fmi2Discard);
 }
 
 TEST(states_survive_any_failing_request) {
   const std::string uri = resources(everything);
   fmi2Component owner = started(uri, 3, fmi2True);
-  CHECK(fmi2DoStep(owner, 0, 0.01, fmi2True) == fmi2OK);
+  CHECK(step(owner, 0) == fmi2OK);
   fmi2FMUstate kept = nullptr;
   CHECK(fmi2GetFMUstate(owner, &kept) == fmi2OK);
   std::size_t size = 0;
@@ -217,27 +184,17 @@ TEST(states_survive_any_failing_request) {
 }
 
 TEST(a_state_that_failed_to_be_restored_leaves_the_instance_restorable) {
-  const std::string uri = resources(everything);
-  fmi2Component c = started(uri, 3);
+  fmi2Component c = started(resources(everything), 3);
   fmi2FMUstate kept = nullptr;
-  CHECK(fmi2DoStep(c, 0, 0.01, fmi2True) == fmi2OK);
-  CHECK(fmi2GetFMUstate(c, &kept) == fmi2OK);
-  const fmi2ValueReference wanted = reference(Family::position, 40);
-  double expected = 0, got = 0;
-  CHECK(fmi2DoStep(c, 0.01, 0.01, fmi2True) == fmi2OK);
-  CHECK(fmi2GetReal(c, &wanted, 1, &expected) == fmi2OK);
-  const int failures = check::failures;
-  for (long request = 0; !enough_failures(failures); ++request) {
-    memory::fail_at(request);
-    const fmi2Status status = fmi2SetFMUstate(c, kept);
-    memory::fail_no_more();
+  CHECK(step(c, 0) == fmi2OK && fmi2GetFMUstate(c, &kept) == fmi2OK && step(c, 1) == fmi2OK);
+  const std::vector<double> expected = positions(c);
+  CHECK(fmi2SetFMUstate(c, kept) == fmi2OK);
+  memory::each_request_fails("restore", [&](auto&& failing) {
+    const fmi2Status status = failing([&] { return fmi2SetFMUstate(c, kept); });
     CHECK(status == (memory::failed ? fmi2Error : fmi2OK));
     if (memory::failed) CHECK(fmi2SetFMUstate(c, kept) == fmi2OK);
-    CHECK(fmi2DoStep(c, 0.01, 0.01, fmi2True) == fmi2OK);
-    CHECK(fmi2GetReal(c, &wanted, 1, &got) == fmi2OK);
-    CHECK(std::memcmp(&got, &expected, sizeof got) == 0);
-    if (!memory::failed) break;
-  }
+    CHECK(step(c, 1) == fmi2OK && positions(c) == expected);
+  });
   CHECK(fmi2FreeFMUstate(c, &kept) == fmi2OK);
   fmi2FreeInstance(c);
 }

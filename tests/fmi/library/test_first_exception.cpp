@@ -30,8 +30,7 @@ struct Loaded {
   fmi2FreeInstanceTYPE* free_instance = from<fmi2FreeInstanceTYPE>(library, "fmi2FreeInstance");
 
   fmi2Component instance(const std::string& uri) const {
-    const fmi2CallbackFunctions callbacks{silent, std::calloc, std::free, nullptr, nullptr};
-    return instantiate("box", fmi2CoSimulation, "{g}", uri.c_str(), &callbacks, fmi2False, fmi2True);
+    return instantiate("box", fmi2CoSimulation, "{g}", uri.c_str(), &quiet_callbacks, fmi2False, fmi2True);
   }
 };
 

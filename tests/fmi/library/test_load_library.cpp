@@ -1,14 +1,5 @@
 /// The library as a file, loaded as an importer loads it: it exports what is asked for and computes what the same sources linked here do.
-#include <cstdlib>
-#include <string>
-#include <vector>
-
-extern "C" {
-#include "fmi2Functions.h"
-}
-
-#include "check.hpp"
-#include "small_scene.hpp"
+#include "host.hpp"
 
 #ifdef _WIN32
 #include <windows.h>  // last: it makes macros of words
@@ -40,14 +31,13 @@ struct Calls {
 
 /// Positions after a fall onto the ground.
 std::vector<double> run(const Calls& call, const std::string& resources) {
-  fmi2CallbackFunctions callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
-  fmi2Component c = call.instantiate("box", fmi2CoSimulation, "{g}", resources.c_str(), &callbacks, fmi2False, fmi2False);
+  fmi2Component c = call.instantiate("box", fmi2CoSimulation, "{g}", resources.c_str(), &component::quiet_callbacks, fmi2False, fmi2False);
   CHECK(c != nullptr);
   CHECK(call.setup_experiment(c, fmi2False, 0, 0, fmi2False, 0) == fmi2OK);
   CHECK(call.enter(c) == fmi2OK && call.exit(c) == fmi2OK);
   for (int i = 0; i < 30; ++i) CHECK(call.do_step(c, i * 0.01, 0.01, fmi2True) == fmi2OK);
   std::vector<fmi2ValueReference> references(81);
-  for (unsigned i = 0; i < 81; ++i) references[i] = 60u << 24 | i;
+  for (unsigned i = 0; i < 81; ++i) references[i] = component::reference(component::Family::position, i);
   std::vector<double> positions(81);
   CHECK(call.get_real(c, references.data(), 81, positions.data()) == fmi2OK);
   call.free_instance(c);

@@ -1,12 +1,8 @@
 #include "messages/messages.hpp"
 
-#include <cstdlib>
-#include <limits>
 #include <vector>
 
-#include "check.hpp"
-#include "instance/instance.hpp"
-#include "small_scene.hpp"
+#include "instances.hpp"
 
 using namespace softffd::fmi;
 
@@ -26,21 +22,15 @@ int count(const std::string& text) {
 }
 
 struct Run {
-  Instance instance;
+  std::unique_ptr<Instance> made;
+  Instance& instance = *made;
 
   Run(const std::string& initial, const std::string& parts, bool logging = true)
-      : instance(parse_scene(small_scene::Box{.initial = initial}.text(parts)),
-                 Logger({hear, std::calloc, std::free, nullptr, nullptr}, "told", logging)) {
+      : made(instance_of(small_scene::Box{.initial = initial}.text(parts), logging, hear)) {
     heard.clear();
   }
-  void start() {
-    instance.setup_experiment(0, 0, std::numeric_limits<double>::infinity());
-    instance.enter_initialization();
-    instance.exit_initialization();
-  }
-  void steps(int first, int last) {
-    for (int n = first; n < last; ++n) CHECK(instance.do_step(n * 0.01, 0.01) == fmi2OK);
-  }
+  void start() { softffd::fmi::start(instance); }
+  void steps(int first, int last) { softffd::fmi::run(instance, first, last); }
 };
 
 const std::string turned_inside_out = "-1 1 1 0 0 0 0 0 0 0 0 0", as_drawn = "1 1 1 0 0 0 0 0 0 0 0 0";

@@ -1,9 +1,5 @@
 /// Contact of the surface from a resources file to the component's variables and states.
-#include <cstdlib>
-
-#include "check.hpp"
-#include "instance/instance.hpp"
-#include "small_scene.hpp"
+#include "instances.hpp"
 
 using namespace softffd::fmi;
 
@@ -14,33 +10,14 @@ const std::string ground = "damping 0.3\ngravity 0 0 -9.81\nplane ground fixed 0
 /// The corners of a pyramid in the box, 0.2 clear of its faces.
 const std::string pyramid = "sample 0.2 0.2 0.2\nsample 0.8 0.2 0.2\nsample 0.2 0.8 0.2\nsample 0.8 0.8 0.2\nsample 0.5 0.5 0.8\n";
 
-std::string refusal(const std::string& parts) {
-  try {
-    parse_scene(box.text(parts));
-  } catch (const SceneFileError& error) {
-    return error.what();
-  }
-  return {};
+std::string refused(const std::string& parts) {
+  return refusal<SceneFileError>([&] { parse_scene(box.text(parts)); });
 }
 
 std::unique_ptr<Instance> begun(const std::string& parts) {
-  const fmi2CallbackFunctions callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
-  auto instance = std::make_unique<Instance>(parse_scene(box.text(parts)), Logger(callbacks, "test", true));
-  instance->setup_experiment(0, 0, 10);
-  instance->enter_initialization();
-  instance->exit_initialization();
+  auto instance = instance_of(box.text(parts));
+  start(*instance, 10);
   return instance;
-}
-
-void run(Instance& instance, int first, int last) {
-  for (int n = first; n < last; ++n) CHECK(instance.do_step(n * 0.01, 0.01) == fmi2OK);
-}
-
-double value_of(Instance& instance, Family family, Type type = Type::Real, int index = 0) {
-  const fmi2ValueReference reference = unsigned(family) << 24 | unsigned(index);
-  double value = 0;
-  instance.get(type, &reference, 1, &value);
-  return value;
 }
 
 }  // namespace
@@ -54,23 +31,17 @@ TEST(samples_of_a_scene_with_planes_are_taken) {
 }
 
 TEST(what_does_not_go_with_samples_is_refused_by_name) {
-  CHECK(refusal(ground + "sample 0.5 0.5 1.1\n").find("outside of the box") != std::string::npos);
-  CHECK(refusal(ground + pyramid + "method 2\n").find("wanted auto, leapfrog") != std::string::npos);
-  for (const int method : {1, 3, 4, 5, 6, 7, 8}) CHECK(refusal(ground + pyramid + "method " + std::to_string(method) + "\n").empty());
-  CHECK(refusal(pyramid + "method 2\n").empty());  // nothing meets them
-  CHECK(refusal(ground + "sample 0.5 0.5\n").find("a value is missing") != std::string::npos);
+  CHECK(refused(ground + "sample 0.5 0.5 1.1\n").find("outside of the box") != std::string::npos);
+  CHECK(refused(ground + pyramid + "method 2\n").find("wanted auto, leapfrog") != std::string::npos);
+  for (const int method : {1, 3, 4, 5, 6, 7, 8}) CHECK(refused(ground + pyramid + "method " + std::to_string(method) + "\n").empty());
+  CHECK(refused(pyramid + "method 2\n").empty());  // nothing meets them
+  CHECK(refused(ground + "sample 0.5 0.5\n").find("a value is missing") != std::string::npos);
 }
 
 TEST(a_method_that_does_not_know_samples_cannot_be_set) {
-  const fmi2CallbackFunctions callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
-  Instance instance(parse_scene(box.text(ground + pyramid)), Logger(callbacks, "test", true));
-  const fmi2ValueReference method = unsigned(Family::solver_method) << 24;
-  std::string why;
-  for (const double value : {3.0, 2.0}) try {
-      instance.set(Type::Integer, &method, 1, &value);
-    } catch (const std::exception& error) {
-      why = error.what();
-    }
+  const auto instance = instance_of(box.text(ground + pyramid));
+  CHECK(refusal([&] { set_value(*instance, Family::solver_method, 3, Type::Integer); }).empty());
+  const std::string why = refusal([&] { set_value(*instance, Family::solver_method, 2, Type::Integer); });
   CHECK(why.find("3 leapfrog") != std::string::npos && why.find("central_difference") == std::string::npos);
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "small_scene.hpp"
+#include "instances.hpp"
 #include "variables/variables.hpp"
 
 namespace whole_scene {
@@ -55,19 +55,6 @@ struct Scene {
     return value;
   }
 };
-
-inline fmi2ValueReference reference_of(Family family, int index = 0) { return unsigned(family) << 24 | unsigned(index); }
-
-/// What a call is refused with; empty: it is not.
-template <class Call>
-std::string refusal(Call&& call) {
-  try {
-    call();
-  } catch (const CallError& error) {
-    return error.what();
-  }
-  return {};
-}
 
 /// Number of variables of a family: as many indices as have a name.
 inline int count(const Scene& scene, const FamilyInfo& info) {
