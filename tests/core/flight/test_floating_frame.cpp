@@ -67,6 +67,12 @@ Flown run(const Scene& s, OneStep& method, double duration, int steps, bool watc
   return r;
 }
 
+/// By the method itself.
+Flown fly(const Scene& s, double duration, int steps, bool watch = true) {
+  Flight frame(s.lattice);
+  return run(s, frame.method, duration, steps, watch);
+}
+
 /// 0.5 s of explicit steps that resolve everything.
 Flown reference(const Scene& s) {
   Dop853 explicit_steps(s.body.points(), 0);
@@ -88,8 +94,7 @@ TEST(stiff_bodies_fly_and_turn_as_explicit_steps_have_it) {
       const Scene s = turning(1e6, loaded, loaded, damping);
       const State exact = reference(s).state;
       for (const int steps : {5, 50}) {
-        Flight frame(s.lattice);
-        const Flown r = run(s, frame.method, 0.5, steps);
+        const Flown r = fly(s, 0.5, steps);
         CHECK_NEAR(distance(r.state.x, exact.x), 0, 1e-5);
         CHECK(r.error < 3e-3);
       }
@@ -100,9 +105,7 @@ TEST(stiffer_bodies_come_nearer) {
   double before = 0;
   for (const double stiffness : {1e4, 1e5, 1e6}) {
     const Scene s = turning(stiffness);
-    Flight frame(s.lattice);
-    const Flown r = run(s, frame.method, 0.5, 25), finer = run(s, frame.method, 0.5, 400);
-    const double difference = distance(r.state.x, finer.state.x);
+    const double difference = distance(fly(s, 0.5, 25).state.x, fly(s, 0.5, 400).state.x);
     if (before > 0) CHECK(difference < before / 5);
     before = difference;
   }
@@ -110,8 +113,7 @@ TEST(stiffer_bodies_come_nearer) {
 
 TEST(torque_free_flight_keeps_momentum_and_angular_momentum) {
   const Scene s = turning(1e6);
-  Flight frame(s.lattice);
-  const RigidMotion before = motion(s, s.start), after = motion(s, run(s, frame.method, 20, 2000).state);
+  const RigidMotion before = motion(s, s.start), after = motion(s, fly(s, 20, 2000).state);
   CHECK_NEAR((after.angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm(), 0, 1e-12);
   CHECK_NEAR((after.velocity - before.velocity).norm(), 0, 1e-12);
   CHECK_NEAR((after.centre - before.centre - 20 * before.velocity).norm(), 0, 1e-11);
@@ -122,41 +124,32 @@ TEST(what_the_deformation_loses_is_booked_as_dissipated) {
   for (const bool ramped : {false, true})
     for (const double damping : {0.0, 0.05}) {
       const Scene s = turning(1e5, true, ramped, damping);
-      Flight frame(s.lattice);
-      const Flown r = run(s, frame.method, 0.5, 50);
+      const Flown r = fly(s, 0.5, 50);
       const double constant = (s.around.force * (r.state.x - s.start.x)).sum(), before = energy(s, s.start);
       CHECK_NEAR(energy(s, r.state) + r.exchange.dissipated, before + constant + r.exchange.work, 1e-12 * before);
       CHECK(r.exchange.dissipated > 0);
       CHECK((r.exchange.work != 0) == ramped);
+      const Exchange unwatched = fly(s, 0.1, 10, false).exchange;
+      CHECK(unwatched.dissipated == 0 && unwatched.work == 0);
     }
 }
 
 /// In the limit of stiffness: rigid, they would do the same.
 TEST(work_of_ramps_is_that_of_explicit_steps) {
   const Scene s = turning(1e6, true, true);
-  Flight frame(s.lattice);
   const double explicit_work = reference(s).exchange.work;
-  CHECK_NEAR(run(s, frame.method, 0.5, 50).exchange.work, explicit_work, 1e-5 * std::abs(explicit_work));
+  CHECK_NEAR(fly(s, 0.5, 50).exchange.work, explicit_work, 1e-5 * std::abs(explicit_work));
 }
 
 /// From a state without vibrations; a body so soft that the change of its shape counts, by 3e-5 m if it were left out of the moments. Much
 /// finer steps resolve vibrations, which leaves 1e-7 m.
 TEST(change_of_shape_is_followed_beyond_first_order) {
   Scene s = turning(1e4, true, true);
-  Flight frame(s.lattice);
-  s.start = run(s, frame.method, 0.5, 25).state;
-  const Points exact = run(s, frame.method, 0.4, 2560).state.x;
-  const double coarse = distance(run(s, frame.method, 0.4, 20).state.x, exact),
-               fine = distance(run(s, frame.method, 0.4, 40).state.x, exact);
+  s.start = fly(s, 0.5, 25).state;
+  const Points exact = fly(s, 0.4, 2560).state.x;
+  const double coarse = distance(fly(s, 0.4, 20).state.x, exact), fine = distance(fly(s, 0.4, 40).state.x, exact);
   CHECK(coarse < 2e-6);
   CHECK(fine < coarse / 2);
-}
-
-TEST(nothing_is_booked_unless_watched) {
-  const Scene s = turning(1e5, true, true, 0.05);
-  Flight frame(s.lattice);
-  const Flown r = run(s, frame.method, 0.1, 10, false);
-  CHECK(r.exchange.dissipated == 0 && r.exchange.work == 0);
 }
 
 TEST(one_factor_serves_many_steps_however_the_body_turns) {
@@ -171,8 +164,7 @@ TEST(vibrations_end_and_the_rotation_stays) {
   Scene s = turning(1e6);
   for (int p = 0; p < s.body.points(); ++p) s.start.x(p, 0) += 1e-5 * std::cos(7.0 * p);
   s.body.springs.force(s.start.x, s.start.spring);
-  Flight frame(s.lattice);
-  const Flown few = run(s, frame.method, 0.1, 10), many = run(s, frame.method, 10, 1000);
+  const Flown few = fly(s, 0.1, 10), many = fly(s, 10, 1000);
   const double vibration = s.body.elastic_energy(s.start.x);
   CHECK_NEAR(few.exchange.dissipated, vibration, 0.5 * vibration);
   CHECK_NEAR(many.exchange.dissipated, few.exchange.dissipated, 1e-6 * energy(s, s.start));

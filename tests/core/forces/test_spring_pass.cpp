@@ -39,113 +39,94 @@ Points summed(const std::vector<std::vector<Spring>>& list, const Points& x) {
 const std::vector<std::array<int, 3>> several{{2, 2, 2},  {4, 4, 4},  {3, 5, 4},  {5, 5, 5}, {2, 3, 7},
                                               {16, 2, 2}, {2, 2, 16}, {32, 3, 2}, {9, 8, 7}, {32, 32, 3}};
 
-}  // namespace
-
-TEST(forces_are_the_springs_sums_to_the_last_bit) {
-  for (const std::array<int, 3> counts : several) {
-    const Lattice lattice{counts};
-    Springs springs(lattice, Topology::paper);
-    std::vector<bool> some(lattice.points(), false);
-    for (int p = 0; p < lattice.points(); p += 2) some[p] = true;
-    springs.set_stiffness({1000, 700, 300}, {{some, 41}});
-    const Points x = crumpled(lattice);
-    Points f(x.rows(), 3);
-    springs.force(x, f);
-    CHECK((f == summed(listed(springs), x)).all());
-  }
+Springs springs_of(const Lattice& lattice, Topology topology = Topology::distinct, int every = 0, std::shared_ptr<Team> team = {}) {
+  Springs springs(lattice, topology, team);
+  std::vector<bool> some(lattice.points(), false);
+  for (int p = 0; every && p < lattice.points(); p += every) some[p] = true;
+  springs.set_stiffness({1000, 700, 300}, {{some, 41}});
+  return springs;
 }
 
-TEST(what_was_no_number_once_is_forgotten) {
-  const Lattice lattice{{5, 4, 6}};
-  Springs springs(lattice, Topology::distinct);
-  springs.set_stiffness({1000, 700, 300}, {});
-  const Points x = crumpled(lattice);
-  Points broken = x, before(x.rows(), 3), after(x.rows(), 3);
-  springs.force(x, before);
-  broken.setConstant(std::nan(""));
-  springs.force(broken, after);
-  CHECK(after.isNaN().any());
-  springs.force(x, after);
-  CHECK((before == after).all());
+/// A crumpled lattice, outside forces on it, and kicks of it.
+struct Kicked {
+  Lattice lattice;
+  int points = lattice.points();
+  Points x = crumpled(lattice), outside = 3 * x.reverse(), v0 = x.square(), none = Points::Constant(points, 3, -1);
+  Scalars a = 0.8 + 0.1 * x.col(0).sin(), b = 0.01 + 0.1 * x.col(0).sin(), c = a - 0.1, d = b + 0.01;
+  Stage::Kick first{a.data(), b.data()}, second{c.data(), d.data()};
+  explicit Kicked(const std::array<int, 3>& counts) : lattice{counts} {}
+  Kicked(const Kicked&) = delete;
+
+  Points forces(const Springs& springs) const {
+    Points f(points, 3);
+    springs.force(x, f);
+    return f;
+  }
+  Points kicked(const Points& v, const Points& f, const Scalars& keep, const Scalars& gain) const {
+    Points w = v;
+    for (int axis = 0; axis < 3; ++axis) w.col(axis) = keep * w.col(axis) + gain * (f.col(axis) + outside.col(axis));
+    return w;
+  }
+};
+
+}  // namespace
+
+TEST(forces_are_the_springs_sums_to_the_last_bit_and_what_was_no_number_once_is_forgotten) {
+  for (const std::array<int, 3> counts : several) {
+    const Kicked k(counts);
+    const Springs springs = springs_of(k.lattice, Topology::paper, 2);
+    CHECK((k.forces(springs) == summed(listed(springs), k.x)).all());
+    Points f(k.points, 3);
+    springs.force(Points::Constant(k.points, 3, std::nan("")), f);
+    CHECK(f.isNaN().any() && (k.forces(springs) == summed(listed(springs), k.x)).all());
+  }
 }
 
 TEST(directions_without_springs_cost_no_forces) {
   for (const int side : {4, 7}) {
-    const Lattice lattice{{side, side, side}};
-    Springs springs(lattice, Topology::distinct);
-    const Points x = crumpled(lattice);
-    Points f(x.rows(), 3);
-    springs.set_stiffness({1000, 700, 300}, {});
-    springs.force(x, f);
+    const Kicked k({side, side, side});
+    Springs springs = springs_of(k.lattice);
+    k.forces(springs);
     springs.set_stiffness({1000, 0, 0}, {});
-    springs.force(x, f);
-    CHECK((f == summed(listed(springs), x)).all());
+    CHECK((k.forces(springs) == summed(listed(springs), k.x)).all());
   }
 }
 
-TEST(a_stage_is_forces_kicks_and_a_drift_to_the_last_bit) {
+TEST(a_stage_is_forces_kicks_and_a_drift_to_the_last_bit_and_of_some_blocks_it_keeps_what_lies_between) {
   for (const std::array<int, 3> counts : several) {
-    const Lattice lattice{counts};
-    Springs springs(lattice, Topology::distinct);
-    springs.set_stiffness({1000, 700, 300}, {});
-    const Points x = crumpled(lattice), outside = 3 * x.reverse();
-    const auto share = [&](double least) -> Scalars { return least + 0.1 * x.col(0).sin(); };
-    const Scalars a = share(0.8), b = share(0.01), c = share(0.7), d = share(0.02);
-    Points f(x.rows(), 3), next(x.rows(), 3);
-    springs.force(x, f);
+    const Kicked k(counts);
+    const Springs springs = springs_of(k.lattice);
+    const Points f = k.forces(springs);
+    const Points once = k.kicked(k.v0, f, k.a, k.b), w = k.kicked(once, f, k.c, k.d);
+    Points next(k.points, 3);
     for (const int kicks : {1, 2}) {
-      Points v = x.square(), w = v;
-      springs.advance({{Stage::Kick{a.data(), b.data()}, Stage::Kick{c.data(), d.data()}}, kicks, 0.3}, outside, x, v, next);
-      for (int axis = 0; axis < 3; ++axis) w.col(axis) = a * w.col(axis) + b * (f.col(axis) + outside.col(axis));
-      for (int axis = 0; kicks > 1 && axis < 3; ++axis) w.col(axis) = c * w.col(axis) + d * (f.col(axis) + outside.col(axis));
-      CHECK((v == w).all());
-      CHECK((next == x + 0.3 * w).all());
+      Points v = k.v0;
+      const Points& wanted = kicks > 1 ? w : once;
+      springs.advance({{k.first, k.second}, kicks, 0.3}, k.outside, k.x, v, next);
+      CHECK((v == wanted).all() && (next == k.x + 0.3 * wanted).all());
     }
-  }
-}
-
-TEST(of_some_blocks_a_stage_keeps_what_lies_between_its_kicks) {
-  for (const std::array<int, 3> counts : several) {
-    const Lattice lattice{counts};
-    Springs springs(lattice, Topology::distinct);
-    springs.set_stiffness({1000, 700, 300}, {});
-    const Points x = crumpled(lattice), outside = 3 * x.reverse(), start = x.square();
-    const int points = int(x.rows());
-    const Scalars a = 0.8 + 0.1 * x.col(0).sin(), b = 0.01 * a;
-    const Stage::Kick kick{a.data(), b.data()};
-    Points spring(points, 3), w = start, v(points, 3), next(points, 3), unused(points, 3);
-    springs.force(x, spring);
-    springs.advance({{kick, kick}, 2, 0.3}, outside, x, w, unused);
-    std::vector<Count> until((points + SpringPass::lanes - 1) / SpringPass::lanes);
+    std::vector<Count> until((k.points + SpringPass::lanes - 1) / SpringPass::lanes);
     for (std::size_t i = 0; i < until.size(); i += 2) until[i] = 1;
-    Points before = start, f = Points::Constant(points, 3, -1);
-    springs.advance({{kick, kick}, 2, 0.3}, outside, x, before, v, next, {until.data(), 1, f.data()});
-    CHECK((v == w).all() && (next == x + 0.3 * w).all());
-    for (int p = 0; p < points; ++p)
-      for (int axis = 0; axis < 3; ++axis) {
-        const bool kept = p / SpringPass::lanes % 2 == 0;
-        CHECK(f(p, axis) == (kept ? spring(p, axis) : -1));
-        CHECK(before(p, axis) == (kept ? a[p] * start(p, axis) + b[p] * (spring(p, axis) + outside(p, axis)) : start(p, axis)));
-      }
+    Points before = k.v0, between = k.none, v(k.points, 3);
+    springs.advance({{k.first, k.second}, 2, 0.3}, k.outside, k.x, before, v, next, {until.data(), 1, between.data()});
+    CHECK((v == w).all() && (next == k.x + 0.3 * w).all());
+    for (int p = 0; p < k.points; ++p) {
+      const bool kept = p / SpringPass::lanes % 2 == 0;
+      CHECK((between.row(p) == (kept ? f : k.none).row(p)).all() && (before.row(p) == (kept ? once : k.v0).row(p)).all());
+    }
   }
 }
 
 TEST(a_team_gives_the_bits_of_one_thread) {
   for (const std::array<int, 3> counts : several) {
-    const Lattice lattice{counts};
-    std::vector<bool> some(lattice.points(), false);
-    for (int p = 0; p < lattice.points(); p += 3) some[p] = true;
-    const Points x = crumpled(lattice), outside = 3 * x.reverse();
-    const Scalars a = 0.8 + 0.1 * x.col(0).sin(), b = 0.01 * a;
-    const Stage stage{{Stage::Kick{a.data(), b.data()}, Stage::Kick{a.data(), b.data()}}, 2, 0.3};
-    Points f(x.rows(), 3), v(x.rows(), 3), next(x.rows(), 3);
+    const Kicked k(counts);
+    Points f, v, next;
     for (const int members : {1, 2, 3, 5}) {
-      Springs springs(lattice, Topology::paper, members > 1 ? std::make_shared<Team>(members) : nullptr);
-      springs.set_stiffness({1000, 700, 300}, {{some, 41}});
+      const Springs springs = springs_of(k.lattice, Topology::paper, 3, members > 1 ? std::make_shared<Team>(members) : nullptr);
       for (int again = 0; again < 3; ++again) {
-        Points g = Points::Constant(x.rows(), 3, -1), w = x.square(), after = g;
-        springs.force(x, g);
-        springs.advance(stage, outside, x, w, after);
+        Points g = k.none, w = k.v0, after = k.none;
+        springs.force(k.x, g);
+        springs.advance({{k.first, k.second}, 2, 0.3}, k.outside, k.x, w, after);
         if (members == 1) f = g, v = w, next = after;
         CHECK((g == f).all() && (w == v).all() && (after == next).all());
       }
@@ -178,8 +159,7 @@ TEST(threads_that_lattices_have_work_for) {
 
 TEST(like_blocks_share_their_springs) {
   SpringPass pass(Lattice{{32, 32, 32}}, nullptr);
-  Springs springs(Lattice{{32, 32, 32}}, Topology::distinct);
-  springs.set_stiffness({1000, 700, 300}, {});
+  const Springs springs = springs_of(Lattice{{32, 32, 32}});
   SpringPass::Rows rows;
   for (std::size_t d = 0; d < rows.size(); ++d) rows[d] = springs.rows()[d].view();
   pass.set(rows);

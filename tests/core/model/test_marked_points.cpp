@@ -29,18 +29,13 @@ TEST(a_copy_has_the_numbers_of_its_last_change) {
   CHECK(all_are(kept, 4) && kept->rows() == 7);
 }
 
-TEST(equal_numbers_are_copied_where_they_were_made_apart) {
+TEST(equal_numbers_are_copied_where_they_were_made_apart_and_what_is_moved_takes_its_mark_along) {
   MarkedPoints x = points(1);
-  const MarkedPoints other = points(1);
-  CHECK(x.mark() != other.mark());
+  const MarkedPoints copy = points(1);
+  CHECK(x.mark() != copy.mark());
   const double* place = x->data();
-  x = other;
-  CHECK(x.mark() == other.mark() && x->data() == place);
-}
-
-TEST(what_is_moved_takes_its_mark_along) {
-  MarkedPoints x = points(1);
-  const MarkedPoints copy = x;
+  x = copy;
+  CHECK(x.mark() == copy.mark() && x->data() == place);
   MarkedPoints taken = std::move(x);
   CHECK(all_are(taken, 1));
   x = copy;
