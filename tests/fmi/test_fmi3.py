@@ -12,7 +12,7 @@ from fmpy.validation import validate_fmu
 from c_host import DISCARD, ERROR, OK, STEP, WARNING, Fmu, check_message
 from c_host3 import Fmu3, Host3
 from scenes import LED, MOVED, box
-from signatures3 import OTHER_TYPES
+from signatures import OTHER_TYPES
 from softffd import FmuError, Scene, SoftffdError, load_scene, package_fmu, simulate
 from softffd.cli.command import main
 from softffd.fmu.component import Component

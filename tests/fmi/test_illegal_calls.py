@@ -23,7 +23,7 @@ from illegal_calls import (
     check_random_calls,
     require_refusal,
 )
-from signatures3 import ABSENT, OTHER_TYPES
+from signatures import ABSENT, OTHER_TYPES
 from straight_run import RICH, apply, check_as_new, straight
 
 NAN, INF = float("nan"), float("inf")

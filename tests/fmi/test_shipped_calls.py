@@ -7,7 +7,8 @@ from ctypes import POINTER, byref, c_char_p, c_double, c_int, c_size_t, c_uint, 
 import fmpy
 import pytest
 
-from c_host import ERROR, OK, SIGNATURES, WARNING, Fmu, Host, doubles, ints, uints
+from c_host import ERROR, OK, WARNING, Fmu, Host, doubles, ints, uints
+from signatures import SIGNATURES
 from softffd import load_scene
 from softffd.scene.scene import shipped_scenes
 

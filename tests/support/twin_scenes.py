@@ -10,16 +10,9 @@ STIFFNESSES = {"edge": 1e3, "face": 500.0, "body": 200.0}
 
 def free(*, damping=0.0, method="leapfrog", step=5e-4, stop_time=0.2):
     return box(
-        lattice={"points": [5, 3, 4], "size": [1.0, 0.5, 0.8], "springs": "paper"},
-        stiffness=STIFFNESSES,
-        damping=damping,
-        stretch=[1.1, 0.9, 1.0],
-        angular_velocity=[1.0, 2.0, 0.5],
-        velocities="all",
-        method=method,
-        step=step,
-        stop_time=stop_time,
-    )
+        lattice={"points": [5, 3, 4], "size": [1.0, 0.5, 0.8], "springs": "paper"}, stiffness=STIFFNESSES, damping=damping,
+        stretch=[1.1, 0.9, 1.0], angular_velocity=[1.0, 2.0, 0.5], velocities="all", method=method, step=step, stop_time=stop_time,
+    )  # fmt: skip
 
 
 def stiff():
@@ -29,15 +22,9 @@ def stiff():
 def solid():
     regions = [{"points": {"k": [0, 2]}, "youngs_modulus": 4e4, "density": 500.0}]
     return box(
-        lattice={"points": [4, 3, 5], "size": [0.3, 0.22, 0.36]},
-        material={"youngs_modulus": 1e4},
-        mass={"density": 1100.0},
-        region=regions,
-        gravity=GRAVITY,
-        pin=[{"name": "base", "points": "x-"}],
-        step=5e-4,
-        stop_time=0.15,
-    )
+        lattice={"points": [4, 3, 5], "size": [0.3, 0.22, 0.36]}, material={"youngs_modulus": 1e4}, mass={"density": 1100.0},
+        region=regions, gravity=GRAVITY, pin=[{"name": "base", "points": "x-"}], step=5e-4, stop_time=0.15,
+    )  # fmt: skip
 
 
 def patched(*, damping=30.0, **keys):
@@ -51,17 +38,9 @@ def patched(*, damping=30.0, **keys):
 
 def drop(method="auto", *, step=1e-3, stop_time=1.0):
     return box(
-        stiffness=2e3,
-        damping=0.1,
-        gravity=GRAVITY,
-        offset=[0.0, 0.0, 0.2],
-        velocity=[1.0, 0.0, 0.0],
-        angular_velocity=[0.5, 1.0, 0.0],
-        plane=[{"name": "ground", "friction": 0.4}],
-        method=method,
-        step=step,
-        stop_time=stop_time,
-    )
+        stiffness=2e3, damping=0.1, gravity=GRAVITY, offset=[0.0, 0.0, 0.2], velocity=[1.0, 0.0, 0.0], angular_velocity=[0.5, 1.0, 0.0],
+        plane=[{"name": "ground", "friction": 0.4}], method=method, step=step, stop_time=stop_time,
+    )  # fmt: skip
 
 
 def incline():
@@ -86,16 +65,9 @@ def press(**keys):
 
 def tumble(offset=0.0):
     return box(
-        stiffness=2e3,
-        damping=0.0,
-        gravity=GRAVITY,
-        offset=[offset, 0.0, 0.2],
-        velocity=[1.0, 0.3, 0.0],
-        angular_velocity=[6.0, 4.0, 5.0],
-        plane=[{"name": "ground"}],
-        step=1e-3,
-        stop_time=2.6,
-    )
+        stiffness=2e3, damping=0.0, gravity=GRAVITY, offset=[offset, 0.0, 0.2], velocity=[1.0, 0.3, 0.0], angular_velocity=[6.0, 4.0, 5.0],
+        plane=[{"name": "ground"}], step=1e-3, stop_time=2.6,
+    )  # fmt: skip
 
 
 def held(method="leapfrog"):
@@ -122,16 +94,9 @@ def matched():
 
 def held_in_contact(method="leapfrog"):
     return box(
-        stiffness=2e3,
-        damping=0.1,
-        gravity=GRAVITY,
-        offset=[0.0, 0.0, 0.05],
-        plane=[{"name": "ground", "friction": 0.4}],
-        pin=[{**GRIP, "points": "z+"}],
-        method=method,
-        step=1e-3,
-        stop_time=0.8,
-    )
+        stiffness=2e3, damping=0.1, gravity=GRAVITY, offset=[0.0, 0.0, 0.05], plane=[{"name": "ground", "friction": 0.4}],
+        pin=[{**GRIP, "points": "z+"}], method=method, step=1e-3, stop_time=0.8,
+    )  # fmt: skip
 
 
 def pull(time):

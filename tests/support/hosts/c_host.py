@@ -1,10 +1,11 @@
 """A host in Python on the C functions of the standard themselves, without an importer between: careless, but lawful."""
 
-from ctypes import CDLL, CFUNCTYPE, POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
+from ctypes import CDLL, CFUNCTYPE, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p, create_string_buffer
 from pathlib import Path
 
 import fmpy
 
+from signatures import SIGNATURES
 from softffd import Scene, package_fmu
 
 OK, WARNING, DISCARD, ERROR = range(4)
@@ -17,41 +18,6 @@ Allocate, Free = CFUNCTYPE(c_void_p, c_size_t, c_size_t), CFUNCTYPE(None, c_void
 
 class Callbacks(Structure):
     _fields_ = [("logger", Logger), ("allocate", Allocate), ("free", Free), ("finished", c_void_p), ("environment", c_void_p)]
-
-
-REFERENCES, REALS, INTEGERS = POINTER(c_uint), POINTER(c_double), POINTER(c_int)
-SIGNATURES = {
-    "SetDebugLogging": [c_int, c_size_t, POINTER(c_char_p)],
-    "SetupExperiment": [c_int, c_double, c_double, c_int, c_double],
-    "EnterInitializationMode": [],
-    "ExitInitializationMode": [],
-    "Terminate": [],
-    "Reset": [],
-    "CancelStep": [],
-    "GetReal": [REFERENCES, c_size_t, REALS],
-    "SetReal": [REFERENCES, c_size_t, REALS],
-    "GetInteger": [REFERENCES, c_size_t, INTEGERS],
-    "SetInteger": [REFERENCES, c_size_t, INTEGERS],
-    "GetBoolean": [REFERENCES, c_size_t, INTEGERS],
-    "SetBoolean": [REFERENCES, c_size_t, INTEGERS],
-    "GetString": [REFERENCES, c_size_t, POINTER(c_char_p)],
-    "SetString": [REFERENCES, c_size_t, POINTER(c_char_p)],
-    "DoStep": [c_double, c_double, c_int],
-    "GetStatus": [c_int, INTEGERS],
-    "GetRealStatus": [c_int, REALS],
-    "GetIntegerStatus": [c_int, INTEGERS],
-    "GetBooleanStatus": [c_int, INTEGERS],
-    "GetStringStatus": [c_int, POINTER(c_char_p)],
-    "GetFMUstate": [POINTER(c_void_p)],
-    "SetFMUstate": [c_void_p],
-    "FreeFMUstate": [POINTER(c_void_p)],
-    "SerializedFMUstateSize": [c_void_p, POINTER(c_size_t)],
-    "SerializeFMUstate": [c_void_p, c_char_p, c_size_t],
-    "DeSerializeFMUstate": [c_char_p, c_size_t, POINTER(c_void_p)],
-    "GetDirectionalDerivative": [REFERENCES, c_size_t, REFERENCES, c_size_t, REALS, REALS],
-    "SetRealInputDerivatives": [REFERENCES, c_size_t, INTEGERS, REALS],
-    "GetRealOutputDerivatives": [REFERENCES, c_size_t, INTEGERS, REALS],
-}
 
 
 def opened(path: str) -> CDLL:

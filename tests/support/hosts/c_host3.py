@@ -8,7 +8,7 @@ import fmpy
 import numpy as np
 
 from c_host import Fmu, Host, ints
-from signatures3 import ABSENT, COUNTS, REALS, SIGNATURES
+from signatures import COUNTS, REALS, SIGNATURES3
 from softffd import Scene, package_fmu
 from softffd.fmu.interface import elements
 from softffd.fmu.package import scene_masses
@@ -23,7 +23,7 @@ SPELLED = {"FMUstate": "FMUState", "DeSerialize": "Deserialize", "RealOutput": "
 def opened(path: str) -> CDLL:
     """The FMU's library with the signatures of the standard's header."""
     library = CDLL(path)
-    for name, arguments in (SIGNATURES | ABSENT).items():
+    for name, arguments in SIGNATURES3.items():
         getattr(library, f"fmi3{name}").argtypes = [c_void_p, *arguments]
     library.fmi3InstantiateCoSimulation.argtypes = [
         *(c_char_p, c_char_p, c_char_p, c_bool, c_bool, c_bool, c_bool, c_void_p, c_size_t, c_void_p, Logger, c_void_p),
@@ -37,7 +37,7 @@ def opened(path: str) -> CDLL:
 class Fmu3(Fmu):
     """An unpacked FMU of FMI 3.0."""
 
-    standard, signatures = "fmi3", SIGNATURES | ABSENT
+    standard, signatures = "fmi3", SIGNATURES3
     interpolates = False
 
     def __init__(self, scene: Scene, folder: Path, library: CDLL | None = None):

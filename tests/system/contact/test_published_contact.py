@@ -11,18 +11,10 @@ from softffd import simulate
 
 def dropped(stiffness, **settings):
     scene = box(
-        lattice={"points": [2, 2, 2], "size": [0.1, 0.1, 0.1]},
-        mass={"total": 0.8},
-        stiffness=stiffness,
-        damping=0.0,
-        gravity=GRAVITY,
-        plane=[{"name": "ground", "friction": 0.0}],
-        offset=[0.0, 0.0, 0.2],
-        method="central_difference",
-        step=1e-4,
-        stop_time=0.5,
+        lattice={"points": [2, 2, 2], "size": [0.1, 0.1, 0.1]}, mass={"total": 0.8}, stiffness=stiffness, damping=0.0, gravity=GRAVITY,
+        plane=[{"name": "ground", "friction": 0.0}], offset=[0.0, 0.0, 0.2], method="central_difference", step=1e-4, stop_time=0.5,
         communication_step=1e-4,
-    )
+    )  # fmt: skip
     return simulate(scene, start_values=settings)
 
 

@@ -60,16 +60,9 @@ def warnings(body):
 def press(volume_stiffness, method="auto", step=0.0, stiffness=STIFFNESS):
     """The box under the press, initialized."""
     scene = box(
-        stiffness=stiffness,
-        damping=0.1,
-        volume_stiffness=volume_stiffness,
-        plane=table_and_press(friction=0.4),
-        energy=True,
-        outputs={"solver": True},
-        method=method,
-        step=step,
-        stop_time=3.0,
-    )
+        stiffness=stiffness, damping=0.1, volume_stiffness=volume_stiffness, plane=table_and_press(friction=0.4), energy=True,
+        outputs={"solver": True}, method=method, step=step, stop_time=3.0,
+    )  # fmt: skip
     return Stepper(scene, stop_time=3.0)
 
 

@@ -23,17 +23,9 @@ CENTRE = np.array([0.0, 0.5, 0.5])
 def turning(damping=0.0, gravity=-9.81, **parts):
     """The free box with these parts."""
     return box(
-        stiffness=1e3,
-        damping=damping,
-        gravity=[0.0, 0.0, gravity],
-        stretch=[1.04, 0.98, 1.0],
-        angular_velocity=[1.0, -2.0, 3.0],
-        velocities="all",
-        energy=True,
-        reactions=True,
-        outputs={"solver": True},
-        **parts,
-    )
+        stiffness=1e3, damping=damping, gravity=[0.0, 0.0, gravity], stretch=[1.04, 0.98, 1.0], angular_velocity=[1.0, -2.0, 3.0],
+        velocities="all", energy=True, reactions=True, outputs={"solver": True}, **parts,
+    )  # fmt: skip
 
 
 CASES = {

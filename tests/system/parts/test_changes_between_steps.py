@@ -12,30 +12,16 @@ from stepping import Stepper
 
 def swinging(*, damping=0.02, method="leapfrog"):
     return box(
-        stiffness=1e3,
-        damping=damping,
-        gravity=[0.0, 0.0, -1.0],
-        stretch=[1.1, 1.0, 1.0],
-        velocities="all",
-        energy=True,
-        forces=[[0, 0, 0]],
-        method=method,
-        step=5e-4,
-    )
+        stiffness=1e3, damping=damping, gravity=[0.0, 0.0, -1.0], stretch=[1.1, 1.0, 1.0], velocities="all", energy=True,
+        forces=[[0, 0, 0]], method=method, step=5e-4,
+    )  # fmt: skip
 
 
 def sliding(*, stiffness=0.0, **floor):
     return box(
-        lattice={"points": [2, 2, 2]},
-        mass={"total": 0.8},
-        stiffness=stiffness,
-        damping=0.0,
-        gravity=[0.0, 0.0, -10.0],
-        plane=[{"name": "floor", "friction": 0.1, **floor}],
-        velocity=[2.0, 0.0, 0.0],
-        velocities="all",
-        step=1e-3,
-    )
+        lattice={"points": [2, 2, 2]}, mass={"total": 0.8}, stiffness=stiffness, damping=0.0, gravity=[0.0, 0.0, -10.0],
+        plane=[{"name": "floor", "friction": 0.1, **floor}], velocity=[2.0, 0.0, 0.0], velocities="all", step=1e-3,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("method", ["leapfrog", "auto"])

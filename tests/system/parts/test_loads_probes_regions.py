@@ -13,17 +13,10 @@ from softffd import deform, simulate
 
 def loaded(stiffness):
     return box(
-        points=[3, 4, 2],
-        mass={"total": 4.8},
-        stiffness=stiffness,
-        damping=0.0,
-        load=[{"name": "push", "points": "x+"}, {"name": "lift", "points": [[0, 0, 0], [2, 3, 1]]}],
-        forces=[[2, 3, 1], [0, 1, 0]],
-        velocities="all",
-        step=5e-4,
-        stop_time=0.5,
-        communication_step=0.1,
-    )
+        points=[3, 4, 2], mass={"total": 4.8}, stiffness=stiffness, damping=0.0,
+        load=[{"name": "push", "points": "x+"}, {"name": "lift", "points": [[0, 0, 0], [2, 3, 1]]}], forces=[[2, 3, 1], [0, 1, 0]],
+        velocities="all", step=5e-4, stop_time=0.5, communication_step=0.1,
+    )  # fmt: skip
 
 
 VALUES = {
@@ -131,14 +124,10 @@ PROBES = {"inside": [1.3, 2.85, 5.9], "corner": [3.0, 3.0, 7.0], "middle": [2.0,
 
 def probed(**lattice):
     return box(
-        lattice={"points": [4, 3, 5], "origin": [1.0, 2.0, 3.0], "size": [2.0, 1.0, 4.0], **lattice},
-        stretch=[1.2, 0.9, 1.0],
-        velocity=[0.1, 0.2, -0.3],
-        angular_velocity=[1.0, -2.0, 0.5],
-        probe=[{"name": name, "at": at} for name, at in PROBES.items()],
-        stop_time=0.5,
-        communication_step=0.05,
-    )
+        lattice={"points": [4, 3, 5], "origin": [1.0, 2.0, 3.0], "size": [2.0, 1.0, 4.0], **lattice}, stretch=[1.2, 0.9, 1.0],
+        velocity=[0.1, 0.2, -0.3], angular_velocity=[1.0, -2.0, 0.5], probe=[{"name": name, "at": at} for name, at in PROBES.items()],
+        stop_time=0.5, communication_step=0.05,
+    )  # fmt: skip
 
 
 def test_probes_follow_the_bezier_volume():

@@ -7,29 +7,16 @@ from softffd import load_scene
 from stepping import Stepper
 
 RESONANT = box(
-    stiffness=1e3,
-    damping=0.0,
-    region=[{"points": "x+", "mass": 2.3e-5}],
-    pin=[{"name": "base", "points": "x-"}],
-    stretch=[1.2, 1.0, 1.0],
-    energy=True,
-    outputs={"solver": True},
-    method="leapfrog",
-)
+    stiffness=1e3, damping=0.0, region=[{"points": "x+", "mass": 2.3e-5}], pin=[{"name": "base", "points": "x-"}], stretch=[1.2, 1.0, 1.0],
+    energy=True, outputs={"solver": True}, method="leapfrog",
+)  # fmt: skip
 
 
 def violent(method="leapfrog"):
     return box(
-        points=[2, 2, 2],
-        stiffness=1e3,
-        damping=0.0,
-        stretch=[0.5, 2.0, 2.0],
-        angular_velocity=[-22.0, 25.0, -2.0],
-        energy=True,
-        outputs={"solver": True},
-        method=method,
-        tolerance=10.0,
-    )
+        points=[2, 2, 2], stiffness=1e3, damping=0.0, stretch=[0.5, 2.0, 2.0], angular_velocity=[-22.0, 25.0, -2.0], energy=True,
+        outputs={"solver": True}, method=method, tolerance=10.0,
+    )  # fmt: skip
 
 
 def energy(body):
@@ -64,14 +51,8 @@ def test_a_given_step_that_feeds_vibrations_is_warned_of_once():
 def test_a_damped_body_whose_cells_stiffen_within_a_given_step_is_warned_of():
     """Crushed at 10 m/s to half its height, and held so: more energy than the press has given."""
     crushed = box(
-        stiffness=10.0,
-        damping=0.001,
-        volume_stiffness=1e9,
-        plane=table_and_press(),
-        energy=True,
-        method="leapfrog",
-        step=2e-4,
-    )
+        stiffness=10.0, damping=0.001, volume_stiffness=1e9, plane=table_and_press(), energy=True, method="leapfrog", step=2e-4,
+    )  # fmt: skip
     with Stepper(crushed, start_values={"plane.press.velocity.z": -10.0}) as body:
         for n in range(20):
             body.set({"plane.press.point.z": 1 - 0.125 * min(n, 4), "plane.press.velocity.z": -10.0 if n < 4 else 0.0})

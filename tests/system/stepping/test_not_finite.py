@@ -12,14 +12,9 @@ SPEED, H = 10.0, 0.0125
 
 def under_press(step):
     return box(
-        stiffness=10.0,
-        damping=0.001,
-        volume_stiffness=1e9,
-        plane=table_and_press(),
-        outputs={"solver": True},
-        method="leapfrog",
+        stiffness=10.0, damping=0.001, volume_stiffness=1e9, plane=table_and_press(), outputs={"solver": True}, method="leapfrog",
         step=step,
-    )
+    )  # fmt: skip
 
 
 def crush(body, steps=range(4)):

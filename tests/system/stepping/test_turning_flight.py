@@ -22,20 +22,11 @@ GROUND = {"name": "ground", "friction": 0.4}
 def thrown(*, stiffness=1e8, damping=0.0, planes=()):
     """A box of uneven masses, turning about all its axes, with a load on a corner."""
     return box(
-        lattice={"points": [4, 4, 3], "size": [1.0, 0.8, 0.5]},
-        stiffness=stiffness,
-        damping=damping,
-        region=[{"points": "x+", "mass": 0.03}],
-        gravity=GRAVITY,
-        plane=planes,
-        offset=[0.0, 0.0, 1.0],
-        velocity=[1.0, 0.0, 1.0],
-        angular_velocity=[8.0, 15.0, -11.0],
-        load=[{"name": "push", "points": [[3, 3, 2]]}],
-        velocities="all",
-        energy=True,
+        lattice={"points": [4, 4, 3], "size": [1.0, 0.8, 0.5]}, stiffness=stiffness, damping=damping,
+        region=[{"points": "x+", "mass": 0.03}], gravity=GRAVITY, plane=planes, offset=[0.0, 0.0, 1.0], velocity=[1.0, 0.0, 1.0],
+        angular_velocity=[8.0, 15.0, -11.0], load=[{"name": "push", "points": [[3, 3, 2]]}], velocities="all", energy=True,
         outputs={"solver": True},
-    )
+    )  # fmt: skip
 
 
 def push(stepper, newton):

@@ -46,15 +46,9 @@ def test_slow_motion_of_a_stiff_cube_is_within_the_tolerance_in_a_few_steps(pinn
 def test_a_stiff_cube_slides_down_as_friction_lets_it(method, stiffness):
     downhill, friction, damping, seconds, step = 4.0, 0.3, 1e-3, 0.2, 0.02
     scene = box(
-        **WIDE,
-        stiffness=stiffness,
-        damping=damping,
-        gravity=[downhill, 0.0, -9.81],
-        method=method,
-        plane=[{"name": "ground", "friction": friction}],
-        stop_time=seconds,
-        communication_step=step,
-    )
+        **WIDE, stiffness=stiffness, damping=damping, gravity=[downhill, 0.0, -9.81], method=method,
+        plane=[{"name": "ground", "friction": friction}], stop_time=seconds, communication_step=step,
+    )  # fmt: skip
     result = simulate(scene)
     pull, drag = downhill - friction * 9.81, damping * 9**3  # of a kilogram
     speed = pull / drag * (1 - np.exp(-drag * seconds))
