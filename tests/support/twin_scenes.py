@@ -33,7 +33,7 @@ def patched(*, damping=30.0, **keys):
         {"points": {"i": [0, 1]}, "stiffness": 2e3},
     ]
     nose = {"name": "nose", "at": [0.3, 0.5, 0.9]}
-    return box(region=regions, load=[{"name": "push", "points": "x+"}], probe=[nose], step=2.5e-4, stop_time=0.3, **keys)
+    return box(region=regions, load=[{"name": "push", "points": "x+"}], probe=[nose], step=4e-4, stop_time=0.3, **keys)
 
 
 def drop(method="auto", *, step=1e-3, stop_time=1.0):

@@ -66,6 +66,7 @@ def rigid_rest(scene, result):
     return found.fun, now[2]
 
 
+@pytest.mark.short("a cow that falls*", "a car*")
 @pytest.mark.parametrize(
     ("name", "distribution", "axis", "degrees", "about"),
     [

@@ -96,7 +96,7 @@ THROWN = {"velocity": [0.5, 0.0, 0.0], "angular_velocity": [0.0, 3.0, 1.0], "sto
 EXACT = [
     (10, ("dop853", 1e-9)),
     (100, ("ros34pw2", 1e-7)),
-    (300, ("ros34pw2", 1e-7)),
+    pytest.param(300, ("ros34pw2", 1e-7), marks=pytest.mark.full),
     pytest.param(100, ("dop853", 1e-9), marks=pytest.mark.full),
 ]
 

@@ -164,6 +164,7 @@ def observed(divisions, errors):
     return -np.polyfit(np.log(divisions), np.log(errors), 1)[0]
 
 
+@pytest.mark.short("*ramp-*", "*pin-*", "curved-*")
 @pytest.mark.parametrize(("case", "method"), pairs([case for case in CASES if case != "turning pin"]))
 def test_the_motion_has_the_methods_order(courses, case, method):
     row = METHODS[method]
@@ -185,6 +186,7 @@ def test_the_references_agree_to_rounding(courses, case):
 SMOOTH = [method for method in METHODS if method != "central_difference"]
 
 
+@pytest.mark.short("*ramp-*", "*pin-*", "curved-*")
 @pytest.mark.parametrize(("case", "method"), pairs([case for case in CASES if case != "turning pin"], SMOOTH))
 def test_the_energy_balance_closes_with_the_methods_order(courses, case, method):
     """Kinetic + elastic + gravity + dissipated - work. Runge-Kutta methods have one order more here: they lose energy in odd powers."""
@@ -194,6 +196,7 @@ def test_the_energy_balance_closes_with_the_methods_order(courses, case, method)
     assert gaps[-1] < 0.05
 
 
+@pytest.mark.short("*ramp-*", "*pin-*")
 @pytest.mark.parametrize(("case", "method"), pairs([case for case in CASES if case not in ("turning pin", "curved")], SMOOTH))
 def test_momentum_is_what_loads_drag_and_pins_gave(courses, case, method):
     """The change of momentum in every communication step is the impulse of gravity, loads, damping and pin: to rounding (1e-13 N s).

@@ -66,6 +66,7 @@ def test_the_twin_is_a_valid_fmu(tmp_path):
     assert validate_fmu(str(build_twin(press(points=[2, 2, 2]), tmp_path / "twin.fmu"))) == []
 
 
+@pytest.mark.short("damped", "stiff*", "regions*", "a *", "two *", "pins, *", "pins of a body that is*", "masses*")
 @pytest.mark.parametrize("name", SMOOTH)
 def test_smooth_motions_agree_to_rounding(both, name):
     scene, inputs, tolerance, *start = SMOOTH[name]
@@ -77,7 +78,7 @@ def test_smooth_motions_agree_to_rounding(both, name):
         assert np.abs(values - twin.outputs[output]).max() < allowed, output
 
 
-@pytest.mark.short("drop with friction", "drop by the published rule", "conveyor that turns", "plane that jumps", "press")
+@pytest.mark.short("drop with friction", "conveyor that turns", "plane that jumps", "press")
 @pytest.mark.parametrize("name", CONTACT)
 def test_motions_in_contact_agree_to_the_end(both, name):
     """Impacts and friction leave less than they find; rounding is not multiplied as it is in a fast tumble.
@@ -187,7 +188,7 @@ ALONE = """
 import gc, sys
 sys.modules["softffd"] = None
 import fmpy
-for _ in range(12):
+for _ in range(4):
     result = fmpy.simulate_fmu(sys.argv[1], stop_time=0.05, output=["position[0,0,0].z"])
     gc.collect()
 print(len(result), result["position[0,0,0].z"][-1])

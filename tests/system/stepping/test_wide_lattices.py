@@ -30,6 +30,7 @@ def pulled(method, **keys):
     return simulate(scene, inputs=force)
 
 
+@pytest.mark.short("True")
 @pytest.mark.parametrize("pinned", [False, True])
 def test_slow_motion_of_a_stiff_cube_is_within_the_tolerance_in_a_few_steps(pinned):
     keys = {"pin": [{"name": "wall", "points": "y-"}]} if pinned else {}
@@ -41,6 +42,7 @@ def test_slow_motion_of_a_stiff_cube_is_within_the_tolerance_in_a_few_steps(pinn
         assert np.abs(result.positions - exact.positions).max() < TOLERANCE
 
 
+@pytest.mark.short("100000000.0-*")
 @pytest.mark.parametrize("method", ["auto", "backward_euler"])
 @pytest.mark.parametrize("stiffness", [1e5, 1e8])
 def test_a_stiff_cube_slides_down_as_friction_lets_it(method, stiffness):
