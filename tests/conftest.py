@@ -11,6 +11,7 @@ A test that is named on the command line (file::test) always runs.
 
 import gzip
 import json
+import os
 import signal
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -18,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotation import chosen_group
+from rotation import chosen_group, renewed
 
 DATA = Path(__file__).resolve().parent / "data"
 SECONDS = DATA / "seconds.json"
@@ -28,7 +29,7 @@ def pytest_addoption(parser):
     group = parser.getgroup("softffd")
     group.addoption("--full", action="store_true", help="run the long tests too")
     group.addoption("--rotate", metavar="KEY", help="run one group of the long tests, which KEY (a commit's hash) chooses")
-    group.addoption("--keep-seconds", action="store_true", help=f"write what each test took to {SECONDS.name}, by which groups are made")
+    group.addoption("--keep-seconds", action="store_true", help=f"with --full: write what each long test took to {SECONDS.name}")
 
 
 def pytest_configure(config):
@@ -93,11 +94,20 @@ def pytest_terminal_summary(terminalreporter, config):
         took: dict[str, float] = {}
         for reports in terminalreporter.stats.values():
             for report in reports:
-                if hasattr(report, "duration"):
-                    took[report.nodeid] = took.get(report.nodeid, 0.0) + report.duration
+                if getattr(report, "of_long_test", False):
+                    took[report.nodeid] = took.get(report.nodeid, 0.0) + report.spent
         kept = json.loads(SECONDS.read_text()) if SECONDS.is_file() else {}
-        kept |= {test: round(seconds, 1) for test, seconds in took.items()}
-        SECONDS.write_text(json.dumps(dict(sorted(kept.items())), indent=0) + "\n")
+        SECONDS.write_text(json.dumps(renewed(kept, took, config.rootpath), indent=0) + "\n")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item):
+    """With what the processor spent since the report before, on a busy machine too."""
+    report = yield
+    spent = sum(os.times()[:4])
+    report.of_long_test, report.spent = is_long(item), spent - getattr(item.config, "spent", spent)
+    item.config.spent = spent
+    return report
 
 
 @pytest.fixture(scope="session")

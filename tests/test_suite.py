@@ -1,6 +1,8 @@
 """The long tests are shared out among groups that rotate."""
 
-from rotation import GROUP_SECONDS, LONGEST, chosen_group, groups
+from pathlib import Path
+
+from rotation import GROUP_SECONDS, LONGEST, chosen_group, groups, renewed
 
 TESTS = [f"tests/a.py::test_{number}" for number in range(700)]
 SECONDS = {test: 1.0 + 37 * number % 23 for number, test in enumerate(TESTS[:600])}
@@ -32,3 +34,10 @@ def test_the_same_key_chooses_the_same_group_and_keys_reach_every_group():
     chosen = {frozenset(chosen_group(TESTS, SECONDS, f"commit {number}")[0]) for number in range(200)}
     assert chosen == {frozenset(part) for part in groups(TESTS, SECONDS)}
     assert chosen_group(TESTS, SECONDS, "abc") == chosen_group(TESTS, SECONDS, "abc")
+
+
+def test_recorded_times_are_of_tests_that_there_are():
+    here, moved = "tests/test_suite.py::test_a_bundle_stays_in_one_group", "tests/gone.py::test_a_bundle_stays_in_one_group"
+    other, ran = "tests/test_suite.py::test_nobody_knows", "tests/test_suite.py::test_that_ran"
+    kept = renewed({here: 2.0, moved: 1.0, other: 1.0, f"{ran}[old]": 3.0}, {f"{ran}[new]": 4.04}, Path(__file__).parents[1])
+    assert kept == {here: 2.0, f"{ran}[new]": 4.0}

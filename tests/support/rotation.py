@@ -3,6 +3,7 @@ by itself is in none: it is left to the runs of everything."""
 
 import hashlib
 from collections.abc import Mapping
+from pathlib import Path
 
 GROUP_SECONDS = 600.0
 """Seconds of one core in a group: half of what two cores have in ten minutes. The rest is for slower machines."""
@@ -43,3 +44,16 @@ def chosen_group(tests: list[str], seconds: dict[str, float], key: str, bundle: 
     line = f"group {number + 1} of {len(parts)} of the long tests: {len(parts[number])} of {len(tests)}, chosen by {key}"
     line += f" ({longer} are too long for groups)" * (longer > 0)
     return set(parts[number]), line
+
+
+def renewed(seconds: dict[str, float], took: Mapping[str, float], root: Path) -> dict[str, float]:
+    """The times [s] that are recorded after a run: its own, and of tests that did not run those that are still there, as far as their
+    functions say; of a test that ran, cells that did not are gone."""
+    ran = {test.partition("[")[0] for test in took}
+
+    def stands(test: str) -> bool:
+        path, _, name = test.partition("[")[0].rpartition("::")
+        return (root / path).is_file() and f"def {name}(" in (root / path).read_text()
+
+    kept = {test: spent for test, spent in seconds.items() if test.partition("[")[0] not in ran and stands(test)}
+    return dict(sorted((kept | {test: round(spent, 1) for test, spent in took.items()}).items()))
