@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,9 @@ from softffd.lattice import to_flat
 
 
 class Stepper:
-    """`sim`, a Simulation of a scene after its initialization, and readings of it; use as a context manager."""
+    """`sim`, a Simulation of a scene or an FMU after its initialization, and readings of it; use as a context manager."""
 
-    def __init__(self, scene: Scene, *, start_values: dict[str, Any] | None = None, **setup: float | None):
+    def __init__(self, scene: Scene | Path, *, start_values: dict[str, Any] | None = None, **setup: float | None):
         """setup: start_time, stop_time, tolerance."""
         self.sim = Simulation(scene, start_values=start_values, **setup)
         try:

@@ -3,16 +3,13 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import fmpy
 import numpy as np
 import pytest
-from fmpy.fmi2 import FMU2Slave
 
 from softffd import load_scene, package_fmu
 from softffd.fmu.component import Component
 
 pytest.importorskip("pythonfmu", reason="the driver FMUs are made with pythonfmu")
-from callbacks import own_callbacks
 from softffd.drivers.coupled import SCENE
 
 PLANE = "plane.plate."
@@ -64,30 +61,3 @@ def run_explicitly(folder, body_path, step, steps, *, body_start=None, plate_sta
                 part.get(block)
             run.rows.append(np.concatenate([momentum.values, reaction.values, observed.values]))
     return run
-
-
-class Part:
-    """One FMU in fmpy, by variable names."""
-
-    def __init__(self, path: Path, scratch: Path, **start: float):
-        unpacked = fmpy.extract(str(path), unzipdir=str(scratch / path.stem))
-        description = fmpy.read_model_description(unpacked)
-        self.variables = {variable.name: variable for variable in description.modelVariables}
-        identifier = description.coSimulation.modelIdentifier
-        self.fmu = FMU2Slave(guid=description.guid, unzipDirectory=unpacked, modelIdentifier=identifier, instanceName=path.stem)
-        self.fmu.instantiate(callbacks=own_callbacks([]))
-        self.fmu.setupExperiment()
-        self.set(start)
-        self.fmu.enterInitializationMode()
-        self.fmu.exitInitializationMode()
-
-    def set(self, values: dict[str, float]) -> None:
-        for name, value in values.items():
-            variable = self.variables[name]
-            (self.fmu.setReal if variable.type == "Real" else self.fmu.setInteger)([variable.valueReference], [value])
-
-    def __getitem__(self, name: str) -> float:
-        return self.fmu.getReal([self.variables[name].valueReference])[0]
-
-    def read(self, *names: str) -> list[float]:
-        return [self[name] for name in names]

@@ -5,12 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from coupled_parts import BODY_MASS, GRAVITY, MECHANICAL, PLANE, REST_ENERGY, Part, body_fmu, run_explicitly
+from coupled_parts import BODY_MASS, GRAVITY, MECHANICAL, PLANE, REST_ENERGY, body_fmu, run_explicitly
 from readings import orders
 from scenes import meshed
 from softffd import package_fmu
 from softffd.fmu.component import Component
 from softffd.fmu.package import scene_masses
+from stepping import Stepper
 from validation import shapes as bodies
 
 MOTION_START = [f"initial.{family}.{axis}" for family in ("point", "velocity") for axis in "xyz"]
@@ -118,85 +119,71 @@ def test_a_loop_of_a_few_lines_is_of_second_order_with_the_mean_velocity_by_the_
     assert errors[0.5][0] < errors[0.0][0] / 100
 
 
-class Implicit:
-    """Finds the reaction that plate and body agree on, between none and the one that an unmoved plate would get."""
+def implicit_step(body: Stepper, plate: Stepper, length: float) -> int:
+    """Finds the reaction that plate and body agree on, between none and the one that an unmoved plate would get; the number of tries."""
+    parts = (plate, body)
+    saved, (place,) = [part.save() for part in parts], plate.read("point.z")
 
-    def __init__(self, body: Part, plate: Part):
-        self.body, self.plate, self.time = body, plate, 0.0
-
-    def step(self, length: float) -> int:
-        parts = (self.plate, self.body)
-        saved = [part.fmu.getFMUstate() for part in parts]
-        place = self.plate["point.z"]
-
-        def excess(reaction: float) -> float:
-            for part, state in zip(parts, saved, strict=True):
-                part.fmu.setFMUstate(state)
-            self.plate.set({"reaction.z": reaction})
-            self.plate.fmu.doStep(self.time, length)
-            self.body.set({PLANE + "point.z": place, PLANE + "velocity.z": (self.plate["point.z"] - place) / length})
-            self.body.fmu.doStep(self.time, length)
-            return self.body[PLANE + "reaction.z"] - reaction
-
-        tries = self._solve(excess)
+    def excess(reaction: float) -> float:
         for part, state in zip(parts, saved, strict=True):
-            part.fmu.freeFMUstate(state)
-        self.time += length
-        return tries
+            part.restore(state)
+        plate.set({"reaction.z": reaction})
+        plate.step(length)
+        body.set({PLANE + "point.z": place, PLANE + "velocity.z": (plate.read("point.z")[0] - place) / length})
+        body.step(length)
+        return body.read(PLANE + "reaction.z")[0] - reaction
 
-    @staticmethod
-    def _solve(excess) -> int:
-        """False position (Illinois): the body's reaction falls as the plate's grows. Returns the number of tries."""
-        low, below = 0.0, excess(0.0)
-        if below == 0:
-            return 1
-        high, above = below, excess(below)
-        for tries in range(3, 100):
-            middle = (low * above - high * below) / (above - below)
-            rest = excess(middle)
-            if abs(rest) < 1e-8:
-                return tries
-            if rest > 0:
-                low, below, above = middle, rest, 0.5 * above
-            else:
-                high, above, below = middle, rest, 0.5 * below
-        raise AssertionError(f"no common reaction between {low} and {high}")
+    return false_position(excess)
 
 
-LIGHT, LOAD = {"mass": 0.05}, -20.0  # the 16 control points on the plate weigh 0.25 kg
+def false_position(excess) -> int:
+    """Illinois: the body's reaction falls as the plate's grows. Returns the number of tries."""
+    low, below = 0.0, excess(0.0)
+    if below == 0:
+        return 1
+    high, above = below, excess(below)
+    for tries in range(3, 100):
+        middle = (low * above - high * below) / (above - below)
+        rest = excess(middle)
+        if abs(rest) < 1e-8:
+            return tries
+        if rest > 0:
+            low, below, above = middle, rest, 0.5 * above
+        else:
+            high, above, below = middle, rest, 0.5 * below
+    raise AssertionError(f"no common reaction between {low} and {high}")
 
 
-def test_a_light_plate_under_load_diverges_explicitly(drivers, tmp_path):
-    body, plate = Part(body_fmu(drivers), tmp_path), Part(drivers / "plate.fmu", tmp_path, **LIGHT)
-    plate.set({"force.z": LOAD})
+LOAD = {"force.z": -20.0}
+"""N; the 16 control points on the plate weigh 0.25 kg"""
+
+
+def test_a_light_plate_under_load_diverges_explicitly(drivers):
     speeds = []
-    for n in range(100):
-        plate.set({"reaction.z": body[PLANE + "reaction.z"]})
-        body.set({PLANE + name: plate[name] for name in ("point.z", "velocity.z")})
-        for part in (plate, body):
-            part.fmu.doStep(n * 1e-3, 1e-3)
-        speeds.append(abs(plate["velocity.z"]))
-    for part in (plate, body):
-        part.fmu.freeInstance()
+    with Stepper(body_fmu(drivers)) as body, Stepper(drivers / "plate.fmu", start_values={"mass": 0.05}) as plate:
+        plate.set(LOAD)
+        for _ in range(100):
+            plate.set({"reaction.z": body.read(PLANE + "reaction.z")[0]})
+            body.set({PLANE + name: plate.read(name)[0] for name in ("point.z", "velocity.z")})
+            for part in (plate, body):
+                part.step(1e-3)
+            speeds.append(abs(plate.read("velocity.z")[0]))
     assert max(speeds) > 20, "m/s, where the load can give it 0.2"
 
 
 @pytest.mark.short("0.001")
 @pytest.mark.parametrize("mass", [0.05, 0.001])
-def test_a_light_plate_under_load_is_solved_implicitly(drivers, tmp_path, mass):
-    body, plate = Part(body_fmu(drivers), tmp_path), Part(drivers / "plate.fmu", tmp_path, mass=mass, delay=0)
-    plate.set({"force.z": LOAD})
-    master = Implicit(body, plate)
+def test_a_light_plate_under_load_is_solved_implicitly(drivers, mass):
     errors, heights, speeds = [], [], []
-    for _ in range(100):
-        assert master.step(1e-3) < 60
-        height, speed = plate["point.z"], plate["momentum.z"] / mass
-        energy = 0.5 * mass * speed**2 + (mass * GRAVITY - LOAD) * height + sum(body.read(*MECHANICAL, "energy.dissipated"))
-        errors.append(energy - REST_ENERGY)
-        heights.append(height)
-        speeds.append(abs(speed))
-    for part in (plate, body):
-        part.fmu.freeInstance()
+    with Stepper(body_fmu(drivers)) as body, Stepper(drivers / "plate.fmu", start_values={"mass": mass, "delay": 0}) as plate:
+        plate.set(LOAD)
+        for _ in range(100):
+            assert implicit_step(body, plate, 1e-3) < 60
+            height, momentum = plate.read("point.z", "momentum.z")
+            energy = 0.5 * momentum**2 / mass + (mass * GRAVITY - LOAD["force.z"]) * height
+            errors.append(energy + sum(body.read(*MECHANICAL, "energy.dissipated")) - REST_ENERGY)
+            heights.append(height)
+            speeds.append(abs(momentum / mass))
     assert max(map(abs, errors)) < 2e-5, "J; work and kinetic energy balance exactly, the rest is the body's internal step"
     assert max(speeds) < 0.3
     assert -0.003 < min(heights) < -0.001
