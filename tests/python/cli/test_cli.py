@@ -57,7 +57,7 @@ def refused(capsys, *arguments) -> str:
 def test_build_then_run_the_fmu_then_run_the_scene(quick, capsys):
     assert main(["build", "quick.toml"]) == 0
     Path("quick.fmu").rename("QUICK.FMU")
-    assert main(["run", "QUICK.FMU", "-o", "from_fmu"]) == 0
+    assert main(["run", "QUICK.FMU", "-o", "from_fmu", "--no-pictures"]) == 0
     assert main(["run", "quick.toml", "-o", "from_scene"]) == 0
     a, b = (np.load(quick / folder / "result.npz") for folder in ("from_fmu", "from_scene"))
     np.testing.assert_array_equal(a["positions"], b["positions"])
@@ -93,7 +93,7 @@ def test_the_newest_version_that_a_library_names_is_needed(tmp_path):
 
 
 def test_result_csv_has_every_output_by_name(quick):
-    main(["run", "quick.toml", "-o", "out"])
+    main(["run", "quick.toml", "-o", "out", "--no-pictures"])
     header = (quick / "out" / "result.csv").read_text().splitlines()[0]
     for name in ("time", "plane.ground.reaction.z", '"position[3,3,3].z"', "energy.work"):
         assert name in header
@@ -102,7 +102,7 @@ def test_result_csv_has_every_output_by_name(quick):
 
 
 def test_summary_tells_time_deformation_reaction_and_energy(quick):
-    main(["run", "quick.toml", "-o", "out"])
+    main(["run", "quick.toml", "-o", "out", "--no-pictures"])
     summary = json.loads((quick / "out" / "summary.json").read_text())
     assert summary["simulated_time_s"] == 0.2 and summary["real_time_factor"] > 0
     assert summary["largest_deformation_m"] > 0
@@ -113,7 +113,7 @@ def test_summary_tells_time_deformation_reaction_and_energy(quick):
 def test_set_and_input_reach_the_component(quick):
     Path("inputs.csv").write_text("time,load.push.x\n0,0\n0.1,5\n")
     Path("pushed.toml").write_text(QUICK + '[material]\ndamping = 0.0\n[[load]]\nname = "push"\npoints = "x+"\n')
-    assert main(["run", "pushed.toml", "--input", "inputs.csv", "--set", "mass=2", "--stop-time", "0.1", "-o", "out"]) == 0
+    assert main(["run", "pushed.toml", "--input", "inputs.csv", "--set", "mass=2", "--stop-time", "0.1", "-o", "out", "--no-pictures"]) == 0
     x = np.load(quick / "out" / "result.npz")["positions"][-1].mean(axis=(0, 1, 2))
     rows = 0.01 * np.arange(10)
     exact = sum(50 * t / 2 * 0.01 * (0.1 - t - 0.005) for t in rows)  # held over each step: sum of a H (T - t - H/2)
@@ -128,7 +128,7 @@ def test_every_shipped_scene_runs(name, tmp_path, capsys):
 
 
 def test_the_pressed_box_recovers(tmp_path):
-    main(["run", "press", "-o", str(tmp_path)])
+    main(["run", "press", "-o", str(tmp_path), "--no-pictures"])
     z = np.load(tmp_path / "result.npz")["positions"][..., 2]
     heights = z.max(axis=(1, 2, 3)) - z.min(axis=(1, 2, 3))
     assert heights.min() == pytest.approx(0.6, abs=1e-3)
@@ -148,7 +148,7 @@ def test_demo_keeps_what_it_promises(tmp_path, capsys):
 
 def test_new_writes_a_scene_that_runs(quick, capsys):
     assert main(["new", "mine"]) == 0
-    assert main(["run", "mine.toml", "--stop-time", "0.05", "-o", "out"]) == 0
+    assert main(["run", "mine.toml", "--stop-time", "0.05", "-o", "out", "--no-pictures"]) == 0
     assert "exists already" in refused(capsys, "new", "mine")
     assert "wanted a name in UTF-8" in refused(capsys, "new", "\udcff") and not list(Path().glob("\udcff*"))
 

@@ -85,8 +85,8 @@ def test_a_start_value_of_what_the_file_drives_is_refused(name, capsys):
     Path("box.csv").write_text("time,plane.plate.point.z\n0,5\n")
     said = told(capsys, "run", "box.toml", "--set", f"{name}=4", status=1)
     assert f"box.csv: {name} comes from here over time" in said and "--no-input" in said
-    told(capsys, "run", "box.toml", "--set", "load.push.y=1")
-    told(capsys, "run", "box.toml", "--set", f"{name}=4", "--no-input", "-o", "alone")
+    told(capsys, "run", "box.toml", "--set", "load.push.y=1", "--no-pictures")
+    told(capsys, "run", "box.toml", "--set", f"{name}=4", "--no-input", "--no-pictures", "-o", "alone")
     with pytest.raises(FmuError, match=r"inputs: load\.push\.x comes from here"):
         simulate(load_scene("box.toml"), start_values={"load.push": (1, 2, 3)}, inputs=lambda time: {"load.push.x": 0.0})
 
@@ -96,7 +96,7 @@ def test_methods_are_told_with_their_share_and_reason(capsys):
         "[environment]\ngravity = [0, 0, -9.81]\n[[plane]]\nname = 'ground'\n[initial]\noffset = [0, 0, 0.2]\n"
         "[experiment]\nstop_time = 0.4\n"
     )
-    said = told(capsys, "run", "fall.toml")
+    said = told(capsys, "run", "fall.toml", "--no-pictures")
     methods = json.loads(Path("softffd-fall/summary.json").read_text())["methods"]
     with Simulation(load_scene("fall.toml"), stop_time=0.4) as sim:
         counted = Counter()
@@ -107,7 +107,7 @@ def test_methods_are_told_with_their_share_and_reason(capsys):
     for row in methods:
         assert row["simulated_s"] == pytest.approx(0.01 * row["communication_steps"])
         assert f"  {row['communication_steps'] / 40:.0%} of it by {row['method']}: {row['reason']}\n" in said
-    said = told(capsys, "run", "box.toml", "--set", "solver.method=leapfrog", "--stop-time", "0.02")
+    said = told(capsys, "run", "box.toml", "--set", "solver.method=leapfrog", "--stop-time", "0.02", "--no-pictures")
     assert "\n  all of it by leapfrog: as asked" in said
 
 
@@ -125,10 +125,10 @@ def test_pace_is_faster_or_slower(factor, words):
 
 
 def test_nothing_is_said_of_what_did_not_happen(capsys):
-    said = told(capsys, "run", "box.toml")
+    said = told(capsys, "run", "box.toml", "--no-pictures")
     assert "largest deformation" not in said and "reaction" not in said and "energy" not in said
     assert json.loads(Path("softffd-box/summary.json").read_text())["plane.plate.reaction_peak_N"] == 0
-    said = told(capsys, "run", "box.toml", "--set", "load.push.x=100", "--overwrite")
+    said = told(capsys, "run", "box.toml", "--set", "load.push.x=100", "--overwrite", "--no-pictures")
     assert "largest deformation" in said and "energy balance" in said and "reaction" not in said
 
 
@@ -181,7 +181,7 @@ def test_an_interrupted_simulation_hands_over_its_result(monkeypatch):
 
 
 def test_results_of_an_earlier_run_stay_unless_asked(capsys):
-    told(capsys, "run", "box.toml")
+    told(capsys, "run", "box.toml", "--no-pictures")
     before = Path("softffd-box/result.npz").read_bytes()
     said = told(capsys, "run", "box.toml", "--set", "mass=3", "--no-pictures")
     assert "kept in softffd-box-2: " in said and "softffd-box is there already; --overwrite" in said
@@ -189,7 +189,7 @@ def test_results_of_an_earlier_run_stay_unless_asked(capsys):
     said = told(capsys, "run", "box.toml", "--set", "mass=3", "-o", "softffd-box", status=1)
     assert "softffd-box: holds the results of an earlier run (result.npz" in said and "--overwrite" in said
     assert Path("softffd-box/result.npz").read_bytes() == before
-    told(capsys, "run", "box.toml", "--set", "load.push.x=3", "--overwrite")
+    told(capsys, "run", "box.toml", "--set", "load.push.x=3", "--overwrite", "--no-pictures")
     assert Path("softffd-box/result.npz").read_bytes() != before
 
 

@@ -10,7 +10,7 @@ from made_up_run import ORIGIN, SIZE, at_rest_about, made_up_run
 from mesh_files import two_colours
 from softffd.errors import SoftffdError
 from softffd.mesh.mesh import load_mesh
-from softffd.show.figure import draw_curves, new_figure, png_of
+from softffd.show.figure import draw_curves, draw_words, new_figure, png_of
 from softffd.show.panel import Panels, Shape, view_axes
 from softffd.show.picture import first_contact, history_picture, run_picture, strip_picture, telling_moments
 from softffd.show.stage import FREE, PINNED, stage_of
@@ -149,13 +149,17 @@ TIMES = np.linspace(0.0, 1.0, 5)
 USERS = ["set {1}", "{x}", "{", "}{", "from $5 to $10", "$ $", r"\alpha $x^2$ 100 %"]
 
 
-@pytest.mark.parametrize("title", USERS)
-def test_a_title_is_drawn_as_it_is(title):
-    run = replace(made_up_run(), summary={"title": title, "run_time_s": 1.0, "estimated_error_m": 1e-3}, scene=None)
-    figure = run_picture(run)
+def test_words_are_drawn_as_they_are():
+    figure = new_figure(4.0, 3.0, dpi=100)
+    for words in USERS:
+        draw_words(figure, words, (0.5, 0.5), 10)
     png_of(figure)
-    assert title in [text.get_text() for text in figure.texts]
-    assert "run time 1.0 s, estimated error 1.0 mm" in [text.get_text() for text in figure.texts]
+    assert [text.get_text() for text in figure.texts] == USERS
+
+
+def test_a_picture_tells_its_title_and_the_estimated_error():
+    run = replace(made_up_run(), summary={"title": USERS[0], "run_time_s": 1.0, "estimated_error_m": 1e-3}, scene=None)
+    assert {USERS[0], "run time 1.0 s, estimated error 1.0 mm"} <= {text.get_text() for text in run_picture(run).texts}
 
 
 def test_names_of_curves_are_drawn_as_they_are():
