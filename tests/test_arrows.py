@@ -1,13 +1,13 @@
-"""Arrows between the rooms point one way: a room uses rooms to its right, none to its left; the package uses no tools of the sources."""
+"""Arrows between the rooms point one way: a room uses rooms to its right, none to its left; and no modules use each other in a circle."""
 
 import ast
 import re
+from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).resolve().parents[1]
-CPP, PACKAGE = ROOT / "fmu_src", ROOT / "python" / "softffd"
+CPP, PYTHON = ROOT / "fmu_src", ROOT / "python"
 
 CPP_ROOMS = [
     *("calls", "instance", "variables", "life_cycle", "messages", "resource"),  # fmi
@@ -17,50 +17,70 @@ CPP_ROOMS = [
 MADE = ("variable_table.hpp", "fmi2FunctionTypes.h", "fmi2Functions.h", "fmi2TypesPlatform.h", "fmi3FunctionTypes.h", "fmi3Functions.h")
 """Belong to no room; the core has no way to them on its include path, nor to the rooms of fmi."""
 
-PACKAGE_ROOMS = [
-    *("cli", "accuracy", "show", "drivers", "run", "fmu", "scene", "embedding", "mesh"),
+PYTHON_ROOMS = [
+    *("validation", "cli", "accuracy", "show", "drivers", "run", "fmu", "scene", "embedding", "mesh"),
     *("names", "lattice", "obstacles", "rotation", "files", "installed", "spelling", "errors"),
 ]
 """The shipped scenes are data, and the package's own __init__ knows everybody."""
 
-ASKED = {"run/shown.py": {"show.figure", "show.picture", "show.view"}}
+ASKED = ("softffd.run.shown", "softffd.show.")
 """The one place that looks up: a result's picture and page are drawn when it is asked for them, by the room that stands on it."""
 
-CPP_FILES = sorted(file.relative_to(CPP).as_posix() for file in CPP.rglob("*.[ch]pp"))
-PACKAGE_FILES = sorted(file.relative_to(PACKAGE).as_posix() for file in PACKAGE.rglob("*.py"))
+KNOTS = ("softffd.mesh.", "softffd.run.")
+"""Rooms in which modules still use each other, for type checking or when called"""
 
 
-def cpp_room(included: str) -> int:
-    """The place of a room in the row, by what an include line says."""
-    return CPP_ROOMS.index(Path(included).parts[0].split(".")[0])
+def test_no_include_points_up():
+    files = sorted(CPP.rglob("*.[ch]pp"))
+    places = {room: place for place, room in enumerate(CPP_ROOMS)}
+
+    def place(path: str) -> int:
+        return places[path.split("/")[0].split(".")[0]]
+
+    up = [
+        f"{file} includes {name}"
+        for file in files
+        for name in re.findall(r'^#include "(.+)"', file.read_text(), re.MULTILINE)
+        if name not in MADE and place(name) < place(file.relative_to(CPP).as_posix().partition("/")[2])
+    ]
+    assert len(files) > 100 and not up, "\n".join(up)
 
 
-def package_room(file_or_module: str) -> str:
-    return file_or_module.replace("/", ".").split(".")[0]
+def imports() -> dict[str, set[str]]:
+    """What each module of the package and of the tools uses of them, anywhere in it, for type checking too."""
+    files = [file for tree in ("softffd", "validation") for file in (PYTHON / tree).rglob("*.py")]
+    names = {".".join(file.relative_to(PYTHON).with_suffix("").parts).removesuffix(".__init__"): file for file in files}
+    found: dict[str, set[str]] = {}
+    for module, file in names.items():
+        nodes = [node for node in ast.walk(ast.parse(file.read_text())) if isinstance(node, ast.ImportFrom) and not node.level]
+        used = {each for node in nodes for name in node.names for each in (node.module, f"{node.module}.{name.name}")}
+        found[module] = {
+            name for name in used & names.keys() - {module, "softffd"} if not (module == ASKED[0] and name.startswith(ASKED[1]))
+        }
+    return found
 
 
-@pytest.mark.parametrize("file", CPP_FILES)
-def test_no_include_points_up(file):
-    included = re.findall(r'^#include "(.+)"', (CPP / file).read_text(), re.MULTILINE)
-    place = cpp_room(file.partition("/")[2])
-    assert [name for name in included if name not in MADE and cpp_room(name) < place] == []
+def circles(uses: dict[str, set[str]]) -> Iterator[list[str]]:
+    """Modules that use each other, each circle once."""
+    while True:
+        try:
+            return TopologicalSorter(uses).prepare()
+        except CycleError as error:
+            circle = error.args[1]
+            yield circle
+            uses[circle[1]].discard(circle[0])
 
 
-def imported(file: str) -> set[str]:
-    """Modules below softffd that a file imports, anywhere in it but for type checking."""
-    tree = ast.parse((PACKAGE / file).read_text())
-    checked = [node for node in ast.walk(tree) if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)]
-    skipped = {id(inner) for node in checked for inner in ast.walk(node)}
-    nodes = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and id(node) not in skipped and not node.level]
-    return {node.module.removeprefix("softffd.") for node in nodes if node.module.startswith("softffd.")}
+def test_no_import_points_up_or_in_a_circle():
+    uses = imports()
+    places = {room: place for place, room in enumerate(PYTHON_ROOMS)}
 
+    def place(module: str) -> int:
+        """Of what is no room, data and what knows everybody: none."""
+        return places.get(module.removeprefix("softffd.").split(".")[0], 1000)
 
-@pytest.mark.parametrize("file", [name for name in PACKAGE_FILES if package_room(name) in PACKAGE_ROOMS])
-def test_no_import_of_the_package_points_up(file):
-    place = PACKAGE_ROOMS.index(package_room(file))
-    assert [name for name in imported(file) - ASKED.get(file, set()) if PACKAGE_ROOMS.index(package_room(name)) < place] == []
-
-
-@pytest.mark.parametrize("file", PACKAGE_FILES)
-def test_the_package_does_without_the_tools_of_the_sources(file):
-    assert not re.search(r"^\s*(from|import) validation\b", (PACKAGE / file).read_text(), re.MULTILINE)
+    up = [f"{module} imports {name}" for module, used in uses.items() for name in sorted(used) if place(name) < place(module) < 1000]
+    found = circles({module: set(used) for module, used in uses.items() if module != "softffd"})
+    round_about = [f"a circle: {' is used by '.join(each)}" for each in found if not all(name.startswith(KNOTS) for name in each)]
+    wrong = up + round_about
+    assert len(uses) > 100 and not wrong, "\n".join(wrong)
