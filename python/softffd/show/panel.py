@@ -1,8 +1,7 @@
 """The object in one frame, or at rest, as an image: its surface, its lattice and the obstacles, from the usual side."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -19,65 +18,46 @@ SMOOTH_FACES = 150_000  # up to here normals are smoothed; the triangles of larg
 FILLED = 0.84  # share of the image's width or height that the lattices may take
 
 
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """The lattice and the surface of `stage` in `frame`; None: at rest, and then without obstacles."""
-
-    stage: Stage
-    frame: int | None
-
-    @cached_property
-    def points(self) -> np.ndarray:
-        """Control points, (nx, ny, nz, 3) [m]."""
-        return self.stage.rest if self.frame is None else self.stage.positions[self.frame]
-
-    @property
-    def middle(self) -> np.ndarray:
-        """Middle of the lattice's bounding box, (3,) [m]."""
-        return _middle(self.points.reshape(-1, 3))
-
-
 class Panels:
-    """Images of `shapes` of one stage, `width` x `height` pixels each, all from the same distance.
+    """Images of a stage in some `frames`, `width` x `height` pixels each, all from the same distance; None: at rest, without obstacles.
 
-    The camera stands still but for shapes at rest, which are in the middle of their image.
+    The camera stands still but for the shape at rest, which is in the middle of its image.
     tints: colours (V, 3) of the vertices by frame, where they are not those of the stage's skin. touch: the contacts to show.
     lattice: draw the lattice, not only the control points that pins hold.
     """
 
     def __init__(
-        self, stage: Stage, shapes: Sequence[Shape], width: int, height: int, *, tints: Mapping[int, np.ndarray] | None = None,
+        self, stage: Stage, frames: Sequence[int | None], width: int, height: int, *, tints: Mapping[int, np.ndarray] | None = None,
         touch: Touch | None = None, lattice: bool = True,
     ):  # fmt: skip
         self._tints, self._touch, self._lattice = tints or {}, touch, lattice
-        self._stage, self._shapes, self._width, self._height = stage, shapes, width, height
+        self._stage, self._width, self._height = stage, width, height
         self._axes = view_axes(stage.up)
         small = len(stage.faces) <= SMOOTH_FACES
         self._normals = ShadingNormals(stage.vertices, stage.faces) if small else None
         self._paint = stage.skin.painter(stage.faces)
-        moving = [shape.points.reshape(-1, 3) for shape in shapes if shape.frame is not None]
-        points = np.concatenate(moving or [shapes[0].points.reshape(-1, 3)])
+        moving = [frame for frame in frames if frame is not None]
+        points = np.concatenate([stage.points(frame).reshape(-1, 3) for frame in moving or frames[:1]])
         covered = np.stack([points.min(axis=0), points.max(axis=0)])
-        frames = [shape.frame for shape in shapes if shape.frame is not None]
-        self._beside: dict[int | None, list[np.ndarray]] = {f: [beside(covered, solid, f) for solid in stage.solids] for f in frames}
+        self._beside: dict[int | None, list[np.ndarray]] = {f: [beside(covered, solid, f) for solid in stage.solids] for f in moving}
         points = np.concatenate([points, *(ends for each in self._beside.values() for ends in each)])
         self._centre, self._half = _middle(points), np.ptp(points, axis=0) / 2
-        self._distance = float(max(self._needed(shape) for shape in shapes))
+        self._distance = float(max(self._needed(frame) for frame in frames))
 
-    def image(self, shape: Shape) -> np.ndarray:
-        """The image (height, width, 3), 0 .. 1, of one of the shapes."""
-        stage, target = self._stage, self._target(shape)
+    def image(self, frame: int | None) -> np.ndarray:
+        """The image (height, width, 3), 0 .. 1, of one of the frames."""
+        stage, target, points = self._stage, self._target(frame), self._stage.points(frame)
         canvas = Canvas(Camera(target + self._distance * self._axes[2], target, stage.up), self._width, self._height)
-        surface = stage.deformed(shape.points), stage.faces
-        canvas.triangles(*surface, self._corner_normals(*surface), self._painter(shape.frame))
-        if shape.frame is not None:
-            solids = [(*solid.surface(shape.frame), solid.form.faces) for solid in stage.solids]
+        surface = stage.deformed(points), stage.faces
+        canvas.triangles(*surface, self._corner_normals(*surface), self._painter(frame))
+        if frame is not None:
+            solids = [(*solid.surface(frame), solid.form.faces) for solid in stage.solids]
             for solid, parts in zip(stage.solids, solids, strict=True):
                 draw_solid(canvas, *parts, tint=solid.tint)
-            self._draw_planes(canvas, shape.frame, [surface, *((vertices, faces) for vertices, _, faces in solids)])
-        self._draw_lattice(canvas, shape.points)
-        if shape.frame is not None and self._touch:
-            self._draw_touch(canvas, shape.frame, self._touch)
+            self._draw_planes(canvas, frame, [surface, *((vertices, faces) for vertices, _, faces in solids)])
+        self._draw_lattice(canvas, points)
+        if frame is not None and self._touch:
+            self._draw_touch(canvas, frame, self._touch)
         return canvas.image()
 
     def _painter(self, frame: int | None) -> Painter:
@@ -85,15 +65,15 @@ class Panels:
             return self._paint
         return replace(self._stage.skin, tints=self._tints[frame], pictures=()).painter(self._stage.faces)
 
-    def _target(self, shape: Shape) -> np.ndarray:
-        return shape.middle if shape.frame is None else self._centre
+    def _target(self, frame: int | None) -> np.ndarray:
+        return self._centre if frame is not None else _middle(self._stage.rest.reshape(-1, 3))
 
-    def _needed(self, shape: Shape) -> float:
-        """The distance [m] from which the shape's lattice fits into the image, its arrows and what is beside it of solids."""
-        points = np.concatenate([shape.points.reshape(-1, 3), *map(_corners, self._beside.get(shape.frame, []))])
-        if self._touch and shape.frame is not None:
-            points = np.concatenate([points, self._touch.arrows(shape.frame)[:, 1]])
-        right, above, back = self._axes @ (points - self._target(shape)).T
+    def _needed(self, frame: int | None) -> float:
+        """The distance [m] from which the frame's lattice fits into the image, its arrows and what is beside it of solids."""
+        points = np.concatenate([self._stage.points(frame).reshape(-1, 3), *map(_corners, self._beside.get(frame, []))])
+        if self._touch and frame is not None:
+            points = np.concatenate([points, self._touch.arrows(frame)[:, 1]])
+        right, above, back = self._axes @ (points - self._target(frame)).T
         tall = FILLED * FIELD
         return (back + np.maximum(np.abs(right) * self._height / self._width, np.abs(above)) / tall).max()
 

@@ -11,7 +11,7 @@ from softffd.names import unit_of
 from softffd.run.findings import energies, heights, reactions
 from softffd.run.result import Columns, Result
 from softffd.show.figure import SOFT, Box, Picture, Pixels, draw_curves, draw_scale, draw_words, new_figure, quantity
-from softffd.show.panel import Panels, Shape
+from softffd.show.panel import Panels
 from softffd.show.stage import Stage, stage_of, up_direction
 from softffd.show.tension import RAMP, Tension, tension_of
 from softffd.show.touch import Touch, touch_of
@@ -145,12 +145,12 @@ def _draw_images(
     left, bottom, wide, height = box
     inches = figure.get_size_inches()
     (across, up), low, pitch = inches * figure.dpi, CAPTION / inches[1], (wide + GAP) / len(frames)
-    shapes, width = [Shape(stage, frame) for frame in frames], pitch - GAP
+    width = pitch - GAP
     tints = tension.tints if tension else {}
-    panels = Panels(stage, shapes, round(width * across), round((height - low) * up), tints=tints, touch=touch, lattice=lattice)
-    for number, (shape, caption) in enumerate(zip(shapes, captions, strict=True)):
+    panels = Panels(stage, frames, round(width * across), round((height - low) * up), tints=tints, touch=touch, lattice=lattice)
+    for number, (frame, caption) in enumerate(zip(frames, captions, strict=True)):
         begin = left + number * pitch
-        pixels = (255 * panels.image(shape) + 0.5).astype(np.uint8)
+        pixels = (255 * panels.image(frame) + 0.5).astype(np.uint8)
         figure.add_artist(Pixels(figure, pixels, round(begin * across), round((bottom + low) * up)))
         draw_words(figure, caption, (begin + width / 2, bottom + low / 2), 11.5)
 

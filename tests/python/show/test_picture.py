@@ -11,7 +11,7 @@ from mesh_files import two_colours
 from softffd.errors import SoftffdError
 from softffd.mesh.mesh import load_mesh
 from softffd.show.figure import draw_curves, draw_words, new_figure, png_of
-from softffd.show.panel import Panels, Shape, view_axes
+from softffd.show.panel import Panels, view_axes
 from softffd.show.picture import first_contact, history_picture, run_picture, strip_picture, telling_moments
 from softffd.show.stage import FREE, PINNED, stage_of
 from softffd.show.touch import MARK
@@ -103,9 +103,8 @@ def test_a_run_without_recorded_positions_is_refused():
 
 def test_every_lattice_is_inside_its_image_and_fills_it():
     stage = stage_of(made_up_run())
-    shapes = [Shape(stage, f) for f in (None, 0, 24)]
-    panels = Panels(stage, shapes, 120, 90)
-    drawn = [(np.abs(panels.image(s) - FREE).max(axis=-1) < 0.15) for s in shapes]
+    panels = Panels(stage, [None, 0, 24], 120, 90)
+    drawn = [(np.abs(panels.image(frame) - FREE).max(axis=-1) < 0.15) for frame in (None, 0, 24)]
     assert not any(d[[0, -1]].any() or d[:, [0, -1]].any() for d in drawn)
     assert any(np.ptp(np.flatnonzero(d.any(axis=0))) > 70 or np.ptp(np.flatnonzero(d.any(axis=1))) > 50 for d in drawn)
 
@@ -113,7 +112,7 @@ def test_every_lattice_is_inside_its_image_and_fills_it():
 def test_pinned_control_points_are_dark():
     plain, pinned = (stage_of(made_up_run(pins=p)) for p in ((), (np.arange(16), np.arange(48, 64))))
     assert pinned.pinned.tolist() == [*range(16), *range(48, 64)]
-    dark = [near(Panels(s, [Shape(s, None)], 300, 200).image(Shape(s, None)), PINNED, 0.1) for s in (plain, pinned)]
+    dark = [near(Panels(stage, [None], 300, 200).image(None), PINNED, 0.1) for stage in (plain, pinned)]
     assert dark[1] > dark[0] + 200
 
 

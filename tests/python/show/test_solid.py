@@ -8,7 +8,7 @@ import pytest
 from made_up_run import ORIGIN, SIZE, made_up_run, with_solids
 from softffd.scene.rigid import Box, Cylinder, Sphere
 from softffd.scene.section import Rotation
-from softffd.show.panel import Panels, Shape
+from softffd.show.panel import Panels
 from softffd.show.solid import form_of
 from softffd.show.stage import BESIDE, FREE, OBSTACLES, stage_of
 from softffd.show.touch import touch_of
@@ -64,8 +64,8 @@ def beside(*solids):
 def panel(result):
     """The image of the end, 300 x 240 pixels."""
     stage = stage_of(result)
-    shape = Shape(stage, len(stage.time) - 1)
-    return Panels(stage, [shape], 300, 240).image(shape)
+    last = len(stage.time) - 1
+    return Panels(stage, [last], 300, 240).image(last)
 
 
 def tinted(image, tint):
