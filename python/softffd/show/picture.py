@@ -1,6 +1,6 @@
 """Pictures of a run: its telling moments in a row, and the curves of its reactions and energies below."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,7 +13,7 @@ from softffd.run.result import Columns, Result
 from softffd.show.figure import SOFT, Box, Picture, Pixels, draw_curves, draw_scale, draw_words, new_figure, quantity
 from softffd.show.panel import Panels
 from softffd.show.stage import Stage, stage_of, up_direction
-from softffd.show.tension import RAMP, Tension, tension_of
+from softffd.show.tension import RAMP, tension_of
 from softffd.show.touch import Touch, touch_of
 
 GAP = 0.004  # between images, as a fraction of the figure's width
@@ -29,12 +29,12 @@ def run_picture(result: Result, *, mesh: Mesh | None = None, colour: str | None 
     """
     stage = stage_of(result, mesh=mesh)
     moments = telling_moments(result)
-    tension = tension_of(result, stage, moments, colour) if colour else None
+    cells, tints = tension_of(result, stage, list(moments), colour) if colour else (None, {})
     touch = touch_of(result, stage)
-    low = 0.45 if tension else 0.40
+    low = 0.45 if cells else 0.40
     figure, box = new_figure(13.0, 7.6, dpi=130), (0.02, low, 0.96, 0.93 - low)
     captions = [f"{what}, t = {stage.time[frame]:.4g} s" for frame, what in moments.items()]
-    _draw_images(figure, stage, list(moments), captions, box=box, tension=tension, touch=touch, lattice=lattice or mesh is None)
+    _draw_images(figure, stage, list(moments), captions, box=box, tints=tints, touch=touch, lattice=lattice or mesh is None)
     draw_words(figure, stage.title, (0.02, 0.965), 15, "left", weight="bold")
     if (error := result.summary.get("estimated_error_m")) is not None:
         words = f"run time {quantity(result.summary['run_time_s'], 's')}, estimated error {quantity(error, 'm')}"
@@ -43,8 +43,8 @@ def run_picture(result: Result, *, mesh: Mesh | None = None, colour: str | None 
         words = "yellow: where it touches, and the force on each obstacle; an arrow twice as long is four times the force"
         draw_words(figure, words, (0.98, 0.014), 9.5, "right", SOFT)
     _draw_history(figure, result, bottom=0.085, top=0.345, marks=[stage.time[frame] for frame in moments])
-    if tension:
-        draw_scale(figure, (0.40, 0.425, 0.40, 0.012), RAMP, tension.ends, tension.unit, tension.words)
+    if cells:
+        draw_scale(figure, (0.40, 0.425, 0.40, 0.012), RAMP, cells.ends, cells.unit, cells.words)
     return figure
 
 
@@ -139,14 +139,13 @@ def _four_frames(result: Result) -> list[int | None]:
 
 def _draw_images(
     figure: Figure, stage: Stage, frames: Sequence[int | None], captions: Sequence[str], *, box: Box, touch: Touch,
-    tension: Tension | None = None, lattice: bool = True,
+    tints: Mapping[int, np.ndarray] | None = None, lattice: bool = True,
 ) -> None:  # fmt: skip
     """The object in `frames`, side by side in `box` of the figure, with a line below each."""
     left, bottom, wide, height = box
     inches = figure.get_size_inches()
     (across, up), low, pitch = inches * figure.dpi, CAPTION / inches[1], (wide + GAP) / len(frames)
     width = pitch - GAP
-    tints = tension.tints if tension else {}
     panels = Panels(stage, frames, round(width * across), round((height - low) * up), tints=tints, touch=touch, lattice=lattice)
     for number, (frame, caption) in enumerate(zip(frames, captions, strict=True)):
         begin = left + number * pitch

@@ -1,6 +1,6 @@
 """Colours of what happens inside: a quantity of the lattice's cells on the surface of a picture."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -31,36 +31,7 @@ COLOURS = {
     "von_mises": ("von Mises stress at the cells' centres", "Pa", _von_mises),
     "stretch": ("largest principal stretch at the cells' centres", "", _stretch),
 }
-"""By name: in words, unit, and the values of all cells (nx - 1, ny - 1, nz - 1) at a row of a result."""
-
-
-@dataclass(frozen=True, eq=False)
-class Tension:
-    """Tints (V, 3) of the stage's vertices by frame, and what they mean."""
-
-    tints: dict[int, np.ndarray]
-    ends: tuple[float, float]
-    words: str
-    unit: str
-
-
-def tension_of(result: Result, stage: Stage, frames: Iterable[int], colour: str) -> Tension:
-    """The Tension of a name of COLOURS in `frames`. Between the centres of cells it is linear, beyond them that of the nearest.
-    SoftffdError where the result does not know it."""
-    from matplotlib import colormaps
-
-    require_name("colour", colour, list(COLOURS))
-    words, unit, measure = COLOURS[colour]
-    cells = {frame: measure(result, frame) for frame in frames}
-    every = np.concatenate([values[np.isfinite(values)] for values in cells.values()] or [np.zeros(0)])
-    low, high = _ends(colour, every)
-    tints = {}
-    for frame, values in cells.items():
-        of_vertices = _at_vertices(values, stage)
-        tint = colormaps[RAMP]((of_vertices - low) / (high - low))[:, :3]
-        tint[~np.isfinite(of_vertices)] = FOLDED
-        tints[frame] = tint
-    return Tension(tints, (low, high), words, unit)
+"""By name: in words, unit, and the values of all cells (T, nx - 1, ny - 1, nz - 1) at rows (T,) of a result."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,12 +48,31 @@ class Cells:
 def cells_of(result: Result, frames: np.ndarray) -> list[Cells]:
     """The Cells of every name of COLOURS that the result knows, at these rows."""
     found = []
-    for name, (words, unit, measure) in COLOURS.items():
+    for name in COLOURS:
         with suppress(SoftffdError):
-            values = np.concatenate([measure(result, some) for some in _parts(result, frames)])
-            low, high = _ends(name, values[np.isfinite(values)])
-            found.append(Cells(name, words, unit, values, (low, high)))
+            found.append(_cells(name, result, frames))
     return found
+
+
+def tension_of(result: Result, stage: Stage, frames: Sequence[int], colour: str) -> tuple[Cells, dict[int, np.ndarray]]:
+    """The Cells of a name of COLOURS in `frames`, and by frame the tints (V, 3) of the stage's vertices. Between the centres of cells these
+    are linear, beyond them that of the nearest. SoftffdError where the result does not know it."""
+    from matplotlib import colormaps
+
+    require_name("colour", colour, list(COLOURS))
+    cells, tints = _cells(colour, result, np.array(frames)), {}
+    low, high = cells.ends
+    for frame, values in zip(frames, cells.values, strict=True):
+        of_vertices = _at_vertices(values, stage)
+        tints[frame] = colormaps[RAMP]((of_vertices - low) / (high - low))[:, :3]
+        tints[frame][~np.isfinite(of_vertices)] = FOLDED
+    return cells, tints
+
+
+def _cells(name: str, result: Result, frames: np.ndarray) -> Cells:
+    words, unit, measure = COLOURS[name]
+    values = np.concatenate([measure(result, some) for some in _parts(result, frames)])
+    return Cells(name, words, unit, values, _ends(name, values[np.isfinite(values)]))
 
 
 def _parts(result: Result, frames: np.ndarray) -> list[np.ndarray]:
