@@ -23,14 +23,14 @@ def table(page: str, head: str) -> dict[str, list[float]]:
 
 
 def test_the_pages_show_one_table():
-    assert table("README.md", "load") == table("docs/methods.md", "load")
+    assert table("README.md", "load") == table("docs/materials.md", "load")
 
 
 @pytest.mark.short("*-4")
 @pytest.mark.parametrize("n", [4, 7, 13])
 @pytest.mark.parametrize("load", ["end pull", "own weight along", "end shear", "own weight across"])
 def test_a_clamped_cube_deflects_as_the_table_says(solid, load, n):
-    expected = table("docs/methods.md", "load")
+    expected = table("docs/materials.md", "load")
     error = expected[load][expected["load"].index(n)]
     assert 100 * solid.error(n, load) == pytest.approx(error, rel=0.1)
 
@@ -38,7 +38,7 @@ def test_a_clamped_cube_deflects_as_the_table_says(solid, load, n):
 @pytest.mark.short("4-7")
 @pytest.mark.parametrize("coarse, fine, most", [(4, 7, 0.05), (7, 10, 0.05), (10, 13, 0.01)], ids=["4-7", "7-10", "10-13"])
 def test_the_force_of_a_pressed_pad_falls_with_the_lattice_and_settles(solid, coarse, fine, most):
-    forces = table("docs/methods.md", "points a side")
+    forces = table("docs/materials.md", "points a side")
     shown = dict(zip(forces["points a side"], forces["force"], strict=True))
     force = {n: solid.pad_force(n) for n in (coarse, fine)}
     assert 1 < force[coarse] / force[fine] < 1 + most
