@@ -11,7 +11,7 @@ import time as clock
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from multiprocessing.connection import wait
 from types import ModuleType
 from typing import Any
@@ -49,15 +49,7 @@ def guarded(
     if processes < 1:
         raise SoftffdError(f"--jobs {processes}: wanted at least 1")
     size = max(1, len(jobs) if processes == 1 else together)
-    batches = [jobs[first : first + size] for first in range(0, len(jobs), size)]
-    left = [iter(batch) for batch in batches]
-    for number, result in abreast(work, batches, patience, processes):
-        yield next(left[number]), result
-
-
-def abreast(work: Work, batches: Sequence[Sequence[Any]], patience: Callable[[Any], float], processes: int) -> Iterator[tuple[int, Any]]:
-    """The same for batches of jobs, so many at a time: the number of a batch and its next result, as they come."""
-    waiting = [_Batch(work, number, list(jobs), patience) for number, jobs in enumerate(batches) if jobs][::-1]
+    waiting = [_Batch(work, jobs[first : first + size], patience) for first in range(0, len(jobs), size)][::-1]
     running: list[_Batch] = []
     try:
         while waiting or running:
@@ -67,9 +59,8 @@ def abreast(work: Work, batches: Sequence[Sequence[Any]], patience: Callable[[An
             earliest = min(batch.deadline for batch in running)
             ready = set(wait([batch.results for batch in running], max(0.0, earliest - clock.monotonic())))
             for batch in list(running):
-                if batch.results not in ready and clock.monotonic() < batch.deadline:
-                    continue
-                yield from ((batch.number, result) for result in batch.news(batch.results in ready))
+                if batch.results in ready or clock.monotonic() >= batch.deadline:
+                    yield from batch.news(batch.results in ready)
                 if not batch.left:
                     running.remove(batch)
                     batch.end()
@@ -78,64 +69,56 @@ def abreast(work: Work, batches: Sequence[Sequence[Any]], patience: Callable[[An
             batch.end()
 
 
-@dataclass(eq=False)
 class _Batch:
     """Jobs for one process after another: a new one after each that is lost."""
 
-    work: Work
-    number: int
-    left: list[Any]
-    patience: Callable[[Any], float]
-    deadline: float = 0.0
-    results: Any = field(init=False)
-    process: Any = field(init=False)
-    scratch: tempfile.TemporaryDirectory[str] = field(init=False)
-    """The process's temporary files, which it may have no time to remove"""
-    started: bool = field(init=False)
+    def __init__(self, work: Work, jobs: Sequence[Any], patience: Callable[[Any], float]):
+        self._work, self.left, self._patience = work, list(jobs), patience
 
     def begin(self) -> None:
-        context: Any = multiprocessing.get_context(_way(self.work))
+        context: Any = multiprocessing.get_context(_way(self._work))
         self.results, sender = context.Pipe(duplex=False)
-        self.scratch = tempfile.TemporaryDirectory(prefix="softffd-", ignore_cleanup_errors=True)
-        self.process = context.Process(target=_serve, args=(self.work, self.left, sender, self.scratch.name), daemon=True)
+        self._scratch = tempfile.TemporaryDirectory(prefix="softffd-", ignore_cleanup_errors=True)
+        """The process's temporary files, which it may have no time to remove"""
+        self._process = context.Process(target=_serve, args=(self._work, self.left, sender, self._scratch.name), daemon=True)
         with _no_script():
-            self.process.start()
+            self._process.start()
         sender.close()
-        self.started, self.deadline = False, clock.monotonic() + START_UP
+        self._started = False
+        self._allow(START_UP)
 
-    def news(self, ready: bool) -> list[Any]:
-        """The results that are there now: one, or none when the process has just told that it is up. ready: it has told something."""
-        result = self._told() if ready else Lost("hang", f"no answer within {self._patience():g} s")
-        if not (self.started or isinstance(result, Lost)):
-            self.started = True
-            self.deadline = clock.monotonic() + self._patience()
-            return []
-        self.left.pop(0)
-        if self.left:
-            if isinstance(result, Lost):
-                self.end()
-                self.begin()
-            else:
-                self.deadline = clock.monotonic() + self._patience()
-        return [result]
+    def _allow(self, seconds: float) -> None:
+        self._allowed, self.deadline = seconds, clock.monotonic() + seconds
+
+    def news(self, ready: bool) -> list[tuple[Any, Any]]:
+        """A job with its result, or nothing when the process has just told that it is up. ready: it has told something."""
+        result = self._told() if ready else Lost("hang", f"no answer within {self._allowed:g} s")
+        lost, news = isinstance(result, Lost), [(self.left[0], result)]
+        if lost or self._started:
+            self.left.pop(0)
+        else:
+            self._started, news = True, []
+        if lost and self.left:
+            self.end()
+            self.begin()
+        elif self.left:
+            self._allow(self._patience(self.left[0]))
+        return news
 
     def end(self) -> None:
-        self.process.kill()
-        self.process.join()
+        self._process.kill()
+        self._process.join()
         self.results.close()
-        self.scratch.cleanup()
-
-    def _patience(self) -> float:
-        return self.patience(self.left[0]) if self.started else START_UP
+        self._scratch.cleanup()
 
     def _told(self) -> Any:
         try:
             return self.results.recv()
         except (EOFError, OSError):  # it ended, between messages or within one
-            self.process.join()
-            if self.process.exitcode == -signal.SIGTERM:
+            self._process.join()
+            if self._process.exitcode == -signal.SIGTERM:
                 clock.sleep(GRACE)
-            return Lost("crash", f"the process ended with status {self.process.exitcode}")
+            return Lost("crash", f"the process ended with status {self._process.exitcode}")
 
 
 def _way(work: Work) -> str:

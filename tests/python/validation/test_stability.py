@@ -16,7 +16,7 @@ import pytest
 from softffd.cli.command import exit_status
 from softffd.errors import SoftffdError, UnknownName
 from softffd.run import guard
-from softffd.run.guard import Lost, abreast, guarded
+from softffd.run.guard import Lost, guarded
 from validation.stability import survey as survey_module
 from validation.stability.cases import CASES, run_named
 from validation.stability.cell import Cell, Judged, Panel, omega, settings
@@ -65,11 +65,10 @@ def test_nothing_is_left_of_the_temporary_files_of_processes(monkeypatch, tmp_pa
 
 
 def test_batches_run_abreast_and_each_keeps_its_order():
-    batches = [["one", "two"], ["hang", "three"], ["crash", "four"], ["five"]]
-    found = {place: [] for place in range(4)}
-    for place, result in abreast(at_once, batches, lambda job: 1.0, 2):
-        found[place].append(result.how if isinstance(result, Lost) else result)
-    assert found == {0: ["one", "two"], 1: ["hang", "three"], 2: ["crash", "four"], 3: ["five"]}
+    jobs = ["one", "two", "hang", "three", "crash", "four", "five"]
+    found = [(job, result.how if isinstance(result, Lost) else result) for job, result in guarded(at_once, jobs, lambda job: 1.0, 2, 2)]
+    assert sorted(found) == sorted((job, job) for job in jobs)
+    assert all(found.index((jobs[n],) * 2) < found.index((jobs[n + 1],) * 2) for n in (0, 2, 4))
 
 
 def test_lost_case_is_slow_or_wrong():
