@@ -23,7 +23,7 @@ PYTHON_ROOMS = [
 ]
 """The shipped scenes are data, and the package's own __init__ knows everybody."""
 
-ASKED = ("softffd.run.shown", "softffd.show.")
+ASKED = ("softffd.run.result", "softffd.show.")
 """The one place that looks up: a result's picture and page are drawn when it is asked for them, by the room that stands on it."""
 
 KNOTS = ("softffd.mesh.", "softffd.run.")

@@ -16,7 +16,8 @@ from softffd.mesh.mesh import READ, WRITTEN, save_mesh
 from softffd.run.findings import ESTIMATE, findings
 from softffd.run.inputs import Source
 from softffd.run.progress import Note, silent
-from softffd.run.result import KEPT, Result
+from softffd.run.result import Result
+from softffd.run.result_file import KEPT
 from softffd.run.simulate import simulate
 from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from

@@ -3,7 +3,7 @@ of planes and pins that follow from their poses."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Container, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
@@ -11,13 +11,16 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 
 from softffd.errors import FmuError
-from softffd.names import Instance, parse_name, structured, vector_names
+from softffd.names import is_pose, parse_name, structured, vector_names
 from softffd.rotation import between_directions, between_orientations, nearer, quaternion
 from softffd.run.inputs_given import constants, is_data_frame, read_csv, table_of
 from softffd.scene.document import shown
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from softffd.fmu.component import Component
+    from softffd.fmu.interface import ScalarVariable
 
 
 def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step: float) -> dict[str, float]:
@@ -28,9 +31,9 @@ def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step
     whole normal, rotation vector or quaternion.
     """
     derived: dict[str, float] = {}
-    for pose, parts in _parts_with_poses(now).items():
-        velocity, rate = RATES[pose]
-        for part in parts:
+    parts = dict.fromkeys((name.family, name.instance) for name in map(parse_name, now) if name)
+    for pose, (velocity, rate) in RATES.items():
+        for part in (part for family, part in parts if family == pose):
             given, wanted = vector_names(pose, part), vector_names(velocity, part)
             if any(name in now for name in wanted) or (rate is not _difference and not all(name in now for name in given)):
                 continue
@@ -38,15 +41,6 @@ def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step
             last = np.array([then[name] if name in now else 0.0 for name in given])
             derived |= {name: float(v) for name, v in zip(wanted, rate(first, last) / step, strict=True)}
     return derived
-
-
-def _parts_with_poses(values: Mapping[str, float]) -> dict[str, list[Instance]]:
-    """The obstacles and pins of which a component is given, by family."""
-    found: dict[str, dict[Instance, None]] = {pose: {} for pose in RATES}
-    for name in map(parse_name, values):
-        if name is not None and name.family in found:
-            found[name.family][name.instance] = None
-    return {pose: list(parts) for pose, parts in found.items()}
 
 
 def _difference(first: np.ndarray, last: np.ndarray) -> np.ndarray:
@@ -94,7 +88,7 @@ class Inputs:
         self._start = start_time
         self.where = f"{shown(Path(source))}: " if isinstance(source, str | Path) else "inputs: "
         """How messages about the source begin"""
-        self.is_file = isinstance(source, str | Path)
+        self._is_file = isinstance(source, str | Path)
         self.is_function, self._steady = callable(source), source is None or isinstance(source, Mapping)
         self._held: set[str] = set()
         self._at, self.names = _course(source, self.where, start_time, self._held)
@@ -108,9 +102,35 @@ class Inputs:
         """From here on only those of `derived_names` that are among these: the inputs of an FMU."""
         self.derived_names = [name for name in self.derived_names if name in names]
 
-    def hold(self, names: Collection[str]) -> None:
-        """From here on these, whole numbers, have the value of the last row instead of what lies between rows."""
-        self._held.update(names)
+    def driven(self, component: Component) -> list[ScalarVariable]:
+        """The inputs of an FMU that are driven: in the order of `names`, and then of the velocities that follow from them, where it has
+        these as inputs. From here on whole numbers have the value of the last row instead of what lies between rows. FmuError, which
+        tells the source, where it names what is no input."""
+        given = [self._input(component, name) for name in self.names]
+        self.derive_only({variable.name for variable in component.variables("input")})
+        self._held.update(variable.name for variable in given if variable.kind != "Real")
+        return given + [component.variable(name) for name in self.derived_names]
+
+    def _input(self, component: Component, name: str) -> ScalarVariable:
+        try:
+            variable = component.variable(name)
+        except FmuError as error:
+            raise FmuError(f"{self.where}{error}") from None
+        if variable.causality != "input":
+            hint = "; the scene names it in `inputs` of a plane or pin to make it one" if is_pose(name) else ""
+            raise FmuError(f"{self.where}{name}: wanted an input of the FMU, got its {variable.causality} of that name{hint}")
+        if variable.type == "String":
+            raise FmuError(f"{self.where}{name}: wanted an input that is a number, got a String; start values set it")
+        return variable
+
+    def require_undriven(self, started: Iterable[str], driven: Container[str]) -> None:
+        """FmuError where a start value has no effect, for this gives that variable from the first communication point on."""
+        if lost := next((name for name in started if name in driven), None):
+            follows = "" if lost in self.names else " with its pose"
+            other = "; inputs={} goes without the file, as softffd run --no-input does" if self._is_file else ""
+            raise FmuError(
+                f"{self.where}{lost} comes from here over time{follows}, so its start value has no effect: leave out one of the two{other}"
+            )
 
     def values(self, time: float, then: float) -> np.ndarray:
         """Values at a communication point, in the order of `names` and then of `derived_names`; then: the next one, or `time` again [s]."""

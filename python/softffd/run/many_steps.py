@@ -9,14 +9,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from ctypes import POINTER, Structure, byref, c_int, c_longlong, c_size_t, c_void_p, cast
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from softffd.fmu.component import Block, Component, Message
 from softffd.installed import library_function
-
-if TYPE_CHECKING:
-    from softffd.fmu.component import Block, Component, Message
 
 PATIENCE = 0.02
 """A call takes about so long [s]: after it Ctrl-C is heard."""

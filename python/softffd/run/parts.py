@@ -1,61 +1,59 @@
-"""The parts of a running FMU by name: obstacles, pins, loads, probes, and the vectors that they consist of."""
+"""What a running FMU consists of, by name: obstacles, pins, loads and probes, and the control points as one array."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, overload
 
 import numpy as np
 
 from softffd.errors import FmuError, UnknownName
+from softffd.names import parse_name, vector_names
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from softffd.run.simulation import Simulation
+    from softffd.fmu.component import Component
+    from softffd.fmu.interface import ScalarVariable
 
 T = TypeVar("T")
 
 
-class VectorField:
-    """An attribute of a part that is a vector: reading gives an array, a copy; assigning sets all components."""
+class Variables(Protocol):
+    """What reads and sets variables by name: a Simulation."""
 
-    def __init__(self, doc: str):
-        self.__doc__ = doc
+    def vector(self, name: str) -> np.ndarray: ...
+    def number(self, name: str) -> float | int: ...
+    def __setitem__(self, name: str, value: Any) -> None: ...
+
+
+class Field(Generic[T]):
+    """An attribute of a part: a number, or a vector, of which reading gives a copy; assigning sets all components."""
+
+    def __init__(self, doc: str, read: Callable[[Variables, str], T]):
+        self.__doc__, self._read = doc, read
 
     def __set_name__(self, owner: type, name: str) -> None:
         self._name = name
 
     @overload
-    def __get__(self, part: None, owner: type) -> VectorField: ...
+    def __get__(self, part: None, owner: type) -> Field[T]: ...
     @overload
-    def __get__(self, part: Part, owner: type) -> np.ndarray: ...
-    def __get__(self, part: Part | None, owner: type) -> VectorField | np.ndarray:
-        return self if part is None else part.simulation.vector(f"{part.path}.{self._name}")
+    def __get__(self, part: Part, owner: type) -> T: ...
+    def __get__(self, part: Part | None, owner: type) -> Field[T] | T:
+        return self if part is None else self._read(part.simulation, f"{part.path}.{self._name}")
 
     def __set__(self, part: Part, value: ArrayLike) -> None:
         part.simulation[f"{part.path}.{self._name}"] = value
 
 
-class NumberField:
-    """An attribute of a part that is one number."""
+def _vector(doc: str) -> Field[np.ndarray]:
+    return Field(doc, lambda simulation, name: simulation.vector(name))
 
-    def __init__(self, doc: str):
-        self.__doc__ = doc
 
-    def __set_name__(self, owner: type, name: str) -> None:
-        self._name = name
-
-    @overload
-    def __get__(self, part: None, owner: type) -> NumberField: ...
-    @overload
-    def __get__(self, part: Part, owner: type) -> float: ...
-    def __get__(self, part: Part | None, owner: type) -> NumberField | float:
-        return self if part is None else part.simulation.number(f"{part.path}.{self._name}")
-
-    def __set__(self, part: Part, value: float) -> None:
-        part.simulation[f"{part.path}.{self._name}"] = value
+def _number(doc: str) -> Field[float]:
+    return Field(doc, lambda simulation, name: simulation.number(name))
 
 
 class Part:
@@ -63,20 +61,20 @@ class Part:
 
     __slots__ = ("path", "simulation")
 
-    def __init__(self, simulation: Simulation, path: str):
+    def __init__(self, simulation: Variables, path: str):
         self.simulation, self.path = simulation, path
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name not in Part.__slots__ and not hasattr(type(self), name):
-            known = [each for each in dir(type(self)) if not each.startswith("_")]
-            raise FmuError(f"{self.path}.{name}: the FMU has no such variable{did_you_mean(nearest_of(name, known))}")
+            raise self._unknown(name)
         super().__setattr__(name, value)
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
+        raise AttributeError(name) if name.startswith("_") else self._unknown(name)
+
+    def _unknown(self, name: str) -> FmuError:
         known = [each for each in dir(type(self)) if not each.startswith("_") and each not in Part.__slots__]
-        raise FmuError(f"{self.path}.{name}: the FMU has no such variable{did_you_mean(nearest_of(name, known))}")
+        return FmuError(f"{self.path}.{name}: the FMU has no such variable{did_you_mean(nearest_of(name, known))}")
 
     def __repr__(self) -> str:
         return f"<{self.path}>"
@@ -86,18 +84,16 @@ class Obstacle(Part):
     """An obstacle. Its friction and what is an input of its pose and motion can be set at any time, the rest before the first step."""
 
     __slots__ = ()
-    point = VectorField("(3,) m, at the communication point; of a plane that is no input: at the start")
-    normal = VectorField("(3,); need not have unit length; the solid is on the other side")
-    rotation = VectorField(
-        "(3,) rad, of a box, which has no normal: along the axis and as long as the angle of its turn from the world's axes"
-    )
-    velocity = VectorField("(3,) m/s, of the obstacle at `point` during the step")
-    angular_velocity = VectorField("(3,) rad/s, about `point`")
-    friction = NumberField("Coulomb coefficient, >= 0")
-    reaction = VectorField("(3,) N: force of the object on the obstacle, mean of the last communication step")
-    torque = VectorField("(3,) N.m about `point`, mean of the last communication step")
-    centre = VectorField("(3,) m: centre of pressure, where `reaction` acts; the plane's point where nothing presses")
-    contacts = NumberField("Number of control points, or points of the surface, in contact")
+    point = _vector("(3,) m, at the communication point; of a plane that is no input: at the start")
+    normal = _vector("(3,); need not have unit length; the solid is on the other side")
+    rotation = _vector("(3,) rad, of a box, which has no normal: along the axis and as long as the angle of its turn from the world's axes")
+    velocity = _vector("(3,) m/s, of the obstacle at `point` during the step")
+    angular_velocity = _vector("(3,) rad/s, about `point`")
+    friction = _number("Coulomb coefficient, >= 0")
+    reaction = _vector("(3,) N: force of the object on the obstacle, mean of the last communication step")
+    torque = _vector("(3,) N.m about `point`, mean of the last communication step")
+    centre = _vector("(3,) m: centre of pressure, where `reaction` acts; the plane's point where nothing presses")
+    contacts = _number("Number of control points, or points of the surface, in contact")
 
 
 class Pin(Part):
@@ -105,15 +101,15 @@ class Pin(Part):
     and motion before the first step."""
 
     __slots__ = ()
-    position = VectorField("(3,) m: origin of the frame at the communication point")
-    orientation = VectorField("(4,): quaternion (w, x, y, z); need not have unit length")
-    velocity = VectorField("(3,) m/s, of the origin during the step")
-    angular_velocity = VectorField("(3,) rad/s")
-    reaction = VectorField("(3,) N: force of the object on its fixture, mean of the last communication step")
-    torque = VectorField("(3,) N.m about the frame's origin, mean of the last communication step")
+    position = _vector("(3,) m: origin of the frame at the communication point")
+    orientation = _vector("(4,): quaternion (w, x, y, z); need not have unit length")
+    velocity = _vector("(3,) m/s, of the origin during the step")
+    angular_velocity = _vector("(3,) rad/s")
+    reaction = _vector("(3,) N: force of the object on its fixture, mean of the last communication step")
+    torque = _vector("(3,) N.m about the frame's origin, mean of the last communication step")
 
 
-class Parts(Mapping[str, T], Generic[T]):
+class Parts(Mapping[str, T]):
     """The parts of one kind by name, in the order of the scene; FmuError with the nearest name for an unknown one."""
 
     def __init__(self, kind: str, names: list[str], part: Callable[[str], T]):
@@ -139,7 +135,7 @@ class Parts(Mapping[str, T], Generic[T]):
 class Vectors(Parts[np.ndarray]):
     """Parts that are vectors themselves; the inputs among them can be set as a whole."""
 
-    def __init__(self, kind: str, names: list[str], simulation: Simulation):
+    def __init__(self, kind: str, names: list[str], simulation: Variables):
         super().__init__(kind, names, lambda name: simulation.vector(f"{kind}.{name}"))
         self._simulation = simulation
 
@@ -153,3 +149,74 @@ def require_name(kind: str, name: str, names: list[str]) -> None:
     if name not in names:
         there = f"; there is {', '.join(names)}" if names else ""
         raise UnknownName(f"{kind} {name}: there is no such {kind}{did_you_mean(nearest_of(str(name), names)) or there}")
+
+
+# ---- control points ----
+
+
+class PointVectors:
+    """Vectors of control points, by indices: [i, j, k]."""
+
+    def __init__(self, family: str, simulation: Variables):
+        self._family, self._simulation = family, simulation
+
+    def _name(self, place: tuple[int, int, int]) -> str:
+        return vector_names(self._family, place)[0].rpartition(".")[0]
+
+    def __getitem__(self, place: tuple[int, int, int]) -> np.ndarray:
+        return self._simulation.vector(self._name(place))
+
+    def __setitem__(self, place: tuple[int, int, int], value: ArrayLike) -> None:
+        self._simulation[self._name(place)] = value
+
+
+class PointField:
+    """Vectors of all control points as one array (nx, ny, nz, 3)."""
+
+    def __init__(self, component: Component, family: str):
+        names = [each for each in component.by_name if each.startswith(family) and (name := parse_name(each)) and name.family == family]
+        if not names:
+            where = {"position": "outputs.positions", "velocity": "outputs.velocities", "force": "inputs.forces"}[family]
+            raise FmuError(f"{family}[i,j,k]: the FMU has no such variables; wanted a scene with {where}")
+        indices = places(names)
+        counts = component.lattice.points if component.lattice else tuple(int(count) for count in indices[:, :3].max(axis=0) + 1)
+        self._family, self._block = family, component.block(names)
+        self._shape = (*counts, 3)
+        self._flat = np.ravel_multi_index(tuple(indices.T), self._shape)
+
+    def read(self) -> np.ndarray:
+        array = np.full(self._shape, np.nan)
+        array.reshape(-1)[self._flat] = self._block.get()
+        array.flags.writeable = False  # what is assigned to an element of a copy would be lost
+        return array
+
+    def write(self, values: ArrayLike) -> None:
+        array = np.broadcast_to(np.asarray(values, dtype=float), self._shape).reshape(-1)
+        rest = np.delete(array, self._flat)
+        if not np.isfinite(array[self._flat]).all() or np.any(rest[~np.isnan(rest)]):
+            raise FmuError(f"{self._family}[i,j,k]: wanted finite numbers, and zeros or NaN where the FMU has no such variable")
+        self._block.set(array[self._flat])
+
+
+def at_point(name: str) -> bool:
+    """Whether a variable belongs to a control point."""
+    return (found := parse_name(name)) is not None and found.at_point
+
+
+def is_position(name: str) -> bool:
+    """Whether a variable is a component of a control point's position."""
+    return bool((found := parse_name(name)) and found.family == "position")
+
+
+def in_place(variables: list[ScalarVariable]) -> list[ScalarVariable]:
+    """The positions of control points in the order of an array (nx, ny, nz, 3), and then the others in theirs."""
+    moved = [variable for variable in variables if is_position(variable.name)]
+    order = np.lexsort(places([variable.name for variable in moved]).T[::-1])
+    return [moved[place] for place in order] + [variable for variable in variables if not is_position(variable.name)]
+
+
+def places(names: Sequence[str]) -> np.ndarray:
+    """Indices (m, 4) of the variables of control points: i, j, k, number of the component."""
+    found = [parse_name(name) for name in names]
+    rows = [[*(name.instance or ()), "xyz".index(name.component)] for name in found if name and name.at_point]
+    return np.array(rows, dtype=int).reshape(-1, 4)

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 
 from softffd.errors import FmuError
+from softffd.fmu.interface import ScalarVariable
 from softffd.run.inputs import Inputs
 from softffd.run.inputs_given import is_data_frame, read_csv, table_of
+from softffd.run.result import Result
 from softffd.run.simulate import simulate
 from softffd.run.simulation import Simulation
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from softffd.fmu.interface import ScalarVariable
-    from softffd.run.result import Result
     from softffd.scene.scene import Scene
 
 Rows = Union[np.ndarray, "pd.DataFrame", str, Path]

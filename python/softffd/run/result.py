@@ -1,28 +1,23 @@
-"""What a run gives back, and the files it is kept in."""
+"""What a run gives back: its numbers, and the forms that these take, each by a method of one class."""
 
 from __future__ import annotations
 
-import csv
-import io
-import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from softffd.embedding.deform import deform
 from softffd.errors import MeshError, SoftffdError, UnknownName
-from softffd.files import replacing, require_writable
 from softffd.lattice import LatticeBox, all_points
-from softffd.names import OBSTACLES, ByName, Part, parts_of, variable_names, vector_names
+from softffd.names import OBSTACLES, ByName, Part, listed, parts_of, variable_names, vector_names
 from softffd.obstacles import Obstacles
 from softffd.rotation import turned
-from softffd.run import shown
 from softffd.run.parts import require_name
-from softffd.run.result_file import read_result, write_result
+from softffd.run.result_file import read_result, write_files
+from softffd.run.shown import in_notebook, temporary_page
 from softffd.run.stress import cauchy_stress, cell_stiffness, deformation, gradients, green_strain
 from softffd.run.tables import data_frame, dataset
 from softffd.spelling import did_you_mean, nearest_of
@@ -37,11 +32,6 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 T = TypeVar("T")
-
-Write = Callable[[BinaryIO], None]
-
-KEPT = "result.npz"
-"""What the file of a result is called in a folder."""
 
 
 class Columns(ByName[T]):
@@ -91,7 +81,19 @@ class Result:
             object.__setattr__(self, field_name, Columns(getattr(self, field_name), what))
 
     def __repr__(self) -> str:
-        return shown.in_words(self)
+        span = f"{self.time[0]:.6g} to {self.time[-1]:.6g} s" if len(self.time) else "no time"
+        lines = [f"Result of {self.title}: {span} in {len(self.time)} rows"]
+        if self.positions.size:
+            depths = self.deformation()
+            row = int(np.argmax(depths))
+            found = f"largest deformation {depths[row]:.4g} m at {self.time[row]:.4g} s" if self.has_positions else "not all recorded"
+            lines.append(f"positions {self.positions.shape} m, {found}")
+        lines += [f"{what}: {listed(names)}" for what in ("outputs", "inputs", "parameters") if (names := getattr(self, what))]
+        if warnings := self.summary.get("warnings"):
+            lines.append(f"{len(warnings)} warning{'s' * (len(warnings) > 1)}, the first: {warnings[0]}")
+        if self.sceneless:
+            lines.append(f"without its scene: {self.sceneless}")
+        return "\n  ".join(lines)
 
     @property
     def title(self) -> str:
@@ -209,19 +211,7 @@ class Result:
 
         Of the scene its keys go along, of a mesh the path of its file and what it was.
         """
-        path = Path(path)
-        one = path.suffix.lower() == ".npz"
-        folder = path.parent if one else path
-        require_writable(folder)
-        folder.mkdir(parents=True, exist_ok=True)
-        write: Write = partial(write_result, self)
-        files: dict[str, Write] = (
-            {path.name: write} if one else {KEPT: write, "result.csv": self._write_csv, "summary.json": self._write_summary}
-        )
-        for name, write in files.items():
-            with replacing(folder / name) as stream:
-                write(stream)
-        return [folder / name for name in files]
+        return write_files(Path(path), vars(self), {"time": self.time, **self.columns()})
 
     @classmethod
     def load(cls, path: str | Path, *, mesh: str | Path | None = None) -> Result:
@@ -231,8 +221,7 @@ class Result:
         for beside the file; else where it was, if that is below the file's folder or the working one; in any other place only if `mesh`
         says so. SoftffdError for a file that is missing, damaged or something else.
         """
-        path = Path(path)
-        return cls(**read_result(path / KEPT if path.is_dir() else path, None if mesh is None else Path(mesh)))
+        return cls(**read_result(Path(path), None if mesh is None else Path(mesh)))
 
     def columns(self) -> dict[str, np.ndarray]:
         """All outputs that were recorded, positions among them, by variable name, (T,) each."""
@@ -243,12 +232,12 @@ class Result:
 
     def to_dataframe(self) -> pd.DataFrame:
         """Outputs and inputs as a DataFrame, whose index is the time [s]: `columns` and `inputs`. Needs softffd[dataframes]."""
-        return data_frame(self)
+        return data_frame(self.time, {**self.columns(), **self.inputs})
 
     def to_xarray(self) -> xr.Dataset:
         """Outputs and inputs as a Dataset with units: a vector is one array (time, axis), those at control points (time, i, j, k, axis), as
         `position`; parameters are attributes. Needs softffd[datasets]."""
-        return dataset(self)
+        return dataset(self.time, self.positions, {**self.outputs, **self.inputs}, {"title": self.title, **self.parameters})
 
     def plot(
         self, path: str | Path | None = None, *, x: str = "time", y: str | Iterable[str] = (), colour: str | None = None,
@@ -261,23 +250,34 @@ class Result:
         plot(x="plane.press.point.z", y="plane.press.reaction.z").
         Returns matplotlib's Figure. UnknownName with the nearest name; SoftffdError where the picture needs positions that were not
         recorded."""
-        return shown.picture(self, path, x=x, y=y, colour=colour, lattice=lattice)
+        from softffd.show.figure import save_figure
+        from softffd.show.picture import curve_picture, run_picture
+
+        if (x != "time" and not y) or ((colour or lattice) and y):
+            raise SoftffdError("plot: wanted x with y, and colour and lattice without them")
+        figure = curve_picture(self, x=x, y=y) if y else run_picture(self, mesh=self.loaded_mesh, colour=colour, lattice=lattice)
+        if path is not None:
+            save_figure(figure, path)
+        return figure
 
     def view(self, path: str | Path | None = None, *, browser: bool = True) -> Path:
         """Writes the interactive page to `path`, and opens it in the browser. Returns the page's path. Without a path it is a temporary
         file: those of a process share a folder, which goes a day later, when another page is written.
         SoftffdError where positions were not recorded."""
-        return shown.page(self, path, browser=browser)
+        from softffd.show.view import write_view
+
+        written = Path(write_view(self, temporary_page() if path is None else path, mesh=self.loaded_mesh))
+        if browser:
+            import webbrowser
+
+            webbrowser.open(written.resolve().as_uri())
+        return written
 
     def _repr_html_(self) -> str:
-        return shown.in_notebook(self)
+        """In a notebook the words and, where positions were recorded, the picture and, if it is small, the interactive page."""
+        if not self.has_positions:
+            return in_notebook(repr(self))
+        from softffd.show.figure import png_of
+        from softffd.show.view import page_text
 
-    def _write_csv(self, stream: Any) -> None:
-        columns = {"time": self.time, **self.columns()}
-        header = io.StringIO()
-        csv.writer(header, lineterminator="\n").writerow(columns)
-        stream.write(header.getvalue().encode())
-        np.savetxt(stream, np.stack(list(columns.values()), axis=1), fmt="%.17g", delimiter=",")
-
-    def _write_summary(self, stream: Any) -> None:
-        stream.write((json.dumps(self.summary, indent=2) + "\n").encode())
+        return in_notebook(repr(self), self.title, png_of(self.plot()), page_text(self, mesh=self.loaded_mesh))

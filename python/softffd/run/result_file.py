@@ -10,11 +10,15 @@ numpy.load reads it too. Nothing in it is pickled, and every entry has its check
 
 from __future__ import annotations
 
+import csv
 import hashlib
+import io
 import json
 import os
 import re
-from dataclasses import asdict
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -23,33 +27,105 @@ import numpy as np
 from softffd import __version__
 from softffd.embedding.deform import BASES
 from softffd.errors import SceneError, SoftffdError
+from softffd.files import replacing, require_writable
+from softffd.fmu.component import Message
 from softffd.lattice import LatticeBox
+from softffd.obstacles import Obstacles
 from softffd.run.npz import UNREADABLE, damaged, read_arrays, write_arrays
 from softffd.scene.document import SHIPPED, shown
 
 if TYPE_CHECKING:
     from softffd.mesh.mesh import Mesh
-    from softffd.run.result import Result
-    from softffd.run.result_header import KeptScene
     from softffd.scene.scene import Scene
 
 FORMAT, VERSION = "softffd result", 1
 OWN = ("header", "time", "positions", "inputs", "outputs")
+KEPT = "result.npz"
+"""What the file of a result is called in a folder."""
 
 
-def write_result(result: Result, stream: BinaryIO) -> None:
-    """Writes the whole file."""
-    inputs = np.stack(list(result.inputs.values()), axis=1) if result.inputs else np.zeros((len(result.time), 0))
-    header = np.array(json.dumps(_header(result), default=_plain))
-    arrays = {"header": header, "time": result.time, "positions": result.positions, "inputs": inputs}
-    write_arrays(stream, arrays | {_entry(name): values for name, values in result.outputs.items()})
+@dataclass(frozen=True)
+class KeptScene:
+    """What the header says of a run's scene."""
+
+    path: Any
+    keys: dict[str, Any]
+    mesh: str | None
+    """Fingerprint of the mesh that was read"""
+
+
+@dataclass(frozen=True)
+class Header:
+    """What the header says: all but the arrays, as the Result has it."""
+
+    version: int
+    outputs: list[str]
+    inputs: list[str]
+    parameters: dict[str, bool | int | float | str]
+    summary: dict[str, Any]
+    lattice: LatticeBox | None
+    flat_names: bool
+    log: tuple[Message, ...]
+    scene: KeptScene | None
+    obstacles: Obstacles | None = None
+
+
+def write_files(path: Path, fields: Mapping[str, Any], columns: Mapping[str, np.ndarray]) -> list[Path]:
+    """Writes NAME.npz, or a folder of result.npz, result.csv and summary.json, and returns the paths of the files.
+
+    fields: of the Result, by name. columns: of the CSV file, (T,) each.
+    """
+    one = path.suffix.lower() == ".npz"
+    folder = path.parent if one else path
+    require_writable(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    files: dict[str, Callable[[BinaryIO], None]] = {path.name if one else KEPT: partial(_write_result, fields)}
+    if not one:
+        files |= {"result.csv": partial(_write_csv, columns), "summary.json": partial(_write_summary, fields["summary"])}
+    for name, write in files.items():
+        with replacing(folder / name) as stream:
+            write(stream)
+    return [folder / name for name in files]
+
+
+def _write_result(fields: Mapping[str, Any], stream: BinaryIO) -> None:
+    time, inputs = fields["time"], fields["inputs"]
+    rows = np.stack(list(inputs.values()), axis=1) if inputs else np.zeros((len(time), 0))
+    header = np.array(json.dumps(_header(**fields), default=_plain))
+    arrays = {"header": header, "time": time, "positions": fields["positions"], "inputs": rows}
+    write_arrays(stream, arrays | {_entry(name): values for name, values in fields["outputs"].items()})
+
+
+def _header(
+    *, outputs: Mapping[str, Any], inputs: Mapping[str, Any], lattice: LatticeBox | None, obstacles: Obstacles | None,
+    log: tuple[Message, ...], scene: Scene | None, **others: Any,
+) -> dict[str, Any]:  # fmt: skip
+    kept = scene and KeptScene(scene.path, scene.keys_given(), _fingerprint(scene.loaded_mesh) if scene.loaded_mesh else None)
+    return {
+        "format": FORMAT, "version": VERSION, "softffd": __version__,
+        **{key: others[key] for key in ("parameters", "summary", "flat_names")},
+        "outputs": list(outputs), "inputs": list(inputs), "log": [list(message) for message in log],
+        "lattice": lattice and asdict(lattice), "obstacles": obstacles and asdict(obstacles), "scene": kept and vars(kept),
+    }  # fmt: skip
+
+
+def _write_csv(columns: Mapping[str, np.ndarray], stream: BinaryIO) -> None:
+    header = io.StringIO()
+    csv.writer(header, lineterminator="\n").writerow(columns)
+    stream.write(header.getvalue().encode())
+    np.savetxt(stream, np.stack(list(columns.values()), axis=1), fmt="%.17g", delimiter=",")
+
+
+def _write_summary(summary: Mapping[str, Any], stream: BinaryIO) -> None:
+    stream.write((json.dumps(summary, indent=2) + "\n").encode())
 
 
 def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
-    """The fields of the Result that a file holds. mesh: the file of its scene's mesh, where it is known.
+    """The fields of the Result that a file or a folder holds. mesh: the file of its scene's mesh, where it is known.
 
     SoftffdError for a file that is missing, damaged, too new or something else.
     """
+    path = path / KEPT if path.is_dir() else path
     arrays = read_arrays(path, "result")
     try:
         said = json.loads(str(arrays["header"]))
@@ -61,10 +137,8 @@ def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
     if isinstance(said.get("version"), int) and said["version"] > VERSION:
         by = f"softffd {said.get('softffd', 'of a later version')}"
         raise SoftffdError(f"{shown(path)}: written by {by}, whose results this one, {__version__}, cannot read yet")
-    from softffd.run.result_header import read_header  # only here its parser is needed
-
     try:
-        header = read_header(said)
+        header = _read_header(said)
         fields: dict[str, Any] = {
             "time": arrays["time"],
             "positions": arrays["positions"],
@@ -79,6 +153,17 @@ def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
     return fields | told | {"scene": scene, "sceneless": why}
 
 
+def _read_header(said: dict[str, Any]) -> Header:
+    """The header from its JSON, each part of the kind that it should be; ValueError that tells what is not."""
+    from pydantic import TypeAdapter, ValidationError  # only here it is needed
+
+    try:
+        return TypeAdapter(Header).validate_python(said)
+    except ValidationError as error:
+        fault = error.errors()[0]
+        raise ValueError(f"header, {'.'.join(map(str, fault['loc']))}: {fault['msg']}") from None
+
+
 def _entry(name: str) -> str:
     return f"outputs/{name}" if name in OWN else name
 
@@ -86,27 +171,6 @@ def _entry(name: str) -> str:
 def _plain(value: Any) -> Any:
     """What JSON has instead of a number of numpy or a path."""
     return value.item() if isinstance(value, np.generic) else str(value)
-
-
-def _header(result: Result) -> dict[str, Any]:
-    return {
-        "format": FORMAT,
-        "version": VERSION,
-        "softffd": __version__,
-        "outputs": list(result.outputs),
-        "inputs": list(result.inputs),
-        "parameters": dict(result.parameters),
-        "summary": result.summary,
-        "lattice": result.lattice and asdict(result.lattice),
-        "flat_names": result.flat_names,
-        "obstacles": result.obstacles and asdict(result.obstacles),
-        "log": [list(message) for message in result.log],
-        "scene": result.scene and {
-            "path": result.scene.path,
-            "keys": result.scene.keys_given(),
-            "mesh": result.scene.loaded_mesh and _fingerprint(result.scene.loaded_mesh),
-        },
-    }  # fmt: skip
 
 
 def _require_shapes(

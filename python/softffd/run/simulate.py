@@ -5,23 +5,21 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from softffd.errors import FmuError, Interrupted
+from softffd.errors import FmuError, Interrupted, UnknownName
 from softffd.fmu.block import Blocks
-from softffd.fmu.component import Block, Component
+from softffd.fmu.component import Component
 from softffd.lattice import LatticeBox
-from softffd.run.findings import choice_in, shares
+from softffd.names import meant_by, structured
 from softffd.run.inputs import Inputs, Source
 from softffd.run.many_steps import ManySteps
-from softffd.run.points import in_place, is_position, places
+from softffd.run.parts import in_place, is_position, places
 from softffd.run.result import Result
-from softffd.run.selected import driven_inputs, recorded_outputs, require_undriven
-from softffd.run.simulation import Simulation, run_source
+from softffd.run.simulation import Simulation, choice_in, run_source
 from softffd.run.times import communication_points, one_number, positive, require_memory, step_lengths
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -85,13 +83,14 @@ def simulate(
         with Simulation(
             component, tolerance=tolerance, method=method, start_values=start_values, start_time=start_time, stop_time=stop_time
         ) as simulation:
-            recorder = _Recorder.of(simulation, source, stop_time, step, interpolation, recorded_outputs(component, output))
-            require_undriven(simulation, source, start_values or {}, recorder.inputs.names)
+            recorder = _Recorder(simulation, source, stop_time, step, interpolation, output)
+            started = [name for given in start_values or {} for name in simulation.block(given).names]
+            source.require_undriven(started, recorder.inputs.names)
             recorder.apply_inputs(0)
             simulation.initialize()
             if begun:
                 begun(simulation, source)
-                recorder.starts = _read(simulation.component, "input", "parameter")
+                recorder.starts = _read(component, "input", "parameter")
             began, began_cpu = clock.perf_counter(), clock.process_time()
             whole = recorder.run(progress)
             elapsed, elapsed_cpu = clock.perf_counter() - began, clock.process_time() - began_cpu
@@ -112,57 +111,35 @@ def simulate(
             return recorder.result(summary, scene)
 
 
-@dataclass
 class _Recorder:
     """Buffers of a run: what is set and got at each communication point."""
 
-    simulation: Simulation
-    times: np.ndarray
-    steps: list[float]
-    source: Inputs
-    interpolation: Interpolation
-    inputs: Blocks
-    driven: Block
-    """The Reals of `inputs` that the source gives itself"""
-    interpolated: list[int]
-    """Which of the source's names these are"""
-    reals: Block
-    integers: Block
-    booleans: Block
-    starts: dict[str, float]
-    """Parameters and inputs before the first communication point"""
-    input_rows: np.ndarray
-    real_rows: np.ndarray
-    integer_rows: np.ndarray
-    boolean_rows: np.ndarray
-    changes: list[tuple[int, tuple[str, str]]] = field(default_factory=list)
-    """Communication steps in which the method or its reason were new"""
-    done: int = 0
-    """Communication steps that are recorded"""
-
-    @classmethod
-    def of(
-        cls, simulation: Simulation, source: Inputs, stop_time: float, step: float, interpolation: Interpolation, chosen: set[str]
-    ) -> _Recorder:
-        component = simulation.component
-        driven = driven_inputs(component, source)
-        interpolated = [n for n, variable in enumerate(driven[: len(source.names)]) if variable.kind == "Real"]
-        inputs, given = Blocks(component, driven), component.block_of([driven[n] for n in interpolated])
-        reals, integers, booleans = (
-            component.block_of([v for v in component.variables("output", kind) if v.name in chosen]) for kind in NUMBERS
-        )
-        reals = component.block_of(in_place([component.variable(name) for name in reals.names]))
-        places = math.prod(component.lattice.points) if component.lattice else len(reals.names) // 3
-        held, starts = len(inputs.names) + len(component.variables("input")), _read(component, "input", "parameter")
-        recorded = [len(block.names) for block in (reals, integers, booleans)]
-        require_memory(stop_time - simulation.time, step, 8 * (held + sum(recorded) + 3 * places + 8))
-        times = communication_points(stop_time, step, simulation.time)
-        rows = len(times)
-        return cls(
-            simulation, times, step_lengths(times, step), source, interpolation, inputs, given, interpolated, reals, integers, booleans,
-            starts, np.zeros((rows, len(inputs.names))), np.zeros((rows, len(reals.names))),
-            np.zeros((rows, len(integers.names)), np.int64), np.zeros((rows, len(booleans.names)), np.int64),
-        )  # fmt: skip
+    def __init__(
+        self, simulation: Simulation, source: Inputs, stop_time: float, step: float, interpolation: Interpolation,
+        output: Iterable[str] | str | None,
+    ):  # fmt: skip
+        self.simulation, self.source, self.interpolation = simulation, source, interpolation
+        component = self.component = simulation.component
+        chosen, driven = _recorded_outputs(component, output), source.driven(component)
+        self.interpolated = [n for n, variable in enumerate(driven[: len(source.names)]) if variable.kind == "Real"]
+        """Which of the source's names are Reals that it gives itself"""
+        self.inputs, self.driven = Blocks(component, driven), component.block_of([driven[n] for n in self.interpolated])
+        reals, integers, booleans = ([v for v in component.variables("output", kind) if v.name in chosen] for kind in NUMBERS)
+        self.reals, self.integers, self.booleans = map(component.block_of, (in_place(reals), integers, booleans))
+        self.starts = _read(component, "input", "parameter")
+        """Parameters and inputs before the first communication point"""
+        points = math.prod(component.lattice.points) if component.lattice else len(reals) // 3
+        recorded = len(self.inputs.names) + len(component.variables("input")) + len(reals) + len(integers) + len(booleans)
+        require_memory(stop_time - simulation.time, step, 8 * (recorded + 3 * points + 8))
+        self.times = communication_points(stop_time, step, simulation.time)
+        self.steps = step_lengths(self.times, step)
+        rows = len(self.times)
+        self.input_rows, self.real_rows = np.zeros((rows, len(driven))), np.zeros((rows, len(reals)))
+        self.integer_rows, self.boolean_rows = (np.zeros((rows, len(some)), np.int64) for some in (integers, booleans))
+        self.changes: list[tuple[int, tuple[str, str]]] = []
+        """Communication steps in which the method or its reason were new"""
+        self.done = 0
+        """Communication steps that are recorded"""
 
     def apply_inputs(self, row: int) -> None:
         if not self.inputs.names:
@@ -174,13 +151,9 @@ class _Recorder:
             course = self.source.rates if self.interpolation == "linear" else self.source.bends
             self.driven.set_rates(course(time, then)[..., self.interpolated])
 
-    def record(self, row: int) -> None:
-        self.real_rows[row] = self.reals.get()
-        self.integer_rows[row], self.boolean_rows[row] = self.integers.get(), self.booleans.get()
-
     def run(self, progress: Progress | None) -> bool:
         """All steps; False where it was interrupted on the way: what there is ends then with the last step that was done."""
-        self.record(0)
+        self.real_rows[0], self.integer_rows[0], self.boolean_rows[0] = self.reals.get(), self.integers.get(), self.booleans.get()
         try:
             self._go_on(progress)
         except KeyboardInterrupt:
@@ -197,9 +170,9 @@ class _Recorder:
         report_every = max(1, last // 200)
         reals = self.inputs.real
         one_by_one = self.source.is_function or self.interpolation != "held" or reals is None or bool(self.booleans.names)
-        inputs = self.simulation.component.block_of([]) if one_by_one or reals is None else reals
+        inputs = self.component.block_of([]) if one_by_one or reals is None else reals
         rows = {"inputs": (inputs, self.input_rows), "reals": (self.reals, self.real_rows), "integers": (self.integers, self.integer_rows)}
-        many = ManySteps(self.simulation.component, self.times, self.steps, rows, single=one_by_one)
+        many = ManySteps(self.component, self.times, self.steps, rows, single=one_by_one)
         try:
             with many.listening():
                 while self.done < last:
@@ -231,8 +204,7 @@ class _Recorder:
             self.input_rows[-1] = self.source.values(self.times[-1], self.times[-1])
 
     def result(self, summary: dict[str, Any], scene: Scene | None) -> Result:
-        component = self.simulation.component
-        names = self.reals.names
+        component, names = self.component, self.reals.names
         moved = sum(map(is_position, names))
         positions = _positions(names[:moved], self.real_rows[:, :moved], component.lattice)
         others = dict(zip(names[moved:], self.real_rows[:, moved:].T, strict=True))
@@ -266,3 +238,50 @@ def _positions(names: Sequence[str], values: np.ndarray, lattice: LatticeBox | N
     if names:
         positions.reshape(len(values), -1)[:, np.ravel_multi_index(tuple(indices.T), positions.shape[1:])] = values
     return positions
+
+
+def _recorded_outputs(component: Component, wanted: Iterable[str] | str | None) -> set[str]:
+    """The names of the outputs to record; all without a choice but Strings, which no result has.
+
+    A name means the output that has it and all that belong to it: plane.press.reaction.z, plane.press.reaction, plane.press, energy,
+    position[0,0,1], position. FmuError, with the nearest name, where no output is meant.
+    """
+    by_name: dict[str, list[str]] = {}
+    for variable in component.by_name.values():
+        if variable.causality == "output" and variable.kind != "String":
+            for name in meant_by(variable.name):
+                by_name.setdefault(name, []).append(variable.name)
+    names: set[str] = set()
+    for name in by_name if wanted is None else [wanted] if isinstance(wanted, str) else wanted:
+        if (key := structured(str(name))) not in by_name:
+            raise _unknown(str(name), component, by_name)
+        names.update(by_name[key])
+    return names
+
+
+def _unknown(name: str, component: Component, choices: Iterable[str]) -> FmuError:
+    if found := component.by_name.get(name):
+        got = " that is a number, got a String" if found.type == "String" else f", got its {found.causality} of that name"
+        return FmuError(f"output: {name}: wanted an output of the FMU{got}")
+    return UnknownName(f"output: {name}: the FMU has no such output{did_you_mean(nearest_of(name, choices))}")
+
+
+def shares(changes: Sequence[tuple[int, tuple[str, str]]], times: np.ndarray) -> list[dict[str, Any]]:
+    """What each method with its reason took of a run, most first: method, reason, simulated_s, share in 0..1, communication_steps.
+
+    changes: the communication steps, from 0, in which a choice was new, in their order, with it. times: communication points (T,) [s].
+    Without changes, as of a component that tells of no choice, there is nothing.
+    """
+    ends = [row for row, _ in changes[1:]] + [len(times) - 1]
+    taken: dict[tuple[str, str], list[float]] = {}
+    for (begin, choice), end in zip(changes, ends, strict=False):
+        so_far = taken.setdefault(choice, [0.0, 0])
+        so_far[0] += float(times[end] - times[begin])
+        so_far[1] += end - begin
+    whole = float(times[-1] - times[0])
+    rows = [
+        {"method": method, "reason": reason, "simulated_s": length, "share": length / whole, "communication_steps": int(steps)}
+        for (method, reason), (length, steps) in taken.items()
+        if steps
+    ]
+    return sorted(rows, key=lambda row: -float(row["share"]))

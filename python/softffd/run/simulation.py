@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -15,20 +16,42 @@ from softffd.fmu.block import number_of
 from softffd.fmu.component import Block, Component, Message
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import OBSTACLES, components_in, part_names, parts_of, vectors_in
-from softffd.run.findings import choice_in
-from softffd.run.parts import Obstacle, Parts, Pin, Vectors
-from softffd.run.points import PointField, PointVectors
-from softffd.run.states import State, taken_apart
+from softffd.run.parts import Obstacle, Parts, Pin, PointField, PointVectors, Vectors
 from softffd.run.times import one_number
 from softffd.spelling import did_you_mean, nearest_of
-
-SPRINGS = ("edge", "face", "body")
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from softffd.lattice import LatticeBox
     from softffd.scene.scene import Scene
+
+SPRINGS = ("edge", "face", "body")
+
+HEAD = struct.Struct("<8sd?")
+"""Before the FMU's own bytes of a state: a mark, the time [s], whether the first step is still to come"""
+MARK = b"softffd1"
+
+
+class State:
+    """A moment of a simulation, made by `Simulation.save`. `bytes(state)` goes to a file or another process.
+
+    It is freed with the last reference to it, or with the simulation.
+    """
+
+    def __init__(self, component: Component, time: float, initializing: bool):
+        self.component, self.handle = component, component.get_state()
+        self.time, self.initializing = time, initializing
+
+    def __bytes__(self) -> bytes:
+        return HEAD.pack(MARK, self.time, self.initializing) + self.component.state_bytes(self.handle)
+
+    def __reduce__(self) -> NoReturn:
+        raise FmuError("a State belongs to its simulation: bytes(state) is what is pickled and copied, and what restore takes elsewhere")
+
+    def __del__(self) -> None:
+        if hasattr(self, "handle"):
+            self.component.free_state(self.handle)
 
 
 class Simulation:
@@ -68,12 +91,13 @@ class Simulation:
     ):
         if log is not None and not callable(log):
             raise FmuError(f"log: wanted a function that takes a message, such as print, got {log!r:.70}")
-        self.component = open_component(scene_or_fmu, "Simulation")
+        self.component = scene_or_fmu if isinstance(scene_or_fmu, Component) else Component(run_source(scene_or_fmu, "Simulation"))
         """The thin layer below: its calls are those of the standard"""
         self.component.listener = log
-        self._blocks: dict[str | tuple[str, ...], Block] = {}
+        self._blocks: dict[str, Block] = {}
+        self._fields: dict[str, PointField] = {}
         try:
-            self._begin(tolerance, method, start_values, start_time, stop_time)
+            self._begin(method, start_values, tolerance=tolerance, start_time=start_time, stop_time=stop_time)
         except BaseException:
             self.component.close()
             raise
@@ -81,18 +105,13 @@ class Simulation:
     # ---- life ----
 
     def _begin(
-        self,
-        tolerance: float | None,
-        method: str | None,
-        start_values: Mapping[str, Any] | None,
-        start_time: float,
-        stop_time: float | None,
+        self, method: str | None, values: Mapping[str, Any] | None, *, tolerance: float | None, start_time: float, stop_time: float | None
     ) -> None:
         self.time = one_number("start time", start_time)
         """Of the communication point [s]"""
         self.initializing = True
         """Whether the first step is still to come, so that everything can be set"""
-        for name, value in {**({"solver.method": method} if method is not None else {}), **(start_values or {})}.items():
+        for name, value in {**({} if method is None else {"solver.method": method}), **(values or {})}.items():
             self[name] = value
         if tolerance is not None and not (one_number("tolerance", tolerance) > 0 and math.isfinite(tolerance)):
             raise FmuError(f"tolerance: wanted > 0, got {tolerance:g}")
@@ -134,7 +153,7 @@ class Simulation:
         """Begins again as if just opened, with the settings given here alone; forgets the log. Saved states keep their use."""
         self.component.reset()
         self.component.messages.clear()
-        self._begin(tolerance, method, start_values, start_time, stop_time)
+        self._begin(method, start_values, tolerance=tolerance, start_time=start_time, stop_time=stop_time)
 
     def close(self) -> None:
         """Frees the instance, its states and its files."""
@@ -171,13 +190,15 @@ class Simulation:
             component.set_state(state.handle)
             self.time, self.initializing = state.time, state.initializing
             return
-        time, initializing, own = taken_apart(bytes(state))
-        handle = component.state_from(own)
+        data = bytes(state)
+        if len(data) < HEAD.size or not data.startswith(MARK):
+            raise FmuError(f"restore: wanted a state of Simulation.save or its bytes, got {data[:20]!r}")
+        handle = component.state_from(data[HEAD.size :])
         try:
             component.set_state(handle)
         finally:
             component.free_state(handle)
-        self.time, self.initializing = time, initializing
+        _, self.time, self.initializing = HEAD.unpack_from(data)
 
     # ---- variables by name ----
 
@@ -197,7 +218,7 @@ class Simulation:
         variable, value = self.variables[name], self._block(name).get().tolist()[0]
         if variable.type == "Boolean":
             return bool(value)
-        return value if variable.items is None else _item(variable.items, value)
+        return next((item for item, number in (variable.items or {}).items() if number == value), value)
 
     def __setitem__(self, name: str, value: Any) -> None:
         """Sets a variable, or all components of a vector. FmuError for outputs and numbers that are not finite."""
@@ -279,34 +300,27 @@ class Simulation:
     @property
     def positions(self) -> np.ndarray:
         """The control points (nx, ny, nz, 3) [m], a read-only copy; NaN for those that are not among the outputs."""
-        return self._position_field.read()
+        return self._field("position").read()
 
     @property
     def velocities(self) -> np.ndarray:
         """Their velocities (nx, ny, nz, 3) [m/s], a read-only copy; NaN for those that are no outputs. FmuError where none is."""
-        return self._velocity_field.read()
+        return self._field("velocity").read()
 
     @property
     def forces(self) -> np.ndarray:
         """The outside forces on the control points (nx, ny, nz, 3) [N], a read-only copy, to be assigned as a whole; NaN where there is no
         input. `sim.force[i, j, k]` sets single ones."""
-        return self._force_field.read()
+        return self._field("force").read()
 
     @forces.setter
     def forces(self, values: ArrayLike) -> None:
-        self._force_field.write(values)
+        self._field("force").write(values)
 
-    @cached_property
-    def _position_field(self) -> PointField:
-        return PointField(self, "position")
-
-    @cached_property
-    def _velocity_field(self) -> PointField:
-        return PointField(self, "velocity")
-
-    @cached_property
-    def _force_field(self) -> PointField:
-        return PointField(self, "force")
+    def _field(self, family: str) -> PointField:
+        if family not in self._fields:
+            self._fields[family] = PointField(self.component, family)
+        return self._fields[family]
 
     @cached_property
     def obstacle(self) -> Parts[Obstacle]:
@@ -357,9 +371,14 @@ class Simulation:
         return [choice for message in self.log if (choice := choice_in(message.text))]
 
 
-def open_component(scene_or_fmu: Any, who: str) -> Component:
-    """The component of a scene or of an FMU, or the one given; SoftffdError, which begins with `who`, for anything else."""
-    return scene_or_fmu if isinstance(scene_or_fmu, Component) else Component(run_source(scene_or_fmu, who))
+BEGINS = "; internal step"
+"""What follows method and reason in the message of a choice."""
+
+
+def choice_in(text: str) -> tuple[str, str] | None:
+    """Method and reason in a message of a component; None in one that tells of no choice."""
+    method, _, reason = text.partition(BEGINS)[0].partition(": ")
+    return (method, reason) if BEGINS in text else None
 
 
 def run_source(scene_or_fmu: Any, who: str) -> Scene | Path:
@@ -382,7 +401,3 @@ def _components_of(name: str, value: Any, count: int) -> list[Any]:
     if len(values) != count:
         raise FmuError(f"{name}: wanted {count} numbers, got {value!r:.70}")
     return values
-
-
-def _item(items: Mapping[str, int], value: int) -> str | int:
-    return next((name for name, each in items.items() if each == value), value)

@@ -22,9 +22,10 @@ from softffd.errors import FmuError
 from softffd.fmu.package import package_fmu, scene_masses
 from softffd.fmu.variables import method_value
 from softffd.run import progress
-from softffd.run.findings import findings, shares
+from softffd.run.findings import findings
 from softffd.run.many_steps import ManySteps
 from softffd.run.progress import ProgressLine
+from softffd.run.simulate import shares
 
 PUSHED = """
 title = "A box and a plate"

@@ -14,8 +14,7 @@ from scenes import box, table_and_press
 from softffd import FmuError, SoftffdError, Sweep, load_scene, simulate, sweep
 from softffd.cli.command import main
 from softffd.run.guard import Lost
-from softffd.run.sweep import sweep as sweep_module
-from softffd.run.sweep import worker
+from softffd.run.sweep import runs
 
 SCENE = box(
     plane=table_and_press(friction=0.3), gravity=[0.0, 0.0, -9.81], reactions=True, energy=True, solver={"tolerance": 1e-3},
@@ -79,7 +78,7 @@ def test_a_run_that_is_refused_on_its_way_says_when(monkeypatch):
         simulation.time = 0.03
         raise FmuError("no more")
 
-    monkeypatch.setattr(worker.Simulation, "step", refused)
+    monkeypatch.setattr(runs.Simulation, "step", refused)
     ((_, words),) = sweep(SCENE, {"mass": [1]}, outputs=[FORCE]).failures
     assert words == "at 0.03 s: no more"
 
@@ -88,7 +87,7 @@ def test_a_run_that_takes_its_process_down_is_a_failed_run(monkeypatch):
     def guarded(work, jobs, *rest):
         return ((job, Lost("crash", "the process ended") if job == (1,) else np.array([1.0])) for job in jobs)
 
-    monkeypatch.setattr(sweep_module, "guarded", guarded)
+    monkeypatch.setattr(runs, "guarded", guarded)
     table = sweep(SCENE, {"mass": [1, 2, 3]}, outputs=[FORCE], jobs=2)
     assert table.failures == [({"mass": 2}, "the process ended")]
     assert np.isnan(table.outputs[FORCE]).tolist() == [False, True, False]
@@ -269,7 +268,7 @@ def test_the_command_keeps_table_and_picture_and_goes_on(tmp_path, monkeypatch, 
     assert "3 runs, 0 failed" in said and f"max({FORCE}): " in said
     assert sorted(path.name for path in (tmp_path / "kept").iterdir()) == ["sweep.csv", "sweep.npz", "sweep.png"]
     assert Sweep.load("kept/sweep.npz").values["stiffness.edge"] == pytest.approx([400, 800, 1600])
-    monkeypatch.setattr(sweep_module, "run_all", lambda plan, indices: pytest.fail("again") if indices else iter(()))
+    monkeypatch.setattr(runs, "run_all", lambda plan, indices: pytest.fail("again") if indices else iter(()))
     assert main(arguments) == 0
 
 

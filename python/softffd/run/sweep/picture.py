@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -15,9 +15,6 @@ from matplotlib.ticker import NullLocator
 
 from softffd.errors import SoftffdError
 from softffd.files import replacing
-
-if TYPE_CHECKING:
-    from softffd.run.sweep.table import Sweep
 
 LARGEST = 30
 """Outputs in one picture"""
@@ -32,29 +29,33 @@ LETTER, LINE = 0.09, 0.2
 """Of a tick's words: width of a letter and height of a line [inches]"""
 
 
-def draw(table: Sweep, file: str | Path | None, outputs: Iterable[str] | str | None) -> Figure:
-    """A panel for each output, beside and below each other; failed runs are crosses."""
-    names = [outputs] if isinstance(outputs, str) else list(table.outputs if outputs is None else outputs)
-    if not 1 <= len(table.values) <= 2:
-        raise SoftffdError(f"plot: wanted one or two varied variables, got {len(table.values)}; to_xarray takes any number")
-    if not 1 <= len(names) <= LARGEST:
-        raise SoftffdError(f"plot: wanted 1 to {LARGEST} outputs, got {len(names)}; choose with outputs=[...]")
+def draw(
+    title: str, values: Mapping[str, np.ndarray], outputs: Mapping[str, np.ndarray], units: Mapping[str, str], failed: np.ndarray,
+    file: str | Path | None,
+) -> Figure:  # fmt: skip
+    """A panel for each output, beside and below each other; failed runs are crosses.
+
+    values: (n,) of each varied variable; outputs, failed: over their grid. units: by name. file: where it is written, if anywhere.
+    """
+    if not 1 <= len(values) <= 2:
+        raise SoftffdError(f"plot: wanted one or two varied variables, got {len(values)}; to_xarray takes any number")
+    if not 1 <= len(outputs) <= LARGEST:
+        raise SoftffdError(f"plot: wanted 1 to {LARGEST} outputs, got {len(outputs)}; choose with outputs=[...]")
     if file is not None and Path(file).suffix not in FORMATS:
         raise SoftffdError(f"{file}: wanted a picture's name that ends with {', '.join(FORMATS)}")
-    columns = min(3, len(names))
-    rows = math.ceil(len(names) / columns)
-    axes = [_Axis(name, table.about["units"][name], values) for name, values in table.values.items()]
+    columns = min(3, len(outputs))
+    rows = math.ceil(len(outputs) / columns)
+    axes = [_Axis(name, units[name], given) for name, given in values.items()]
     turned = len(axes) == 2 and len(axes[0].places) < len(axes[1].places)
-    axes, failed = (axes[::-1], (table.messages != "").T) if turned else (axes, table.messages != "")
+    axes, failed = (axes[::-1], failed.T) if turned else (axes, failed)
     as_map = len(axes) == 2 and len(axes[1].places) > MOST_LINES
     with_legend = len(axes) == 2 and not as_map
     figure = Figure(figsize=(1 + 4.2 * columns + 2 * with_legend, 0.5 + 3.2 * rows), layout="constrained")
     FigureCanvasAgg(figure)
-    figure.suptitle(table.about["title"], **PLAIN)
-    for number, name in enumerate(names, 1):
+    figure.suptitle(title, **PLAIN)
+    for number, (name, output) in enumerate(outputs.items(), 1):
         panel = figure.add_subplot(rows, columns, number)
-        values = table.outputs[name].T if turned else table.outputs[name]
-        (_map if as_map else _lines)(panel, axes, values, failed, _label(name, table.about["units"].get(name, "")))
+        (_map if as_map else _lines)(panel, axes, output.T if turned else output, failed, _label(name, units.get(name, "")))
     if with_legend:
         lines = panel.get_lines()[: len(axes[1].places)]
         legend = figure.legend(lines, axes[1].words, title=axes[1].label, loc="outside right upper", frameon=False)

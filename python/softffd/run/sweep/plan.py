@@ -6,7 +6,7 @@ import hashlib
 import math
 import os
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -20,7 +20,7 @@ from softffd.fmu.component import Component
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import parse_name
 from softffd.run.inputs import Inputs, Source
-from softffd.run.selected import driven_inputs, require_undriven
+from softffd.run.parts import at_point
 from softffd.run.simulation import Simulation, run_source
 from softffd.run.times import communication_points, positive, require_memory
 from softffd.spelling import did_you_mean, nearest_of
@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 END, FOLDS = "end", ("max", "min", "mean")
 MOST_RUNS = 10_000_000
 SETTABLE = ("parameter", "input")
+
+Index = tuple[int, ...]
+"""Of a run in the grid"""
 
 
 class Reading(NamedTuple):
@@ -78,7 +81,7 @@ class Plan:
         """The communication points (T,) [s]."""
         return communication_points(self.stop_time, self.step)
 
-    def start(self, index: tuple[int, ...]) -> dict[str, Any]:
+    def start(self, index: Index) -> dict[str, Any]:
         """The start values of one run of the grid."""
         return self.start_values | {name: numbers[i] for i, (name, numbers) in zip(index, self.numbers.items(), strict=True)}
 
@@ -97,32 +100,29 @@ def plan_of(
         stop_time = positive("stop time", stop_time, interface.stop_time)
         step = positive("communication step", step, interface.step)
         source = Inputs(inputs)
-        driven = [variable.name for variable in driven_inputs(component, source)]
-        require_undriven(simulation, source, start_values or {}, driven)
-        given = _varied(component, vary, driven, source.where)
-        _require_unset(simulation, [*(start_values or {}), *(["solver.method"] if settings.get("method") else [])], given)
-        numbers = {name: [_number(component.variable(name), value) for value in values] for name, values in given.items()}
+        driven = [variable.name for variable in source.driven(component)]
+        started = [name for given in start_values or {} for name in simulation.block(given).names]
+        source.require_undriven(started, driven)
+        varied = _varied(component, vary, driven, source.where)
+        if lost := next((name for name in [*started, *(["solver.method"] if settings.get("method") else [])] if name in varied), None):
+            raise FmuError(f"{lost}: is varied, so that its start value would be lost: leave out one of the two")
+        numbers = {name: [_number(component.variable(name), value) for value in values] for name, values in varied.items()}
         readings = _readings(component, outputs)
-        _require_size(numbers, readings)
+        if (count := math.prod(map(len, numbers.values()))) * len(readings) > MOST_RUNS:
+            raise FmuError(f"vary: {count} runs of {len(readings)} outputs; wanted at most {MOST_RUNS:g} values: vary less, or read less")
         require_memory(stop_time, step, 8 * (len(driven) + len(readings) + 1))
         times = communication_points(stop_time, step)
-        course = np.array([source.values(now, then) for now, then in zip(times, [*times[1:], times[-1]], strict=True)]) if driven else None
-        units = {name: component.variable(name).unit or "" for name in [*given, *(reading.name for reading in readings)]}
+        intervals = zip(times, [*times[1:], times[-1]], strict=True)
+        course = np.array([source.values(*interval) for interval in intervals]) if driven else np.zeros((0, 0))
+        units = {name: component.variable(name).unit or "" for name in [*varied, *(reading.name for reading in readings)]}
         about = {
             "title": interface.title, "fmu": interface.guid, "library": component.library_hash(), "units": units,
-            "inputs": _fingerprint(driven, course),
+            "inputs": hashlib.sha256("\n".join(driven).encode() + course.tobytes()).hexdigest() if driven else "",
         }  # fmt: skip
         return Plan(
-            what, given, numbers, readings, dict(start_values or {}), dict(settings), stop_time, step, tuple(driven),
-            np.zeros((0, 0)) if course is None else course, about, os.getcwd(),
+            what, varied, numbers, readings, dict(start_values or {}), dict(settings), stop_time, step, tuple(driven), course, about,
+            os.getcwd(),
         )  # fmt: skip
-
-
-def _require_unset(simulation: Simulation, started: Iterable[str], varied: Collection[str]) -> None:
-    """FmuError where a start value would be lost, for that variable is varied."""
-    for name in started:
-        if lost := [each for each in simulation.block([name]).names if each in varied]:
-            raise FmuError(f"{lost[0]}: is varied, so that its start value would be lost: leave out one of the two")
 
 
 def _varied(component: Component, vary: Mapping[str, Iterable[Any]], driven: Sequence[str], where: str) -> dict[str, list[Any]]:
@@ -144,14 +144,10 @@ def _varied(component: Component, vary: Mapping[str, Iterable[Any]], driven: Seq
 
 def _not_varied(component: Component, name: str, variable: ScalarVariable | None, driven: Sequence[str]) -> str:
     free = [v.name for v in component.by_name.values() if v.causality in SETTABLE and v.name not in driven]
-    single = [each for each in free if not _at_point(each)]
-    points = sorted({f"{found.family}[i,j,k].{found.component}" for each in free if (found := parse_name(each)) and _at_point(each)})
+    single = [each for each in free if not at_point(each)]
+    points = sorted({f"{found.family}[i,j,k].{found.component}" for each in free if (found := parse_name(each)) and at_point(each)})
     why = f"it is an {variable.causality}" if variable else "the FMU has no such parameter or input" + did_you_mean(nearest_of(name, free))
     return f"{name}: cannot be varied: {why}; those that can: {', '.join(single + points)}"
-
-
-def _at_point(name: str) -> bool:
-    return (found := parse_name(name)) is not None and found.at_point
 
 
 def _listed(name: str, values: Iterable[Any]) -> list[Any]:
@@ -175,7 +171,7 @@ def _readings(component: Component, outputs: Iterable[str] | str | None) -> tupl
     """Those asked for; by default all outputs but those at control points."""
     every = [v.name for v in component.by_name.values() if v.causality == "output" and v.kind != "String"]
     if outputs is None:
-        outputs = [name for name in every if not _at_point(name)]
+        outputs = [name for name in every if not at_point(name)]
     asked = [outputs] if isinstance(outputs, str) else list(outputs)
     if not asked:
         raise FmuError("outputs: wanted at least one, such as 'position[0,0,0].z' or 'max(position[0,0,0].z)', got none")
@@ -195,12 +191,3 @@ def _reading(component: Component, text: str, every: list[str]) -> list[Reading]
         what = f"an output, got the FMU's {other} of that name" if other else "an output of the FMU, which has none of this name"
         raise UnknownName(f"{text}: wanted {what}{did_you_mean(nearest_of(name, every))}")
     return [Reading(fold, variable.name) for variable in variables]
-
-
-def _require_size(numbers: Mapping[str, list[Any]], readings: Sequence[Reading]) -> None:
-    if (count := math.prod(map(len, numbers.values()))) * len(readings) > MOST_RUNS:
-        raise FmuError(f"vary: {count} runs of {len(readings)} outputs; wanted at most {MOST_RUNS:g} values: vary less, or read less")
-
-
-def _fingerprint(names: Sequence[str], course: np.ndarray | None) -> str:
-    return "" if course is None else hashlib.sha256("\n".join(names).encode() + course.tobytes()).hexdigest()

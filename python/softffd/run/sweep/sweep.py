@@ -2,38 +2,27 @@
 
 from __future__ import annotations
 
-import math
 import multiprocessing
 import time as clock
-from collections.abc import Callable, Generator, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
 from contextlib import closing
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from softffd.errors import SoftffdError
-from softffd.run.guard import Lost, guarded
 from softffd.run.inputs import Source
 from softffd.run.sweep.plan import Plan, plan_of
+from softffd.run.sweep.runs import made
 from softffd.run.sweep.table import Sweep
-from softffd.run.sweep.worker import run_all
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 KEEP_EVERY = 10.0
 """The file of a sweep is written so often [s]."""
-TOGETHER = 200
-"""Runs that a process makes at most before a new one takes over"""
-PATIENCE = 1e6
-"""A single run may take this long [s]."""
-
-Index = tuple[int, ...]
-Made = Generator[tuple[Index, np.ndarray | str]]
-"""Runs of the grid: each with its readings, or the words of what failed"""
 
 
 def sweep(
@@ -79,9 +68,19 @@ def sweep(
         raise SoftffdError(f"jobs: a daemonic process, as those of multiprocessing.Pool are, starts no others; wanted jobs=1, got {jobs}")
     settings = {key: value for key, value in (("tolerance", tolerance), ("method", method)) if value is not None}
     plan = plan_of(scene_or_fmu, vary, outputs, stop_time, step, start_values, inputs, settings)
-    table = _begun(plan, None if file is None else Path(file))
+    file = None if file is None else Path(file)
+    table = _begun(plan, file)
+    missing = [index for index in np.ndindex(plan.shape) if not table.done[index]]
+    kept = clock.monotonic()
     try:
-        _run(plan, table, partial(_results, jobs=jobs or 1, executor=executor), file, progress)
+        with closing(made(plan, missing, jobs or 1, executor)) as runs:  # an interrupt ends what is under way
+            for count, (index, result) in enumerate(runs, table.done.size - len(missing) + 1):
+                table.note(index, result)
+                if file is not None and clock.monotonic() - kept > KEEP_EVERY:
+                    table.save(file)
+                    kept = clock.monotonic()
+                if progress:
+                    progress(count, table.done.size)
     except KeyboardInterrupt:
         if file is None:
             raise
@@ -106,38 +105,3 @@ def _begun(plan: Plan, file: Path | None) -> Sweep:
     if others := kept.differences(table):
         raise SoftffdError(f"{file}: holds another sweep: other {', '.join(others)}; wanted the same one, or another file")
     return kept
-
-
-def _run(
-    plan: Plan,
-    table: Sweep,
-    results: Callable[[Plan, list[Index]], Made],
-    file: str | Path | None,
-    progress: Callable[[int, int], object] | None,
-) -> None:
-    missing = [index for index in np.ndindex(plan.shape) if not table.done[index]]
-    kept = clock.monotonic()
-    with closing(results(plan, missing)) as made:  # an interrupt ends what is under way
-        for count, (index, result) in enumerate(made, table.done.size - len(missing) + 1):
-            table.note(index, result)
-            if file is not None and clock.monotonic() - kept > KEEP_EVERY:
-                table.save(file)
-                kept = clock.monotonic()
-            if progress:
-                progress(count, table.done.size)
-
-
-def _results(plan: Plan, indices: list[Index], jobs: int, executor: Executor | None) -> Made:
-    if executor is not None:
-        from softffd.run.sweep.elsewhere import on_executor
-
-        yield from on_executor(executor, plan, indices)
-        return
-    if jobs == 1:
-        yield from zip(indices, run_all(plan, indices), strict=True)
-        return
-    together = min(TOGETHER, math.ceil(len(indices) / (4 * jobs)) or 1)
-    for index, result in guarded(partial(run_all, plan), indices, lambda _index: PATIENCE, jobs, together):
-        if isinstance(result, Lost) and result.how == "fault":
-            raise RuntimeError(result.words)
-        yield index, result.words if isinstance(result, Lost) else result

@@ -8,17 +8,15 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from softffd.files import replacing, write_text
 from softffd.run.npz import UNREADABLE, damaged, read_arrays, write_arrays
 from softffd.run.result import Columns
+from softffd.run.sweep.plan import Index, Plan
 from softffd.run.tables import package
-
-if TYPE_CHECKING:
-    from softffd.run.sweep.plan import Plan
 
 COMPARED = ("fmu", "library", "values", "outputs", "start_values", "inputs", "stop_time", "step", "tolerance", "method")
 
@@ -63,7 +61,7 @@ class Sweep:
         count = f"{self.done.sum()} of {self.done.size}" if not self.done.all() else f"{self.done.size}"
         return f"<Sweep of {self.about['title']!r}: {grid}; {count} runs, {len(self.failures)} failed; {', '.join(self.outputs)}>"
 
-    def note(self, index: tuple[int, ...], result: np.ndarray | str) -> None:
+    def note(self, index: Index, result: np.ndarray | str) -> None:
         """Enters a run: its outputs in their order, or the words of what failed."""
         if isinstance(result, str):
             self.messages[index] = result
@@ -77,7 +75,7 @@ class Sweep:
         """The values and the words of each run that failed."""
         return [(self._at(index), str(self.messages[index])) for index in np.ndindex(self.done.shape) if self.messages[index]]
 
-    def _at(self, index: tuple[int, ...]) -> dict[str, Any]:
+    def _at(self, index: Index) -> dict[str, Any]:
         return {name: values[i].item() for i, (name, values) in zip(index, self.values.items(), strict=True)}
 
     def differences(self, other: Sweep) -> list[str]:
@@ -129,4 +127,6 @@ class Sweep:
         """A matplotlib Figure of some outputs, all by default: lines over one varied variable, maps over two; written where `file` says."""
         from softffd.run.sweep.picture import draw
 
-        return draw(self, file, [outputs] if isinstance(outputs, str) else outputs)
+        names = self.outputs if outputs is None else [outputs] if isinstance(outputs, str) else outputs
+        chosen = {name: self.outputs[name] for name in names}
+        return draw(self.about["title"], self.values, chosen, self.about["units"], self.messages != "", file)
