@@ -61,7 +61,7 @@ class Header:
     version: int
     outputs: list[str]
     inputs: list[str]
-    parameters: dict[str, bool | int | float | str]
+    parameters: dict[str, bool | int | float]
     summary: dict[str, Any]
     lattice: LatticeBox | None
     flat_names: bool
@@ -145,7 +145,7 @@ def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
             "outputs": {name: arrays[_entry(name)] for name in header.outputs},
             "inputs": dict(zip(header.inputs, arrays["inputs"].T, strict=True)),
         }
-        _require_shapes(**fields, lattice=header.lattice)
+        _require_one_run(header, **fields)
     except (KeyError, TypeError, *UNREADABLE) as fault:
         raise damaged(path, "result", fault) from None
     scene, why = (None, "") if header.scene is None else _scene(header.scene, path.absolute().parent, mesh)
@@ -173,17 +173,21 @@ def _plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else str(value)
 
 
-def _require_shapes(
-    time: np.ndarray, positions: np.ndarray, outputs: dict[str, np.ndarray], inputs: dict[str, np.ndarray], lattice: LatticeBox | None
+def _require_one_run(
+    header: Header, *, time: np.ndarray, positions: np.ndarray, outputs: dict[str, np.ndarray], inputs: dict[str, np.ndarray]
 ) -> None:
-    """ValueError where the arrays are not those of one run."""
+    """ValueError where the arrays and numbers are not those of one run."""
+    lattice = header.lattice
     if lattice and (positions.shape[1:4] != lattice.points or lattice.basis not in BASES):
         raise ValueError(f"positions of shape {positions.shape} of {lattice}")
     shapes = [array.shape for array in (time, *outputs.values(), *inputs.values())]
     if positions.ndim != 5 or positions.shape[4] != 3 or any(shape != (len(positions),) for shape in shapes):
         raise ValueError("its arrays have not the shapes of one run")
-    if other := [array.dtype for array in (time, positions, *outputs.values(), *inputs.values()) if array.dtype.kind not in "fiub"]:
-        raise ValueError(f"wanted arrays of numbers, got {other[0]}")
+    numbers = (time, positions, *outputs.values(), *inputs.values(), *map(np.asarray, header.parameters.values()))
+    if other := [array.dtype for array in numbers if array.dtype.kind not in "fiub"]:
+        raise ValueError(f"wanted numbers, got {other[0]}")
+    if not isinstance(header.summary.get("warnings", []), list):
+        raise ValueError(f"header, summary.warnings: wanted a list, got {header.summary['warnings']!r:.70}")
 
 
 def _scene(kept: KeptScene, folder: Path, given: Path | None) -> tuple[Scene | None, str]:

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from softffd.lattice import LatticeBox
     from softffd.scene.scene import Scene
 
-SPRINGS = ("edge", "face", "body")
-
 HEAD = struct.Struct("<8sd?")
 """Before the FMU's own bytes of a state: a mark, the time [s], whether the first step is still to come"""
 MARK = b"softffd1"
@@ -224,7 +222,11 @@ class Simulation:
         """Sets a variable, or all components of a vector. FmuError for outputs and numbers that are not finite."""
         variables = [self.variables[each] for each in self._named(name)]
         for variable in variables:
-            self._require_settable(variable)
+            if variable.causality not in ("input", "parameter"):
+                raise FmuError(f"{variable.name}: wanted an input or a parameter, got an {variable.causality}")
+            if variable.variability == "fixed" and not self.initializing:
+                when = "can be set before the first step only; `restart` takes other start values"
+                raise FmuError(f"{variable.name}: a fixed parameter {when}")
         values = [value] if name in self.variables else _components_of(name, value, len(variables))
         given = [number_of(variable, each) for variable, each in zip(variables, values, strict=True)]
         for variable, number in zip(variables, given, strict=True):
@@ -248,19 +250,13 @@ class Simulation:
         """The scalar variables that a name means: itself, or its components; of `stiffness` those of the kinds of springs."""
         if name in self.variables:
             return [name]
-        return list(components_in(self.variables, name, (*"wxyz", *SPRINGS)).values())
+        return list(components_in(self.variables, name, (*"wxyz", "edge", "face", "body")).values())
 
     def _named(self, name: str) -> list[str]:
         if found := self._components(name) if isinstance(name, str) else []:
             return found
         nearest = nearest_of(str(name), [*self.variables, *vectors_in(self.variables)])
         raise UnknownName(f"{name}: the FMU has no such variable{did_you_mean(nearest)}")
-
-    def _require_settable(self, variable: ScalarVariable) -> None:
-        if variable.causality not in ("input", "parameter"):
-            raise FmuError(f"{variable.name}: wanted an input or a parameter, got an {variable.causality}")
-        if variable.variability == "fixed" and not self.initializing:
-            raise FmuError(f"{variable.name}: a fixed parameter can be set before the first step only; `restart` takes other start values")
 
     def _block(self, name: str) -> Block:
         if name not in self._blocks:

@@ -7,31 +7,16 @@ import numpy as np
 import pytest
 
 from scenes import box
-from softffd import FmuError, Simulation, load_scene, package_fmu, simulate
+from softffd import FmuError, Simulation, package_fmu, simulate
 from softffd.cli.command import main
 from softffd.run.inputs import Inputs
 
-FREE = """
-[material]
-damping = 0.0
-[[load]]
-name = "push"
-points = "all"
-[outputs]
-velocities = "all"
-[experiment]
-stop_time = 1.0
-communication_step = 0.25
-"""
+FREE = box(damping=0.0, load=[{"name": "push", "points": "all"}], velocities="all", stop_time=1.0, communication_step=0.25)
+COURSE = np.array([(0.0, 0.0), (1.0, 6.0)], dtype=[("time", float), ("load.push.x", float)])
 
 
-def test_interpolated_inputs_are_exact_where_the_force_is_linear(folder):
-    Path("free.toml").write_text(FREE)
-    course = np.array([(0.0, 0.0), (1.0, 6.0)], dtype=[("time", float), ("load.push.x", float)])
-    linear, held = (
-        simulate(load_scene("free.toml"), inputs=course, interpolation=each, start_values={"solver.method": "dop853"})
-        for each in ("linear", "held")
-    )
+def test_interpolated_inputs_are_exact_where_the_force_is_linear():
+    linear, held = (simulate(FREE, inputs=COURSE, interpolation=each, method="dop853") for each in ("linear", "held"))
     t = linear.time
     np.testing.assert_allclose(linear.outputs["velocity[1,2,3].x"], 3 * t**2, atol=1e-12)  # of 6 t N on 1 kg
     np.testing.assert_allclose(linear.positions.mean(axis=(1, 2, 3))[:, 0] - 0.5, t**3, atol=1e-12)
@@ -63,31 +48,23 @@ def test_cubic_inputs_have_the_order_of_cubics_and_do_not_overshoot():
 
 
 def test_an_fmu_that_does_not_interpolate_says_so(folder):
-    Path("free.toml").write_text(FREE)
-    package_fmu(load_scene("free.toml"), "free.fmu")
+    package_fmu(FREE, "free.fmu")
     with zipfile.ZipFile("free.fmu") as whole, zipfile.ZipFile("poor.fmu", "w") as poor:
         for name in whole.namelist():
             poor.writestr(name, whole.read(name).replace(b'canInterpolateInputs="true"', b'canInterpolateInputs="false"'))
-    course = np.array([(0.0, 0.0), (1.0, 6.0)], dtype=[("time", float), ("load.push.x", float)])
     with pytest.raises(FmuError, match="does not interpolate"):
-        simulate("poor.fmu", inputs=course, interpolation="linear")
-    assert simulate("poor.fmu", inputs=course).time[-1] == 1.0
+        simulate("poor.fmu", inputs=COURSE, interpolation="linear")
+    assert simulate("poor.fmu", inputs=COURSE).time[-1] == 1.0
 
 
-def test_an_unknown_interpolation_is_refused_with_the_choices(folder, capsys):
-    Path("free.toml").write_text(FREE)
-    with pytest.raises(FmuError, match="wanted one of held, linear, cubic, got 'liner', did you mean \"linear\""):
-        simulate(load_scene("free.toml"), interpolation="liner")
-    assert main(["run", "free.toml", "--interpolation", "cubics"]) != 0
-    assert 'did you mean "cubic"' in capsys.readouterr().err
-
-
-def test_the_run_command_interpolates(folder):
-    Path("free.toml").write_text(FREE)
+def test_the_run_command_interpolates_as_it_is_told(folder, capsys):
+    package_fmu(FREE, "free.fmu")
     Path("push.csv").write_text("time,load.push.x\n0,0\n1,6\n")
     for how, speed in (("linear", 3.0), ("held", 2.25)):  # of 6 t N on 1 kg
-        assert main(["run", "free.toml", "--input", "push.csv", "--interpolation", how, "-o", how]) == 0
+        assert main(["run", "free.fmu", "--input", "push.csv", "--interpolation", how, "-o", how]) == 0
         assert np.load(f"{how}/result.npz")["velocity[1,2,3].x"][-1] == pytest.approx(speed)
+    assert main(["run", "free.fmu", "--interpolation", "cubics"]) != 0
+    assert 'did you mean "cubic"' in capsys.readouterr().err
 
 
 MOVED = ["position", "orientation", "velocity", "angular_velocity"]

@@ -37,6 +37,11 @@ def result() -> Result:
     return simulate(box(plane=table_and_press(), energy=True, stop_time=0.1), inputs=course, start_values={"mass": 2})
 
 
+@pytest.fixture(scope="module")
+def small() -> Result:
+    return simulate(box(points=[2, 2, 2], stop_time=0.02))
+
+
 @pytest.fixture
 def ball_run(tmp_path) -> Result:
     save_mesh(ball(), tmp_path / "ball.obj")
@@ -128,9 +133,8 @@ def test_without_its_mesh_a_result_says_why_it_has_no_scene(ball_run, tmp_path, 
     np.testing.assert_array_equal(loaded.deformed(ball()), ball_run.deformed(ball()))
 
 
-def test_a_damaged_file_is_refused_or_harmless(result, tmp_path):
+def test_a_damaged_file_is_refused_or_harmless(small, tmp_path):
     path = tmp_path / "run.npz"
-    small = simulate(box(points=[2, 2, 2], stop_time=0.02))
     small.save(path)
     whole = path.read_bytes()
     refused = 0
@@ -176,12 +180,8 @@ WRONG = [
     {"lattice": {"points": [2, 2]}}, {"lattice": {"points": [2, 2, 3], "origin": [0, 0, 0], "size": [1, 1, 1], "basis": "bezier"}},
     {"lattice": {"points": [2, 2, 2], "origin": [0, 0, 0], "size": [1, 1, 1], "basis": "bezir"}}, {"obstacles": {"meet": "nothing"}},
     {"obstacles": {"meet": "lattice", "solids": [{}]}}, {"scene": {"keys": []}}, {"scene": {"keys": [], "path": "a", "mesh": None}},
+    *[{key: ...} for key in ("version", "outputs", "inputs", "parameters", "summary", "lattice", "flat_names", "log", "scene")],
 ]  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def small() -> Result:
-    return simulate(box(points=[2, 2, 2], stop_time=0.02))
 
 
 def rewritten(result: Result, path, **changes) -> Result:
@@ -199,12 +199,6 @@ def rewritten(result: Result, path, **changes) -> Result:
 def test_a_header_that_is_not_of_this_form_is_refused(small, tmp_path, changes):
     with pytest.raises(SoftffdError, match=r"run\.npz: (damaged, or no result that softffd wrote \(|written by softffd )"):
         rewritten(small, tmp_path / "run.npz", **changes)
-
-
-@pytest.mark.parametrize("key", ["version", "outputs", "inputs", "parameters", "summary", "lattice", "flat_names", "log", "scene"])
-def test_a_header_without_a_part_is_refused(small, tmp_path, key):
-    with pytest.raises(SoftffdError, match="damaged, or no result that softffd wrote"):
-        rewritten(small, tmp_path / "run.npz", **{key: ...})
 
 
 @pytest.mark.parametrize(

@@ -107,14 +107,15 @@ def test_without_positions_there_is_nothing_to_see(tmp_path, opened):
 
 def test_a_notebook_shows_words_picture_and_page(monkeypatch):
     run = replace(made_up_run(), summary={"title": "<Box> & co"}, scene=None)
-    shown = run._repr_html_()
-    assert shown.startswith(f'<pre style="white-space: pre-wrap">{html.escape(repr(run))}</pre>') and "<Box>" not in shown
-    with Image.open(BytesIO(base64.b64decode(re.search(r"base64,([^\"]+)\"", shown)[1]))) as image:
+    page = run._repr_html_()
+    assert page.startswith(f'<pre style="white-space: pre-wrap">{html.escape(repr(run))}</pre>') and "<Box>" not in page
+    with Image.open(BytesIO(base64.b64decode(re.search(r"base64,([^\"]+)\"", page)[1]))) as image:
         assert image.width > 1000
-    frame = html.unescape(re.search(r'srcdoc="([^"]+)"', shown)[1])
+    frame = html.unescape(re.search(r'srcdoc="([^"]+)"', page)[1])
     assert frame.startswith("<!doctype html>") and frame.rstrip().endswith("</html>")
-    monkeypatch.setattr("softffd.run.shown.LARGEST_PAGE", len(frame) - 1)
-    assert "<iframe" not in run._repr_html_() and "view()" in run._repr_html_()
+    monkeypatch.setattr(shown, "LARGEST_PAGE", len(frame) - 1)
+    large = shown.in_notebook("words", "title", b"image", frame)
+    assert "<iframe" not in large and "view()" in large
 
 
 def test_a_data_frame_has_every_variable_over_time(result):

@@ -81,7 +81,7 @@ def test_tolerance_and_method_are_those_of_the_run():
         ({"start_time": float("nan")}, "start time: wanted a finite number of s, got nan"),
         ({"tolerance": 0}, "tolerance: wanted > 0, got 0"),
         ({"method": "leapfog"}, 'did you mean "leapfrog"'),
-        ({"interpolation": "qubic"}, 'did you mean "cubic"'),
+        ({"interpolation": "liner"}, "wanted one of held, linear, cubic, got 'liner', did you mean \"linear\""),
     ],
 )
 def test_what_cannot_be_chosen_is_refused_with_the_nearest_that_can(given, message):

@@ -292,23 +292,17 @@ def test_the_command_refuses_wrong_values(vary, words, tmp_path, capsys):
     assert not (tmp_path / "kept").exists()
 
 
-def test_a_long_path_of_the_folder_for_temporary_files_is_no_hindrance(tmp_path):
-    """Longer than a socket's path may be."""
-    folder = tmp_path / ("t" * 100)
-    folder.mkdir()
-    command = [sys.executable, "-m", "softffd", "sweep", "press", "--vary", "mass=1,2", "--stop-time", "0.01", "-j", "2"]
-    done = subprocess.run(command, cwd=tmp_path, env=os.environ | {"TMPDIR": str(folder)}, capture_output=True, text=True, timeout=100)
-    assert done.returncode == 0 and "2 runs, 0 failed" in done.stdout, done.stderr
-
-
-def test_a_script_needs_no_guard_against_its_own_processes(tmp_path):
-    script = tmp_path / "script.py"
-    script.write_text(
-        "import softffd\nprint('begun')\nscene = softffd.load_scene('press')\n"
-        "print(softffd.sweep(scene, {'mass': [1, 2]}, outputs=['energy.work'], stop_time=0.01, jobs=2).done.sum())\n"
+@pytest.mark.parametrize("folder", ["t", "t" * 100], ids=["short path", "longer path than a socket may have"])
+def test_a_script_needs_no_guard_against_its_own_processes_wherever_temporary_files_are(tmp_path, folder):
+    (tmp_path / folder).mkdir()
+    (tmp_path / "script.py").write_text(
+        "import softffd\nprint('begun')\n"
+        "table = softffd.sweep('press', {'mass': [1, 2]}, outputs=['energy.work'], stop_time=0.01, jobs=2)\n"
+        "print(table.done.sum(), len(table.failures))\n"
     )
-    done = subprocess.run([sys.executable, script], capture_output=True, text=True)
-    assert done.stdout.split() == ["begun", "2"], done.stderr
+    environment = os.environ | {"TMPDIR": str(tmp_path / folder)}
+    done = subprocess.run([sys.executable, tmp_path / "script.py"], env=environment, capture_output=True, text=True, timeout=100)
+    assert done.stdout.split() == ["begun", "2", "0"], done.stderr
 
 
 def test_an_fmu_is_swept_as_its_scene_is(table, tmp_path, monkeypatch):

@@ -100,7 +100,16 @@ class Sweep:
         try:
             about = json.loads(str(kept["sweep.about"]))
             values, outputs = ({name: kept[name] for name in about[key]} for key in ("values", "outputs"))
-            return cls(values, outputs, kept["sweep.messages"].astype(object), kept["sweep.done"], about)
+            messages, done = kept["sweep.messages"], kept["sweep.done"]
+            words = [about["title"], *(about["units"][name] for name in (*values, *outputs))]
+            flat = [(axis.size,) == axis.shape and axis.dtype.kind in "fiubU" for axis in values.values()]
+            over_grid = [(column, "f") for column in outputs.values()] + [(messages, "U"), (done, "b")]
+            shape = tuple(axis.size for axis in values.values())
+            if not (all(flat) and all(isinstance(word, str) for word in words)) or any(
+                array.shape != shape or array.dtype.kind != kind for array, kind in over_grid
+            ):
+                raise ValueError("its arrays are not those of one grid")
+            return cls(values, outputs, messages.astype(object), done, about)
         except (KeyError, TypeError, *UNREADABLE) as fault:
             raise damaged(Path(file), "sweep", fault) from None
 
