@@ -183,8 +183,8 @@ def _require_one_run(
     shapes = [array.shape for array in (time, *outputs.values(), *inputs.values())]
     if positions.ndim != 5 or positions.shape[4] != 3 or any(shape != (len(positions),) for shape in shapes):
         raise ValueError("its arrays have not the shapes of one run")
-    numbers = (time, positions, *outputs.values(), *inputs.values(), *map(np.asarray, header.parameters.values()))
-    if other := [array.dtype for array in numbers if array.dtype.kind not in "fiub"]:
+    kinds = [(array, "fiub") for array in (*outputs.values(), *inputs.values(), *map(np.asarray, header.parameters.values()))]
+    if other := [array.dtype for array, allowed in [(time, "f"), (positions, "f"), *kinds] if array.dtype.kind not in allowed]:
         raise ValueError(f"wanted numbers, got {other[0]}")
     if not isinstance(header.summary.get("warnings", []), list):
         raise ValueError(f"header, summary.warnings: wanted a list, got {header.summary['warnings']!r:.70}")

@@ -18,7 +18,7 @@ from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import number_of
 from softffd.fmu.component import Component
 from softffd.fmu.interface import ScalarVariable
-from softffd.names import parse_name
+from softffd.names import components_in, parse_name
 from softffd.run.inputs import Inputs, Source
 from softffd.run.parts import at_point
 from softffd.run.simulation import Simulation, run_source
@@ -106,7 +106,10 @@ def plan_of(
         varied = _varied(component, vary, driven, source.where)
         if lost := next((name for name in [*started, *(["solver.method"] if settings.get("method") else [])] if name in varied), None):
             raise FmuError(f"{lost}: is varied, so that its start value would be lost: leave out one of the two")
-        numbers = {name: [_number(component.variable(name), value) for value in values] for name, values in varied.items()}
+        numbers = {name: [number_of(component.variable(name), value) for value in values] for name, values in varied.items()}
+        for name, column in numbers.items():
+            if wrong := [number for number in column if not (isinstance(number, str) or math.isfinite(number))]:
+                raise FmuError(f"{name}: wanted finite numbers, got {wrong[0]:g}")
         readings = _readings(component, outputs)
         if (count := math.prod(map(len, numbers.values()))) * len(readings) > MOST_RUNS:
             raise FmuError(f"vary: {count} runs of {len(readings)} outputs; wanted at most {MOST_RUNS:g} values: vary less, or read less")
@@ -160,13 +163,6 @@ def _listed(name: str, values: Iterable[Any]) -> list[Any]:
     return listed
 
 
-def _number(variable: ScalarVariable, value: Any) -> Any:
-    number = number_of(variable, value)
-    if not (isinstance(number, str) or math.isfinite(number)):
-        raise FmuError(f"{variable.name}: wanted finite numbers, got {number:g}")
-    return number
-
-
 def _readings(component: Component, outputs: Iterable[str] | str | None) -> tuple[Reading, ...]:
     """Those asked for; by default all outputs but those at control points."""
     every = [v.name for v in component.by_name.values() if v.causality == "output" and v.kind != "String"]
@@ -184,7 +180,7 @@ def _reading(component: Component, text: str, every: list[str]) -> list[Reading]
     fold, name = (call[1], call[2].strip()) if call else (END, text.strip())
     if call and fold not in FOLDS:
         raise FmuError(f"{text}: wanted one of {', '.join(FOLDS)}, got {fold}{did_you_mean(nearest_of(fold, FOLDS))}")
-    names = [name] if name in component.by_name else [full for c in "wxyz" if (full := f"{name}.{c}") in component.by_name]
+    names = [name] if name in component.by_name else components_in(component.by_name, name).values()
     variables = [component.by_name[each] for each in names]
     other = next(("String" if v.causality == "output" else v.causality for v in variables if v.name not in every), "")
     if other or not variables:
