@@ -63,6 +63,7 @@ def test_what_is_saved_comes_back_whole(result, tmp_path):
     for path in (tmp_path / "run.npz", tmp_path / "folder"):
         files = result.save(path)
         require_same(result, Result.load(path))
+        np.testing.assert_array_equal(np.load(files[0])["plane.press.reaction.z"], result.outputs["plane.press.reaction.z"])
         assert [file.name for file in files] == (["run.npz"] if path.suffix else ["result.npz", "result.csv", "summary.json"])
     assert sorted(file.name for file in tmp_path.iterdir()) == ["folder", "run.npz"]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scenes import box, table_and_press
-from softffd import FmuError, SoftffdError, simulate
+from softffd import FmuError, MeshError, SoftffdError, simulate
 from softffd.fmu.variables import method_value
 
 SCENE = box(plane=table_and_press(), velocities="all", energy=True, stop_time=0.1)
@@ -81,6 +81,7 @@ def test_tolerance_and_method_are_those_of_the_run():
         ({"start_time": float("nan")}, "start time: wanted a finite number of s, got nan"),
         ({"tolerance": 0}, "tolerance: wanted > 0, got 0"),
         ({"method": "leapfog"}, 'did you mean "leapfrog"'),
+        ({"start_values": {1: 1}}, "1: the FMU has no such variable"),
         ({"interpolation": "liner"}, "wanted one of held, linear, cubic, got 'liner', did you mean \"linear\""),
     ],
 )
@@ -107,5 +108,6 @@ def test_a_row_that_is_none_is_refused(row):
     for look in (result.strain, result.stress, partial(result.deformed, np.full((1, 3), 0.5))):
         with pytest.raises(SoftffdError, match="wanted a row of 11"):
             look(row=row)
-    with pytest.raises(SoftffdError, match=r"wanted a Mesh or vertices \(V, 3\), got the shape \(3,\)"):
-        result.deformed(np.full(3, 0.5))
+    for given, words in ((np.full(3, 0.5), r"wanted a Mesh or vertices \(V, 3\), got the shape \(3,\)"), (None, "wanted a mesh")):
+        with pytest.raises(MeshError, match=words):
+            result.deformed(given)

@@ -17,11 +17,6 @@ def test_the_log_has_status_category_and_text_and_is_told_at_once():
         assert "start behind plane ground" in warning.text == str(warning) and low.warnings == [warning.text]
 
 
-def test_a_log_that_cannot_be_called_is_refused():
-    with pytest.raises(FmuError, match="log: wanted a function"):
-        Simulation(scene(), log=True)
-
-
 def test_methods_tells_which_took_over_and_why(sim):
     assert sim.methods() == []
     step(sim)

@@ -2,6 +2,7 @@
 
 import gc
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -83,13 +84,18 @@ def test_an_fmu_with_the_installed_library_is_opened_without_unpacking_it(monkey
 
 
 @pytest.mark.parametrize(
-    "wrong, words",
-    [(None, "wanted a Scene, the path or name of one, or the path"), (3, "wanted a Scene"), ("pres", 'did you mean "press"?')],
+    "what, options, words",
+    [
+        (None, {}, "wanted a Scene, the path or name of one, or the path"),
+        (3, {}, "wanted a Scene"),
+        ("pres", {}, 'did you mean "press"?'),
+        *[("press", {"tolerance": wrong}, "tolerance: wanted > 0") for wrong in (0.0, -1.0, float("nan"))],
+        ("press", {"log": True}, "log: wanted a function"),
+    ],
 )
-def test_what_is_neither_scene_nor_fmu_is_refused(wrong, words):
-    with pytest.raises(SoftffdError) as refused:
-        Simulation(wrong)
-    assert words in str(refused.value)
+def test_what_cannot_be_opened_is_refused(what, options, words):
+    with pytest.raises(SoftffdError, match=re.escape(words)):
+        Simulation(what, **options)
 
 
 def test_a_scene_goes_by_its_name_and_its_path():

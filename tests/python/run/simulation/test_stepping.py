@@ -57,12 +57,6 @@ def test_tolerance_and_method_are_those_asked_for():
         assert exact["solver.steps"] > coarse["solver.steps"]
 
 
-def test_a_tolerance_that_is_none_is_refused():
-    for wrong in (0.0, -1.0, float("nan")):
-        with pytest.raises(FmuError, match="tolerance: wanted > 0"):
-            Simulation(scene(), tolerance=wrong)
-
-
 @pytest.mark.parametrize("length", [0.0, -STEP, float("nan"), float("inf")])
 def test_a_length_that_is_none_is_refused_and_stepping_goes_on(sim, length):
     with pytest.raises(FmuError, match="step: wanted a length > 0 s"):
