@@ -26,7 +26,7 @@ PYTHON_ROOMS = [
 ASKED = ("softffd.run.result", "softffd.show.")
 """The one place that looks up: a result's picture and page are drawn when it is asked for them, by the room that stands on it."""
 
-KNOTS = ("softffd.mesh.", "softffd.run.")
+KNOTS = ("softffd.mesh.",)
 """Rooms in which modules still use each other, for type checking or when called"""
 
 
