@@ -26,12 +26,7 @@ IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
 OBSTACLES = ("plane", "sphere", "cylinder", "box")
 """Kinds of obstacles"""
 
-POINT = "[{i},{j},{k}]"
-"""What stands for the control point in a pattern"""
-
-_PART_NAME = re.compile(IDENTIFIER)
-_N = r"(0|[1-9]\d*)"
-_AT_POINT = re.compile(rf"([a-z_]+)\[{_N},{_N},{_N}\](?:\.(\w+))?")
+_INDEX = r"(?:0|[1-9]\d*)"
 _FLAT = str.maketrans({".": "_", "[": "_", ",": "_", "]": None})
 
 
@@ -106,31 +101,8 @@ def meant_by(name: str) -> list[str]:
 @lru_cache(maxsize=4096)  # the inputs of a run come back at every step
 def parse_name(name: str) -> Name | None:
     """Family, instance and component of a name in either form; None for what is no name of the table."""
-    return _parse_structured(name) or _parse_flat(name)
-
-
-def _parse_structured(name: str) -> Name | None:
-    at_points, others = _shapes()
-    if found := _AT_POINT.fullmatch(name):
-        row, component = at_points.get(found[1]), found[5] or ""
-        i, j, k = int(found[2]), int(found[3]), int(found[4])
-        return Name(row["key"], (i, j, k), component) if row is not None and _has(row, component) else None
-    words = tuple(name.split("."))
-    last = words[-1]
-    shapes: list[tuple[tuple[str | None, ...], str | None, str]] = [(words, None, ""), ((*words[:-1], None), None, last)]
-    if len(words) > 2:
-        kind, owner, *rest = words
-        shapes += [((kind, None, *rest), owner, ""), ((kind, None, *rest[:-1], None), owner, last)]
-    for shape, part, component in shapes:
-        row = others.get(shape)
-        if row is not None and _has(row, component) and (part is None or _PART_NAME.fullmatch(part)):
-            return Name(row["key"], None if part is None else Part(words[0], part), component)
-    return None
-
-
-def _parse_flat(name: str) -> Name | None:
     possible = []
-    for pattern, key, kind in _flat_shapes().get(name.partition("_")[0], ()):
+    for pattern, key, kind in _shapes().get(_first_word(name), ()):
         if found := pattern.fullmatch(name):
             words = found.groupdict()
             point = (int(words["i"]), int(words["j"]), int(words["k"])) if "i" in words else None
@@ -138,20 +110,18 @@ def _parse_flat(name: str) -> Name | None:
     return min(possible, key=lambda each: len(str(each.instance)), default=None)
 
 
-@lru_cache(maxsize=4096)
 def other_form(name: str) -> str | None:
     """The flat name of the variable that has this structured one, or the other way round; None where there is one form only."""
-    found = parse_name(name)
-    if found is None:
-        return None
-    whole = variable_name(found.family, found.instance, found.component)
+    whole = structured(name)
     other = flat_form(whole) if name == whole else whole
-    return other if other != name else None
+    return other if other != name and parse_name(name) else None
 
 
+@lru_cache(maxsize=4096)
 def structured(name: str) -> str:
     """The name in its structured form, whichever is given; what is no name stays as it is."""
-    return name if _parse_structured(name) else other_form(name) or name
+    found = parse_name(name)
+    return variable_name(*found) if found else name
 
 
 def mistaken(part: Part) -> str | None:
@@ -249,11 +219,6 @@ def _stem(row: dict[str, Any], instance: Instance) -> str:
     return pattern.format(name=instance, obstacle=f"plane.{instance}")
 
 
-def _has(row: dict[str, Any], component: str) -> bool:
-    components = row.get("components", "")
-    return component in components if component else not components
-
-
 @cache
 def _rows() -> dict[str, dict[str, Any]]:
     return {row["key"]: row for row in table()["family"]}
@@ -263,24 +228,6 @@ def _row(family: str) -> dict[str, Any]:
     return _rows()[family]
 
 
-Rows = dict[str, dict[str, Any]]
-
-
-@cache
-def _shapes() -> tuple[Rows, dict[tuple[str | None, ...], dict[str, Any]]]:
-    """The rows by what their names look like: of those at control points the first word, of the others all words, None for any."""
-    at_points: Rows = {}
-    others: dict[tuple[str | None, ...], dict[str, Any]] = {}
-    for row in _rows().values():
-        if POINT in row["name"]:
-            at_points.setdefault(row["name"].partition(POINT)[0], row)
-        else:
-            for kind in OBSTACLES:
-                words = row["name"].replace("{obstacle}", f"{kind}.{{name}}").split(".")
-                others.setdefault(tuple(None if word.startswith("{") else word for word in words), row)
-    return at_points, others
-
-
 def _kinds(row: dict[str, Any]) -> tuple[str, ...]:
     """The kinds of parts that the row's variables belong to; empty where they belong to control points or to the whole."""
     if "{obstacle}" in row["name"]:
@@ -288,20 +235,27 @@ def _kinds(row: dict[str, Any]) -> tuple[str, ...]:
     return (row["name"].partition(".")[0],) if "{name}" in row["name"] else ()
 
 
-@cache
-def _flat_shapes() -> dict[str, list[tuple[re.Pattern[str], str, str]]]:
-    """What flat names look like, by their first word: the pattern, the row's key and the kind of the part, empty where it is of none.
+def _first_word(name: str) -> str:
+    return re.split("[^a-z]", name, maxsplit=1)[0]
 
-    Of families of one name the first has it, as with structured names.
+
+@cache
+def _shapes() -> dict[str, list[tuple[re.Pattern[str], str, str]]]:
+    """What names look like in either form, by their first word: the pattern, the
+    row's key and the kind of the part, empty where it is of none.
+
+    Of families of one name the first in the table has it.
     """
     shapes: dict[str, list[tuple[re.Pattern[str], str, str]]] = {}
     known = set()
     for row in _rows().values():
+        words = {"{name}": f"(?P<name>{IDENTIFIER})", "{c}": f"(?P<c>[{row.get('components', '')}])"}
+        words |= {f"{{{axis}}}": f"(?P<{axis}>{_INDEX})" for axis in "ijk"}
         for kind in _kinds(row) or ("",):
-            words = {"name": f"(?P<name>{IDENTIFIER})", "c": f"(?P<c>[{row.get('components', '')}])"}
-            shape = flat_form(row["name"].replace("{obstacle}", f"{kind}.{{name}}"))
-            pattern = shape.format(**words, i=f"(?P<i>{_N})", j=f"(?P<j>{_N})", k=f"(?P<k>{_N})")
-            if pattern not in known:
-                known.add(pattern)
-                shapes.setdefault(shape.partition("_")[0], []).append((re.compile(pattern), row["key"], kind))
+            whole = row["name"].replace("{obstacle}", f"{kind}.{{name}}")
+            for shape in (whole, flat_form(whole)):
+                pattern = "".join(words.get(piece) or re.escape(piece) for piece in re.split(r"(\{\w+\})", shape))
+                if pattern not in known:
+                    known.add(pattern)
+                    shapes.setdefault(_first_word(shape), []).append((re.compile(pattern), row["key"], kind))
     return shapes
