@@ -11,17 +11,18 @@ from scenes import box
 from softffd import load_scene
 from softffd.accuracy.rig import Rig, Setting
 from softffd.cli.command import exit_status
+from validation.scipy import Equations, integrate, nodal_forces, solver
 from validation.tools import run_tool
 
 pytestmark = pytest.mark.usefixtures("hasty")
+pytest.importorskip("scipy", reason="the outside anchors need SciPy: pip install softffd[comparisons]")
 
 
 def test_the_equations_are_the_springs_damping_weight_and_force_point_by_point(folder):
-    accuracy_scipy = scipy_part()
     scene = load_scene("driven.toml")
     rng = np.random.default_rng(1)
     x, v, force = scene.rest_positions() + rng.normal(0, 0.05, (12, 3)), rng.normal(0, 1, (12, 3)), rng.normal(0, 1, (12, 3))
-    rate = accuracy_scipy.Equations(scene).rate(np.concatenate([x.ravel(), v.ravel()]), force).reshape(2, 12, 3)
+    rate = Equations(scene).rate(np.concatenate([x.ravel(), v.ravel()]), force).reshape(2, 12, 3)
     np.testing.assert_array_equal(rate[0], v)
     np.testing.assert_allclose(rate[1], accelerations(scene, x, v, force), rtol=1e-12, atol=1e-10)
 
@@ -47,15 +48,16 @@ def accelerations(scene, x, v, force):
     return total / mass[:, None]
 
 
-def test_scipy_and_the_fmu_solve_the_same_equations_with_the_same_inputs(folder):
-    accuracy_scipy = scipy_part()
-    with Rig(load_scene("driven.toml")) as rig:
+def solved_twice(scene) -> tuple[np.ndarray, np.ndarray]:
+    """Positions by the FMU and by SciPy."""
+    with Rig(scene) as rig:
         ours = rig.run(Setting("dop853", tolerance=1e-11)).positions
-        forces = accuracy_scipy.nodal_forces(rig)
-        solve_ivp = accuracy_scipy.solver()
-        theirs, _ = accuracy_scipy.integrate(
-            solve_ivp, accuracy_scipy.Equations(rig.scene), forces, rig, Setting("DOP853", tolerance=1e-11)
-        )
+        theirs, _ = integrate(solver(), Equations(rig.scene), nodal_forces(rig), rig, Setting("DOP853", tolerance=1e-11))
+    return ours, theirs
+
+
+def test_scipy_and_the_fmu_solve_the_same_equations_with_the_same_inputs(folder):
+    ours, theirs = solved_twice(load_scene("driven.toml"))
     assert np.abs(ours - theirs).max() < 1e-9
 
 
@@ -70,20 +72,14 @@ DAMPED = {
 
 @pytest.mark.parametrize("material", DAMPED)
 def test_scipy_and_the_fmu_agree_on_springs_of_a_modulus_and_on_dashpots(material):
-    accuracy_scipy = scipy_part()
     lattice = {"points": [4, 3, 5], "size": [0.3, 0.22, 0.36]}
     started = {"stretch": [1.1, 0.95, 1.02], "angular_velocity": [3.0, 2.0, 1.0]}
     scene = box(lattice=lattice, initial=started, stop_time=0.2, **DAMPED[material])
-    with Rig(scene) as rig:
-        ours = rig.run(Setting("dop853", tolerance=1e-11)).positions
-        forces = accuracy_scipy.nodal_forces(rig)
-        solve_ivp, equations = accuracy_scipy.solver(), accuracy_scipy.Equations(rig.scene)
-        theirs, _ = accuracy_scipy.integrate(solve_ivp, equations, forces, rig, Setting("DOP853", tolerance=1e-11))
+    ours, theirs = solved_twice(scene)
     assert np.abs(ours - theirs).max() < 1e-11 and np.abs(ours[-1] - ours[0]).max() > 0.1
 
 
 def test_the_command_measures_scipy_beside(folder, few):
-    scipy_part()
     assert exit_status(lambda: run_tool(["scipy", "small.toml", "--quick", "-o", "out"])) == 0
     rows = [row for row in table_rows() if row["origin"] == "scipy"]
     assert {row["method"] for row in rows} == {"DOP853", "RK45", "Radau", "LSODA"}
@@ -94,10 +90,3 @@ def test_without_scipy_the_option_says_what_to_install(folder, monkeypatch, caps
     monkeypatch.setitem(sys.modules, "scipy.integrate", None)
     assert exit_status(lambda: run_tool(["scipy", "small.toml", "--quick", "-o", "out"])) == 1
     assert "softffd[comparisons]" in capsys.readouterr().err and not Path("out").exists()
-
-
-def scipy_part():
-    pytest.importorskip("scipy", reason="the outside anchors need SciPy: pip install softffd[comparisons]")
-    from validation import scipy as accuracy_scipy
-
-    return accuracy_scipy
