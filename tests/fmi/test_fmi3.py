@@ -10,7 +10,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from c_host import DISCARD, ERROR, OK, STEP, WARNING, Fmu, check_message
-from c_host3 import Fmu3, Host3
+from c_host3 import Fmu3
 from scenes import LED, MOVED, box
 from signatures import OTHER_TYPES
 from softffd import FmuError, Scene, SoftffdError, load_scene, package_fmu, simulate
@@ -18,8 +18,6 @@ from softffd.cli.command import main
 from softffd.fmu.component import Component
 from softffd.lattice import all_points, rest_grid, to_flat, to_grid
 from softffd.names import variable_names
-from softffd.run.inputs import Inputs
-from softffd.run.times import communication_points, step_lengths
 from softffd.scene.document import shipped_scenes
 from straight_run import BARE, RICH, straight
 
@@ -150,41 +148,16 @@ def test_what_is_set_at_every_step_leads_to_the_same_bits_in_both_standards(scen
     assert straight(three, look=lambda host: host.slopes()) == straight(two, look=lambda host: host.slopes())
 
 
-def run3(scene: Scene, folder: Path, stop_time: float) -> np.ndarray:
-    """Positions (T, nx, ny, nz, 3) of a run by the calls of FMI 3.0, with the scene's own inputs as `simulate` holds them."""
-    fmu = Fmu3(scene, folder)
-    host: Host3 = fmu.host()
-    inputs, step = Inputs(scene.default_inputs), scene.experiment.communication_step
-    inputs.derive_only(fmu.names)
-    names, rows = [*inputs.names, *inputs.derived_names], []
-
-    def give(time: float, then: float) -> None:
-        if names:
-            assert host.set(dict(zip(names, inputs.values(time, then), strict=True))) == OK
-
-    times = communication_points(stop_time, step).tolist()
-    for n, length in enumerate(step_lengths(np.array(times), step)):
-        give(times[n], times[n + 1])
-        if n == 0:
-            assert host.enter(stop=stop_time) == OK
-            host.must("ExitInitializationMode")
-        rows.append(host.get("position")["position"])
-        host.must("DoStep", times[n], length, True)
-    rows.append(host.get("position")["position"])
-    host.free()
-    return np.array(rows)
-
-
 @pytest.mark.short("standard", "hanging", "stiff_pull", "press")
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_a_shipped_scene_runs_with_the_same_bits_in_both_standards(name, tmp_path):
     scene = load_scene(name)
     steps = min(20, round(scene.experiment.stop_time / scene.experiment.communication_step))
     stop = steps * scene.experiment.communication_step
-    two = simulate(scene, stop_time=stop, inputs=scene.default_inputs)
-    three = run3(scene, tmp_path / "fmi3", stop)
+    three = package_fmu(scene, tmp_path / "it.fmu", fmi=3)
+    two, three = (simulate(each, stop_time=stop, inputs=scene.default_inputs) for each in (scene, three))
     assert len(two.positions) == steps + 1
-    np.testing.assert_array_equal(three, two.positions)
+    np.testing.assert_array_equal(three.positions, two.positions)
 
 
 def by_fmpy(scene: Scene, folder: Path, fmi: int, **options) -> np.ndarray:

@@ -35,8 +35,7 @@ class Lawful:
         reals = [v for v in fmu.variables if v.type == "Real"]
         self.inputs = [v for v in reals if v.causality == "input"]
         self.tunable = [v for v in reals if v.variability == "tunable"]
-        self.states: list[c_void_p] = []
-        self.times: list[float] = []
+        self.states: list[tuple[c_void_p, float]] = []  # with their times
         self.host = Host(fmu, logging=True)
         self.begin()
 
@@ -92,28 +91,24 @@ class Lawful:
 
     def save(self) -> None:
         if len(self.states) < 8:
-            self.states.append(self.host.save())
-            self.times.append(self.time)
+            self.states.append((self.host.save(), self.time))
 
     def restore(self) -> None:
         if self.states:
-            n = self.random.randrange(len(self.states))
-            self.host.must("SetFMUstate", self.states[n])
-            self.time = self.times[n]
+            state, self.time = self.random.choice(self.states)
+            self.host.must("SetFMUstate", state)
 
     def copy(self) -> None:
         """A state by its bytes."""
         if self.states:
-            n = self.random.randrange(len(self.states))
-            blob = self.host.serialized(self.states[n])
-            self.host.forget(self.states[n])
-            self.states[n] = self.host.received(blob)
+            state, time = self.states.pop(self.random.randrange(len(self.states)))
+            blob = self.host.serialized(state)
+            self.host.forget(state)
+            self.states.append((self.host.received(blob), time))
 
     def drop(self) -> None:
         if self.states:
-            n = self.random.randrange(len(self.states))
-            self.host.forget(self.states.pop(n))
-            self.times.pop(n)
+            self.host.forget(self.states.pop(self.random.randrange(len(self.states)))[0])
 
     def restart(self) -> None:
         if self.random.random() < 0.5:
@@ -168,29 +163,24 @@ class Lawless:
 
     def argument(self, kind):
         pick = self.random.choice
-        if kind is c_double:
-            return pick(self.NUMBERS)
-        if kind is c_int:
-            return pick([0, 1, 2, 3, -1, 77])
-        if kind is c_size_t:
-            return self.random.randrange(self.SIZE + 1)
-        if kind is c_void_p:
-            return pick([None, self.host.component, 64, *self.states])
-        if kind is c_char_p:
-            return create_string_buffer(self.random.randbytes(64), 64)
-        if self.random.random() < 0.1:
-            return None
-        if kind is POINTER(c_uint):
-            return uints([pick([pick(self.references), self.random.getrandbits(32)]) for _ in range(self.SIZE)])
-        if kind is POINTER(c_double):
-            return doubles([pick(self.NUMBERS) for _ in range(self.SIZE)])
-        if kind is POINTER(c_int):
-            return ints([pick([0, 1, 2, -5]) for _ in range(self.SIZE)])
-        if kind is POINTER(c_char_p):
-            return (c_char_p * self.SIZE)(*[pick([b"solver", b"", b"\xff\xfe", b"logAll"]) for _ in range(self.SIZE)])
-        if kind is POINTER(c_size_t):
-            return byref(c_size_t())
-        return byref(pick([c_void_p(), c_void_p(64), *self.states]))  # POINTER(c_void_p)
+        by_value = {
+            c_double: lambda: pick(self.NUMBERS),
+            c_int: lambda: pick([0, 1, 2, 3, -1, 77]),
+            c_size_t: lambda: self.random.randrange(self.SIZE + 1),
+            c_void_p: lambda: pick([None, self.host.component, 64, *self.states]),
+            c_char_p: lambda: create_string_buffer(self.random.randbytes(64), 64),
+        }
+        by_pointer = {
+            POINTER(c_uint): lambda: uints([pick([pick(self.references), self.random.getrandbits(32)]) for _ in range(self.SIZE)]),
+            POINTER(c_double): lambda: doubles([pick(self.NUMBERS) for _ in range(self.SIZE)]),
+            POINTER(c_int): lambda: ints([pick([0, 1, 2, -5]) for _ in range(self.SIZE)]),
+            POINTER(c_char_p): lambda: (c_char_p * self.SIZE)(*[pick([b"solver", b"", b"\xff\xfe", b"logAll"]) for _ in range(self.SIZE)]),
+            POINTER(c_size_t): lambda: byref(c_size_t()),
+            POINTER(c_void_p): lambda: byref(pick([c_void_p(), c_void_p(64), *self.states])),
+        }
+        if kind in by_value:
+            return by_value[kind]()
+        return None if self.random.random() < 0.1 else by_pointer[kind]()
 
     def call(self) -> int:
         name = self.random.choice(list(SIGNATURES))

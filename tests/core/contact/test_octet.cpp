@@ -128,3 +128,11 @@ TEST(an_end_and_the_next_beginning_at_once_are_both_to_the_last_bit_and_so_is_a_
       for (int lane = 0; lane < Octet::lanes; ++lane) CHECK(same_lane(octet, lane, other, lane));
     }
 }
+
+TEST(lanes_are_told_by_their_gaps) {
+  Octet octet;
+  for (int lane = 0; lane < Octet::lanes; ++lane) set_lane(octet.x1, lane, turning.point + (lane - 3) * turning.normal);
+  set_lane(octet.x1, 7, Vec3::Constant(std::nan("")));
+  const Sides found = sides(turning, octet, 1e-12);
+  CHECK(found.at_least == 0b01110000 && found.at_most == 0b00001111);
+}

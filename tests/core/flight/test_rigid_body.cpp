@@ -32,9 +32,14 @@ Throw flying(const Lattice& lattice, const Vec3& velocity, const Vec3& spin, boo
 Lattice slab() { return {{4, 3, 2}, Vec3(1, 2, 3), Vec3(1.0, 0.6, 0.2)}; }
 Lattice column() { return {{3, 3, 5}, Vec3::Zero(), Vec3(0.4, 0.4, 1.3)}; }
 
-RigidState after(const Throw& s, double time, int steps) {
+RigidBody started(const Throw& s) {
   RigidBody body;
   body.start(s.equations(), 0, s.x, s.v);
+  return body;
+}
+
+RigidState after(const Throw& s, double time, int steps) {
+  RigidBody body = started(s);
   for (int i = 0; i < steps; ++i) CHECK(body.advance(time / steps) < 1e-12);
   return body.state();
 }
@@ -71,8 +76,7 @@ TEST(symmetric_top_moves_as_the_exact_solution) {
 
 TEST(torque_free_flight_keeps_every_bit_of_the_angular_momentum_and_its_energy) {
   const Throw s = flying(slab(), Vec3::Zero(), Vec3(0.01, 20, 0.02), true);  // about the middle axis, which is unstable
-  RigidBody body;
-  body.start(s.equations(), 0, s.x, s.v);
+  RigidBody body = started(s);
   const RigidState begin = body.state();
   const double mass = s.body.mass.sum(), energy = kinetic_energy(begin, mass);
   double tilt = 0;
@@ -94,8 +98,7 @@ TEST(constant_force_on_a_point_keeps_the_energy) {
   const Vec3 force(5, -3, 8);
   const int corner = s.body.points() - 1;
   set_row(s.around.force, corner, force);
-  RigidBody body;
-  body.start(s.equations(), 0, s.x, s.v);
+  RigidBody body = started(s);
   const RigidState begin = body.state();
   const double mass = s.body.mass.sum();
   const Vec3 arm = row(s.x, corner) - begin.centre;
@@ -111,9 +114,7 @@ TEST(damping_in_proportion_to_mass_decays_exponentially) {
   const double rate = 2, time = 0.7, left = std::exp(-rate * time);
   s.body.damping = rate * s.body.mass;
   s.body.damped = true;
-  RigidBody body;
-  body.start(s.equations(), 0, s.x, s.v);
-  const RigidState begin = body.state(), end = after(s, time, 3);
+  const RigidState begin = started(s).state(), end = after(s, time, 3);
   CHECK_NEAR(farthest(end.velocity, left * begin.velocity), 0, 1e-14);
   CHECK_NEAR(farthest(end.angular_momentum, left * begin.angular_momentum), 0, 1e-14);
   CHECK_NEAR(farthest(end.centre, begin.centre + (1 - left) / rate * begin.velocity), 0, 1e-14);

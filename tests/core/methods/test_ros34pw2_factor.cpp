@@ -64,3 +64,18 @@ TEST(a_restored_factor_continues_with_the_same_bits) {
   CHECK(r.exchange.work == copy.exchange.work && r.exchange.pins[1].torque == copy.exchange.pins[1].torque);
   CHECK(whole.factorizations() == 2 && other.factorizations() == 2);
 }
+
+TEST(a_changed_body_gets_its_own_factor) {
+  Scene s = soft();
+  Ros34pw2 method(s.lattice, 0), fresh(s.lattice, 0);
+  const double h = 0.01;
+  const Equations equations{s.body, s.around};
+  method.attempt(equations, 0, h, s.start);
+  const Points before = method.x;
+  s.body.springs.set_stiffness({300, 200, 100}, {});
+  start_at(s, Points(s.start.x), Points(s.start.v));
+  ++s.body.version;
+  method.attempt(equations, 0, h, s.start);
+  fresh.attempt(equations, 0, h, s.start);
+  CHECK(same_bits(method.x, fresh.x) && !same_bits(method.x, before) && method.factorizations() == 2);
+}

@@ -13,8 +13,8 @@ namespace {
 
 constexpr Method fixed[] = {Method::leapfrog, Method::bm4};
 
-double calibrated(Bench& b, Integrators& integrators, Method method) {
-  Calibrator(b.run).calibrate(integrators, b.job(), method, 0.1, 1);
+double calibrated(Bench& b, Method method) {
+  Calibrator(b.run).calibrate(b.integrators, b.job(), method, 0.1, 1);
   return b.run.course.calibration(method).h;
 }
 
@@ -25,33 +25,28 @@ TEST(a_trial_that_is_not_finite_shrinks_the_step) {
     Bench b;
     b.request.tolerance = 0.1;
     const double h = step_limit(b.job(), method, false);
-    CHECK(calibrated(b, b.integrators, method) > h);
+    CHECK(calibrated(b, method) > h);
     b.run.course.calibration(method).h = h;
     b.run.path.motion.v(13, 1) = std::numeric_limits<double>::quiet_NaN();
-    CHECK(calibrated(b, b.integrators, method) < 0.5 * h);
-    CHECK(calibrated(b, b.integrators, method) < 0.05 * h);
+    CHECK(calibrated(b, method) < 0.5 * h);
+    CHECK(calibrated(b, method) < 0.05 * h);
   }
 }
 
 TEST(a_trial_that_fails_shrinks_the_step) {
-  Bench b;  // planes that close on it
-  Integrators integrators(b.lattice, 2, 0);
+  Bench b(2);  // planes that close on it
   b.request.tolerance = 1e-2;
-  b.run.path.exchange.planes.resize(2);
-  b.drive.planes.resize(2);
   const double h = b.run.course.calibration(Method::leapfrog).h = step_limit(b.job(), Method::leapfrog, false);
   b.drive.planes[0] = {{.point = {0, 0, -0.01}, .velocity = {0, 0, 2 / h}}};
   b.drive.planes[1] = {{.point = {0, 0, 1.01}, .normal = -Vec3::UnitZ(), .velocity = {0, 0, -2 / h}}};
-  CHECK(integrators.take(b.job(), Method::leapfrog, {0, 0, h, 1}).status == StepStatus::impossible_planes);
-  CHECK(calibrated(b, integrators, Method::leapfrog) < 0.5 * h);
+  CHECK(b.integrators.take(b.job(), Method::leapfrog, {0, 0, h, 1}).status == StepStatus::impossible_planes);
+  CHECK(calibrated(b, Method::leapfrog) < 0.5 * h);
 }
 
 TEST(a_trial_that_comes_upon_an_obstacle_says_nothing) {
-  Bench b;
-  Integrators integrators(b.lattice, 1, 0);
+  Bench b(1);
   b.request.tolerance = 1e-2;
-  b.run.path.exchange.planes.resize(1);
-  b.drive.planes.push_back({{.point = {0, 0, 0.01}}});
+  b.drive.planes[0] = {{.point = {0, 0, 0.01}}};
   const double h = b.run.course.calibration(Method::bm4).h = step_limit(b.job(), Method::bm4, false);
-  CHECK_NEAR(calibrated(b, integrators, Method::bm4), h, 0.2 * h);  // of equal parts
+  CHECK_NEAR(calibrated(b, Method::bm4), h, 0.2 * h);  // of equal parts
 }

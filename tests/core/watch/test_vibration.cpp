@@ -17,16 +17,18 @@ Scalars time_scales(const Body& body) {
   return scales;
 }
 
-constexpr double slow = 1e9;  ///< everything is faster [s]
+double all_vibration(const Scene& s) { return vibration({s.body, s.around}, s.start, time_scales(s.body)); }
+
+/// Of what is faster than so many seconds: everything.
+double now_present(const Scene& s, double slow = 1e9) { return present_vibration({s.body, s.around}, s.start, time_scales(s.body), slow); }
 
 }  // namespace
 
 TEST(a_held_extension_counts_twice_and_is_not_present) {
   const Oscillator o{.f = 50 * 0.1, .y0 = 0.1, .w0 = 0};  // f = k y0
   const Scene s = scene(o, 1);
-  const Scalars scales = time_scales(s.body);
-  CHECK_NEAR(vibration({s.body, s.around}, s.start, scales), 2 * o.y0, 1e-14);
-  CHECK_NEAR(present_vibration({s.body, s.around}, s.start, scales, slow), 0.0, 1e-14);
+  CHECK_NEAR(all_vibration(s), 2 * o.y0, 1e-14);
+  CHECK_NEAR(now_present(s), 0.0, 1e-14);
 }
 
 TEST(a_known_mode_is_bounded_in_every_phase) {
@@ -35,14 +37,11 @@ TEST(a_known_mode_is_bounded_in_every_phase) {
   for (int i = 0; i < 64; ++i) {
     const auto [y, w] = o.at(i * 2 * 3.14159265358979 / 64 / o.omega());
     const Scene s = scene({.y0 = y, .w0 = w}, 1);
-    const Scalars scales = time_scales(s.body);
-    for (const double size :
-         {vibration({s.body, s.around}, s.start, scales), present_vibration({s.body, s.around}, s.start, scales, slow)}) {
+    for (const double size : {all_vibration(s), now_present(s)}) {
       least = std::min(least, size / o.y0);
       most = std::max(most, size / o.y0);
     }
   }
-  std::printf("  between %.1f and %.1f times the mode's amplitude\n", least, most);
   CHECK(least >= 2);  // a bound of what an error in its phase can amount to: from one side to the other
   CHECK(most <= 50);  // ... that is good for something
 }
@@ -51,10 +50,8 @@ TEST(slow_points_and_the_bodys_motion_as_a_whole_are_left_out) {
   Scene s = scene({.y0 = 0, .w0 = 0}, 1);
   s.start.v.col(1).setConstant(3);
   s.around.force.col(2).setConstant(-9.81 * 0.25);
-  const Scalars scales = time_scales(s.body);
-  CHECK_NEAR(present_vibration({s.body, s.around}, s.start, scales, slow), 0.0, 1e-13);
-  const Scene shaken = scene({}, 1);
-  CHECK(present_vibration({shaken.body, shaken.around}, shaken.start, scales, scales.minCoeff()) == 0);
+  CHECK_NEAR(now_present(s), 0.0, 1e-13);
+  CHECK(now_present(scene({}, 1), time_scales(s.body).minCoeff()) == 0);
 }
 
 TEST(a_jump_of_the_forces_sets_off_its_mode) {
@@ -84,8 +81,6 @@ TEST(a_motion_that_is_no_number_is_larger_than_any) {
   for (Points State::* part : {&State::x, &State::v, &State::spring}) {
     Scene s = scene({}, 1);
     (s.start.*part)(0) = std::numeric_limits<double>::quiet_NaN();
-    const Scalars scales = time_scales(s.body);
-    CHECK(vibration({s.body, s.around}, s.start, scales) == INFINITY);
-    CHECK(present_vibration({s.body, s.around}, s.start, scales, slow) == INFINITY);
+    CHECK(all_vibration(s) == INFINITY && now_present(s) == INFINITY);
   }
 }

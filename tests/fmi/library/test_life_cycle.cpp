@@ -1,7 +1,6 @@
 /// The C interface driven as a host drives it; meant for sanitizers above all.
 #include <cfenv>
 #include <cmath>
-#include <thread>
 
 #include "host.hpp"
 #include "instances.hpp"
@@ -9,18 +8,14 @@
 
 namespace {
 
-const std::string& box_on_ground() {
-  static const std::string uri = small_scene::Box{.side = 4, .mass = 0.015625, .initial = "1 1 1 0 0 0.1 1 0 0 0 0 0"}.resources(
-      "damping 0.01\ngravity 0 0 -9.81\nplane ground fixed 0 0 0 0 0 1 0 0 0 0 0 0 0.4\nreactions\nenergy\nsolver\n");
-  return uri;
+fmi2Component box(const char* guid = "{g}") {
+  static const std::string uri = component::resources(component::everything);
+  return component::instantiate(uri, fmi2False, guid);
 }
 
-fmi2Component box(const char* guid = "{g}") { return component::instantiate(box_on_ground(), fmi2False, guid); }
-
-std::vector<double> run(fmi2Component c, int steps) {
+void run(fmi2Component c, int steps) {
   CHECK(component::begin(c) == fmi2OK);
   for (int i = 0; i < steps; ++i) CHECK(component::step(c, i) == fmi2OK);
-  return component::positions(c, 64);
 }
 
 }  // namespace
@@ -37,25 +32,6 @@ TEST(floating_point_exceptions_are_the_hosts_own) {
   fmi2FreeInstance(c);
 }
 
-TEST(threads_and_resets_give_the_same_bits) {
-  fmi2Component one = box();
-  CHECK(one != nullptr);
-  const std::vector<double> expected = run(one, 50);
-  CHECK(fmi2Reset(one) == fmi2OK);
-  CHECK(run(one, 50) == expected);
-  fmi2FreeInstance(one);
-  std::vector<std::vector<double>> results(4);
-  std::vector<std::thread> threads;
-  for (auto& result : results)
-    threads.emplace_back([&result] {
-      fmi2Component c = box();
-      result = run(c, 50);
-      fmi2FreeInstance(c);
-    });
-  for (auto& thread : threads) thread.join();
-  for (const auto& result : results) CHECK(result == expected);
-}
-
 TEST(calls_in_the_wrong_state_or_on_dead_handles_are_errors) {
   CHECK(fmi2DoStep(nullptr, 0, 1, fmi2True) == fmi2Error);
   fmi2Component c = box();
@@ -66,23 +42,6 @@ TEST(calls_in_the_wrong_state_or_on_dead_handles_are_errors) {
   CHECK(component::step(c, 1) == fmi2Error);
   fmi2FreeInstance(c);
   CHECK(box("{another}") == nullptr);
-}
-
-TEST(a_refused_value_changes_nothing) {
-  fmi2Component c = box();
-  const fmi2ValueReference references[] = {26u << 24, 25u << 24};
-  const double values[] = {5.0, -1.0};
-  CHECK(fmi2SetReal(c, references, 2, values) == fmi2Error);
-  CHECK(fmi2Reset(c) == fmi2OK);
-  CHECK(component::begin(c) == fmi2OK);
-  double stiffness = 0;
-  CHECK(fmi2GetReal(c, references, 1, &stiffness) == fmi2OK);
-  CHECK(stiffness == 1000.0);
-  fmi2FreeInstance(c);
-}
-
-TEST(hundreds_of_instances_come_and_go) {
-  for (int i = 0; i < 300; ++i) fmi2FreeInstance(box());
 }
 
 namespace {

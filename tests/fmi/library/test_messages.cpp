@@ -83,12 +83,6 @@ TEST(the_method_is_told_when_it_is_another) {
   CHECK(heard.size() == 1 && count("solver: leapfrog: as asked; internal step of this communication step ") == 1);
 }
 
-TEST(a_start_behind_a_plane_is_told_with_the_plane_and_the_depth) {
-  Run run(as_drawn, "damping 0.1\nplane table fixed 0 0 0.25 0 0 1 0 0 0 0 0 0 0\nstep 1e-4\n");
-  run.start();
-  CHECK(count("9 control points start behind plane table, by up to 0.25 m, and are moved out at once") == 1);
-}
-
 TEST(what_is_not_counted_while_nobody_listens_is_told_as_soon_as_somebody_does) {
   Run run(turned_inside_out, "damping 0.1\n", false);
   run.start();

@@ -50,14 +50,11 @@ struct StiffBox {
   }
 };
 
-inline Vec3 centre(const SoftBody& body, const Definition& definition) {
+inline Vec3 centre(const SoftBody& body, const StiffBox& box) {
+  const std::vector<double> mass = box.definition().mass;
   Vec3 sum = Vec3::Zero();
-  double mass = 0;
-  for (int p = 0; p < body.lattice().points(); ++p) {
-    sum += definition.mass[p] * row(body.state().x, p);
-    mass += definition.mass[p];
-  }
-  return sum / mass;
+  for (int p = 0; p < body.lattice().points(); ++p) sum += mass[p] * row(body.state().x, p);
+  return sum / box.mass;
 }
 
 /// Steps of H until the end; false where one is refused. `seen` after each.

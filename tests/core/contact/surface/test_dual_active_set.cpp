@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "check.hpp"
-#include "dense.hpp"
 #include "random_numbers.hpp"
 
 using namespace softffd;
@@ -55,7 +54,7 @@ DualActiveSet solver_of(const Problem& problem) {
   return solver;
 }
 
-/// Everything that makes y the solution: no row violated, forces that push, at rows that are met.
+/// Everything that makes the heights the one solution of the convex problem: no row violated, forces that push, at rows that are met.
 void check_optimal(const Problem& problem, const DualActiveSet& solver, const std::vector<Scalars>& heights) {
   for (const Candidate& c : problem.candidates) CHECK(problem.samples.at(c.row.sample, heights[c.row.plane].data()) - c.bound >= -4e-15);
   for (std::size_t t = 0; t < solver.active().size(); ++t) {
@@ -90,48 +89,6 @@ TEST(random_crowded_problems_are_solved_exactly_also_where_rows_that_depend_on_e
     std::vector<Scalars> heights = problem.heights;
     CHECK(solver.solve(problem.candidates, heights, 1e-15) == StepStatus::ok);
     check_optimal(problem, solver, heights);
-  }
-}
-
-TEST(a_small_problem_has_the_solution_that_trying_all_sets_finds) {
-  Random random;
-  for (int i = 0; i < 60; ++i) {
-    Problem problem = random_problem(random, 3, 2, false);
-    DualActiveSet solver = solver_of(problem);
-    std::vector<Scalars> heights = problem.heights;
-    CHECK(solver.solve(problem.candidates, heights, 1e-15) == StepStatus::ok);
-    const int n = int(problem.candidates.size());
-    Eigen::MatrixXd a(n, n);
-    Eigen::VectorXd wanted(n);
-    for (int s = 0; s < n; ++s) {
-      const SurfaceRow& one = problem.candidates[s].row;
-      wanted[s] = problem.candidates[s].bound - problem.samples.at(one.sample, problem.heights[one.plane].data());
-      std::vector<double> over_mass(problem.samples.support());
-      problem.samples.weights(one.sample, problem.inverse_mass, over_mass.data());
-      for (int t = 0; t < n; ++t) {
-        const SurfaceRow& other = problem.candidates[t].row;
-        a(s, t) = problem.normals[one.plane].dot(problem.normals[other.plane]) *
-                  problem.samples.product(other.sample, one.sample, over_mass.data());
-      }
-    }
-    bool found = false;
-    for (int set = 0; set < 1 << n && !found; ++set) {
-      std::vector<int> rows;
-      for (int s = 0; s < n; ++s)
-        if (set >> s & 1) rows.push_back(s);
-      const Eigen::VectorXd force = dense::solve(a(rows, rows), wanted(rows).matrix());
-      const Eigen::VectorXd gap = a(Eigen::all, rows) * force - wanted;
-      if ((rows.empty() || force.minCoeff() >= 0) && gap.minCoeff() >= -1e-12) {
-        found = true;
-        Eigen::VectorXd all = Eigen::VectorXd::Zero(n);
-        for (std::size_t t = 0; t < rows.size(); ++t) all[rows[t]] = force[t];
-        for (std::size_t t = 0; t < solver.active().size(); ++t)
-          for (int s = 0; s < n; ++s)
-            if (problem.candidates[s].row == solver.active()[t]) all[s] -= solver.forces()[t];
-        CHECK(all.cwiseAbs().maxCoeff() < 1e-9 * (1 + force.sum()));
-      }
-    }
-    CHECK(found);
   }
 }
 

@@ -44,6 +44,27 @@ bool holds(const Plane& solid, const SolidPose& pose, const Vec3& x) {
   return std::abs(height) <= 0.5 * solid.length + slight && (arm - height * pose.normal).norm() <= solid.radius + slight;
 }
 
+/// The solid over and over from one time to another, with its tangents at samples of the body.
+struct Coming {
+  Plane& solid;
+  Tangents tangents{round_samples(), 1};
+  int came = 0, looked = 0;
+
+  void step(double t0, double t1, const Points& x, double way, const Points& next) {
+    Drive around;
+    around.planes = {solid};
+    tangents.find(around, t0, t1, x, way);
+    looked += int(tangents.found().size());
+    std::set<int> has;
+    for (const Tangent& each : tangents.found()) has.insert(each.sample);
+    for (int s = 0; s < round_samples().count(); ++s) {
+      if (!holds(solid, solid.pose_at(t1), round_samples().at(s, next))) continue;
+      ++came;
+      CHECK(has.contains(s));
+    }
+  }
+};
+
 void move(Plane& solid, Random& random) {
   solid.velocity = random.vector(1);
   solid.angular_velocity = random.vector(3);
@@ -122,25 +143,16 @@ TEST(every_sample_that_comes_to_a_solid_has_a_tangent) {
     for (Plane& solid : shapes(random)) {
       move(solid, random);
       solid.point = Vec3(0.5, 0.5, 0.5) + 1.2 * random.direction();
-      Drive around;
-      around.planes = {solid};
-      Tangents tangents(round_samples(), 1);
+      Coming coming{solid};
       Points x = rest_positions({});
       for (int step = 0; step < 50; ++step) {
         Points next = x;
         for (int p = 0; p < 64; ++p) set_row(next, p, row(x, p) + random(0, way) * random.direction());
-        tangents.find(around, step * h, (step + 1) * h, x, way);
-        looked += int(tangents.found().size());
-        std::set<int> has;
-        for (const Tangent& each : tangents.found()) has.insert(each.sample);
-        for (int s = 0; s < round_samples().count(); ++s) {
-          const Vec3 place = round_samples().at(s, next);
-          if (!holds(solid, solid.pose_at((step + 1) * h), place)) continue;
-          ++came;
-          CHECK(has.contains(s));
-        }
+        coming.step(step * h, (step + 1) * h, x, way, next);
         x = next;
       }
+      came += coming.came;
+      looked += coming.looked;
     }
   CHECK(came > 1000 && looked < 20 * 3 * 50 * round_samples().count() / 2);
 }
@@ -155,20 +167,9 @@ TEST(a_solid_that_turns_beside_a_body_at_rest_is_seen_when_it_comes) {
   for (Plane& solid : {std::ref(cylinder), std::ref(box)}) {
     solid.point = {-0.5, 0.5, 0.5};
     solid.angular_velocity = {0, 0, -1};
-    Drive around;
-    around.planes = {solid};
-    Tangents tangents(round_samples(), 1);
-    int came = 0;
-    for (int step = 0; step < 160; ++step) {
-      const double t1 = 0.01 * (step + 1);
-      tangents.find(around, 0.01 * step, t1, x, 0);
-      for (int s = 0; s < round_samples().count(); ++s) {
-        if (!holds(solid, solid.pose_at(t1), round_samples().at(s, x))) continue;
-        ++came;
-        CHECK(std::ranges::any_of(tangents.found(), [&](const Tangent& each) { return each.sample == s; }));
-      }
-    }
-    CHECK(came > 20);
+    Coming coming{solid};
+    for (int step = 0; step < 160; ++step) coming.step(0.01 * step, 0.01 * (step + 1), x, 0, x);
+    CHECK(coming.came > 20);
   }
 }
 
