@@ -60,7 +60,7 @@ def cradle():
 
 def press(**keys):
     plate = {"name": "press", "point": [0.3, 0.4, 1.05], "normal": [0.0, 0.0, -1.0], **MOVED}
-    return box(damping=0.1, gravity=GRAVITY, plane=[{"name": "ground"}, plate], step=1e-3, stop_time=0.9, **keys)
+    return box(damping=0.1, gravity=GRAVITY, plane=[{"name": "ground"}, plate], step=1e-3, stop_time=0.65, **keys)
 
 
 def tumble(offset=0.0):

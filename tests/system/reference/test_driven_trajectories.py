@@ -31,7 +31,7 @@ def shake(time):
 
 
 def largest_error(result, stored):
-    every = (len(result.time) - 1) // 10
+    every = (len(result.time) - 1) // len(stored)
     return np.linalg.norm(points(result)[every::every] - stored, axis=2).max()
 
 
@@ -39,7 +39,7 @@ def test_a_stiff_box_under_a_slow_load_follows_the_stored_trajectory(golden):
     """Inputs are held over a communication step H. A force taken from its middle is right on average, which leaves H^2 and the
     ringing of modes that are faster than the steps, some 1e-7 m; one taken from its beginning lags by 0.03 m * 3.75/s * H / 2."""
     h = 1.25e-4
-    stiff, stored = box(**STIFF), golden("S2")["x"]
+    stiff, stored = box(**STIFF, stop_time=0.5), golden("S2")["x"][:5]
     middle = simulate(stiff, step=h, inputs=lambda time: pull(time + h / 2))
     assert largest_error(middle, stored) < 5e-7
     late = simulate(stiff, step=5e-4, inputs=pull)
