@@ -42,6 +42,14 @@ class Stepper:
         """What the component has said so far."""
         return [message.text for message in self.sim.log]
 
+    def said(self, words: str) -> list[str]:
+        """The messages that have these words."""
+        return [text for text in self.messages if words in text]
+
+    def energy(self, *parts: str) -> float:
+        """The sum of energy.PART, kinetic and elastic by default [J]."""
+        return float(self.read(*(f"energy.{part}" for part in parts or ("kinetic", "elastic"))).sum())
+
     def methods(self) -> list[tuple[str, str]]:
         """The methods that took over and why, in their order."""
         return self.sim.methods()

@@ -125,11 +125,9 @@ def run(stepper, case, method, n):
     stepper.restart({"solver.method": method, "solver.step": H / n})
     rows = []
     for number in range(STEPS + 1):
-        kinetic, elastic, gravity, dissipated, work = stepper.read(
-            *(f"energy.{part}" for part in ("kinetic", "elastic", "gravity", "dissipated", "work"))
-        )
+        kept = stepper.energy("kinetic", "elastic", "gravity", "dissipated") - stepper.energy("work")
         pin = [stepper.vector(f"pin.hand.{what}") if "pin" in case else np.zeros(3) for what in ("reaction", "torque")]
-        rows.append((stepper.positions(), stepper.velocities(), kinetic + elastic + gravity + dissipated - work, pin))
+        rows.append((stepper.positions(), stepper.velocities(), kept, pin))
         if number < STEPS:
             drive(stepper, case, number * H)
             stepper.step(H)

@@ -24,16 +24,12 @@ def crush(body, steps=range(4)):
         body.step(H)
 
 
-def divided(body):
-    return [text for text in body.messages if "not finite" in text]
-
-
 def test_given_steps_too_long_to_have_a_result_are_divided_with_a_warning():
     with Stepper(under_press(H / 8)) as body:
         crush(body)
         assert np.isfinite(body.positions()).all()
         assert body.positions()[:, 2].min() >= -1e-12 and body.positions()[:, 2].max() <= 0.5 + 1e-12
-        (warning,) = divided(body)
+        (warning,) = body.said("not finite")
         assert f"internal steps of {H / 8:.9g} s give a result that is not finite" in warning
 
 
@@ -47,7 +43,7 @@ def test_a_saved_run_divides_them_again():
             crush(body, range(2, 4))
             ends.append(body.positions())
         assert np.array_equal(*ends)
-        assert len(divided(body)) == 1
+        assert len(body.said("not finite")) == 1
 
 
 @pytest.mark.short("0.0-*", "0.001-auto")
