@@ -110,6 +110,12 @@ def run(case: Case, folder: Path) -> Trial:
     return Trial(errors[row], words[row] if wrong else words[-1], last, seconds, result.time[row], said)
 
 
+def require_right(case: Case, folder: Path) -> None:
+    """The block is where a rigid one is, or a warning says by how much it is not."""
+    trial = run(case, folder)
+    assert trial.verdict != "wrong", f"off by {trial.error:.1f} tolerances at {trial.at:g} s; stated: {trial.stated:.1f}"
+
+
 def error(case: Case, scene: Scene, result: Result) -> np.ndarray:
     """By how much the rigid motion of the control points is off at each communication point (T,) [m]."""
     body, x = Body(to_flat(scene.lattice_box.rest()), scene_masses(scene).mass), to_flat(result.positions)

@@ -5,7 +5,7 @@ import pytest
 
 from rigid import STILL, Belt, G, slide
 from softffd.names import OBSTACLES
-from textbook import BRICK, CUBE, SMALL, Case, along, block, called, tilted
+from textbook import BRICK, CUBE, SMALL, Case, along, block, called, require_right, tilted
 
 BODIES = {"cube": CUBE, "brick": BRICK, "small": SMALL}
 SOLIDS = ("surface", "box", "disk", "rails")
@@ -127,8 +127,8 @@ CASES = [
     "cube-plane-k1e+05-H0.05-laid*", "brick-plane-k1e+09-H0.1-flips*", "small-disk-k1e+07-H0.05-swings",
 )  # fmt: skip
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_a_block_slides_and_sticks_as_a_rigid_one(case, holds):
-    holds(case)
+def test_a_block_slides_and_sticks_as_a_rigid_one(case, tmp_path):
+    require_right(case, tmp_path)
 
 
 def test_what_sticks_and_slides_is_summed_rightly():

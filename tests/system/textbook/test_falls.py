@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from rigid import EXACT, G, fall_over
-from textbook import BRICK, SMALL, TOWER, Case, Motion, along, block, called
+from textbook import BRICK, SMALL, TOWER, Case, Motion, along, block, called, require_right
 
 BODIES = {"tower": TOWER, "brick": BRICK}
 
@@ -117,5 +117,5 @@ CASES = [
 
 @pytest.mark.short("tower-plane-k1e+08-H0.05-past1", "tower-plane-k1e+09-H0.1-shoved")
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_a_block_stands_or_falls_over_its_edge_as_a_rigid_one(case, holds):
-    holds(case)
+def test_a_block_stands_or_falls_over_its_edge_as_a_rigid_one(case, tmp_path):
+    require_right(case, tmp_path)

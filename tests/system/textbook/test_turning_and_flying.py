@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rigid import G, spin_down
-from textbook import Case, Motion, block, called
+from textbook import Case, Motion, block, called, require_right
 
 QUARTER = ((0.2, 0.2, 0.1), (2, 2, 2))
 """m; of a lattice with four points below, each of which carries a quarter of the weight while it spins"""
@@ -69,5 +69,5 @@ CASES = [
 
 @pytest.mark.short("spin-plane-k1e+09-H0.1*", "round-plane-k1e+09-H0.1", "thrown-plane-k1e+09-H0.2*")
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_a_block_turns_and_flies_as_a_rigid_one(case, holds):
-    holds(case)
+def test_a_block_turns_and_flies_as_a_rigid_one(case, tmp_path):
+    require_right(case, tmp_path)
