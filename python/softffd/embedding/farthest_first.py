@@ -9,10 +9,14 @@ the others are left alone: the choice is what a search through all vertices find
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from softffd.embedding.basis import weights
 from softffd.embedding.deform import lattice_coordinates
 from softffd.lattice import LatticeBox
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 BLOCK = 64
 """Vertices of a block, at most: of 16 to 128 the quickest on meshes of 10,000 to 160,000 vertices"""
@@ -20,7 +24,7 @@ ROUNDING = 1e-7
 """What a distance may be off where squares of weights, which are 1 at most, cancel"""
 
 
-def axis_weights(places: np.ndarray, box: LatticeBox) -> np.ndarray:
+def axis_weights(places: Array, box: LatticeBox) -> Array:
     """Weights (3, n, V) of the control points of x, y and z at places (V, 3) [m], whose products are those of all.
 
     n: the most control points that an axis has; axes with fewer have zeros behind.
@@ -31,7 +35,7 @@ def axis_weights(places: np.ndarray, box: LatticeBox) -> np.ndarray:
     return found
 
 
-def farthest_first(axes: np.ndarray, first: int, count: int) -> np.ndarray:
+def farthest_first(axes: Array, first: int, count: int) -> Indices:
     """Indices (count,) of vertices, each the farthest from all before it, in weights (3, n, V); ties by index."""
     blocks = neighbours(axes, BLOCK)
     squares = products(axes, axes)
@@ -51,33 +55,38 @@ def farthest_first(axes: np.ndarray, first: int, count: int) -> np.ndarray:
     return order
 
 
-def neighbours(axes: np.ndarray, most: int) -> np.ndarray:
+def neighbours(axes: Array, most: int) -> Indices:
     """All vertices of weights (3, n, V) in blocks (b, s) of some near each other at rest, the middle one first, s <= most.
 
     Where a block lacks one, it has another twice.
     """
     cells = np.arange(axes.shape[1]) @ axes
-    blocks = [np.arange(axes.shape[2])]
-    while max(map(len, blocks)) > most:
-        blocks = [half for block in blocks for half in _halves(block, cells)]
-    size = max(map(len, blocks))
-    whole = np.array([np.append(block, block[: size - len(block)]) for block in blocks])
+    whole, sizes = np.arange(axes.shape[2])[None], np.array([axes.shape[2]])
+    while whole.shape[1] > most:
+        whole, sizes = _halved(whole, sizes, cells)
     off = cells[:, whole] - cells[:, whole].mean(axis=2, keepdims=True)
     return np.take_along_axis(whole, (off**2).sum(axis=0).argsort(axis=1, kind="stable"), axis=1)
 
 
-def products(some: np.ndarray, others: np.ndarray) -> np.ndarray:
+def _halved(blocks: Indices, sizes: Indices, cells: Array) -> tuple[Indices, Indices]:
+    """Blocks (b, s), of which so many (b,) count, cut in the middle of their longest side in cells (3, V) of the lattice.
+
+    Vertices above the middle follow those below. What does not count repeats the block from its first vertex on.
+    """
+    longest = np.ptp(cells[:, blocks], axis=2).argmax(axis=0)
+    along = cells[longest[:, None], blocks]
+    along[np.arange(blocks.shape[1]) >= sizes[:, None]] = np.inf
+    order = np.take_along_axis(blocks, along.argsort(axis=1, kind="stable"), axis=1)
+    parts = np.stack([sizes // 2, sizes - sizes // 2], axis=1)
+    places = np.arange(parts.max()) % parts[..., None] + np.stack([np.zeros_like(sizes), sizes // 2], axis=1)[..., None]
+    return np.take_along_axis(order[:, None], places, axis=2).reshape(-1, places.shape[2]), parts.reshape(-1)
+
+
+def products(some: Array, others: Array) -> Array:
     """W_v . W_w from weights (.., 3, n, s) of either, (.., s); the same bits on every processor, which matrix products are not."""
-    x, y, z = np.moveaxis((some * others).sum(axis=-2), -2, 0)
-    return x * y * z
+    found = (some * others).sum(axis=-2)
+    return found[..., 0, :] * found[..., 1, :] * found[..., 2, :]
 
 
-def _halves(block: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A block's vertices (m,) below and above the middle of its longest side, in cells (3, V) of the lattice."""
-    sides = cells[:, block]
-    order = np.argsort(sides[np.ptp(sides, axis=1).argmax()], kind="stable")
-    return block[order[: len(order) // 2]], block[order[len(order) // 2 :]]
-
-
-def _lengths(squares: np.ndarray) -> np.ndarray:
+def _lengths(squares: Array) -> Array:
     return np.sqrt(np.maximum(squares, 0.0))

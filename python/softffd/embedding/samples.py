@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from softffd.embedding.farthest_first import axis_weights, farthest_first, neighbours, products
+from softffd.embedding.farthest_first import Array, Indices, axis_weights, farthest_first, neighbours, products
 from softffd.lattice import LatticeBox
 from softffd.mesh.mesh import Mesh
 
@@ -25,8 +25,8 @@ NEAREST, AROUND, BLOCK = 16, 64, 16
 """Samples that a vertex is compared with, of so many around a block of so many vertices at most"""
 FEW_ROUNDS, ROUNDS, ENOUGH = 20, 400, 1e-9
 """Steps towards the nearest combination: of all vertices, and at most of those that go on; what more could gain that ends them"""
-_AT_ONCE, _GO_ON = 1 << 21, 256
-"""Numbers held at a time: 16 MB; vertices that go on together"""
+_AT_ONCE, _GO_ON = 1 << 19, 256
+"""Numbers held at a time: 4 MB; vertices that go on together"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class Samples:
     any other vertex can be behind a plane.
     """
 
-    places: np.ndarray
+    places: Array
     vertices: int
     behind: float
 
@@ -63,7 +63,7 @@ def surface_samples(mesh: Mesh, box: LatticeBox, penetration: float) -> Samples:
     return Samples(places[np.sort(order[:many])], len(places), behind)
 
 
-def most_behind(axes: np.ndarray, samples: np.ndarray) -> float:
+def most_behind(axes: Array, samples: Indices) -> float:
     """The largest e_v found of the vertices of weights (3, n, V) that are not among the samples (indices)."""
     left, near = _samples_around(axes, samples)
     if not len(left):
@@ -81,7 +81,7 @@ def most_behind(axes: np.ndarray, samples: np.ndarray) -> float:
     return float(most)
 
 
-def _samples_around(axes: np.ndarray, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _samples_around(axes: Array, samples: Indices) -> tuple[Indices, Indices]:
     """The vertices (m,) that are no samples, some twice, and the samples nearest to each in weights, (m, NEAREST) or all.
 
     Blocks are of samples too: those of the others alone would be wide where most vertices are samples.
@@ -99,44 +99,55 @@ def _samples_around(axes: np.ndarray, samples: np.ndarray) -> tuple[np.ndarray, 
     return blocks.ravel()[left], np.concatenate(near)[left]
 
 
-def _nearest(axes: np.ndarray, samples: np.ndarray, vertices: np.ndarray, count: int) -> np.ndarray:
+def _nearest(axes: Array, samples: Indices, vertices: Indices, count: int) -> Indices:
     """The samples nearest to vertices (m,) in weights, (m, count) or all."""
     theirs = axes[:, :, samples]
-    near = (axes[:, :, vertices].swapaxes(1, 2) @ theirs).prod(axis=0)
-    return samples[_least(products(theirs, theirs) - 2 * near, count)]
+    near, *others = axes[:, :, vertices].swapaxes(1, 2) @ theirs
+    for each in (*others, -2.0):
+        near *= each
+    near += products(theirs, theirs)
+    return samples[_least(near, count)]
 
 
-def _least(values: np.ndarray, count: int) -> np.ndarray:
+def _least(values: Array, count: int) -> Indices:
     """Where the least `count` of the last axis are, or all."""
     count = min(count, values.shape[-1])
     return np.argpartition(values, count - 1, axis=-1)[..., :count]
 
 
-def _behind(axes: np.ndarray, near: np.ndarray, vertices: np.ndarray, rounds: int) -> np.ndarray:
+def _behind(axes: Array, near: Indices, vertices: Indices, rounds: int) -> Array:
     """e_v (m,) of some vertices (m,) by the samples near them, (m, s)."""
-    mine, theirs = axes[:, :, vertices].transpose(0, 2, 1), axes[:, :, near].transpose(0, 2, 3, 1)
+    mine, theirs = axes[:, :, vertices].transpose(0, 2, 1), axes.transpose(0, 2, 1)[:, near]
     gram = (theirs @ theirs.swapaxes(2, 3)).prod(axis=0)
     aim = (theirs @ mine[..., None])[..., 0].prod(axis=0)
     x, y, z = theirs
-    combined = np.einsum("vsi,vsj,vsk->vijk", _nearest_combination(gram, aim, rounds)[..., None] * x, y, z, optimize=True)
-    return 0.5 * np.abs(np.einsum("vi,vj,vk->vijk", *mine) - combined).sum(axis=(1, 2, 3))
+    planes = (y[..., None] * z[:, :, None]).reshape(*near.shape, -1)
+    combined = np.einsum("vsi,vsp->vip", _nearest_combination(gram, aim, rounds)[..., None] * x, planes)
+    own = np.einsum("vi,vj,vk->vijk", *mine).reshape(combined.shape)
+    return 0.5 * np.abs(own - combined).sum(axis=(1, 2))
 
 
-def _nearest_combination(gram: np.ndarray, aim: np.ndarray, rounds: int) -> np.ndarray:
+def _nearest_combination(gram: Array, aim: Array, rounds: int) -> Array:
     """Shares (m, s) >= 0 that sum to 1 and nearly minimise 1/2 alpha . gram alpha - aim . alpha, for gram (m, s, s) and aim (m, s)."""
-    rows = np.arange(len(aim))
-    shares = np.zeros_like(aim)
-    first = (0.5 * np.einsum("vss->vs", gram) - aim).argmin(axis=1)
-    shares[rows, first] = 1.0
-    slope = gram[rows, first] - aim
+    count = aim.shape[1]
+    begin = np.arange(0, aim.size, count)
+    first = begin + (0.5 * np.einsum("vss->vs", gram) - aim).argmin(axis=1)
+    shares, closed = np.zeros(aim.size), np.full(aim.size, -np.inf)  # closed: -inf where there is nothing to take away
+    shares[first], closed[first] = 1.0, 0.0
+    rows = gram.reshape(-1, count)
+    slope = rows[first] - aim
     for _ in range(rounds):
-        to, away = slope.argmin(axis=1), np.where(shares > 0, slope, -np.inf).argmax(axis=1)
-        gain = slope[rows, away] - slope[rows, to]
+        to, away = begin + slope.argmin(axis=1), begin + (slope + closed.reshape(slope.shape)).argmax(axis=1)
+        gain = slope.take(away) - slope.take(to)
         if gain.max() < ENOUGH:
             break
-        bend = gram[rows, to, to] + gram[rows, away, away] - 2 * gram[rows, to, away]
-        length = np.minimum(shares[rows, away], np.divide(gain, bend, out=np.ones_like(gain), where=bend > 0))
-        shares[rows, to] += length
-        shares[rows, away] -= length
-        slope += length[:, None] * (gram[rows, to] - gram[rows, away])
-    return shares
+        turn, back = rows.take(to, axis=0), rows.take(away, axis=0)
+        bend = turn.take(to) + back.take(away) - 2 * turn.take(away)
+        length = np.minimum(shares[away], np.divide(gain, bend, out=np.ones_like(gain), where=bend > 0))
+        shares[to] += length
+        shares[away] -= length
+        closed[to], closed[away] = 0.0, np.where(shares[away] > 0, 0.0, -np.inf)
+        turn -= back
+        turn *= length[:, None]
+        slope += turn
+    return shares.reshape(aim.shape)

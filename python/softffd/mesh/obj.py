@@ -1,9 +1,11 @@
-"""Wavefront OBJ, read record by record.
+"""Wavefront OBJ: runs of records that are alike at once, all others line by line.
 
 Read here and not by trimesh, which takes index 0 for vertex 1, counts relative indices from the end of the file,
 passes over faces of two corners and lines it does not know, and splits vertices by their normals.
 """
 
+from collections.abc import Sequence
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -18,14 +20,15 @@ def read_obj(path: Path, data: bytes) -> Triangles:
 
     Corners without texture coordinates in a file that has some get (0, 0). Raises MeshError with the line of the fault.
     """
-    records = _Records(path)
+    records, number = _Records(path), 1
     data = plain_text(data).removesuffix(b"\0").removesuffix(b"\x1a")
-    for number, line in enumerate(data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines(), 1):
-        key, *rest = line.split(None, 1)[:2] or [b"#"]
-        if key in _NAMING:
-            records.name(key, decoded(b"".join(rest)).strip())
-        elif words := line.partition(b"#")[0].split():
-            records.read(number, words)
+    lines = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines()
+    for key, run in groupby(lines, lambda line: line.split(None, 1)[:1]):
+        same = list(run)
+        if not (key and records.read_alike(key[0], number, same)):
+            for place, line in enumerate(same, number):
+                records.read_line(place, line)
+        number += len(same)
     return records.triangles()
 
 
@@ -52,7 +55,7 @@ class _Records:
         self.passed_over: list[int] = []
         self.materials, self.groups = _Marks(""), _Marks(Group())
 
-    def name(self, key: bytes, rest: str) -> None:
+    def _name(self, key: bytes, rest: str) -> None:
         name = " ".join(rest.split())
         if key == b"mtllib":
             self.library.read(rest)
@@ -63,7 +66,57 @@ class _Records:
         else:
             self.groups.now = self.groups.now._replace(group=without_comment(name))
 
-    def read(self, number: int, words: list[bytes]) -> None:
+    def read_alike(self, key: bytes, first: int, lines: list[bytes]) -> bool:
+        """Read lines of one key, the first of number `first`, at once; False, with nothing read, where they are not alike."""
+        if key == b"f":
+            return self._read_faces(first, lines)
+        if key not in (b"v", b"vt") or (rows := _rows(lines, 3 if key == b"v" else 2)) is None:
+            return key == b"vn"
+        if key == b"vt":
+            self.texels += rows[:, :2].tolist()
+            return True
+        if rows.shape[1] in (6, 7):
+            self.colours.update(enumerate(rows[:, 3:6].tolist(), len(self.vertices)))
+        self.vertices += rows[:, :3].tolist()
+        return True
+
+    def _read_faces(self, first: int, lines: list[bytes]) -> bool:
+        """Read faces whose corners are all written one way, "1", "1/1", "1//1" or "1/1/1"."""
+        text = b" ".join(lines)
+        words = text.split()
+        slashes = {word.translate(None, b"0123456789") for word in words if word != b"f"}
+        if slashes not in ({b""}, {b"/"}, {b"//"}):
+            return False
+        corners, double = len(words) - len(lines), text.count(b"//")
+        each = 1 + len(slashes.pop()) - (double > 0)
+        try:
+            numbers = np.array(list(map(int, text.replace(b"/", b" ").replace(b"f", b"0").split())), dtype=np.int64)
+        except OverflowError:
+            return False
+        starts = np.flatnonzero(numbers == 0)
+        counts = (np.diff(starts, append=len(numbers)) - 1) // each
+        if len(starts) != len(lines) or len(numbers) - len(lines) != each * corners or double not in (0, corners) or counts.min() < 3:
+            return False
+        table = numbers[numbers > 0].reshape(corners, each) - 1
+        self.corners += table[:, 0].tolist()
+        self.texel_corners += [-1] * corners if each == 1 or double else table[:, 1].tolist()
+        self._add_faces(range(first, first + len(lines)), counts.tolist())
+        return True
+
+    def _add_faces(self, lines: Sequence[int], counts: list[int]) -> None:
+        self.counts += counts
+        self.face_lines += lines
+        self.materials.mark(len(counts))
+        self.groups.mark(len(counts))
+
+    def read_line(self, number: int, line: bytes) -> None:
+        key, *rest = line.split(None, 1)[:2] or [b"#"]
+        if key in _NAMING:
+            self._name(key, decoded(b"".join(rest)).strip())
+        elif words := line.partition(b"#")[0].split():
+            self._read(number, words)
+
+    def _read(self, number: int, words: list[bytes]) -> None:
         key = words[0]
         try:
             if key == b"v":
@@ -93,10 +146,7 @@ class _Records:
             texel = rest.partition(b"/")[0]
             self.corners.append(_from_zero(vertex, len(self.vertices)))
             self.texel_corners.append(_from_zero(texel, len(self.texels)) if texel else -1)
-        self.counts.append(len(words))
-        self.materials.mark()
-        self.groups.mark()
-        self.face_lines.append(number)
+        self._add_faces([number], [len(words)])
 
     def triangles(self) -> Triangles:
         positions = np.array(self.vertices, dtype=float).reshape(-1, 3)
@@ -149,14 +199,27 @@ class _Marks:
         self._numbers: dict = {}
         self._faces: list[int] = []
 
-    def mark(self) -> None:
-        self._faces.append(self._numbers.setdefault(self.now, len(self._numbers)))
+    def mark(self, faces: int) -> None:
+        self._faces += [self._numbers.setdefault(self.now, len(self._numbers))] * faces
 
     def found(self) -> tuple[tuple, np.ndarray | None]:
         """What faces have, in the order of the file, and the index of each face; nothing where no face has anything."""
         if set(self._numbers) <= {self._nothing}:
             return (), None
         return tuple(self._numbers), np.array(self._faces, dtype=np.int64)
+
+
+def _rows(lines: list[bytes], least: int) -> np.ndarray | None:
+    """The numbers after the key of each line, (lines, least or more); None where lines differ, or have more than numbers."""
+    words = b" ".join(lines).split()
+    each = len(words) // len(lines)
+    if len(words) % len(lines) or each <= least or len({*words[::each]}) > 1:
+        return None
+    del words[::each]
+    try:
+        return np.array(list(map(float, words))).reshape(len(lines), each - 1)
+    except ValueError:
+        return None
 
 
 def _numbers(words: list[bytes], least: int) -> list[float]:

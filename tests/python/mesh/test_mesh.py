@@ -1,6 +1,7 @@
 """Facts about meshes and their files, the damaged ones above all."""
 
 import logging
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -76,6 +77,45 @@ def test_obj_reads_what_exporters_write(tmp_path):
     np.testing.assert_array_equal(mesh.vertices, CORNERS)
     np.testing.assert_array_equal(mesh.faces, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
     assert mesh.closed and mesh.uv is None
+
+
+ALIKE = {
+    "v": ["v 0 0 0", "v 1e1 -2 .5 1", "v 0 1 0 1 0 0", "v 0 0 1 1 0 0 1", "v 0 nan 1", "v 0 0 1 # 2", "v 1_0 2 3", "v 1 2", "v 1 2 v"],
+    "vt": ["vt 0 0", "vt 1 0.5 0", "vt 0.5", "vt 0 0 [w]", "vt", "vt x 0"],
+    "vn": ["vn 0 0 1", "vn x", "vn#"],
+    "f": ["f 1 2 3", "f 3 2 1 2", "f 1/1 2/2 3/1", "f 1//9 2//9 3//9", "f 1/1/7 2/2/7 3/1/7 2/2/7", "f -1 -2 -3", "f 1/1 2 3//1"]
+    + [
+        "f 1//2//3 2//1//3 3",
+        "f 1/2/1/2 2/1 3/1",
+        "f 1 2",
+        "f 1 2 0",
+        "f 1 2 f 3",
+        "f 1f2 2 3",
+        "f 1/ 2/ 3/1/1",
+        "f 1 2 99",
+        f"f 1 2 {10**30}",
+    ],
+}
+"""Lines of each key, sound ones and others; runs of them are read at once where they are alike."""
+
+
+@pytest.mark.parametrize("key", ALIKE)
+def test_lines_that_are_read_at_once_are_what_they_are_one_by_one(key, tmp_path):
+    """A record that says nothing between two lines parts them, and messages then name the line after it."""
+    before = "v 0 0 0\nv 1 0 0\nv 0 1 1\n" + "vt 0 0\nvt 1 1\n"
+    after = "f 1/1 2/2 3/1\n" if key == "vt" else "f 1 2 3\n"
+    for first, second in product(ALIKE[key][:5], ALIKE[key]):
+        found = [_read_or_refused(tmp_path, before + first + part + second + "\n" + after) for part in ("\n", "\ns off\n")]
+        assert found[0] == found[1].replace("line 8", "line 7") if "line 6" not in found[1] else found[0] == found[1], (first, second)
+
+
+def _read_or_refused(tmp_path, text):
+    try:
+        mesh = loaded(tmp_path, "a.obj", text)
+    except MeshError as refusal:
+        return str(refusal)
+    parts = (mesh.vertices, mesh.faces, mesh.uv, mesh.looks.colours, mesh.looks.notes)
+    return repr([part.tolist() if isinstance(part, np.ndarray) else part for part in parts])
 
 
 def test_relative_indices_count_from_the_record_they_stand_in(tmp_path):
