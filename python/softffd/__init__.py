@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from softffd.errors import FmuError, MeshError, SceneError, SoftffdError
     from softffd.fmu.package import package_fmu
     from softffd.fmu.ssp import write_ssp
-    from softffd.mesh.mesh import load_mesh, save_mesh
+    from softffd.mesh.files import load_mesh, save_mesh
     from softffd.run.replay import replay
     from softffd.run.result import Result
     from softffd.run.simulate import simulate
@@ -28,7 +28,7 @@ HOMES = {
     "errors": ["FmuError", "MeshError", "SceneError", "SoftffdError"],
     "fmu.package": ["package_fmu"],
     "fmu.ssp": ["write_ssp"],
-    "mesh.mesh": ["load_mesh", "save_mesh"],
+    "mesh.files": ["load_mesh", "save_mesh"],
     "run.replay": ["replay"],
     "run.result": ["Result"],
     "run.simulate": ["simulate"],

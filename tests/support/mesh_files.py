@@ -9,7 +9,8 @@ from PIL import Image
 from trimesh.visual import ColorVisuals, TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
-from softffd.mesh.mesh import Mesh, load_mesh, save_mesh
+from softffd.mesh.files import load_mesh, save_mesh
+from softffd.mesh.mesh import Mesh
 
 ENDINGS = ["obj", "stl", "ply", "glb"]
 

@@ -7,7 +7,7 @@ import numpy as np
 
 import softffd
 from softffd.cli.command import main
-from softffd.mesh.mesh import READ, WRITTEN
+from softffd.mesh.files import READ, WRITTEN
 
 
 def require_every_kind(folder: Path) -> None:

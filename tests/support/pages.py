@@ -8,7 +8,7 @@ import numpy as np
 
 from made_up_run import at_rest_about
 from mesh_files import two_colours
-from softffd.mesh.mesh import load_mesh
+from softffd.mesh.files import load_mesh
 from softffd.show.view import write_view
 
 

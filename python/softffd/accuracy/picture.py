@@ -1,12 +1,16 @@
 """Pictures of a scene's records: error against run time, and error against simulated time."""
 
+from typing import Any
+
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, LogLocator, NullFormatter
 
-from softffd.accuracy.records import CHOSEN, CLAIM, LEVELS, PUBLISHED
+from softffd.accuracy.records import CHOSEN, CLAIM, LEVELS, PUBLISHED, Record, Records
 from softffd.show.figure import CURVES, INK, PLAIN, SOFT, new_figure, png_of
 
-LOOKS = {
+LOOKS: dict[str, dict[str, Any]] = {
     CHOSEN: {"color": INK, "linewidth": 3.4, "marker": "o", "markersize": 5, "zorder": 5},
     PUBLISHED: {"color": "#d55e00", "linewidth": 2.2, "marker": "X", "markersize": 7, "linestyle": (0, (4, 2)), "zorder": 4},
     "leapfrog": {"color": CURVES[0], "marker": "s"},
@@ -26,7 +30,7 @@ LARGEST, SMALLEST = 0.5, 1e-13
 BAND = "#f0e2b6"
 
 
-def front_picture(records) -> bytes:
+def front_picture(records: Records) -> bytes:
     """PNG: error against CPU time, both logarithmic, one line per method; the front is the pale band behind the lines."""
     figure = new_figure(13.0, 6.6, dpi=120)
     axes = figure.add_axes((0.07, 0.1, 0.68, 0.76))
@@ -46,14 +50,14 @@ def front_picture(records) -> bytes:
     return png_of(figure)
 
 
-def course_picture(records) -> bytes:
+def course_picture(records: Records) -> bytes:
     """PNG: error against simulated time, for each method the cheapest run within 1e-6, or its most accurate one."""
     figure = new_figure(13.0, 5.4, dpi=120)
     axes = figure.add_axes((0.07, 0.12, 0.60, 0.71))
     _head(figure, records, "error against simulated time, each method's cheapest run within 1e-6, or else its best")
     for name in drawn_order(records):
         run = records.typical(name)
-        if run is None:
+        if run is None or run.errors is None:
             continue
         errors = np.where(run.errors > 0, np.clip(run.errors, SMALLEST, LARGEST), np.nan)
         look = _look(name, records) | ({"marker": None} if len(errors) > 40 else {})
@@ -66,21 +70,21 @@ def course_picture(records) -> bytes:
     return png_of(figure)
 
 
-def setting_words(run) -> str:
+def setting_words(run: Record) -> str:
     """The setting without the method: "tolerance 1e-06", "step 2.5e-05 s"."""
     return str(run.setting).partition(", ")[2]
 
 
-def _points(runs):
+def _points(runs: list[Record]) -> tuple[list[float], list[float]]:
     return [run.cpu_time for run in runs], [max(run.error, SMALLEST) for run in runs]
 
 
-def drawn_order(records):
+def drawn_order(records: Records) -> list[str]:
     """Methods in the order of legends and tables: auto, the published scheme, the others."""
     return sorted(records.names(), key=lambda name: (name not in (CHOSEN, PUBLISHED), name != CHOSEN))
 
 
-def _look(name, records):
+def _look(name: str, records: Records) -> dict[str, Any]:
     if name in ANCHOR_MARKS:
         return {"color": "#98a2b0", "linewidth": 1.1, "linestyle": ":", "marker": ANCHOR_MARKS[name], "markersize": 4.5}
     others = [each for each in records.names("softffd") if each not in LOOKS]
@@ -88,13 +92,13 @@ def _look(name, records):
     return {"linewidth": 1.7, "markersize": 5} | plain
 
 
-def _head(figure, records, what):
+def _head(figure: Figure, records: Records, what: str) -> None:
     figure.text(0.02, 0.96, records.title, fontsize=15, fontweight="bold", color=INK, va="center", **PLAIN)
     words = f"{what}; {records.stop_time:.4g} s with communication steps of {records.communication_step:.4g} s"
     figure.text(0.02, 0.915, words, fontsize=10.5, color=SOFT, va="center")
 
 
-def _label_times(axes):
+def _label_times(axes: Axes) -> None:
     """1, 10, 100 ms; also 2 and 5 where the axis is shorter than a factor of 30."""
     low, high = axes.get_xlim()
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 30 * low else (1.0,)))
@@ -102,7 +106,7 @@ def _label_times(axes):
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _dress_errors(axes, records):
+def _dress_errors(axes: Axes, records: Records) -> None:
     axes.set_yscale("log")
     shown = [run.error for run in records.runs if run.error > 0]
     axes.set_ylim(max(SMALLEST, min([1e-9, *shown]) / 4), LARGEST)

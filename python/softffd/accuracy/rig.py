@@ -154,7 +154,7 @@ class Rig:
     def __enter__(self) -> Rig:
         return self
 
-    def __exit__(self, *_exception) -> None:
+    def __exit__(self, *_exception: object) -> None:
         self.close()
 
 

@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from softffd.errors import FmuError, Interrupted, SoftffdError
 from softffd.fmu.component import Component
-from softffd.mesh.mesh import READ, WRITTEN, save_mesh
+from softffd.mesh.files import READ, WRITTEN, save_mesh
 from softffd.run.findings import ESTIMATE, findings
 from softffd.run.inputs import Source
 from softffd.run.progress import Note, silent

@@ -33,25 +33,25 @@ class Actuator(Driver):
         ("velocity", "output", "m/s", ZERO, "Mean velocity over the next step"),
     )
 
-    def begin(self):
+    def begin(self) -> None:
         self._put_out(self.values.get("time", 0.0), 1e-6 * self.values["duration"])
 
-    def setup_experiment(self, start_time, stop_time, tolerance):
+    def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
         self.values["time"] = start_time
         self.begin()
 
-    def exit_initialization_mode(self):
+    def exit_initialization_mode(self) -> None:
         if not self.values["duration"] > 0:
             raise ValueError(f"duration: wanted > 0 s, got {self.values['duration']:g}")
         if self.values["course"] not in (1, 2):
             raise ValueError(f"course: wanted 1 (sine) or 2 (smooth step), got {self.values['course']}")
 
-    def do_step(self, current_time, step_size):
+    def do_step(self, current_time: float, step_size: float) -> bool:
         self.values["steps"] += 1
         self._put_out(current_time + step_size, step_size)
         return True
 
-    def _course(self, time):
+    def _course(self, time: float) -> float:
         share = (time - self.values["start"]) / (self.values["duration"] or 1.0)
         if share <= 0:
             return 0.0
@@ -59,7 +59,7 @@ class Actuator(Driver):
             return sin(2 * pi * share)
         return 1.0 if share >= 1 else share**3 * (share * (6 * share - 15) + 10)
 
-    def _put_out(self, time, ahead):
+    def _put_out(self, time: float, ahead: float) -> None:
         values = self.values
         now, middle, later = (self._course(time + part * ahead) for part in (0.0, 0.5, 1.0))
         for i in range(3):

@@ -54,7 +54,7 @@ class Plate(Driver):
         ("momentum", "output", "N.s", ZERO, "Momentum by the impulses that have arrived"),
     )
 
-    def begin(self):
+    def begin(self) -> None:
         values = self.values
         for name in ("point", "velocity", "normal"):
             values[name] = list(values[f"initial.{name}"])
@@ -64,20 +64,20 @@ class Plate(Driver):
         values["middle"] = list(values["point"])
         values["seen"] = [[place, 0.0, 0.0, 0.0] for place in values["point"]]
 
-    def exit_initialization_mode(self):
+    def exit_initialization_mode(self) -> None:
         if not self.values["mass"] > 0:
             raise ValueError(f"mass: wanted > 0 kg, got {self.values['mass']:g}")
         if self.values["delay"] not in (0, 1):
             raise ValueError(f"delay: wanted 0 or 1, got {self.values['delay']}")
 
-    def do_step(self, current_time, step_size):
+    def do_step(self, current_time: float, step_size: float) -> bool:
         for axis in range(3):
             self._step_axis(axis, step_size)
         self.values["last_step"], self.values["last_force"] = step_size, list(self.values["force"])
         self.values["steps"] += 1
         return True
 
-    def _step_axis(self, i, step):
+    def _step_axis(self, i: int, step: float) -> None:
         values, mass = self.values, self.values["mass"]
         place, speed, reaction, other = values["true_point"][i], values["true_velocity"][i], values["reaction"][i], values["force"][i]
         middle = known = values["point"][i] + 0.5 * step * values["velocity"][i]
@@ -95,7 +95,7 @@ class Plate(Driver):
         values["point"][i], values["velocity"][i] = place, ahead / (1 + 0.25 * step * step * stiffness / mass)
         values["momentum"][i] = mass * values["true_velocity"][i]
 
-    def _stiffness(self, i, middle, reaction):
+    def _stiffness(self, i: int, middle: float, reaction: float) -> float:
         """The body's stiffness [N/m] along axis i, after a step with this reaction [N] in whose middle the plane was here [m]."""
         last_middle, last_reaction, products, squares = self.values["seen"][i]
         if reaction and last_reaction:
@@ -105,7 +105,7 @@ class Plate(Driver):
         self.values["seen"][i] = [middle, reaction, products, squares]
         return max(0.0, products / squares) if reaction and squares > 1e-300 else 0.0
 
-    def _moved(self, i, place, speed, force, time):
+    def _moved(self, i: int, place: float, speed: float, force: float, time: float) -> tuple[float, float]:
         """Component i of place [m] and velocity [m/s] after `time` [s] under a constant force [N] and gravity."""
         acceleration = self.values["gravity"][i] + force / self.values["mass"]
         after = speed + time * acceleration

@@ -5,12 +5,13 @@ It goes into each driver FMU beside its source, hence the module's name of its o
 
 import json
 from pathlib import Path
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Integer, Real
 
 AXES = "xyz"
-UNITS = {
+UNITS: dict[str, dict[str, int]] = {
     "1": {},
     "m": {"m": 1},
     "s": {"s": 1},
@@ -31,12 +32,12 @@ class Driver(Fmi2Slave):
     are replaced by those in resources/start.json where that file exists.
     """
 
-    table = ()
+    table: tuple[tuple[str, str, str | None, Any, str], ...] = ()
 
-    def __init__(self, **kwargs):
+    def __init__(self, **kwargs: Any):
         super().__init__(**kwargs)
-        self.values = {"steps": 0}
-        self.unit_of = {}
+        self.values: dict[str, Any] = {"steps": 0}
+        self.unit_of: dict[str, str | None] = {}
         for name, causality, unit, start, text in self.table:
             self.values[name] = list(start) if isinstance(start, tuple) else start
             for axis in AXES if isinstance(start, tuple) else ("",):
@@ -46,17 +47,17 @@ class Driver(Fmi2Slave):
             self.values.update(json.loads(given.read_text()))
         self.begin()
 
-    def begin(self):
+    def begin(self) -> None:
         """Outputs and hidden state from the parameters; called whenever a parameter changed before the first step."""
 
-    def _register(self, name, axis, causality, unit, text):
+    def _register(self, name: str, axis: str, causality: str, unit: str | None, text: str) -> None:
         full = f"{name}.{axis}" if axis else name
         self.unit_of[full] = unit
 
-        def get():
+        def get() -> Any:
             return self.values[name][AXES.index(axis)] if axis else self.values[name]
 
-        def put(value):
+        def put(value: Any) -> None:
             if axis:
                 self.values[name][AXES.index(axis)] = value
             else:
@@ -77,7 +78,7 @@ class Driver(Fmi2Slave):
             nested=False,
         )
 
-    def to_xml(self, model_options=None):
+    def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         root = super().to_xml(model_options or {})
         root.set("generationDateAndTime", root.get("generationDateAndTime").replace("+00:00", "Z"))
         units = Element("UnitDefinitions")
@@ -86,8 +87,8 @@ class Driver(Fmi2Slave):
             SubElement(SubElement(units, "Unit", name=unit), "BaseUnit", powers)
         root.insert(1, units)
         for variable in root.find("ModelVariables"):
-            if unit := self.unit_of[variable.get("name")]:
-                variable[0].set("unit", unit)
+            if own := self.unit_of[variable.get("name")]:
+                variable[0].set("unit", own)
             if variable.get("causality") == "output":
                 variable.set("initial", "calculated")
         outputs = root.find("ModelStructure/Outputs")
@@ -97,8 +98,8 @@ class Driver(Fmi2Slave):
             unknown.set("dependencies", "")
         return root
 
-    def _get_fmu_state(self):
+    def _get_fmu_state(self) -> dict[str, Any]:
         return json.loads(json.dumps(self.values))
 
-    def _set_fmu_state(self, state):
+    def _set_fmu_state(self, state: dict[str, Any]) -> None:
         self.values = json.loads(json.dumps(state))

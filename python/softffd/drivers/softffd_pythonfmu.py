@@ -12,12 +12,13 @@ import ctypes
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
-MENDED = set()
+MENDED: set[Path] = set()
 """Paths of the libraries that have been seen to."""
 
 
-def mend(script_globals):
+def mend(script_globals: dict[str, Any]) -> None:
     """To be called by the script with its globals() each time that it runs."""
     ctypes.pythonapi.Py_IncRef(ctypes.py_object(script_globals))
     if sys.platform != "linux":

@@ -13,19 +13,20 @@ lost and the polynomials grow fast, so a point outside is an error here, not an 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from ctypes import c_int, c_longlong, c_void_p
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from softffd.errors import MeshError
 from softffd.installed import library_function
 from softffd.spelling import did_you_mean, nearest_of
 
-if TYPE_CHECKING:
-    from softffd.mesh.mesh import Mesh
+Array = NDArray[np.float64]
+Points = NDArray[np.float32] | NDArray[np.float64]
 
 BASES = ("bezier", "bspline")
 
@@ -39,7 +40,21 @@ _POINTS = 1 << 18
 """Points whose bounds one call finds."""
 
 
-def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=None, basis="bezier") -> np.ndarray:
+class Surface(Protocol):
+    """What has vertices, (V, 3) m: a Mesh."""
+
+    @property
+    def vertices(self) -> Array: ...
+
+
+def deform(
+    mesh: Surface | ArrayLike,
+    positions: ArrayLike,
+    *,
+    origin: ArrayLike | None = None,
+    size: ArrayLike | None = None,
+    basis: str = "bezier",
+) -> Array:
     """Return the deformed vertices of `mesh`: Q of eq. (1) at every vertex, m.
 
     mesh: a Mesh, or its vertices (V, 3) m, in the rest configuration.
@@ -49,22 +64,24 @@ def deform(mesh: Mesh | np.ndarray, positions: np.ndarray, *, origin=None, size=
     Returns (V, 3), or (T, V, 3); a vertex has the same bits whichever others, and at how many instants, are deformed with it.
     Raises MeshError where a vertex lies outside the box, ValueError for arguments of no such form.
     """
-    vertices = _points(getattr(mesh, "vertices", mesh))
+    given: Any = mesh
+    vertices = _points(getattr(given, "vertices", given))
     positions = np.asarray(positions, dtype=float)
     if positions.ndim not in (4, 5):
         raise ValueError(f"positions: wanted the shape (nx, ny, nz, 3) or (T, nx, ny, nz, 3), got {positions.shape}")
     if (origin is None or size is None) and not len(vertices):
         raise ValueError("origin, size: wanted both where there are no vertices, got none")
-    low, high = (None, None) if origin is not None and size is not None else bounds(vertices)
-    origin = low if origin is None else origin
-    size = high - origin if size is None else size
+    if origin is None or size is None:
+        low, high = bounds(vertices)
+        origin = low if origin is None else origin
+        size = high - np.asarray(origin) if size is None else size
     return Embedding(vertices, origin, size, positions.shape[-4:-1], basis).deform(positions)
 
 
 class Embedding:
     """An object's points in a lattice: checked once, then deformed as often as the control points move."""
 
-    def __init__(self, vertices: np.ndarray, origin, size, counts, basis="bezier"):
+    def __init__(self, vertices: ArrayLike, origin: ArrayLike, size: ArrayLike, counts: Sequence[int], basis: str = "bezier"):
         """Place `vertices` (V, 3) m in a lattice: box at `origin` (3,) m, sides `size` (3,) m, counts (nx, ny, nz), `basis`.
 
         Raises MeshError where a vertex lies outside the box by more than OUTSIDE_ALLOWED of its side.
@@ -72,7 +89,7 @@ class Embedding:
         self.counts, self.basis = _checked_counts(counts), _checked_basis(basis)
         self.vertices, self.origin, self.size = _in_box(vertices, origin, size)
 
-    def deform(self, positions: np.ndarray) -> np.ndarray:
+    def deform(self, positions: ArrayLike) -> Array:
         """Return the vertices (V, 3) m for control points (nx, ny, nz, 3) m, or (T, V, 3) for (T, nx, ny, nz, 3)."""
         positions = np.asarray(positions, dtype=float)
         if positions.shape[-4:] != (*self.counts, 3) or positions.ndim > 5:
@@ -106,7 +123,7 @@ def _library_deform() -> Callable[..., None]:
     return function
 
 
-def bounds(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def bounds(points: Points) -> tuple[Array, Array]:
     """Lower and upper corner (3,) of points (m, 3), infinite without any, NaN where a coordinate is."""
     corners = np.empty((2, 1 + -(-len(points) // _POINTS), 3))
     corners[:, 0] = [[np.inf], [-np.inf]]
@@ -126,30 +143,28 @@ def _library_bounds() -> Callable[..., None]:
     return function
 
 
-def lattice_coordinates(points: np.ndarray, origin, size) -> np.ndarray:
+def lattice_coordinates(points: ArrayLike, origin: ArrayLike, size: ArrayLike) -> Array:
     """Return (u, v, w) = (points - origin) / size, shape (m, 3), of `points` (m, 3) m.
 
     Raises MeshError where a point lies outside the box by more than OUTSIDE_ALLOWED of its side.
     """
-    points, origin, size = _in_box(points, origin, size)
-    return (points - origin) / size
+    inside, low, sides = _in_box(points, origin, size)
+    return (inside - low) / sides
 
 
-def _in_box(points: np.ndarray, origin, size) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _in_box(given: ArrayLike, origin: ArrayLike, size: ArrayLike) -> tuple[Points, Array, Array]:
     """The points and the box, checked."""
-    points = _points(points)
-    origin, size = np.array(origin, dtype=float), np.array(size, dtype=float)
-    if origin.shape != (3,) or size.shape != (3,) or not np.isfinite([origin, size]).all():
-        raise ValueError(f"lattice box: wanted three finite numbers each, got origin {origin} and size {size}")
-    if not (size > 0).all():
-        raise MeshError(f"lattice.size: wanted three sides > 0 m, got {_triple(size)}")
-    low, high = bounds(points)
-    if not (_inside((low - origin) / size) and _inside((high - origin) / size)) and len(points):
-        _refuse(points, origin, size)
-    return points, origin, size
+    points, corner, sides = _points(given), np.array(origin, dtype=float), np.array(size, dtype=float)
+    if corner.shape != (3,) or sides.shape != (3,) or not np.isfinite([corner, sides]).all():
+        raise ValueError(f"lattice box: wanted three finite numbers each, got origin {corner} and size {sides}")
+    if not (sides > 0).all():
+        raise MeshError(f"lattice.size: wanted three sides > 0 m, got {_triple(sides)}")
+    if len(points) and not all(_inside((end - corner) / sides) for end in bounds(points)):
+        _refuse(points, corner, sides)
+    return points, corner, sides
 
 
-def _points(given) -> np.ndarray:
+def _points(given: ArrayLike) -> Points:
     """Points (m, 3) as floating-point numbers of either length."""
     points = np.asarray(given)
     if points.dtype not in (np.float32, np.float64):
@@ -159,12 +174,12 @@ def _points(given) -> np.ndarray:
     return points
 
 
-def _inside(coordinates: np.ndarray) -> np.ndarray:
+def _inside(coordinates: Array) -> Any:
     """Which points with these coordinates (.., 3) are in the box."""
     return ((coordinates >= -OUTSIDE_ALLOWED) & (coordinates <= 1 + OUTSIDE_ALLOWED)).all(axis=-1)
 
 
-def _refuse(points: np.ndarray, origin: np.ndarray, size: np.ndarray) -> None:
+def _refuse(points: Points, origin: Array, size: Array) -> None:
     outside = ~_inside((points - origin) / size)
     low, high = points.min(axis=0), points.max(axis=0)
     raise MeshError(
@@ -175,19 +190,19 @@ def _refuse(points: np.ndarray, origin: np.ndarray, size: np.ndarray) -> None:
     )
 
 
-def _checked_counts(counts) -> tuple[int, int, int]:
-    counts = tuple(int(n) for n in counts)
+def _checked_counts(counts: Sequence[int]) -> tuple[int, int, int]:
     if len(counts) != 3 or not all(2 <= n <= 32 for n in counts):
-        raise ValueError(f"lattice.points: wanted three counts of 2 to 32, got {counts}")
-    return counts
+        raise ValueError(f"lattice.points: wanted three counts of 2 to 32, got {tuple(counts)}")
+    x, y, z = map(int, counts)
+    return x, y, z
 
 
-def _checked_basis(basis) -> str:
+def _checked_basis(basis: str) -> str:
     if basis not in BASES:
         wanted = " or ".join(f'"{each}"' for each in BASES)
         raise ValueError(f"basis: wanted {wanted}, got {basis!r}{did_you_mean(nearest_of(str(basis), BASES))}")
     return basis
 
 
-def _triple(values: np.ndarray) -> str:
+def _triple(values: Array) -> str:
     return "[" + ", ".join(f"{value:.7g}" for value in values) + "]"

@@ -10,6 +10,7 @@ they are found by Newton's method on the concave dual, in which every step is a 
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from softffd.errors import SoftffdError
 from softffd.lattice import rest_grid
@@ -21,7 +22,7 @@ ROUNDS, ENOUGH = 60, 1e-13
 """Newton steps at most, and the largest error of a moment that ends them, in units of the box"""
 
 
-def covariance(distribution: str, mesh: Mesh | None, size) -> np.ndarray:
+def covariance(distribution: str, mesh: Mesh | None, size: ArrayLike) -> np.ndarray:
     """Second moments (3, 3) [m^2] of the object about its centre of mass, per unit of mass, as mass.distribution spreads it.
 
     "uniform" and "box": of the box with sides `size` (3,) [m]; "vertices", "surface", "volume": of the mesh.
@@ -50,7 +51,7 @@ def _of_simplices(corners: np.ndarray, content: np.ndarray, *, at_origin: bool) 
     return own / (ends * (ends + 1) * total) - np.outer(centre, centre)
 
 
-def lumped_covariance(shares: np.ndarray, size) -> np.ndarray:
+def lumped_covariance(shares: np.ndarray, size: ArrayLike) -> np.ndarray:
     """The same of shares (nx, ny, nz) of the control points of a box with sides (3,) [m]."""
     places = _places(shares.shape) * np.asarray(size)
     weights = shares.ravel() / shares.sum()
@@ -58,13 +59,13 @@ def lumped_covariance(shares: np.ndarray, size) -> np.ndarray:
     return np.einsum("p,px,py->xy", weights, places, places)
 
 
-def inertia_ratio(shares: np.ndarray, wanted: np.ndarray, size) -> np.ndarray:
+def inertia_ratio(shares: np.ndarray, wanted: np.ndarray, size: ArrayLike) -> np.ndarray:
     """How many times the inertia of an object of covariance `wanted` (3, 3) [m^2] shares have, (3,) about x, y and z."""
     have, want = (np.trace(each) - np.diag(each) for each in (lumped_covariance(shares, size), wanted))
     return np.divide(have, want, out=np.ones(3), where=want > 1e-12 * np.max(np.square(size)))
 
 
-def matched_shares(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray, size, floor: float) -> np.ndarray | None:
+def matched_shares(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray, size: ArrayLike, floor: float) -> np.ndarray | None:
     """Shares (nx, ny, nz) near `rows`, none below `floor`, with the total and centre of `object_rows` and the covariance `wanted` [m^2].
 
     None where there are none.
@@ -73,13 +74,13 @@ def matched_shares(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray
     moments = np.stack([np.ones(len(places)), *places.T, *(places[:, a] * places[:, b] for a, b in PAIRS)])
     near, of_object = rows.ravel() / rows.sum(), object_rows.ravel() / object_rows.sum()
     centre = of_object @ places
-    second = wanted / np.outer(size, size) + np.outer(centre, centre)
+    second = wanted / np.outer(np.asarray(size), np.asarray(size)) + np.outer(centre, centre)
     aim = np.array([1.0, *centre, *(second[a, b] for a, b in PAIRS)])
     found = _projected(near, moments, aim, floor)
     return None if found is None else found.reshape(rows.shape)
 
 
-def require_matched(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray, size, uniform_share: float) -> np.ndarray:
+def require_matched(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray, size: ArrayLike, uniform_share: float) -> np.ndarray:
     """The same, each point with `uniform_share` of the mean at least. Raises SoftffdError where there are none, with what there is."""
     floor = uniform_share / rows.size
     found = matched_shares(rows, object_rows, wanted, size, floor)
@@ -103,7 +104,7 @@ def require_matched(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarra
     )
 
 
-def _most_floor(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray, size, below: float) -> float | None:
+def _most_floor(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray, size: ArrayLike, below: float) -> float | None:
     """The largest floor under `below` for which there are matched shares, to a twentieth; None where there is none."""
     low, high = 0.0, below
     if matched_shares(rows, object_rows, wanted, size, low) is None:
@@ -114,7 +115,7 @@ def _most_floor(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray, s
     return low
 
 
-def _places(counts) -> np.ndarray:
+def _places(counts: tuple[int, ...]) -> np.ndarray:
     """The control points (n, 3) about the middle of a box of sides 1."""
     return rest_grid(counts, np.full(3, -0.5), np.ones(3)).reshape(-1, 3)
 

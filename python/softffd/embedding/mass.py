@@ -15,6 +15,7 @@ B_l(w) / nz, with the Bernstein polynomials B_l of one degree more. For B-spline
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from softffd.embedding.basis import weights
 from softffd.embedding.deform import lattice_coordinates
@@ -51,8 +52,8 @@ def point_masses(
     distribution: str,
     *,
     counts: tuple[int, int, int],
-    origin,
-    size,
+    origin: ArrayLike,
+    size: ArrayLike,
     mesh: Mesh | None,
     total: float | None = None,
     density: float | None = None,
@@ -74,7 +75,7 @@ def point_masses(
     """
     _require_values(distribution, mesh, total, density, uniform_share)
     if density is not None:
-        total = density * (enclosed_volume(mesh) if mesh is not None else float(np.prod(size)))
+        total = density * (enclosed_volume(mesh) if mesh is not None else float(np.prod(np.asarray(size))))
     assert total is not None
     shares = _shares(distribution, counts, origin, size, mesh, basis)
     shares /= shares.sum()
@@ -121,7 +122,7 @@ def enclosed_volume(mesh: Mesh) -> float:
     return volume
 
 
-def _require_values(distribution, mesh, total, density, uniform_share) -> None:
+def _require_values(distribution: str, mesh: Mesh | None, total: float | None, density: float | None, uniform_share: float) -> None:
     if distribution not in DISTRIBUTIONS:
         raise SoftffdError(f"mass.distribution: wanted one of {', '.join(DISTRIBUTIONS)}, got {distribution!r}")
     if mesh is None and distribution not in ("uniform", "box"):
@@ -137,7 +138,7 @@ def _require_values(distribution, mesh, total, density, uniform_share) -> None:
         raise SoftffdError(f"mass.uniform_share: wanted 0 to 1, got {uniform_share}")
 
 
-def _shares(distribution: str, counts, origin, size, mesh: Mesh | None, basis: str) -> np.ndarray:
+def _shares(distribution: str, counts: tuple[int, ...], origin: ArrayLike, size: ArrayLike, mesh: Mesh | None, basis: str) -> np.ndarray:
     """Shares (nx, ny, nz) of the control points, not yet summing to one."""
     if distribution == "uniform":
         return np.ones(counts)
@@ -179,7 +180,7 @@ def _require_all_positive(shares: np.ndarray, uniform_share: float) -> None:
     )
 
 
-def _centre(shares: np.ndarray, origin, size) -> np.ndarray:
+def _centre(shares: np.ndarray, origin: ArrayLike, size: ArrayLike) -> np.ndarray:
     """Centre of mass (3,) m of shares (nx, ny, nz) that sum to one."""
     grid = rest_grid(shares.shape, np.zeros(3), np.ones(3))
     return np.asarray(origin) + np.asarray(size) * [float((shares * grid[..., axis]).sum()) for axis in range(3)]
@@ -191,7 +192,7 @@ def _area_vectors(mesh: Mesh) -> np.ndarray:
     return np.cross(b - a, c - a) / 2
 
 
-def _vertex_shares(coordinates: np.ndarray, counts, basis: str) -> np.ndarray:
+def _vertex_shares(coordinates: np.ndarray, counts: tuple[int, ...], basis: str) -> np.ndarray:
     if basis == "bspline":
         return sample_shares(coordinates, np.ones(len(coordinates)), counts)
     step = max(1, _BLOCK // (int(counts[0]) * int(counts[1])))
@@ -199,13 +200,13 @@ def _vertex_shares(coordinates: np.ndarray, counts, basis: str) -> np.ndarray:
     return sum((_products(block, np.ones(len(block)), counts) for block in blocks), np.zeros(counts))
 
 
-def _products(coordinates: np.ndarray, masses: np.ndarray, counts) -> np.ndarray:
+def _products(coordinates: np.ndarray, masses: np.ndarray, counts: tuple[int, ...]) -> np.ndarray:
     """Sum of m_s B_i(u_s) B_j(v_s) B_k(w_s) over samples, shape (nx, ny, nz)."""
     u, v, w = (weights(t, n).T for t, n in zip(coordinates.T, counts, strict=True))
     return _summed(u, v, w, masses)
 
 
-def _products_below(coordinates: np.ndarray, masses: np.ndarray, counts) -> np.ndarray:
+def _products_below(coordinates: np.ndarray, masses: np.ndarray, counts: tuple[int, ...]) -> np.ndarray:
     """The same with I_k(w), the integral of B_k from 0 to w, in place of B_k(w)."""
     u, v = (weights(t, n).T for t, n in zip(coordinates.T[:2], counts[:2], strict=True))
     higher = weights(coordinates[:, 2], counts[2] + 1).T
@@ -218,7 +219,7 @@ def _summed(u: np.ndarray, v: np.ndarray, w: np.ndarray, masses: np.ndarray) -> 
     return np.stack([(plane * along).sum(axis=1) for along in w], axis=1).reshape(len(u), len(v), len(w))
 
 
-def _integrals(corners: np.ndarray, mesh: Mesh, counts, solid: bool) -> np.ndarray:
+def _integrals(corners: np.ndarray, mesh: Mesh, counts: tuple[int, ...], solid: bool) -> np.ndarray:
     """Sum over triangles of area times the mean of the integrand; corners (F, 3, 3), box coordinates."""
     normals = _area_vectors(mesh)
     areas, products = (normals[:, 2], _products_below) if solid else (np.linalg.norm(normals, axis=1), _products)

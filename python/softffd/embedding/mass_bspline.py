@@ -7,6 +7,7 @@ those below, whose integrals up to the sample's height are their integrals over 
 and summed downwards at the end.
 """
 
+from collections.abc import Iterator, Sequence
 from itertools import product
 
 import numpy as np
@@ -21,13 +22,13 @@ _BLOCK = 1 << 21
 """Numbers held at a time: 16 MB."""
 
 
-def sample_shares(coordinates: np.ndarray, masses: np.ndarray, counts) -> np.ndarray:
+def sample_shares(coordinates: np.ndarray, masses: np.ndarray, counts: Sequence[int]) -> np.ndarray:
     """Sum of m_s W_i(u_s) W_j(v_s) W_k(w_s) over samples (m, 3) in box coordinates, shape (nx, ny, nz)."""
     local = [local_weights(t, n, "bspline") for t, n in zip(coordinates.T, counts, strict=True)]
     return _summed(local, masses, counts)
 
 
-def triangle_shares(corners: np.ndarray, size: np.ndarray, counts, *, solid: bool) -> np.ndarray:
+def triangle_shares(corners: np.ndarray, size: np.ndarray, counts: Sequence[int], *, solid: bool) -> np.ndarray:
     """Shares (nx, ny, nz) of a surface of triangles, corners (F, 3, 3) in box coordinates, or of the solid inside it.
 
     size: sides (3,) [m] of the box.
@@ -57,7 +58,7 @@ def knots(n: int) -> np.ndarray:
     return (first + values @ np.arange(4.0)) / (n - 1)
 
 
-def _cut_at_knots(corners: np.ndarray, counts) -> np.ndarray:
+def _cut_at_knots(corners: np.ndarray, counts: Sequence[int]) -> np.ndarray:
     """The triangles in pieces (P, 3, 3) that each lie in one span of every axis."""
     for axis, n in enumerate(counts):
         for place in knots(n)[1:-1]:
@@ -79,7 +80,7 @@ def _cut(corners: np.ndarray, height: np.ndarray) -> np.ndarray:
     return np.concatenate([np.stack(piece, axis=1) for piece in ((a, ab, ac), (ab, b, c), (ab, c, ac))])
 
 
-def _degrees(pieces: np.ndarray, counts) -> np.ndarray:
+def _degrees(pieces: np.ndarray, counts: Sequence[int]) -> np.ndarray:
     """Degree of quadrature per piece: along every axis the weights are cubics of the place in cells, or flatter."""
     low, high = pieces.min(axis=1), pieces.max(axis=1)
     bent = np.zeros(len(pieces), dtype=bool)
@@ -91,7 +92,7 @@ def _degrees(pieces: np.ndarray, counts) -> np.ndarray:
     return np.where(bent, sufficient_degrees(reach, END_DEGREE), sufficient_degrees(reach, EXACT_DEGREE))
 
 
-def _shares_below(coordinates: np.ndarray, masses: np.ndarray, counts) -> np.ndarray:
+def _shares_below(coordinates: np.ndarray, masses: np.ndarray, counts: Sequence[int]) -> np.ndarray:
     """Sum of m_s W_i(u_s) W_j(v_s) I_k(w_s), I_k being the integral of W_k from 0 to w."""
     u, v = (local_weights(t, n, "bspline") for t, n in zip(coordinates.T[:2], counts[:2], strict=True))
     first, integrals = _integrals(coordinates[:, 2], counts[2])
@@ -136,7 +137,7 @@ def _from_knot(s: np.ndarray, first: np.ndarray, n: int) -> np.ndarray:
     return total
 
 
-def _summed(local, masses: np.ndarray, counts) -> np.ndarray:
+def _summed(local: Sequence[tuple[np.ndarray, np.ndarray]], masses: np.ndarray, counts: Sequence[int]) -> np.ndarray:
     """Sum over samples of masses (m,) times the product of what counts along each axis: first (m,), values (m, few)."""
     (i, u), (j, v), (k, w) = local
     total = np.zeros(int(np.prod(counts)))
@@ -147,7 +148,7 @@ def _summed(local, masses: np.ndarray, counts) -> np.ndarray:
     return total.reshape(counts)
 
 
-def _blocks(count: int, each: int):
+def _blocks(count: int, each: int) -> Iterator[slice]:
     """Slices of `count` things, `each` numbers a thing, that fit the memory set aside."""
     step = max(1, _BLOCK // each)
     return (slice(start, start + step) for start in range(0, count, step))

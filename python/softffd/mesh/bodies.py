@@ -3,15 +3,17 @@
 import logging
 import struct
 import warnings
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 from urllib.parse import unquote
 from zipfile import BadZipFile
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from softffd.errors import MeshError
 from softffd.mesh.looks import Group, Looks, Material, from_face_colours, to_screen
@@ -56,7 +58,7 @@ def read_bodies(path: Path, data: bytes, surfaces: list[Surface] | None = None) 
 
 
 @contextmanager
-def quiet_trimesh():
+def quiet_trimesh() -> Iterator[None]:
     """Keep trimesh's log and warnings to itself: what matters is said by an error."""
     logger = logging.getLogger("trimesh")
     level = logger.level
@@ -85,7 +87,7 @@ def _read(path: Path, data: bytes, surfaces: list[Surface] | None) -> list[Trian
 
     with quiet_trimesh():
         try:
-            scene = trimesh.load_scene(BytesIO(data), file_type=path.suffix[1:].lower(), resolver=_Beside(path), process=False)
+            scene = trimesh.load_scene(BytesIO(data), file_type=path.suffix[1:].lower(), resolver=cast(Any, _Beside(path)), process=False)
             order = {name: number for number, name in enumerate(scene.geometry)}
             nodes = sorted(scene.graph.nodes_geometry, key=lambda node: order[scene.graph[node][1]])
             bodies = [_body(scene, node, surfaces) for node in nodes]
@@ -117,7 +119,7 @@ class _Beside:
     __getitem__ = get
 
 
-def _body(scene, node: str, surfaces: list[Surface] | None) -> Triangles | None:
+def _body(scene: Any, node: str, surfaces: list[Surface] | None) -> Triangles | None:
     """The node's triangles in the scene's frame, mirrored ones right side out; None for points and lines."""
     matrix, name = scene.graph[node]
     geometry = scene.geometry[name]
@@ -138,7 +140,7 @@ def _body(scene, node: str, surfaces: list[Surface] | None) -> Triangles | None:
     return Triangles(vertices, faces[:, ::-1] if mirrored else faces, uv, looks)
 
 
-def _looks(geometry, gltf: bool) -> Looks:
+def _looks(geometry: Any, gltf: bool) -> Looks:
     visual, faces = geometry.visual, len(geometry.faces)
     screen = to_screen if gltf else np.asarray
     if visual.kind == "face":
@@ -153,7 +155,7 @@ def _looks(geometry, gltf: bool) -> Looks:
     return replace(looks, materials=(_material(material, screen),), material_of=np.zeros(faces, dtype=np.int64))
 
 
-def _material(material, screen) -> Material:
+def _material(material: Any, screen: Callable[[np.ndarray], np.ndarray]) -> Material:
     factor = getattr(material, "baseColorFactor", None)
     factor = getattr(material, "diffuse", None) if factor is None and hasattr(material, "diffuse") else factor
     shares = np.ones(4) if factor is None else np.append(_shares(factor), 1.0)[:4]
@@ -164,10 +166,10 @@ def _material(material, screen) -> Material:
     return Material(str(material.name or ""), tuple(screen(shares[:3]).tolist()), texture, float(shares[3]))
 
 
-def _shares(numbers) -> np.ndarray:
+def _shares(numbers: ArrayLike) -> np.ndarray:
     """Colours as shares of 1, which whole numbers count in 255ths."""
-    numbers = np.asarray(numbers)
-    return np.nan_to_num(numbers / (np.iinfo(numbers.dtype).max if numbers.dtype.kind in "iu" else 1.0)).clip(0, 1)
+    given = np.asarray(numbers)
+    return np.nan_to_num(given / (np.iinfo(given.dtype).max if given.dtype.kind in "iu" else 1.0)).clip(0, 1)
 
 
 def _joined(bodies: list[Triangles]) -> Triangles:

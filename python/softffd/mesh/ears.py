@@ -46,8 +46,9 @@ def _ears(places: np.ndarray) -> tuple[list[tuple[int, int, int]], bool]:
     after, before, here = [*range(1, n), 0], [n - 1, *range(n - 1)], np.ones(n, dtype=bool)
     turn = _turns(places[before], places, places[after])
     least = SMALL * np.abs(turn).sum()
-    ears, triangles, sound = {i for i in range(n) if _is_ear(i, before, after, places, turn, here, least)}, [], True
-    corner = 0
+    ears = {i for i in range(n) if _is_ear(i, before, after, places, turn, here, least)}
+    triangles: list[tuple[int, int, int]] = []
+    sound, corner = True, 0
     while len(triangles) < n - 2:
         if ears:
             while corner not in ears:
@@ -69,7 +70,7 @@ def _ears(places: np.ndarray) -> tuple[list[tuple[int, int, int]], bool]:
     return triangles, sound
 
 
-def _is_ear(corner: int, before: list[int], after: list[int], places, turn, here, least: float) -> bool:
+def _is_ear(corner: int, before: list[int], after: list[int], places: np.ndarray, turn: np.ndarray, here: np.ndarray, least: float) -> bool:
     a, b, c = places[before[corner]], places[corner], places[after[corner]]
     if turn[corner] <= least:
         return False
@@ -79,6 +80,6 @@ def _is_ear(corner: int, before: list[int], after: list[int], places, turn, here
     return not ((inside > least) | (straight & (inside >= -least))).any()
 
 
-def _turns(a, b, c):
+def _turns(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
     """Twice the areas of the triangles, > 0 where they turn left."""
     return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (c[..., 0] - a[..., 0])

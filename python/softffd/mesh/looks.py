@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from PIL import Image
-
 Colour = tuple[float, float, float]
 """As on a screen (sRGB), 0 .. 1."""
+
+
+class Picture(Protocol):
+    """An image of Pillow, which is imported with files that have one."""
+
+    def convert(self, mode: str) -> Any: ...
+
+    def save(self, fp: Any, format: str) -> None: ...
 
 
 class Material(NamedTuple):
@@ -19,7 +24,7 @@ class Material(NamedTuple):
 
     name: str = ""
     colour: Colour | None = None
-    texture: Image.Image | None = None
+    texture: Picture | None = None
     opacity: float = 1.0
 
 
@@ -56,7 +61,7 @@ class Looks:
         return replace(self, material_of=materials, group_of=groups)
 
     @property
-    def textures(self) -> list[Image.Image]:
+    def textures(self) -> list[Picture]:
         """The images in use, each once."""
         return list({id(each.texture): each.texture for each in self.materials if each.texture is not None}.values())
 
@@ -73,7 +78,7 @@ PLAIN = Looks()
 """Nothing is said of looks."""
 
 
-def one_material(texture: Image.Image, faces: int) -> Looks:
+def one_material(texture: Picture, faces: int) -> Looks:
     """Looks of a mesh that is all one picture."""
     return Looks((Material("surface", None, texture),), np.zeros(faces, dtype=np.int64))
 

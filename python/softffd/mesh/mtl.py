@@ -6,13 +6,9 @@ import re
 from collections.abc import Iterable
 from math import isnan, nan
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from softffd.mesh.looks import Colour, Material
+from softffd.mesh.looks import Colour, Material, Picture
 from softffd.mesh.polygons import beside, decoded, open_texture, plain_text
-
-if TYPE_CHECKING:
-    from PIL import Image
 
 _PLACING = {"-s", "-o", "-t"}
 _TAKES_A_WORD = {"-colorspace", "-imfchan", "-type"}
@@ -26,7 +22,7 @@ class Library:
     def __init__(self, folder: Path):
         self._folder = folder
         self._records: dict[str, dict[str, str]] = {}
-        self._images: dict[Path, Image.Image | None] = {}
+        self._images: dict[Path, Picture | None] = {}
         self._missing: list[str] = []
         self.notes: list[str] = []
 
@@ -81,7 +77,7 @@ class Library:
         opacity = _number(record["d"]) if "d" in record else 1.0 - _number(record.get("tr", "0"))
         return Material(name, colour, texture, 1.0 if isnan(opacity) else min(max(opacity, 0.0), 1.0))
 
-    def _texture(self, material: str, value: str) -> Image.Image | None:
+    def _texture(self, material: str, value: str) -> Picture | None:
         words = value.split()
         while words and words[0].startswith("-"):
             option = words.pop(0)

@@ -1,5 +1,7 @@
 """Normals that shade a surface well: smooth across gentle edges, sharp across creases."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 CREASE = np.cos(np.radians(40.0))
@@ -14,14 +16,14 @@ class ShadingNormals:
     Vertices at equal positions count as one, and a neighbour wound the other way round counts with its sign turned.
     """
 
-    def __init__(self, vertices, faces):
+    def __init__(self, vertices: np.ndarray, faces: np.ndarray):
         self._faces = faces
         direction = _unit(_face_normals(vertices, faces))
         index, _ = merge_by_position(vertices)
         kept = [_gentle(*pairs, direction) for pairs in _neighbouring_corners(index[faces])]
         self._corner, self._face, self._sign = (np.concatenate(parts) for parts in zip(*kept, strict=True))
 
-    def corners(self, vertices):
+    def corners(self, vertices: np.ndarray) -> np.ndarray:
         """Unit normals (F, 3, 3) of the corners of every face, for vertices (V, 3) [m] in any deformed state."""
         normals = _face_normals(vertices, self._faces)
         count = 3 * len(self._faces)
@@ -29,7 +31,9 @@ class ShadingNormals:
         return _unit(np.stack(sums, axis=1)).reshape(-1, 3, 3)
 
 
-def split_at_creases(vertices, faces, normals=None):
+def split_at_creases(
+    vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """An indexed surface whose vertices each have one normal, of the corners' (F, 3, 3) or of those at rest.
 
     Returns for its W >= V vertices the vertex that each copies (W,) and the unit normal (W, 3); and its faces (F, 3).
@@ -41,22 +45,22 @@ def split_at_creases(vertices, faces, normals=None):
     return faces.ravel()[first], normals[first], index.reshape(-1, 3)
 
 
-def face_normals(vertices, faces):
+def face_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Unit normals (F, 3) of the triangles; zero for a triangle without area."""
     return _unit(_face_normals(vertices, faces))
 
 
-def _face_normals(vertices, faces):
+def _face_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     return np.cross(b - a, c - a)
 
 
-def _unit(vectors):
+def _unit(vectors: np.ndarray) -> np.ndarray:
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.where(length > 0, length, 1.0)
 
 
-def _neighbouring_corners(faces):
+def _neighbouring_corners(faces: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """All pairs of face corners (3 f + k) at the same vertex, each with itself too, in blocks that bound the memory.
 
     A corner of a fan of more than FAN_LIMIT triangles is alone: the pairs grow with the square of the fan.
@@ -73,7 +77,7 @@ def _neighbouring_corners(faces):
         yield np.repeat(corner, n), order[np.repeat(first, n) + within]
 
 
-def _gentle(corner, other, direction):
+def _gentle(corner: np.ndarray, other: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of the pairs those without a crease between: corner, face of the other corner, sign of its winding."""
     cosine = np.einsum("pa,pa->p", direction[corner // 3], direction[other // 3])
     kept = (np.abs(cosine) > CREASE) | (corner == other)

@@ -7,8 +7,10 @@ passes over faces of two corners and lines it does not know, and splits vertices
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from softffd.mesh.looks import Group, Looks
 from softffd.mesh.mtl import Library, without_comment
@@ -31,6 +33,8 @@ def read_obj(path: Path, data: bytes) -> Triangles:
         number += len(same)
     return records.triangles()
 
+
+T = TypeVar("T")
 
 _NAMING = {b"mtllib", b"usemtl", b"o", b"g"}
 """Records whose rest of the line is a name, with `#` and blanks."""
@@ -160,10 +164,10 @@ class _Records:
         self._checked("texture coordinate", texel_corners, len(texels))
         return assemble(positions, corners, self.counts, texels=texels, texel_corners=texel_corners, looks=self._looks())
 
-    def _checked(self, what: str, indices, count: int) -> np.ndarray:
+    def _checked(self, what: str, given: ArrayLike, count: int) -> np.ndarray:
         """The corners' indices as an array; none points outside the `count` records of its kind."""
         try:
-            indices = np.array(indices, dtype=np.int64)
+            indices = np.array(given, dtype=np.int64)
         except OverflowError:
             raise damaged(self.path, f"a face refers to a {what} beyond all files") from None
         place = first_outside(indices, count)
@@ -191,18 +195,18 @@ class _Records:
         return np.nan_to_num(colours).clip(0, 1)
 
 
-class _Marks:
+class _Marks(Generic[T]):
     """What holds for the faces that follow, a material or a group, and which each face has had."""
 
-    def __init__(self, nothing):
+    def __init__(self, nothing: T):
         self.now, self._nothing = nothing, nothing
-        self._numbers: dict = {}
+        self._numbers: dict[T, int] = {}
         self._faces: list[int] = []
 
     def mark(self, faces: int) -> None:
         self._faces += [self._numbers.setdefault(self.now, len(self._numbers))] * faces
 
-    def found(self) -> tuple[tuple, np.ndarray | None]:
+    def found(self) -> tuple[tuple[T, ...], np.ndarray | None]:
         """What faces have, in the order of the file, and the index of each face; nothing where no face has anything."""
         if set(self._numbers) <= {self._nothing}:
             return (), None

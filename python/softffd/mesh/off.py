@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from softffd.mesh.looks import PLAIN, from_face_colours
+from softffd.mesh.looks import PLAIN, Looks, from_face_colours
 from softffd.mesh.polygons import Triangles, assemble, damaged, first_outside, plain_text
 
 _KIND = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?(?:OFF|off)(?=[\s\d])")
@@ -78,7 +78,7 @@ def _of_rows(rows: list[list[bytes]], kind: re.Match) -> Triangles:
     return assemble(positions, corners, sizes, looks=looks)
 
 
-def _face_looks(words: list[list[bytes]]):
+def _face_looks(words: list[list[bytes]]) -> Looks:
     """Of three or four numbers after a face; a face without is white. One number would be a place in a table that nobody has."""
     coloured = [number for number, row in enumerate(words) if len(row) in (3, 4)]
     if not coloured:

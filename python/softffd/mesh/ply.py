@@ -87,8 +87,8 @@ def _triangles(path: Path, header: _Header, records: dict) -> Triangles:
 def _faces(face: dict, strips: dict) -> Lists:
     """The corners of the polygons, and of the triangles of strips, which follow them."""
     found = [records.get("vertex_indices", records.get("vertex_index")) for records in (face, strips)]
-    polygons, strips = (each if isinstance(each, Lists) else Lists(np.zeros(0, np.int64), np.zeros(0)) for each in found)
-    values = np.concatenate([polygons.values.astype(np.int64), _unstripped(strips).reshape(-1)])
+    polygons, strip = (each if isinstance(each, Lists) else Lists(np.zeros(0, np.int64), np.zeros(0)) for each in found)
+    values = np.concatenate([polygons.values.astype(np.int64), _unstripped(strip).reshape(-1)])
     return Lists(np.append(polygons.counts, np.full((len(values) - len(polygons.values)) // 3, 3)), values)
 
 

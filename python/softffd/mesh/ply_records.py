@@ -97,7 +97,10 @@ class BinaryBody:
         return f"{rest} bytes that follow after all that the header describes" if rest else ""
 
 
-def read_element(reader, element: Element) -> dict[str, np.ndarray | Lists]:
+Body = TextBody | BinaryBody
+
+
+def read_element(reader: Body, element: Element) -> dict[str, np.ndarray | Lists]:
     """The element's properties by name: (N,) for a number, Lists for a list."""
     if element.records == 0 or not element.properties:
         return {}
@@ -110,7 +113,7 @@ def read_element(reader, element: Element) -> dict[str, np.ndarray | Lists]:
     return _read_alike(reader, element) or _read_one_by_one(reader, element)
 
 
-def _read_alike(reader, element: Element) -> dict | None:
+def _read_alike(reader: Body, element: Element) -> dict[str, np.ndarray | Lists] | None:
     """All records at once if their lists are as long as the first one's; else None, with nothing consumed."""
     start = reader.at
     sizes = [len(values) for values in _read_record(reader, element)]
@@ -124,7 +127,7 @@ def _read_alike(reader, element: Element) -> dict | None:
     except ValueError:
         reader.at = start
         return None
-    found = {}
+    found: dict[str, np.ndarray | Lists] = {}
     for p, size in zip(element.properties, sizes, strict=True):
         lengths = next(columns)[:, 0]
         if p.count_type is None:
@@ -137,19 +140,19 @@ def _read_alike(reader, element: Element) -> dict | None:
     return found
 
 
-def _read_one_by_one(reader, element: Element) -> dict[str, np.ndarray | Lists]:
+def _read_one_by_one(reader: Body, element: Element) -> dict[str, np.ndarray | Lists]:
     found: list[list[np.ndarray]] = [[] for _ in element.properties]
     for _ in range(element.records):
         for values, record in zip(found, _read_record(reader, element), strict=True):
             values.append(record)
-    columns = {}
+    columns: dict[str, np.ndarray | Lists] = {}
     for p, values in zip(element.properties, found, strict=True):
         joined = np.concatenate(values)
         columns[p.name] = joined if p.count_type is None else Lists(np.array([len(v) for v in values]), joined)
     return columns
 
 
-def _read_record(reader, element: Element) -> list[np.ndarray]:
+def _read_record(reader: Body, element: Element) -> list[np.ndarray]:
     values = []
     for p in element.properties:
         length = 1.0 if p.count_type is None else float(reader.take(p.count_type, 1)[0])

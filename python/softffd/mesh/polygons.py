@@ -5,16 +5,14 @@ from __future__ import annotations
 import os
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from softffd.errors import MeshError
 from softffd.mesh.ears import cut_concave
-from softffd.mesh.looks import PLAIN, Looks
-
-if TYPE_CHECKING:
-    from PIL import Image
+from softffd.mesh.looks import PLAIN, Looks, Picture
 
 
 class Triangles(NamedTuple):
@@ -26,7 +24,15 @@ class Triangles(NamedTuple):
     looks: Looks = PLAIN
 
 
-def assemble(positions, corners, counts, *, texels=None, texel_corners=None, looks=PLAIN) -> Triangles:
+def assemble(
+    positions: np.ndarray,
+    corners: ArrayLike,
+    counts: ArrayLike,
+    *,
+    texels: np.ndarray | None = None,
+    texel_corners: ArrayLike | None = None,
+    looks: Looks = PLAIN,
+) -> Triangles:
     """Return triangles that share a vertex where position and texture coordinate are the same.
 
     positions: (P, 3). corners: (C,) indices of positions, one polygon after another. counts: (F,) corners of
@@ -35,16 +41,16 @@ def assemble(positions, corners, counts, *, texels=None, texel_corners=None, loo
     A polygon of c corners becomes c - 2 triangles: a fan about its first corner where that covers it, else ears.
     The vertices keep the order of `positions`.
     """
-    counts, corners = np.asarray(counts, dtype=np.int64), np.asarray(corners, dtype=np.int64)
-    fans, crossed = _fans(counts), 0
-    if (counts > 3).any():
-        fans, crossed = cut_concave(positions[corners], counts, fans)
-    looks = looks.with_faces(np.repeat(np.arange(len(counts)), counts - 2))
+    sizes, places = np.asarray(counts, dtype=np.int64), np.asarray(corners, dtype=np.int64)
+    fans, crossed = _fans(sizes), 0
+    if (sizes > 3).any():
+        fans, crossed = cut_concave(positions[places], sizes, fans)
+    looks = looks.with_faces(np.repeat(np.arange(len(sizes)), sizes - 2))
     if crossed:
         looks = looks.and_notes(f"polygons that cross themselves: {crossed}; what of them is filled is a guess")
     if texels is None:
-        return Triangles(positions, corners[fans], None, looks)
-    pairs = corners * len(texels) + np.asarray(texel_corners, dtype=np.int64)
+        return Triangles(positions, places[fans], None, looks)
+    pairs = places * len(texels) + np.asarray(texel_corners, dtype=np.int64)
     pairs, vertex_of_corner = np.unique(pairs, return_inverse=True)
     vertices, uv = positions[pairs // len(texels)], texels[pairs % len(texels)]
     return Triangles(vertices, vertex_of_corner[fans], uv, looks.with_vertices(pairs // len(texels)))
@@ -71,7 +77,7 @@ def beside(folder: Path, name: str) -> Path | None:
     return file if "\0" not in name and file.is_relative_to(os.path.normpath(folder)) else None
 
 
-def open_texture(file: Path) -> Image.Image | None:
+def open_texture(file: Path) -> Picture | None:
     """Return the image, or None where it is missing or damaged: a mesh without its picture still deforms."""
     from PIL import Image  # only files with a texture pay for the import
 

@@ -24,10 +24,10 @@ def read_stl(path: Path, data: bytes) -> Triangles:
     text = plain_text(data)
     if rest != 0 and b"\0" not in text and _TEXT.search(text):
         return _text_triangles(path, text)
-    if rest == 0 or (rest > 0 and promised):
-        return _binary(data, promised, rest)
     if promised is None:
         raise damaged(path, f"it has {len(data)} bytes, and every binary STL file begins with {_HEAD}")
+    if rest == 0 or (rest > 0 and promised):
+        return _binary(data, promised, rest)
     size = _HEAD + promised * _RECORD.itemsize
     fault = f"its header promises {promised} triangles, which makes {size} bytes, but it has {len(data)} bytes"
     raise damaged(path, fault)
@@ -36,10 +36,9 @@ def read_stl(path: Path, data: bytes) -> Triangles:
 def _binary(data: bytes, promised: int, rest: int) -> Triangles:
     records = np.frombuffer(data, _RECORD, promised, _HEAD)
     coloured = b"COLOR=" in data[:80] or ((records["attribute"] & 0x8000) != 0).any()
-    notes = ("colours of an STL file are not read; OBJ, PLY and GLB keep theirs",) if coloured else ()
-    notes += (f"{rest} bytes that follow after the {promised} triangles of its header",) if rest else ()
-    triangles = _soup(records["corners"])
-    return triangles._replace(looks=PLAIN.and_notes(*notes)) if notes else triangles
+    notes = ["colours of an STL file are not read; OBJ, PLY and GLB keep theirs"] * bool(coloured)
+    notes += [f"{rest} bytes that follow after the {promised} triangles of its header"] * bool(rest)
+    return _soup(records["corners"])._replace(looks=PLAIN.and_notes(*notes))
 
 
 def _soup(corners: np.ndarray) -> Triangles:

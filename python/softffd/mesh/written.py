@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any, cast
 
 import numpy as np
 
 from softffd.files import replacing, write_bytes, write_text
 from softffd.mesh.bodies import quiet_trimesh
 from softffd.mesh.looks import Group, Looks, Material, to_light
+from softffd.mesh.mesh import Mesh
 from softffd.mesh.mtl import mtl_text
 from softffd.mesh.normals import ShadingNormals, split_at_creases
 
-if TYPE_CHECKING:
-    from softffd.mesh.mesh import Mesh
+Column = tuple[Sequence[str], str, np.ndarray]
+"""Names of properties, their type, values (N, properties)"""
 
 
 def write_obj(mesh: Mesh, path: Path, vertices: np.ndarray, decimals: int) -> None:
@@ -42,19 +44,20 @@ def write_obj(mesh: Mesh, path: Path, vertices: np.ndarray, decimals: int) -> No
 
 def write_ply(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
     """Write a binary PLY file with the colours of vertices and of materials; a picture goes beside it, where there is one alone."""
-    looks, columns, head = mesh.looks, [("xyz", "f4", vertices)], ["ply", "format binary_little_endian 1.0"]
+    looks, head = mesh.looks, ["ply", "format binary_little_endian 1.0"]
+    columns: list[Column] = [("xyz", "f4", vertices)]
     if mesh.uv is not None:
         columns.append(("st", "f4", mesh.uv))
         head += [f"comment TextureFile {name}" for name in _write_textures(looks, path).values()] if mesh.texture is not None else []
     if looks.colours is not None:
         columns.append((("red", "green", "blue"), "u1", np.round(255 * looks.colours)))
-    corners = [(("vertex_indices",), "i4", mesh.faces)]
+    corners: list[Column] = [(("vertex_indices",), "i4", mesh.faces)]
     if any(material.colour is not None for material in looks.materials):
         shades = np.array([material.colour or (1.0, 1.0, 1.0) for material in looks.materials])
         corners.append((("red", "green", "blue"), "u1", np.round(255 * shades)[looks.material_of]))
     head += [f"element vertex {len(vertices)}", *_properties(columns), f"element face {len(mesh.faces)}"]
     head += ["property list uchar int vertex_indices", *_properties(corners[1:]), "end_header", ""]
-    sizes = ((), "u1", np.full((len(mesh.faces), 1), 3))
+    sizes: Column = ((), "u1", np.full((len(mesh.faces), 1), 3))
     write_bytes(path, "\n".join(head).encode() + _packed(columns) + _packed([sizes, *corners]))
 
 
@@ -63,7 +66,7 @@ def write_stl(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
     import trimesh
 
     with quiet_trimesh():
-        write_bytes(path, trimesh.Trimesh(vertices, mesh.faces, process=False).export(file_type="stl"))
+        write_bytes(path, cast(bytes, trimesh.Trimesh(vertices, mesh.faces, process=False).export(file_type="stl")))
 
 
 def write_glb(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
@@ -79,7 +82,7 @@ def write_glb(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
             visual = _visual(part, None if mesh.uv is None else mesh.uv[used])
             body = trimesh.Trimesh(vertices[used], corners, vertex_normals=shades, visual=visual, process=False)
             scene.add_geometry(body, geom_name=name or None, node_name=name or None)
-        write_bytes(path, scene.export(file_type="glb", include_normals=True))
+        write_bytes(path, cast(bytes, scene.export(file_type="glb", include_normals=True)))
 
 
 def _normals(mesh: Mesh, vertices: np.ndarray) -> np.ndarray:
@@ -96,7 +99,7 @@ def _parts(looks: Looks, faces: int) -> list[tuple[str, np.ndarray]]:
     return [(names[n], np.flatnonzero(part_of.reshape(-1) == n)) for n in np.argsort(first)]
 
 
-def _visual(looks: Looks, uv: np.ndarray | None):
+def _visual(looks: Looks, uv: np.ndarray | None) -> Any:
     """Of a part that has one material."""
     from trimesh.visual import ColorVisuals, TextureVisuals
     from trimesh.visual.material import PBRMaterial
@@ -104,7 +107,7 @@ def _visual(looks: Looks, uv: np.ndarray | None):
     colours = None if looks.colours is None else np.round(255 * to_light(np.hstack([looks.colours, np.ones((len(looks.colours), 1))])))
     if uv is None and not looks.materials:
         return None if colours is None else ColorVisuals(vertex_colors=colours.astype(np.uint8))
-    material = looks.materials[looks.material_of[0]] if looks.materials else Material()
+    material = looks.materials[looks.material_of[0]] if looks.material_of is not None else Material()
     factor = np.append(to_light(np.array(material.colour or (1.0, 1.0, 1.0))), material.opacity)
     name, mode = material.name or None, "BLEND" if material.opacity < 1 else None
     made = PBRMaterial(name, baseColorFactor=factor, baseColorTexture=material.texture, alphaMode=mode, metallicFactor=0.0)
@@ -120,14 +123,14 @@ def _faces(mesh: Mesh, corners: list[str], normals: list[list[int]], names: list
     lines = [f"f {corners[a]}/{n} {corners[b]}/{m} {corners[c]}/{k}" for (a, b, c), (n, m, k) in pairs]
     looks = mesh.looks
     before: dict[int, list[str]] = {}
-    if looks.groups:
+    if looks.group_of is not None:
         was = Group()
         for face in _changes(looks.group_of):
             group = looks.groups[looks.group_of[face]]
             words = Group(*(" ".join(name.split()) for name in group))  # a name of several lines would be records
             marks = [f"o {words.object}"] * (group.object != was.object) + [f"g {words.group}"] * (group.group != was.group)
             was, before[face] = group, marks
-    if looks.materials:
+    if looks.material_of is not None:
         for face in _changes(looks.material_of):
             before[face] = [*before.get(face, []), f"usemtl {names[looks.material_of[face]]}"]
     return [text for face, line in enumerate(lines) for text in (*before.get(face, ()), line)]
@@ -162,12 +165,12 @@ def _rows(rows: np.ndarray, decimals: int) -> list[str]:
     return [" ".join(f"{value:.{decimals}f}" for value in row) for row in (rows + 0.0).tolist()]
 
 
-def _properties(columns: list) -> list[str]:
+def _properties(columns: list[Column]) -> list[str]:
     kinds = {"f4": "float", "u1": "uchar"}
     return [f"property {kinds[kind]} {name}" for names, kind, _ in columns for name in names]
 
 
-def _packed(columns: list) -> bytes:
+def _packed(columns: list[Column]) -> bytes:
     """The columns as records one after another, little-endian."""
     record = np.dtype([(f"f{n}", f"<{kind}", (values.shape[1],)) for n, (_, kind, values) in enumerate(columns)])
     table = np.empty(len(columns[0][2]), record)

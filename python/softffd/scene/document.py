@@ -56,7 +56,7 @@ def read_document(path: Path) -> dict:
 def _require_no_mesh(path: Path) -> None:
     if path.suffix.lower() == ".toml":
         return
-    from softffd.mesh.mesh import READ  # only what is no scene pays for the import
+    from softffd.mesh.files import READ  # only what is no scene pays for the import
 
     if path.suffix.lower() in READ:
         say = f"wanted a scene file (TOML), got a mesh; to drop it on the ground: softffd run {shlex.quote(shown(path))}"

@@ -9,8 +9,9 @@ import numpy as np
 
 from softffd.embedding.mass import filled_words, point_masses
 from softffd.errors import SoftffdError
+from softffd.mesh.files import load_mesh, placed
 from softffd.mesh.habits import UNITS, WORDS, habit_of
-from softffd.mesh.mesh import Mesh, load_mesh, placed
+from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import merge_by_position
 from softffd.scene.template import toml_string
 from softffd.spelling import did_you_mean, nearest_of

@@ -99,7 +99,7 @@ def _filled(section: AnySection, **values: Any) -> AnySection:
 
 
 def _load_mesh(draft: Draft, source: MeshFile) -> "Mesh | None":
-    from softffd.mesh.mesh import load_mesh  # only scenes with a mesh pay for the import
+    from softffd.mesh.files import load_mesh  # only scenes with a mesh pay for the import
 
     try:
         return load_mesh(source.file, scale=source.scale, up=source.up)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from PIL import Image
 
+from softffd.mesh.looks import Picture
 from softffd.mesh.mesh import Mesh
 
 Painter = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -52,7 +52,7 @@ class Skin:
     tints: np.ndarray
     picture_of: np.ndarray
     uv: np.ndarray
-    pictures: tuple[Image.Image, ...] = ()
+    pictures: tuple[Picture, ...] = ()
 
     def painter(self, faces: np.ndarray) -> Painter:
         of_corners = single(self.tints).T[:, faces.T]

@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from PIL import Image
 
 from softffd.embedding.basis import parameter
 from softffd.embedding.deform import deform
 from softffd.files import write_text
 from softffd.lattice import to_flat
+from softffd.mesh.looks import Picture
 from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import split_at_creases
 from softffd.run.findings import energies, reactions
@@ -126,7 +126,7 @@ def _colours(stage: Stage) -> dict[str, Any]:
     }
 
 
-def _image(texture: Image.Image) -> str:
+def _image(texture: Picture) -> str:
     """A texture as a PNG inside the page, at most 1024 pixels wide and high."""
     small = texture.convert("RGB")
     small.thumbnail((MOST_TEXELS, MOST_TEXELS))
@@ -199,7 +199,7 @@ def _largest(stage: Stage, frames: np.ndarray) -> dict[str, float]:
     chosen = np.linspace(0, len(stage.vertices) - 1, min(len(stage.vertices), SAMPLES)).astype(int)
     samples = stage.vertices[chosen]
     few = stage.positions[frames[:: max(1, len(frames) // 100)]]
-    box = {"origin": stage.origin, "size": stage.size, "basis": stage.basis}
+    box: dict[str, Any] = {"origin": stage.origin, "size": stage.size, "basis": stage.basis}
     moved = deform(samples, few, **box)
     nudge = 1e-4 * stage.size * np.where(samples > stage.origin + stage.size / 2, -1.0, 1.0)
     nudged = [deform(samples + nudge * axis, few, **box) for axis in np.eye(3)]

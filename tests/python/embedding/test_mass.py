@@ -15,7 +15,8 @@ from softffd.embedding.mass import DISTRIBUTIONS, enclosed_volume, point_masses
 from softffd.embedding.mass_bspline import knots
 from softffd.embedding.quadrature import sufficient_degrees, triangle_rule
 from softffd.errors import SoftffdError
-from softffd.mesh.mesh import Mesh, load_mesh
+from softffd.mesh.files import load_mesh
+from softffd.mesh.mesh import Mesh
 
 COUNTS = [(2, 2, 2), (4, 4, 4), (3, 6, 2), (9, 4, 12)]
 VOLUMES = [*((counts, "bezier") for counts in COUNTS), ((5, 6, 7), "bspline"), ((9, 4, 12), "bspline"), ((12, 8, 3), "bspline")]

@@ -26,8 +26,9 @@ from mesh_files import (
     unit_box,
     written,
 )
+from softffd.mesh.files import load_mesh, save_mesh
 from softffd.mesh.looks import Group, Looks, Material, to_light, to_screen
-from softffd.mesh.mesh import Mesh, load_mesh, save_mesh
+from softffd.mesh.mesh import Mesh
 from softffd.show.skin import PAINT, skinned
 
 BYTES = 0.02

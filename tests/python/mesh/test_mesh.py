@@ -11,7 +11,8 @@ from PIL import Image
 
 from mesh_files import CORNERS, ENDINGS, FACES, OFF, PLY_TEXT, TETRAHEDRON, ball, binary_ply, glb_with, loaded, ply, saved, text_stl
 from softffd.errors import MeshError
-from softffd.mesh.mesh import Mesh, load_mesh, save_mesh
+from softffd.mesh.files import load_mesh, save_mesh
+from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import merge_by_position
 
 

@@ -22,7 +22,7 @@ from mesh_files import (
     written,
 )
 from softffd.errors import MeshError
-from softffd.mesh.mesh import load_mesh, save_mesh
+from softffd.mesh.files import load_mesh, save_mesh
 
 TEXTS = {"text.stl": text_stl, "text.ply": lambda: ply() + PLY_TEXT, "text.off": lambda: OFF}
 

@@ -6,7 +6,7 @@ import pytest
 
 from mesh_files import loaded
 from softffd.errors import MeshError
-from softffd.mesh.mesh import load_mesh
+from softffd.mesh.files import load_mesh
 
 pytest.importorskip("networkx", reason="networkx is not installed")
 

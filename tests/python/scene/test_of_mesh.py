@@ -12,8 +12,9 @@ from mesh_files import saved, two_colours, unit_box, written
 from softffd import simulate
 from softffd.errors import MeshError, SoftffdError
 from softffd.fmu.notes import fill_note
+from softffd.mesh.files import save_mesh
 from softffd.mesh.habits import Habit, habit_of
-from softffd.mesh.mesh import Mesh, save_mesh
+from softffd.mesh.mesh import Mesh
 from softffd.scene.of_mesh import scene_of_mesh
 from softffd.scene.scene import scene_from
 from softffd.scene.template import template

@@ -7,7 +7,7 @@ import pytest
 
 import softffd
 from softffd.embedding.mass import enclosed_volume, point_masses
-from softffd.mesh.mesh import load_mesh
+from softffd.mesh.files import load_mesh
 from softffd.mesh.normals import merge_by_position
 from softffd.scenes.car import PALETTE, car_mesh
 

@@ -9,7 +9,7 @@ from PIL import Image
 from made_up_run import ORIGIN, SIZE, at_rest_about, made_up_run
 from mesh_files import two_colours
 from softffd.errors import SoftffdError
-from softffd.mesh.mesh import load_mesh
+from softffd.mesh.files import load_mesh
 from softffd.show.figure import draw_curves, draw_words, new_figure, png_of
 from softffd.show.panel import Panels, view_axes
 from softffd.show.picture import first_contact, history_picture, run_picture, strip_picture, telling_moments

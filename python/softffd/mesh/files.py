@@ -1,0 +1,182 @@
+"""Meshes read from files and written: nothing damaged comes through, every fault is one clear paragraph."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from softffd.errors import MeshError
+from softffd.mesh.collada import read_dae
+from softffd.mesh.gltf import read_glb, read_gltf
+from softffd.mesh.mesh import Mesh
+from softffd.mesh.normals import merge_by_position
+from softffd.mesh.obj import read_obj
+from softffd.mesh.off import read_off
+from softffd.mesh.ply import read_ply
+from softffd.mesh.polygons import Triangles
+from softffd.mesh.stl import read_stl
+from softffd.mesh.threemf import read_3mf
+from softffd.mesh.written import write_glb, write_obj, write_ply, write_stl
+from softffd.spelling import did_you_mean, nearest_of
+
+_READERS = {
+    ".obj": read_obj, ".stl": read_stl, ".ply": read_ply, ".glb": read_glb,
+    ".gltf": read_gltf, ".off": read_off, ".3mf": read_3mf, ".dae": read_dae,
+}  # fmt: skip
+_WRITERS = {".stl": write_stl, ".ply": write_ply, ".glb": write_glb}
+_SOUPS = (".stl", ".dae", ".glb", ".gltf")
+"""Kinds whose triangles share no corners as they are read."""
+
+_SCENES = (".glb", ".gltf", ".dae", ".3mf")
+_KINDS = ", ".join(ending[1:].upper() for ending in _READERS)
+
+WRITTEN, READ = (".obj", *_WRITERS), tuple(_READERS)
+"""Endings of the files that are written, and read."""
+
+_TO_Z_UP = {
+    "x": np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]),
+    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    "z": np.eye(3),
+}
+"""Proper rotations (about y, about x, none) that turn the named axis of a file into +z."""
+
+
+def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
+    """Return the mesh of an OBJ, STL, PLY, GLB, glTF, OFF, COLLADA or 3MF file, the last two with the packages of softffd[meshes].
+
+    scale: metres per unit of the file, > 0. up: the axis of the file, "x", "y" or "z", that becomes +z, by a
+    rotation. Polygons become triangles, several bodies one mesh; vertices that no face uses are left out
+    (they would widen the lattice's box), the others keep the file's order. In STL, COLLADA and glTF, which repeat a
+    vertex for each triangle or normal, those of one position and looks become one.
+    Raises MeshError for a missing, damaged, empty, flat or otherwise unusable file, saying what is wrong.
+    """
+    path = Path(path)
+    _require_axis(path, up)
+    if not (np.isfinite(scale) and scale > 0):
+        raise MeshError(f"{path}: mesh.scale: wanted a number > 0, got {scale}")
+    read = _read(path)
+    _require_faces(path, read.vertices, read.faces)
+    used, index = np.unique(read.faces, return_inverse=True)
+    _require_finite(path, read.vertices[used])
+    if path.suffix.lower() in _SOUPS:
+        merged, used = _merged(read, used)
+        index = merged[index]
+    vertices, faces = scale * (read.vertices[used] @ _TO_Z_UP[up].T), index.reshape(-1, 3)
+    _require_body(path, vertices, faces)
+    uv = None if read.uv is None else read.uv[used]
+    return Mesh(vertices, faces, uv, path.stem, looks=read.looks.with_vertices(used))
+
+
+def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = None, up: str = "z", decimals: int = 9) -> None:
+    """Write `mesh` as OBJ, STL, PLY or GLB, with its looks: all in OBJ and GLB, pictures inside GLB and beside OBJ with NAME.mtl;
+    colours and one picture beside it in PLY, where materials have no names and groups are not; nothing in STL.
+
+    vertices: (V, 3) m, written in place of the mesh's own, as deform returns them.
+    up: the axis of the file that stands for +z, as for load_mesh ("y" for programs that follow glTF's habit).
+    decimals: of the numbers in an OBJ file; the other formats hold single precision.
+    Raises MeshError where the ending is none of the four or the file cannot be written.
+    """
+    path = Path(path)
+    _require_known_ending(path, WRITTEN)
+    _require_axis(path, up)
+    vertices = np.asarray(mesh.vertices if vertices is None else vertices, dtype=float)
+    if vertices.shape != mesh.vertices.shape:
+        raise ValueError(f"vertices: wanted the mesh's shape {mesh.vertices.shape}, got {vertices.shape}")
+    if not np.isfinite(vertices).all():
+        raise MeshError(f"{path}: not written: {_first_not_finite(vertices)}")
+    vertices = vertices @ _TO_Z_UP[up]
+    try:
+        if path.suffix.lower() == ".obj":
+            write_obj(mesh, path, vertices, decimals)
+        else:
+            _WRITERS[path.suffix.lower()](mesh, path, vertices)
+    except OSError as fault:
+        raise MeshError(f"{path}: cannot be written: {fault.strerror or fault}") from None
+
+
+def placed(mesh: Mesh, *, scale: float, up: str) -> Mesh:
+    """Return the mesh in metres and with +z up, as load_mesh gives it with `scale` and `up`."""
+    return replace(mesh, vertices=scale * (mesh.vertices @ _TO_Z_UP[up].T))
+
+
+def _merged(read: Triangles, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of the used vertices, (U,): which of the kept ones each becomes, and the kept ones, first at their place with their looks."""
+    index, _ = merge_by_position(read.vertices[used])
+    keys = [index[:, None].astype(float), *(each[used] for each in (read.uv, read.looks.colours) if each is not None)]
+    _, first, merged = np.unique(np.hstack(keys), axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    return np.argsort(order)[merged.reshape(-1)], used[first[order]]
+
+
+def _read(path: Path) -> Triangles:
+    """The file's triangles, by its ending."""
+    _require_known_ending(path, READ)
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        beside = [file.name for file in path.parent.glob("*") if file.suffix.lower() in READ]
+        nearest = did_you_mean(nearest_of(path.name, beside))
+        raise MeshError(f"{path}: no such file; wanted a mesh ({_KINDS}){nearest}") from None
+    except IsADirectoryError:
+        raise MeshError(f"{path}: is a directory; wanted a mesh file ({_KINDS})") from None
+    except OSError as fault:
+        raise MeshError(f"{path}: cannot be read: {fault.strerror or fault}") from None
+    if not data:
+        raise MeshError(f"{path}: the file is empty (0 bytes); wanted a mesh")
+    if data.startswith(b"version https://git-lfs"):
+        raise MeshError(f"{path}: is a pointer of Git LFS in place of the mesh; wanted the mesh itself, which 'git lfs pull' fetches")
+    with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused by name, later
+        return _READERS[path.suffix.lower()](path, data)
+
+
+def _require_axis(path: Path, up: str) -> None:
+    if up not in _TO_Z_UP:
+        raise MeshError(f"{path}: mesh.up: wanted one of x, y, z, got {up!r}{did_you_mean(nearest_of(str(up), _TO_Z_UP))}")
+
+
+def _require_known_ending(path: Path, known: tuple[str, ...]) -> None:
+    if path.is_dir():
+        raise MeshError(f"{path}: is a directory; wanted a mesh file ({_KINDS})")
+    if path.suffix.lower() not in known:
+        ending = path.suffix or "no ending"
+        raise MeshError(
+            f"{path}: wanted a mesh file that ends with one of {', '.join(known)}, got {ending}{did_you_mean(nearest_of(ending, known))}"
+        )
+
+
+def _require_faces(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
+    if not len(vertices):
+        where = " that are read: those on skins and in other files are not" * (path.suffix.lower() in _SCENES)
+        raise MeshError(f"{path}: holds no vertices{where}; wanted a surface of triangles or polygons")
+    if not len(faces):
+        raise MeshError(f"{path}: holds {len(vertices)} vertices but no faces (a point cloud or lines); wanted a surface")
+
+
+def _require_finite(path: Path, vertices: np.ndarray) -> None:
+    if not np.isfinite(vertices).all():
+        raise MeshError(f"{path}: {_first_not_finite(vertices)}; wanted finite coordinates throughout")
+
+
+def _first_not_finite(vertices: np.ndarray) -> str:
+    wrong = ~np.isfinite(vertices).all(axis=1)
+    first = int(wrong.argmax())
+    return f"{wrong.sum()} of {len(vertices)} vertices are not finite, the first is {vertices[first].tolist()} (number {first} from 0)"
+
+
+def _require_body(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
+    """Refuse what has no extent in some direction, or no area anywhere."""
+    extent = np.ptp(vertices, axis=0)
+    if not np.isfinite(extent).all() or extent.max() > 1e100:
+        raise MeshError(f"{path}: spans {extent.tolist()} m; wanted coordinates of a sensible size")
+    flat = [axis for axis, length in zip("xyz", extent, strict=True) if length <= 1e-9 * extent.max()]
+    if flat:
+        spans = " x ".join(f"{length:.4g}" for length in extent)
+        raise MeshError(
+            f"{path}: is flat along {' and '.join(flat)} (it spans {spans} m), so the lattice's box around it "
+            "would have no volume. Wanted a body with an extent on every axis; give the surface a thickness."
+        )
+    a, b, c = (vertices[faces] / extent.max()).transpose(1, 0, 2)
+    if np.linalg.norm(np.cross(b - a, c - a), axis=1).max() <= 1e-14:
+        raise MeshError(f"{path}: none of its {len(faces)} faces has an area (all are points or lines); wanted a surface")
