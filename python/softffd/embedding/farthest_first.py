@@ -40,13 +40,14 @@ def farthest_first(axes: Array, first: int, count: int) -> Indices:
     blocks = neighbours(axes, BLOCK)
     squares = products(axes, axes)
     members, own = np.ascontiguousarray(axes[:, :, blocks].transpose(2, 0, 1, 3)), squares[blocks]
-    middles = np.ascontiguousarray(axes[:, :, blocks[:, 0]])
+    middles = np.ascontiguousarray(members[..., 0].transpose(1, 0, 2))
     radius = _lengths(own + own[:, :1] - 2 * products(members, members[..., :1])).max(axis=1)
     distance, reach = np.full(blocks.shape, np.inf), np.full(len(blocks), np.inf)
     farthest, order = distance.max(axis=1), np.full(count, first)
     for n in range(1, count):
         last, square = axes[:, :, order[n - 1], None], squares[order[n - 1]]
-        near = np.flatnonzero(own[:, 0] + square - 2 * products(middles, last) < reach)
+        x, y, z = (middles @ last)[..., 0]
+        near = np.flatnonzero(own[:, 0] + square - 2 * x * y * z < reach)
         nearest = np.minimum(distance[near], own[near] + square - 2 * products(members[near], last))
         distance[near], farthest[near] = nearest, nearest.max(axis=1)
         reach[near] = (_lengths(farthest[near]) + radius[near] + ROUNDING) ** 2
