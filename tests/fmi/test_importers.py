@@ -16,7 +16,7 @@ from fmpy.ssp.ssd import Parameter, ParameterSet
 from importer_runs import ECOS_NOTICES, FMPY, IMPORTERS, START, STEP, STEPS, cells, compared, ours, outcome
 from importers import Missing, Run, Tool, drive, ecos, fmutool, vdmcheck
 from softffd import load_scene, package_fmu
-from softffd.scene.scene import shipped_scenes
+from softffd.scene.document import shipped_scenes
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "importers.md"
 

@@ -10,7 +10,7 @@ import pytest
 from c_host import ERROR, OK, WARNING, Fmu, Host, doubles, ints, uints
 from signatures import SIGNATURES
 from softffd import load_scene
-from softffd.scene.scene import shipped_scenes
+from softffd.scene.document import shipped_scenes
 
 CALLS = {"some": 200, "many": 10_000}
 LENGTHS = (1e-3, 2e-3, 5e-3)

@@ -185,7 +185,8 @@ def _drivers(options: argparse.Namespace) -> None:
 
 
 def _scenes(_options: argparse.Namespace) -> None:
-    from softffd.scene.scene import load_scene, shipped_scenes
+    from softffd.scene.document import shipped_scenes
+    from softffd.scene.scene import load_scene
 
     names = shipped_scenes()
     width = max(map(len, names))
@@ -194,8 +195,7 @@ def _scenes(_options: argparse.Namespace) -> None:
 
 
 def _new(options: argparse.Namespace) -> None:
-    from softffd.scene.of_mesh import scene_of_mesh
-    from softffd.scene.template import template
+    from softffd.scene.new import scene_of_mesh, template
 
     path = Path(options.name if options.name.lower().endswith(".toml") else f"{options.name}.toml")
     if not path.name.removesuffix(".toml").strip(". "):
@@ -236,7 +236,7 @@ def _info(options: argparse.Namespace) -> None:
 
 
 def _schema(_options: argparse.Namespace) -> None:
-    from softffd.scene.scene import schema
+    from softffd.scene.keys import schema
 
     print(json.dumps(schema(), indent=2))
 

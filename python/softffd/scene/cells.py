@@ -2,10 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from softffd.scene.sections import Lattice
 
 MOST = 31
 """Cells along an axis."""
@@ -13,14 +9,14 @@ LONGEST, FLATTEST = math.sqrt(1.5), math.sqrt(2)
 """How many times longer a cell may be in one direction than in the other two, and in two than in the third."""
 
 
-def cells_of(lattice: "Lattice", size: Sequence[float]) -> tuple[int, ...]:
-    """Cells along each axis of a box of these sides [m] as the lattice's `cells` or `spacing` ask for, of which one is given."""
-    return cubic_along(size, lattice.cells) if lattice.cells is not None else cubic(size, lattice.spacing)
+def cells_of(cells: int | None, spacing: float | None, size: Sequence[float]) -> tuple[int, ...]:
+    """Cells along each axis of a box of these sides [m] as a lattice's `cells` along the longest, else its `spacing` [m], ask for."""
+    return cubic_along(size, cells) if cells is not None else cubic(size, spacing or 0.0)
 
 
 def cubic(size: Sequence[float], spacing: float) -> tuple[int, ...]:
     """Cells along each axis, as nearly cubes of side `spacing` [m] as a box of these sides [m] allows; may be more than MOST."""
-    return tuple(_nearest(min(side / spacing, 1e9)) for side in size)
+    return tuple(_nearest(side / spacing) if side < 1e9 * spacing else 10**9 for side in size)
 
 
 def cubic_along(size: Sequence[float], longest: int) -> tuple[int, ...]:
@@ -36,7 +32,7 @@ def _nearest(cells: float) -> int:
 
 def solid(size: Sequence[float], cells: Sequence[int]) -> bool:
     """Whether springs of stiffness >= 0 make an isotropic solid of these cells: a^2 / b^2 + a^2 / c^2 <= 3 along every axis a."""
-    sides = [side / count for side, count in zip(size, cells, strict=True)]
+    sides = [side / max(size) / count for side, count in zip(size, cells, strict=True)]
     squares = [max(side / max(sides), 1e-100) ** 2 for side in sides]
     return all(square * sum(1 / other for other in squares) <= 4 * (1 + 1e-9) for square in squares)
 
@@ -46,7 +42,7 @@ def nearest_solid(size: Sequence[float], cells: Sequence[int]) -> tuple[int, ...
     not enough."""
 
     def away(found: Sequence[int]) -> float:
-        sides = [side / count for side, count in zip(size, found, strict=True)]
+        sides = [side / max(size) / count for side, count in zip(size, found, strict=True)]
         return sum(abs(math.log(new / old)) for new, old in zip(found, cells, strict=True)) + 1.5 * math.log(max(sides) / min(sides))
 
     candidates = [found for longest in range(1, MOST + 1) if solid(size, found := cubic_along(size, longest))]

@@ -1,71 +1,87 @@
-"""From a TOML document to a first `Scene`, whatever is wrong with it.
+"""A scene while it is read: its keys, each looked at by itself, then its mesh and what the keys leave open.
 
-A user wants to hear of all problems at once, but a cross check ("is this selection inside the lattice?")
-needs values that hold. So a faulty value is noted and taken out, in favour of its default (of an example, if
-the key must be given). The rest is a complete scene, on which the cross checks run; each asks `sound(...)`
-first whether the values that it reads are the user's own.
+This is the first of two passes; `checks` looks at what holds between the keys that are sound, and asks `sound(...)` for those of others.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
 
-from softffd.errors import SceneError
-from softffd.scene.faults import Fault, KeyPath, faults_of, field_at
+from softffd.errors import MeshError
+from softffd.mesh.mesh import Mesh
+from softffd.scene.cells import MOST, cells_of
+from softffd.scene.faults import Fault, KeyPath, faults_of, table_in
+from softffd.scene.keys import SceneKeys
+from softffd.scene.sections import Contact, Lattice, Mass, Material, MeshFile, Stiffness
 
-if TYPE_CHECKING:
-    from softffd.mesh.mesh import Mesh
+MEETING = ("auto", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_euler")
+"""Methods that may be asked for beside contact of the surface"""
+STIFFNESS = 1e3
+"""Of springs where a scene says neither stiffness nor modulus [N/m]."""
+
+Triple = tuple[float, float, float]
 
 
 @dataclass
 class Draft:
-    """A complete scene, what is known to be wrong in its file, and its mesh where that was read."""
+    """The sound keys of a document with what was filled in, what is wrong with the others, and the mesh where that was read.
 
-    scene: Any
-    faults: list[Fault] = field(default_factory=list)
-    mesh: "Mesh | None" = None
+    A key at fault is left out; where one must be given stands an example.
+    """
+
+    keys: SceneKeys
+    faults: list[Fault]
+    mesh: Mesh | None = None
 
     def sound(self, *path: str | int) -> bool:
         """Whether neither the value at `path` nor a part of it nor a table around it is at fault."""
-        return not any(_overlap(fault.path, path) for fault in self.faults)
+        return not any(_overlap(place, path) for fault in self.faults for place in (fault.path, fault.meant) if place)
 
-    def note(self, fault: Fault) -> None:
-        """Adds a fault; from now on the value at its path counts as not sound."""
-        self.faults.append(fault)
+    @property
+    def box_is_given(self) -> bool:
+        """By both of its keys."""
+        return {"origin", "size"} <= self.keys.lattice.model_fields_set
+
+    @property
+    def box(self) -> tuple[Triple, Triple] | None:
+        """Origin and size [m] where they are those that are meant: their keys hold, and the mesh that they follow was read."""
+        lattice = self.keys.lattice
+        known = all(self.sound("lattice", key) for key in ("origin", "size", "margin")) and (self.sound("mesh") or self.box_is_given)
+        return (lattice.origin, lattice.size) if known and lattice.origin and lattice.size else None
+
+    @property
+    def counts(self) -> tuple[int, int, int] | None:
+        """Control points per axis, where their keys hold and so does the box, if they follow it."""
+        lattice = self.keys.lattice
+        known = all(self.sound("lattice", key) for key in ("points", "cells", "spacing")) and not isinstance(lattice.points, str)
+        return lattice.points if known and (self.box or (lattice.cells is None and lattice.spacing is None)) else None
 
 
-def read_draft(document: dict, model: type[BaseModel], where: str = "scene") -> Draft:
-    """The draft of `model` from a parsed TOML file, called `where`. SceneError for a fault without a place from which to take it out."""
-    document = unshared(document)
-    draft = Draft(None)
-    while draft.scene is None:
-        try:
-            draft.scene = model.model_validate(document)
-        except ValidationError as error:
-            new, before = faults_of(error, model), unshared(document)
-            for fault in new:
-                _take_out(document, fault, model)
-            if document == before:
-                raise SceneError(where, [str(fault) for fault in dict.fromkeys([*draft.faults, *new])]) from None
-            draft.faults += [fault for fault in new if draft.sound(*fault.path)]
+def read_draft(document: Mapping[Any, Any], folder: Path) -> Draft:
+    """The draft of a document, whose sections may be tables or instances, of which only what was given counts. folder: of the mesh file."""
+    given = plain(document)
+    try:
+        draft = Draft(SceneKeys.model_validate(given), [])
+    except ValidationError as error:
+        draft = Draft(SceneKeys(), faults_of(error, SceneKeys))
+        draft.keys = SceneKeys.model_validate(_sound_part(given, draft))
+    with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
+        _fill_in(draft, folder)
     return draft
 
 
-def unshared(value: Any) -> Any:
-    """A copy in which no two places hold the same table, so that one can be mended without the other.
-
-    numpy's numbers become Python's, sections the tables of the keys that were given, and keys words, as TOML has no other.
-    """
+def plain(value: Any) -> Any:
+    """A copy of a document in which numpy's numbers are Python's, sections the tables of the keys that were given, and keys words."""
     value = value.tolist() if isinstance(value, np.generic | np.ndarray) else value
     if isinstance(value, BaseModel):
         value = {key: getattr(value, key) for key in value.model_fields_set}
     if isinstance(value, Mapping):
-        return {str(key): unshared(entry) for key, entry in value.items()}
-    return [unshared(entry) for entry in value] if isinstance(value, list | tuple) else value
+        return {str(key): plain(entry) for key, entry in value.items()}
+    return [plain(entry) for entry in value] if isinstance(value, list | tuple) else value
 
 
 def _overlap(one: KeyPath, other: KeyPath) -> bool:
@@ -73,38 +89,85 @@ def _overlap(one: KeyPath, other: KeyPath) -> bool:
     return one[:shorter] == other[:shorter]
 
 
-def _take_out(document: dict, fault: Fault, model: type[BaseModel]) -> None:
-    """Puts the default, or an example, in the place of the smallest key around the fault.
+def _sound_part(document: dict[str, Any], draft: Draft) -> dict[str, Any]:
+    """The document without keys at fault."""
+    wrong = {fault.path for fault in draft.faults}
 
-    A misspelt key stands in for the one that was meant where that must be given.
-    """
-    if not fault.path:
-        return
-    table, key, length = _key_around(document, fault.path)
-    if isinstance(table, list):
-        table[key] = {}
-        return
-    value = table.pop(key, None)
-    if fault.meant and _required(model, fault.meant):
-        table.setdefault(fault.meant[-1], value)
-    elif (field := _required(model, fault.path[:length])) and field.examples:
-        table[key] = field.examples[0]
+    def part_of(section: type[BaseModel], table: Any, path: KeyPath) -> dict[str, Any]:
+        examples = {key: field.examples[0] for key, field in section.model_fields.items() if field.is_required() and field.examples}
+        given = table if isinstance(table, dict) else {}
+        return examples | {key: value for key, value in given.items() if draft.sound(*path, key)}
+
+    part: dict[str, Any] = {}
+    for name in document.keys() & SceneKeys.model_fields.keys():
+        section, value = table_in(SceneKeys.model_fields[name].annotation), document[name]
+        if (name,) in wrong:
+            continue
+        if section and isinstance(value, list):
+            value = [part_of(section, table, (name, position)) for position, table in enumerate(value)]
+        elif section and value is not None:
+            value = part_of(section, value, (name,))
+        part[name] = value
+    return part
 
 
-def _required(model: type[BaseModel], path: KeyPath) -> FieldInfo | None:
-    field = field_at(model, path)
-    return field if field and field.is_required() else None
+def _fill_in(draft: Draft, folder: Path) -> None:
+    """Loads the mesh and fills in what the file leaves open: box, control points, and defaults that depend on other keys."""
+    keys = draft.keys
+    found: dict[str, Any] = {}
+    if keys.mesh is not None and draft.sound("mesh"):
+        found["mesh"] = keys.mesh.filled(file=folder / keys.mesh.file)
+        _read_mesh(draft, found["mesh"])
+    found["lattice"] = _lattice(keys.lattice, draft.mesh)
+    found["material"] = _material(keys.material)
+    found["mass"] = _mass(keys.mass, draft.mesh, of_modulus=keys.material.youngs_modulus is not None)
+    found["contact"] = _contact(keys)
+    draft.keys = keys.model_copy(update=found)
 
 
-def _key_around(document: dict, path: KeyPath) -> tuple[dict | list, Any, int]:
-    """The table, the key in it (of a list of tables: the position), and the path's length up to it."""
-    node: Any = document
-    place: tuple[dict | list, Any, int] = (document, path[0], 1)
-    for length, part in enumerate(path, start=1):
-        if isinstance(node, dict) or (length == 2 and isinstance(node, list)):
-            place = (node, part, length)
-        inside = part in node if isinstance(node, dict) else isinstance(node, list) and isinstance(part, int) and part < len(node)
-        if not inside:
-            break
-        node = node[part]
-    return place
+def _read_mesh(draft: Draft, source: MeshFile) -> None:
+    from softffd.mesh.files import load_mesh  # only scenes with a mesh pay for the import
+
+    try:
+        draft.mesh = load_mesh(source.file, scale=source.scale, up=source.up)
+    except MeshError as error:
+        draft.faults.append(Fault(("mesh", "file"), " ".join(str(error).split())))
+
+
+def _lattice(lattice: Lattice, mesh: Mesh | None) -> Lattice:
+    """The box as given, else that of the mesh grown by the margin, else the unit box; control points as `cells` or `spacing` ask for
+    where `points` does not say how many there are."""
+    lower, upper = np.array([[0.0] * 3, [1.0] * 3]) if mesh is None else mesh.bounds
+    grown = lattice.margin * (upper - lower) if mesh is not None else np.zeros(3)
+    origin = lattice.origin or tuple((lower - grown).tolist())
+    size = lattice.size or tuple((upper - lower + 2 * grown).tolist())
+    boxed = lattice.filled(origin=origin, size=size)
+    if (lattice.cells is None and lattice.spacing is None) or ("points" in lattice.model_fields_set and lattice.points != "cubic"):
+        return boxed
+    counts = tuple(min(count, MOST) + 1 for count in cells_of(lattice.cells, lattice.spacing, size))
+    return Lattice.model_construct(lattice.model_fields_set - {"points"}, **(dict(boxed) | {"points": counts}))
+
+
+def _material(material: Material) -> Material:
+    """A stiffness of all springs where neither that nor a modulus is given; no drag beside a modulus."""
+    if material.youngs_modulus is not None:
+        return material if "damping" in material.model_fields_set else material.filled(damping=0.0)
+    return material if material.stiffness else material.filled(stiffness=Stiffness(edge=STIFFNESS, face=STIFFNESS, body=STIFFNESS))
+
+
+def _mass(mass: Mass, mesh: Mesh | None, *, of_modulus: bool) -> Mass:
+    """The total, and how it is spread."""
+    if mass.density is None and mass.total is None:
+        mass = mass.filled(total=1.0)
+    if of_modulus and "distribution" not in mass.model_fields_set:
+        mass = mass.filled(distribution="volume" if mesh is not None and mesh.closed else "box")
+    if mass.distribution == "box" and "uniform_share" not in mass.model_fields_set:
+        mass = mass.filled(uniform_share=0.0)  # no point of it is nearly massless
+    return mass
+
+
+def _contact(keys: SceneKeys) -> Contact:
+    """Of the surface, where there is one that the method knows."""
+    if "of" in keys.contact.model_fields_set or keys.mesh is None or keys.solver.method not in MEETING:
+        return keys.contact
+    return keys.contact.filled(of="surface")

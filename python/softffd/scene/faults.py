@@ -5,14 +5,14 @@ A path in the file is a tuple such as ("plane", 1, "normal"), written plane[1].n
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from softffd.scene.quantity import SIGNS
+from softffd.scene.section import SIGNS
 from softffd.spelling import did_you_mean, nearest_of
 
 KeyPath = tuple[str | int, ...]
@@ -32,7 +32,7 @@ class Fault:
 
     path: KeyPath
     text: str
-    meant: KeyPath | None = None  # of an unknown key: the path that was probably meant
+    meant: KeyPath | None = None  # of an unknown key: that of the missing one that was probably meant
 
     def __str__(self) -> str:
         return f"{path_text(self.path)}: {self.text}" if self.path else self.text
@@ -40,19 +40,23 @@ class Fault:
 
 def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
     """The problems that pydantic found in a document for `model`, in our words."""
-    found, missing = [], set()
-    for entry in error.errors():
-        unknown = entry["type"] == "extra_forbidden"
-        path = _without_tags(entry["loc"], spare_last=unknown)
-        found.append(_unknown_key(path, model) if unknown else Fault(path, _explain(entry, path, model)))
-        missing |= {path} if entry["type"] == "missing" else set()
-    misspelt = missing & {fault.meant for fault in found}
+    entries = [(entry, _without_tags(entry["loc"], spare_last=entry["type"] == "extra_forbidden")) for entry in error.errors()]
+    missing = {path for entry, path in entries if entry["type"] == "missing"}
+    misspelt: set[KeyPath] = set()
+    found = []
+    for entry, path in entries:
+        if entry["type"] == "extra_forbidden":
+            fault = _unknown_key(path, model, missing)
+            misspelt |= {fault.meant} if fault.meant else set()
+        else:
+            fault = Fault(path, _explain(entry, path, model))
+        found.append(fault)
     return [fault for fault in found if fault.path not in misspelt]
 
 
-def in_file_order(faults: list[Fault], document: dict) -> list[Fault]:
+def in_file_order(faults: list[Fault], document: Mapping[Any, Any]) -> list[Fault]:
     """The faults by section in the order of the file, by position in a list of tables, then as found."""
-    sections = [*document, *(fault.path[0] for fault in faults)]
+    sections = [*map(str, document), *(fault.path[0] for fault in faults)]
 
     def place(fault: Fault) -> tuple[int, int]:
         position = fault.path[1] if len(fault.path) > 1 else 0
@@ -61,7 +65,7 @@ def in_file_order(faults: list[Fault], document: dict) -> list[Fault]:
     return sorted(faults, key=place)
 
 
-def _without_tags(location: tuple, *, spare_last: bool) -> KeyPath:
+def _without_tags(location: tuple[str | int, ...], *, spare_last: bool) -> KeyPath:
     """Pydantic's location without the tags of unions (`<number>`); an unknown key may look like one."""
     last = len(location) - 1 if spare_last else None
     return tuple(part for n, part in enumerate(location) if n == last or not str(part).startswith("<"))
@@ -92,41 +96,43 @@ def toml_text(value: Any, *, longest: int = 70) -> str:
     return text if len(text) <= longest else text[: longest - 3] + "..."
 
 
-def field_at(model: type[BaseModel], path: KeyPath) -> FieldInfo | None:
+def _field_at(model: type[BaseModel], path: KeyPath) -> FieldInfo | None:
     """The field that the last key of `path` names, None where there is no such key."""
     field: FieldInfo | None = None
     table: type[BaseModel] | None = model
     for key in (part for part in path if isinstance(part, str)):
         field = table.model_fields.get(key) if table else None
-        table = _table_in(field.annotation) if field else None
+        table = table_in(field.annotation) if field else None
     return field
 
 
-def _table_in(annotation: Any) -> type[BaseModel] | None:
+def table_in(annotation: Any) -> type[BaseModel] | None:
+    """The section that a key holds by its type, alone or in a list or union."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
-    return next((table for part in get_args(annotation) if (table := _table_in(part))), None)
+    return next((table for part in get_args(annotation) if (table := table_in(part))), None)
 
 
 def _explain(entry: Mapping[str, Any], path: KeyPath, model: type[BaseModel]) -> str:
-    field = field_at(model, path)
+    field = _field_at(model, path)
     got = "nothing" if entry["type"] == "missing" else toml_text(entry["input"])
     return f"wanted {_wanted(entry, field, path)}, got {got}{_nearest(entry, field)}"
 
 
-def _unknown_key(path: KeyPath, model: type[BaseModel]) -> Fault:
+def _unknown_key(path: KeyPath, model: type[BaseModel], missing: set[KeyPath]) -> Fault:
     if nearest := nearest_of(str(path[-1]), _keys_at(model, path[:-1])):
-        return Fault(path, f"unknown key{did_you_mean(nearest)}", meant=(*path[:-1], nearest))
+        meant = (*path[:-1], nearest)
+        return Fault(path, f"unknown key{did_you_mean(nearest)}", meant if meant in missing else None)
     homes = [_head(name, model) for name in model.model_fields if path[-1] in _keys_at(model, (name,))]
     if homes:
         return Fault(path, f"unknown key here; it belongs in {' or '.join(homes)}")
-    return Fault(path, f"unknown key, wanted {_either(_keys_at(model, path[:-1]))}")
+    return Fault(path, f"unknown key, wanted {either(_keys_at(model, path[:-1]))}")
 
 
 def _keys_at(model: type[BaseModel], path: KeyPath) -> list[str]:
     """The keys of the table at `path`; none where there is no table."""
-    field = field_at(model, path)
-    table = _table_in(field.annotation) if field else model
+    field = _field_at(model, path)
+    table = table_in(field.annotation) if field else model
     return list(table.model_fields) if table else []
 
 
@@ -140,7 +146,7 @@ def _wanted(entry: Mapping[str, Any], field: FieldInfo | None, path: KeyPath) ->
     if kind == "missing" and field:
         return field.description or "a value"
     if kind == "literal_error" and field:
-        return _either(_words(field.annotation))
+        return either(_words(field.annotation))
     if kind in ("tuple_type", "model_type", "model_attributes_type"):
         return _table_form(entry, path)
     unit = _unit(field).replace("1", "")
@@ -168,7 +174,8 @@ def _words(annotation: Any) -> list[str]:
     return [word for part in get_args(annotation) for word in _words(part)]
 
 
-def _either(words: list[str]) -> str:
+def either(words: Sequence[str]) -> str:
+    """ "a", "b" or "c"."""
     quoted = [f'"{word}"' for word in words]
     return " or ".join([", ".join(quoted[:-1]), quoted[-1]] if len(quoted) > 1 else quoted)
 

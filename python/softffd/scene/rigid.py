@@ -6,8 +6,7 @@ from pydantic import BeforeValidator, WithJsonSchema
 
 from softffd.names import Part
 from softffd.obstacles import SolidShape
-from softffd.scene.quantity import Number, PositiveVector, Vector, key, quantity, refusal
-from softffd.scene.section import NAME, Direction, Name, RotationTable, Section
+from softffd.scene.section import NAME, Direction, Name, Number, PositiveVector, RotationTable, Section, Vector, key, quantity, refusal
 from softffd.scene.selection import Selection
 from softffd.spelling import nearest_of
 

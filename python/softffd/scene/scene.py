@@ -11,21 +11,16 @@ from pydantic import PrivateAttr, ValidationInfo, model_validator
 
 from softffd.errors import SceneError, SoftffdError
 from softffd.lattice import LatticeBox, rest_grid, to_flat
+from softffd.mesh.mesh import Mesh
 from softffd.rotation import quaternion, turned
 from softffd.scene.changes import changed
-from softffd.scene.document import find_scene, read_document, shipped_scenes, shown
-from softffd.scene.draft import unshared
+from softffd.scene.checks import cross_check
+from softffd.scene.document import find_scene, read_document, shown
+from softffd.scene.draft import Draft, plain, read_draft
+from softffd.scene.faults import in_file_order, toml_text
 from softffd.scene.keys import OBSTACLES, SceneKeys
 from softffd.scene.rigid import Pin
-from softffd.scene.schema import schema
 from softffd.scene.selection import Selection, flat_indices
-from softffd.scene.settle import settled
-from softffd.scene.template import template
-
-if TYPE_CHECKING:
-    from softffd.mesh.mesh import Mesh
-
-__all__ = ["Scene", "load_scene", "scene_from", "schema", "shipped_scenes", "template"]
 
 NAMELESS = Path("scene.toml")
 """Where a scene without a file would stand."""
@@ -54,8 +49,8 @@ class Scene(SceneKeys):
         if isinstance(data, Scene):
             return data
         path = Path((info.context or {}).get("path", NAMELESS)).absolute()
-        draft = settled(data, folder=path.parent, where=_called(path))
-        scene = handler({name: getattr(draft.scene, name) for name in draft.scene.model_fields_set})
+        draft = _checked(data, path)
+        scene = handler({name: getattr(draft.keys, name) for name in draft.keys.model_fields_set})
         scene._path, scene._mesh = path, draft.mesh
         return scene
 
@@ -94,7 +89,7 @@ class Scene(SceneKeys):
 
     def keys_given(self) -> dict[str, Any]:
         """The keys that were given, as a file would hold them; of a mesh the path of its file as it was found."""
-        return unshared(self._given())
+        return plain(self._given())
 
     def _given(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in self.model_fields_set}
@@ -178,6 +173,20 @@ def scene_from(document: Mapping[str, Any], *, path: str | Path = NAMELESS) -> S
     Raises SceneError with all problems.
     """
     return Scene.model_validate(document, context={"path": path})
+
+
+def _checked(document: Any, path: Path) -> Draft:
+    """The draft of a document, complete and without faults. Raises SceneError with all problems."""
+    if not isinstance(document, Mapping):
+        raise SceneError(_called(path), [f"wanted a table of sections, got {toml_text(document)}"])
+    try:
+        draft = read_draft(document, path.parent)
+        problems = [str(fault) for fault in in_file_order(draft.faults + cross_check(draft), document)]
+    except RecursionError:
+        problems = ["not a scene that can be read: nested too deeply"]
+    if problems:
+        raise SceneError(_called(path), problems)
+    return draft
 
 
 def _called(path: Path) -> str:

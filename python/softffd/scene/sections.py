@@ -13,9 +13,13 @@ from pydantic import (
     WithJsonSchema,
 )
 
-from softffd.scene.quantity import (
+from softffd.scene.section import (
+    NAME,
+    Name,
     Number,
     PositiveVector,
+    RotationTable,
+    Section,
     Switch,
     Vector,
     key,
@@ -24,7 +28,6 @@ from softffd.scene.quantity import (
     quantity,
     refusal,
 )
-from softffd.scene.section import NAME, Name, RotationTable, Section
 from softffd.scene.selection import Selection
 
 

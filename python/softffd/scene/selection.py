@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 
 from softffd.lattice import index_grid
-from softffd.scene.quantity import key, list_of, list_schema, refusal
+from softffd.scene.section import key, list_of, list_schema, refusal
 
 FACES = {f"{'xyz'[axis]}{side}": (axis, end) for axis in range(3) for side, end in (("-", 0), ("+", -1))}
 

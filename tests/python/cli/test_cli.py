@@ -20,7 +20,7 @@ from softffd.cli.command import main
 from softffd.fmu.component import Component
 from softffd.installed import least_glibc
 from softffd.run.many_steps import ManySteps
-from softffd.scene.scene import shipped_scenes
+from softffd.scene.document import shipped_scenes
 
 QUICK = """
 title = "A quick box"

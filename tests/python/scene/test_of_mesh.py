@@ -15,9 +15,8 @@ from softffd.fmu.notes import fill_note
 from softffd.mesh.files import save_mesh
 from softffd.mesh.habits import Habit, habit_of
 from softffd.mesh.mesh import Mesh
-from softffd.scene.of_mesh import scene_of_mesh
+from softffd.scene.new import scene_of_mesh, template
 from softffd.scene.scene import scene_from
-from softffd.scene.template import template
 
 
 def box_file(folder, name, sides, faces=12):

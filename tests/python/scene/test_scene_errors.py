@@ -6,12 +6,10 @@ import re
 
 import numpy as np
 import pytest
-from pydantic import BaseModel, model_validator
-from pydantic_core import PydanticCustomError
 
 from softffd.errors import SceneError
-from softffd.scene.draft import read_draft
-from softffd.scene.scene import Scene, scene_from, schema
+from softffd.scene.keys import schema
+from softffd.scene.scene import Scene, scene_from
 
 PLANE = {"name": "ground"}
 TWENTY = "a" * 200
@@ -232,16 +230,3 @@ def test_a_key_that_is_no_word_is_an_unknown_key(document, problem):
     with pytest.raises(SceneError) as refused:
         Scene.model_validate(document)
     assert refused.value.problems[0].startswith(problem)
-
-
-def test_a_fault_without_a_place_ends_the_reading():
-    class Odd(BaseModel):
-        count: int = 1
-
-        @model_validator(mode="after")
-        def never(self):
-            raise PydanticCustomError("wanted", "another model")
-
-    with pytest.raises(SceneError) as refused:
-        read_draft({"count": "many"}, Odd, "odd.toml")
-    assert str(refused.value).startswith("odd.toml: 2 problems") and any("another model" in each for each in refused.value.problems)

@@ -8,7 +8,7 @@ import pytest
 from fmpy.util import read_csv, read_ref_opt_file, validate_result
 
 from softffd import __version__
-from softffd.scene.scene import shipped_scenes
+from softffd.scene.document import shipped_scenes
 from validation.cross_check import MOST, write_cross_check
 
 KEPT = Path(__file__).resolve().parents[3] / "cross-check" / "fmus" / "2.0" / "cs" / "linux64" / "softffd" / __version__

@@ -21,7 +21,7 @@ from softffd import load_scene, package_fmu, simulate
 from softffd.files import write_text
 from softffd.names import OBSTACLES, parse_name
 from softffd.run.inputs import Inputs
-from softffd.scene.scene import shipped_scenes
+from softffd.scene.document import shipped_scenes
 from validation.cross_check import inputs_over_time
 
 STEP, STEPS = 0.01, 100

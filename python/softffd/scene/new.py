@@ -1,5 +1,6 @@
-"""The scene of a mesh alone: it falls on the ground. What the file leaves open is taken by habit and size, and said."""
+"""New scene files: the commented one with every key, and that of a mesh alone, which falls on the ground."""
 
+import json
 import os
 import re
 from dataclasses import dataclass
@@ -13,10 +14,9 @@ from softffd.mesh.files import load_mesh, placed
 from softffd.mesh.habits import UNITS, WORDS, habit_of
 from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import merge_by_position
-from softffd.scene.template import toml_string
 from softffd.spelling import did_you_mean, nearest_of
 
-MESH_TEMPLATE = Path(__file__).parent / "mesh_template.toml"
+TEMPLATE, MESH_TEMPLATE = (Path(__file__).parent / f"{name}.toml" for name in ("template", "mesh_template"))
 GRAVITY = 9.81
 DENSITY = 100.0
 """Of soft foam, kg/m3."""
@@ -27,6 +27,21 @@ the height; end by the time for half the longest side. Meshes of many shapes the
 
 LONGEST_IN_METRES = 20.0
 """A mesh whose largest side is more units than these is taken as millimetres where nobody says."""
+
+
+def template(name: str) -> str:
+    """The text of a new scene called `name`: every section and key with its unit, ready to run.
+
+    A line that begins with `#` and no blank is a key that is not in force: without the `#` it is.
+    """
+    title = toml_string(f"{name}: a soft box dropped on the ground")
+    return TEMPLATE.read_text(encoding="utf-8").replace('"TITLE"', title)
+
+
+def toml_string(text: str) -> str:
+    """The text as a string of TOML; what is no letter of Unicode, as in names of files in other encodings, becomes "?"."""
+    text = text.encode(errors="replace").decode()
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 @dataclass(frozen=True)
