@@ -91,6 +91,8 @@ def toml_text(value: Any, *, longest: int = 70) -> str:
         text = f"[{', '.join(toml_text(entry) for entry in value)}]"
     elif isinstance(value, dict):
         text = f"{{ {', '.join(f'{key} = {toml_text(entry)}' for key, entry in value.items())} }}"
+    elif isinstance(value, int) and value.bit_length() > 10_000:
+        text = hex(value)  # Python writes no decimal numbers of so many digits
     else:
         text = str(value)
     return text if len(text) <= longest else text[: longest - 3] + "..."
