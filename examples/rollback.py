@@ -20,10 +20,10 @@ with softffd.Simulation(softffd.load_scene("box.toml")) as box:
         box.step(H)
         return after, plate.reaction[2] - force
 
-    for _ in range(1000):
+    for _ in range(500):
         before = box.save()
         low, high = 0.0, attempt(0.0)[1]
-        while high - low > 1e-9:  # the answer falls where the force grows
+        while high - low > 1e-6:  # the answer falls where the force grows
             force = (low + high) / 2
             low, high = (force, high) if attempt(force)[1] > 0 else (low, force)
         after, _ = attempt(high)

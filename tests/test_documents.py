@@ -1,12 +1,15 @@
-"""Every command and script of the README, the documents and the examples runs, in the order in which it stands there.
+"""Every command and script of the README, the documents and the examples runs, in a copy of a folder as its reader has it by then.
 
 A block marked `sh full` takes minutes and runs with --full; a block marked `text` is not run: it is what another platform or a compiler
-that is not everywhere would need.
+that is not everywhere would need. What takes no minutes runs in this process: tests/python/cli starts the command in one of its own.
 """
 
+import contextlib
+import io
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -17,7 +20,8 @@ import pytest
 
 from mesh_files import ball
 from softffd import save_mesh
-from validation.tools import TOOLS
+from softffd.cli.command import exit_status, main
+from validation.tools import TOOLS, run_tool
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "fmu_src").rglob("README.md"))]
@@ -75,23 +79,33 @@ def reader(tmp_path_factory) -> Path:
         (folder / f"box.{ending}").write_text(next(text for kind, text in blocks(DOCUMENTS[0]) if kind == ending))
     save_mesh(ball(), folder / "cow.obj")
     coupling = next(text for kind, text in blocks(DOCUMENTS[0]) if kind == "sh" and "softffd ssp" in text)
-    for line in ["softffd build box.toml", *lines(coupling)]:
-        run([sys.executable, "-m", *line.split()], folder)
+    with contextlib.chdir(folder):
+        for line in ["softffd build box.toml", *lines(coupling)]:
+            assert main(shlex.split(line)[1:]) == 0, line
     return folder
 
 
 @pytest.fixture
-def folder(reader, tmp_path) -> Path:
-    """The reader's folder, anew for every command."""
+def folder(reader, tmp_path, monkeypatch) -> Path:
+    """The reader's folder, anew for every command, which runs in it."""
     shutil.copytree(reader, tmp_path / "here")
+    monkeypatch.chdir(tmp_path / "here")
     return tmp_path / "here"
 
 
-def run(command: list, folder: Path, *, minutes: float = 5) -> str:
+def printed_by(call, *arguments) -> str:
+    """What a call prints; it must not end with a status other than 0."""
+    stream = io.StringIO()
+    with contextlib.redirect_stdout(stream), contextlib.redirect_stderr(stream):
+        status = call(*arguments)
+    assert not status, stream.getvalue()
+    return stream.getvalue()
+
+
+def run_apart(command: list, folder: Path) -> None:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(command, cwd=folder, env=os.environ | {"PATH": path}, capture_output=True, text=True, timeout=60 * minutes)
+    done = subprocess.run(command, cwd=folder, env=os.environ | {"PATH": path}, capture_output=True, text=True, timeout=3600)
     assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
 
 
 def test_the_documents_have_their_examples():
@@ -102,21 +116,25 @@ def test_the_documents_have_their_examples():
 
 @pytest.mark.parametrize("line", commands())
 def test_command_runs(line, folder):
-    words = line.split()
-    if words[:3] == ["python3", "python/run.py", "bench"]:
-        words = [sys.executable, str(ROOT / "benchmarks" / "bench.py"), "--quick", *words[3:]]
-    elif words[:2] == ["python3", "python/run.py"] and words[2] in ("release", "docs"):
-        words = [sys.executable, str(ROOT / "python" / "run.py"), words[2]]
-    elif words[:2] == ["python3", "python/run.py"]:  # hands over to the same program once it has set up
-        words = [sys.executable, "-m", "validation" if words[2] in TOOLS else "softffd", *words[2:]]
-    elif words[0] == "softffd":
-        words = [sys.executable, "-m", *words, *(["--overwrite"] if words[1] in MADE_BEFORE else [])]
-    run(words, folder, minutes=60)
+    program, *words = shlex.split(line)
+    if program == "softffd":
+        again = ["--overwrite"] if words[0] in MADE_BEFORE else []
+        printed_by(main, [*words, *again])
+        return
+    assert (program, words.pop(0)) == ("python3", "python/run.py")
+    if words[0] == "bench":
+        run_apart([sys.executable, ROOT / "benchmarks" / "bench.py", "--quick", *words[1:]], folder)
+    elif words[0] in ("release", "docs"):
+        run_apart([sys.executable, ROOT / "python" / "run.py", words[0]], folder)
+    elif words[0] in TOOLS:  # run.py hands over to the same program once it has set up
+        printed_by(exit_status, lambda: run_tool(words))
+    else:
+        printed_by(main, words)
 
 
 @pytest.mark.parametrize("code", scripts())
 def test_script_runs(code, folder):
-    printed = run([sys.executable, "-c", code], folder)
+    printed = printed_by(exec, compile(code, "script", "exec"), {"__name__": "__main__"})
     assert printed
     if RESTS in code:
         assert float(re.search(rf"{RESTS} (\S+) N", printed)[1]) == pytest.approx(5 * 9.81, rel=1e-2)
