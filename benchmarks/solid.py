@@ -1,7 +1,7 @@
 """What a solid of springs is worth by its points a side: a clamped cube's deflections against elasticity, and a pressed pad's force.
 
     python benchmarks/solid.py                                # the tables
-    python benchmarks/solid.py docs/materials.md README.md      # and in place of those in these pages
+    python benchmarks/solid.py docs/materials.md                # and in place of those in this page
 
 The cube is pinned at x = 0 and loaded so little that it is linear; implicit steps take it to rest. The reference, `tests/data/solid.json`,
 is a finite-element solution with nothing of this program in it. The pad is a cube of 20 mm of 1 MPa between plates of friction 0.8,

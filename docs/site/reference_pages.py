@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import sys
+import textwrap
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
@@ -52,33 +53,47 @@ PRESENT = {
 """When a variable is there, by the `part` of its row."""
 
 CAUSALITIES = {
-    "input": "## Inputs\n\nSet at a communication point, they act during the step that follows.",
-    "parameter": "## Parameters\n\nFixed ones are set before initialization; tunable ones at any communication point too.",
-    "output": (
-        "## Outputs\n\nReal ones have a derivative of order 1 (`fmi2GetRealOutputDerivatives`): of `position` and `probe` the velocity; of "
-        "all others,\nstep means and diagnostics among them, the change over the last communication step divided by its length, 0 before "
-        "the first step; of `solver.stable_step`, which costs as much as a step, always 0."
-    ),
+    "input": "## Inputs\n\nInputs are set at a communication point and act during the step that follows.",
+    "parameter": "## Parameters\n\nFixed parameters are set before initialization, tunable ones at any communication point too.",
+    "output": "## Outputs\n\nEvery Real output has a [first derivative](coupling.md#derivatives-of-inputs-and-outputs).",
 }
 
 SCENE_HEAD = """# The scene file
 
-A scene is a TOML file. SI units, a right-handed world frame; every section and key may be left out unless it says *must be given*.
-Sections in double brackets may stand several times. All problems of a file are reported at once, each with its place, what was wanted,
-what was given, and the nearest spelling. `softffd new NAME` writes a commented scene to start from, `softffd schema` the JSON schema for
-editors, and `softffd scenes` lists the scenes that come with the program.
+This page lists every key of a scene file: its default, its unit and range, and its meaning.
+
+{}
+
+A scene is a TOML file in SI units and a right-handed world frame. Every section and key may be left out unless it says *must be given*.
+Sections in double brackets may be repeated. All problems of a file are reported at once: the place, what was wanted, what was given, and
+the nearest valid choice.
+
+- `softffd new NAME` writes a commented scene to start from.
+- `softffd schema` prints the JSON schema for editors.
+- `softffd scenes` lists the shipped scenes.
 
 This page is made from the program's own description of the keys: `python docs/site/reference_pages.py docs`.
 """
 
 VARIABLES_HEAD = """# The variables of an FMU
 
-A scene's FMU has the variables that the scene needs and no others. `NAME` is that of an obstacle, pin, load or probe, and `i,j,k` are the
-indices of a control point from 0. The variables of a `[[sphere]]`, `[[cylinder]]` or `[[box]]` are those of a plane under their own kind:
-`sphere.NAME.point.x`, `cylinder.NAME.reaction.z`, `box.NAME.friction`. Names with `.x .y .z` are vectors in the world frame, one variable a
-component. Of control points `i` runs fastest, then `j`, then `k`; the variables of a line are one block of value references. With
-`[fmu] names = "flat"` names have letters, digits and underscores only: `position_i_j_k_x` in the place of `position[i,j,k].x`,
-`plane_NAME_point_z` in the place of `plane.NAME.point.z`. The value references are the same; `variableNamingConvention` is then `flat`.
+This page lists every variable that the FMU of a scene can have: its name, unit, causality and meaning.
+
+{}
+
+The FMU has only the variables that its scene needs; `softffd info SCENE` lists them.
+
+| In a name | Means |
+| --- | --- |
+| `NAME` | the name of the obstacle, pin, load or probe in the scene |
+| `i,j,k` | the indices of a control point, from 0; in a block of variables `i` runs fastest, then `j`, then `k` |
+| `.x` `.y` `.z` | a vector in the world frame, one variable for each component |
+| `plane.NAME` | a plane; the variables of a `[[sphere]]`, `[[cylinder]]` or `[[box]]` are the same under their own kind: `sphere.NAME.point.x`, \
+`cylinder.NAME.reaction.z`, `box.NAME.friction` |
+
+The variables of a line below are one block of value references. With `[fmu] names = "flat"` names have letters, digits and underscores only:
+`position_i_j_k_x` in place of `position[i,j,k].x`, `plane_NAME_point_z` in place of `plane.NAME.point.z`. The value references are the
+same, and `variableNamingConvention` is `flat`.
 
 This page is made from the table of variables: `python docs/site/reference_pages.py docs`.
 """
@@ -88,7 +103,7 @@ def scene_page() -> str:
     """docs/scene.md."""
     top = [(name, field) for name, field in SceneKeys.model_fields.items() if _section(field) is None]
     sections = [(name, field) for name, field in SceneKeys.model_fields.items() if _section(field) is not None]
-    parts = [SCENE_HEAD, "## At the top of the file\n\n" + _keys(top)]
+    parts = ["## At the top of the file\n\n" + _keys(top)]
     for name, field in sections:
         section = _section(field)
         assert section is not None
@@ -96,12 +111,12 @@ def scene_page() -> str:
         about = (section.__doc__ or "").strip()
         parts.append(f"## `{head}`\n\n{about}\n\n" + _keys(list(section.model_fields.items())))
     parts.append("## Selections\n\n" + _paragraphs(selection.__doc__ or "") + "\n")
-    return "\n".join(parts)
+    return _page(SCENE_HEAD, parts)
 
 
 def variables_page() -> str:
     """docs/variables.md."""
-    parts = [VARIABLES_HEAD]
+    parts = []
     for causality, head in CAUSALITIES.items():
         rows = [_variable(row) for row in table()["family"] if row["causality"] == causality]
         parts.append(f"{head}\n\n" + _table(["Name", "Unit", "There is one for", "Kind", "Meaning"], rows))
@@ -109,7 +124,14 @@ def variables_page() -> str:
     parts.append("## Values of `solver.method`\n\n" + _table(["Value", "Name", "Meaning"], methods))
     categories = [[f"`{category['name']}`", category["description"]] for category in table()["log_category"]]
     parts.append("## Log categories\n\n" + _table(["Name", "Holds"], categories))
-    return "\n".join(parts)
+    return _page(VARIABLES_HEAD, parts)
+
+
+def _page(head: str, parts: list[str]) -> str:
+    """A page with links to its parts, which begin with a title each."""
+    titles = [part.partition("\n")[0].removeprefix("## ") for part in parts]
+    links = [f"[{title}](#{re.sub(r'[^a-z -]', '', title.lower()).replace(' ', '-')})" for title in titles]
+    return "\n".join([head.format(textwrap.fill(" · ".join(links), 140, break_long_words=False, break_on_hyphens=False)), *parts])
 
 
 def _keys(fields: list[tuple[str, FieldInfo]]) -> str:

@@ -54,7 +54,7 @@ def swing(plate: Component, press: Press, mass: float, step: float, steps: int, 
 
 
 def iterated(press: Press, save, restore, mass: float, step: float, steps: int) -> np.ndarray:
-    """The loop of docs/coupling.md: each step is tried until force and motion fit."""
+    """The loop of docs/partners.md: each step is tried until force and motion fit."""
     z = v = force = give = 0.0
     rows = []
     for _ in range(steps):
