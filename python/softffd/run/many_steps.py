@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from softffd.fmu.component import Block, Component, Message
+from softffd.fmu.block import Block
+from softffd.fmu.component import Component, Message
 from softffd.installed import library_function
 
 PATIENCE = 0.02

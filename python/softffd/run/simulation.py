@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 
 from softffd.errors import FmuError, UnknownName
-from softffd.fmu.block import number_of
-from softffd.fmu.component import Block, Component, Message
+from softffd.fmu.block import Block, number_of
+from softffd.fmu.component import Component, Message
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import OBSTACLES, components_in, part_names, parts_of, vectors_in
 from softffd.run.parts import Obstacle, Parts, Pin, PointField, PointVectors, Vectors

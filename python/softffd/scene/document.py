@@ -4,6 +4,7 @@ import re
 import shlex
 import tomllib
 from pathlib import Path
+from typing import Any
 
 from softffd.errors import SceneError
 from softffd.spelling import did_you_mean, nearest_of
@@ -40,7 +41,7 @@ def find_scene(path_or_name: str | Path) -> Path:
     raise SceneError(name, [_missing(path)])
 
 
-def read_document(path: Path) -> dict:
+def read_document(path: Path) -> dict[str, Any]:
     """The parsed TOML file. Raises SceneError with the line where it is not TOML."""
     _require_no_mesh(path)
     text = _read_text(path)

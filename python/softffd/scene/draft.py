@@ -142,7 +142,7 @@ def _lattice(lattice: Lattice, mesh: Mesh | None) -> Lattice:
     origin = lattice.origin or tuple((lower - grown).tolist())
     size = lattice.size or tuple((upper - lower + 2 * grown).tolist())
     boxed = lattice.filled(origin=origin, size=size)
-    if (lattice.cells is None and lattice.spacing is None) or ("points" in lattice.model_fields_set and lattice.points != "cubic"):
+    if (lattice.cells is None and lattice.spacing is None) or ("points" in lattice.model_fields_set and str(lattice.points) != "cubic"):
         return boxed
     counts = tuple(min(count, MOST) + 1 for count in cells_of(lattice.cells, lattice.spacing, size))
     return Lattice.model_construct(lattice.model_fields_set - {"points"}, **(dict(boxed) | {"points": counts}))

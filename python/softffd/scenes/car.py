@@ -23,6 +23,8 @@ PALETTE = {
     "tail": (255, 122, 70),
 }
 
+Part = tuple[np.ndarray, np.ndarray, list[str]]
+"""Vertices, faces, and the colour of each face"""
 _TREAD = [(0.275, -0.10), (0.303, -0.075), (0.31, -0.03), (0.31, 0.03), (0.303, 0.075), (0.275, 0.10)]
 _TYRE = [(0.0, -0.10), (0.20, -0.10), *_TREAD, (0.215, 0.095)]
 _RIM = [(0.20, 0.06), (0.09, 0.05), (0.06, 0.085), (0.0, 0.09)]
@@ -59,7 +61,7 @@ def _coloured(vertices: np.ndarray, faces: np.ndarray, names: list[str]) -> Mesh
     return Mesh(vertices[pairs // n], index.reshape(-1, 3), uv, "car", Image.fromarray(swatches))
 
 
-def _wheels() -> list[tuple]:
+def _wheels() -> list[Part]:
     tyre, rim = ["tyre"] * (len(_TYRE) - 1), ["rim"] * len(_RIM)
     vertices, faces, names = _revolved(_TYRE + _RIM, tyre + rim, segments=20)
     wheels = []
@@ -69,7 +71,7 @@ def _wheels() -> list[tuple]:
     return wheels
 
 
-def _fittings() -> list[tuple]:
+def _fittings() -> list[Part]:
     """Headlamps and mirrors: ellipsoids set into the body."""
     arc = [(np.sin(t), -np.cos(t)) for t in np.linspace(0, np.pi, 8)]
     vertices, faces, _ = _revolved(arc, ["paint"] * 7, segments=12)
@@ -84,7 +86,7 @@ def _fittings() -> list[tuple]:
     ]
 
 
-def _revolved(profile: list[tuple], colours: list[str], *, segments: int) -> tuple:
+def _revolved(profile: list[tuple[float, float]], colours: list[str], *, segments: int) -> Part:
     """A closed solid of revolution about y; `profile` goes from pole to pole, with a colour for each step."""
     radii, places = np.array(profile).T
     angles = 2 * np.pi * np.arange(segments) / segments
@@ -92,5 +94,5 @@ def _revolved(profile: list[tuple], colours: list[str], *, segments: int) -> tup
     rings = np.stack(np.broadcast_arrays(x, places[:, None], z), axis=-1)
     index = np.arange(rings.shape[0] * segments).reshape(-1, segments)
     index[0], index[-1] = index[0, 0], index[-1, 0]
-    colours = np.array(colours, dtype=object)[:, None].repeat(segments, axis=1)
-    return rings.reshape(-1, 3), *cells(index[:, ::-1], colours, closed=True)
+    drawn = np.array(colours, dtype=object)[:, None].repeat(segments, axis=1)
+    return rings.reshape(-1, 3), *cells(index[:, ::-1], drawn, closed=True)

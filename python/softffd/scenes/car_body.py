@@ -125,8 +125,7 @@ def _half_grid() -> np.ndarray:
         (belt_y + (rail_y - belt_y) * _WINDOW + bulge, belt + (rail - belt) * _WINDOW),
         (rail_y * _ROOF, rail + _crown(x) * (1 - _ROOF**2)),
     ]
-    bands = [np.stack(np.broadcast_arrays(x, y, z), axis=-1) for y, z in bands]
-    return np.concatenate(bands, axis=1)
+    return np.concatenate([np.stack(np.broadcast_arrays(x, y, z), axis=-1) for y, z in bands], axis=1)
 
 
 def _rounded_ends(half: np.ndarray) -> np.ndarray:
@@ -183,7 +182,7 @@ def _rear_colours() -> np.ndarray:
     return colours
 
 
-def _end(vertices: np.ndarray, loop: np.ndarray, rows: int, colours: np.ndarray) -> tuple[np.ndarray, tuple]:
+def _end(vertices: np.ndarray, loop: np.ndarray, rows: int, colours: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, list[str]]]:
     """The vertices and those of a bowed panel that closes the loop, and its faces and colours, facing +x."""
     left, right = loop[:rows], np.roll(loop[::-1], 1)[:rows]
     across = _ACROSS[1:-1]
