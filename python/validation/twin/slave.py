@@ -17,7 +17,7 @@ SCENE, DESCRIPTION = "scene.json", "description.xml"
 """Files of the resources: the resolved scene with its table of variables, and modelDescription.xml to be."""
 
 
-class TwinSlave(Fmi2Slave):  # type: ignore[misc]
+class TwinSlave(Fmi2Slave):
     """Variables by the references of the component's table; outputs are calculated when asked for."""
 
     def __init__(self, **kwargs: Any):
