@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from softffd.errors import SoftffdError
 from softffd.lattice import rest_grid
 from softffd.mesh.mesh import Mesh
-from softffd.mesh.normals import merge_by_position
+from softffd.mesh.normals import area_vectors, merge_by_position
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 ROUNDS, ENOUGH = 60, 1e-13
@@ -36,9 +36,8 @@ def covariance(distribution: str, mesh: Mesh | None, size: ArrayLike) -> np.ndar
         content = np.ones(len(corners))
     else:
         corners = (mesh.vertices - middle)[mesh.faces]
-        a, b, c = corners.transpose(1, 0, 2)
-        normals = np.cross(b - a, c - a)
-        content = np.linalg.norm(normals, axis=1) if distribution == "surface" else (a * normals).sum(axis=1)
+        normals = area_vectors(corners)
+        content = np.linalg.norm(normals, axis=1) if distribution == "surface" else (corners[:, 0] * normals).sum(axis=1)
     return _of_simplices(corners, content, at_origin=distribution == "volume")
 
 

@@ -21,11 +21,11 @@ from softffd.embedding.basis import weights
 from softffd.embedding.deform import lattice_coordinates
 from softffd.embedding.inertia import covariance, inertia_ratio, require_matched
 from softffd.embedding.mass_bspline import sample_shares, triangle_shares
-from softffd.embedding.quadrature import sufficient_degrees, triangle_rule
+from softffd.embedding.quadrature import add_integral, sufficient_degrees
 from softffd.errors import SoftffdError
 from softffd.lattice import rest_grid, shared_by_corners, to_flat
 from softffd.mesh.mesh import Mesh
-from softffd.mesh.normals import merge_by_position
+from softffd.mesh.normals import area_vectors, merge_by_position
 
 DISTRIBUTIONS = ("uniform", "box", "vertices", "surface", "volume")
 
@@ -186,12 +186,6 @@ def _centre(shares: np.ndarray, origin: ArrayLike, size: ArrayLike) -> np.ndarra
     return np.asarray(origin) + np.asarray(size) * [float((shares * grid[..., axis]).sum()) for axis in range(3)]
 
 
-def _area_vectors(mesh: Mesh) -> np.ndarray:
-    """Normals (F, 3) of the faces, as long as their areas, m^2."""
-    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
-    return np.cross(b - a, c - a) / 2
-
-
 def _vertex_shares(coordinates: np.ndarray, counts: tuple[int, ...], basis: str) -> np.ndarray:
     if basis == "bspline":
         return sample_shares(coordinates, np.ones(len(coordinates)), counts)
@@ -221,18 +215,11 @@ def _summed(u: np.ndarray, v: np.ndarray, w: np.ndarray, masses: np.ndarray) -> 
 
 def _integrals(corners: np.ndarray, mesh: Mesh, counts: tuple[int, ...], solid: bool) -> np.ndarray:
     """Sum over triangles of area times the mean of the integrand; corners (F, 3, 3), box coordinates."""
-    normals = _area_vectors(mesh)
+    normals = area_vectors(mesh.vertices[mesh.faces]) / 2
     areas, products = (normals[:, 2], _products_below) if solid else (np.linalg.norm(normals, axis=1), _products)
     exact = sum(counts) - 3 + solid
     reach = np.ptp(corners, axis=1) @ (np.array(counts) - 1.0)
     degrees = sufficient_degrees(reach, exact)
     total = np.zeros(counts)
-    for degree in np.unique(degrees):
-        rule = triangle_rule(int(degree))
-        chosen = np.flatnonzero(degrees == degree)
-        step = max(1, _BLOCK // (len(rule.share) * int(counts[0]) * int(counts[1])))
-        for start in range(0, len(chosen), step):
-            block = chosen[start : start + step]
-            samples = np.einsum("sc,fcx->fsx", rule.corner_weights, corners[block]).reshape(-1, 3)
-            total += products(samples, np.outer(areas[block], rule.share).reshape(-1), counts)
+    add_integral(total, corners, areas, degrees, products, _BLOCK // (int(counts[0]) * int(counts[1])))
     return total

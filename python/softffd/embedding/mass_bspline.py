@@ -13,7 +13,8 @@ from itertools import product
 import numpy as np
 
 from softffd.embedding.basis import bsplines, local_weights, parameter, weights
-from softffd.embedding.quadrature import sufficient_degrees, triangle_rule
+from softffd.embedding.quadrature import add_integral, sufficient_degrees
+from softffd.mesh.normals import area_vectors
 
 EXACT_DEGREE, END_DEGREE = 10, 27
 """Degrees of quadrature for pieces in the middle, and in spans that touch an end: measured, see the tests."""
@@ -37,16 +38,9 @@ def triangle_shares(corners: np.ndarray, size: np.ndarray, counts: Sequence[int]
     each = _shares_below if solid else sample_shares
     for block in _blocks(len(corners), 9 * sum(counts)):
         pieces = _cut_at_knots(corners[block], counts)
-        a, b, c = (pieces * size).transpose(1, 0, 2)
-        normals = np.cross(b - a, c - a) / 2
+        normals = area_vectors(pieces * size) / 2
         areas = normals[:, 2] if solid else np.linalg.norm(normals, axis=1)
-        degrees = _degrees(pieces, counts)
-        for degree in np.unique(degrees):
-            rule, chosen = triangle_rule(int(degree)), np.flatnonzero(degrees == degree)
-            for part in _blocks(len(chosen), 20 * len(rule.share)):
-                some = chosen[part]
-                samples = np.einsum("sc,fcx->fsx", rule.corner_weights, pieces[some]).reshape(-1, 3)
-                total += each(samples, np.outer(areas[some], rule.share).reshape(-1), counts)
+        add_integral(total, pieces, areas, _degrees(pieces, counts), each, _BLOCK // 20)
     return total
 
 

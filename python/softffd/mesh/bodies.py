@@ -9,7 +9,6 @@ from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple, cast
-from urllib.parse import unquote
 from zipfile import BadZipFile
 
 import numpy as np
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from softffd.errors import MeshError
 from softffd.mesh.looks import Group, Looks, Material, from_face_colours, to_screen
-from softffd.mesh.polygons import Triangles, beside, damaged
+from softffd.mesh.polygons import Triangles, damaged, found_beside
 
 _NEEDED = {".dae": ("collada", "pycollada"), ".3mf": ("networkx", "lxml and networkx")}
 """A module that trimesh needs beside itself, and what to install."""
@@ -111,7 +110,7 @@ class _Beside:
         self.path = path
 
     def get(self, name: str) -> bytes:
-        file = next((f for f in (beside(self.path.parent, n) for n in (name, unquote(name))) if f is not None and f.is_file()), None)
+        file = found_beside(self.path.parent, name)
         if file is None:
             raise MeshError(f"{self.path}: names {name!r}, which is not beside it; wanted that file in its folder or below it")
         return file.read_bytes()

@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element
 
 from softffd.errors import MeshError
 from softffd.mesh.bodies import read_bodies, require_package
-from softffd.mesh.polygons import Triangles, beside, damaged
+from softffd.mesh.polygons import Triangles, damaged, found_beside
 
 _PRIMITIVES = ("triangles", "polylist", "polygons", "tristrips", "trifans")
 
@@ -53,7 +53,7 @@ def _lost_bodies(elements: list[Element]) -> list[str]:
 
 def _lost_looks(path: Path, elements: list[Element], triangles: Triangles) -> list[str]:
     files = [each.text or "" for image in _named(elements, "image") for each in image.iter() if _name(each) in ("init_from", "ref")]
-    missing = [name for name in map(str.strip, files) if name and not _is_beside(path, name)]
+    missing = [name for name in map(str.strip, files) if name and not found_beside(path.parent, name)]
     drawn = _named(elements, *_PRIMITIVES)
     bound = {each.get("symbol") for each in _named(elements, "instance_material")}
     coloured = any(each.get("semantic") == "COLOR" and body.get("material") in bound for body in drawn for each in body)
@@ -63,11 +63,6 @@ def _lost_looks(path: Path, elements: list[Element], triangles: Triangles) -> li
         "colours of vertices of bodies that have a material": coloured,
     }
     return [note for note, present in notes.items() if present]
-
-
-def _is_beside(path: Path, name: str) -> bool:
-    files = (beside(path.parent, each) for each in (name, unquote(name)))
-    return any(file is not None and file.is_file() for file in files)
 
 
 def _some(names: list[str]) -> str:

@@ -11,7 +11,7 @@ from softffd.errors import MeshError
 from softffd.mesh.collada import read_dae
 from softffd.mesh.gltf import read_glb, read_gltf
 from softffd.mesh.mesh import Mesh
-from softffd.mesh.normals import merge_by_position
+from softffd.mesh.normals import area_vectors, merge_by_position
 from softffd.mesh.obj import read_obj
 from softffd.mesh.off import read_off
 from softffd.mesh.ply import read_ply
@@ -177,6 +177,5 @@ def _require_body(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
             f"{path}: is flat along {' and '.join(flat)} (it spans {spans} m), so the lattice's box around it "
             "would have no volume. Wanted a body with an extent on every axis; give the surface a thickness."
         )
-    a, b, c = (vertices[faces] / extent.max()).transpose(1, 0, 2)
-    if np.linalg.norm(np.cross(b - a, c - a), axis=1).max() <= 1e-14:
+    if np.linalg.norm(area_vectors(vertices[faces] / extent.max()), axis=1).max() <= 1e-14:
         raise MeshError(f"{path}: none of its {len(faces)} faces has an area (all are points or lines); wanted a surface")

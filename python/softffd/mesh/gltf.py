@@ -1,14 +1,38 @@
-"""glTF 2.0, binary (GLB) and text: trimesh gets its JSON made plain, and reads that."""
+"""glTF 2.0, binary (GLB) and text: what would be read wrongly in its JSON is refused, what can be said more plainly is; trimesh reads that.
+
+What is left out has a note.
+"""
 
 import json
+import math
 import struct
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from softffd.errors import MeshError
-from softffd.mesh.bodies import read_bodies
-from softffd.mesh.gltf_header import made_plain
-from softffd.mesh.polygons import Triangles, damaged
+from softffd.mesh.bodies import Surface, read_bodies
+from softffd.mesh.polygons import Triangles, damaged, found_beside
+
+_COMPRESSED = {
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+    "KHR_mesh_quantization",
+}
+_READ = {
+    "KHR_texture_transform",
+    "KHR_texture_basisu",
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_xmp_json_ld",
+    "KHR_animation_pointer",
+}
+"""Extensions that a file may require beside those of materials: they are read, told in a line, or change neither shape nor colour."""
+
+_GLOSSY, _TRANSFORM, _INSTANCES = "KHR_materials_pbrSpecularGlossiness", "KHR_texture_transform", "EXT_mesh_gpu_instancing"
+_FLOAT, _TRIANGLES, _TRIANGLE_FAN = 5126, 4, 6
 
 
 def read_glb(path: Path, data: bytes) -> Triangles:
@@ -36,7 +60,7 @@ def read_gltf(path: Path, data: bytes) -> Triangles:
 
 
 def _read(path: Path, header: dict, packed: Callable[[], bytes]) -> Triangles:
-    surfaces, notes = made_plain(path, header)
+    surfaces, notes = _made_plain(path, header)
     triangles = read_bodies(path, packed(), surfaces)
     return triangles._replace(looks=triangles.looks.and_notes(*notes))
 
@@ -69,3 +93,118 @@ def _parsed(path: Path, text: bytes) -> dict:
     if not isinstance(header, dict):
         raise damaged(path, "its JSON cannot be read")
     return header
+
+
+def _made_plain(path: Path, header: dict) -> tuple[list[Surface], list[str]]:
+    """Change the header to what trimesh reads rightly; its materials' looks beside their pictures, and what is left out.
+
+    Each material is called by its number in the list. Raises MeshError for what is not read, or where this is no glTF scene.
+    """
+    try:
+        _require_readable(path, header)
+        _give_scene(header)
+        surfaces = [_plain_material(number, material) for number, material in enumerate(header.get("materials", []))]
+        primitives = [p for mesh in header.get("meshes", []) for p in mesh["primitives"]]
+        for primitive in primitives:
+            _use_coordinates(primitive, surfaces)
+        _require_plain_numbers(path, header, primitives)
+        return surfaces, _left_out(path, header, primitives)
+    except (AttributeError, KeyError, IndexError, TypeError, ValueError, OverflowError) as fault:
+        raise damaged(path, f"its JSON is not that of a glTF scene ({type(fault).__name__}: {fault})") from None
+
+
+def _require_readable(path: Path, header: dict) -> None:
+    """Refuse what says where vertices are in ways that are not read."""
+    used, required = (set(header.get(key, [])) for key in ("extensionsUsed", "extensionsRequired"))
+    nodes, meshes = [node for node in header.get("nodes", []) if "mesh" in node], header.get("meshes", [])
+    weights = [(meshes[node["mesh"]], node.get("weights", meshes[node["mesh"]].get("weights", []))) for node in nodes]
+    compressed = sorted((used | required) & _COMPRESSED)
+    unknown = sorted(name for name in required - _READ - _COMPRESSED - {_INSTANCES} if not name.startswith("KHR_materials_"))
+    faults = [
+        (compressed, ", ".join(compressed), "export it without compression"),
+        (any("skin" in node for node in nodes), "skins (bones)", "apply the armature, or export without it"),
+        (
+            any(any(given) and any("targets" in p for p in mesh["primitives"]) for mesh, given in weights),
+            "morph targets (shape keys) whose weights are not 0",
+            "apply the shape keys",
+        ),
+        (any(_INSTANCES in node.get("extensions", {}) for node in nodes), _INSTANCES, "make the instances real"),
+        (unknown, f"{', '.join(unknown)} (extensionsRequired)", "export it without"),
+    ]
+    _refuse(path, {name: advice for present, name, advice in faults if present})
+
+
+def _require_plain_numbers(path: Path, header: dict, primitives: list[dict]) -> None:
+    """Refuse vertices and corners that trimesh would read as zeros, or in other units."""
+    accessors = header.get("accessors", [])
+    drawn = [p for p in primitives if p.get("mode", _TRIANGLES) >= _TRIANGLES]
+    attributes = [p["attributes"] for p in drawn]
+    coordinates = [accessors[a[key]] for a in attributes for key in ("POSITION", "TEXCOORD_0") if key in a]
+    others = [accessors[a["COLOR_0"]] for a in attributes if "COLOR_0" in a] + [accessors[p["indices"]] for p in drawn if "indices" in p]
+    faults = {
+        "quantized coordinates": any(each["componentType"] != _FLOAT for each in coordinates),
+        "sparse accessors": any("sparse" in each for each in coordinates + others),
+        "numbers without a bufferView": any("bufferView" not in each and "sparse" not in each for each in coordinates + others),
+        "primitives without POSITION": any("POSITION" not in a for a in attributes),
+        "triangle fans": any(p.get("mode") == _TRIANGLE_FAN for p in drawn),
+    }
+    _refuse(path, {name: "export plain triangles without compression" for name, present in faults.items() if present})
+
+
+def _refuse(path: Path, found: dict[str, str]) -> None:
+    if found:
+        advice = "; ".join(dict.fromkeys(found.values()))
+        raise MeshError(f"{path}: uses {' and '.join(found)}, which is not read. Wanted plain triangles; {advice}.")
+
+
+def _give_scene(header: dict) -> None:
+    """All roots are the scene where there is none. Cameras go, since trimesh would take their nodes' children out of place."""
+    nodes = header.get("nodes", [])
+    for node in nodes:
+        node.pop("camera", None)
+    if not header.get("scenes"):
+        inner = {child for node in nodes for child in node.get("children", [])}
+        header["scenes"], header["scene"] = [{"nodes": [number for number in range(len(nodes)) if number not in inner]}], 0
+
+
+def _plain_material(number: int, material: dict) -> Surface:
+    glossy = material.get("extensions", {}).pop(_GLOSSY, None)
+    if glossy is not None:
+        wanted = {"baseColorFactor": "diffuseFactor", "baseColorTexture": "diffuseTexture"}
+        material["pbrMetallicRoughness"] = {key: glossy[old] for key, old in wanted.items() if old in glossy}
+    name, material["name"] = material.get("name", ""), str(number)
+    texture = material.get("pbrMetallicRoughness", {}).get("baseColorTexture")
+    if texture is None:
+        return Surface(name)
+    given = texture.get("extensions", {}).get(_TRANSFORM, {})
+    turn, (across, down) = float(given.get("rotation", 0.0)), map(float, given.get("scale", (1.0, 1.0)))
+    moved = np.array(given.get("offset", (0.0, 0.0)), dtype=float).reshape(2)
+    cos, sin = math.cos(turn), math.sin(turn)
+    # the picture's coordinates turn counter-clockwise as seen, with v down, after they are scaled
+    matrix = np.array([[cos * across, sin * down], [-sin * across, cos * down]])
+    return Surface(name, matrix, moved, int(given.get("texCoord", texture.get("texCoord", 0))))
+
+
+def _use_coordinates(primitive: dict, surfaces: list[Surface]) -> None:
+    """trimesh reads the first set alone: it becomes that of the base colour's picture."""
+    attributes = primitive["attributes"]
+    wanted = surfaces[primitive["material"]].coordinates if "material" in primitive else 0
+    if wanted != 0:
+        attributes.pop("TEXCOORD_0", None)
+        if f"TEXCOORD_{wanted}" in attributes:
+            attributes["TEXCOORD_0"] = attributes[f"TEXCOORD_{wanted}"]
+
+
+def _left_out(path: Path, header: dict, primitives: list[dict]) -> list[str]:
+    images = header.get("images", [])
+    names = [image.get("uri", "data:") for image in images]
+    missing = [name for name in names if not name.startswith("data:") and not found_beside(path.parent, name)]
+    textures = [texture for texture in header.get("textures", []) if "KHR_texture_basisu" in texture.get("extensions", {})]
+    compressed = any("source" not in t or images[t["source"]].get("mimeType") == "image/ktx2" for t in textures)
+    lines = any(p.get("mode", _TRIANGLES) < _TRIANGLES for p in primitives)
+    notes = {
+        f"pictures that are not beside it: {', '.join(missing[:4])}": missing,
+        "pictures in KTX2 (KHR_texture_basisu) are not read; PNG and JPEG are": compressed,
+        "points and lines": lines,
+    }
+    return [note for note, present in notes.items() if present]

@@ -8,8 +8,7 @@ from scenes import box
 from softffd import load_scene
 from softffd.embedding.basis import weights
 from softffd.embedding.deform import deform
-from softffd.embedding.farthest_first import axis_weights, farthest_first
-from softffd.embedding.samples import MOST, most_behind, surface_samples
+from softffd.embedding.samples import MOST, axis_weights, farthest_first, most_behind, surface_samples
 from softffd.fmu.notes import samples_note
 from softffd.fmu.package import scene_masses, scene_samples
 from softffd.fmu.records import scene_records
