@@ -88,12 +88,13 @@ The FMU has only the variables that its scene needs; `softffd info SCENE` lists 
 | `NAME` | the name of the obstacle, pin, load or probe in the scene |
 | `i,j,k` | the indices of a control point, from 0; in a block of variables `i` runs fastest, then `j`, then `k` |
 | `.x` `.y` `.z` | a vector in the world frame, one variable for each component |
-| `plane.NAME` | a plane; the variables of a `[[sphere]]`, `[[cylinder]]` or `[[box]]` are the same under their own kind: `sphere.NAME.point.x`, \
+| `plane.NAME` | a plane; the variables of a `[[sphere]]`, `[[cylinder]]` or `[[box]]` are the same under their own kind: \
+`sphere.NAME.point.x`, \
 `cylinder.NAME.reaction.z`, `box.NAME.friction` |
 
-The variables of a line below are one block of value references. With `[fmu] names = "flat"` names have letters, digits and underscores only:
-`position_i_j_k_x` in place of `position[i,j,k].x`, `plane_NAME_point_z` in place of `plane.NAME.point.z`. The value references are the
-same, and `variableNamingConvention` is `flat`.
+The variables of a line below are one block of value references. With `[fmu] names = "flat"` names have letters, digits and underscores
+only: `position_i_j_k_x` in place of `position[i,j,k].x`, `plane_NAME_point_z` in place of `plane.NAME.point.z`. The value references are
+the same, and `variableNamingConvention` is `flat`.
 
 This page is made from the table of variables: `python docs/site/reference_pages.py docs`.
 """

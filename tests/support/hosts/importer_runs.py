@@ -184,19 +184,19 @@ This page says which importers of FMI 2.0 run the shipped scenes, and whether th
 
 ## How it was measured
 
-Every shipped scene ran for {STEPS * STEP:g} s in every importer that a package registry has, with communication steps of {STEP:g} s. Its own
-inputs drove it; a force drove `standard`, which has none. Every output was compared at every communication point.
+Every shipped scene ran for {STEPS * STEP:g} s in every importer that a package registry has, with communication steps of {STEP:g} s.
+Its own inputs drove it; a force drove `standard`, which has none. Every output was compared at every communication point.
 
 - *Same bits*: all outputs are equal to the last bit.
-- *Reactions* and a number: all outputs but the reactions are equal to the last bit. A reaction is an impulse divided by the step's length, which
-  is a difference of two times in that host. The number is the largest relative difference.
+- *Reactions* and a number: all outputs but the reactions are equal to the last bit. A reaction is an impulse divided by the step's
+  length, which is a difference of two times in that host. The number is the largest relative difference.
 
-A given `solver.step` ({START["solver.step"]:g} s, for `stiff_bounce` {STIFF_START["solver.step"]:g} s) makes runs independent of the last bits of a
-host's clock. Steps that the component chooses itself may differ with them, within the tolerance. None of the importers passed on a warning of
-the component.
+A given `solver.step` ({START["solver.step"]:g} s, for `stiff_bounce` {STIFF_START["solver.step"]:g} s) makes runs independent of the last
+bits of a host's clock. Steps that the component chooses itself may differ with them, within the tolerance. None of the importers passed
+on a warning of the component.
 
-`python tests/support/hosts/importer_runs.py docs/importers.md` makes this page; `python3 python/run.py test --full` runs all of it again and
-compares it with this page.
+`python tests/support/hosts/importer_runs.py docs/importers.md` makes this page; `python3 python/run.py test --full` runs all of it again
+and compares it with this page.
 
 ## Results
 """
