@@ -8,6 +8,7 @@ import math
 import struct
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -59,13 +60,13 @@ def read_gltf(path: Path, data: bytes) -> Triangles:
     return _read(path, header, lambda: _text(header))
 
 
-def _read(path: Path, header: dict, packed: Callable[[], bytes]) -> Triangles:
+def _read(path: Path, header: dict[str, Any], packed: Callable[[], bytes]) -> Triangles:
     surfaces, notes = _made_plain(path, header)
     triangles = read_bodies(path, packed(), surfaces)
     return triangles._replace(looks=triangles.looks.and_notes(*notes))
 
 
-def _text(header: dict) -> bytes:
+def _text(header: dict[str, Any]) -> bytes:
     text = json.dumps(header).encode()
     return text + b" " * (-len(text) % 4)
 
@@ -85,7 +86,7 @@ def _end_of_json(path: Path, data: bytes) -> int:
     return end
 
 
-def _parsed(path: Path, text: bytes) -> dict:
+def _parsed(path: Path, text: bytes) -> dict[str, Any]:
     try:
         header = json.loads(text)  # in UTF-8, UTF-16 or UTF-32, with a byte order mark or without
     except (ValueError, RecursionError):
@@ -95,7 +96,7 @@ def _parsed(path: Path, text: bytes) -> dict:
     return header
 
 
-def _made_plain(path: Path, header: dict) -> tuple[list[Surface], list[str]]:
+def _made_plain(path: Path, header: dict[str, Any]) -> tuple[list[Surface], list[str]]:
     """Change the header to what trimesh reads rightly; its materials' looks beside their pictures, and what is left out.
 
     Each material is called by its number in the list. Raises MeshError for what is not read, or where this is no glTF scene.
@@ -113,7 +114,7 @@ def _made_plain(path: Path, header: dict) -> tuple[list[Surface], list[str]]:
         raise damaged(path, f"its JSON is not that of a glTF scene ({type(fault).__name__}: {fault})") from None
 
 
-def _require_readable(path: Path, header: dict) -> None:
+def _require_readable(path: Path, header: dict[str, Any]) -> None:
     """Refuse what says where vertices are in ways that are not read."""
     used, required = (set(header.get(key, [])) for key in ("extensionsUsed", "extensionsRequired"))
     nodes, meshes = [node for node in header.get("nodes", []) if "mesh" in node], header.get("meshes", [])
@@ -134,7 +135,7 @@ def _require_readable(path: Path, header: dict) -> None:
     _refuse(path, {name: advice for present, name, advice in faults if present})
 
 
-def _require_plain_numbers(path: Path, header: dict, primitives: list[dict]) -> None:
+def _require_plain_numbers(path: Path, header: dict[str, Any], primitives: list[dict[str, Any]]) -> None:
     """Refuse vertices and corners that trimesh would read as zeros, or in other units."""
     accessors = header.get("accessors", [])
     drawn = [p for p in primitives if p.get("mode", _TRIANGLES) >= _TRIANGLES]
@@ -157,7 +158,7 @@ def _refuse(path: Path, found: dict[str, str]) -> None:
         raise MeshError(f"{path}: uses {' and '.join(found)}, which is not read. Wanted plain triangles; {advice}.")
 
 
-def _give_scene(header: dict) -> None:
+def _give_scene(header: dict[str, Any]) -> None:
     """All roots are the scene where there is none. Cameras go, since trimesh would take their nodes' children out of place."""
     nodes = header.get("nodes", [])
     for node in nodes:
@@ -167,7 +168,7 @@ def _give_scene(header: dict) -> None:
         header["scenes"], header["scene"] = [{"nodes": [number for number in range(len(nodes)) if number not in inner]}], 0
 
 
-def _plain_material(number: int, material: dict) -> Surface:
+def _plain_material(number: int, material: dict[str, Any]) -> Surface:
     glossy = material.get("extensions", {}).pop(_GLOSSY, None)
     if glossy is not None:
         wanted = {"baseColorFactor": "diffuseFactor", "baseColorTexture": "diffuseTexture"}
@@ -185,7 +186,7 @@ def _plain_material(number: int, material: dict) -> Surface:
     return Surface(name, matrix, moved, int(given.get("texCoord", texture.get("texCoord", 0))))
 
 
-def _use_coordinates(primitive: dict, surfaces: list[Surface]) -> None:
+def _use_coordinates(primitive: dict[str, Any], surfaces: list[Surface]) -> None:
     """trimesh reads the first set alone: it becomes that of the base colour's picture."""
     attributes = primitive["attributes"]
     wanted = surfaces[primitive["material"]].coordinates if "material" in primitive else 0
@@ -195,7 +196,7 @@ def _use_coordinates(primitive: dict, surfaces: list[Surface]) -> None:
             attributes["TEXCOORD_0"] = attributes[f"TEXCOORD_{wanted}"]
 
 
-def _left_out(path: Path, header: dict, primitives: list[dict]) -> list[str]:
+def _left_out(path: Path, header: dict[str, Any], primitives: list[dict[str, Any]]) -> list[str]:
     images = header.get("images", [])
     names = [image.get("uri", "data:") for image in images]
     missing = [name for name in names if not name.startswith("data:") and not found_beside(path.parent, name)]

@@ -42,7 +42,7 @@ def _triangles(text: bytes) -> Triangles:
         return _of_rows(by_words, kind)
 
 
-def _rows_of_words(words: list[bytes], start: int, kind: re.Match) -> list[list[bytes]] | None:
+def _rows_of_words(words: list[bytes], start: int, kind: re.Match[bytes]) -> list[list[bytes]] | None:
     """The records by their numbers of words, colours of faces aside; None where words are left or missing."""
     try:
         vertices, faces = map(int, words[:2])
@@ -57,7 +57,7 @@ def _rows_of_words(words: list[bytes], start: int, kind: re.Match) -> list[list[
     return rows if at == len(words) else None
 
 
-def _of_rows(rows: list[list[bytes]], kind: re.Match) -> Triangles:
+def _of_rows(rows: list[list[bytes]], kind: re.Match[bytes]) -> Triangles:
     counts = _whole(_numbers(rows[:1] or [[]], 0, 2, "the numbers of vertices and of faces"))[0]
     vertices, faces = rows[1 : counts[0] + 1], rows[counts[0] + 1 : counts.sum() + 1]
     if len(rows) < counts.sum() + 1:

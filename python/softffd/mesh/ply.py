@@ -6,7 +6,7 @@ announce, without a word, and gives up on binary files that mix triangles with o
 
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -70,7 +70,7 @@ def _read_header(data: bytes) -> tuple[_Header, bytes]:
     return _Header(order, elements, tuple(textures)), body
 
 
-def _triangles(path: Path, header: _Header, records: dict) -> Triangles:
+def _triangles(path: Path, header: _Header, records: dict[str, Any]) -> Triangles:
     vertex, face = records.get("vertex", {}), records.get("face", {})
     if vertex and not {"x", "y", "z"} <= vertex.keys():
         raise ValueError("its vertices have no x, y and z")
@@ -84,7 +84,7 @@ def _triangles(path: Path, header: _Header, records: dict) -> Triangles:
     return assemble(positions, faces.values, faces.counts, texels=texels, texel_corners=texel_corners, looks=looks)
 
 
-def _faces(face: dict, strips: dict) -> Lists:
+def _faces(face: dict[str, Any], strips: dict[str, Any]) -> Lists:
     """The corners of the polygons, and of the triangles of strips, which follow them."""
     found = [records.get("vertex_indices", records.get("vertex_index")) for records in (face, strips)]
     polygons, strip = (each if isinstance(each, Lists) else Lists(np.zeros(0, np.int64), np.zeros(0)) for each in found)
@@ -118,7 +118,7 @@ def _checked(lists: Lists, vertices: int) -> Lists:
     return lists
 
 
-def _texels(vertex: dict, face: dict, faces: Lists) -> tuple:
+def _texels(vertex: dict[str, Any], face: dict[str, Any], faces: Lists) -> tuple[np.ndarray | None, np.ndarray | None]:
     """Texture coordinates, of the corners (rare) or of the vertices, and each corner's index into them."""
     wedge = face.get("texcoord")
     if isinstance(wedge, Lists) and np.array_equal(wedge.counts, 2 * faces.counts):
@@ -130,7 +130,7 @@ def _texels(vertex: dict, face: dict, faces: Lists) -> tuple:
     return None, None
 
 
-def _face_looks(folder: Path, header: _Header, face: dict, faces: int, placed: bool) -> Looks:
+def _face_looks(folder: Path, header: _Header, face: dict[str, Any], faces: int, placed: bool) -> Looks:
     """Materials of the faces: pictures, where they are `placed` by texture coordinates, or the faces' own colours."""
     colours = _colours(header, "face", face)
     if header.textures and placed:
@@ -145,7 +145,7 @@ def _face_looks(folder: Path, header: _Header, face: dict, faces: int, placed: b
     return from_face_colours(colours) if colours is not None and len(colours) == faces else PLAIN
 
 
-def _colours(header: _Header, element: str, records: dict) -> np.ndarray | None:
+def _colours(header: _Header, element: str, records: dict[str, Any]) -> np.ndarray | None:
     """Colours (N, 3), 0 .. 1, of an element's records; None where they have none."""
     for names in _COLOUR_NAMES:
         if set(names) <= records.keys() and not any(isinstance(records[name], Lists) for name in names):
