@@ -148,7 +148,7 @@ def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
         _require_one_run(header, **fields)
     except (KeyError, TypeError, *UNREADABLE) as fault:
         raise damaged(path, "result", fault) from None
-    scene, why = (None, "") if header.scene is None else _scene(header.scene, path.absolute().parent, mesh)
+    scene, why = (None, "") if header.scene is None else _scene(header.scene, header.lattice, path.absolute().parent, mesh)
     told = {name: getattr(header, name) for name in ("parameters", "summary", "lattice", "flat_names", "obstacles", "log")}
     return fields | told | {"scene": scene, "sceneless": why}
 
@@ -190,7 +190,7 @@ def _require_one_run(
         raise ValueError(f"header, summary.warnings: wanted a list, got {header.summary['warnings']!r:.70}")
 
 
-def _scene(kept: KeptScene, folder: Path, given: Path | None) -> tuple[Scene | None, str]:
+def _scene(kept: KeptScene, lattice: LatticeBox | None, folder: Path, given: Path | None) -> tuple[Scene | None, str]:
     """The scene of the keys, if its mesh is found and still the one of the run; else None, and why."""
     from softffd.scene.scene import scene_from
 
@@ -205,6 +205,8 @@ def _scene(kept: KeptScene, folder: Path, given: Path | None) -> tuple[Scene | N
         scene = scene_from(keys, path=str(kept.path))
     except (SceneError, OSError, ValueError) as error:
         return None, error.problems[0] if isinstance(error, SceneError) else str(error)
+    if lattice and scene.lattice_box.points != lattice.points:
+        return None, f"its scene has a lattice of {scene.lattice_box.points}, the run one of {lattice.points}"
     if scene.loaded_mesh and _fingerprint(scene.loaded_mesh) != kept.mesh:
         return None, f"{scene.mesh.file if scene.mesh else ''} is another mesh than at the time of the run"
     return scene, ""

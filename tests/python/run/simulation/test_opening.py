@@ -139,14 +139,14 @@ def test_many_run_side_by_side_in_one_process():
 def test_an_archive_that_would_fill_the_disk_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
     fmu = package_fmu(scene(), tmp_path / "box.fmu")
     with ZipFile(fmu, "a", ZIP_DEFLATED) as packed:
-        packed.writestr("resources/zeros.bin", bytes(100_000_000))
+        packed.writestr("resources/zeros.bin", bytes(20_000_000))
     with Simulation(fmu) as opened:
         step(opened)
-    monkeypatch.setattr(archive, "LARGEST", 1e7)
+    monkeypatch.setattr(archive, "LARGEST", 1e6)
     monkeypatch.setattr(archive, "MOST_TIMES", 10)
     monkeypatch.setattr(archive.fmpy, "extract", lambda *_given, **_keys: pytest.fail("unpacked"))
     for ask in (lambda: Simulation(fmu), lambda: write_ssp(tmp_path / "box.ssp", {"box": fmu}, [])):
-        with pytest.raises(SoftffdError, match=r"box\.fmu: its .* MB would unpack to 0\.1\d* GB; wanted at most 0\.01 GB, or 10 times"):
+        with pytest.raises(SoftffdError, match=r"box\.fmu: its .* MB would unpack to 0\.02\d* GB; wanted at most 0\.001 GB, or 10 times"):
             ask()
 
 
