@@ -177,6 +177,7 @@ WRONG = [
     *[{key: 3} for key in ("version", "outputs", "inputs", "parameters", "summary", "lattice", "log", "scene", "obstacles")],
     *[{key: []} for key in ("parameters", "summary", "lattice", "flat_names", "obstacles")],
     {"version": "1", "outputs": {}}, {"version": None, "log": [[1]]}, {"version": 10**400}, {"version": 2, "softffd": ...},
+    {"summary": {"warnings": 3}}, {"parameters": {"mass": 10**400}},
     {"outputs": ["time"]}, {"outputs": [["mass"]]}, {"inputs": ["a"] * 99}, {"parameters": {"mass": [1]}}, {"log": [["a", "b", "c"]]},
     {"lattice": {"points": [2, 2]}}, {"lattice": {"points": [2, 2, 3], "origin": [0, 0, 0], "size": [1, 1, 1], "basis": "bezier"}},
     {"lattice": {"points": [2, 2, 2], "origin": [0, 0, 0], "size": [1, 1, 1], "basis": "bezir"}}, {"obstacles": {"meet": "nothing"}},
@@ -205,7 +206,7 @@ def test_a_header_that_is_not_of_this_form_is_refused(small, tmp_path, changes):
 @pytest.mark.parametrize(
     "keys",
     [{"mesh": []}, {"mesh": {}}, {"mesh": {"file": 3}}, {"mesh": {"file": "a\0b"}}, {"mesh": {"file": ""}}, {"mesh": {"file": ".."}},
-     {"plane": 3}, {"pin": [{"points": {"1": 2}}]}, {"": 1}],
+     {"plane": 3}, {"pin": [{"points": {"1": 2}}]}, {"": 1}, {"lattice": {"points": [3, 3, 3]}}],
 )  # fmt: skip
 def test_a_scene_that_is_none_is_told_and_the_numbers_stay(small, tmp_path, keys):
     loaded = rewritten(small, tmp_path / "run.npz", scene={"keys": keys, "path": "a\0b", "mesh": None})
