@@ -98,9 +98,10 @@ class Inputs:
         self.derived_names = list(derived_velocities(now, now, 1.0))
         """Velocities that follow from given poses"""
 
-    def derive_only(self, names: Container[str]) -> None:
-        """From here on only those of `derived_names` that are among these: the inputs of an FMU."""
-        self.derived_names = [name for name in self.derived_names if name in names]
+    def derive_only(self, names: Iterable[str]) -> None:
+        """From here on only those of `derived_names` that are among these, in either form of their names: the inputs of an FMU."""
+        there = set(map(structured, names))
+        self.derived_names = [name for name in self.derived_names if structured(name) in there]
 
     def driven(self, component: Component) -> list[ScalarVariable]:
         """The inputs of an FMU that are driven: in the order of `names`, and then of the velocities that follow from them, where it has

@@ -64,6 +64,9 @@ def test_files_of_either_form_drive_either_fmu(descriptions, tmp_path, names, he
     rows = np.array([(0.0, 5.0, 3.0), (0.1, 2.0, 2.9)], dtype=[(name, float) for name in ("time", FORCE, "plane.lid.point.z")])
     expected = simulate(scene("structured"), stop_time=STOP, step=STEP, inputs=rows, interpolation="cubic")
     np.testing.assert_array_equal(result.positions, expected.positions)
+    follows = "plane.lid.velocity.z"
+    np.testing.assert_array_equal(result.inputs[follows], expected.inputs[follows])
+    assert result.inputs[follows].min() < -0.5
     assert np.ptp(result.outputs["velocity[2,1,0].y"]) > 0.1
     assert list(result.inputs["force_2_1_0_y"]) == list(result.inputs[FORCE]) != [0.0] * 11
 
