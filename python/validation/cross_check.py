@@ -86,7 +86,7 @@ def _reference(result: Result) -> dict[str, np.ndarray]:
 
 
 def _vector(name: str) -> str:
-    return name.rpartition(".")[0]
+    return structured(name).rpartition(".")[0]
 
 
 def _csv(time: np.ndarray, columns: Mapping[str, np.ndarray]) -> str:
