@@ -3,7 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from softffd import Scene
+import pytest
+
+from softffd import Scene, SceneError
 from softffd.scene.scene import scene_from
 from validation import shapes
 
@@ -19,6 +21,8 @@ SECTIONS = {
     "solver": ("method", "step", "tolerance", "error_estimate"),
     "experiment": ("stop_time", "communication_step"),
 }
+TETRAHEDRON = "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+"""A closed mesh as an OBJ file, in a box of 2 x 1 x 4 m"""
 MOVED = {"motion": "input", "inputs": ["point", "normal", "velocity", "angular_velocity"]}
 """A plane whose whole pose and motion are inputs"""
 LED = {"motion": "input", "inputs": ["position", "orientation", "velocity", "angular_velocity"]}
@@ -69,3 +73,10 @@ def falling(method: str, **ground: Any) -> Scene:
     motion = {"offset": [0.0, 0.0, 0.2], "velocity": [0.5, 0.0, 0.0], "angular_velocity": [1.0, 2.0, 0.0], "stop_time": 0.4}
     floor = {"name": "ground", "friction": 0.4, **ground}
     return box(stiffness=1e3, damping=damping_for(method), gravity=GRAVITY, plane=[floor], **motion, **OBSERVED)
+
+
+def problems(document: dict[str, Any], path: str | Path = "scene.toml") -> list[str]:
+    """The lines in which a document is refused."""
+    with pytest.raises(SceneError) as refused:
+        scene_from(document, path=path)
+    return refused.value.problems

@@ -3,7 +3,7 @@
 This is the first of two passes; `checks` looks at what holds between the keys that are sound, and asks `sound(...)` for those of others.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -81,7 +81,7 @@ def plain(value: Any) -> Any:
         value = {key: getattr(value, key) for key in value.model_fields_set}
     if isinstance(value, Mapping):
         return {str(key): plain(entry) for key, entry in value.items()}
-    return [plain(entry) for entry in value] if isinstance(value, list | tuple) else value
+    return [plain(entry) for entry in value] if isinstance(value, Iterable) and not isinstance(value, str | bytes) else value
 
 
 def _overlap(one: KeyPath, other: KeyPath) -> bool:

@@ -1,6 +1,6 @@
 """The sections of what is rigid beside the object and may be moved by inputs: planes, solids and pins. SI units."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal, Protocol
 
 from pydantic import BeforeValidator, WithJsonSchema
 
@@ -48,12 +48,47 @@ BoxInputs = Annotated[tuple[str, ...], _chosen_of(BOX_POSE), _chosen_schema(BOX_
 PinInputs = Annotated[tuple[str, ...], _chosen_of(PIN_POSE), _chosen_schema(PIN_POSE)]
 
 
-def _components(pose: dict[str, str], chosen: tuple[str, ...]) -> list[str]:
-    """All components that are chosen, by themselves or with their vector, in the pose's order."""
-    return [f"{vector}.{each}" for vector in pose for each in pose[vector] if {vector, f"{vector}.{each}"} & set(chosen)]
+def _inputs(pose: dict[str, str], *, of: str = "", example: str = "") -> Any:
+    """The key that chooses them."""
+    vectors = ", ".join(f"`{vector}`" for vector in pose)
+    what = f"what of {vectors}{of} are inputs, or single components{example}"
+    return key((next(iter(pose)), "velocity"), f"{what}; the rest are parameters, which hold at every communication point")
 
 
-class Plane(Section):
+def _motion() -> Any:
+    return key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
+
+
+class _Movable(Protocol):
+    """What the keys of a rigid part are."""
+
+    POSE: ClassVar[dict[str, str]]
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def motion(self) -> str: ...
+    @property
+    def inputs(self) -> tuple[str, ...]: ...
+
+
+class Rigid(Section):
+    """A rigid part that inputs may move."""
+
+    POSE: ClassVar[dict[str, str]] = PLANE_POSE
+
+    @property
+    def part(self: _Movable) -> Part:
+        """Kind and name, with which the names of its variables begin."""
+        return Part(type(self).__name__.lower(), self.name)
+
+    def input_components(self: _Movable) -> list[str]:
+        """What is an input of pose and motion, by itself or with its vector, in the pose's order: "point.z", ..."""
+        chosen = set(self.inputs) if self.motion == "input" else set()
+        return [f"{vector}.{each}" for vector in self.POSE for each in self.POSE[vector] if {vector, f"{vector}.{each}"} & chosen]
+
+
+class Plane(Rigid):
     """An obstacle: the half-space behind the plane is solid."""
 
     name: Name = key(..., NAME, examples=["ground"])
@@ -62,24 +97,11 @@ class Plane(Section):
     velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of the obstacle at `point`")
     angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about `point`")
     friction: Number = quantity(0.4, "1", "Coulomb's coefficient of friction", ge=0)
-    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
-    inputs: PlaneInputs = key(
-        ("point", "velocity"),
-        'what of `point`, `normal`, `velocity`, `angular_velocity` are inputs, or single components: "point.z"; '
-        "the rest are parameters, which hold at every communication point",
-    )
-
-    def input_components(self) -> list[str]:
-        """What is an input of pose and motion: "point.z", ..."""
-        return _components(PLANE_POSE, self.inputs) if self.motion == "input" else []
-
-    @property
-    def part(self) -> Part:
-        """Kind and name, with which the names of its variables begin."""
-        return Part("plane", self.name)
+    motion: Motion = _motion()
+    inputs: PlaneInputs = _inputs(PLANE_POSE, example=': "point.z"')
 
 
-class Solid(Section):
+class Solid(Rigid):
     """An obstacle with an inside: what it has in common with others. Its variables are those of a plane."""
 
     name: Name = key(..., NAME, examples=["ball"])
@@ -87,12 +109,7 @@ class Solid(Section):
     velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of its centre")
     angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about its centre")
     friction: Number = quantity(0.4, "1", "Coulomb's coefficient of friction", ge=0)
-    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
-
-    @property
-    def part(self) -> Part:
-        """Kind and name, with which the names of its variables begin."""
-        return Part(self.shape().kind, self.name)
+    motion: Motion = _motion()
 
     def shape(self) -> SolidShape:
         """What there is to see."""
@@ -103,25 +120,15 @@ class Round(Solid):
     """A solid of revolution."""
 
     radius: Number = quantity(..., "m", "its radius", gt=0, examples=[0.5])
-    inputs: PlaneInputs = key(
-        ("point", "velocity"),
-        "what of `point`, `normal`, `velocity`, `angular_velocity` are inputs, or single components; "
-        "the rest are parameters, which hold at every communication point",
-    )
-
-    def input_components(self) -> list[str]:
-        """What is an input of pose and motion: "point.z", ..."""
-        return _components(PLANE_POSE, self.inputs) if self.motion == "input" else []
+    inputs: PlaneInputs = _inputs(PLANE_POSE)
 
 
 class Sphere(Round):
     """An obstacle: a solid sphere about `point`; needs contact.of = "surface"."""
 
-    inputs: SphereInputs = key(
-        ("point", "velocity"),
-        "what of `point`, `velocity`, `angular_velocity` are inputs, or single components; "
-        "the rest are parameters, which hold at every communication point",
-    )
+    POSE = SPHERE_POSE
+
+    inputs: SphereInputs = _inputs(SPHERE_POSE)
 
     @property
     def normal(self) -> tuple[float, float, float]:
@@ -134,7 +141,6 @@ class Sphere(Round):
         return 0.0
 
     def shape(self) -> SolidShape:
-        """What there is to see."""
         return SolidShape(self.name, "sphere", (2 * self.radius,) * 3)
 
 
@@ -145,38 +151,32 @@ class Cylinder(Round):
     normal: Direction = quantity((0.0, 0.0, 1.0), "1", "its axis; any length > 0")
 
     def shape(self) -> SolidShape:
-        """What there is to see."""
         return SolidShape(self.name, "cylinder", (2 * self.radius, 2 * self.radius, self.length))
 
 
 class Box(Solid):
     """An obstacle: a solid box about `point`; needs contact.of = "surface"."""
 
+    POSE = BOX_POSE
+
     size: PositiveVector = quantity(..., "m", "its edges, > 0", examples=[[1.0, 1.0, 1.0]])
     rotation: RotationTable | None = key(
         None, "turned about `point`, { axis = [0, 1, 0], degrees = 35 }; absent: edges along the axes of the world"
     )
-    inputs: BoxInputs = key(
-        ("point", "velocity"),
-        "what of `point`, `rotation`, `velocity`, `angular_velocity` are inputs, or single components; "
-        "the rest are parameters, which hold at every communication point",
-    )
+    inputs: BoxInputs = _inputs(BOX_POSE)
 
     def shape(self) -> SolidShape:
-        """What there is to see."""
         return SolidShape(self.name, "box", self.size)
 
     def rotation_vector(self) -> tuple[float, float, float]:
         """Along the axis, as long as the angle [rad]."""
         return self.rotation.vector() if self.rotation else (0.0, 0.0, 0.0)
 
-    def input_components(self) -> list[str]:
-        """What is an input of pose and motion: "rotation.z", ..."""
-        return _components(BOX_POSE, self.inputs) if self.motion == "input" else []
 
-
-class Pin(Section):
+class Pin(Rigid):
     """Control points on a rigid frame, whose axes at rest are the world's."""
+
+    POSE = PIN_POSE
 
     name: Name = key(..., NAME, examples=["base"])
     points: Selection = key(..., "the pinned control points: a selection of at least one", examples=["z-"])
@@ -184,13 +184,5 @@ class Pin(Section):
         None, "m", "origin of the frame at rest: what its position and velocity are those of, and its torque is about; default: the "
         "centroid of the points"
     )  # fmt: skip
-    motion: Motion = key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
-    inputs: PinInputs = key(
-        ("position", "velocity"),
-        'what of `position`, `orientation`, `velocity`, `angular_velocity` of the frame are inputs, or single components: "position.z"; '
-        "the rest are parameters, which hold at every communication point",
-    )
-
-    def input_components(self) -> list[str]:
-        """What is an input of pose and motion: "position.z", ..."""
-        return _components(PIN_POSE, self.inputs) if self.motion == "input" else []
+    motion: Motion = _motion()
+    inputs: PinInputs = _inputs(PIN_POSE, of=" of the frame", example=': "position.z"')

@@ -3,31 +3,10 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Discriminator,
-    Field,
-    Strict,
-    Tag,
-    WithJsonSchema,
-)
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Strict, Tag, WithJsonSchema
 
-from softffd.scene.section import (
-    NAME,
-    Name,
-    Number,
-    PositiveVector,
-    RotationTable,
-    Section,
-    Switch,
-    Vector,
-    key,
-    list_of,
-    list_schema,
-    quantity,
-    refusal,
-)
+from softffd.scene import section
+from softffd.scene.section import NAME, Name, Number, PositiveVector, RotationTable, Section, Switch, Vector, key, quantity, refusal
 from softffd.scene.selection import Selection
 
 
@@ -45,8 +24,8 @@ Cells = Annotated[int, Strict(), Field(ge=1, le=31)]
 Threads = Annotated[int, Strict(), Field(ge=1, le=64)]
 Counts = Annotated[
     tuple[Count, Count, Count],
-    list_of(3, "3 whole numbers [nx, ny, nz]"),
-    list_schema(3, type="integer", minimum=2, maximum=32),
+    section.list_of(3, "3 whole numbers [nx, ny, nz]"),
+    section.list_schema(3, type="integer", minimum=2, maximum=32),
 ]
 
 

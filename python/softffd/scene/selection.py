@@ -8,10 +8,10 @@ Xia & Wang 2009, eq. (1).
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
+from pydantic import AfterValidator, Discriminator, Field, Strict, Tag
 
 from softffd.lattice import index_grid
-from softffd.scene.section import key, list_of, list_schema, refusal
+from softffd.scene.section import Section, key, list_of, list_schema, refusal
 
 FACES = {f"{'xyz'[axis]}{side}": (axis, end) for axis in range(3) for side, end in (("-", 0), ("+", -1))}
 
@@ -38,10 +38,8 @@ Range = Annotated[
 ]
 
 
-class Ranges(BaseModel):
+class Ranges(Section):
     """Inclusive index ranges per axis; an absent axis means all of it."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     i: Range | None = key(None, "first and last index along x, both included; absent: all")
     j: Range | None = key(None, "first and last index along y, both included; absent: all")
@@ -95,9 +93,9 @@ def _list_indices(points: tuple[tuple[int, int, int], ...], grid: np.ndarray) ->
     outside = [point for point in points if any(np.greater_equal(point, grid.shape))]
     if outside:
         raise ValueError(f"{_inside(grid.shape)}, got {', '.join(str(list(point)) for point in outside)}")
-    twice = [list(point) for n, point in enumerate(points) if point in points[:n]]
-    if twice:
-        raise ValueError(f"wanted each control point once, got {twice[0]} again")
+    if len(set(points)) < len(points):
+        twice = next(point for n, point in enumerate(points) if point in points[:n])
+        raise ValueError(f"wanted each control point once, got {list(twice)} again")
     return np.array([grid[point] for point in points], dtype=np.int64)
 
 

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from scenes import TETRAHEDRON
 from softffd import Scene, SceneError, load_scene
 from softffd.scene.document import SHIPPED, shipped_scenes
 from softffd.scene.keys import schema
@@ -112,7 +113,7 @@ def texts(draw):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("any_scene")
-    (folder / "box.obj").write_text("v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    (folder / "box.obj").write_text(TETRAHEDRON)
     return folder
 
 

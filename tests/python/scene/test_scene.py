@@ -5,14 +5,13 @@ import tomllib
 import numpy as np
 import pytest
 
+from scenes import TETRAHEDRON
 from softffd.errors import SceneError
 from softffd.fmu.package import scene_masses
 from softffd.scene.document import shipped_scenes
 from softffd.scene.keys import schema
 from softffd.scene.new import template
 from softffd.scene.scene import Scene, load_scene, scene_from
-
-TETRAHEDRON = "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 
 
 @pytest.fixture

@@ -1,165 +1,194 @@
 """The problems between keys, and those of the mesh; found beside all others in one go."""
 
+import re
+
 import pytest
 
-from softffd.errors import SceneError
+from scenes import TETRAHEDRON, problems
 from softffd.scene.scene import scene_from
 
-CLOSED = "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
-OPEN = CLOSED.removesuffix("f 2 3 4\n")
 FLAT = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+LOW = TETRAHEDRON.replace("v 0 0 4", "v 0 0 0.01")
+OUTSIDE = [[4, 0, 0]]
+TWO = {
+    "plane": [{}, {}],
+    "pin": [{"points": [[0, 0, 0]]}, {"points": [[1, 0, 0]]}],
+    "load": [{"points": "x+"}] * 2,
+    "probe": [{"at": [0, 0, 0]}] * 2,
+}
+RUBBER = {"youngs_modulus": 1e6}
+CUBE = {"i": [0, 1], "j": [0, 1], "k": [0, 1]}
+SPRINGS = {"edge": 1.0, "face": 2.0, "body": 3.0}
+HOLDS = "lattice.size: wanted a box that holds the mesh ([0, 0, 0] to [2, 1, 4] m), got "
+FOLLOWS = ": the box then follows the mesh"
+NO_LONGER = (
+    "wanted nearly cubic cells, for springs of a given modulus: one long side at most 1.22 times the other two, or two long sides at most "
+    "1.41 times the third; got cells of "
+)
+ON_SURFACE = {"mesh": {"file": "closed.obj"}, "plane": [{"name": "ground"}], "contact": {"of": "surface"}}
+METHODS = 'wanted "auto", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2"'
 
 
-@pytest.fixture
-def folder(tmp_path):
-    for name, text in {"closed": CLOSED, "open": OPEN, "flat": FLAT}.items():
-        (tmp_path / f"{name}.obj").write_text(text)
-    return tmp_path
+def mesh(name, **document):
+    return {"mesh": {"file": f"{name}.obj"}} | document
 
 
-def problems(document, path="scene.toml"):
-    with pytest.raises(SceneError) as caught:
-        scene_from(document, path=path)
-    return caught.value.problems
+def mass(**keys):
+    return {"mass": keys}
 
 
-def with_mesh(folder, name, **document):
-    return problems({"mesh": {"file": f"{name}.obj"}} | document, folder / "scene.toml")
+def lattice(**keys):
+    return {"lattice": keys}
 
 
-@pytest.mark.parametrize("points", [[8, 8, 8], [9, 9, 8], [2, 32, 32], [32, 32, 32]])
-@pytest.mark.parametrize("method", ["ros34pw2", "backward_euler"])
-def test_every_lattice_has_implicit_methods(points, method):
-    assert scene_from({"lattice": {"points": points}, "solver": {"method": method}})
+def rubber(**document):
+    return {"material": RUBBER} | document
 
 
-@pytest.mark.parametrize("basis", ["bezier", "bspline"])
-def test_the_finest_lattice_is_allowed_with_either_basis(basis):
-    assert len(scene_from({"lattice": {"points": [32, 32, 32], "basis": basis}}).rest_positions()) == 32**3
+def region(**keys):
+    return {"region": [{"points": "all", **keys}]}
 
 
-@pytest.mark.parametrize("section", ["plane", "pin", "load", "probe"])
-def test_a_name_used_twice_is_refused_at_the_second(section):
-    rest = {"pin": [{"points": [[0, 0, 0]]}, {"points": [[1, 0, 0]]}], "load": [{"points": "x+"}] * 2}
-    rest |= {"plane": [{}, {}], "probe": [{"at": [0, 0, 0]}] * 2}
-    (line,) = problems({section: [item | {"name": "same"} for item in rest[section]]})
-    assert line == f'{section}[1].name: wanted a name of its own, got "same", already the name of {section}[0]'
+# fmt: off
+REFUSED = [
+    *(({section: [item | {"name": "same"} for item in items]},
+       f'{section}[1].name: wanted a name of its own, got "same", already the name of {section}[0]') for section, items in TWO.items()),
+    *(({section: [{"name": "a", "points": points}]}, f"{section}[0].points: wanted at least one control point, got {got}")
+      for section in ("pin", "load") for points, got in (("none", '"none"'), ([], "[]"))),
+    ({"pin": [{"name": "a", "points": "x-"}, {"name": "b", "points": "z-"}]},
+     "pin[1].points: wanted control points that no other pin holds, got [0, 0, 0] and 3 more, held by pin[0] too"),
+    ({"plane": [{"name": "a", "inputs": ["normal"]}]},
+     'plane[0].inputs: wanted them beside motion = "input" only, got ["normal"] with motion = "fixed"'),
+    # mass
+    (mesh("closed") | mass(total=3, density=5), "mass: wanted total or density, got total = 3 and density = 5"),
+    *((mass(distribution=word), f'mass.distribution: "{word}" needs a {kind}, but the scene has no [mesh]')
+      for word, kind in (("volume", "closed mesh"), ("surface", "mesh"), ("vertices", "mesh"))),
+    *((mesh("open") | mass(**{key: value}),
+       f"mass.{key}: {got} needs a closed mesh, but open.obj is open (holes in its surface, or faces turned inside out); {instead} instead")
+      for key, value, got, instead in (("density", 5.0, "5.0", 'give "total"'), ("distribution", "volume", '"volume"', 'take "surface"'))),
+    (mass(distribution="box", uniform_share=0.2),
+     'mass.uniform_share: wanted 0 where the distribution is "box", which leaves no point without mass, got 0.2'),
+    (mass(inertia="matched") | lattice(points=[2, 4, 4]),
+     'mass.inertia: "matched" wants 3 control points or more along each axis, got [2, 4, 4]; take "lumped" instead'),
+    (mass(inertia="matched") | region(mass=2.0),
+     'region[0].mass: wanted none beside mass.inertia = "matched", which chooses the masses, got 2'),
+    # the box and its mesh
+    (mesh("flat"), "mesh.file: ...flat along z..."),
+    (mesh("missing", probe=[{"name": "p", "at": [9, 9, 9]}]) | mass(density=1.0), "mesh.file: ...missing.obj..."),
+    (mesh("closed") | lattice(size=[2, 1, 3.9]),
+     f"{HOLDS}[0, 0, 0] to [2, 1, 3.9] m, which does not along z; leave out size{FOLLOWS}"),
+    (mesh("closed") | lattice(origin=[0, 0, 1], size=[2, 1, 4]),
+     f"{HOLDS}[0, 0, 1] to [2, 1, 5] m, which does not along z; leave out origin and size{FOLLOWS}"),
+    (lattice(margin=0.1), "lattice.margin: wanted 0, for there is no [mesh] whose box it would grow, got 0.1"),
+    (mesh("closed") | lattice(origin=[0, 0, 0], size=[2, 1, 4], margin=0.1),
+     "lattice.margin: wanted 0, for origin and size are both given, got 0.1"),
+    ({"probe": [{"name": "in", "at": [1, 0, 0.5]}, {"name": "out", "at": [0.5, 0.5, 1.001]}]},
+     "probe[1].at: wanted a place in the box [0, 0, 0] to [1, 1, 1] m, got [0.5, 0.5, 1.001]"),
+    *((lattice(**box), "lattice: wanted control points that differ along x, got origin...")
+      for box in ({"origin": [1e20, 0, 0], "size": [1, 1, 1]}, {"origin": [1.7e308, 0, 0], "size": [1.7e308, 1, 1]})),
+    # control points
+    (lattice(points=[3, 3, 3], cells=2), "lattice: wanted points or cells, got points = [3, 3, 3] and cells = 2"),
+    (lattice(cells=2, spacing=0.5), "lattice: wanted cells or spacing, got cells = 2 and spacing = 0.5"),
+    (lattice(points="cubic"), 'lattice.points: wanted cells or spacing beside "cubic", got neither'),
+    (lattice(points="cubik", cells=3), 'lattice.points: wanted "cubic", got "cubik", did you mean "cubic"?'),
+    (lattice(cells=32), "lattice.cells: wanted <= 31, got 32"),
+    (lattice(cells=0), "lattice.cells: wanted >= 1, got 0"),
+    (lattice(spacing=0.0), "lattice.spacing: wanted > 0 m, got 0.0"),
+    (lattice(spacing=1e-9), "lattice.spacing: wanted >= 0.0323 m, for a side has at most 31 cells, got 1e-09"),
+    (lattice(points="cubic", cells=99), "lattice.cells: wanted <= 31, got 99"),
+    # material
+    (rubber(material=RUBBER | {"stiffness": 2e3}),
+     "material: wanted stiffness or youngs_modulus, got stiffness = 2000 and youngs_modulus = 1e+06"),
+    (rubber(material=RUBBER | {"stiffness": SPRINGS}),
+     "material: wanted stiffness or youngs_modulus, got stiffness = { edge = 1.0, face = 2.0, body = 3.0 } and youngs_modulus = 1e+06"),
+    (region(youngs_modulus=1.0) | {"material": {"youngs_modulus": 0}}, "material.youngs_modulus: wanted > 0 Pa, got 0"),
+    ({"material": {"internal_damping": -1}}, "material.internal_damping: wanted >= 0 s, got -1"),
+    (rubber(lattice={"springs": "paper"}), 'lattice.springs: wanted "distinct", as springs of a youngs_modulus are, got "paper"'),
+    (rubber() | region(stiffness=4e3), "region[0].stiffness: wanted youngs_modulus, for the material has one, got stiffness = 4000"),
+    (region(youngs_modulus=4e3), "region[0].youngs_modulus: wanted stiffness, for the material has one, got youngs_modulus = 4000"),
+    (region(density=200.0),
+     'region[0].density: wanted it with mass.distribution = "box" only, whose cells have masses, got 200 with "uniform"'),
+    *((rubber(region=[{"points": "z-", key: 1e3}]),
+       f'region[0].points: wanted all eight corners of one cell at least, in which {key} would hold, got "z-"')
+      for key in ("youngs_modulus", "internal_damping", "density")),
+    (rubber(lattice={"size": [0.3, 0.3, 1.2]}),
+     f"lattice.points: {NO_LONGER}0.1 x 0.1 x 0.4 m; points = [4, 4, 13] gives 0.1 x 0.1 x 0.1"),
+    (rubber(lattice={"size": [1.0, 1.0, 0.05], "cells": 3}), "lattice.cells: ...cells = 15 gives..."),
+    (rubber(lattice={"size": [1.0, 1.0, 0.05], "spacing": 0.2}), "lattice.spacing: ...spacing = 0.06667 gives..."),
+    (mesh("low") | rubber(), "...; the box is too flat or too long for nearly cubic ones, of which a side has at most 31"),
+    # contact
+    (ON_SURFACE | {"solver": {"method": "central_difference"}},
+     f'solver.method: {METHODS} or "backward_euler" beside contact.of = "surface", which it does not know, got "central_difference"'),
+    (ON_SURFACE | {"solver": {"method": "backward_euler"}, "sphere": [{"name": "ball", "radius": 1.0}]},
+     'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12", "dop853" or "ros34pw2" beside a sphere, cylinder or box, '
+     'got "backward_euler"'),
+    (ON_SURFACE | {"contact": {"of": "lattice", "penetration": 0.01}},
+     'contact.penetration: wanted it beside of = "surface" only, got 0.01 with of = "lattice"'),
+    ({"contact": {"of": "surface"}}, 'contact.of: "surface" needs a mesh, but the scene has no [mesh]; take "lattice" instead'),
+    ({"sphere": [{"name": "ball", "radius": 1.0}]},
+     'contact.of: "lattice" knows planes alone, but the scene has a [[sphere]]; take "surface", which needs a [mesh]'),
+    (ON_SURFACE | {"contact": {"of": "surfaces"}}, 'contact.of: wanted "surface" or "lattice", got "surfaces", did you mean "surface"?'),
+    # what nobody gave is not blamed
+    (lattice(points=[4, 4, 99]) | {"inputs": {"forces": [[0, 0, 50]]}}, "lattice.points[2]: wanted <= 32, got 99"),
+    (lattice(cells=0) | {"inputs": {"forces": [[9, 0, 0]]}}, "lattice.cells: wanted >= 1, got 0"),
+    (lattice(size=[0, 1, 1]) | {"probe": [{"name": "p", "at": [5, 5, 5]}]}, "lattice.size[0]: wanted > 0 m, got 0"),
+    ({"plane": [{"name": "ground"}, {"nam": "a"}]}, 'plane[1].nam: unknown key, did you mean "name"?'),
+]
+ALLOWED = [
+    *({"lattice": {"points": points}, "solver": {"method": method}}
+      for points in ([8, 8, 8], [9, 9, 8], [2, 32, 32], [32, 32, 32]) for method in ("ros34pw2", "backward_euler")),
+    *(lattice(points=[32, 32, 32], basis=basis) for basis in ("bezier", "bspline")),
+    {"plane": [{"name": "a"}], "load": [{"name": "a", "points": "all"}]},
+    {"region": [{"points": "none"}]},
+    mesh("open") | mass(distribution="surface"),
+    {key: value for key, value in ON_SURFACE.items() if key != "plane"} | {"solver": {"method": "central_difference"}},  # nothing is met
+    *(rubber(region=[{"points": CUBE, key: 1e3}]) for key in ("youngs_modulus", "internal_damping", "density")),
+    {"region": [{"points": "z-", "internal_damping": 1e-3}]},
+    rubber(lattice={"size": [0.3, 0.3, 1.2], "points": [4, 4, 13]}),
+    lattice(size=[0.3, 0.3, 1.2]),
+]
+# fmt: on
 
 
-def test_different_kinds_may_share_a_name():
-    assert scene_from({"plane": [{"name": "a"}], "load": [{"name": "a", "points": "all"}]})
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("checks")
+    for name, text in {"closed": TETRAHEDRON, "open": TETRAHEDRON.removesuffix("f 2 3 4\n"), "flat": FLAT, "low": LOW}.items():
+        (folder / f"{name}.obj").write_text(text)
+    return folder
 
 
-@pytest.mark.parametrize("section", ["pin", "load"])
-@pytest.mark.parametrize(("points", "got"), [("none", '"none"'), ([], "[]")])
-def test_an_empty_pin_or_load_is_refused(section, points, got):
-    expected = [f"{section}[0].points: wanted at least one control point, got {got}"]
-    assert problems({section: [{"name": "a", "points": points}]}) == expected
+@pytest.mark.parametrize(("document", "line"), REFUSED, ids=[line[:40] for _, line in REFUSED])
+def test_keys_that_do_not_go_together_are_one_problem(document, line, folder):
+    (found,) = problems(document, folder / "scene.toml")
+    assert re.fullmatch(".*".join(map(re.escape, line.split("..."))), found), found
 
 
-def test_an_empty_region_is_allowed():
-    assert scene_from({"region": [{"points": "none"}]})
+@pytest.mark.parametrize("document", ALLOWED, ids=str)
+def test_what_is_allowed_is_a_scene(document, folder):
+    scene = scene_from(document, path=folder / "scene.toml")
+    assert len(scene.rest_positions()) == scene.lattice.points[0] * scene.lattice.points[1] * scene.lattice.points[2]
+    assert scene.contact.of == ("surface" if "contact" in document or "mesh" in document else "lattice")
+
+
+def test_a_sphere_that_looks_alike_from_all_sides_has_no_normal_to_move():
+    found = problems({"sphere": [{"name": "ball", "radius": 1.0, "motion": "input", "inputs": ["point", "normal"]}]})
+    wanted = 'wanted a list of point, velocity, angular_velocity or their components, such as "point.z"'
+    assert found[0] == f'sphere[0].inputs: {wanted}, got ["point", "normal"]'
 
 
 def test_a_selection_outside_the_lattice_is_refused_wherever_it_stands():
-    outside = [[4, 0, 0]]
-    document = {
-        "region": [{"points": outside}],
-        "pin": [{"name": "a", "points": outside}],
-        "load": [{"name": "a", "points": outside}],
-        "inputs": {"forces": outside},
-        "outputs": {"positions": outside, "velocities": {"k": [0, 7]}},
-    }
-    lines = problems(document)
+    lines = problems(
+        {
+            **{section: [{"name": "a", "points": OUTSIDE}] for section in ("pin", "load")},
+            "region": [{"points": OUTSIDE}],
+            "inputs": {"forces": OUTSIDE},
+            "outputs": {"positions": OUTSIDE, "velocities": {"k": [0, 7]}},
+        }
+    )
     wanted = "wanted control points of the 4 x 4 x 4 lattice (i 0..3, j 0..3, k 0..3), got "
     assert len(lines) == 6 and all(wanted in line for line in lines)
     assert lines[-1].endswith("got k = [0, 7]")
-
-
-def test_a_point_held_by_two_pins_is_refused():
-    pins = [{"name": "a", "points": "x-"}, {"name": "b", "points": "z-"}]
-    text = "wanted control points that no other pin holds, got [0, 0, 0] and 3 more, held by pin[0] too"
-    assert problems({"pin": pins}) == [f"pin[1].points: {text}"]
-
-
-def test_total_and_density_exclude_each_other(folder):
-    (line,) = with_mesh(folder, "closed", mass={"total": 3, "density": 5})
-    assert line == "mass: wanted total or density, got total = 3 and density = 5"
-
-
-@pytest.mark.parametrize(
-    ("mass", "line"),
-    [
-        (
-            {"distribution": "volume"},
-            'mass.distribution: "volume" needs a closed mesh, but the scene has no [mesh]',
-        ),
-        (
-            {"distribution": "surface"},
-            'mass.distribution: "surface" needs a mesh, but the scene has no [mesh]',
-        ),
-        (
-            {"distribution": "vertices"},
-            'mass.distribution: "vertices" needs a mesh, but the scene has no [mesh]',
-        ),
-    ],
-)
-def test_mass_from_a_mesh_needs_one(mass, line):
-    assert problems({"mass": mass}) == [line]
-
-
-@pytest.mark.parametrize(("key", "value", "instead"), [("density", 5.0, "total"), ("distribution", "volume", "surface")])
-def test_mass_of_a_volume_needs_a_closed_mesh_and_says_that_this_one_is_open(folder, key, value, instead):
-    (line,) = with_mesh(folder, "open", mass={key: value})
-    assert line.startswith(f"mass.{key}: ") and "needs a closed mesh, but open.obj is open (" in line
-    assert instead in line.rpartition(";")[2]
-
-
-def test_mass_on_the_surface_of_an_open_mesh_is_allowed(folder):
-    document = {"mesh": {"file": "open.obj"}, "mass": {"distribution": "surface"}}
-    assert scene_from(document, path=folder / "scene.toml")
-
-
-def test_a_flat_mesh_is_refused(folder):
-    (line,) = with_mesh(folder, "flat")
-    assert line.startswith("mesh.file: ") and "flat along z" in line
-
-
-def test_a_box_that_does_not_hold_the_mesh_is_refused(folder):
-    (line,) = with_mesh(folder, "closed", lattice={"size": [2, 1, 3.9]})
-    assert line.startswith("lattice.size: wanted a box that holds the mesh ([0, 0, 0] to [2, 1, 4] m), got ")
-    assert line.endswith("which does not along z; leave out size: the box then follows the mesh")
-    (line,) = with_mesh(folder, "closed", lattice={"origin": [0, 0, 1], "size": [2, 1, 4]})
-    assert line.endswith("; leave out origin and size: the box then follows the mesh")
-
-
-@pytest.mark.parametrize("lattice", [{"margin": 0.1}])
-def test_a_margin_without_a_mesh_is_refused(lattice):
-    (line,) = problems({"lattice": lattice})
-    assert line == "lattice.margin: wanted 0, for there is no [mesh] whose box it would grow, got 0.1"
-
-
-def test_a_margin_on_a_given_box_is_refused(folder):
-    lattice = {"origin": [0, 0, 0], "size": [2, 1, 4], "margin": 0.1}
-    (line,) = with_mesh(folder, "closed", lattice=lattice)
-    assert line == "lattice.margin: wanted 0, for origin and size are both given, got 0.1"
-
-
-def test_a_mesh_that_cannot_be_read_is_a_problem_of_its_file(folder):
-    (line,) = with_mesh(folder, "missing", probe=[{"name": "p", "at": [9, 9, 9]}], mass={"density": 1.0})
-    assert line.startswith("mesh.file: ") and "missing.obj" in line
-
-
-def test_a_probe_outside_the_box_is_refused_and_one_on_its_face_is_not():
-    probes = [{"name": "in", "at": [1, 0, 0.5]}, {"name": "out", "at": [0.5, 0.5, 1.001]}]
-    (line,) = problems({"probe": probes})
-    assert line == "probe[1].at: wanted a place in the box [0, 0, 0] to [1, 1, 1] m, got [0.5, 0.5, 1.001]"
-
-
-@pytest.mark.parametrize("box", [{"origin": [1e20, 0, 0], "size": [1, 1, 1]}, {"origin": [1.7e308, 0, 0], "size": [1.7e308, 1, 1]}])
-def test_control_points_that_fall_together_in_double_precision_are_refused(box):
-    (line,) = problems({"lattice": box})
-    assert line.startswith("lattice: wanted control points that differ along x, got origin")
 
 
 def test_all_problems_come_at_once_also_beside_faulty_values():
@@ -173,22 +202,7 @@ def test_all_problems_come_at_once_also_beside_faulty_values():
         "probe": [{"name": "p", "at": [9, 9, 9]}],
         "solver": {"step": -1},
     }
-    assert [line.split(": ")[0] for line in problems(document)] == [
-        "titel",
-        "lattice.size[1]",
-        "lattice.basis",
-        "material.damping",
-        "material.stifness",
-        "plane[0].normal",
-        "plane[1].frction",
-        "plane[1].name",
-        "pin[1].name",
-        "pin[1].points",
-        "load[0].points",
-        "solver.step",
-    ]
-
-
-def test_a_check_does_not_blame_a_value_that_was_never_given():
-    assert problems({"lattice": {"points": [4, 4, 99]}, "inputs": {"forces": [[0, 0, 50]]}}) == ["lattice.points[2]: wanted <= 32, got 99"]
-    assert problems({"lattice": {"size": [0, 1, 1]}, "probe": [{"name": "p", "at": [5, 5, 5]}]}) == ["lattice.size[0]: wanted > 0 m, got 0"]
+    assert " ".join(line.split(": ")[0] for line in problems(document)) == (
+        "titel lattice.size[1] lattice.basis material.damping material.stifness plane[0].normal plane[1].frction plane[1].name "
+        "pin[1].name pin[1].points load[0].points solver.step"
+    )

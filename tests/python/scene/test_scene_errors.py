@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from scenes import problems
 from softffd.errors import SceneError
 from softffd.scene.scene import Scene, scene_from
 
@@ -86,7 +87,7 @@ CASES = [
         {"plane": PLANE},
         'plane: wanted tables, each under a head [[plane]] in double brackets, got { name = "ground" }',
     ),
-    ({"plane": [3]}, "plane[0]: wanted a table, got 3"),
+    *(({"plane": several}, "plane[0]: wanted a table, got 3") for several in ([3], {3}, np.array([3]))),
     (
         {"mass": [{"total": 1}]},
         "mass: wanted one table under the head [mass] in single brackets, got [{ total = 1 }]",
@@ -123,12 +124,6 @@ CASES = [
     ),
     ({"lattice": {"points": [1 << 20_000, 4, 4]}}, f"lattice.points[0]: wanted <= 32, got 0x1{'0' * 64}..."),
 ]
-
-
-def problems(document):
-    with pytest.raises(SceneError) as caught:
-        scene_from(document)
-    return caught.value.problems
 
 
 @pytest.mark.parametrize(("document", "line"), CASES, ids=[line.split(" ")[0] + str(n) for n, (_, line) in enumerate(CASES)])

@@ -6,13 +6,13 @@ import pickle
 
 import pytest
 
+from scenes import TETRAHEDRON
 from softffd import Scene, SceneError, load_scene, package_fmu
 from softffd.scene.document import shipped_scenes
 from softffd.scene.rigid import Plane
 from softffd.scene.scene import scene_from
 from softffd.scene.sections import Material
 
-TETRAHEDRON = "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 DAMPED = {"material": {"damping": -5}}
 REFUSAL = "material.damping: wanted >= 0 N.s/m, got -5"
 
