@@ -13,53 +13,35 @@ from softffd.scene.scene import Scene, scene_from
 PLANE = {"name": "ground"}
 TWENTY = "a" * 200
 
+# fmt: off
 CASES = [
     ({"titel": "x"}, 'titel: unknown key, did you mean "title"?'),
     ({"material": {"stifness": 1.0}}, 'material.stifness: unknown key, did you mean "stiffness"?'),
-    (
-        {"material": {"friction": 1.0}},
-        "material.friction: unknown key here; it belongs in [[plane]] or [[sphere]] or [[cylinder]] or [[box]]",
-    ),
+    ({"material": {"friction": 1.0}},
+     "material.friction: unknown key here; it belongs in [[plane]] or [[sphere]] or [[cylinder]] or [[box]]"),
     ({"solver": {"": 1}}, 'solver."": unknown key, wanted "method", "tolerance", "step", "most_work", "threads" or "error_estimate"'),
     ({"material": {"stiffness": -5}}, "material.stiffness: wanted >= 0 N/m, got -5"),
-    (
-        {"material": {"stiffness": "soft"}},
-        'material.stiffness: wanted a number or a table { edge = , face = , body = } (N/m), got "soft"',
-    ),
-    (
-        {"material": {"stiffness": {"edge": 1, "face": 1}}},
-        "material.stiffness.body: wanted stiffness of the body diagonals [N/m; >= 0], got nothing",
-    ),
+    ({"material": {"stiffness": "soft"}},
+     'material.stiffness: wanted a number or a table { edge = , face = , body = } (N/m), got "soft"'),
+    ({"material": {"stiffness": {"edge": 1, "face": 1}}},
+     "material.stiffness.body: wanted stiffness of the body diagonals [N/m; >= 0], got nothing"),
     ({"material": {"damping": math.nan}}, "material.damping: wanted a finite number (N.s/m), got nan"),
     ({"material": {"damping": True}}, "material.damping: wanted a number (N.s/m), got true"),
     ({"mass": {"total": 0}}, "mass.total: wanted > 0 kg, got 0"),
     ({"mass": {"uniform_share": 1.5}}, "mass.uniform_share: wanted <= 1, got 1.5"),
-    (
-        {"mass": {"distribution": "vertex"}},
-        'mass.distribution: wanted "uniform", "box", "vertices", "surface" or "volume", got "vertex", did you mean "vertices"?',
-    ),
+    ({"mass": {"distribution": "vertex"}},
+     'mass.distribution: wanted "uniform", "box", "vertices", "surface" or "volume", got "vertex", did you mean "vertices"?'),
     ({"lattice": {"size": [1, 0, 1]}}, "lattice.size[1]: wanted > 0 m, got 0"),
     ({"lattice": {"points": [4, 4]}}, "lattice.points: wanted 3 whole numbers [nx, ny, nz], got [4, 4]"),
     ({"lattice": {"points": [4, 4.0, 4]}}, "lattice.points[1]: wanted a whole number, got 4.0"),
     ({"lattice": {"points": [1, 4, 4]}}, "lattice.points[0]: wanted >= 2, got 1"),
     ({"lattice": {"points": [4, 4, 33]}}, "lattice.points[2]: wanted <= 32, got 33"),
-    (
-        {"lattice": {"origin": TWENTY}},
-        f'lattice.origin: wanted 3 numbers [x, y, z] (m), got "{TWENTY[:66]}...',
-    ),
-    (
-        {"environment": {"gravity": -9.81}},
-        "environment.gravity: wanted 3 numbers [x, y, z] (m/s2), got -9.81",
-    ),
-    (
-        {"initial": {"offset": datetime.date(2020, 1, 1)}},
-        "initial.offset: wanted 3 numbers [x, y, z] (m), got 2020-01-01",
-    ),
+    ({"lattice": {"origin": TWENTY}}, f'lattice.origin: wanted 3 numbers [x, y, z] (m), got "{TWENTY[:66]}...'),
+    ({"environment": {"gravity": -9.81}}, "environment.gravity: wanted 3 numbers [x, y, z] (m/s2), got -9.81"),
+    ({"initial": {"offset": datetime.date(2020, 1, 1)}}, "initial.offset: wanted 3 numbers [x, y, z] (m), got 2020-01-01"),
     ({"initial": {"rotation": 35}}, "initial.rotation: wanted a table { axis = [x, y, z], degrees = }, got 35"),
-    (
-        {"initial": {"rotation": {"axis": [0, 0, 0], "degrees": 35}}},
-        "initial.rotation.axis: wanted a vector of length > 0 (in double precision: 1e-100 to 1e100), got [0, 0, 0]",
-    ),
+    ({"initial": {"rotation": {"axis": [0, 0, 0], "degrees": 35}}},
+     "initial.rotation.axis: wanted a vector of length > 0 (in double precision: 1e-100 to 1e100), got [0, 0, 0]"),
     ({"initial": {"rotation": {"axis": [0, 1, 0], "degree": 35}}}, 'initial.rotation.degree: unknown key, did you mean "degrees"?'),
     (
         {"initial": {"rotation": {"axis": [0, 1, 0], "radians": 0.5}}},
@@ -67,63 +49,34 @@ CASES = [
         'did you mean "degrees = 28.64788976"?',
     ),
     ({"plane": [PLANE | {"friction": -0.1}]}, "plane[0].friction: wanted >= 0, got -0.1"),
-    (
-        {"plane": [PLANE, {"name": "b", "normal": [0, 0, 0]}]},
-        "plane[1].normal: wanted a vector of length > 0 (in double precision: 1e-100 to 1e100), got [0, 0, 0]",
-    ),
-    (
-        {"plane": [PLANE | {"point": [0, math.inf, 0]}]},
-        "plane[0].point[1]: wanted a finite number (m), got inf",
-    ),
-    (
-        {"plane": [{"name": "my plane"}]},
-        'plane[0].name: wanted a name of letters A-Z a-z, digits and underscores, no digit first, got "my plane", did you mean "my_plane"?',
-    ),
-    (
-        {"plane": [{}]},
-        "plane[0].name: wanted a name for the FMU's variables: letters, digits, underscores, got nothing",
-    ),
-    (
-        {"plane": PLANE},
-        'plane: wanted tables, each under a head [[plane]] in double brackets, got { name = "ground" }',
-    ),
+    ({"plane": [PLANE, {"name": "b", "normal": [0, 0, 0]}]},
+     "plane[1].normal: wanted a vector of length > 0 (in double precision: 1e-100 to 1e100), got [0, 0, 0]"),
+    ({"plane": [PLANE | {"point": [0, math.inf, 0]}]}, "plane[0].point[1]: wanted a finite number (m), got inf"),
+    ({"plane": [{"name": "my plane"}]},
+     'plane[0].name: wanted a name of letters A-Z a-z, digits and underscores, no digit first, got "my plane", did you mean "my_plane"?'),
+    ({"plane": [{}]}, "plane[0].name: wanted a name for the FMU's variables: letters, digits, underscores, got nothing"),
+    ({"plane": PLANE}, 'plane: wanted tables, each under a head [[plane]] in double brackets, got { name = "ground" }'),
     *(({"plane": several}, "plane[0]: wanted a table, got 3") for several in ([3], {3}, np.array([3]))),
-    (
-        {"mass": [{"total": 1}]},
-        "mass: wanted one table under the head [mass] in single brackets, got [{ total = 1 }]",
-    ),
-    (
-        {"mesh": {}},
-        "mesh.file: wanted a mesh file: OBJ, STL, PLY, GLB, glTF, OFF, COLLADA (.dae) or 3MF, relative to the scene file, got nothing",
-    ),
+    ({"mass": [{"total": 1}]}, "mass: wanted one table under the head [mass] in single brackets, got [{ total = 1 }]"),
+    ({"mesh": {}},
+     "mesh.file: wanted a mesh file: OBJ, STL, PLY, GLB, glTF, OFF, COLLADA (.dae) or 3MF, relative to the scene file, got nothing"),
     ({"mesh": {"file": ""}}, 'mesh.file: wanted the name of a mesh file in quotes, got ""'),
     ({"outputs": {"energy": 1}}, "outputs.energy: wanted true or false, got 1"),
-    (
-        {"outputs": {"positions": "X+"}},
-        'outputs.positions: wanted "all", "none", "x-", "x+", "y-", "y+", "z-" or "z+", got "X+", did you mean "x+"?',
-    ),
-    (
-        {"outputs": {"positions": "-z"}},
-        'outputs.positions: wanted "all", "none", "x-", "x+", "y-", "y+", "z-" or "z+", got "-z", did you mean "z-"?',
-    ),
-    (
-        {"inputs": {"forces": 3}},
-        'inputs.forces: wanted "all", "none", a face such as "z-", [[i, j, k], ...] or { i = [first, last] }, got 3',
-    ),
+    ({"outputs": {"positions": "X+"}},
+     'outputs.positions: wanted "all", "none", "x-", "x+", "y-", "y+", "z-" or "z+", got "X+", did you mean "x+"?'),
+    ({"outputs": {"positions": "-z"}},
+     'outputs.positions: wanted "all", "none", "x-", "x+", "y-", "y+", "z-" or "z+", got "-z", did you mean "z-"?'),
+    ({"inputs": {"forces": 3}},
+     'inputs.forces: wanted "all", "none", a face such as "z-", [[i, j, k], ...] or { i = [first, last] }, got 3'),
     ({"inputs": {"forces": [[0, 0]]}}, "inputs.forces[0]: wanted 3 whole numbers [i, j, k], got [0, 0]"),
-    (
-        {"inputs": {"forces": {"i": [2, 1]}}},
-        "inputs.forces.i: wanted [first, last] with first <= last, got [2, 1]",
-    ),
+    ({"inputs": {"forces": {"i": [2, 1]}}}, "inputs.forces.i: wanted [first, last] with first <= last, got [2, 1]"),
     ({"inputs": {"forces": {"x": [0, 1]}}}, 'inputs.forces.x: unknown key, wanted "i", "j" or "k"'),
     ({"title": 5}, "title: wanted text in quotes, got 5"),
     ({"title": "a\0b"}, 'title: wanted text without control characters, got "a\\u0000b"'),
-    (
-        {"experiment": {"stop_time": 10**400}},
-        f"experiment.stop_time: wanted a number (s), got 1{'0' * 66}...",
-    ),
+    ({"experiment": {"stop_time": 10**400}}, f"experiment.stop_time: wanted a number (s), got 1{'0' * 66}..."),
     ({"lattice": {"points": [1 << 20_000, 4, 4]}}, f"lattice.points[0]: wanted <= 32, got 0x1{'0' * 64}..."),
 ]
+# fmt: on
 
 
 @pytest.mark.parametrize(("document", "line"), CASES, ids=[line.split(" ")[0] + str(n) for n, (_, line) in enumerate(CASES)])

@@ -89,9 +89,9 @@ def test_a_scene_is_valid_as_it_is(embedded):
 
 
 def test_neither_a_scene_nor_its_sections_can_be_changed(embedded):
-    for change in (lambda: setattr(embedded, "title", "x"), lambda: setattr(embedded.plane[0], "friction", 1.0)):
+    for part, key in ((embedded, "title"), (embedded.plane[0], "friction"), (embedded.material, "damping")):
         with pytest.raises(ValueError, match="frozen"):
-            change()
+            setattr(part, key, 1.0)
 
 
 def test_replace_takes_dotted_keys():
