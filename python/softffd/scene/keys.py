@@ -49,10 +49,7 @@ class SceneKeys(Section):
 def schema() -> dict[str, Any]:
     """The JSON schema of the scene file, for editors that complete and check TOML."""
     head = {"$schema": "http://json-schema.org/draft-07/schema#"}
-    about = {
-        "title": "softffd scene",
-        "description": "A soft object, what acts on it and what is wanted of it.",
-    }
+    about = {"title": "softffd scene", "description": "A soft object, what acts on it and what is wanted of it."}
     return head | _without_null(SceneKeys.model_json_schema()) | about
 
 

@@ -93,12 +93,7 @@ def _direction(vector: tuple[float, float, float]) -> tuple[float, float, float]
 
 
 Text = Annotated[str, Strict(), AfterValidator(_printable)]
-Name = Annotated[
-    str,
-    Strict(),
-    AfterValidator(_identifier),
-    WithJsonSchema({"type": "string", "pattern": f"^{IDENTIFIER}$"}),
-]
+Name = Annotated[str, Strict(), AfterValidator(_identifier), WithJsonSchema({"type": "string", "pattern": f"^{IDENTIFIER}$"})]
 Direction = Annotated[Vector, AfterValidator(_direction)]
 NAME = "a name for the FMU's variables: letters, digits, underscores"
 

@@ -56,8 +56,7 @@ class Lattice(Section):
     )
     margin: Number = quantity(0.0, "1", "share of the mesh's box added on every side", ge=0)
     springs: Literal["distinct", "paper"] = key(
-        "distinct",
-        '"distinct" (468 springs for 4x4x4) or "paper" (504: those on the edges of the box doubled)',
+        "distinct", '"distinct" (468 springs for 4x4x4) or "paper" (504: those on the edges of the box doubled)'
     )
     basis: Literal["bezier", "bspline"] = key(
         "bezier",
@@ -91,11 +90,7 @@ class Mass(Section):
         '"volume": as it is spread over the mesh; default beside `material.youngs_modulus`: "volume" with a closed mesh, else "box"',
     )
     uniform_share: Number = quantity(
-        0.1,
-        "1",
-        'part of the total spread evenly over the points, so that none is nearly massless; 0 for "box"',
-        ge=0,
-        le=1,
+        0.1, "1", 'part of the total spread evenly over the points, so that none is nearly massless; 0 for "box"', ge=0, le=1
     )
     inertia: Literal["lumped", "matched"] = key(
         "lumped",
@@ -127,11 +122,7 @@ if TYPE_CHECKING:
 else:
     StiffnessInput = Annotated[
         Annotated[Number, Field(ge=0), Tag("<number>")] | Annotated[Stiffness, Tag("<table>")],
-        Discriminator(
-            _stiffness_form,
-            custom_error_type="wanted",
-            custom_error_message="a number or a table { edge = , face = , body = }",
-        ),
+        Discriminator(_stiffness_form, custom_error_type="wanted", custom_error_message="a number or a table { edge = , face = , body = }"),
         AfterValidator(_for_all_springs),
     ]
 
@@ -278,9 +269,7 @@ class Solver(Section):
     tolerance: Number = quantity(1e-4, "m", "error at the end of the run for a box of 1 m, scaled by its largest side", gt=0)
     step: Number = quantity(0.0, "s", "internal step; 0: chosen by stability and tolerance", ge=0)
     most_work: Number = key(
-        5e6,
-        "work that one call may do, in evaluations of the forces of 64 control points: a million is about a second of one core",
-        gt=0,
+        5e6, "work that one call may do, in evaluations of the forces of 64 control points: a million is about a second of one core", gt=0
     )
     threads: Threads = key(
         1, "1 to 64 threads that share the work on the springs' forces, each for 512 control points at least; results have the same bits"

@@ -17,11 +17,7 @@ FACES = {f"{'xyz'[axis]}{side}": (axis, end) for axis in range(3) for side, end 
 
 Word = Literal["all", "none", "x-", "x+", "y-", "y+", "z-", "z+"]
 Index = Annotated[int, Strict(), Field(ge=0)]
-Triple = Annotated[
-    tuple[Index, Index, Index],
-    list_of(3, "3 whole numbers [i, j, k]"),
-    list_schema(3, type="integer", minimum=0),
-]
+Triple = Annotated[tuple[Index, Index, Index], list_of(3, "3 whole numbers [i, j, k]"), list_schema(3, type="integer", minimum=0)]
 
 
 def _in_order(ends: tuple[int, int]) -> tuple[int, int]:
@@ -31,10 +27,7 @@ def _in_order(ends: tuple[int, int]) -> tuple[int, int]:
 
 
 Range = Annotated[
-    tuple[Index, Index],
-    list_of(2, "2 whole numbers [first, last]"),
-    AfterValidator(_in_order),
-    list_schema(2, type="integer", minimum=0),
+    tuple[Index, Index], list_of(2, "2 whole numbers [first, last]"), AfterValidator(_in_order), list_schema(2, type="integer", minimum=0)
 ]
 
 

@@ -94,11 +94,7 @@ def test_a_misspelt_key_does_not_hide_a_fault_of_the_right_one():
 
 
 def test_problems_come_in_the_order_of_the_file():
-    document = {
-        "solver": {"step": -1},
-        "plane": [{"name": "a", "friction": -1}, {"name": "a", "friction": -1}],
-        "mass": {"total": -1},
-    }
+    document = {"solver": {"step": -1}, "plane": [{"name": "a", "friction": -1}, {"name": "a", "friction": -1}], "mass": {"total": -1}}
     places = [line.split(":")[0] for line in problems(document)]
     assert places == ["solver.step", "plane[0].friction", "plane[1].friction", "plane[1].name", "mass.total"]
 

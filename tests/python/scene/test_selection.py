@@ -52,10 +52,7 @@ def test_a_point_named_twice_is_refused():
         selected([[1, 1, 1], [0, 0, 0], [1, 1, 1]])
 
 
-@pytest.mark.parametrize(
-    "raw",
-    ["top", 3, [[0, 0]], [0, 0, 0], [[0, 0, -1]], [[0, 0, 1.0]], {"i": 1}, {"i": [2, 1]}, {"x": [0, 1]}],
-)
+@pytest.mark.parametrize("raw", ["top", 3, [[0, 0]], [0, 0, 0], [[0, 0, -1]], [[0, 0, 1.0]], {"i": 1}, {"i": [2, 1]}, {"x": [0, 1]}])
 def test_what_is_no_selection_is_refused(raw):
     with pytest.raises(ValidationError):
         selected(raw)

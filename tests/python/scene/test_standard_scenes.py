@@ -38,10 +38,7 @@ def test_scenes_are_those_of_the_stored_references(name, stored, setting, allowe
 
 @pytest.mark.parametrize(
     ("name", "duration", "centre", "allowed"),
-    [
-        ("stiff_bounce", 0.45, {"y": 0.5708908, "z": 0.568079}, 3e-5),
-        ("light_bounce", 0.6, {"x": 0.4890417, "z": 0.5193556}, 1e-5),
-    ],
+    [("stiff_bounce", 0.45, {"y": 0.5708908, "z": 0.568079}, 3e-5), ("light_bounce", 0.6, {"x": 0.4890417, "z": 0.5193556}, 1e-5)],
 )
 def test_bounces_end_where_an_independent_program_says(name, duration, centre, allowed):
     """Centres of mass [m] by explicit steps that another program took."""

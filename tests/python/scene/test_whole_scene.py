@@ -58,7 +58,7 @@ def test_every_way_reports_all_problems_at_once(made):
             {**DAMPED, "plane": [{"name": "a"}, {"name": "a"}], "pin": [{"name": "b", "points": [[9, 0, 0]]}], "solver": {"metod": "auto"}}
         )
     assert [problem.partition(":")[0] for problem in caught.value.problems] == [
-        *("material.damping", "plane[1].name", "pin[0].points", "solver.metod"),
+        *("material.damping", "plane[1].name", "pin[0].points", "solver.metod")
     ]
 
 
