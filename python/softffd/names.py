@@ -91,11 +91,11 @@ def flat_form(name: str) -> str:
 
 
 def meant_by(name: str) -> list[str]:
-    """Everything that stands for this variable: its name and the beginnings of it, position[0,0,1].x, position[0,0,1], position, and the
-    flat forms of all these."""
+    """Everything that stands for this variable: its name and the beginnings of it, position[0,0,1].x, position[0,0,1], position; of a name
+    of the table the flat forms of these too."""
     name = structured(name)
     whole = [name, *(name[: found.start()] for found in re.finditer(r"[.\[]", name))]
-    return list(dict.fromkeys([*whole, *map(flat_form, whole)]))
+    return list(dict.fromkeys([*whole, *map(flat_form, whole)])) if parse_name(name) else whole
 
 
 @lru_cache(maxsize=4096)  # the inputs of a run come back at every step
@@ -241,8 +241,7 @@ def _first_word(name: str) -> str:
 
 @cache
 def _shapes() -> dict[str, list[tuple[re.Pattern[str], str, str]]]:
-    """What names look like in either form, by their first word: the pattern, the
-    row's key and the kind of the part, empty where it is of none.
+    """What names look like in either form, by their first word: the pattern, the row's key, and the kind of part or nothing.
 
     Of families of one name the first in the table has it.
     """

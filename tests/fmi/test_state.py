@@ -4,6 +4,7 @@ instances too, is seen by test_sequences.py.
 
 import subprocess
 import sys
+import zlib
 from ctypes import byref, c_void_p
 from pathlib import Path
 
@@ -83,6 +84,7 @@ def test_a_serialized_state_continues_in_another_process(rich, tmp_path):
     (tmp_path / "blob").write_bytes(host.serialized(host.save()))
     script = f"""
 import sys
+import zlib
 sys.path[:0] = {[str(Path(__file__).parent), *sys.path]!r}
 from pathlib import Path
 from c_host import Fmu
@@ -116,9 +118,9 @@ def test_every_damaged_or_truncated_state_is_refused_and_harmless_and_a_sound_on
     before = advance(host, 0, 5)
     state = host.save()
     blob = host.serialized(state)
-    places = [*range(0, 48), *np.random.default_rng(1).integers(0, len(blob), 200)]
+    places = [*range(0, 80), *np.random.default_rng(1).integers(0, len(blob), 200)]
     damaged = [blob[:at] + bytes([blob[at] ^ 0x10]) + blob[at + 1 :] for at in places]
-    truncated = [blob[:size] for size in (0, 1, 39, 40, len(blob) - 1)]
+    truncated = [blob[:size] for size in (0, 1, 31, 32, 69, 70, len(blob) - 1)]
     assert all(received(host, bad) == ERROR for bad in [*damaged, *truncated, blob + b"\0", bytes(len(blob))])
     assert host.outputs() == before and advance(host, 5, 6)
     assert host("DoStep", 99.0, 0.01, 1) == host("DoStep", 0.06, 0.01, 1) == ERROR
@@ -127,11 +129,8 @@ def test_every_damaged_or_truncated_state_is_refused_and_harmless_and_a_sound_on
 
 
 def sealed(payload: bytes, head: bytes) -> bytes:
-    """A payload under a head whose checksum, FNV-1a, fits it."""
-    check = 14695981039346656037
-    for byte in payload:
-        check = (check ^ byte) * 1099511628211 % 2**64
-    return head[:32] + check.to_bytes(8, "little") + payload
+    """A payload under a head whose checksum, CRC-32, fits it."""
+    return head[:24] + zlib.crc32(payload).to_bytes(8, "little") + head[32:] + payload
 
 
 def test_values_that_no_setter_takes_are_refused_under_a_sound_checksum(rich):
@@ -139,7 +138,8 @@ def test_values_that_no_setter_takes_are_refused_under_a_sound_checksum(rich):
     assert host.set({"stiffness.edge": 4321.5}) == OK
     before = advance(host, 0, 3)
     blob = host.serialized(host.save())
-    head, payload = blob[:40], blob[40:]
+    size = int.from_bytes(blob[16:24], "little")
+    head, payload = blob[:-size], blob[-size:]
     assert sealed(payload, head) == blob
     number = np.float64(4321.5).tobytes()
     places = [at for at in range(0, len(payload), 8) if payload[at : at + 8] == number]

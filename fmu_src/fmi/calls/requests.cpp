@@ -53,7 +53,10 @@ void free_state(StateHandle* state) {
   *state = nullptr;
 }
 
-std::size_t serialized_size(StateHandle state) { return head_size + held(state)->bytes.size(); }
+std::size_t serialized_size(StateHandle state) {
+  const auto wanted = held(state);
+  return head_size(wanted->guid) + wanted->bytes.size();
+}
 
 void serialize(StateHandle state, void* bytes, std::size_t size) {
   const auto wanted = held(state);

@@ -1,7 +1,7 @@
 /// An FMU state as bytes: flat, no pointers, little-endian, no padding.
 ///
-/// In memory it is the payload alone; serialized it has a head of 40 bytes: magic, format version, hash of the scene's guid, payload size,
-/// FNV-1a checksum of the payload. The same bits come back in another instance or process of the same scene; anything else is refused.
+/// In memory it is the payload alone; serialized it has a head: magic, format version, payload size and checksum of the payload, eight
+/// bytes each, and the scene's guid. The same bits come back in another instance or process of the same scene; anything else is refused.
 #pragma once
 #include <bit>
 #include <cstdint>
@@ -25,7 +25,7 @@ struct StateError : std::runtime_error {
 Bytes with_head(const std::string& guid, const Bytes& payload);
 /// The payload of a serialized state. Throws StateError.
 Bytes without_head(const std::string& guid, std::span<const unsigned char> serialized);
-constexpr std::size_t head_size = 40;
+inline std::size_t head_size(const std::string& guid) { return 32 + guid.size(); }
 
 inline std::uint64_t little_endian(std::uint64_t word) {
   if constexpr (std::endian::native == std::endian::little) return word;

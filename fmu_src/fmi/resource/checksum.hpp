@@ -1,4 +1,4 @@
-/// The checksums of resources files, CRC-32 as zlib has it, and of FMU states, FNV-1a of 64 bits. They find damage, not malice.
+/// CRC-32, as zlib has it: the checksum of resources files and of FMU states. It finds damage, not malice.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -7,28 +7,30 @@
 
 namespace softffd::fmi {
 
-inline std::uint32_t crc32(std::string_view text) {
-  static constexpr auto table = [] {
-    std::array<std::uint32_t, 256> made{};
-    for (std::uint32_t byte = 0; byte < made.size(); ++byte) {
-      made[byte] = byte;
-      for (int bit = 0; bit < 8; ++bit) made[byte] = (made[byte] >> 1) ^ (made[byte] & 1 ? 0xedb88320u : 0);
+/// Eight bytes at a time: tables[k] is what a byte amounts to with k bytes behind it.
+inline std::uint32_t crc32(std::span<const unsigned char> bytes) {
+  static constexpr auto tables = [] {
+    std::array<std::array<std::uint32_t, 256>, 8> made{};
+    for (std::uint32_t byte = 0; byte < 256; ++byte) {
+      made[0][byte] = byte;
+      for (int bit = 0; bit < 8; ++bit) made[0][byte] = (made[0][byte] >> 1) ^ (made[0][byte] & 1 ? 0xedb88320u : 0);
     }
+    for (int k = 1; k < 8; ++k)
+      for (int byte = 0; byte < 256; ++byte) made[k][byte] = (made[k - 1][byte] >> 8) ^ made[0][made[k - 1][byte] & 0xff];
     return made;
   }();
   std::uint32_t value = ~0u;
-  for (unsigned char c : text) value = (value >> 8) ^ table[(value ^ c) & 0xff];
+  for (; bytes.size() >= 8; bytes = bytes.subspan(8)) {
+    std::uint32_t next = 0;
+    for (int k = 0; k < 8; ++k) next ^= tables[7 - k][bytes[k] ^ (k < 4 ? value >> 8 * k & 0xff : 0)];
+    value = next;
+  }
+  for (unsigned char c : bytes) value = (value >> 8) ^ tables[0][(value ^ c) & 0xff];
   return ~value;
 }
 
-inline std::uint64_t fnv1a(std::span<const unsigned char> bytes) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (unsigned char c : bytes) hash = (hash ^ c) * 1099511628211u;
-  return hash;
-}
-
-inline std::uint64_t fnv1a(std::string_view text) {
-  return fnv1a(std::span(reinterpret_cast<const unsigned char*>(text.data()), text.size()));
+inline std::uint32_t crc32(std::string_view text) {
+  return crc32(std::span(reinterpret_cast<const unsigned char*>(text.data()), text.size()));
 }
 
 }  // namespace softffd::fmi

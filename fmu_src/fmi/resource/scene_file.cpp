@@ -261,7 +261,7 @@ std::string_view checked_body(std::string_view text) {
   const std::size_t end = text.find('\n');
   Record head(text.substr(0, end), 1);
   if (end == text.npos || head.word() != "softffd-scene") head.fail("not a softffd scene");
-  if (head.word() != "1") head.fail("another version of the format");
+  if (head.word() != "2") head.fail("another version of the format");
   const std::string_view body = text.substr(end + 1), digits = head.word();
   std::uint32_t wanted = 0;
   const auto [last, error] = std::from_chars(digits.data(), digits.data() + digits.size(), wanted, 16);

@@ -1,6 +1,6 @@
 /// The resolved scene in the FMU's resources: a flat, versioned, checksummed text that the Python package writes.
 ///
-/// First line `softffd-scene 1 CHECKSUM`, the CRC-32 (hexadecimal) of everything after that line; then one record per line: a
+/// First line `softffd-scene 2 CHECKSUM`, the CRC-32 (hexadecimal) of everything after that line; then one record per line: a
 /// key and its values, separated by blanks. Numbers are read without the locale. A record that the scene does not need is absent.
 #pragma once
 #include <optional>

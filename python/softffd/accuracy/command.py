@@ -8,7 +8,7 @@ from typing import Any
 
 from softffd.accuracy.files import keep
 from softffd.accuracy.kept import conditions
-from softffd.accuracy.measure import Anchors, Interrupted, measure
+from softffd.accuracy.measure import REPEATS, Anchors, Interrupted, measure
 from softffd.accuracy.page import time_words
 from softffd.accuracy.picture import course_picture, front_picture
 from softffd.accuracy.records import CHOSEN, LEVELS, MISSED, Records, level_words
@@ -33,7 +33,6 @@ def report_accuracy(
     anchors: Anchors | None = None,
     typed: str = "softffd accuracy",
     quick: bool = False,
-    repeats: int = 5,
     note: Note = silent,
     say: Note = print,
 ) -> list[Records]:
@@ -46,14 +45,14 @@ def report_accuracy(
     if step is not None:
         positive("communication step", step, None)
     loaded = [load_scene(name) for name in scenes or STANDARD]
-    about = _about(scenes, step=step, anchors=anchors, typed=typed, quick=quick, repeats=repeats)
+    about = _about(scenes, step=step, anchors=anchors, typed=typed, quick=quick)
     measured: list[Records] = []
     refused: dict[str, str] = {}
     pictures: dict[str, tuple[bytes, bytes]] = {}
     for number, scene in enumerate(loaded):
         missing = {each.name: "interrupted" for each in loaded[number + 1 :]}
         try:
-            records = measure(scene, step=step, anchors=anchors, quick=quick, repeats=repeats, note=note)
+            records = measure(scene, step=step, anchors=anchors, quick=quick, note=note)
         except Interrupted as interrupt:
             records = interrupt.records
         except FmuError as error:
@@ -77,10 +76,10 @@ def report_accuracy(
     return measured
 
 
-def _about(scenes: Sequence[str], *, step: float | None, anchors: Anchors | None, typed: str, quick: bool, repeats: int) -> dict[str, Any]:
+def _about(scenes: Sequence[str], *, step: float | None, anchors: Anchors | None, typed: str, quick: bool) -> dict[str, Any]:
     """Date, command line, machine, versions and settings, for the files."""
-    options = [f"--step {step:g}" if step else "", "--quick" * quick, f"--repeats {repeats}" * (repeats != 5)]
-    settings = {"communication_step_s": step, "scipy": anchors is not None, "quick": quick, "repeats": repeats}
+    options = [f"--step {step:g}" if step else "", "--quick" * quick]
+    settings = {"communication_step_s": step, "scipy": anchors is not None, "quick": quick, "repeats": REPEATS}
     return conditions([typed, *scenes, *options], *(["scipy"] if anchors else [])) | {"settings": settings}
 
 

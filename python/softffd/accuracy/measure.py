@@ -33,6 +33,9 @@ BUDGET, QUICK_BUDGET = 2.0, 0.2
 FAILURES = 6
 """A method's sweep ends after this many failed runs in a row."""
 
+REPEATS = 5
+"""Of each run, the smallest time counts."""
+
 
 Anchors = Callable[[Rig, Records, bool, Note], Iterator[Record]]
 """Measures other programs on a scene, given whether it has to be quick"""
@@ -53,13 +56,13 @@ def measure(
     step: float | None = None,
     anchors: Anchors | None = None,
     quick: bool = False,
-    repeats: int = 5,
+    repeats: int = REPEATS,
     note: Note = silent,
 ) -> Records:
     """Runs every applicable method over its steps or tolerances against a much tighter reference.
 
     methods: some of the values of `solver.method`; all by default. step: communication step [s], the scene's own by default.
-    anchors: makes records of other programs, after the FMU's. quick: fewer, shorter runs. repeats: of each run, the smallest time counts.
+    anchors: makes records of other programs, after the FMU's. quick: fewer, shorter runs. repeats: of each run.
     note: told what is being run. A failed run is a record with its message.
     Raises FmuError for an unknown method and where no reference can be made, Interrupted on Ctrl-C.
     """

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from softffd.embedding.samples import Samples
     from softffd.scene.scene import Scene
 
-NAME, HEAD = "scene.txt", "softffd-scene 1"
+NAME, HEAD = "scene.txt", "softffd-scene 2"
 T = TypeVar("T")
 
 

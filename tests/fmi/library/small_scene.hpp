@@ -24,7 +24,7 @@ inline std::uint32_t hash_of(std::string_view text) {
 /// The records with the first line that belongs to them.
 inline std::string with_first_line(std::string_view records) {
   char line[64];
-  std::snprintf(line, sizeof line, "softffd-scene 1 %08lx\n", static_cast<unsigned long>(hash_of(records)));
+  std::snprintf(line, sizeof line, "softffd-scene 2 %08lx\n", static_cast<unsigned long>(hash_of(records)));
   return std::string(line).append(records);
 }
 
