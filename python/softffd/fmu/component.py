@@ -259,11 +259,10 @@ class Component:
 
     def set_up(self, *, start_time: float = 0.0, stop_time: float | None = None, tolerance: float | None = None) -> None:
         """fmi2SetupExperiment and fmi2EnterInitializationMode. tolerance: relative to the box's largest side."""
-        end, tolerated = (
-            (c_int(stop_time is not None), c_double(stop_time or 0.0)),
-            (c_int(tolerance is not None), c_double(tolerance or 0.0)),
+        tolerance_defined, stop_time_defined = c_int(tolerance is not None), c_int(stop_time is not None)
+        self._calls["fmi2SetupExperiment"](
+            tolerance_defined, c_double(tolerance or 0.0), c_double(start_time), stop_time_defined, c_double(stop_time or 0.0)
         )
-        self._calls["fmi2SetupExperiment"](*tolerated, c_double(start_time), *end)
         self._calls["fmi2EnterInitializationMode"]()
 
     def initialize(self, start_values: Mapping[str, Any], *, start_time: float = 0.0, stop_time: float | None = None) -> None:

@@ -207,7 +207,7 @@ def _head(
     categories = Xml.SubElement(root, "LogCategories")
     for category in (each for each in table()["log_category"] if each["name"] not in leave_out):
         Xml.SubElement(categories, "Category", name=category["name"], description=category["description"])
-    experiment, tolerance = scene.experiment, {"tolerance": repr(scene.solver.tolerance)}
-    times = {"startTime": "0", "stopTime": repr(experiment.stop_time)}, {"stepSize": repr(experiment.communication_step)}
-    Xml.SubElement(root, "DefaultExperiment", times[0] | tolerance | times[1])
+    experiment = scene.experiment
+    given = {"stopTime": experiment.stop_time, "tolerance": scene.solver.tolerance, "stepSize": experiment.communication_step}
+    Xml.SubElement(root, "DefaultExperiment", {"startTime": "0"} | {key: repr(value) for key, value in given.items()})
     return root

@@ -51,9 +51,10 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
     if scene.environment.gravity is not None:
         add("gravity", *scene.environment.gravity)
     for region in scene.region:
+        points = scene.select(region.points)
         for key in ("stiffness", "youngs_modulus", "damping", "internal_damping"):
             value = getattr(region, key)
-            add(f"region_{key}", value, *scene.select(region.points), when=value is not None)
+            add(f"region_{key}", value, *points, when=value is not None)
     for plane in scene.obstacles:
         normal = (0.0, 0.0, 1.0) if isinstance(plane, Box) else plane.normal
         motion = [*plane.point, *normal, *plane.velocity, *plane.angular_velocity]
