@@ -144,6 +144,19 @@ def test_there_is_no_step_to_cancel_and_the_run_goes_on(rich):
     host.free()
 
 
+def test_a_run_that_was_not_set_up_is_warned_of_once_and_is_that_of_the_defaults(rich):
+    expected, host = straight(rich, 3), Host(rich, logging=True)
+    host.must("EnterInitializationMode")
+    host.must("ExitInitializationMode")
+    for n in range(3):
+        apply(host, n)
+        host.must("DoStep", TIMES[n], STEP, 1)
+        assert host.outputs() == expected[n + 1]
+    said = [message[2:4] for message in host.messages if b"fmi2SetupExperiment was not called" in message[4]]
+    assert said == [(WARNING, b"logStatusWarning")]
+    host.free()
+
+
 STANDARD = [
     *(b"logEvents", b"logSingularLinearSystems", b"logNonlinearSystems", b"logDynamicStateSelection", b"logStatusWarning"),
     *(b"logStatusDiscard", b"logStatusError", b"logStatusFatal", b"logStatusPending", b"logAll"),
