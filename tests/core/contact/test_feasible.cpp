@@ -43,6 +43,14 @@ TEST(projection_is_feasible_and_optimal_in_random_cases) {
   CHECK(solved == 3000);
 }
 
+TEST(orthogonal_planes_clip_each_axis) {
+  FeasibleSet feasible(3);
+  std::vector<Constraint> corner{plane(Vec3::UnitX(), 1), plane(Vec3::UnitY(), -1), plane(Vec3::UnitZ(), 0)};
+  Vec3 v(-2, -3, -4);
+  CHECK(feasible.project(corner, 0, v));
+  CHECK(v == Vec3(1, -1, 0));
+}
+
 TEST(opposite_planes_that_leave_no_room_are_refused) {
   FeasibleSet feasible(2);
   std::vector<Constraint> closed{plane(Vec3::UnitZ(), 1), plane(-Vec3::UnitZ(), -0.5)};

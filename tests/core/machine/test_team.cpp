@@ -25,6 +25,7 @@ void share_at_once(Team& team, Piece&& piece) {
     ++begun;
     while (begun < 2) std::this_thread::yield();
   });
+  CHECK(begun == 2);
 }
 
 }  // namespace

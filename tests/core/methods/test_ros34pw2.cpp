@@ -7,7 +7,7 @@ TEST(third_order_with_the_stiffness_of_each_step_and_with_internal_damping) {
   check_third_order("damped", soft(true));
   check_third_order("ramped", soft(false, true));
   check_third_order("damped and ramped", soft(true, true));
-  check_third_order("wide", soft(true, true, wide), 80);
+  check_third_order("wide", soft(true, true, wide));
   check_third_order("dashpots", with_dashpots(soft(false, true), 0.01));
   check_third_order("strong dashpots", with_dashpots(soft(true, true), 0.1));
   check_third_order("wide, dashpots", with_dashpots(soft(true, true, wide), 0.01));

@@ -167,10 +167,10 @@ inline void check_third_order(const char* name, const Errors& coarse, const Erro
     CHECK(coarse.*part < 1e-13 || order(part) > 2.85);  // there is none, or it is exact
 }
 
-inline void check_third_order(const char* name, const Scene& s, int steps = 160) {
+inline void check_third_order(const char* name, const Scene& s) {
   const Result exact = reference(s);
   Ros34pw2 coarse(s.lattice, int(s.around.pins.size())), fine(s.lattice, int(s.around.pins.size()));
-  check_third_order(name, difference(run_fresh(coarse, s, steps), exact), difference(run_fresh(fine, s, 2 * steps), exact));
+  check_third_order(name, difference(run_fresh(coarse, s, 160), exact), difference(run_fresh(fine, s, 320), exact));
 }
 
 /// Momentum that the whole body has taken up, plus what damping took and the pins received, less what the forces gave [N s].
