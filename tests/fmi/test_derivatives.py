@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from scenes import LED, MOVED, box
-from softffd import Scene
+from softffd import FmuError, Scene
 from softffd.fmu.component import Component
 
 
@@ -53,6 +53,10 @@ class Driven(Component):
         call = self._library.fmi2GetRealOutputDerivatives
         assert call(c_void_p(self._slave.component), byref(reference), 1, byref(order), byref(value)) == 0
         return value.value
+
+    def rates(self) -> list[float]:
+        """Of all outputs."""
+        return [self.rate(variable.name) for variable in self.variables("output")]
 
     def get_values(self, *names: str) -> np.ndarray:
         block = self.block(list(names))
@@ -174,3 +178,24 @@ def test_the_derivative_of_the_work_is_the_power_of_a_force():
         speed = driven.get_values("velocity[1,2,0].x")[0]
         assert driven.rate("energy.work") == pytest.approx(6.0 * speed / 2, rel=1e-9)
         assert driven.rate("velocity[1,2,0].x") == pytest.approx(6.0, rel=1e-9)
+
+
+def test_derivatives_of_outputs_are_part_of_the_state_and_a_discarded_step_leaves_them():
+    with Driven(FULL) as driven, Driven(FULL) as other:
+        for n in range(3):
+            driven.do_step(n * 0.01, 0.01)
+        wanted, state = driven.rates(), driven.get_state()
+        driven.do_step(0.03, 0.05)
+        assert driven.rates() != wanted
+        driven.set_state(state)
+        assert driven.rates() == wanted
+        driven.set_start_values({"stiffness.edge": 1e19})
+        with pytest.raises(FmuError, match="discarded"):
+            driven.do_step(0.03, 1.0)
+        assert driven.rates() == wanted
+        other.set_state(other.state_from(driven.state_bytes(state)))
+        assert other.rates() == wanted
+        other.reset()
+        other.initialize({})
+        other.exit_initialization()
+        assert other.rate("energy.kinetic") == other.rate("plane.floor.reaction.z") == 0

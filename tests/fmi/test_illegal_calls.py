@@ -68,12 +68,13 @@ EITHER = [
     (SETTABLE, "load.push.x: wanted a finite number, got inf", lambda h: mixed(h, "load.push.x", INF)),
     (SETTABLE, "gravity.y: wanted a finite number, got -inf", lambda h: mixed(h, "gravity.y", -INF)),
     (SETTABLE, "damping: wanted >= 0 N.s/m, got -1", lambda h: mixed(h, "damping", -1.0)),
+    (SETTABLE, "stiffness.edge: wanted >= 0 N/m, got -2", lambda h: mixed(h, "stiffness.edge", -2.0)),
     (SETTABLE, "plane.wall.friction: wanted >= 0, got -0.5", lambda h: mixed(h, "plane.wall.friction", -0.5)),
     (SETTABLE, "energy.kinetic: cannot be set", lambda h: mixed(h, "energy.kinetic", 1.0)),
     (UNSET, "mass: wanted > 0 kg, got 0", lambda h: mixed(h, "mass", 0.0)),
     ((RUNNING,), "mass: cannot be set after initialization", lambda h: mixed(h, "mass", 2.0)),
     ((RUNNING,), "plane.wall.point.x: cannot be set", lambda h: mixed(h, "plane.wall.point.x", 2.0)),
-    (UNSET, "solver.method: wanted one of 1 auto, 2 ", lambda h: h.set_integer("solver.method", 99)),
+    *[(UNSET, "method: wanted one of 1 auto, 2 central_difference, ", lambda h, n=n: h.set_integer("solver.method", n)) for n in (9, 99)],
     (DONE, "damping: is no output", lambda h: h.ask_slope("damping")),
     *[(DONE, f"energy.work: wanted a derivative of order 1, got {n}", lambda h, n=n: h.ask_slope("energy.work", n)) for n in (-1, 0, 2)],
     *[((RUNNING,), "fmi2DoStep: currentCommunicationPoint", lambda h, t=t: h("DoStep", t, STEP, 1)) for t in (0.0, 0.02, NAN, INF, -INF)],
@@ -140,6 +141,11 @@ OF_FMI2 = [
     (ALIVE, "there are no String variables", lambda h: h("GetString", uints([STIFFNESS]), 1, (c_char_p * 1)())),
     *[(SETTABLE, f"push.x: wanted a derivative of order 1 to 3, got {n}", lambda h, n=n: rates(h, "load.push.x", n, 1)) for n in (0, 4)],
     (SETTABLE, "plane.ground.point.x: wanted a derivative of order 1, got 2", lambda h: rates(h, "plane.ground.point.x", 2, 1.0)),
+    *[
+        (DONE, f"{name}: wanted a derivative of order 1, got {n}", lambda h, name=name, n=n: h.ask_slope(name, n))
+        for name in ("position[0,0,0].x", "velocity[0,0,0].x", "plane.wall.reaction.z")
+        for n in (-1, 0, 2)
+    ],
     (SETTABLE, "load.push.x: wanted a finite derivative", lambda h: rates(h, "load.push.x", 1, NAN)),
     (SETTABLE, "damping: is no input", lambda h: rates(h, "damping", 1, 1.0)),
     (
