@@ -50,8 +50,9 @@ def test_a_pending_parameter_change_is_part_of_the_state_and_not_yet_in_effect(h
     assert advance(host, 10, 20) == straight
 
 
-def test_pending_derivatives_of_inputs_are_part_of_the_state(rich):
-    host = begun(rich, "leapfrog")
+@pytest.mark.parametrize("method", METHODS)
+def test_pending_derivatives_of_inputs_are_part_of_the_state(rich, method):
+    host = begun(rich, method)
     advance(host, 0, 10)
     names = [rich.names["load.push.y"], rich.names["pin.grip.velocity.x"]]
     host.must("SetRealInputDerivatives", uints(names), 2, ints([1, 1]), doubles([500.0, 2.0]))
@@ -78,24 +79,24 @@ def test_light_points_keep_the_mass_that_they_were_made_with():
     assert np.array_equal(*ends)
 
 
-def test_a_serialized_state_continues_in_another_process(rich, tmp_path):
-    host = begun(rich, "central_difference")
-    advance(host, 0, 10)
+@pytest.mark.parametrize(("method", "other"), [tuple(METHODS), tuple(METHODS)[::-1]])
+def test_a_serialized_state_continues_in_another_process(rich, tmp_path, method, other):
+    host = begun(rich, method)
+    advance(host, 0, 20)
     (tmp_path / "blob").write_bytes(host.serialized(host.save()))
     script = f"""
 import sys
-import zlib
 sys.path[:0] = {[str(Path(__file__).parent), *sys.path]!r}
 from pathlib import Path
 from c_host import Fmu
 from straight_run import RICH
 from test_state import advance, begun
-host = begun(Fmu(RICH, Path({str(tmp_path / "fmu")!r})), "leapfrog")
+host = begun(Fmu(RICH, Path({str(tmp_path / "fmu")!r})), {other!r})
 host.must("SetFMUstate", host.received(Path({str(tmp_path / "blob")!r}).read_bytes()))
-print(advance(host, 10, 25).hex())
+print(advance(host, 20, 50).hex())
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == advance(host, 10, 25).hex()
+    assert done.stdout.splitlines()[-1] == advance(host, 20, 50).hex()
     host.free()
 
 
@@ -133,8 +134,9 @@ def sealed(payload: bytes, head: bytes) -> bytes:
     return head[:24] + zlib.crc32(payload).to_bytes(8, "little") + head[32:] + payload
 
 
-def test_values_that_no_setter_takes_are_refused_under_a_sound_checksum(rich):
-    host = begun(rich, "leapfrog")
+@pytest.mark.parametrize("method", METHODS)
+def test_values_that_no_setter_takes_are_refused_under_a_sound_checksum(rich, method):
+    host = begun(rich, method)
     assert host.set({"stiffness.edge": 4321.5}) == OK
     before = advance(host, 0, 3)
     blob = host.serialized(host.save())
