@@ -54,6 +54,18 @@ def reactions(result):
     return sum(vector(result, f"plane.{name}.reaction") for name in result.plane_names())
 
 
+@pytest.mark.parametrize("method", ["leapfrog", "auto"])
+def test_no_point_is_behind_the_ground_at_any_internal_step(method):
+    found = gaps(bouncing(method=method, internal=5e-4, step=5e-4), "ground")
+    assert found.min() >= -1e-15 and (found == 0).sum() > 500  # they did touch
+
+
+def test_a_box_at_rest_presses_with_its_weight():
+    result = bouncing(damping=3.0, stop_time=5.0)
+    assert vector(result, "plane.ground.reaction")[-1] == pytest.approx([0, 0, -9.81], abs=1e-6)
+    assert result.outputs["plane.ground.contacts"][-1] == 16
+
+
 def test_the_impulses_on_the_plane_are_the_momentum_that_the_body_lost():
     """Sum of reaction H = M (g T - (v(T) - v(0))), component by component, to rounding."""
     result = bouncing()
