@@ -71,6 +71,13 @@ def test_damping_gravity_and_initial_motion_are_the_references_to_rounding(metho
     assert velocities(result)[-1] == pytest.approx(v, abs=rounding[1])
 
 
+@pytest.mark.parametrize("scene", [STRETCHED, DAMPED_AND_MOVING], ids=["undamped", "damped"])
+def test_central_difference_agrees_with_leapfrog_on_smooth_motion(scene):
+    runs = [simulate(scene, start_values={"solver.step": 2.5e-4, "solver.method": method}) for method in ("leapfrog", "central_difference")]
+    assert points(runs[0]) == pytest.approx(points(runs[1]), abs=1e-10)  # round-off of the recurrence, as above
+    assert velocities(runs[0]) == pytest.approx(velocities(runs[1]), abs=1e-8)
+
+
 def test_central_difference_restarts_with_the_force_of_that_moment():
     """The stable step changes as the box swings, and the recurrence starts anew within a communication step."""
     push = {"name": "push", "points": "all"}
