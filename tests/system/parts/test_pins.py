@@ -39,10 +39,10 @@ def spin(time):
     return pose | {f"pin.hand.angular_velocity.{axis}": value for axis, value in zip("xyz", SPIN, strict=True)}
 
 
-def hanging(*, damping=2.0, method="leapfrog"):
+def hanging(*, damping=2.0, method="leapfrog", step=5e-4):
     """A box of 2 kg on a hook."""
     hook = [{"name": "hook", "points": "z+"}]
-    return box(mass={"total": 2.0}, stiffness=1e3, damping=damping, gravity=GRAVITY, pin=hook, method=method, step=5e-4, stop_time=4.0)
+    return box(mass={"total": 2.0}, stiffness=1e3, damping=damping, gravity=GRAVITY, pin=hook, method=method, step=step, stop_time=4.0)
 
 
 def held(*, damping=0.0, method="leapfrog", hand=HAND, **keys):
@@ -51,9 +51,9 @@ def held(*, damping=0.0, method="leapfrog", hand=HAND, **keys):
     return box(lattice=PLACED, stiffness=1e3, damping=damping, pin=[hand], method=method, step=5e-4, **keys)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_box_hangs_in_equilibrium_and_the_pin_carries_its_weight(method):
-    result = simulate(hanging(method=method), step=0.5)
+@pytest.mark.parametrize(("method", "step"), [*((method, 5e-4) for method in METHODS), ("leapfrog", 0.0)])
+def test_a_box_hangs_in_equilibrium_and_the_pin_carries_its_weight(method, step):
+    result = simulate(hanging(method=method, step=step), step=0.5)
     assert vector(result, "pin.hook.reaction")[-1] == pytest.approx([0, 0, -2 * 9.81], abs=1e-8)
     assert vector(result, "pin.hook.torque")[-1] == pytest.approx([0, 0, 0], abs=1e-8)
     assert np.array_equal(points(result)[:, 48:], np.broadcast_to(points(result)[0, 48:], (9, 16, 3)))
@@ -84,20 +84,23 @@ def led_motion(time):
 
 
 def turned_motion(time):
+    """Likewise, with velocities at the start too (T, h, 3)."""
     places = np.array([turned(REST[HELD] - CENTROID, SPIN * t) for t in time])
-    return places + CENTROID, np.cross(SPIN, places)[1:]
+    return places + CENTROID, np.cross(SPIN, places)
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize(("inputs", "motion", "rounding"), [(path, led_motion, 2e-15), (spin, turned_motion, 1e-14)], ids=["led", "turned"])
+@pytest.mark.parametrize(
+    ("inputs", "motion", "rounding"), [(path, led_motion, (2e-15, 1e-12)), (spin, turned_motion, (1e-14, 1e-13))], ids=["led", "turned"]
+)
 def test_held_points_move_with_the_frame_which_takes_exactly_the_momentum_that_is_missing(inputs, motion, rounding, method):
     """Sum of reaction H = M g T - (P(T) - P(0)), with every change of the frame's velocity between steps included."""
     result = simulate(held(method=method), inputs=inputs)
     places, speeds = motion(result.time)
-    assert points(result)[:, HELD] == pytest.approx(places, abs=rounding)
+    assert points(result)[:, HELD] == pytest.approx(places, abs=rounding[0])
     assert np.abs(points(result)[:, ~HELD] - REST[~HELD]).max() > 0.1  # the others follow
     if method != "central_difference":
-        assert velocities(result)[1:, HELD] == pytest.approx(speeds, abs=1e-12)
+        assert velocities(result)[-len(speeds) :, HELD] == pytest.approx(speeds, abs=rounding[1])
         momentum = velocities(result).mean(axis=1)
         received = np.cumsum(0.01 * vector(result, "pin.hand.reaction"), axis=0)
         assert received == pytest.approx(np.outer(result.time, [0, 0, -9.81]) - (momentum - momentum[0]), abs=1e-12)
