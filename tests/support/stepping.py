@@ -112,7 +112,7 @@ class Stepper:
 
 
 def require_same_continuation(scene: Scene) -> None:
-    """A run of the scene, in contact where it has obstacles, goes on with the same bits in an instance that gets its state, and in its own."""
+    """A run of the scene, in contact where it has obstacles, goes on with the same bits from a saved state, in another instance too."""
     H = scene.experiment.communication_step
     with Stepper(scene) as first, Stepper(scene) as second:
         first.step(H, times=20)
