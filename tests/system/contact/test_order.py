@@ -14,15 +14,16 @@ TILTED = np.array([np.sin(np.radians(20)), 0.5 * np.sin(np.radians(20)), np.cos(
 TILTED /= np.linalg.norm(TILTED)
 
 
-@pytest.mark.short("flat")
+@pytest.mark.short("4e-06-flat")
 @pytest.mark.parametrize("normal", [np.array([0.0, 0.0, 1.0]), TILTED], ids=["flat", "askew"])
-def test_a_dropped_sliding_box(normal):
+@pytest.mark.parametrize("true", [4e-6, 2e-6])
+def test_a_dropped_sliding_box(normal, true):
     """Of control points, at all communication points."""
     dropped = box(
         stiffness=2e3, damping=0.1, gravity=(-9.81 * normal).tolist(), plane=[GROUND | {"normal": normal.tolist()}], method="leapfrog",
         offset=[0.0, 0.0, 0.2], velocity=[1.0, 0.0, 0.0], stop_time=2.0, communication_step=0.1,
     )  # fmt: skip
-    exact = points(simulate(dropped, start_values={"solver.step": 4e-6}))
+    exact = points(simulate(dropped, start_values={"solver.step": true}))
     runs = [simulate(dropped, start_values={"solver.step": h}) for h in (1e-4, 5e-5, 2.5e-5)]
     for run in runs:
         assert_nothing_is_behind(run)
@@ -62,25 +63,30 @@ def sliding(body, kind, friction):
     return body(bodies.cube(2, 0.0), **{kind: [solid]}, **keys)
 
 
-LANDING, SLIDING = (4e-6, 1.6e-4, 8e-5, 4e-5, 2e-5), (2e-5, 4e-4, 2e-4)
+LANDING, SLIDING = ((1.6e-4, 8e-5, 4e-5, 2e-5), (4e-6, 2e-6)), ((4e-4, 2e-4), (2e-5, 5e-6))
 CASES = {
-    "a thrown sphere": (lambda body, _: thrown(body), (4e-6, 1e-4, 5e-5, 2e-5), 1.8, 4.5e-6),
-    "damped, of the surface": (lambda _, rubber: damped(rubber, bodies.sphere(3), "surface", 0.0, 0.0), LANDING, 1.8, 2e-6),
-    "damped, of control points": (lambda _, rubber: damped(rubber, bodies.cube(2, 0.0), "lattice", 0.35, 0.4), LANDING, 1.8, 1e-7),
+    "a thrown sphere": (lambda body, _: thrown(body), (1e-4, 5e-5, 2e-5), (4e-6, 1e-6), 1.8, 4.5e-6),
+    "damped, of the surface": (lambda _, rubber: damped(rubber, bodies.sphere(3), "surface", 0.0, 0.0), *LANDING, 1.8, 2e-6),
+    "damped, of control points": (lambda _, rubber: damped(rubber, bodies.cube(2, 0.0), "lattice", 0.35, 0.4), *LANDING, 1.8, 1e-7),
 } | {
-    f"sliding on a {kind}, {word}": (lambda body, _, kind=kind, friction=friction: sliding(body, kind, friction), SLIDING, order, 5e-6)
+    f"sliding on a {kind}, {word}": (lambda body, _, kind=kind, f=f: sliding(body, kind, f), *SLIDING, np.log2(ratio), 5e-6)
     for kind in ("sphere", "cylinder", "box")
-    for word, friction, order in (("smooth", 0.0, 1.8), ("rough", 0.3, 0.85))
+    for word, f, ratio in (("smooth", 0.0, 3.5), ("rough", 0.3, 1.8))
 }
-"""Name: the scene, the true step and those whose ends are compared [s], the least order, the largest error [m].
+"""Name: the scene, the steps whose ends are compared and the true steps, coarse and fine [s], the least order, the largest error [m].
 In lasting contact friction leaves first order."""
 
 
+@pytest.mark.short("coarse-*")
 @pytest.mark.parametrize("case", CASES)
-def test_the_order_of(body, rubber, case):
-    make, (true, *steps), order, most = CASES[case]
+@pytest.mark.parametrize("true", [0, 1], ids=["coarse", "fine"])
+def test_the_order_of(body, rubber, case, true):
+    make, steps, smallest, order, most = CASES[case]
     scene = make(body, rubber)
-    exact, *ends = (points(simulate(scene.replace({"solver.step": h})))[-1] for h in (true, *steps))
+    exact, *ends = (points(simulate(scene.replace({"solver.step": h})))[-1] for h in (smallest[true], *steps))
     errors = [np.abs(end - exact).max() for end in ends]
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] > order
     assert errors[0] < most
+    if case == "a thrown sphere":
+        assert errors[0] > 3.3 * errors[1]
+        assert [errors[0], errors[2]] == pytest.approx([3.0e-6, 1.3e-7], rel=0.5)
