@@ -13,7 +13,7 @@ import pytest
 from scenes import LED, box
 from stepping import Stepper
 
-H, STEPS = 0.012, 10
+H = 0.012
 
 LOADS = {"load": [{"name": "push", "points": "x+"}, {"name": "pull", "points": [[0, 0, 0]]}]}
 PIN = {"pin": [{"name": "hand", "points": "x-", **LED}]}
@@ -121,30 +121,30 @@ class Course:
     pin: np.ndarray
 
 
-def run(stepper, case, method, n):
+def run(stepper, case, method, n, steps):
     stepper.restart({"solver.method": method, "solver.step": H / n})
     rows = []
-    for number in range(STEPS + 1):
+    for number in range(steps + 1):
         kept = stepper.energy("kinetic", "elastic", "gravity", "dissipated") - stepper.energy("work")
         pin = [stepper.vector(f"pin.hand.{what}") if "pin" in case else np.zeros(3) for what in ("reaction", "torque")]
         rows.append((stepper.positions(), stepper.velocities(), kept, pin))
-        if number < STEPS:
+        if number < steps:
             drive(stepper, case, number * H)
             stepper.step(H)
-    assert stepper.integer("solver.steps") == STEPS * n, "the given step was divided"
+    assert stepper.integer("solver.steps") == steps * n, "the given step was divided"
     return Course(*(np.array(column) for column in zip(*rows, strict=True)))
 
 
-@pytest.fixture(scope="module")
-def courses():
-    """courses(case, method, n) runs once and remembers."""
+@pytest.fixture(scope="module", params=[10, 20], ids="{} steps".format)
+def courses(request):
+    """courses(case, method, n) runs so many communication steps once and remembers."""
     steppers, known = {}, {}
 
     def course(case, method, n):
         if case not in steppers:
             steppers[case] = Stepper(CASES[case])
         if (case, method, n) not in known:
-            known[case, method, n] = run(steppers[case], case, method, n)
+            known[case, method, n] = run(steppers[case], case, method, n, request.param)
         return known[case, method, n]
 
     yield course
@@ -162,7 +162,7 @@ def observed(divisions, errors):
     return -np.polyfit(np.log(divisions), np.log(errors), 1)[0]
 
 
-@pytest.mark.short("*ramp-*", "*pin-*", "curved-*")
+@pytest.mark.short("10 *ramp-*", "10 *pin-*", "10 *curved-*")
 @pytest.mark.parametrize(("case", "method"), pairs([case for case in CASES if case != "turning pin"]))
 def test_the_motion_has_the_methods_order(courses, case, method):
     row = METHODS[method]
@@ -173,7 +173,7 @@ def test_the_motion_has_the_methods_order(courses, case, method):
         assert observed(row.divisions, errors) == pytest.approx(row.order, abs=row.within), (quantity, errors)
 
 
-@pytest.mark.short("damped ramp", "damped pin")
+@pytest.mark.short("10 *damped ramp", "10 *damped pin")
 @pytest.mark.parametrize("case", [case for case in CASES if case != "turning pin" and "dashpots" not in case])
 def test_the_references_agree_to_rounding(courses, case):
     one, other = courses(case, "bm4", 1200), courses(case, "dop853", 60)
@@ -184,7 +184,7 @@ def test_the_references_agree_to_rounding(courses, case):
 SMOOTH = [method for method in METHODS if method != "central_difference"]
 
 
-@pytest.mark.short("*ramp-*", "*pin-*", "curved-*")
+@pytest.mark.short("10 *ramp-*", "10 *pin-*", "10 *curved-*")
 @pytest.mark.parametrize(("case", "method"), pairs([case for case in CASES if case != "turning pin"], SMOOTH))
 def test_the_energy_balance_closes_with_the_methods_order(courses, case, method):
     """Kinetic + elastic + gravity + dissipated - work. Runge-Kutta methods have one order more here: they lose energy in odd powers."""
@@ -194,14 +194,14 @@ def test_the_energy_balance_closes_with_the_methods_order(courses, case, method)
     assert gaps[-1] < 0.05
 
 
-@pytest.mark.short("*ramp-*", "*pin-*")
+@pytest.mark.short("10 *ramp-*", "10 *pin-*")
 @pytest.mark.parametrize(("case", "method"), pairs([case for case in CASES if case not in ("turning pin", "curved")], SMOOTH))
 def test_momentum_is_what_loads_drag_and_pins_gave(courses, case, method):
     """The change of momentum in every communication step is the impulse of gravity, loads, damping and pin: to rounding (1e-13 N s).
     But the drag of fixed-step methods is no sum over the way of the points: it has the method's order."""
     scene, row = CASES[case], METHODS[method]
     damping = scene.material.damping
-    times = H * np.arange(STEPS + 1)
+    times = H * np.arange(len(courses(case, method, row.divisions[0]).x))
     load = np.array([[loads(t)[f"load.push.{axis}"] + loads(t)[f"load.pull.{axis}"] for axis in "xyz"] for t in times]) * ("ramp" in case)
     given = 0.5 * H * (load[1:] + load[:-1]) + H * np.array(scene.environment.gravity)
 
@@ -217,6 +217,7 @@ def test_momentum_is_what_loads_drag_and_pins_gave(courses, case, method):
         assert max(gaps) < 1e-13
 
 
+@pytest.mark.short("10 *")
 @pytest.mark.parametrize("method", SMOOTH)
 def test_angular_momentum_is_what_the_pin_gave(courses, method):
     """About the origin of a frame that only turns. Kicks and drifts keep it to rounding, Runge-Kutta methods to their order."""
