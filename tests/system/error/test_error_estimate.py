@@ -109,7 +109,7 @@ def test_jumps_of_a_load_count_by_the_vibrations_they_set_off(exact):
 
 
 HELD = box(
-    stiffness=1e5, damping=0.5, pin=[{"name": "base", "points": "z-", **LED}], load=[{"name": "top", "points": "z+"}], stop_time=0.8,
+    damping=0.5, pin=[{"name": "base", "points": "z-", **LED}], load=[{"name": "top", "points": "z+"}], stop_time=0.8,
     communication_step=0.05,
 )  # fmt: skip
 ESTIMATED = {"solver.error_estimate": True}
@@ -136,11 +136,14 @@ def test_what_backward_euler_damps_is_counted(stiffness):
     assert error / IMPLICIT <= estimate <= error * IMPLICIT
 
 
-def test_a_body_that_turns_with_its_pin_does_not_vibrate_by_that():
+@pytest.mark.short("100000.0")
+@pytest.mark.parametrize("stiffness", [1e5, 1e6])
+def test_a_body_that_turns_with_its_pin_does_not_vibrate_by_that(stiffness):
     """Each communication step the velocities turn by 0.01 rad; only the load's kinks set off vibrations, and the start."""
+    held = HELD.replace({"material.stiffness": stiffness})
     exact, found = (
         simulate(scene, start_values={"solver.method": method, "solver.tolerance": tolerance}, inputs=carried, interpolation="linear")
-        for scene, method, tolerance in ((HELD, "dop853", 1e-11), (HELD.replace(ESTIMATED), "ros34pw2", 1e-4))
+        for scene, method, tolerance in ((held, "dop853", 1e-11), (held.replace(ESTIMATED), "ros34pw2", 1e-4))
     )
     error, estimate = errors_and_estimates(found, points(exact))
     assert np.all(estimate[1:] < IMPLICIT * error[1:] + FLOOR) and np.all(error[1:] < IMPLICIT * estimate[1:] + FLOOR)
