@@ -156,9 +156,11 @@ def test_words_are_drawn_as_they_are():
     assert [text.get_text() for text in figure.texts] == USERS
 
 
-def test_a_picture_tells_its_title_and_the_estimated_error():
-    run = replace(made_up_run(), summary={"title": USERS[0], "run_time_s": 1.0, "estimated_error_m": 1e-3}, scene=None)
-    assert {USERS[0], "run time 1.0 s, estimated error 1.0 mm"} <= {text.get_text() for text in run_picture(run).texts}
+@pytest.mark.short("set*")
+@pytest.mark.parametrize("title", USERS)
+def test_a_picture_tells_its_title_and_the_estimated_error(title):
+    run = replace(made_up_run(), summary={"title": title, "run_time_s": 1.0, "estimated_error_m": 1e-3}, scene=None)
+    assert {title, "run time 1.0 s, estimated error 1.0 mm"} <= {text.get_text() for text in run_picture(run).texts}
 
 
 def test_names_of_curves_are_drawn_as_they_are():
