@@ -3,12 +3,13 @@
 import numpy as np
 
 from scenes import GRAVITY, LED, MOVED, box
+from softffd.rotation import turned
 
 GRIP = {"name": "grip", **LED}
 STIFFNESSES = {"edge": 1e3, "face": 500.0, "body": 200.0}
 
 
-def free(*, damping=0.0, method="leapfrog", step=5e-4, stop_time=0.2):
+def free(*, damping=0.0, method="leapfrog", step=5e-4, stop_time=0.5):
     return box(
         lattice={"points": [5, 3, 4], "size": [1.0, 0.5, 0.8], "springs": "paper"}, stiffness=STIFFNESSES, damping=damping,
         stretch=[1.1, 0.9, 1.0], angular_velocity=[1.0, 2.0, 0.5], velocities="all", method=method, step=step, stop_time=stop_time,
@@ -16,14 +17,14 @@ def free(*, damping=0.0, method="leapfrog", step=5e-4, stop_time=0.2):
 
 
 def stiff():
-    return box(stiffness=1e7, damping=0.5, gravity=GRAVITY, forces="all", step=1e-5, stop_time=0.015, communication_step=1e-3)
+    return box(stiffness=1e7, damping=0.5, gravity=GRAVITY, forces="all", step=1e-5, stop_time=0.03, communication_step=1e-3)
 
 
 def solid():
     regions = [{"points": {"k": [0, 2]}, "youngs_modulus": 4e4, "density": 500.0}]
     return box(
         lattice={"points": [4, 3, 5], "size": [0.3, 0.22, 0.36]}, material={"youngs_modulus": 1e4}, mass={"density": 1100.0},
-        region=regions, gravity=GRAVITY, pin=[{"name": "base", "points": "x-"}], step=5e-4, stop_time=0.15,
+        region=regions, gravity=GRAVITY, pin=[{"name": "base", "points": "x-"}], step=5e-4, stop_time=0.3,
     )  # fmt: skip
 
 
@@ -33,7 +34,7 @@ def patched(*, damping=30.0, **keys):
         {"points": {"i": [0, 1]}, "stiffness": 2e3},
     ]
     nose = {"name": "nose", "at": [0.3, 0.5, 0.9]}
-    return box(region=regions, load=[{"name": "push", "points": "x+"}], probe=[nose], step=4e-4, stop_time=0.3, **keys)
+    return box(region=regions, load=[{"name": "push", "points": "x+"}], probe=[nose], step=2.5e-4, stop_time=0.3, **keys)
 
 
 def drop(method="auto", *, step=1e-3, stop_time=1.0):
@@ -45,22 +46,22 @@ def drop(method="auto", *, step=1e-3, stop_time=1.0):
 
 def incline():
     ground = {"name": "ground", "friction": 0.3}
-    return box(stiffness=1e4, damping=0.0, gravity=[4.1458852, 0.0, -8.8908794], plane=[ground], step=5e-4, stop_time=0.3)
+    return box(stiffness=1e4, damping=0.0, gravity=[4.1458852, 0.0, -8.8908794], plane=[ground], step=5e-4, stop_time=0.6)
 
 
 def conveyor(*others):
     belt = {"name": "ground", "friction": 0.5, "velocity": [0.5, 0.2, 0.0], "angular_velocity": [0.0, 0.0, 0.3]}
-    return box(gravity=GRAVITY, plane=[belt, *others], step=1e-3, stop_time=0.4)
+    return box(gravity=GRAVITY, plane=[belt, *others], step=1e-3, stop_time=0.8)
 
 
 def cradle():
     moved = {"name": "ground", "point": [0.3, 0.4, 0.0], **MOVED}
-    return box(gravity=GRAVITY, plane=[moved], step=1e-3, stop_time=0.4)
+    return box(gravity=GRAVITY, plane=[moved], step=1e-3, stop_time=0.8)
 
 
 def press(**keys):
     plate = {"name": "press", "point": [0.3, 0.4, 1.05], "normal": [0.0, 0.0, -1.0], **MOVED}
-    return box(damping=0.1, gravity=GRAVITY, plane=[{"name": "ground"}, plate], step=1e-3, stop_time=0.65, **keys)
+    return box(damping=0.1, gravity=GRAVITY, plane=[{"name": "ground"}, plate], step=1e-3, stop_time=1.2, **keys)
 
 
 def tumble(offset=0.0):
@@ -72,7 +73,7 @@ def tumble(offset=0.0):
 
 def held(method="leapfrog"):
     pins = [{"name": "base", "points": "x-"}, {**GRIP, "points": {"i": [3, 3], "j": [0, 1]}}]
-    return box(stiffness=2e3, damping=0.05, gravity=GRAVITY, pin=pins, method=method, step=5e-4, stop_time=0.25)
+    return box(stiffness=2e3, damping=0.05, gravity=GRAVITY, pin=pins, method=method, step=5e-4, stop_time=0.5)
 
 
 def thrown(**keys):
@@ -84,8 +85,16 @@ def thrown(**keys):
 
 TURNED = {"rotation": {"axis": [1.0, -2.0, 0.5], "degrees": 35.0}}
 ENDS = [{"name": "hook", "points": "z+"}, {**GRIP, "points": "z-"}]
-FLANGE = [{**GRIP, "points": "x-", "origin": [-0.5, 0.25, 1.5]}]
 LANDING = {"gravity": GRAVITY, "plane": [{"name": "ground", "point": [0.0, 0.0, -0.02]}], "angular_velocity": [0.5, 0.0, 0.0]}
+
+
+FLANGE, CENTROID = np.array([-0.5, 0.25, 1.5]), np.array([0.0, 0.5, 0.5])
+AROUND = {"pin.grip.orientation.w": np.cos(0.3), "pin.grip.orientation.z": np.sin(0.3)}
+
+
+def flanged():
+    flange = [{**GRIP, "points": "x-", "origin": FLANGE.tolist()}]
+    return box(stiffness=500.0, damping=0.3, gravity=GRAVITY, pin=flange, method="leapfrog", step=1e-3, stop_time=0.2)
 
 
 def matched():
@@ -136,6 +145,12 @@ def wave(time):
     return {f"pin.grip.{name}": value for name, value in (turn | place).items()}
 
 
+def lead(time):
+    """The flange of a pin whose points go along a path, turned."""
+    place = CENTROID + np.array([0.2 * time, 0.3 * np.sin(3 * time), 0.0]) + turned(FLANGE - CENTROID, np.array([0.0, 0.0, 0.6]))
+    return {f"pin.grip.position.{axis}": value for axis, value in zip("xyz", place, strict=True)}
+
+
 def carry(time):
     """Down onto the ground, along it and up."""
     down = {"position.z": np.interp(time, [0.0, 0.2, 0.5, 0.8], [1.05, 0.95, 0.95, 1.2]), "velocity.z": 0.0}
@@ -157,7 +172,7 @@ SMOOTH = {
     "pins, published": (held("central_difference"), wave, 1e-11),
     "pins of a body that starts turned": (thrown(pin=ENDS, **TURNED), None, 1e-12),
     "pins of a body that is turned at the start": (thrown(pin=ENDS, **TURNED), None, 1e-12, {"initial.rotation.x": 0.3}),
-    "a pin told about another point": (thrown(pin=FLANGE), wave, 1e-11),
+    "a pin told about another point": (flanged(), lead, 1e-11, AROUND),
     "a spin about the centre of mass": (thrown(initial={"spin_about": "mass"}), None, 1e-12),
     "masses of matched inertia, landing": (matched(), None, 1e-12, {"mass": 1.5}),
 }

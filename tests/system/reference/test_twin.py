@@ -27,10 +27,10 @@ def path_restored():
 
 @pytest.fixture
 def both(tmp_path):
-    """both(scene, inputs, start values) runs component and twin alike and returns their results."""
+    """both(scene, inputs, start values, share of the run) runs component and twin alike and returns their results."""
 
-    def run(scene, inputs=None, start=None):
-        times = {"step": scene.experiment.communication_step, "stop_time": scene.experiment.stop_time}
+    def run(scene, inputs=None, start=None, share=1.0):
+        times = {"step": scene.experiment.communication_step, "stop_time": share * scene.experiment.stop_time}
         twin = build_twin(scene, tmp_path / "twin.fmu")
         theirs, ours = (simulate(each, inputs=inputs, start_values=start, **times) for each in (twin, scene))
         return ours, theirs
@@ -66,11 +66,17 @@ def test_the_twin_is_a_valid_fmu(tmp_path):
     assert validate_fmu(str(build_twin(press(points=[2, 2, 2]), tmp_path / "twin.fmu"))) == []
 
 
-@pytest.mark.short("damped", "stiff*", "regions*", "a *", "two *", "pins, *", "pins of a body that is*", "masses*")
-@pytest.mark.parametrize("name", SMOOTH)
-def test_smooth_motions_agree_to_rounding(both, name):
+def whole_and_half(names, *halved):
+    """Runs of all scenes, and of some of them the first half."""
+    cases = [(name, 1.0) for name in names] + [(name, 0.5) for name in halved]
+    return pytest.mark.parametrize(("name", "share"), cases, ids=[f"half of {name}" if share < 1 else name for name, share in cases])
+
+
+@pytest.mark.short("half of *", "regions*", "a pin*", "a spin*", "pins of a body that is*", "masses*")
+@whole_and_half(SMOOTH, "damped", "stiff, under held forces", "a probe in B-splines", "two materials by their modulus", "pins, one moving")
+def test_smooth_motions_agree_to_rounding(both, name, share):
     scene, inputs, tolerance, *start = SMOOTH[name]
-    component, twin = both(scene, inputs, *start)
+    component, twin = both(scene, inputs, *start, share=share)
     assert np.ptp(points(component), axis=0).max() > 1e-3  # it moves
     assert parting(component, twin).max() < tolerance
     for output, values in component.outputs.items():
@@ -78,15 +84,15 @@ def test_smooth_motions_agree_to_rounding(both, name):
         assert np.abs(values - twin.outputs[output]).max() < allowed, output
 
 
-@pytest.mark.short("drop with friction", "conveyor that turns", "plane that jumps", "press")
-@pytest.mark.parametrize("name", CONTACT)
-def test_motions_in_contact_agree_to_the_end(both, name):
+@pytest.mark.short("half of *", "drop with friction")
+@whole_and_half(CONTACT, "conveyor that turns", "plane that jumps", "press")
+def test_motions_in_contact_agree_to_the_end(both, name, share):
     """Impacts and friction leave less than they find; rounding is not multiplied as it is in a fast tumble.
 
     Measured: 1e-12 m by the published rule, 1e-14 m otherwise, 1e-10 N. Asserted: a hundred times the first,
     and 1e4 N/m times that.
     """
-    component, twin = both(*CONTACT[name])
+    component, twin = both(*CONTACT[name], share=share)
     held = [f"pin.grip.{what}" for what in ("reaction", "torque") if "pin.grip.reaction.x" in component.outputs]
     assert component.outputs["plane.ground.contacts"].max() >= 4
     assert parting(component, twin).max() < 1e-10
@@ -140,9 +146,11 @@ def test_values_changed_between_steps_act_alike(tmp_path):
     assert course[1] == pytest.approx(course[0], abs=1e-8)
 
 
-def test_without_a_given_step_the_twin_takes_a_stable_one(both):
+@pytest.mark.short("0.4")
+@pytest.mark.parametrize("seconds", [0.4, 1.0])
+def test_without_a_given_step_the_twin_takes_a_stable_one(both, seconds):
     """Steps near the stability bound, different ones: they differ by their errors, 8e-4 m of the twin and 2e-4 m of the component."""
-    component, twin = both(drop(step=0.0, stop_time=0.4))
+    component, twin = both(drop(step=0.0, stop_time=seconds))
     assert 1e-9 < parting(component, twin).max() < 1e-3
 
 
@@ -188,16 +196,18 @@ ALONE = """
 import gc, sys
 sys.modules["softffd"] = None
 import fmpy
-for _ in range(4):
+for _ in range(int(sys.argv[2])):
     result = fmpy.simulate_fmu(sys.argv[1], stop_time=0.05, output=["position[0,0,0].z"])
     gc.collect()
 print(len(result), result["position[0,0,0].z"][-1])
 """
 
 
-def test_the_twin_runs_without_the_package_and_many_times(tmp_path):
+@pytest.mark.short("4")
+@pytest.mark.parametrize("times", [4, 12])
+def test_the_twin_runs_without_the_package_and_many_times(tmp_path, times):
     twin = build_twin(drop(), tmp_path / "twin.fmu")
-    done = subprocess.run([sys.executable, "-c", ALONE, twin], capture_output=True, text=True, timeout=120)
+    done = subprocess.run([sys.executable, "-c", ALONE, twin, str(times)], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     rows, height = done.stdout.split()
     assert int(rows) >= 5
