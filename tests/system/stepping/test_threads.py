@@ -1,6 +1,7 @@
 """Several threads: the bits of one, no more threads than the scene asks for, none left behind."""
 
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -26,8 +27,8 @@ def large(threads, points=SIDES, **keys):
 
 
 def state(simulation):
-    """All bytes, but for the head, which names the scene."""
-    return bytes(simulation.save())[64:]
+    """All bytes behind the head, which ends with the scene's guid."""
+    return re.split(rb"\{[0-9a-f-]{36}\}", bytes(simulation.save()), maxsplit=1)[1]
 
 
 def states(scene):
