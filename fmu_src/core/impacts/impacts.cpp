@@ -21,7 +21,7 @@ StepStatus Impacts::pass_over(const Beside& at) {
   before_ = motion;
   stiff.begin(job.request.method == Method::backward_euler ? Phase::flight : Phase::rest);
   job.run.energy.kinetic_elastic = -1;
-  const StepStatus status = run_implicit(at.integrators, job, at.end);
+  const StepStatus status = run_implicit(at.integrators, job, Method::backward_euler, at.end);
   const double lost = std::max(0.0, energy_lost(job, before_, 0) - job.model.noise);
   stiff.error += ahead.along_normal * std::sqrt(2 * lost / job.model.body.mass.sum());
   job.run.course.reason = job.request.method == Method::backward_euler ? Reason::asked : Reason::stiff_contact;

@@ -10,13 +10,13 @@ namespace softffd {
 
 namespace use = thresholds;
 
-StepStatus run_implicit(Integrators& integrators, const Job& job, double end) {
+StepStatus run_implicit(Integrators& integrators, const Job& job, Method method, double end) {
   Path& path = job.run.path;
   const double begin = path.motion.time, H = end - begin;
   const Budget& budget = integrators.budget();
-  job.run.course.method = Method::backward_euler;
+  job.run.course.method = method;
   const double wanted = (job.request.step > 0 ? H / job.request.step : 1) / job.request.step_factor;
-  const double least = wanted * traits(Method::backward_euler).work;
+  const double least = wanted * traits(method).work;
   if (!budget.covers(least)) return refusal(least);
   const Count steps = std::max(Count{1}, Count(std::llround(wanted)));
   path.clock = {begin, H / double(steps), 0};
@@ -27,7 +27,7 @@ StepStatus run_implicit(Integrators& integrators, const Job& job, double end) {
   for (Count i = 0; i < steps; ++i) {
     const double next = i + 1 == steps ? end : path.clock.origin + double(i + 1) * path.clock.h;
     const Span span{path.motion.time, 0, next - path.motion.time, 1, most_work};
-    const Outcome outcome = integrators.take(job, Method::backward_euler, span);
+    const Outcome outcome = integrators.take(job, method, span);
     job.run.course.work += outcome.work;
     if (outcome.status != StepStatus::ok) return outcome.status;
     path.motion.time = next;

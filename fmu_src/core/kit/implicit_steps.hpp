@@ -1,9 +1,9 @@
-/// Steps of a stiff body in contact: one implicit step for the communication step, or the given ones.
+/// Implicit steps with contact as they are given, or one for what is left of the communication step.
 #pragma once
 #include "kit/integrators.hpp"
 
 namespace softffd {
 
-StepStatus run_implicit(Integrators& integrators, const Job& job, double end);
+StepStatus run_implicit(Integrators& integrators, const Job& job, Method method, double end);
 
 }  // namespace softffd

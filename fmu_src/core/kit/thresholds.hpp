@@ -131,6 +131,27 @@ inline constexpr double lifted = 1e-9, snapped = 1e-13;
 /// Work that an implicit step at rest may take at least.
 inline constexpr double least_implicit_work = 1e4;
 
+// ---- damped bodies beside obstacles ----
+
+/// Work of explicit steps that an implicit one has to replace to pay, it being run twice [1].
+inline constexpr double worth_damping = 150;
+/// First step, and explicit steps before implicit ones are tried again, in the shortest that pay; how often the latter get twice as many.
+inline constexpr double first_damped = 2, damped_turn = 2;
+inline constexpr Count most_damped_doubts = 6;
+/// Part of what is left of the tolerance for the error of a step, or of the tolerance per share of the time that errors are remembered for,
+/// and at most [1]; of the largest force, for the error of the mean force of a communication step.
+inline constexpr double damped_share = 0.1, damped_rate = 1, damped_most = 0.3, force_share = 0.005;
+/// Radians of a vibration that a step may be long and yet differ visibly from two of half its length [rad].
+inline constexpr double passed_over = 10;
+/// Of what is allowed, what the coarser run may have to let the next steps be run once; how many at most; growth of the step that is better.
+inline constexpr double easy_damped = 0.5, worth_growing = 1.5;
+inline constexpr Count longest_damped_trust = 32;
+/// Velocities of a step that is run once may bend so many times more than in the one before that was run twice, or by this part of what is
+/// allowed [1].
+inline constexpr double bends_more = 2, slight_bend = 0.1;
+/// Shortest step in the largest explicit one, where there are no explicit steps to take over [1].
+inline constexpr double shortest_damped = 0.05;
+
 // ---- given steps, fitted steps ----
 
 /// A step is made longer again only by this factor or more [1]: every change costs a method its coefficients for the step.

@@ -4,7 +4,7 @@
 
 namespace softffd {
 
-Outcome BackwardEuler::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
+Outcome BackwardEuler::advance(Method method, const Model& model, const Drive& drive, const Span& span, Run& run) {
   if (version_ != model.body.version) contact_.body_changed();
   version_ = model.body.version;
   Outcome outcome;
@@ -14,11 +14,15 @@ Outcome BackwardEuler::advance(const Model& model, const Drive& drive, const Spa
   for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i) {
     const Count made = contact_.factorizations();
     const double solved = contact_.solutions();
-    outcome.status = contact_.advance({model.body, drive}, span.time(i), span.h, drive.watch, run.path.motion, run.path.exchange);
+    Path& path = run.path;
+    const auto step = method == Method::sdirk2 ? &ImplicitContact::advance_sdirk2 : &ImplicitContact::advance;
+    outcome.status = (contact_.*step)({model.body, drive}, span.time(i), span.h, drive.watch, path.motion, path.exchange);
     outcome.given += contact_.given();
     outcome.slip = contact_.slip();
+    outcome.constraints = contact_.constraints();
+    outcome.bend = contact_.bend();
     const double work = double(contact_.factorizations() - made) * implicit_.factor;
-    outcome.work += std::max(traits(Method::backward_euler).work, work);
+    outcome.work += std::max(traits(method).work, work);
     outcome.spent += work + (contact_.solutions() - solved) * implicit_.solution;
   }
   return outcome;

@@ -28,6 +28,7 @@ constexpr std::array<Traits, method_count> rows{{
     {Method::dop853, 8, 17, 2.9, 2.8, 1, 5, 6, 0.3, false, false},
     {Method::ros34pw2, 3, 0, any, any, 1, any, 40, 0.3, false, true, Turning::straight, true},
     {Method::backward_euler, 1, 150, any, any, 1, any, 0, 0, true, false, Turning::free, true},
+    {Method::sdirk2, 2, 300, any, any, 1, any, 0, 0, true, false, Turning::free, true},
     {Method::floating_frame, 3, 0, any, any, 1, any, 40, 0.3, false, true, Turning::in_frame, true},
 }};
 

@@ -20,6 +20,7 @@ enum class Reason {
   least_work,       ///< least work for the tolerance among those tried
   quiet_stiffness,  ///< stiff, and the fast modes are quiet: implicit steps pass them over
   stiff_contact,    ///< an obstacle is within reach of a stiff body
+  damped_contact,   ///< an obstacle is within reach of a body with internal damping
   free_flight,      ///< stiff and free, and the fast modes are quiet: rigid motion, and implicit steps for the deformation
   impact,           ///< a stiff body strikes an obstacle, or rings on one
   ringing_flight    ///< a stiff body flies beside an obstacle: its modes carry what vibrates
@@ -143,6 +144,24 @@ struct RaceRecord {
 };
 static_assert(visits_every_field<RaceRecord>);
 
+/// Implicit steps of second order of a damped body beside obstacles (stepping/damped_steps.hpp).
+struct DampedRecord {
+  double h = 0;           ///< wanted [s]; 0: none yet
+  Count trust = 0;        ///< steps that may be run once
+  Count next_trust = 1;   ///< how many after the next success
+  double bend = 0;        ///< of the last step that was run twice, and
+  double error = 0;       ///< what it left at the end of the run [m]
+  Count constraints = 0;  ///< of contact, at the end of the last step
+  Count doubts = 0;       ///< how often explicit steps had to take over, one time after the other
+  double force = 0;       ///< largest on an obstacle or a pin so far, as mean of a step [N]
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.h, s.trust, s.next_trust, s.bend, s.error, s.constraints, s.doubts, s.force);
+  }
+};
+static_assert(visits_every_field<DampedRecord>);
+
 /// What stepping has learnt and spent.
 struct Course {
   MarkedPoints bound_x;                                  ///< configuration that `bound` belongs to
@@ -150,6 +169,7 @@ struct Course {
   std::array<Calibration, method_count> calibrations{};  ///< of the methods of fixed steps
   std::array<double, method_count> controlled{};         ///< steps of the methods with error control [s]; 0: none yet
   ContactSteps contact{};
+  DampedRecord damped{};
   Factored factored{};
   Method method = Method::automatic;  ///< that took the last communication step
   Reason reason = Reason::asked;
@@ -168,13 +188,14 @@ struct Course {
     bound = -1;
     calibrations = {};
     contact = {};
+    damped = {.force = damped.force};
     factored.h = 0;
     race.winner = Method::automatic;
   }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.bound_x, s.bound, s.calibrations, s.controlled, s.contact, s.factored, s.method, s.reason, s.race, s.work, s.usual,
+    return fields(s.bound_x, s.bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.method, s.reason, s.race, s.work, s.usual,
                   s.rejected, s.factors, s.contact_error, s.contact_drift);
   }
 };

@@ -61,6 +61,8 @@ Plan impacts(bool rings) {
 /// An obstacle is within reach: what is not stiff takes leapfrog. So does what has internal damping, which the modes of a flight do not
 /// know, so that nothing would see the echo of an impact; unless its impacts are to be passed over.
 Plan plan_contact(const Facts& facts, const Asked& asked) {
+  if (facts.dashpots && asked.method == Method::automatic && !facts.given_step && !facts.solids)
+    return {.method = Method::sdirk2, .steps = Steps::damped, .reason = Reason::damped_contact};
   if (!facts.stiffness) return wanting(Want::stiffness);
   if (may_be_stiff(facts, asked) && stiff(facts)) {
     if (!facts.dashpots) return impacts(false);
@@ -76,6 +78,8 @@ Plan plan(const Facts& facts) {
   const Asked wanted = asked(facts);
   if (wanted.method == Method::backward_euler && (facts.given_step || facts.pins))
     return {.method = wanted.method, .steps = Steps::implicit, .reason = wanted.reason};
+  if (wanted.method == Method::sdirk2)
+    return {.method = wanted.method, .steps = facts.given_step ? Steps::implicit : Steps::damped, .reason = wanted.reason};
   if (!facts.obstacles || wanted.method == Method::central_difference) return plan_free(facts, wanted, Retreat::never);
   if (facts.came_upon_obstacle) return plan_contact(facts, wanted);
   const bool in_frame = wanted.method == Method::floating_frame;  // decides by the end of its steps

@@ -21,6 +21,7 @@ struct Facts {
   bool damped = false;                 ///< any damping
   bool dashpots = false;               ///< of them, internal damping
   bool obstacles = false;              ///< the scene has planes
+  bool solids = false;                 ///< and spheres, cylinders or boxes
   bool surface = false;                ///< which samples of the surface meet
   bool pins = false;                   ///< the scene has pins
   std::optional<bool> clear{};         ///< no point is on an obstacle now
@@ -36,7 +37,8 @@ enum class Steps {
   fitted,      ///< of one size, as long as stability and tolerance let them be, or given ones that do not divide the stretch
   controlled,  ///< under error control
   doubled,     ///< every stretch run twice
-  implicit,    ///< backward Euler
+  implicit,    ///< implicit ones as they are given, or one for each stretch
+  damped,      ///< SDIRK2 under error control, explicit ones where those do not pay
   impacts,     ///< flights, explicit steps through impacts, implicit ones at rest
   raced        ///< by the method that a race finds, fitted or controlled
 };

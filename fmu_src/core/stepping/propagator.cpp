@@ -22,6 +22,7 @@ Propagator::Propagator(const Lattice& lattice, const Run& run, const Samples* sa
     : integrators_(lattice, int(run.path.exchange.planes.size()), int(run.path.exchange.pins.size()), samples),
       calibrator_(run),
       doubled_(run),
+      damped_(run),
       impacts_(lattice, run),
       race_(run),
       start_(run.path) {}
@@ -52,6 +53,7 @@ Facts Propagator::facts(const Job& job, double H) const {
   facts.surface = facts.obstacles && job.model.body.samples;
   facts.pins = !job.drive.pins.empty();
   if (facts.obstacles && job.drive.planes.back().solid()) {  // which leapfrog alone knows
+    facts.solids = true;
     facts.clear = false;
     facts.within_reach = true;
     facts.stiffness = 0;
@@ -101,7 +103,8 @@ StepStatus Propagator::carry_out(const Job& job, const Plan& plan, double H) {
   course.reason = plan.reason;
   if (plan.steps != Steps::impacts && !job.drive.planes.empty()) job.run.path.stiff.begin(Phase::flight);
   switch (plan.steps) {
-    case Steps::implicit: return run_implicit(integrators_, job, end);
+    case Steps::implicit: return run_implicit(integrators_, job, plan.method, end);
+    case Steps::damped: return damped_.run(integrators_, job, end, job.request.method == Method::sdirk2 ? nullptr : &doubled_);
     case Steps::doubled: return doubled_.run(integrators_, job, end);
     case Steps::counted: return run_counted(integrators_, job, plan.method, counted_units(job.request, H));
     case Steps::controlled: return begun < end ? run_controlled(integrators_, job, plan.method, end, infinity) : StepStatus::ok;

@@ -5,7 +5,7 @@
 #include "kit/integrators.hpp"
 #include "kit/thresholds.hpp"
 #include "stepping/calibration.hpp"
-#include "stepping/doubled_steps.hpp"
+#include "stepping/damped_steps.hpp"
 #include "stepping/plan.hpp"
 #include "stepping/race.hpp"
 
@@ -33,6 +33,7 @@ class Propagator {
   Integrators integrators_;
   Calibrator calibrator_;
   DoubledSteps doubled_;
+  DampedSteps damped_;
   Impacts impacts_;
   Race race_;
   Path start_;  ///< of a stretch that may have to be gone back to

@@ -30,6 +30,7 @@ std::string method_name(Method method, Reason reason) {
     case Method::dop853: return "dop853";
     case Method::ros34pw2: return "ros34pw2";
     case Method::backward_euler: return "backward Euler with contact";
+    case Method::sdirk2: return "sdirk2";
     case Method::floating_frame: return "rigid motion with ros34pw2 in its frame";
   }
   return "unknown";
@@ -45,6 +46,7 @@ std::string reason_text(Reason reason) {
     case Reason::least_work: return "auto: least work for the tolerance";
     case Reason::quiet_stiffness: return "auto: the body is stiff and its fast vibrations are small: implicit steps leave them out";
     case Reason::stiff_contact: return "a stiff body rests or slides on an obstacle: implicit steps damp its vibrations away";
+    case Reason::damped_contact: return "auto: an obstacle is near a body with internal damping";
     case Reason::free_flight: return "auto: a stiff body flies freely and its fast vibrations are small: implicit steps leave them out";
     case Reason::impact: return "a stiff body strikes an obstacle, or rings on one";
     case Reason::ringing_flight: return "a stiff body flies beside an obstacle; its modes carry its vibrations";

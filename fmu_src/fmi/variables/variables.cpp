@@ -31,6 +31,7 @@ Method method_of(double value) {
     case MethodValue::dop853: return Method::dop853;
     case MethodValue::ros34pw2: return Method::ros34pw2;
     case MethodValue::backward_euler: return Method::backward_euler;
+    case MethodValue::sdirk2: return Method::sdirk2;
   }
   return Method::automatic;
 }

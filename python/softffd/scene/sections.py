@@ -263,7 +263,7 @@ class Outputs(Section):
 class Solver(Section):
     """How the equations of motion are integrated."""
 
-    method: Literal["auto", "central_difference", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_euler"] = key(
+    method: Literal["auto", "central_difference", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_euler", "sdirk2"] = key(
         "auto", '"auto": chosen per communication step; "central_difference": as published'
     )
     tolerance: Number = quantity(1e-4, "m", "error at the end of the run for a box of 1 m, scaled by its largest side", gt=0)

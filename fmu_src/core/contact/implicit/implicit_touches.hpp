@@ -23,6 +23,8 @@ class ImplicitTouches {
     const Equations& equations;
     double t, h;  ///< [s]
     const State& from;
+    double loads_at;                ///< time of the outside forces [s]
+    const Points* along = nullptr;  ///< about the velocities at the end (points, 3) [m/s]; null: those of the rigid motion at the begin
   };
   /// What one touch does to the body.
   struct Reaction {

@@ -1,0 +1,283 @@
+#include "contact/implicit/implicit_stage.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/implicit/point_touches.hpp"
+#include "contact/implicit/surface_touches.hpp"
+#include "contact/tolerances.hpp"
+#include "model/rigid_motion.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// Roundings that add up in the force on a point.
+constexpr double roundings = 16;
+/// Of the least inertia m / h^2: a change of friction's stiffness that does not matter to the solution.
+constexpr double slight_share = 0.05;
+/// Of the largest force: what may be left of a balance. Rounding of the forces comes on top.
+constexpr double balance_share = 1e-8;
+/// Squared angles of the rotation in a Newton step [rad2]: below the first the arms are as long without it, to rounding; below the second
+/// the matrix still serves.
+constexpr double straight = 1e-15, small_turn = 1e-8;
+constexpr int most_iterations = 30;
+/// Of Coulomb's limit: friction from which on a contact counts as sliding [1].
+constexpr double slides_from = 1 - 1e-3;
+
+/// splitmix64: sums of it tell sets apart.
+std::uint64_t mixed(std::uint64_t value) {
+  value += 0x9e3779b97f4a7c15;
+  value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9;
+  value = (value ^ (value >> 27)) * 0x94d049bb133111eb;
+  return value ^ (value >> 31);
+}
+
+}  // namespace
+
+ImplicitStage::ImplicitStage(const Lattice& lattice, int planes, const Samples* samples) {
+  if (samples)
+    touches_ = std::make_unique<SurfaceTouches>(*samples, lattice.largest_side(), planes);
+  else
+    touches_ = std::make_unique<PointTouches>(lattice, planes);
+  const int points = lattice.points();
+  reactions_.reserve(std::size_t(points) * planes);
+  diagonal_.setZero(points);
+  for (Points* each : {&x, &v, &spring, &u_, &force_, &residual_, &last_change_, &scratch_}) each->setZero(points, 3);
+}
+
+StepStatus ImplicitStage::solve(const Step& step) {
+  if (largest_stiffness_ < 0) {
+    largest_stiffness_ = 0;
+    for (const Springs::Row& row : step.equations.body.springs.rows())
+      largest_stiffness_ = std::max(largest_stiffness_, kernels::largest(row.stiffness.size(), row.stiffness.data()));
+  }
+  StepStatus status = open(step);
+  if (status == StepStatus::ok) status = iterate(step);
+  if (status == StepStatus::ok) close(step);
+  return status;
+}
+
+StepStatus ImplicitStage::open(const Step& step) {
+  const auto& [body, around] = step.equations;
+  force_ = around.force;
+  if (around.ramped) around.force_at(step.loads_at, force_);
+  diagonal_ = body.mass / (step.h * step.h) + body.damping / step.h;
+  touches_->open(step);
+  predict(step);
+  x = step.from.x + u_;
+  step.equations.place_pins(step.t + step.h, x);
+  for (const Pin& pin : around.pins)
+    for (int p : pin.points) {
+      set_row(u_, p, row(x, p) - row(step.from.x, p));
+      for (std::size_t q = 0; q < around.planes.size(); ++q)
+        if (!touches_->pins_pass() && touches_->plane(int(q)).gap(row(x, p)) < -pin_slack * body.length)
+          return StepStatus::pin_behind_plane;
+    }
+  extent_ = body.length + kernels::largest(x.size(), x.data());
+  if (!std::isfinite(extent_)) return StepStatus::not_finite;
+  if (!touches_->possible(row(x, 0), position_slack * extent_)) return StepStatus::impossible_planes;
+  force_scale_ =
+      std::max(kernels::largest(force_.size(), force_.data()), kernels::largest(step.from.spring.size(), step.from.spring.data()));
+  const double inertia = diagonal_.maxCoeff() * kernels::largest(u_.size(), u_.data());
+  noise_ = roundings * rounding * (largest_stiffness_ * extent_ + inertia + force_scale_);
+  slight_ = slight_share * body.mass.minCoeff() / (step.h * step.h);
+  touches_->guess(step, force_, x);
+  touches_->refresh();
+  convergence_ = {};
+  straight_ = false;
+  return StepStatus::ok;
+}
+
+/// As a rigid body, unless a motion is given: with the rotation that backward Euler gives it, springs stay as they are.
+void ImplicitStage::predict(const Step& step) {
+  const RigidMotion motion = rigid_motion(step.equations.body.mass, step.from.x, step.along ? *step.along : step.from.v);
+  const Vec3 turn = step.h * motion.spin;
+  for (int p = 0; p < u_.rows(); ++p) {
+    const Vec3 arm = row(step.from.x, p) - motion.centre;
+    const Vec3 straight = step.along ? Vec3(step.h * row(*step.along, p)) : Vec3(step.h * motion.velocity + turn.cross(arm));
+    set_row(u_, p, straight + second_order(turn, arm));
+  }
+}
+
+StepStatus ImplicitStage::iterate(const Step& step) {
+  const StepProblem problem{step.equations.body, step.from.x,       u_, x, residual_, diagonal_, step.h, position_slack * extent_,
+                            force_scale_,        largest_stiffness_};
+  for (int i = 0; i < most_iterations; ++i) {
+    find_residual(step, i == 0);
+    if (straight_ && in_balance(step)) return StepStatus::ok;
+    ++iterations_;
+    if (spent()) return StepStatus::not_finite;
+    if (const StepStatus status = touches_->solve(problem, convergence_.cautious()); status != StepStatus::ok) return status;
+    move(step);
+  }
+  return StepStatus::not_finite;
+}
+
+/// All forces but those of contact; and the friction at this state.
+void ImplicitStage::find_residual(const Step& step, bool first) {
+  const Body& body = step.equations.body;
+  const double per_h = 1 / step.h;
+  body.internal_force(x, spring);
+  for (int axis = 0; axis < 3; ++axis)
+    residual_.col(axis) = force_.col(axis) + spring.col(axis) - (body.mass * per_h) * (u_.col(axis) * per_h - step.from.v.col(axis)) -
+                          (body.damping * per_h) * u_.col(axis);
+  if (body.springs.dashpots()) {
+    scratch_ = per_h * u_;
+    body.springs.add_dashpot_force(x, scratch_, residual_);
+  }
+  touches_->find_friction(step, u_, first, largest_stiffness_, slight_);
+}
+
+bool ImplicitStage::in_balance(const Step& step) {
+  scratch_ = residual_;
+  touches_->add_forces(scratch_);
+  for (const Pin& pin : step.equations.around.pins)
+    for (int p : pin.points) set_row(scratch_, p, Vec3::Zero());
+  return kernels::largest(scratch_.size(), scratch_.data()) <= balance_share * std::max(force_scale_, touches_->largest_load()) + noise_;
+}
+
+/// Takes the Newton step, its rotation as one. A step that was taken straight keeps the linear equations' balance of momentum.
+void ImplicitStage::move(const Step& step) {
+  const Body& body = step.equations.body;
+  Points& change = touches_->solution().change;
+  const RigidMotion motion = rigid_motion(body.mass, x, change);
+  const double angle_squared = motion.spin.squaredNorm();
+  const bool settled = touches_->solution().settled;
+  straight_ = angle_squared <= straight && settled;
+  if (angle_squared > straight)
+    for (int p = 0; p < body.points(); ++p)
+      if (!body.pinned[p]) set_row(change, p, row(change, p) + second_order(motion.spin, row(x, p) - motion.centre));
+  if (!(angle_squared < small_turn) || !settled || convergence_.cautious()) touches_->refresh();
+  keep_converging();
+  u_ += change;
+  x = step.from.x + u_;
+  step.equations.place_pins(step.t + step.h, x);
+  last_change_ = change;
+}
+
+/// Orders a new matrix where the old one does not serve any more; halves a change that goes back where the iterations run in circles.
+void ImplicitStage::keep_converging() {
+  Points& change = touches_->solution().change;
+  convergence_.add(kernels::largest(change.size(), change.data()), touches_->solution().fresh);
+  if (convergence_.needs_matrix()) touches_->refresh();
+  if (!convergence_.circles()) return;
+  double back = 0;
+  for (int i = 0; i < last_change_.size(); ++i) back += change.data()[i] * last_change_.data()[i];
+  if (!(back < 0)) return;
+  change *= 0.5;
+  straight_ = false;
+}
+
+/// The state at the end, exactly in front of the planes.
+void ImplicitStage::close(const Step& step) {
+  touches_->find_reactions(reactions_);
+  v = u_ / step.h;
+  step.equations.place_pins(step.t + step.h, x, v);
+  spread_rounding(step);
+  x = step.from.x + u_;
+  touches_->keep_in_front(step.equations.body, x);
+  step.equations.place_pins(step.t + step.h, x, v);
+  step.equations.body.internal_force(x, spring);
+  std::uint64_t sum = 0;
+  for (const Reaction& each : reactions_) {
+    const double limit = step.equations.around.planes[each.plane].friction * each.normal.dot(each.force);
+    const bool slides = tangential(each.normal, each.force).norm() >= slides_from * limit;
+    sum += mixed(2 * (std::uint64_t(each.plane) << 32 | std::uint64_t(each.at)) + slides);
+  }
+  constraints_ = Count(sum >> 1);
+}
+
+/// What the linear equations' rounding leaves of the momentum balance, which grows with the stiffness, goes to planes and pins in equal
+/// parts; a body that touches nothing moves as a whole by so much.
+void ImplicitStage::spread_rounding(const Step& step) {
+  const Body& body = step.equations.body;
+  rounding_.setZero();
+  Vec3 missing = Vec3::Zero();
+  double inertia = 0;
+  int holders = int(std::count_if(reactions_.begin(), reactions_.end(), [](const Reaction& each) { return each.first; }));
+  for (int p = 0; p < body.points(); ++p) {
+    missing += body.mass[p] * (row(v, p) - row(step.from.v, p)) + body.damping[p] * row(u_, p) - step.h * row(force_, p);
+    inertia += body.mass[p] + step.h * body.damping[p];
+  }
+  for (const Reaction& each : reactions_) missing -= impulse(step, each);
+  for (const Pin& pin : step.equations.around.pins) {
+    holders += int(pin.points.size());
+    for (int p : pin.points) missing -= pin_impulse(step, p);
+  }
+  if (holders > 0) {
+    rounding_ = missing / holders;
+    return;
+  }
+  const Vec3 excess = missing / inertia;
+  for (int p = 0; p < body.points(); ++p) {
+    set_row(v, p, row(v, p) - excess);
+    set_row(u_, p, row(u_, p) - step.h * excess);
+  }
+}
+
+/// Of planes and pins on the body.
+double ImplicitStage::contact_work(const Step& step) const {
+  double work = 0;
+  for (const Reaction& each : reactions_) work += impulse(step, each).dot(material_velocity(step, each));
+  for (const Pin& pin : step.equations.around.pins)
+    for (int p : pin.points) work += pin_impulse(step, p).dot(row(u_, p)) / step.h;
+  return work;
+}
+
+/// The same with friction, at the mean of the velocities.
+double ImplicitStage::given_by_contacts(const Step& step, double work) const {
+  double given = work;
+  for (const Reaction& each : reactions_) {
+    const Vec3 slip = 0.5 * (touches_->value(each, step.from.v) + touches_->value(each, v)) - material_velocity(step, each);
+    given += impulse(step, each).dot(tangential(each.normal, slip));
+  }
+  return given;
+}
+
+/// Slip at the beginning counts as far as it is more than what the obstacle's own speed changes by in the step: what sticks to an obstacle
+/// has its speed of before.
+Slip ImplicitStage::slip_of_contacts(const Step& step) const {
+  Slip sum;
+  for (const Reaction& each : reactions_) {
+    const Plane& plane = step.equations.around.planes[each.plane];
+    const double load = each.normal.dot(each.force), limit = plane.friction * load;
+    if (!(limit > 0)) continue;
+    const Vec3 place = touches_->value(each, step.from.x);
+    const Vec3 surface = plane.at(step.t).material_velocity(place), later = plane.at(step.t + step.h).material_velocity(place);
+    const Vec3 begin = tangential(each.normal, touches_->value(each, step.from.v) - surface);
+    const Vec3 end = tangential(each.normal, touches_->value(each, v) - material_velocity(step, each));
+    sum.add_contact(load, limit, tangential(each.normal, each.force), begin, end, (later - surface).norm());
+  }
+  return sum;
+}
+
+/// Of the obstacle where it touches, seen at mid-step.
+Vec3 ImplicitStage::material_velocity(const Step& step, const Reaction& at) const {
+  return touches_->material_velocity(at.plane, touches_->value(at, step.from.x) + 0.5 * touches_->value(at, u_));
+}
+
+/// On the body.
+Vec3 ImplicitStage::impulse(const Step& step, const Reaction& reaction) const {
+  if (!reaction.first) return step.h * reaction.force;
+  return step.h * reaction.force + rounding_;
+}
+
+/// On the point, which ends with the velocity of its frame instead of the step's.
+Vec3 ImplicitStage::pin_impulse(const Step& step, int p) const {
+  return step.h * row(touches_->solution().reaction, p) + step.equations.body.mass[p] * (row(v, p) - row(u_, p) / step.h) + rounding_;
+}
+
+void ImplicitStage::book(const Step& step, double weight, Exchange& exchange) const {
+  const Drive& around = step.equations.around;
+  for (const Reaction& each : reactions_) {
+    exchange.planes[each.plane].add(-weight * impulse(step, each), touches_->value(each, x) - touches_->plane(each.plane).point);
+    exchange.contacts_resolved += each.first;
+  }
+  for (std::size_t a = 0; a < around.pins.size(); ++a) {
+    const Vec3 origin = around.pins[a].at(step.t + step.h).origin;
+    for (int p : around.pins[a].points) exchange.pins[a].add(-weight * pin_impulse(step, p), row(x, p) - origin);
+  }
+}
+
+}  // namespace softffd

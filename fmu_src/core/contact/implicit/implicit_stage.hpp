@@ -1,0 +1,92 @@
+/// One implicit step with exact contact, as backward Euler takes it and as a stage of a method of second order is:
+///
+///      M (v1 - v0) / h = internal forces(x1) + outside forces - D v1 - C(x1) v1 + contact(x1),      v1 = (x1 - x0) / h,
+///
+/// no control point, or no sample of the surface, being behind a plane at x1, loads pushing only, friction by Coulomb's law.
+///
+/// Newton's method, from the motion that the body would have without forces. Three things make it converge in two or three iterations where
+/// the springs are stiff:
+///   - the rotation in each Newton step is carried out as a rotation (rigid_motion.hpp): straight, it would stretch the springs;
+///   - touches and loads are exact for the linearised equations (linear_contact.hpp; of samples of the surface surface_touches.hpp),
+///     friction and loads together;
+///   - the first guess of the loads takes the points on planes to be in equilibrium: at rest and in steady sliding it is the solution.
+/// The factor is kept while changes fall by ten from one iteration to the next.
+///
+/// What the planes are reported to receive is the momentum that the body lost, to rounding.
+#pragma once
+#include <memory>
+
+#include "contact/implicit/convergence.hpp"
+#include "contact/implicit/implicit_touches.hpp"
+#include "contact/slip.hpp"
+
+namespace softffd {
+
+class ImplicitStage {
+ public:
+  using Step = ImplicitTouches::Step;
+  using Reaction = ImplicitTouches::Reaction;
+
+  /// samples: of the surface, which planes meet; null: they meet the control points.
+  ImplicitStage(const Lattice& lattice, int planes, const Samples* samples);
+
+  /// Call when masses, stiffness or damping change.
+  void body_changed() { largest_stiffness_ = -1; }
+  /// Solves the step; step.from.spring being the internal forces at step.from.x. not_finite: there was no solution, or not with the
+  /// factors and solutions up to those limits.
+  StepStatus solve(const Step& step);
+  void limit(Count factorizations, double solutions) { last_factorization_ = factorizations, last_solution_ = solutions; }
+  bool spent() const { return factorizations() >= last_factorization_ || solutions() >= last_solution_; }
+
+  /// At the end of the step, exactly in front of the planes; spring: the internal forces there.
+  Points x, v, spring;
+  /// Outside forces of the step [N].
+  const Points& force() const { return force_; }
+  const std::vector<Reaction>& reactions() const { return reactions_; }
+  const ImplicitTouches& touches() const { return *touches_; }
+  /// What rounding leaves of an energy [J].
+  double noise() const { return noise_ * extent_; }
+
+  /// Of planes and pins on the body [J].
+  double contact_work(const Step& step) const;
+  /// The same with friction, at the mean of the velocities [J].
+  double given_by_contacts(const Step& step, double work) const;
+  /// What touches at the end, and what of it slides: another number where it is another set.
+  Count constraints() const { return constraints_; }
+  /// from: where the slip began.
+  Slip slip_of_contacts(const Step& step) const;
+  /// Adds `weight` times the impulses on planes and pins.
+  void book(const Step& step, double weight, Exchange& exchange) const;
+
+  Count iterations() const { return iterations_; }
+  Count factorizations() const { return touches_->matrix().factorizations(); }
+  double solutions() const { return touches_->matrix().solutions(); }  ///< as LatticeMatrix counts them
+
+ private:
+  StepStatus open(const Step& step);
+  void predict(const Step& step);
+  StepStatus iterate(const Step& step);
+  void find_residual(const Step& step, bool first);
+  bool in_balance(const Step& step);
+  void move(const Step& step);
+  void keep_converging();
+  void close(const Step& step);
+  void spread_rounding(const Step& step);
+  Vec3 material_velocity(const Step& step, const Reaction& at) const;
+  Vec3 impulse(const Step& step, const Reaction& reaction) const;
+  Vec3 pin_impulse(const Step& step, int p) const;
+
+  std::unique_ptr<ImplicitTouches> touches_;
+  std::vector<Reaction> reactions_;  ///< of the step that was solved
+  Scalars diagonal_;                 ///< of the inertia and the damping (points) [N/m]
+  Points u_;                         ///< displacement in the step
+  Points force_, residual_, last_change_, scratch_;
+  double largest_stiffness_ = -1, force_scale_ = 0, noise_ = 0, extent_ = 0, slight_ = 0;
+  Convergence convergence_;
+  bool straight_ = false;  ///< the last Newton step was taken as the linear equations have it
+  Vec3 rounding_ = Vec3::Zero();
+  Count constraints_ = 0, iterations_ = 0, last_factorization_ = 0;
+  double last_solution_ = 0;
+};
+
+}  // namespace softffd

@@ -1,0 +1,230 @@
+#include "stepping/damped_steps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "kit/limits.hpp"
+#include "kit/outlook.hpp"
+#include "kit/thresholds.hpp"
+#include "kit/trial.hpp"
+#include "model/arithmetic.hpp"
+#include "watch/vibration.hpp"
+
+namespace softffd {
+
+namespace {
+
+namespace use = thresholds;
+
+constexpr double two_pi = 6.283185307179586;
+
+}  // namespace
+
+struct DampedSteps::Call {
+  Integrators& integrators;
+  const Job& job;
+  double begin, end;  ///< of the communication step [s]
+  double limit;       ///< largest stable explicit step [s]
+  DoubledSteps* others;
+
+  /// Shortest step that costs no more than the explicit ones in its place [s].
+  double worth() const { return use::worth_damping / step_work(job.model.body, Method::leapfrog, limit) * limit; }
+  double tolerance() const { return job.request.tolerance * power(job.request.step_factor, 2); }
+  /// Until an error of now is forgotten [s]: pins take a body back to where its slowest vibration dies away.
+  double memory() const {
+    const double left = std::min(left_of_run(job), job.model.longest_memory), time = job.model.body.springs.shortest_time();
+    if (job.drive.pins.empty() || !(time > 0)) return left;
+    const double slowest = power(slowest_period(job) / two_pi, 2);  // 1 / omega^2
+    return std::min(left, std::max(2 * slowest / time, time));
+  }
+  double allowed(double h) const {
+    const double rounding = use::rounding * std::max(job.model.body.length, kernels::largest(job.run.path.motion.x.size(), job.run.path.motion.x.data()));
+    const double spent = job.run.path.stiff.error / job.request.tolerance, of_rest = use::damped_share * std::max(0.0, 1 - spent);
+    return std::max(rounding, std::min(use::damped_most, std::max(of_rest, use::damped_rate * h / memory())) * tolerance());
+  }
+};
+
+StepStatus DampedSteps::run(Integrators& integrators, const Job& job, double end, DoubledSteps* others) {
+  Course& course = job.run.course;
+  DampedRecord& record = course.damped;
+  const State& motion = job.run.path.motion;
+  const double begin = motion.time;
+  bool first = true;
+  while (motion.time < end) {
+    const Call call{integrators, job, begin, end, step_limit(job, Method::leapfrog, false), others};
+    course.method = Method::sdirk2;
+    const double left = end - motion.time;
+    if (integrators.budget().spent()) return StepStatus::too_much_work;
+    if (first || !(record.h > 0)) {
+      const double longest = std::max(longest_first(call), 2 * call.worth());
+      record.h = record.h > 0 ? std::min(record.h, longest) : std::min(longest, left);
+    }
+    first = false;
+    if (others && record.h < call.worth()) {
+      if (const StepStatus status = take_explicit(call); status != StepStatus::ok) return status;
+      continue;
+    }
+    const Count parts = divisions(left, record.h);
+    const double until = parts == 1 ? end : motion.time + left / double(parts);
+    if (record.trust > 0 && step_once(call, until)) continue;
+    if (const StepStatus status = step_twice(call, until); status != StepStatus::ok) return status;
+  }
+  return StepStatus::ok;
+}
+
+/// What is left of the error after h.
+void DampedSteps::forget(const Call& call, double h) {
+  if (!call.job.drive.pins.empty()) call.job.run.path.stiff.error *= std::max(0.0, 1 - h / call.memory());
+}
+
+DampedSteps::Step DampedSteps::take(const Call& call, double until) {
+  const Job& job = call.job;
+  Path& path = job.run.path;
+  const double h = until - path.motion.time;
+  path.clock = {path.motion.time, h, 0};
+  const double most = std::max(use::least_implicit_work, use::doubled_work * h / call.limit);
+  job.run.energy.kinetic_elastic = -1;  // implicit steps have a guard of their own
+  const Outcome outcome = call.integrators.take(job, Method::sdirk2, {path.motion.time, 0, h, 1, most});
+  job.run.course.work += outcome.work;
+  path.motion.time = until;
+  ++path.steps;
+  return {outcome.status, outcome.constraints, outcome.bend};
+}
+
+/// Longest step that sees what comes with the begin of a communication step [s]: a velocity that pins or obstacles set at once moves what
+/// vibrates by as much as a step passes over at most in a tenth of it, forces by the square of that. Of the velocities of a body that has
+/// taken explicit steps as well.
+double DampedSteps::longest_first(const Call& call) const {
+  const Job& job = call.job;
+  const State& motion = job.run.path.motion;
+  const Body& body = job.model.body;
+  double speed = 0;
+  for (const Pin& pin : job.drive.pins) {
+    const Frame frame = pin.at(motion.time);
+    for (std::size_t n = 0; n < pin.points.size(); ++n)
+      speed = std::max(speed, (frame.material_velocity(frame.arm(pin.local[n])) - row(motion.v, pin.points[n])).norm());
+  }
+  if (call.job.run.course.damped.doubts > 0) speed += std::sqrt(2 * kinetic_deformation(body, motion) / body.mass.sum());
+  double longest = speed > 0 ? use::passed_over * use::damped_share * call.tolerance() / speed : infinity;
+  if (job.request.jolt || !(job.run.course.damped.h > 0)) longest = std::min(longest, use::first_damped * call.worth());
+  return longest;
+}
+
+/// Largest of what the impulses on obstacles and pins of the two runs differ by, in what may be left [1].
+double DampedSteps::difference_of_forces(const Call& call) const {
+  const Exchange &begin = start_.exchange, &one = coarse_.exchange, &other = call.job.run.path.exchange;
+  DampedRecord& record = call.job.run.course.damped;
+  const double h = call.job.run.path.motion.time - start_.motion.time;
+  double largest = record.force, difference = 0;
+  const auto compare = [&](const std::vector<Impulse>& from, const std::vector<Impulse>& a, const std::vector<Impulse>& b) {
+    for (std::size_t q = 0; q < a.size(); ++q) {
+      largest = std::max(largest, (b[q].force - from[q].force).norm() / h);
+      difference = std::max(difference, (a[q].force - b[q].force).norm());
+    }
+  };
+  compare(begin.planes, one.planes, other.planes);
+  compare(begin.pins, one.pins, other.pins);
+  const double of_tolerance = power(bound(call.job), 2) * call.job.model.body.mass.minCoeff() * use::damped_share * call.tolerance();
+  return difference / ((call.end - call.begin) * std::max(use::force_share * largest, of_tolerance));
+}
+
+/// To `until`, unless a contact changes or the velocities bend more than in the step that is trusted.
+bool DampedSteps::step_once(const Call& call, double until) {
+  Run& run = call.job.run;
+  DampedRecord& record = run.course.damped;
+  {
+    Trial trial(run.path, start_);
+    const double h = until - run.path.motion.time, allowed = call.allowed(h);
+    const Step taken = take(call, until);
+    if (taken.status == StepStatus::ok && taken.constraints == record.constraints &&
+        taken.bend <= std::max(use::bends_more * record.bend, use::slight_bend * allowed)) {
+      --record.trust;
+      forget(call, h);
+      run.path.stiff.error += record.error;
+      trial.keep();
+      return true;
+    }
+  }
+  ++run.course.rejected;
+  record.trust = 0;
+  record.next_trust = 1;
+  return false;
+}
+
+StepStatus DampedSteps::step_twice(const Call& call, double until) {
+  const Job& job = call.job;
+  Path& path = job.run.path;
+  Course& course = job.run.course;
+  DampedRecord& record = course.damped;
+  Trial trial(path, start_);
+  const double begin = path.motion.time, h = until - begin;
+  Step coarse = take(call, until), fine = coarse;
+  double error = infinity, ratio = infinity;
+  bool steady = false;
+  const double allowed = call.allowed(h);
+  if (coarse.status == StepStatus::ok) {
+    std::swap(coarse_, path);
+    trial.back();
+    Count middle = 0;
+    for (const double next : {begin + 0.5 * h, until}) {
+      if (fine.status != StepStatus::ok) break;
+      fine = take(call, next);
+      if (next != until) middle = fine.constraints;
+    }
+    if (fine.status == StepStatus::ok) {
+      steady = (record.constraints == 0 || record.constraints == middle) && middle == fine.constraints && fine.constraints == coarse.constraints;
+      const double order = steady ? 1.0 / 3 : 1;
+      error = order * outcome_of(job, coarse_.motion, path.motion, outlook_of_stiff(job, path.motion));
+      ratio = std::max(error / allowed, order * difference_of_forces(call));
+    }
+  }
+  const bool last = h <= use::least_doubled * call.limit || (!call.others && h <= use::shortest_damped * call.limit);
+  if (last && !(error < infinity)) return StepStatus::not_finite;
+  const double factor = ratio > 0 ? use::window_safety * (steady ? std::sqrt(1 / ratio) : 1 / ratio) : use::rest_growth;
+  if (getenv("SDBG"))
+    fprintf(stderr, "t %.6g h %.3g limit %.3g worth %.3g st %d/%d err %.2e allowed %.2e sum %.2e ratio %.2e steady %d doubts %d\n", begin, h, call.limit, call.worth(), int(coarse.status), int(fine.status), error, allowed, path.stiff.error, ratio, steady, int(record.doubts));
+  if (ratio <= 1 || last) {
+    forget(call, h);
+    path.stiff.error += error;
+    record.constraints = fine.constraints;
+    record.doubts = 0;
+    for (std::size_t q = 0; q < path.exchange.planes.size(); ++q)
+      record.force = std::max(record.force, (path.exchange.planes[q].force - start_.exchange.planes[q].force).norm() / h);
+    for (std::size_t a = 0; a < path.exchange.pins.size(); ++a)
+      record.force = std::max(record.force, (path.exchange.pins[a].force - start_.exchange.pins[a].force).norm() / h);
+    const bool longest = until == call.end || factor < use::worth_growing;
+    const bool easy = steady && longest && 4 * ratio < use::easy_damped;
+    record.trust = easy ? record.next_trust : 0;
+    record.next_trust = easy ? std::min(2 * record.next_trust, use::longest_damped_trust) : 1;
+    record.bend = coarse.bend;
+    record.error = 4 * error;
+    const double longer = h * std::clamp(factor, use::next_shrink, use::rest_growth);
+    record.h = easy ? std::max(record.h, h) : factor < 1 ? longer : std::max(record.h, longer);
+    trial.keep();
+    return StepStatus::ok;
+  }
+  course.rejected += 3;
+  record.trust = 0;
+  record.next_trust = 1;
+  record.h = h * std::clamp(std::isfinite(ratio) ? factor : 0, use::window_shrink, use::loss_shrink * 2);
+  return StepStatus::ok;
+}
+
+/// Explicit steps for a while, longer each time that implicit ones do not pay again.
+StepStatus DampedSteps::take_explicit(const Call& call) {
+  const Job& job = call.job;
+  DampedRecord& record = job.run.course.damped;
+  const double begin = job.run.path.motion.time, length = double(Count{1} << record.doubts) * use::damped_turn * call.worth();
+  const double until = begin + length < call.end ? begin + length : call.end;
+  job.run.course.method = Method::leapfrog;
+  job.run.course.reason = Reason::contact;
+  const StepStatus status = call.others->run(call.integrators, job, until);
+  record.doubts = std::min(record.doubts + 1, use::most_damped_doubts);
+  record.h = use::first_damped * call.worth();
+  record.constraints = 0;
+  return status;
+}
+
+}  // namespace softffd

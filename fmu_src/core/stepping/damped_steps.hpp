@@ -1,0 +1,37 @@
+/// A damped body beside obstacles: SDIRK2 with exact contact (contact/implicit/implicit_contact.hpp), each step with h and with two of h / 2,
+/// and the finer run counts. Once two runs have agreed well, steps are run once for a while, as long as the velocities bend no more than
+/// they did and no contact begins, ends, sticks or slides.
+///
+/// Where constraints of contact change, or something strikes, the error falls with the first power of the step: it is taken so. What rings is
+/// seen by the two runs while a step is no longer than ten radians of it; steps grow by a factor of four at most, and begin short after a
+/// kink. Where they would have to be nearly as short as explicit ones, these take over for a while.
+#pragma once
+#include "stepping/doubled_steps.hpp"
+
+namespace softffd {
+
+class DampedSteps {
+ public:
+  explicit DampedSteps(const Run& run) : start_(run.path), coarse_(run.path) {}
+  /// others: explicit ones, for where implicit ones do not pay; null: never.
+  StepStatus run(Integrators& integrators, const Job& job, double end, DoubledSteps* others);
+
+ private:
+  struct Call;
+  struct Step {
+    StepStatus status;
+    Count constraints;  ///< at its end
+    double bend;
+  };
+  static void forget(const Call& call, double h);
+  Step take(const Call& call, double until);
+  bool step_once(const Call& call, double until);
+  StepStatus step_twice(const Call& call, double until);
+  double difference_of_forces(const Call& call) const;
+  double longest_first(const Call& call) const;
+  StepStatus take_explicit(const Call& call);
+
+  Path start_, coarse_;
+};
+
+}  // namespace softffd
