@@ -142,13 +142,11 @@ inline constexpr Count most_damped_doubts = 6;
 /// and at most [1]; of the largest force, for the error of the mean force of a communication step.
 inline constexpr double damped_share = 0.1, damped_rate = 1, damped_most = 0.3, force_share = 0.005;
 /// Radians of a vibration that a step may be long and yet differ visibly from two of half its length [rad].
-inline constexpr double passed_over = 10;
-/// Of what is allowed, what the coarser run may have to let the next steps be run once; how many at most; growth of the step that is better.
-inline constexpr double easy_damped = 0.5, worth_growing = 1.5;
+inline constexpr double passed_over = 10, passed_share = 0.3;
+/// Error of a step in the bend of its velocities: at least, by how much it may have grown since the last step that was run twice for the next
+/// to be run once, and what is added for safety [1]; how many of these at most.
+inline constexpr double least_share = 0.02, shares_alike = 2, share_safety = 1.5;
 inline constexpr Count longest_damped_trust = 32;
-/// Velocities of a step that is run once may bend so many times more than in the one before that was run twice, or by this part of what is
-/// allowed [1].
-inline constexpr double bends_more = 2, slight_bend = 0.1;
 /// Shortest step in the largest explicit one, where there are no explicit steps to take over [1].
 inline constexpr double shortest_damped = 0.05;
 

@@ -149,15 +149,14 @@ struct DampedRecord {
   double h = 0;           ///< wanted [s]; 0: none yet
   Count trust = 0;        ///< steps that may be run once
   Count next_trust = 1;   ///< how many after the next success
-  double bend = 0;        ///< of the last step that was run twice, and
-  double error = 0;       ///< what it left at the end of the run [m]
+  double share = 1;       ///< error of a step in the bend of its velocities, as of the last one that was run twice [1]
   Count constraints = 0;  ///< of contact, at the end of the last step
   Count doubts = 0;       ///< how often explicit steps had to take over, one time after the other
   double force = 0;       ///< largest on an obstacle or a pin so far, as mean of a step [N]
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.trust, s.next_trust, s.bend, s.error, s.constraints, s.doubts, s.force);
+    return fields(s.h, s.trust, s.next_trust, s.share, s.constraints, s.doubts, s.force);
   }
 };
 static_assert(visits_every_field<DampedRecord>);

@@ -40,7 +40,8 @@ struct DampedSteps::Call {
     return std::min(left, std::max(2 * slowest / time, time));
   }
   double allowed(double h) const {
-    const double rounding = use::rounding * std::max(job.model.body.length, kernels::largest(job.run.path.motion.x.size(), job.run.path.motion.x.data()));
+    const double rounding =
+        use::rounding * std::max(job.model.body.length, kernels::largest(job.run.path.motion.x.size(), job.run.path.motion.x.data()));
     const double spent = job.run.path.stiff.error / job.request.tolerance, of_rest = use::damped_share * std::max(0.0, 1 - spent);
     return std::max(rounding, std::min(use::damped_most, std::max(of_rest, use::damped_rate * h / memory())) * tolerance());
   }
@@ -106,8 +107,9 @@ double DampedSteps::longest_first(const Call& call) const {
     for (std::size_t n = 0; n < pin.points.size(); ++n)
       speed = std::max(speed, (frame.material_velocity(frame.arm(pin.local[n])) - row(motion.v, pin.points[n])).norm());
   }
-  if (call.job.run.course.damped.doubts > 0) speed += std::sqrt(2 * kinetic_deformation(body, motion) / body.mass.sum());
-  double longest = speed > 0 ? use::passed_over * use::damped_share * call.tolerance() / speed : infinity;
+  if (job.run.course.damped.doubts > 0) speed += std::sqrt(2 * kinetic_deformation(body, motion) / body.mass.sum());
+  const double slow = 0.5 * use::passed_over * body.springs.shortest_time();  // by the next step what vibrates faster has died away
+  double longest = speed > 0 ? std::max(use::passed_over * use::passed_share * call.tolerance() / speed, slow) : infinity;
   if (job.request.jolt || !(job.run.course.damped.h > 0)) longest = std::min(longest, use::first_damped * call.worth());
   return longest;
 }
@@ -130,22 +132,23 @@ double DampedSteps::difference_of_forces(const Call& call) const {
   return difference / ((call.end - call.begin) * std::max(use::force_share * largest, of_tolerance));
 }
 
-/// To `until`, unless a contact changes or the velocities bend more than in the step that is trusted.
+/// To `until`, unless the error is too large that goes with how the velocities bend, by the last step that was run twice.
 bool DampedSteps::step_once(const Call& call, double until) {
   Run& run = call.job.run;
   DampedRecord& record = run.course.damped;
-  {
-    Trial trial(run.path, start_);
-    const double h = until - run.path.motion.time, allowed = call.allowed(h);
-    const Step taken = take(call, until);
-    if (taken.status == StepStatus::ok && taken.constraints == record.constraints &&
-        taken.bend <= std::max(use::bends_more * record.bend, use::slight_bend * allowed)) {
-      --record.trust;
-      forget(call, h);
-      run.path.stiff.error += record.error;
-      trial.keep();
-      return true;
-    }
+  const double h = until - run.path.motion.time, allowed = call.allowed(h);
+  Trial trial(run.path, start_);
+  const Step taken = take(call, until);
+  const double error = record.share * taken.bend;
+  if (taken.status == StepStatus::ok && error <= allowed) {
+    --record.trust;
+    forget(call, h);
+    run.path.stiff.error += error;
+    if (error > 0)
+      record.h = std::max(h * std::clamp(use::window_safety * std::sqrt(allowed / error), use::next_shrink, use::rest_growth),
+                          until == call.end ? record.h : h * use::next_shrink);
+    trial.keep();
+    return true;
   }
   ++run.course.rejected;
   record.trust = 0;
@@ -174,7 +177,8 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
       if (next != until) middle = fine.constraints;
     }
     if (fine.status == StepStatus::ok) {
-      steady = (record.constraints == 0 || record.constraints == middle) && middle == fine.constraints && fine.constraints == coarse.constraints;
+      steady =
+          (record.constraints == 0 || record.constraints == middle) && middle == fine.constraints && fine.constraints == coarse.constraints;
       const double order = steady ? 1.0 / 3 : 1;
       error = order * outcome_of(job, coarse_.motion, path.motion, outlook_of_stiff(job, path.motion));
       ratio = std::max(error / allowed, order * difference_of_forces(call));
@@ -184,7 +188,9 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
   if (last && !(error < infinity)) return StepStatus::not_finite;
   const double factor = ratio > 0 ? use::window_safety * (steady ? std::sqrt(1 / ratio) : 1 / ratio) : use::rest_growth;
   if (getenv("SDBG"))
-    fprintf(stderr, "t %.6g h %.3g limit %.3g worth %.3g st %d/%d err %.2e allowed %.2e sum %.2e ratio %.2e steady %d doubts %d\n", begin, h, call.limit, call.worth(), int(coarse.status), int(fine.status), error, allowed, path.stiff.error, ratio, steady, int(record.doubts));
+    fprintf(stderr, "t %.6g h %.3g limit %.3g worth %.3g st %d/%d err %.2e allowed %.2e sum %.2e ratio %.2e steady %d doubts %d\n", begin,
+            h, call.limit, call.worth(), int(coarse.status), int(fine.status), error, allowed, path.stiff.error, ratio, steady,
+            int(record.doubts));
   if (ratio <= 1 || last) {
     forget(call, h);
     path.stiff.error += error;
@@ -194,14 +200,14 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
       record.force = std::max(record.force, (path.exchange.planes[q].force - start_.exchange.planes[q].force).norm() / h);
     for (std::size_t a = 0; a < path.exchange.pins.size(); ++a)
       record.force = std::max(record.force, (path.exchange.pins[a].force - start_.exchange.pins[a].force).norm() / h);
-    const bool longest = until == call.end || factor < use::worth_growing;
-    const bool easy = steady && longest && 4 * ratio < use::easy_damped;
-    record.trust = easy ? record.next_trust : 0;
-    record.next_trust = easy ? std::min(2 * record.next_trust, use::longest_damped_trust) : 1;
-    record.bend = coarse.bend;
-    record.error = 4 * error;
+    const double of_coarse = (steady ? 4 : 2) * ratio * allowed, least = use::least_share;
+    const double share = coarse.bend > 0 ? std::max(of_coarse / coarse.bend, least) : least;
+    const bool known = share <= use::shares_alike * record.share;
+    record.share = use::share_safety * share;
+    record.trust = known ? record.next_trust : 0;
+    record.next_trust = known ? std::min(2 * record.next_trust, use::longest_damped_trust) : 1;
     const double longer = h * std::clamp(factor, use::next_shrink, use::rest_growth);
-    record.h = easy ? std::max(record.h, h) : factor < 1 ? longer : std::max(record.h, longer);
+    record.h = factor < 1 ? longer : std::max(record.h, longer);
     trial.keep();
     return StepStatus::ok;
   }

@@ -1,10 +1,10 @@
-/// A damped body beside obstacles: SDIRK2 with exact contact (contact/implicit/implicit_contact.hpp), each step with h and with two of h / 2,
-/// and the finer run counts. Once two runs have agreed well, steps are run once for a while, as long as the velocities bend no more than
-/// they did and no contact begins, ends, sticks or slides.
+/// A damped body beside obstacles: SDIRK2 with exact contact (contact/implicit/implicit_contact.hpp), each step with h and with two of h /
+/// 2, and the finer run counts. What the two differ by, in the bend of the velocities within the step, gives the error of the next steps,
+/// which are run once for a while.
 ///
-/// Where constraints of contact change, or something strikes, the error falls with the first power of the step: it is taken so. What rings is
-/// seen by the two runs while a step is no longer than ten radians of it; steps grow by a factor of four at most, and begin short after a
-/// kink. Where they would have to be nearly as short as explicit ones, these take over for a while.
+/// Where constraints of contact change, or something strikes, the error falls with the first power of the step: it is taken so. What rings
+/// is seen by the two runs while a step is no longer than ten radians of it; steps grow by a factor of four at most, and begin short after
+/// a kink. Where they would have to be nearly as short as explicit ones, these take over for a while.
 #pragma once
 #include "stepping/doubled_steps.hpp"
 

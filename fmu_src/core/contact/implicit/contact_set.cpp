@@ -29,7 +29,7 @@ ContactSet::ContactSet(const Lattice& lattice, int planes)
         }
 }
 
-void ContactSet::open(const Body& body, const Drive& around, double t, double h, const Holds& holds) {
+void ContactSet::open(const Body& body, const Drive& around, double t, double h, const Holds& holds, bool again) {
   holds_ = &holds;
   for (std::size_t q = 0; q < around.planes.size(); ++q) {
     middle_[q] = around.planes[q].at(t + 0.5 * h);
@@ -42,7 +42,7 @@ void ContactSet::open(const Body& body, const Drive& around, double t, double h,
     at_[p].count = 0;
     refresh(p);
   }
-  load_scale_ = 0;
+  if (!again) load_scale_ = 0;
 }
 
 bool ContactSet::possible(const Vec3& x, double slack) {
@@ -179,7 +179,10 @@ void ContactSet::find_loads(const Points& force, const Points& dx) {
   }
 }
 
-void ContactSet::constrain(LatticeMatrix& matrix) const {
+void ContactSet::constrain(LatticeMatrix& matrix) {
+  in_matrix_.clear();
+  for (int p : touching_)
+    for (int i = 0; i < at_[p].count; ++i) in_matrix_.push_back({p, at_[p].touches[i]});
   for (int p : touching_) {
     const Eigen::Matrix3d& projector = at_[p].projector;
     for (int q : neighbours_[p])

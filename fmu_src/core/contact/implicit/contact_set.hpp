@@ -54,7 +54,8 @@ class ContactSet {
   ContactSet(const Lattice& lattice, int planes);
 
   /// Opens a step from t to t + h; nothing touches yet. Pinned points have no freedom. `holds` is read until the step's end.
-  void open(const Body& body, const Drive& around, double t, double h, const Holds& holds);
+  /// again: the matrix of the step before is to serve, and with it the scale of friction's stiffness.
+  void open(const Body& body, const Drive& around, double t, double h, const Holds& holds, bool again = false);
   /// The friction as it is now; makes room for it where there is none yet.
   void hold(Holds& holds) const;
   const HalfSpace& plane(int q) const { return end_[q]; }
@@ -83,9 +84,12 @@ class ContactSet {
   void fix_friction_stiffness(bool cautious);
   /// Points that this motion would take back across zero slip are held instead. Returns whether there were any.
   bool stop_reversals(const Points& dx);
+  /// Takes friction's stiffness as the matrix has it already, if the same points touch the same planes as when it was constrained, and it
+  /// has not left that by more than `find_friction` lets it. Returns whether it has.
+  bool take_friction_stiffness(double slight);
   /// matrix = P (matrix + friction) P + c (I - P): the equations of what motion the touches leave, c being of the matrix's own size. Rows
   /// and columns of pinned points, which are the identity's, stay so.
-  void constrain(LatticeMatrix& matrix) const;
+  void constrain(LatticeMatrix& matrix);
   /// Adopts a scale for friction's stiffness if the loads have outgrown the present one. Returns whether they had.
   bool scale_friction(double length, double largest_stiffness);
 
@@ -121,7 +125,13 @@ class ContactSet {
     std::array<Touch, 3> touches;
     Eigen::Matrix3d gram_inverse, projector = Eigen::Matrix3d::Identity();
   };
+  /// What the matrix has of a touch.
+  struct InMatrix {
+    int point;
+    Touch touch;
+  };
   bool slides(const Touch& touch) const;
+  static bool left(const Touch& touch, double slight);
   Vec3 slip(const Touch& touch, const Vec3& x0, const Vec3& moved, double h) const;
   void hold_or_slide(Touch& touch, const Vec3& slip);
   static Eigen::Matrix3d gram(const AtPoint& at);
@@ -135,6 +145,7 @@ class ContactSet {
   const Holds* holds_ = nullptr;
   std::vector<AtPoint> at_;  ///< (points)
   std::vector<int> touching_;
+  std::vector<InMatrix> in_matrix_;
   std::vector<char> pinned_;
   std::vector<std::vector<int>> neighbours_;  ///< (points) within one cell
   Scalars gap_;

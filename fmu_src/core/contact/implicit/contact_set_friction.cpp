@@ -49,11 +49,33 @@ bool ContactSet::find_friction(const Points& x0, const Points& u, double h, doub
     for (int i = 0; i < at_[p].count; ++i) {
       Touch& touch = at_[p].touches[i];
       hold_or_slide(touch, slip(touch, row(x0, p), row(u, p), h));
-      const double more = std::abs(touch.wanted - touch.stiffness);
-      const bool turned = touch.wanted > slight && touch.stiffness > 0 && touch.sticks != touch.direction.isZero(0);
-      changed = changed || turned || (more > slight && more > stiffness_change * touch.stiffness);
+      changed = left(touch, slight) || changed;
     }
   return changed;
+}
+
+/// Whether the friction at hand is far from what the matrix has.
+bool ContactSet::left(const Touch& touch, double slight) {
+  const double more = std::abs(touch.wanted - touch.stiffness);
+  const bool turned = touch.wanted > slight && touch.stiffness > 0 && touch.sticks != touch.direction.isZero(0);
+  return turned || (more > slight && more > stiffness_change * touch.stiffness);
+}
+
+bool ContactSet::take_friction_stiffness(double slight) {
+  std::size_t count = 0;
+  for (int p : touching_) count += at_[p].count;
+  if (count != in_matrix_.size()) return false;
+  bool same = true;
+  for (const InMatrix& each : in_matrix_) {
+    AtPoint& at = at_[each.point];
+    const auto touch = std::find_if(at.touches.begin(), at.touches.begin() + at.count,
+                                    [&](const Touch& here) { return here.plane == each.touch.plane && here.normal == each.touch.normal; });
+    if (touch == at.touches.begin() + at.count) return false;
+    touch->stiffness = each.touch.stiffness;
+    touch->direction = each.touch.direction;
+    same = same && !left(*touch, slight);
+  }
+  return same;
 }
 
 void ContactSet::find_new_friction(const Points& x0, const Points& u, double h) {

@@ -22,7 +22,9 @@ class ImplicitContact {
  public:
   /// samples: of the surface, which planes meet; null: they meet the control points.
   ImplicitContact(const Lattice& lattice, int planes, const Samples* samples = nullptr)
-      : stage_(lattice, planes, samples), start_{.x = Points::Zero(lattice.points(), 3), .v = start_.x, .spring = start_.x}, first_v_(start_.x) {}
+      : stage_(lattice, planes, samples),
+        start_{.x = Points::Zero(lattice.points(), 3), .v = start_.x, .spring = start_.x},
+        first_v_(start_.x) {}
 
   /// Call when masses, stiffness or damping change.
   void body_changed() { stage_.body_changed(); }
@@ -58,10 +60,10 @@ class ImplicitContact {
   void take(State& state);
 
   ImplicitStage stage_;
-  State start_;        ///< of the second stage
-  Points first_v_;     ///< velocities at the end of the first stage [m/s]
-  double given_ = 0;   ///< of the call [J]
-  Slip slip_;          ///< of the call
+  State start_;       ///< of the second stage
+  Points first_v_;    ///< velocities at the end of the first stage [m/s]
+  double given_ = 0;  ///< of the call [J]
+  Slip slip_;         ///< of the call
   double bend_ = 0;
   Count steps_ = 0, halvings_ = 0;
 };

@@ -16,8 +16,8 @@ namespace {
 constexpr double roundings = 16;
 /// Of the least inertia m / h^2: a change of friction's stiffness that does not matter to the solution.
 constexpr double slight_share = 0.05;
-/// Of the largest force: what may be left of a balance. Rounding of the forces comes on top.
-constexpr double balance_share = 1e-8;
+/// Of the accuracy of the balance.
+constexpr double of_loads = 0.1;
 /// Squared angles of the rotation in a Newton step [rad2]: below the first the arms are as long without it, to rounding; below the second
 /// the matrix still serves.
 constexpr double straight = 1e-15, small_turn = 1e-8;
@@ -83,7 +83,10 @@ StepStatus ImplicitStage::open(const Step& step) {
   noise_ = roundings * rounding * (largest_stiffness_ * extent_ + inertia + force_scale_);
   slight_ = slight_share * body.mass.minCoeff() / (step.h * step.h);
   touches_->guess(step, force_, x);
-  touches_->refresh();
+  if (step.same_matrix)
+    touches_->keep(slight_);
+  else
+    touches_->refresh();
   convergence_ = {};
   straight_ = false;
   return StepStatus::ok;
@@ -101,8 +104,9 @@ void ImplicitStage::predict(const Step& step) {
 }
 
 StepStatus ImplicitStage::iterate(const Step& step) {
-  const StepProblem problem{step.equations.body, step.from.x,       u_, x, residual_, diagonal_, step.h, position_slack * extent_,
-                            force_scale_,        largest_stiffness_};
+  const StepProblem problem{
+      step.equations.body,     step.from.x, u_, x, residual_, diagonal_, step.h, position_slack * extent_, force_scale_, largest_stiffness_,
+      of_loads * step.accuracy};
   for (int i = 0; i < most_iterations; ++i) {
     find_residual(step, i == 0);
     if (straight_ && in_balance(step)) return StepStatus::ok;
@@ -134,7 +138,7 @@ bool ImplicitStage::in_balance(const Step& step) {
   touches_->add_forces(scratch_);
   for (const Pin& pin : step.equations.around.pins)
     for (int p : pin.points) set_row(scratch_, p, Vec3::Zero());
-  return kernels::largest(scratch_.size(), scratch_.data()) <= balance_share * std::max(force_scale_, touches_->largest_load()) + noise_;
+  return kernels::largest(scratch_.size(), scratch_.data()) <= step.accuracy * std::max(force_scale_, touches_->largest_load()) + noise_;
 }
 
 /// Takes the Newton step, its rotation as one. A step that was taken straight keeps the linear equations' balance of momentum.

@@ -25,6 +25,8 @@ class ImplicitTouches {
     const State& from;
     double loads_at;                ///< time of the outside forces [s]
     const Points* along = nullptr;  ///< about the velocities at the end (points, 3) [m/s]; null: those of the rigid motion at the begin
+    bool same_matrix = false;       ///< that of the step before may serve: the same body and h
+    double accuracy = 1e-8;         ///< of the largest force: what may be left of a balance; rounding of the forces comes on top [1]
   };
   /// What one touch does to the body.
   struct Reaction {
@@ -51,6 +53,8 @@ class ImplicitTouches {
   virtual void find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) = 0;
   /// The next solution is to start from new matrices.
   virtual void refresh() = 0;
+  /// The next solution may take the matrices as they are. slight: a change of friction's stiffness that does not matter [N/m].
+  virtual void keep(double slight) = 0;
   /// Finds the solution and the touches with their forces; cautious: slower, but without circles. not_finite: there is none.
   virtual StepStatus solve(const StepProblem& problem, bool cautious) = 0;
   virtual StepSolution& solution() = 0;

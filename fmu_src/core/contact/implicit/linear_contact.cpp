@@ -7,8 +7,6 @@ namespace softffd {
 namespace {
 
 constexpr int most_guesses = 14;
-/// Of the largest force: pulls that are no reason to end a touch, loads that need not be found.
-constexpr double load_slack = 1e-9;
 /// Share of what the loads of sliding points lack that may be left for the next iteration.
 constexpr double loads_left = 1e-4;
 /// Of responses from which those loads are combined: hundred times better.
@@ -28,13 +26,15 @@ LinearContact::LinearContact(const Lattice& lattice) : matrix_(lattice), gmres_(
 
 bool LinearContact::solve(const StepProblem& problem, ContactSet& contacts, bool cautious) {
   fresh = settled = false;
+  if (kept_ && !contacts.take_friction_stiffness(slight_)) stale_ = true;
+  kept_ = false;
   if (stale_) {
     matrix_.linearise(problem);
     contacts.fix_friction_stiffness(cautious);
   }
   for (int round = 0; round < most_guesses; ++round) {
     if (!solve_with_touches(problem, contacts, cautious)) return false;
-    const double pull = load_slack * std::max(problem.force_scale, contacts.largest_load());
+    const double pull = problem.load_slack * std::max(problem.force_scale, contacts.largest_load());
     bool changed = contacts.release_pulling(pull, round < careful_round);
     moved_ = problem.x + change;
     if (contacts.add_violated(moved_, problem.slack)) {
@@ -99,7 +99,8 @@ void LinearContact::couple_loads(const StepProblem& problem, ContactSet& contact
   const int n = contacts.sliding();
   if (n == 0) return;
   contacts.lacking_loads(lack_);
-  const double lack = kernels::largest(n, lack_.data()), slight = load_slack * std::max(problem.force_scale, contacts.largest_load());
+  const double lack = kernels::largest(n, lack_.data()),
+               slight = problem.load_slack * std::max(problem.force_scale, contacts.largest_load());
   if (!(lack > slight)) return;
   const Scalars& more = gmres_.solve(n, lack_, std::max(loads_left, slight / lack), [&](const Scalars& loads, Scalars& left) {
     respond(problem, contacts, loads, of_products);

@@ -21,6 +21,9 @@ class LinearContact : public StepSolution {
 
   /// The next solution is to start from new matrices.
   void refresh() { stale_ = true; }
+  /// The next solution may take the matrix as it is, if it is for the same touches. slight: a change of friction's stiffness that does not
+  /// matter.
+  void keep(double slight) { kept_ = true, slight_ = slight; }
   /// Finds `change`, `reaction` and the touches with their loads. cautious: friction by its majorant and with the loads used, which
   /// converges slower but does not run in circles. Returns false if the equations have no finite solution.
   bool solve(const StepProblem& problem, ContactSet& contacts, bool cautious);
@@ -37,7 +40,8 @@ class LinearContact : public StepSolution {
   Gmres gmres_;
   Points prescribed_, friction_, response_, made_, moved_;
   Scalars lack_;
-  bool stale_ = true;
+  bool stale_ = true, kept_ = false;
+  double slight_ = 0;
 };
 
 }  // namespace softffd

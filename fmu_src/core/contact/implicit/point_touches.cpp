@@ -6,7 +6,9 @@ namespace softffd {
 
 PointTouches::PointTouches(const Lattice& lattice, int planes) : contacts_(lattice, planes), linear_(lattice), free_(lattice.points(), 3) {}
 
-void PointTouches::open(const Step& step) { contacts_.open(step.equations.body, step.equations.around, step.t, step.h, step.from.holds); }
+void PointTouches::open(const Step& step) {
+  contacts_.open(step.equations.body, step.equations.around, step.t, step.h, step.from.holds, step.same_matrix);
+}
 
 void PointTouches::guess(const Step& step, const Points& force, const Points& x) {
   const auto& [body, around] = step.equations;

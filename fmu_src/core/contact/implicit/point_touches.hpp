@@ -18,6 +18,7 @@ class PointTouches final : public ImplicitTouches {
   void guess(const Step& step, const Points& force, const Points& x) override;
   void find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) override;
   void refresh() override { linear_.refresh(); }
+  void keep(double slight) override { linear_.keep(slight); }
   StepStatus solve(const StepProblem& problem, bool cautious) override;
   StepSolution& solution() override { return linear_; }
   const StepMatrix& matrix() const override { return linear_.matrix(); }

@@ -34,6 +34,7 @@ class SurfaceTouches final : public ImplicitTouches {
   void guess(const Step& step, const Points& force, const Points& x) override;
   void find_friction(const Step&, const Points&, bool, double, double) override {}  // it follows from the forces
   void refresh() override { stale_ = true; }
+  void keep(double) override {}
   StepStatus solve(const StepProblem& problem, bool cautious) override;
   StepSolution& solution() override { return solution_; }
   const StepMatrix& matrix() const override { return matrix_; }
