@@ -134,7 +134,7 @@ inline constexpr double least_implicit_work = 1e4;
 // ---- damped bodies beside obstacles ----
 
 /// Work of explicit steps that an implicit one has to replace to pay, it being run twice [1].
-inline constexpr double worth_damping = 150;
+inline constexpr double worth_damping = 450;
 /// First step, and explicit steps before implicit ones are tried again, in the shortest that pay; how often the latter get twice as many.
 inline constexpr double first_damped = 2, damped_turn = 2;
 inline constexpr Count most_damped_doubts = 6;
@@ -147,6 +147,8 @@ inline constexpr double passed_over = 10, passed_share = 0.3;
 /// to be run once, and what is added for safety [1]; how many of these at most.
 inline constexpr double least_share = 0.02, shares_alike = 2, share_safety = 1.5;
 inline constexpr Count longest_damped_trust = 32;
+/// Of the tolerance, by which the equations of a stage may be solved wrong.
+inline constexpr double solved = 1e-4;
 /// Shortest step in the largest explicit one, where there are no explicit steps to take over [1].
 inline constexpr double shortest_damped = 0.05;
 

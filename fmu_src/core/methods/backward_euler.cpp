@@ -15,8 +15,10 @@ Outcome BackwardEuler::advance(Method method, const Model& model, const Drive& d
     const Count made = contact_.factorizations();
     const double solved = contact_.solutions();
     Path& path = run.path;
-    const auto step = method == Method::sdirk2 ? &ImplicitContact::advance_sdirk2 : &ImplicitContact::advance;
-    outcome.status = (contact_.*step)({model.body, drive}, span.time(i), span.h, drive.watch, path.motion, path.exchange);
+    const Equations equations{model.body, drive};
+    const double t = span.time(i), h = span.h;
+    outcome.status = method == Method::sdirk2 ? contact_.advance_sdirk2(equations, t, h, span.way, drive.watch, path.motion, path.exchange)
+                                              : contact_.advance(equations, t, h, drive.watch, path.motion, path.exchange);
     outcome.given += contact_.given();
     outcome.slip = contact_.slip();
     outcome.constraints = contact_.constraints();

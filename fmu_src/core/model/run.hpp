@@ -152,11 +152,12 @@ struct DampedRecord {
   double share = 1;       ///< error of a step in the bend of its velocities, as of the last one that was run twice [1]
   Count constraints = 0;  ///< of contact, at the end of the last step
   Count doubts = 0;       ///< how often explicit steps had to take over, one time after the other
+  double rate = 0;        ///< work of explicit steps in a second, as of the last that took over; 0: not known
   double force = 0;       ///< largest on an obstacle or a pin so far, as mean of a step [N]
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.trust, s.next_trust, s.share, s.constraints, s.doubts, s.force);
+    return fields(s.h, s.trust, s.next_trust, s.share, s.constraints, s.doubts, s.rate, s.force);
   }
 };
 static_assert(visits_every_field<DampedRecord>);

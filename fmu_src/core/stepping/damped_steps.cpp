@@ -30,7 +30,10 @@ struct DampedSteps::Call {
   DoubledSteps* others;
 
   /// Shortest step that costs no more than the explicit ones in its place [s].
-  double worth() const { return use::worth_damping / step_work(job.model.body, Method::leapfrog, limit) * limit; }
+  double worth() const {
+    const double known = job.run.course.damped.rate, forecast = use::doubled_work * step_work(job.model.body, Method::leapfrog, limit) / limit;
+    return use::worth_damping / (known > 0 ? known : forecast);
+  }
   double tolerance() const { return job.request.tolerance * power(job.request.step_factor, 2); }
   /// Until an error of now is forgotten [s]: pins take a body back to where its slowest vibration dies away.
   double memory() const {
@@ -87,7 +90,8 @@ DampedSteps::Step DampedSteps::take(const Call& call, double until) {
   path.clock = {path.motion.time, h, 0};
   const double most = std::max(use::least_implicit_work, use::doubled_work * h / call.limit);
   job.run.energy.kinetic_elastic = -1;  // implicit steps have a guard of their own
-  const Outcome outcome = call.integrators.take(job, Method::sdirk2, {path.motion.time, 0, h, 1, most});
+  const Outcome outcome =
+      call.integrators.take(job, Method::sdirk2, {path.motion.time, 0, h, 1, most, infinity, use::solved * call.tolerance()});
   job.run.course.work += outcome.work;
   path.motion.time = until;
   ++path.steps;
@@ -226,7 +230,9 @@ StepStatus DampedSteps::take_explicit(const Call& call) {
   const double until = begin + length < call.end ? begin + length : call.end;
   job.run.course.method = Method::leapfrog;
   job.run.course.reason = Reason::contact;
+  const double before = job.run.course.work;
   const StepStatus status = call.others->run(call.integrators, job, until);
+  record.rate = (job.run.course.work - before) / (until - begin);
   record.doubts = std::min(record.doubts + 1, use::most_damped_doubts);
   record.h = use::first_damped * call.worth();
   record.constraints = 0;

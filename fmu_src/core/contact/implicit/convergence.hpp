@@ -1,6 +1,7 @@
 /// Whether the iterations of a Newton's method with a kept matrix come nearer to the solution, and what to do where they do not.
 #pragma once
 #include <algorithm>
+#include <limits>
 
 namespace softffd {
 
@@ -9,6 +10,7 @@ class Convergence {
   /// Takes the size of the next iteration's change; fresh: its matrix was made at this very state.
   void add(double size, bool fresh) {
     const double ratio = last_ > 0 ? size / last_ : 0;
+    left_ = last_ > 0 && ratio < fair ? size * ratio / (1 - ratio) : std::numeric_limits<double>::infinity();
     last_ = size;
     if (fresh && ratio < fair) slowest_ = std::max(slowest_, no_faster * ratio);
     needs_matrix_ = ratio > slowest_;
@@ -17,6 +19,8 @@ class Convergence {
     circles_ = stalled_ > patience;
     if (stalled_ == despair) stalled_ = 0;
   }
+  /// What the next iterations will still change, by the last two [m]; infinite where there are no two.
+  double left() const { return left_; }
   /// The kept matrix does not serve any more.
   bool needs_matrix() const { return needs_matrix_; }
   /// The next iterations are to be slow and safe.
@@ -32,7 +36,7 @@ class Convergence {
   /// Iterations without progress, those with it counted against them: what is too many, and what is too many for caution.
   static constexpr int patience = 2, despair = 6;
 
-  double last_ = 0, slowest_ = first_slowest;
+  double left_ = std::numeric_limits<double>::infinity(), last_ = 0, slowest_ = first_slowest;
   int stalled_ = 0;
   bool needs_matrix_ = false, cautious_ = false, circles_ = false;
 };

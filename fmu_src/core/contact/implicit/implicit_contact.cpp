@@ -58,11 +58,12 @@ StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double 
   return advance_in_parts(equations, t + 0.5 * h, 0.5 * h, watch, state, exchange, depth + 1);
 }
 
-StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange) {
+StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t, double h, double way, bool watch, State& state,
+                                           Exchange& exchange) {
   begin_call();
   ++steps_;
   const double part = gamma * h, rest = (1 - gamma) * h, weight = (1 - gamma) / gamma;
-  const Step first{equations, t, part, state, t + part, &state.v, false, accuracy};
+  const Step first{equations, t, part, state, t + part, &state.v, false, way, accuracy};
   if (const StepStatus status = stage_.solve(first); status != StepStatus::ok) return status;
   const auto work_of_loads = [&](const auto& v) { return (stage_.force() * v).sum(); };
   const auto work_of_ramps = [&](double time, const Points& v) { return equations.around.ramped ? equations.around.ramp_dot(time, v) : 0; };
@@ -76,7 +77,7 @@ StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t,
   start_.holds = state.holds;
   start_.held_rows = state.held_rows;
   stage_.touches().hold(start_);
-  const Step second{equations, t + rest, part, start_, t + h, &first_v_, true, accuracy};
+  const Step second{equations, t + rest, part, start_, t + h, &first_v_, true, way, accuracy};
   if (const StepStatus status = stage_.solve(second); status != StepStatus::ok) return status;
   outside += part * work_of_loads(stage_.v);
   ramp += part * work_of_ramps(t + h, stage_.v);

@@ -32,8 +32,8 @@ class ImplicitContact {
   /// state.time is the caller's. On failure state and exchange are spoilt; not_finite: there was no solution down to h / 2^20, or not
   /// with so many factorizations and solutions with them.
   StepStatus advance(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
-  /// The same by SDIRK2, which is not halved.
-  StepStatus advance_sdirk2(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
+  /// The same by SDIRK2, which is not halved. way: by which the solutions may be off [m].
+  StepStatus advance_sdirk2(const Equations& equations, double t, double h, double way, bool watch, State& state, Exchange& exchange);
   Count most_factorizations = 100'000, most_solutions = Count{1} << 53;
   /// Energy that obstacles and pins gave the body in the last call, friction included, points moving along obstacles with the mean of their
   /// velocities before and after [J].

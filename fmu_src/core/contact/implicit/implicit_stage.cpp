@@ -82,7 +82,9 @@ StepStatus ImplicitStage::open(const Step& step) {
   const double inertia = diagonal_.maxCoeff() * kernels::largest(u_.size(), u_.data());
   noise_ = roundings * rounding * (largest_stiffness_ * extent_ + inertia + force_scale_);
   slight_ = slight_share * body.mass.minCoeff() / (step.h * step.h);
-  touches_->guess(step, force_, x);
+  scratch_ = force_;
+  if (step.along && body.springs.dashpots()) body.springs.add_dashpot_force(step.from.x, *step.along, scratch_);
+  touches_->guess(step, scratch_, x);
   if (step.same_matrix)
     touches_->keep(slight_);
   else
@@ -109,7 +111,7 @@ StepStatus ImplicitStage::iterate(const Step& step) {
       of_loads * step.accuracy};
   for (int i = 0; i < most_iterations; ++i) {
     find_residual(step, i == 0);
-    if (straight_ && in_balance(step)) return StepStatus::ok;
+    if (straight_ && (convergence_.left() <= step.way || in_balance(step))) return StepStatus::ok;
     ++iterations_;
     if (spent()) return StepStatus::not_finite;
     if (const StepStatus status = touches_->solve(problem, convergence_.cautious()); status != StepStatus::ok) return status;

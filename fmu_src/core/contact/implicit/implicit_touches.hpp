@@ -26,6 +26,7 @@ class ImplicitTouches {
     double loads_at;                ///< time of the outside forces [s]
     const Points* along = nullptr;  ///< about the velocities at the end (points, 3) [m/s]; null: those of the rigid motion at the begin
     bool same_matrix = false;       ///< that of the step before may serve: the same body and h
+    double way = 0;                 ///< by which the solution may be off [m]
     double accuracy = 1e-8;         ///< of the largest force: what may be left of a balance; rounding of the forces comes on top [1]
   };
   /// What one touch does to the body.
