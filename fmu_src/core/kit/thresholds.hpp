@@ -142,7 +142,7 @@ inline constexpr Count most_damped_doubts = 6;
 /// and at most [1]; of the largest force, for the error of the mean force of a communication step.
 inline constexpr double damped_share = 0.1, damped_rate = 1, damped_most = 0.3, force_share = 0.005;
 /// Radians of a vibration that a step may be long and yet differ visibly from two of half its length [rad].
-inline constexpr double passed_over = 10, passed_share = 0.3;
+inline constexpr double passed_over = 10;
 /// Error of a step in the bend of its velocities: at least, by how much it may have grown since the last step that was run twice for the next
 /// to be run once, and what is added for safety [1]; how many of these at most.
 inline constexpr double least_share = 0.02, shares_alike = 2, share_safety = 1.5;

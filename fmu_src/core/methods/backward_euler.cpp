@@ -22,6 +22,7 @@ Outcome BackwardEuler::advance(Method method, const Model& model, const Drive& d
     outcome.given += contact_.given();
     outcome.slip = contact_.slip();
     outcome.constraints = contact_.constraints();
+    outcome.lost += contact_.lost();
     outcome.bend = contact_.bend();
     const double work = double(contact_.factorizations() - made) * implicit_.factor;
     outcome.work += std::max(traits(method).work, work);

@@ -16,6 +16,7 @@ struct Outcome {
   double given = 0;   ///< energy that obstacles and pins gave, less what friction took; implicit contact alone says so [J]
   Slip slip{};        ///< of the last step's contacts; implicit contact alone says so
   Count constraints = 0;  ///< what touches at the end, and what of it slides: another number where another set; implicit contact alone
+  double lost = 0;        ///< energy that the steps took beyond dampers and friction; sdirk2 alone [J]
   double bend = 0;        ///< by how much the velocities bend within the last step, as a way [m]; sdirk2 alone
 };
 

@@ -31,7 +31,8 @@ struct DampedSteps::Call {
 
   /// Shortest step that costs no more than the explicit ones in its place [s].
   double worth() const {
-    const double known = job.run.course.damped.rate, forecast = use::doubled_work * step_work(job.model.body, Method::leapfrog, limit) / limit;
+    const double known = job.run.course.damped.rate,
+                 forecast = use::doubled_work * step_work(job.model.body, Method::leapfrog, limit) / limit;
     return use::worth_damping / (known > 0 ? known : forecast);
   }
   double tolerance() const { return job.request.tolerance * power(job.request.step_factor, 2); }
@@ -55,17 +56,12 @@ StepStatus DampedSteps::run(Integrators& integrators, const Job& job, double end
   DampedRecord& record = course.damped;
   const State& motion = job.run.path.motion;
   const double begin = motion.time;
-  bool first = true;
   while (motion.time < end) {
     const Call call{integrators, job, begin, end, step_limit(job, Method::leapfrog, false), others};
     course.method = Method::sdirk2;
     const double left = end - motion.time;
     if (integrators.budget().spent()) return StepStatus::too_much_work;
-    if (first || !(record.h > 0)) {
-      const double longest = std::max(longest_first(call), 2 * call.worth());
-      record.h = record.h > 0 ? std::min(record.h, longest) : std::min(longest, left);
-    }
-    first = false;
+    if (!(record.h > 0)) record.h = std::min(use::first_damped * call.worth(), left);
     if (others && record.h < call.worth()) {
       if (const StepStatus status = take_explicit(call); status != StepStatus::ok) return status;
       continue;
@@ -95,27 +91,23 @@ DampedSteps::Step DampedSteps::take(const Call& call, double until) {
   job.run.course.work += outcome.work;
   path.motion.time = until;
   ++path.steps;
-  return {outcome.status, outcome.constraints, outcome.bend};
+  return {outcome.status, outcome.constraints, outcome.bend, outcome.lost};
 }
 
-/// Longest step that sees what comes with the begin of a communication step [s]: a velocity that pins or obstacles set at once moves what
-/// vibrates by as much as a step passes over at most in a tenth of it, forces by the square of that. Of the velocities of a body that has
-/// taken explicit steps as well.
-double DampedSteps::longest_first(const Call& call) const {
+/// What energy that steps of h have taken from vibrations will have been able to move the body by [m]: it cannot lift what is pressed on
+/// with a force F further than energy / F. None where internal damping takes it in a step.
+double DampedSteps::passed_over(const Call& call, double h, double lost) const {
   const Job& job = call.job;
-  const State& motion = job.run.path.motion;
-  const Body& body = job.model.body;
-  double speed = 0;
-  for (const Pin& pin : job.drive.pins) {
-    const Frame frame = pin.at(motion.time);
-    for (std::size_t n = 0; n < pin.points.size(); ++n)
-      speed = std::max(speed, (frame.material_velocity(frame.arm(pin.local[n])) - row(motion.v, pin.points[n])).norm());
-  }
-  if (job.run.course.damped.doubts > 0) speed += std::sqrt(2 * kinetic_deformation(body, motion) / body.mass.sum());
-  const double slow = 0.5 * use::passed_over * body.springs.shortest_time();  // by the next step what vibrates faster has died away
-  double longest = speed > 0 ? std::max(use::passed_over * use::passed_share * call.tolerance() / speed, slow) : infinity;
-  if (job.request.jolt || !(job.run.course.damped.h > 0)) longest = std::min(longest, use::first_damped * call.worth());
-  return longest;
+  const double energy = lost - job.model.noise;
+  if (!(energy > 0) || h < 0.5 * use::passed_over * job.model.body.springs.shortest_time()) return 0;
+  if (!job.drive.pins.empty()) return amplitude(job.model, energy, h);
+  const Exchange &begin = start_.exchange, &end = job.run.path.exchange;
+  double pressing = 0;
+  for (std::size_t q = 0; q < end.planes.size(); ++q)
+    pressing = std::max(
+        pressing, std::abs((end.planes[q].force - begin.planes[q].force).dot(job.drive.planes[q].at(job.run.path.motion.time).normal)) / h);
+  const double moves = outlook(job, job.run.path.motion).along_normal * std::sqrt(2 * energy / job.model.body.mass.sum());
+  return pressing > 0 ? std::min(moves, energy / pressing) : moves;
 }
 
 /// Largest of what the impulses on obstacles and pins of the two runs differ by, in what may be left [1].
@@ -143,7 +135,7 @@ bool DampedSteps::step_once(const Call& call, double until) {
   const double h = until - run.path.motion.time, allowed = call.allowed(h);
   Trial trial(run.path, start_);
   const Step taken = take(call, until);
-  const double error = record.share * taken.bend;
+  const double error = record.share * taken.bend + passed_over(call, h, taken.lost);
   if (taken.status == StepStatus::ok && error <= allowed) {
     --record.trust;
     forget(call, h);
@@ -168,16 +160,18 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
   Trial trial(path, start_);
   const double begin = path.motion.time, h = until - begin;
   Step coarse = take(call, until), fine = coarse;
-  double error = infinity, ratio = infinity;
+  double error = infinity, ratio = infinity, over = 0;
   bool steady = false;
   const double allowed = call.allowed(h);
   if (coarse.status == StepStatus::ok) {
     std::swap(coarse_, path);
     trial.back();
     Count middle = 0;
+    double lost = 0;
     for (const double next : {begin + 0.5 * h, until}) {
       if (fine.status != StepStatus::ok) break;
       fine = take(call, next);
+      lost += fine.lost;
       if (next != until) middle = fine.constraints;
     }
     if (fine.status == StepStatus::ok) {
@@ -186,6 +180,10 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
       const double order = steady ? 1.0 / 3 : 1;
       error = order * outcome_of(job, coarse_.motion, path.motion, outlook_of_stiff(job, path.motion));
       ratio = std::max(error / allowed, order * difference_of_forces(call));
+      over = passed_over(call, h, lost);
+      steady = steady && over <= ratio * allowed;
+      error += over;
+      ratio = std::max(ratio, error / allowed);
     }
   }
   const bool last = h <= use::least_doubled * call.limit || (!call.others && h <= use::shortest_damped * call.limit);
@@ -204,7 +202,7 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
       record.force = std::max(record.force, (path.exchange.planes[q].force - start_.exchange.planes[q].force).norm() / h);
     for (std::size_t a = 0; a < path.exchange.pins.size(); ++a)
       record.force = std::max(record.force, (path.exchange.pins[a].force - start_.exchange.pins[a].force).norm() / h);
-    const double of_coarse = (steady ? 4 : 2) * ratio * allowed, least = use::least_share;
+    const double of_coarse = (steady ? 4 : 2) * std::max(0.0, ratio * allowed - over), least = use::least_share;
     const double share = coarse.bend > 0 ? std::max(of_coarse / coarse.bend, least) : least;
     const bool known = share <= use::shares_alike * record.share;
     record.share = use::share_safety * share;

@@ -22,13 +22,14 @@ class DampedSteps {
     StepStatus status;
     Count constraints;  ///< at its end
     double bend;
+    double lost;  ///< [J]
   };
   static void forget(const Call& call, double h);
   Step take(const Call& call, double until);
   bool step_once(const Call& call, double until);
   StepStatus step_twice(const Call& call, double until);
   double difference_of_forces(const Call& call) const;
-  double longest_first(const Call& call) const;
+  double passed_over(const Call& call, double h, double lost) const;
   StepStatus take_explicit(const Call& call);
 
   Path start_, coarse_;

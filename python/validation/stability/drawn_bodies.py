@@ -1,4 +1,4 @@
-"""Scenes drawn at random, of bodies whose own surface meets the obstacles, planes or solids."""
+"""Scenes drawn at random, of bodies whose own surface meets the obstacles, planes or solids; and of bodies with internal damping."""
 
 from __future__ import annotations
 
@@ -19,11 +19,15 @@ def drawn_surface(seed: int) -> Drawn:
     """The scene of a seed, of a body with a surface."""
     scene = drawn(seed)
     document = scene.document
-    stiffness = {kind: float(f"{1e2 * (value / 1e2) ** 0.5:.4g}") for kind, value in document["material"]["stiffness"].items()}
-    material = document["material"] | {"stiffness": stiffness}
+    material = _softer(document["material"])
     regions = [region for region in document["region"] if "mass" not in region]
     surface, words = _body(Draws(OWN_BODY + seed), np.array(document["lattice"]["size"]))
     return replace(scene, document=document | {"material": material, "region": regions}, surface=surface, body=words)
+
+
+def _softer(material: dict[str, Any]) -> dict[str, Any]:
+    """Up to 1e6 N/m in place of 1e10."""
+    return material | {"stiffness": {kind: float(f"{1e2 * (value / 1e2) ** 0.5:.4g}") for kind, value in material["stiffness"].items()}}
 
 
 def _body(draws: Draws, size: np.ndarray) -> tuple[Shape, str]:
@@ -83,3 +87,15 @@ def _box(draws: Draws, size: float, normal: np.ndarray, flat: bool) -> tuple[str
     axes = np.array([turned(each, turn) for each in np.eye(3)])
     depth = float((np.array(sides) / 2 * np.abs((axes * normal).sum(axis=1))).sum())
     return "box", {"size": sides, "rotation": rotation}, axes[2], depth
+
+
+OWN_DAMPING = 3_000_000  # added to a seed for the draw of the damping
+
+
+def drawn_damped(seed: int) -> Drawn:
+    """The scene of a seed, of a body with internal damping of 1e-6 to 1e-2 s."""
+    scene = drawn(seed)
+    damping = Draws(OWN_DAMPING + seed).log(1e-6, 1e-2)
+    material = _softer(scene.document["material"]) | {"internal_damping": damping}
+    regions = [region for region in scene.document["region"] if "mass" not in region]
+    return replace(scene, document=scene.document | {"material": material, "region": regions}, body=f"internal damping {damping:.1e}")

@@ -24,7 +24,7 @@ import numpy as np
 
 from softffd.run.guard import Lost
 from validation.stability.drawn import Drawn, drawn
-from validation.stability.drawn_bodies import drawn_solids, drawn_surface
+from validation.stability.drawn_bodies import drawn_damped, drawn_solids, drawn_surface
 from validation.stability.drive import GRAVITY, Drive, Refused, StateTouched
 from validation.stability.verdict import STATED, stated_errors
 
@@ -54,8 +54,8 @@ result that is not finite, a control point behind a plane, energy that has doubl
 state."""
 FAULTS = ("SILENT", "WRONG")
 
-FAMILIES = {"lattice": drawn, "surface": drawn_surface, "solids": drawn_solids}
-"""What meets obstacles, the control points or the object's own surface, and solid ones"""
+FAMILIES = {"lattice": drawn, "surface": drawn_surface, "solids": drawn_solids, "damped": drawn_damped}
+"""What meets obstacles, the control points or the object's own surface, and solid ones; bodies with internal damping"""
 
 
 @dataclass(frozen=True)

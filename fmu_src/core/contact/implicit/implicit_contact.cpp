@@ -68,7 +68,7 @@ StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t,
   const auto work_of_loads = [&](const auto& v) { return (stage_.force() * v).sum(); };
   const auto work_of_ramps = [&](double time, const Points& v) { return equations.around.ramped ? equations.around.ramp_dot(time, v) : 0; };
   double outside = rest * work_of_loads(stage_.v), ramp = rest * work_of_ramps(t + part, stage_.v);
-  double work = weight * stage_.contact_work(first);
+  double work = weight * stage_.contact_work(first), known = rest * stage_.lost_power(first);
   stage_.book(first, weight, exchange);
   first_v_ = stage_.v;
   start_.x = state.x + rest * first_v_;
@@ -82,8 +82,10 @@ StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t,
   outside += part * work_of_loads(stage_.v);
   ramp += part * work_of_ramps(t + h, stage_.v);
   work += stage_.contact_work(second);
+  known += part * stage_.lost_power(second);
   const Step whole{equations, t, h, state, t + h};
   if (!close(whole, outside, work, watch, ramp, exchange)) return StepStatus::not_finite;
+  lost_ -= known;
   stage_.book(second, 1, exchange);
   slip_.add(stage_.slip_of_contacts(whole));
   bend_ = 0;
@@ -96,7 +98,7 @@ StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t,
 
 /// The step's energies: outside: work of all outside forces, of which ramps'; work: of planes and pins [J]. Returns whether the solution
 /// can be believed.
-bool ImplicitContact::close(const Step& step, double outside, double work, bool watch, double ramp_work, Exchange& exchange) const {
+bool ImplicitContact::close(const Step& step, double outside, double work, bool watch, double ramp_work, Exchange& exchange) {
   const Body& body = step.equations.body;
   double before = 0, gain = 0;
   for (int axis = 0; axis < 3; ++axis)
@@ -109,6 +111,7 @@ bool ImplicitContact::close(const Step& step, double outside, double work, bool 
   const double loss = outside + work + (elastic0 - elastic1) - gain;
   const double exchanged = before + elastic0 + std::abs(outside) + std::abs(work);
   if (!(std::isfinite(loss) && loss >= -most_gain * exchanged - stage_.noise())) return false;
+  lost_ = loss;
   if (watch) {
     exchange.work += work + ramp_work;
     exchange.dissipated += loss;

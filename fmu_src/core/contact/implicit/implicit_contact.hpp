@@ -42,6 +42,8 @@ class ImplicitContact {
   const Slip& slip() const { return slip_; }
   /// What touches at the end of the last step, and what of it slides: another number where it is another set.
   Count constraints() const { return stage_.constraints(); }
+  /// Energy that the last step of SDIRK2 took beyond dampers and friction [J].
+  double lost() const { return lost_; }
   /// What an embedded formula of third order would move points by more in the last step of SDIRK2, at most [m].
   double bend() const { return bend_; }
 
@@ -56,7 +58,7 @@ class ImplicitContact {
   using Step = ImplicitStage::Step;
   void begin_call();
   StepStatus advance_in_parts(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange, int depth);
-  bool close(const Step& step, double outside, double work, bool watch, double ramp_work, Exchange& exchange) const;
+  bool close(const Step& step, double outside, double work, bool watch, double ramp_work, Exchange& exchange);
   void take(State& state);
 
   ImplicitStage stage_;
@@ -64,7 +66,7 @@ class ImplicitContact {
   Points first_v_;    ///< velocities at the end of the first stage [m/s]
   double given_ = 0;  ///< of the call [J]
   Slip slip_;         ///< of the call
-  double bend_ = 0;
+  double bend_ = 0, lost_ = 0;
   Count steps_ = 0, halvings_ = 0;
 };
 

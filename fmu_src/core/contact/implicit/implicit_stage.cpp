@@ -241,6 +241,15 @@ double ImplicitStage::given_by_contacts(const Step& step, double work) const {
   return given;
 }
 
+double ImplicitStage::lost_power(const Step& step) const {
+  const Body& body = step.equations.body;
+  double power = (body.damping * v.square().rowwise().sum()).sum();
+  if (body.springs.dashpots()) power += dashpot_power(body.springs, x, v);
+  for (const Reaction& each : reactions_)
+    power -= each.force.dot(tangential(each.normal, touches_->value(each, v) - material_velocity(step, each)));
+  return power;
+}
+
 /// Slip at the beginning counts as far as it is more than what the obstacle's own speed changes by in the step: what sticks to an obstacle
 /// has its speed of before.
 Slip ImplicitStage::slip_of_contacts(const Step& step) const {

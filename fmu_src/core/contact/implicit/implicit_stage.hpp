@@ -53,6 +53,8 @@ class ImplicitStage {
   double given_by_contacts(const Step& step, double work) const;
   /// What touches at the end, and what of it slides: another number where it is another set.
   Count constraints() const { return constraints_; }
+  /// What dampers and friction take at the end of the step [W].
+  double lost_power(const Step& step) const;
   /// from: where the slip began.
   Slip slip_of_contacts(const Step& step) const;
   /// Adds `weight` times the impulses on planes and pins.
