@@ -91,7 +91,9 @@ DampedSteps::Step DampedSteps::take(const Call& call, double until) {
   job.run.course.work += outcome.work;
   path.motion.time = until;
   ++path.steps;
-  return {outcome.status, outcome.constraints, outcome.bend, outcome.lost};
+  const Slip& slip = outcome.slip;
+  const bool turned = slip.load > 0 && (slip.stopped + slip.loosened) / slip.load * h > use::slight_slip * call.allowed(h);
+  return {outcome.status, outcome.constraints, turned, outcome.bend, outcome.lost};
 }
 
 /// What energy that steps of h have taken from vibrations will have been able to move the body by [m]: it cannot lift what is pressed on
@@ -124,7 +126,7 @@ double DampedSteps::difference_of_forces(const Call& call) const {
   };
   compare(begin.planes, one.planes, other.planes);
   compare(begin.pins, one.pins, other.pins);
-  const double of_tolerance = power(bound(call.job), 2) * call.job.model.body.mass.minCoeff() * use::damped_share * call.tolerance();
+  const double of_tolerance = power(bound(call.job), 2) * call.job.model.body.mass.minCoeff() * use::moving_force * call.tolerance();
   return difference / ((call.end - call.begin) * std::max(use::force_share * largest, of_tolerance));
 }
 
@@ -136,7 +138,7 @@ bool DampedSteps::step_once(const Call& call, double until) {
   Trial trial(run.path, start_);
   const Step taken = take(call, until);
   const double error = record.share * taken.bend + passed_over(call, h, taken.lost);
-  if (taken.status == StepStatus::ok && error <= allowed) {
+  if (taken.status == StepStatus::ok && !taken.turned && error <= allowed) {
     --record.trust;
     forget(call, h);
     run.path.stiff.error += error;
@@ -168,15 +170,17 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
     trial.back();
     Count middle = 0;
     double lost = 0;
+    bool turned = coarse.turned;
     for (const double next : {begin + 0.5 * h, until}) {
       if (fine.status != StepStatus::ok) break;
       fine = take(call, next);
       lost += fine.lost;
+      turned = turned || fine.turned;
       if (next != until) middle = fine.constraints;
     }
     if (fine.status == StepStatus::ok) {
-      steady =
-          (record.constraints == 0 || record.constraints == middle) && middle == fine.constraints && fine.constraints == coarse.constraints;
+      steady = !turned && (record.constraints == 0 || record.constraints == middle) && middle == fine.constraints &&
+               fine.constraints == coarse.constraints;
       const double order = steady ? 1.0 / 3 : 1;
       error = order * outcome_of(job, coarse_.motion, path.motion, outlook_of_stiff(job, path.motion));
       ratio = std::max(error / allowed, order * difference_of_forces(call));

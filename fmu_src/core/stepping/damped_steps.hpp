@@ -21,6 +21,7 @@ class DampedSteps {
   struct Step {
     StepStatus status;
     Count constraints;  ///< at its end
+    bool turned;        ///< a contact stopped, turned round or began to slide in it
     double bend;
     double lost;  ///< [J]
   };
