@@ -133,6 +133,9 @@ inline constexpr double least_implicit_work = 1e4;
 
 // ---- damped bodies beside obstacles ----
 
+/// Explicit steps in what is left of a communication step, from which on a pinned body with internal damping takes implicit ones where no
+/// race has found any [1].
+inline constexpr double stiff_damping = 500;
 /// Work of explicit steps that an implicit one has to replace to pay, it being run twice [1].
 inline constexpr double worth_damping = 450;
 /// First step, and explicit steps before implicit ones are tried again, in the shortest that pay; how often the latter get twice as many.

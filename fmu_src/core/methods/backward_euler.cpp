@@ -23,7 +23,7 @@ Outcome BackwardEuler::advance(Method method, const Model& model, const Drive& d
     outcome.slip = contact_.slip();
     outcome.constraints = contact_.constraints();
     outcome.lost += contact_.lost();
-    outcome.bend = contact_.bend();
+    outcome.bend = std::max(outcome.bend, contact_.bend());
     const double work = double(contact_.factorizations() - made) * implicit_.factor;
     outcome.work += std::max(traits(method).work, work);
     outcome.spent += work + (contact_.solutions() - solved) * implicit_.solution;

@@ -18,6 +18,13 @@ namespace {
 
 namespace use = thresholds;
 
+/// Without obstacles a difference of velocities lasts.
+Outlook ahead(const Job& job) {
+  if (!job.drive.planes.empty()) return outlook_of_stiff(job, job.run.path.motion);
+  const double left = left_of_run(job);
+  return {Vec3::UnitZ(), left, left, left, 0};
+}
+
 constexpr double two_pi = 6.283185307179586;
 
 }  // namespace
@@ -108,7 +115,7 @@ double DampedSteps::passed_over(const Call& call, double h, double lost) const {
   for (std::size_t q = 0; q < end.planes.size(); ++q)
     pressing = std::max(
         pressing, std::abs((end.planes[q].force - begin.planes[q].force).dot(job.drive.planes[q].at(job.run.path.motion.time).normal)) / h);
-  const double moves = outlook(job, job.run.path.motion).along_normal * std::sqrt(2 * energy / job.model.body.mass.sum());
+  const double moves = ahead(job).along_normal * std::sqrt(2 * energy / job.model.body.mass.sum());
   return pressing > 0 ? std::min(moves, energy / pressing) : moves;
 }
 
@@ -182,7 +189,7 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
       steady = !turned && (record.constraints == 0 || record.constraints == middle) && middle == fine.constraints &&
                fine.constraints == coarse.constraints;
       const double order = steady ? 1.0 / 3 : 1;
-      error = order * outcome_of(job, coarse_.motion, path.motion, outlook_of_stiff(job, path.motion));
+      error = order * outcome_of(job, coarse_.motion, path.motion, ahead(job));
       ratio = std::max(error / allowed, order * difference_of_forces(call));
       over = passed_over(call, h, lost);
       steady = steady && over <= ratio * allowed;
@@ -207,8 +214,8 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
     for (std::size_t a = 0; a < path.exchange.pins.size(); ++a)
       record.force = std::max(record.force, (path.exchange.pins[a].force - start_.exchange.pins[a].force).norm() / h);
     const double of_coarse = (steady ? 4 : 2) * std::max(0.0, ratio * allowed - over), least = use::least_share;
-    const double share = coarse.bend > 0 ? std::max(of_coarse / coarse.bend, least) : least;
-    const bool known = share <= use::shares_alike * record.share;
+    const double share = coarse.bend > 0 && coarse.bend < infinity ? std::max(of_coarse / coarse.bend, least) : least;
+    const bool known = coarse.bend < infinity && share <= use::shares_alike * record.share;
     record.share = use::share_safety * share;
     record.trust = known ? record.next_trust : 0;
     record.next_trust = known ? std::min(2 * record.next_trust, use::longest_damped_trust) : 1;

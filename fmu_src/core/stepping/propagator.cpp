@@ -124,6 +124,11 @@ StepStatus Propagator::run_raced(const Job& job, double end) {
     const Method method = course.method = course.race.winner;
     course.reason = course.race.reason;
     if (motion.time == end) break;  // a trial took it there
+    const bool creeps = !job.drive.pins.empty() && job.model.body.springs.dashpots() && job.request.method == Method::automatic;
+    if (creeps && !is_implicit(method) && left / step_limit(job, Method::leapfrog, false) > use::stiff_damping) {
+      course.reason = Reason::quiet_stiffness;
+      return damped_.run(integrators_, job, end, nullptr);
+    }
     if (course.race.forecast > use::too_long * budget().left()) return StepStatus::too_much_work;
     const double pause_at = std::min(course.race.due, course.work + use::overrun * course.race.forecast + use::shortest_pause);
     const StepStatus status = traits(method).error_control() ? run_controlled(integrators_, job, method, end, pause_at)

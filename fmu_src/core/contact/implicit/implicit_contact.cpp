@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace softffd {
 
@@ -45,6 +46,7 @@ StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double 
       stage_.book(step, 1, exchange);
       given_ += stage_.given_by_contacts(step, work);
       slip_.add(stage_.slip_of_contacts(step));
+      lost_ -= h * stage_.lost_power(step);
       take(state);
       return StepStatus::ok;
     }
@@ -65,6 +67,11 @@ StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t,
   const double part = gamma * h, rest = (1 - gamma) * h, weight = (1 - gamma) / gamma;
   const Step first{equations, t, part, state, t + part, &state.v, false, way, accuracy};
   if (const StepStatus status = stage_.solve(first); status != StepStatus::ok) return status;
+  if (stage_.strikes(first)) {  // the second stage would throw back what the first one stops
+    const StepStatus status = advance_in_parts(equations, t, h, watch, state, exchange, most_halvings);
+    bend_ = std::numeric_limits<double>::infinity();
+    return status;
+  }
   const auto work_of_loads = [&](const auto& v) { return (stage_.force() * v).sum(); };
   const auto work_of_ramps = [&](double time, const Points& v) { return equations.around.ramped ? equations.around.ramp_dot(time, v) : 0; };
   double outside = rest * work_of_loads(stage_.v), ramp = rest * work_of_ramps(t + part, stage_.v);

@@ -12,7 +12,8 @@
 ///      stage 2   (x, v) from (x0 + (1 - g) h v1, v0 + (1 - g) / g (v1 - v0)) over g h: the end of the step
 ///
 /// with loads, obstacles and pins as they are at t + g h and t + h. Both stages obey the contact's law, so the step's end does; impulses,
-/// work and losses of the step are (1 - g) / g times those of stage 1 and those of stage 2.
+/// work and losses of the step are (1 - g) / g times those of stage 1 and those of stage 2. A step in which a place strikes an obstacle is
+/// one of backward Euler: the second stage would throw back what the first one stops.
 #pragma once
 #include "contact/implicit/implicit_stage.hpp"
 
@@ -44,7 +45,8 @@ class ImplicitContact {
   Count constraints() const { return stage_.constraints(); }
   /// Energy that the last step of SDIRK2 took beyond dampers and friction [J].
   double lost() const { return lost_; }
-  /// What an embedded formula of third order would move points by more in the last step of SDIRK2, at most [m].
+  /// What an embedded formula of third order would move points by more in the last step of SDIRK2, at most [m]; infinite of a step that
+  /// strikes.
   double bend() const { return bend_; }
 
   /// Counted since the start.

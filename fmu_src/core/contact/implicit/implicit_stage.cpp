@@ -241,6 +241,14 @@ double ImplicitStage::given_by_contacts(const Step& step, double work) const {
   return given;
 }
 
+bool ImplicitStage::strikes(const Step& step) const {
+  const auto off = [&](const Reaction& each) {
+    const HalfSpace plane = step.equations.around.planes[each.plane].at(step.t);
+    return each.normal.dot(each.force) > 0 && plane.gap(touches_->value(each, step.from.x)) > touching * step.equations.body.length;
+  };
+  return std::any_of(reactions_.begin(), reactions_.end(), off);
+}
+
 double ImplicitStage::lost_power(const Step& step) const {
   const Body& body = step.equations.body;
   double power = (body.damping * v.square().rowwise().sum()).sum();

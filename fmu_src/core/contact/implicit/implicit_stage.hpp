@@ -55,6 +55,8 @@ class ImplicitStage {
   Count constraints() const { return constraints_; }
   /// What dampers and friction take at the end of the step [W].
   double lost_power(const Step& step) const;
+  /// Whether the obstacles stop a place that was off them at the begin.
+  bool strikes(const Step& step) const;
   /// from: where the slip began.
   Slip slip_of_contacts(const Step& step) const;
   /// Adds `weight` times the impulses on planes and pins.
