@@ -142,12 +142,13 @@ inline constexpr double worth_damping = 450;
 inline constexpr double first_damped = 2, damped_turn = 2;
 inline constexpr Count most_damped_doubts = 6;
 /// Part of what is left of the tolerance for the error of a step, or of the tolerance per share of the time that errors are remembered for,
-/// and at most [1]; of the largest force, for the error of the mean force of a communication step, or of what moves a point by the tolerance.
+/// and at most [1]; of the largest force, for the error of the mean force of a communication step, or of what moves a point by the
+/// tolerance.
 inline constexpr double damped_share = 0.1, damped_rate = 1, damped_most = 0.3, force_share = 0.008, moving_force = 0.01;
 /// Radians of a vibration that a step may be long and yet differ visibly from two of half its length [rad].
 inline constexpr double passed_over = 10;
-/// Error of a step in the bend of its velocities: at least, by how much it may have grown since the last step that was run twice for the next
-/// to be run once, and what is added for safety [1]; how many of these at most.
+/// Error of a step in the bend of its velocities: at least, by how much it may have grown since the last step that was run twice for the
+/// next to be run once, and what is added for safety [1]; how many of these at most.
 inline constexpr double least_share = 0.02, shares_alike = 2, share_safety = 1.5;
 inline constexpr Count longest_damped_trust = 32;
 /// Of what is allowed, the way of contacts that stop, turn round or begin to slide in a step, from which on they count [1].

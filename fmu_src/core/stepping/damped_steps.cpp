@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "kit/limits.hpp"
 #include "kit/outlook.hpp"
@@ -200,10 +198,6 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
   const bool last = h <= use::least_doubled * call.limit || (!call.others && h <= use::shortest_damped * call.limit);
   if (last && !(error < infinity)) return StepStatus::not_finite;
   const double factor = ratio > 0 ? use::window_safety * (steady ? std::sqrt(1 / ratio) : 1 / ratio) : use::rest_growth;
-  if (getenv("SDBG"))
-    fprintf(stderr, "t %.6g h %.3g limit %.3g worth %.3g st %d/%d err %.2e allowed %.2e sum %.2e ratio %.2e steady %d doubts %d\n", begin,
-            h, call.limit, call.worth(), int(coarse.status), int(fine.status), error, allowed, path.stiff.error, ratio, steady,
-            int(record.doubts));
   if (ratio <= 1 || last) {
     forget(call, h);
     path.stiff.error += error;

@@ -104,7 +104,7 @@ StepStatus Propagator::carry_out(const Job& job, const Plan& plan, double H) {
   if (plan.steps != Steps::impacts && !job.drive.planes.empty()) job.run.path.stiff.begin(Phase::flight);
   switch (plan.steps) {
     case Steps::implicit: return run_implicit(integrators_, job, plan.method, end);
-    case Steps::damped: return damped_.run(integrators_, job, end, job.request.method == Method::sdirk2 ? nullptr : &doubled_);
+    case Steps::damped: return damped_.run(integrators_, job, end, job.drive.planes.empty() ? nullptr : &doubled_);
     case Steps::doubled: return doubled_.run(integrators_, job, end);
     case Steps::counted: return run_counted(integrators_, job, plan.method, counted_units(job.request, H));
     case Steps::controlled: return begun < end ? run_controlled(integrators_, job, plan.method, end, infinity) : StepStatus::ok;

@@ -67,15 +67,12 @@ StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t,
   const double part = gamma * h, rest = (1 - gamma) * h, weight = (1 - gamma) / gamma;
   const Step first{equations, t, part, state, t + part, &state.v, false, way, accuracy};
   if (const StepStatus status = stage_.solve(first); status != StepStatus::ok) return status;
-  if (stage_.strikes(first)) {  // the second stage would throw back what the first one stops
-    const StepStatus status = advance_in_parts(equations, t, h, watch, state, exchange, most_halvings);
-    bend_ = std::numeric_limits<double>::infinity();
-    return status;
-  }
+  if (stage_.strikes(first)) return strike(equations, t, h, watch, state, exchange);
   const auto work_of_loads = [&](const auto& v) { return (stage_.force() * v).sum(); };
   const auto work_of_ramps = [&](double time, const Points& v) { return equations.around.ramped ? equations.around.ramp_dot(time, v) : 0; };
   double outside = rest * work_of_loads(stage_.v), ramp = rest * work_of_ramps(t + part, stage_.v);
   double work = weight * stage_.contact_work(first), known = rest * stage_.lost_power(first);
+  before_ = exchange;
   stage_.book(first, weight, exchange);
   first_v_ = stage_.v;
   start_.x = state.x + rest * first_v_;
@@ -86,11 +83,15 @@ StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t,
   stage_.touches().hold(start_);
   const Step second{equations, t + rest, part, start_, t + h, &first_v_, true, way, accuracy};
   if (const StepStatus status = stage_.solve(second); status != StepStatus::ok) return status;
+  const Step whole{equations, t, h, state, t + h};
+  if (stage_.strikes(whole)) {
+    exchange = before_;
+    return strike(equations, t, h, watch, state, exchange);
+  }
   outside += part * work_of_loads(stage_.v);
   ramp += part * work_of_ramps(t + h, stage_.v);
   work += stage_.contact_work(second);
   known += part * stage_.lost_power(second);
-  const Step whole{equations, t, h, state, t + h};
   if (!close(whole, outside, work, watch, ramp, exchange)) return StepStatus::not_finite;
   lost_ -= known;
   stage_.book(second, 1, exchange);
@@ -101,6 +102,13 @@ StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t,
       bend_ = std::max(bend_, std::abs(h * (at_begin * state.v(p, axis) + at_stage * first_v_(p, axis) + at_end * stage_.v(p, axis))));
   take(state);
   return StepStatus::ok;
+}
+
+/// The second stage throws back what the first one stops, or what lies behind an obstacle between them.
+StepStatus ImplicitContact::strike(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange) {
+  const StepStatus status = advance_in_parts(equations, t, h, watch, state, exchange, most_halvings);
+  bend_ = std::numeric_limits<double>::infinity();
+  return status;
 }
 
 /// The step's energies: outside: work of all outside forces, of which ramps'; work: of planes and pins [J]. Returns whether the solution

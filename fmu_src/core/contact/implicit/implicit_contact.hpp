@@ -60,10 +60,12 @@ class ImplicitContact {
   using Step = ImplicitStage::Step;
   void begin_call();
   StepStatus advance_in_parts(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange, int depth);
+  StepStatus strike(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
   bool close(const Step& step, double outside, double work, bool watch, double ramp_work, Exchange& exchange);
   void take(State& state);
 
   ImplicitStage stage_;
+  Exchange before_;
   State start_;       ///< of the second stage
   Points first_v_;    ///< velocities at the end of the first stage [m/s]
   double given_ = 0;  ///< of the call [J]
