@@ -1,6 +1,7 @@
 """Pictures of a run: its telling moments in a row, and the curves of its reactions and energies below."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -36,9 +37,7 @@ def run_picture(result: Result, *, mesh: Mesh | None = None, colour: str | None 
     captions = [f"{what}, t = {stage.time[frame]:.4g} s" for frame, what in moments.items()]
     _draw_images(figure, stage, list(moments), captions, box=box, tints=tints, touch=touch, lattice=lattice or mesh is None)
     draw_words(figure, stage.title, (0.02, 0.965), 15, "left", weight="bold")
-    if (error := result.summary.get("estimated_error_m")) is not None:
-        words = f"run time {quantity(result.summary['run_time_s'], 's')}, estimated error {quantity(error, 'm')}"
-        draw_words(figure, words, (0.98, 0.965), 10.5, "right", SOFT)
+    draw_words(figure, _time_and_error(result.summary), (0.98, 0.965), 10.5, "right", SOFT)
     if touch.ways.any():
         words = "yellow: where it touches, and the force on each obstacle; an arrow twice as long is four times the force"
         draw_words(figure, words, (0.98, 0.014), 9.5, "right", SOFT)
@@ -46,6 +45,15 @@ def run_picture(result: Result, *, mesh: Mesh | None = None, colour: str | None 
     if cells:
         draw_scale(figure, (0.40, 0.425, 0.40, 0.012), RAMP, cells.ends, cells.unit, cells.words)
     return figure
+
+
+def _time_and_error(summary: Mapping[str, Any]) -> str:
+    """Run time and estimated error of a run that has an estimate; what a summary lacks that somebody edited is left out."""
+    kinds = {"run time": ("run_time_s", "s"), "estimated error": ("estimated_error_m", "m")}
+    if summary.get("estimated_error_m") is None:
+        return ""
+    numbers = {what: (summary.get(key), unit) for what, (key, unit) in kinds.items()}
+    return ", ".join(f"{what} {quantity(value, unit)}" for what, (value, unit) in numbers.items() if isinstance(value, int | float))
 
 
 def strip_picture(

@@ -163,6 +163,19 @@ def test_a_picture_tells_its_title_and_the_estimated_error(title):
     assert {title, "run time 1.0 s, estimated error 1.0 mm"} <= {text.get_text() for text in run_picture(run).texts}
 
 
+@pytest.mark.parametrize(
+    "summary, words",
+    [
+        ({"estimated_error_m": 1e-3}, ["estimated error 1.0 mm"]),
+        ({"estimated_error_m": "small", "run_time_s": 1.0}, ["run time 1.0 s"]),
+        ({"run_time_s": 1.0}, []),
+    ],
+)
+def test_a_picture_of_an_edited_summary_tells_what_is_left(summary, words):
+    run = replace(made_up_run(), summary=summary, scene=None)
+    assert [text for each in run_picture(run).texts if (text := each.get_text()).startswith(("run", "estimated"))] == words
+
+
 def test_names_of_curves_are_drawn_as_they_are():
     names = ["_press", "$a$", "$ $", "{}"]
     figure = new_figure(4.0, 3.0, dpi=100)
