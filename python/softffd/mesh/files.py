@@ -10,6 +10,7 @@ import numpy as np
 from softffd.errors import MeshError
 from softffd.mesh.collada import read_dae
 from softffd.mesh.gltf import read_glb, read_gltf
+from softffd.mesh.habits import doubt, habit_of
 from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import area_vectors, merge_by_position
 from softffd.mesh.obj import read_obj
@@ -46,10 +47,11 @@ _TO_Z_UP = {
 def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
     """Return the mesh of an OBJ, STL, PLY, GLB, glTF, OFF, COLLADA or 3MF file, the last two with the packages of softffd[meshes].
 
-    scale: metres per unit of the file, > 0. up: the axis of the file, "x", "y" or "z", that becomes +z, by a
-    rotation. Polygons become triangles, several bodies one mesh; vertices that no face uses are left out
-    (they would widen the lattice's box), the others keep the file's order. In STL, COLLADA and glTF, which repeat a
-    vertex for each triangle or normal, those of one position and looks become one.
+    scale: metres per unit of the file, > 0. With 1 a mesh that is likely in another unit says so where it is printed.
+    up: the axis of the file, "x", "y" or "z", that becomes +z, by a rotation. Polygons become triangles, several bodies
+    one mesh; vertices that no face uses are left out (they would widen the lattice's box), the others keep the file's
+    order. In STL, COLLADA and glTF, which repeat a vertex for each triangle or normal, those of one position and looks
+    become one.
     Raises MeshError for a missing, damaged, empty, flat or otherwise unusable file, saying what is wrong.
     """
     path = Path(path)
@@ -66,7 +68,8 @@ def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
     vertices, faces = scale * (read.vertices[used] @ _TO_Z_UP[up].T), index.reshape(-1, 3)
     _require_body(path, vertices, faces)
     uv = None if read.uv is None else read.uv[used]
-    return Mesh(vertices, faces, uv, path.stem, looks=read.looks.with_vertices(used))
+    unsure = doubt(habit_of(path), float(np.ptp(vertices, axis=0).max())) if scale == 1.0 else ""
+    return Mesh(vertices, faces, uv, path.stem, looks=read.looks.with_vertices(used), doubt=unsure)
 
 
 def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = None, up: str = "z", decimals: int = 9) -> None:
@@ -98,7 +101,7 @@ def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = Non
 
 def placed(mesh: Mesh, *, scale: float, up: str) -> Mesh:
     """Return the mesh in metres and with +z up, as load_mesh gives it with `scale` and `up`."""
-    return replace(mesh, vertices=scale * (mesh.vertices @ _TO_Z_UP[up].T))
+    return replace(mesh, vertices=scale * (mesh.vertices @ _TO_Z_UP[up].T), doubt="")
 
 
 def _merged(read: Triangles, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,9 @@ UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 
 WORDS = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
 
+LONGEST_IN_METRES = 20.0
+"""A mesh whose largest side is more units than these is taken as millimetres where nobody says."""
+
 _UP = {".obj": "y", ".ply": "y", ".glb": "y", ".gltf": "y", ".dae": "y"}
 """Of the others it is z."""
 
@@ -28,6 +31,27 @@ class Habit(NamedTuple):
     up: str
     said: bool
     wrong: str = ""
+
+
+def likely_unit(longest: float) -> str:
+    """The unit, "m" or "mm", of a file that does not say, by the longest side of its mesh [units]."""
+    return "m" if longest <= LONGEST_IN_METRES else "mm"
+
+
+def words_of(metres: float) -> str:
+    """A unit of so many metres in words."""
+    return next((WORDS[key] for key, each in UNITS.items() if each == metres), f"units of {metres:g} m")
+
+
+def doubt(habit: Habit, longest: float) -> str:
+    """Where the file is likely not in metres, as which it was read: its unit in words, and the scale that says so.
+
+    longest: side of the mesh [units].
+    """
+    metres = habit.metres or UNITS[likely_unit(longest)]
+    if metres == 1.0:
+        return ""
+    return f"{'the file is' if habit.metres else 'likely'} in {words_of(metres)}: load_mesh(..., scale={metres:g})"
 
 
 def habit_of(path: Path) -> Habit:

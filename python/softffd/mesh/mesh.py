@@ -18,6 +18,7 @@ class Mesh:
     vertices: (V, 3) m. faces: (F, 3) indices of vertices, counter-clockwise seen from outside.
     uv: (V, 2) texture coordinates, (0, 0) the image's lower left corner, or None. A vertex where the texture
     has a seam is there once for each side. texture: the image, or None. name: for messages and file names.
+    doubt: the unit and scale that are more likely than metres, or nothing; for those who print the mesh.
     """
 
     vertices: np.ndarray
@@ -26,6 +27,7 @@ class Mesh:
     name: str = "mesh"
     texture: Picture | None = None
     looks: Looks = PLAIN
+    doubt: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", np.asarray(self.vertices, dtype=np.float64))
@@ -52,7 +54,7 @@ class Mesh:
 
     def __repr__(self) -> str:
         sides = " × ".join(f"{side:.4g}" for side in np.ptp(self.bounds, axis=0)) if len(self.vertices) else "0"
-        return f"Mesh {self.name}: {len(self.vertices):,} vertices, {len(self.faces):,} faces, {sides} m"
+        return f"Mesh {self.name}: {len(self.vertices):,} vertices, {len(self.faces):,} faces, {sides} m" + (f" ({self.doubt})" if self.doubt else "")
 
     @property
     def bounds(self) -> np.ndarray:

@@ -11,7 +11,7 @@ import numpy as np
 from softffd.embedding.mass import filled_words, point_masses
 from softffd.errors import SoftffdError
 from softffd.mesh.files import load_mesh, placed
-from softffd.mesh.habits import UNITS, WORDS, habit_of
+from softffd.mesh.habits import UNITS, habit_of, likely_unit, words_of
 from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import merge_by_position
 from softffd.spelling import did_you_mean, nearest_of
@@ -24,9 +24,6 @@ DENSITY = 100.0
 FALL, STIFFNESS, DAMPING, STOP = 0.25, 1.2, 0.2, 7.0
 """Height of the fall by the longest side; stiffness by weight over height; internal damping by the time in which one falls half
 the height; end by the time for half the longest side. Meshes of many shapes then bend visibly, keep the tolerance and lie still."""
-
-LONGEST_IN_METRES = 20.0
-"""A mesh whose largest side is more units than these is taken as millimetres where nobody says."""
 
 
 def template(name: str) -> str:
@@ -71,9 +68,9 @@ def scene_of_mesh(
         raise SoftffdError(f"{str(file)!a}: the name is not text in UTF-8, which a scene needs to name it; wanted another name")
     mesh, habit = load_mesh(file), habit_of(file)
     extent = np.ptp(mesh.bounds, axis=0)
-    guess = "m" if extent.max() <= LONGEST_IN_METRES else "mm"
+    guess = likely_unit(extent.max())
     metres, axis = UNITS[unit] if unit else habit.metres or UNITS[guess], up or habit.up
-    named = next((WORDS[key] for key, each in UNITS.items() if each == metres), f"units of {metres:g} m")
+    named = words_of(metres)
     lack = f"the file's unit {habit.wrong!r} is none" if habit.wrong else "no unit in the file"
     guessed = f"{lack}: taken as {named}, --unit {'m' if guess == 'mm' else 'mm'} otherwise"
     other = "z" if axis == "y" else "y"

@@ -12,7 +12,7 @@ from mesh_files import saved, two_colours, unit_box, written
 from softffd import simulate
 from softffd.errors import MeshError, SoftffdError
 from softffd.fmu.notes import fill_note
-from softffd.mesh.files import save_mesh
+from softffd.mesh.files import load_mesh, save_mesh
 from softffd.mesh.habits import Habit, habit_of
 from softffd.mesh.mesh import Mesh
 from softffd.scene.new import scene_of_mesh, template
@@ -48,6 +48,19 @@ def test_what_was_read_and_assumed_is_said_in_a_line(case, tmp_path):
     file = box_file(tmp_path, name, sides)
     made = scene_of_mesh(file, folder=tmp_path, **dict(options))
     assert made.said == f"{file}: {SAID[case]}; fills 100 % of its box"
+
+
+@pytest.mark.parametrize(
+    ("name", "sides", "options", "words"),
+    [
+        ("a.stl", (210, 150, 50), {}, "210 × 150 × 50 m (likely in millimetres: load_mesh(..., scale=0.001))"),
+        ("a.stl", (210, 150, 50), {"scale": 1e-3}, "0.21 × 0.15 × 0.05 m"),
+        ("a.stl", (2, 3, 4), {}, "2 × 3 × 4 m"),
+        ("a.glb", (100, 2, 3), {}, "100 × 2 × 3 m"),
+    ],
+)
+def test_a_mesh_read_in_metres_says_the_likely_unit_where_it_is_printed(name, sides, options, words, tmp_path):
+    assert repr(load_mesh(box_file(tmp_path, name, sides), **options)) == f"Mesh a: 8 vertices, 12 faces, {words}"
 
 
 @pytest.mark.parametrize(
@@ -119,6 +132,7 @@ def test_the_unit_of_a_3mf_is_that_of_the_scene(tmp_path):
     file = written(tmp_path, "a.3mf", data)
     assert habit_of(file) == Habit(0.001, "z", True)
     np.testing.assert_allclose(scene_of(file).lattice.size, [1e-3] * 3)
+    assert repr(load_mesh(file)).endswith("1 × 1 × 1 m (the file is in millimetres: load_mesh(..., scale=0.001))")
 
 
 def test_a_mesh_lies_on_the_ground_in_the_end(tmp_path):
