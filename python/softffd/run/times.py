@@ -11,11 +11,18 @@ import numpy as np
 from softffd.errors import FmuError
 
 
+GIVEN_BY = {"communication step": "--step H, in Python step=H", "stop time": "--stop-time T, in Python stop_time=T"}
+"""How a user gives what an FMU has no default for."""
+
+
 def positive(what: str, given: float | None, default: Any, *, after: float = 0.0) -> float:
-    """The given value, else the default, if it is a number > 0, or > `after` [s]; FmuError says what is wrong otherwise."""
+    """The given value, else the default, if it is a number > 0, or > `after` [s]; FmuError says what is wrong otherwise.
+
+    what: "communication step" or "stop time".
+    """
     wanted = f"wanted > {after:g} s{', the start time' if after else ''}"
     if given is None and default is None:
-        raise FmuError(f"{what}: {wanted}, got none; the FMU names no default, so it must be given")
+        raise FmuError(f"{what}: {wanted}, got none; the FMU has no default: give {GIVEN_BY[what]}")
     value = one_number(what, default if given is None else given)
     if not (math.isfinite(value) and value > after):
         source = "given" if given is not None else "in the FMU's default experiment"

@@ -83,6 +83,8 @@ def test_a_sweep_varies_its_parameters_and_inputs(tank, plate):
 def test_the_command_runs_it(tank, plate, tmp_path, capsys):
     assert main(["run", str(tank), "--set", "leak=1", "--set", "inflow=3", "-o", str(tmp_path / "tank")]) == 0, capsys.readouterr().err
     assert main(["run", str(plate), "--stop-time", "0.5", "--step", "0.1", "-o", str(tmp_path / "plate")]) == 0, capsys.readouterr().err
+    for given, missing in ((["--stop-time", "0.5"], "--step"), (["--step", "0.1"], "--stop-time")):
+        assert main(["run", str(plate), *given]) == 1 and f"the FMU has no default: give {missing} " in capsys.readouterr().err
     with open(tmp_path / "tank" / "result.csv", encoding="utf-8", newline="") as stream:
         assert list(csv.DictReader(stream))[-1] == {"time": "1", "level": "2", "steps": "8", "full": "1"}
     assert main(["info", str(plate)]) == 0 and "initial.point" in capsys.readouterr().out
