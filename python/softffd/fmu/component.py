@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import weakref
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from ctypes import POINTER, byref, c_char, c_double, c_int, c_size_t, c_uint, c_void_p, cast, create_string_buffer
 from functools import cached_property
 from pathlib import Path
@@ -20,6 +20,7 @@ from fmpy import calloc, free
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackAllocateMemoryTYPE, fmi2CallbackFreeMemoryTYPE, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 from softffd.errors import FmuError, UnknownName
+from softffd.fmu.absent import hint_for
 from softffd.fmu.archive import unpack
 from softffd.fmu.block import KINDS, Block, number_of
 from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
@@ -27,7 +28,6 @@ from softffd.fmu.notes import read_notes
 from softffd.fmu.records import PinRecord, read_lattice, read_obstacles, read_pins
 from softffd.installed import host_library, loaded_library
 from softffd.lattice import LatticeBox
-from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
@@ -213,8 +213,12 @@ class Component:
     def variable(self, name: str) -> ScalarVariable:
         """The variable of this name; FmuError with the nearest spelling otherwise."""
         if name not in self.by_name:
-            raise UnknownName(f"{name}: the FMU has no such variable{did_you_mean(nearest_of(str(name), self.by_name))}")
+            raise UnknownName(f"{name}: the FMU has no such variable{self.hint(str(name))}")
         return self.by_name[name]
+
+    def hint(self, name: str, choices: Collection[str] | None = None) -> str:
+        """What to say of a name that is not there: what the scene needs for it, else the nearest of the choices, by default of all."""
+        return hint_for(name, self.by_name, choices, own=self.lattice is not None)
 
     def block(self, names: Sequence[str]) -> Block:
         """A block of the named variables; FmuError with the nearest spelling for an unknown name."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -259,11 +259,11 @@ def _recorded_outputs(component: Component, wanted: Iterable[str] | str | None) 
     return names
 
 
-def _unknown(name: str, component: Component, choices: Iterable[str]) -> FmuError:
+def _unknown(name: str, component: Component, choices: Collection[str]) -> FmuError:
     if found := component.by_name.get(name):
         got = " that is a number, got a String" if found.type == "String" else f", got its {found.causality} of that name"
         return FmuError(f"output: {name}: wanted an output of the FMU{got}")
-    return UnknownName(f"output: {name}: the FMU has no such output{did_you_mean(nearest_of(name, choices))}")
+    return UnknownName(f"output: {name}: the FMU has no such output{component.hint(name, choices)}")
 
 
 def shares(changes: Sequence[tuple[int, tuple[str, str]]], times: np.ndarray) -> list[dict[str, Any]]:

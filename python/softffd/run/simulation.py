@@ -18,7 +18,6 @@ from softffd.fmu.interface import ScalarVariable
 from softffd.names import OBSTACLES, components_in, part_names, parts_of, vectors_in
 from softffd.run.parts import Obstacle, Parts, Pin, PointField, PointVectors, Vectors
 from softffd.run.times import one_number
-from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -131,7 +130,7 @@ class Simulation:
         if length is None:
             length = self.component.interface.step
             if length is None:
-                raise FmuError("step: wanted a length > 0 s, got none; the FMU names no default")
+                raise FmuError("step: wanted a length > 0 s, got none; the FMU has no default: give step(H)")
         if not (one_number("step", length) > 0 and math.isfinite(length)):
             raise FmuError(f"step: wanted a length > 0 s, got {length:g}")
         if self.initializing:
@@ -255,8 +254,8 @@ class Simulation:
     def _named(self, name: str) -> list[str]:
         if found := self._components(name) if isinstance(name, str) else []:
             return found
-        nearest = nearest_of(str(name), [*self.variables, *vectors_in(self.variables)])
-        raise UnknownName(f"{name}: the FMU has no such variable{did_you_mean(nearest)}")
+        hint = self.component.hint(str(name), [*self.variables, *vectors_in(self.variables)])
+        raise UnknownName(f"{name}: the FMU has no such variable{hint}")
 
     def _block(self, name: str) -> Block:
         if name not in self._blocks:

@@ -149,7 +149,7 @@ def _not_varied(component: Component, name: str, variable: ScalarVariable | None
     free = [v.name for v in component.by_name.values() if v.causality in SETTABLE and v.name not in driven]
     single = [each for each in free if not at_point(each)]
     points = sorted({f"{found.family}[i,j,k].{found.component}" for each in free if (found := parse_name(each)) and at_point(each)})
-    why = f"it is an {variable.causality}" if variable else "the FMU has no such parameter or input" + did_you_mean(nearest_of(name, free))
+    why = f"it is an {variable.causality}" if variable else "the FMU has no such parameter or input" + component.hint(name, free)
     return f"{name}: cannot be varied: {why}; those that can: {', '.join(single + points)}"
 
 
@@ -185,5 +185,5 @@ def _reading(component: Component, text: str, every: list[str]) -> list[Reading]
     other = next(("String" if v.causality == "output" else v.causality for v in variables if v.name not in every), "")
     if other or not variables:
         what = f"an output, got the FMU's {other} of that name" if other else "an output of the FMU, which has none of this name"
-        raise UnknownName(f"{text}: wanted {what}{did_you_mean(nearest_of(name, every))}")
+        raise UnknownName(f"{text}: wanted {what}{component.hint(name, every)}")
     return [Reading(fold, variable.name) for variable in variables]

@@ -1,0 +1,87 @@
+"""Why an FMU of this package lacks a variable: what its scene would have to say."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+from softffd.installed import table
+from softffd.names import OBSTACLES, Part, parse_name
+from softffd.spelling import did_you_mean, nearest_of
+
+SCENE_NEEDS = {
+    "forces": "[inputs] forces with this control point",
+    "positions": "[outputs] positions with this control point",
+    "velocities": "[outputs] velocities with this control point",
+    "input_pins": 'motion = "input" of the pin',
+    "plane_reactions": "[outputs] reactions = true",
+    "pin_reactions": "[outputs] reactions = true",
+    "stiffness": "[material] stiffness in place of youngs_modulus",
+    "modulus": "[material] youngs_modulus in place of stiffness",
+    "damping": "[material] damping above 0",
+    "internal_damping": "[material] internal_damping above 0",
+    "gravity": "[environment] gravity",
+    "rotation": "[initial] rotation",
+    "energy": "[outputs] energy = true",
+    "energy_gravity": "[outputs] energy = true and [environment] gravity",
+    "solver": "[outputs] solver = true",
+    "error_estimate": "[solver] error_estimate = true",
+}
+"""By the part of a family (variables.toml), what brings its variables."""
+
+OF_VARIABLES = ("inputs", "outputs")
+"""Sections of the scene whose keys choose variables of nearly their names."""
+
+
+def hint_for(name: str, there: Collection[str], choices: Collection[str] | None = None, *, own: bool = True) -> str:
+    """What follows "the FMU has no such variable": what the scene needs for it, else the nearest of `choices`, by default of all names.
+
+    there: the names of all variables. own: whether the FMU is of this package.
+    """
+    nearest = did_you_mean(nearest_of(name, there if choices is None else choices))
+    if not own or name in there:  # which is there, and not what is wanted
+        return nearest
+    return _scene_needs(name, there) or (not nearest and _new_part(name)) or _scene_key(name, there) or nearest
+
+
+def _scene_needs(name: str, there: Collection[str]) -> str:
+    row = _row_of(name)
+    found = parse_name(name)
+    if not row or not (needed := SCENE_NEEDS.get(row["part"])):
+        return ""
+    others = [other for each in there if (other := parse_name(each))]
+    if found and isinstance(found.instance, Part):
+        absent = any(other.instance == found.instance for other in others)  # else it is the part that is not there
+    else:
+        absent = not any(other.family == row["key"] for other in others)  # else it is another control point or a wrong component
+    return f": its scene needs {needed} for it" if absent else ""
+
+
+def _row_of(name: str) -> dict[str, Any] | None:
+    """The family that a variable, a vector or the first words of a variable name."""
+    if found := parse_name(name) or parse_name(f"{name}.x"):
+        return next(row for row in table()["family"] if row["key"] == found.family)
+    return next((row for row in table()["family"] if row["name"].startswith((f"{name}.", f"{name}["))), None)
+
+
+def _new_part(name: str) -> str:
+    kind, _, rest = name.partition(".")
+    part = rest.partition(".")[0]
+    if kind not in (*OBSTACLES, "pin", "load", "probe") or not part:
+        return ""
+    row = _row_of(name)
+    needed = SCENE_NEEDS.get(row["part"]) if row else None
+    return f': its scene needs a [[{kind}]] with name = "{part}"{f" and {needed}" if needed else ""} for it'
+
+
+def _scene_key(name: str, there: Collection[str]) -> str:
+    """Of a key of the scene that is no variable."""
+    from softffd.scene.keys import SceneKeys  # brings pydantic along, which those who have an FMU do without
+    from softffd.scene.section import Section
+
+    for section, field in SceneKeys.model_fields.items():
+        keys = type(field.default).model_fields if isinstance(field.default, Section) and section not in OF_VARIABLES else {}
+        key = name.removeprefix(f"{section}.")
+        if key in keys and f"{section}.{key}" not in there:
+            return f"; it is a key of the scene and no variable: set {key} in [{section}] of the scene"
+    return ""

@@ -1,0 +1,90 @@
+"""A variable that an FMU does not have: the message says what its scene needs for it."""
+
+import pytest
+
+from scenes import GRAVITY, box
+from softffd import package_fmu, simulate, sweep
+from softffd.cli.command import main
+from softffd.errors import FmuError
+from softffd.fmu.absent import SCENE_NEEDS
+from softffd.fmu.component import Component
+
+PIN = {"name": "base", "points": "z-"}
+BARE = {"damping": 0.0, "outputs": {"positions": "none"}, "plane": [{"name": "ground"}], "pin": [PIN]}
+"""A scene with as few variables as may be"""
+CASES = {
+    "force[1,0,0].x": ("[inputs] forces with this control point", {"forces": "all"}),
+    "position[1,0,0].x": ("[outputs] positions with this control point", {"outputs": {"positions": "all"}}),
+    "velocity[1,0,0]": ("[outputs] velocities with this control point", {"velocities": "all"}),
+    "pin.base.position.z": ('motion = "input" of the pin', {"pin": [PIN | {"motion": "input"}]}),
+    "plane.ground.reaction": ("[outputs] reactions = true", {"reactions": True}),
+    "pin.base.torque.x": ('a [[pin]] with name = "base" and [outputs] reactions = true', {"reactions": True}),
+    "youngs_modulus": ("[material] youngs_modulus in place of stiffness", {"material": {"youngs_modulus": 1e5}}),
+    "damping": ("[material] damping above 0", {"damping": 0.1}),
+    "internal_damping": ("[material] internal_damping above 0", {"internal_damping": 0.1}),
+    "gravity": ("[environment] gravity", {"gravity": GRAVITY}),
+    "initial.rotation.x": ("[initial] rotation", {"rotation": {"axis": [0, 0, 1], "degrees": 10}}),
+    "energy.kinetic": ("[outputs] energy = true", {"energy": True}),
+    "energy": ("[outputs] energy = true", {"energy": True}),
+    "energy.gravity": ("[outputs] energy = true and [environment] gravity", {"energy": True, "gravity": GRAVITY}),
+    "solver.steps": ("[outputs] solver = true", {"outputs": {"solver": True}}),
+    "solver.error_estimate": ("[solver] error_estimate = true", {"error_estimate": True}),
+}
+
+
+def hint(name, **keys):
+    scene = box(**{**BARE, "reactions": name == "pin.base.position.z", **keys})
+    with Component(scene, running=False) as component:
+        there = [each for each in component.by_name if each.startswith(name)]
+        return component.hint(name), there
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_scene_needs_what_then_brings_it(name):
+    needed, keys = CASES[name]
+    assert hint(name) == (f": its scene needs {needed} for it", [])
+    assert hint(name, **keys)[1]
+
+
+def test_a_stiffness_is_that_of_springs_without_a_modulus():
+    said, there = hint("stiffness", material={"youngs_modulus": 1e5, "damping": 0.0})
+    assert (said, there) == (": its scene needs [material] stiffness in place of youngs_modulus for it", [])
+    assert {needed for needed, _ in CASES.values()} | {"[material] stiffness in place of youngs_modulus"} >= set(SCENE_NEEDS.values())
+
+
+@pytest.mark.parametrize(
+    "name, said",
+    [
+        ("volume_stiffness", "; it is a key of the scene and no variable: set volume_stiffness in [material] of the scene"),
+        ("material.volume_stiffness", "; it is a key of the scene and no variable: set volume_stiffness in [material] of the scene"),
+        ("most_work", "; it is a key of the scene and no variable: set most_work in [solver] of the scene"),
+        ("load.push.x", ': its scene needs a [[load]] with name = "push" for it'),
+        ("plane.groun.friction", ', did you mean "plane.ground.friction"?'),
+        ("tolerance", ', did you mean "solver.tolerance"?'),
+        ("nothing", ""),
+    ],
+)
+def test_other_names_are_keys_parts_or_misspelt(name, said):
+    assert hint(name)[0] == said
+
+
+def test_a_control_point_that_is_not_there_has_a_near_one():
+    assert hint("position[9,0,0].x", outputs={"positions": "all"})[0].startswith(', did you mean "position[')
+
+
+def test_whoever_asks_is_told(tmp_path, capsys):
+    scene = box(**BARE)
+    needs = r"its scene needs \[material\] damping above 0"
+    for ask in (
+        lambda: simulate(scene, start_values={"damping": 1}),
+        lambda: simulate(scene, inputs={"damping": 1}),
+        lambda: sweep(scene, {"damping": [1, 2]}),
+    ):
+        with pytest.raises(FmuError, match=needs):
+            ask()
+    for ask in (lambda: simulate(scene, output=["energy"]), lambda: sweep(scene, {"mass": [1]}, outputs="energy.kinetic")):
+        with pytest.raises(FmuError, match=r"its scene needs \[outputs\] energy = true"):
+            ask()
+    fmu = package_fmu(scene, tmp_path / "bare.fmu")
+    assert main(["run", str(fmu), "--set", "volume_stiffness=1"]) == 1
+    assert "set volume_stiffness in [material] of the scene" in capsys.readouterr().err
