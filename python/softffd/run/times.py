@@ -10,7 +10,6 @@ import numpy as np
 
 from softffd.errors import FmuError
 
-
 GIVEN_BY = {"communication step": "--step H, in Python step=H", "stop time": "--stop-time T, in Python stop_time=T"}
 """How a user gives what an FMU has no default for."""
 
