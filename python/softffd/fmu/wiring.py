@@ -14,10 +14,11 @@ from xml.etree import ElementTree as Xml
 from softffd.errors import SoftffdError
 from softffd.fmu.block import number_of
 from softffd.fmu.interface import Interface, ScalarVariable
-from softffd.names import components_in, meant_by, structured, vectors_in
+from softffd.names import components_in, meant_by, parse_name, stem, structured, vectors_in
 from softffd.spelling import did_you_mean, nearest_of
 
 STARTS = ("Real", "Integer", "Boolean", "Enumeration")  # types of variables that take a start value
+MOST_NAMES = 4  # that are listed as what would fit
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,22 @@ class End(NamedTuple):
     def unit(self) -> Any:
         """What compares equal for equal units: the definition, else the name."""
         return self.element.units.get(self.variable.unit or "", self.variable.unit)
+
+    @property
+    def quantity(self) -> Any:
+        """What compares equal for equal quantities, such as lengths in m and mm."""
+        unit = self.unit
+        return {key: power for key, power in unit.items() if key not in ("factor", "offset")} if isinstance(unit, Mapping) else unit
+
+    @property
+    def stem(self) -> str:
+        """The vector that it is a component of, else itself."""
+        return f"{self.element.name}.{_stem(self.variable.name)}"
+
+    @property
+    def word(self) -> str:
+        """The last word of that: "reaction"."""
+        return self.stem.rpartition(".")[2]
 
 
 class Connection(NamedTuple):
@@ -66,8 +83,12 @@ class Wiring:
     def connect(self, asked: Iterable[Sequence[Any]]) -> None:
         """asked: pairs of ends, in either order, or with a factor, or with a factor and an offset."""
         for given in asked:
-            for connection in self._connections(given):
+            before = len(self.problems)
+            connections = list(self._connections(given))
+            for connection in connections:
                 self._add(connection)
+            if connections and len(self.problems) > before:
+                self.problems[before] += self._fitting(connections[0])
 
     def record(self, asked: Iterable[str]) -> None:
         """asked: outputs as COMPONENT.NAME, where NAME means all outputs that belong to it (box.probe.top, box.energy), or COMPONENT."""
@@ -172,6 +193,36 @@ class Wiring:
         else:
             self.connections.append(new)
 
+    def _fitting(self, refused: Connection) -> str:
+        """The variables that each end could be connected with instead, of a connection whose causalities or units differ."""
+        source, target = refused[:2]
+        opposite = {"output": "input", "input": "output"}
+        found = []
+        for end, other in ((source, target), (target, source)):
+            wanted = opposite.get(other.variable.causality)
+            if wanted is None or not other.variable.unit or (end.unit == other.unit and end.variable.causality == wanted):
+                continue
+            ends = (End(end.element, each) for each in end.element.interface.variables.values() if each.causality == wanted)
+            names = dict.fromkeys(_family(each.variable.name) for each in ends if each.unit == other.unit)
+            if names:
+                found.append(f"; {wanted}s of {end.element.name} in {other.variable.unit}: {', '.join(list(names)[:MOST_NAMES])}")
+        return "".join(found)
+
+    def doubts(self) -> list[str]:
+        """Connections that are made and may not be what was meant: of two quantities, by a factor; to another input than the one of the
+        output's name."""
+        connected = {each.target.stem for each in self.connections}
+        found: dict[str, None] = {}
+        for source, target, *_ in self.connections:
+            if source.variable.unit and target.variable.unit and source.quantity != target.quantity:
+                made = f"the factor makes {target.variable.unit} of {source.variable.unit}"
+                found[f"{source.stem} to {target.stem}: {made}{self._fitting(Connection(source, target))}"] = None
+            inputs = [End(target.element, each) for each in target.element.interface.variables.values() if each.causality == "input"]
+            alike = [each for each in inputs if each.word == source.word and each.unit == source.unit and each.stem not in connected]
+            if target.word != source.word and alike:
+                found[f'{source.stem} goes to {target.stem}; did you mean "{alike[0].stem}", to which nothing goes?'] = None
+        return list(found)
+
     def starts_elsewhere(self) -> list[str]:
         """What connected inputs start from, where that is not zero: fmpy sets these to zero in its first step."""
         targets = [each.target for each in self.connections]
@@ -194,6 +245,15 @@ def _problem_of(connection: Connection) -> str | None:
     if not converted and source.variable.unit and target.variable.unit and source.unit != target.unit:
         return f"{ends}: wanted one unit or a factor from one to the other, got {source.variable.unit} and {target.variable.unit}"
     return None
+
+
+def _stem(name: str) -> str:
+    return next(iter(vectors_in([name])), name)
+
+
+def _family(name: str) -> str:
+    """The vector, of control points that of all of them: position[i,j,k]."""
+    return stem(name) if parse_name(name) else _stem(name)
 
 
 def _kind(variable: ScalarVariable) -> str:

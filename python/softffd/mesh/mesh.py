@@ -54,9 +54,8 @@ class Mesh:
 
     def __repr__(self) -> str:
         sides = " × ".join(f"{side:.4g}" for side in np.ptp(self.bounds, axis=0)) if len(self.vertices) else "0"
-        return f"Mesh {self.name}: {len(self.vertices):,} vertices, {len(self.faces):,} faces, {sides} m" + (
-            f" ({self.doubt})" if self.doubt else ""
-        )
+        doubt = f" ({self.doubt})" if self.doubt else ""
+        return f"Mesh {self.name}: {len(self.vertices):,} vertices, {len(self.faces):,} faces, {sides} m{doubt}"
 
     @property
     def bounds(self) -> np.ndarray:
