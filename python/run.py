@@ -42,6 +42,7 @@ COMPILED = re.compile(r"^\s*\[\s*([1-9]\d*/\d+|\d+%)\]")  # ninja's words for ho
 CLEAR = "\r\033[K"
 TELL_EVERY = 5  # s, where the output is no terminal
 HANGS = 900  # s after which a test of the short run or of a group of long ones is taken to hang
+IMPORTED_AS = {"pillow": "PIL"}
 PIP_FAILED = "pip failed (see above). It needs the Python package index, or a mirror of it, in reach."
 
 
@@ -137,12 +138,21 @@ def building_environment():
     return env | {"PATH": f"{PYTHON.parent}{os.pathsep}{env['PATH']}"}
 
 
+def missing():
+    """The modules that the program needs and that are not whole in .venv."""
+    names = (re.match(r"[\w-]+", each)[0] for each in settings("project")["dependencies"])
+    modules = ["softffd", *(IMPORTED_AS.get(name, name) for name in names)]
+    code = "import sys; from importlib.util import find_spec as f; print(*(m for m in sys.argv[1:] if not ((s := f(m)) and s.origin)))"
+    return subprocess.check_output([PYTHON, "-c", code, *modules], text=True).split()
+
+
 def set_up():
     if sys.version_info < LEAST_PYTHON:
         stop(f"wanted Python {'.'.join(map(str, LEAST_PYTHON))} or newer, this is {platform.python_version()}")
     print_once = fingerprint()
-    if PYTHON.exists() and STAMP.exists() and STAMP.read_text() == print_once:
+    if PYTHON.exists() and STAMP.exists() and STAMP.read_text() == print_once and not missing():
         return
+    STAMP.unlink(missing_ok=True)  # what is interrupted from here on begins anew
     make_venv()
     print("run.py: building and installing into .venv (some minutes, once)", flush=True)
     building, others = requirements()
@@ -156,6 +166,8 @@ def set_up():
     step("3 of 3: what is left of the packages")
     if meanwhile.wait() != 0:
         stop(PIP_FAILED)
+    if lost := missing():  # which pip takes for installed: it was interrupted before
+        stop(f".venv holds parts only of {', '.join(lost)}; remove the folder {VENV} and run this again")
     STAMP.write_text(print_once)
 
 

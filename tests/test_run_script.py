@@ -1,6 +1,7 @@
 """python/run.py: what a user sees while it builds."""
 
 import importlib
+import subprocess
 import sys
 from pathlib import Path
 
@@ -37,3 +38,58 @@ def test_where_the_output_is_kept_a_line_every_few_seconds_is_enough(script, mon
 def test_what_pip_said_is_shown_where_it_fails(script, monkeypatch):
     with pytest.raises(SystemExit, match=r"(?s)x.cpp:3: error: no.*pip failed \(see above\)"):
         compiled(script, monkeypatch, "[1/2] Building\nx.cpp:3: error: no", status=1)
+
+
+@pytest.fixture
+def half(script, monkeypatch, tmp_path):
+    """The script with a .venv that is set up, in which `half.lost` says what is missing, and with a pip of no effect."""
+    stamp = tmp_path / "stamp"
+    monkeypatch.setattr(script, "PYTHON", Path(sys.executable))
+    stamp.write_text(script.fingerprint())
+    script.lost, script.installed = [], []
+    monkeypatch.setattr(script, "STAMP", stamp)
+    monkeypatch.setattr(script, "missing", lambda: script.lost)
+    monkeypatch.setattr(script, "make_venv", lambda: None)
+    monkeypatch.setattr(script, "pip_command", lambda *_words: [sys.executable, "-c", "pass"])
+    monkeypatch.setattr(script, "pip", lambda *words, **_: script.installed.append(words))
+    monkeypatch.setattr(script, "pip_compile", lambda *words, **_: script.installed.append(words))
+    return script
+
+
+def test_what_is_set_up_is_left_alone(half):
+    half.set_up()
+    assert not half.installed
+
+
+def test_a_set_up_that_was_interrupted_is_done_again(half, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr(half, "fingerprint", lambda: "other sources")
+        patch.setattr(half, "pip_compile", lambda *_words, **_: sys.exit(130))
+        with pytest.raises(SystemExit):
+            half.set_up()
+    assert not half.STAMP.exists()
+    half.installed.clear()
+    half.set_up()
+    assert half.installed and half.STAMP.exists()
+
+
+def test_what_pip_takes_for_installed_is_named(half):
+    half.lost = ["pydantic"]
+    with pytest.raises(SystemExit, match=r"\.venv holds parts only of pydantic; remove the folder .* and run this again"):
+        half.set_up()
+    assert half.installed and not half.STAMP.exists()
+
+
+def test_the_modules_that_are_missing_are_found_without_importing_them(script, monkeypatch):
+    monkeypatch.setattr(script, "PYTHON", sys.executable)
+    assert script.missing() == []
+    monkeypatch.setattr(script, "IMPORTED_AS", {"pillow": "PIL", "pydantic": "pydantic_of_nobody"})
+    assert script.missing() == ["pydantic_of_nobody"]
+
+
+def test_the_command_says_how_to_finish_a_set_up(tmp_path):
+    (tmp_path / "sitecustomize.py").write_text("import sys\nsys.modules['pydantic'] = None\n")
+    command = [sys.executable, "-m", "softffd", "run", "press"]
+    ended = subprocess.run(command, env={"PYTHONPATH": str(tmp_path)}, cwd=tmp_path, capture_output=True, text=True)
+    assert (ended.returncode, ended.stdout) == (1, "")
+    assert ended.stderr.startswith("softffd: the package pydantic is not installed, as after a set-up that was interrupted; to ")

@@ -2,6 +2,7 @@
 
 import signal
 import sys
+from pathlib import Path
 
 
 def main() -> int:
@@ -17,9 +18,20 @@ def main() -> int:
     except KeyboardInterrupt:
         print("softffd: interrupted", file=sys.stderr)
         return 130
+    except ModuleNotFoundError as error:
+        if (error.name or "softffd").startswith("softffd"):
+            raise
+        print(f"softffd: the package {error.name} is not installed, as after a set-up that was interrupted; {_set_up()}", file=sys.stderr)
+        return 1
     finally:
         if ends_at_once:
             signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
+def _set_up() -> str:
+    """What installs all that the program needs."""
+    script = Path(__file__).parents[1] / "run.py"  # of a clone
+    return f"to finish it: python3 {script} scenes" if script.is_file() else "to install it: pip install softffd"
 
 
 if __name__ == "__main__":
