@@ -100,7 +100,7 @@ def implicit_of_size(side: int) -> None:
     def simulation() -> Simulation:
         found = Simulation(box(side, "backward_euler", solver={"method": "backward_euler", "step": h}))
         found.step(h)
-        if not any("as asked" in message.text and "0.001 s" in message.text for message in found.component.messages):
+        if not any("as set" in message.text and "0.001 s" in message.text for message in found.component.messages):
             raise NotMeasured("steps are not the implicit ones that were asked for")
         return found
 

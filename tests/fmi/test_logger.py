@@ -230,8 +230,11 @@ def sunk(rich, tmp_path_factory) -> Fmu:
     [
         ({"plane.floor.point.z": 0.0}, None),
         ({"plane.floor.point.z": 1e-10}, None),
-        ({"plane.floor.point.z": 0.2}, "16 control points start behind plane floor, by up to 0.2 m, and are moved out at once; to start"),
-        ({"plane.floor.point.z": 0.5, "solver.step": 1e-4}, "springs have no length, because 32 control points"),
+        (
+            {"plane.floor.point.z": 0.2},
+            "16 control points start behind plane floor, by up to 0.2 m, and are moved out at the start; to start",
+        ),
+        ({"plane.floor.point.z": 0.5, "solver.step": 1e-4}, "springs have zero length, because 32 control points"),
     ],
 )
 def test_points_that_start_behind_a_plane_are_warned_of_once(sunk, values, warning):
@@ -250,6 +253,6 @@ def test_layers_that_a_plane_lays_together_are_refused_with_the_plane(sunk):
     assert host.enter() == host.set({"plane.floor.point.z": 0.5}) == OK
     assert host("ExitInitializationMode") == ERROR
     message = host.messages[0][4].decode()
-    assert "springs have no length, because 32 control points start behind plane floor, by up to 0.5 m" in message
+    assert "springs have zero length, because 32 control points start behind plane floor, by up to 0.5 m" in message
     assert "initial.stretch" not in message and "solver.step" not in message
     host.free()

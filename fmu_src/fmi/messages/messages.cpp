@@ -20,7 +20,7 @@ constexpr double beside_the_cone = 1e-3;
 constexpr double noticed_jump = 1e-6;
 
 std::string method_name(Method method, Reason reason) {
-  if (reason == Reason::ringing_flight) return "rigid motion with the modes of the rest shape";
+  if (reason == Reason::ringing_flight) return "modal superposition in a floating frame";
   switch (method) {
     case Method::automatic: return "auto";
     case Method::central_difference: return "central_difference";
@@ -31,25 +31,25 @@ std::string method_name(Method method, Reason reason) {
     case Method::ros34pw2: return "ros34pw2";
     case Method::backward_euler: return "backward Euler with contact";
     case Method::sdirk2: return "sdirk2";
-    case Method::floating_frame: return "rigid motion with ros34pw2 in its frame";
+    case Method::floating_frame: return "ros34pw2 in a floating frame";
   }
   return "unknown";
 }
 
 std::string reason_text(Reason reason) {
   switch (reason) {
-    case Reason::asked: return "as asked";
-    case Reason::contact: return "an obstacle is within reach";
-    case Reason::damping: return "the method asked for is not for bodies damped like this one";
-    case Reason::given_step: return "auto with a given solver.step";
-    case Reason::stability: return "auto: the largest stable step is accurate enough, and nothing explicit costs less";
+    case Reason::asked: return "as set";
+    case Reason::contact: return "an obstacle is near";
+    case Reason::damping: return "the method that was set does not handle this damping";
+    case Reason::given_step: return "auto with solver.step set";
+    case Reason::stability: return "auto: the largest stable step is accurate enough, and no explicit method costs less";
     case Reason::least_work: return "auto: least work for the tolerance";
-    case Reason::quiet_stiffness: return "auto: the body is stiff and its fast vibrations are small: implicit steps leave them out";
-    case Reason::stiff_contact: return "a stiff body rests or slides on an obstacle: implicit steps damp its vibrations away";
+    case Reason::quiet_stiffness: return "auto: the body is stiff and its fast vibrations are small: implicit steps damp them";
+    case Reason::stiff_contact: return "a stiff body rests or slides on an obstacle: implicit steps damp its vibrations";
     case Reason::damped_contact: return "auto: an obstacle is near a body with internal damping";
-    case Reason::free_flight: return "auto: a stiff body flies freely and its fast vibrations are small: implicit steps leave them out";
-    case Reason::impact: return "a stiff body strikes an obstacle, or rings on one";
-    case Reason::ringing_flight: return "a stiff body flies beside an obstacle; its modes carry its vibrations";
+    case Reason::free_flight: return "auto: a stiff body is in free flight and its fast vibrations are small: implicit steps damp them";
+    case Reason::impact: return "a stiff body hits an obstacle, or vibrates on one";
+    case Reason::ringing_flight: return "a stiff body is in free flight near an obstacle: its modes describe its vibrations";
   }
   return "unknown";
 }
@@ -70,9 +70,9 @@ std::string at_time(double time) { return "at time " + number(time) + " s: "; }
 std::string rubbing_warning(SoftBody& body) {
   const Readings now = body.readings();
   if (!now.rubs_undamped()) return {};
-  return "an undamped body rubs against an obstacle at solver.step = " + number(body.settings.step) +
-         " s: friction can feed its vibrations; take less than " + within(quiet_share * now.stable_step()) +
-         " s, leave solver.step at 0, or give the body some damping";
+  return "an undamped body slides on an obstacle with solver.step = " + number(body.settings.step) +
+         " s: friction can excite its vibrations; set solver.step below " + within(quiet_share * now.stable_step()) +
+         " s or to 0, or add damping";
 }
 
 /// Steps of the component's choice are made smaller instead, as long as that helps.
@@ -81,30 +81,31 @@ std::string gain_warning(SoftBody& body, double time) {
   const double given = body.settings.step;
   if (!now.gains_energy() || (given == 0 && !now.beyond_help())) return {};
   std::string text = "up to time " + number(time) + " s the body has gained " + estimate(now.gained_energy()) +
-                     " J that nothing outside gave it, of " + estimate(now.largest_energy()) + " J at most: ";
+                     " J by numerical error, where its largest energy is " + estimate(now.largest_energy()) + " J: ";
   if (given > 0)
-    text += "solver.step = " + number(given) + " s feeds its vibrations; take less than " +
-            within(std::min(0.5 * given, quiet_share * now.stable_step())) + " s, leave solver.step at 0, or give the body more damping";
+    text += "solver.step = " + number(given) + " s excites its vibrations; set solver.step below " +
+            within(std::min(0.5 * given, quiet_share * now.stable_step())) + " s or to 0, or add damping";
   else
-    text += "smaller internal steps did not help; give the body more damping, or a smaller tolerance";
+    text += "smaller internal steps did not help; add damping, or set a smaller tolerance";
   return text;
 }
 
 std::string division_warning(const SoftBody& body, double time) {
   const Readings now = body.readings();
   if (body.divided() == 1) return {};
-  return "up to time " + number(time) + " s internal steps of " + number(now.internal_step() * body.divided()) +
-         " s give a result that is not finite; the communication step was done again with steps of " + number(now.internal_step()) + " s";
+  return "the communication step to time " + number(time) + " s has no finite result with internal steps of " +
+         number(now.internal_step() * body.divided()) + " s; it was repeated with steps of " + number(now.internal_step()) + " s";
 }
 
 std::string turning_warning(const SoftBody& body, double time) {
   const Readings now = body.readings();
   const double spin = now.damped_spin(), h = now.internal_step();
   if (!(spin * h > damped_turn)) return {};
-  return "at time " + number(time) + " s the stiff body in contact turns at omega = " + estimate(spin) +
-         " rad/s in implicit steps of h = " + estimate(h) + " s, which take the share omega h / 2 = " + estimate(0.5 * spin * h) +
-         " a radian from the rotation; take communication steps below " + within(damped_turn / spin) +
-         " s, or solver.method = leapfrog, which resolves it";
+  return "at time " + number(time) + " s the stiff body in contact rotates at omega = " + estimate(spin) +
+         " rad/s in implicit steps of h = " + estimate(h) +
+         " s, which damp the rotation by the fraction omega h / 2 = " + estimate(0.5 * spin * h) +
+         " per radian; use communication steps below " + within(damped_turn / spin) +
+         " s, or solver.method = leapfrog, which resolves the rotation";
 }
 
 /// Flat faces wedged between planes of different directions.
@@ -112,21 +113,20 @@ std::string friction_warning(const SoftBody& body, double time) {
   const double missed = body.run().path.surface.missed;
   if (!(missed > beside_the_cone)) return {};
   return "up to time " + number(time) +
-         " s friction between the surface and planes of different directions was beyond Coulomb's law by up to " + estimate(100 * missed) +
-         " % of the largest force: points of the surface stay in front of the planes and momentum balances, but how much slides is "
-         "approximate; "
-         "take fewer points on flat faces, or friction 0 on one of the planes";
+         " s the friction between the surface and planes with different normals exceeded Coulomb's limit by up to " +
+         estimate(100 * missed) +
+         " % of the largest force: nothing penetrates and momentum balances, but the amount of sliding is approximate; use fewer vertices "
+         "on flat faces, or friction 0 on one of the planes";
 }
 
 std::string jump_warning(const std::string& name, double jump, double time) {
-  return at_time(time) + "the pose of " + name + " jumped with no velocity given, and moved control points at once by up to " +
-         estimate(jump) +
-         " m; a motion given by poses alone strikes the body at every communication point, and the result depends on the communication "
-         "step: give " +
-         name + ".velocity too (or .angular_velocity; the scene's `inputs` name them), which moves it smoothly between the points";
+  return at_time(time) + "the pose of " + name + " jumped without a velocity, and displaced control points by up to " + estimate(jump) +
+         " m; a motion given by poses alone causes an impact at every communication point, and the result depends on the communication "
+         "step: set " +
+         name + ".velocity too (or .angular_velocity; the scene's `inputs` name them) for a smooth motion between communication points";
 }
 
-/// Of the first pose that is an input and jumps while nothing is said of its velocity.
+/// Of the first pose that is an input and jumps while its velocity is not set.
 std::string jump_warning(const SoftBody& body, const SceneFile& scene, double time) {
   const Readings now = body.readings();
   if (!now.moved) return {};
@@ -142,18 +142,18 @@ std::string jump_warning(const SoftBody& body, const SceneFile& scene, double ti
   return {};
 }
 
-/// That cells are turned inside out is a state of the model like any other, but seldom a wanted one.
+/// Inverted cells are a state of the model like any other, but seldom a wanted one.
 std::string folding_warning(const SoftBody& body, double volume_stiffness, double time) {
   const int folded = body.readings().folded_cells();
   if (folded == 0) return {};
   std::string text = "at time " + number(time) + " s " + std::to_string(folded) + " of the lattice's cells " +
-                     (folded == 1 ? "is" : "are") + " turned inside out (solver.folded_cells); ";
+                     (folded == 1 ? "is" : "are") + " inverted (solver.folded_cells); ";
   if (volume_stiffness > 0)
-    text += "[material] volume_stiffness = " + number(volume_stiffness) + " Pa in the scene pushes them back, a larger one resists more";
+    text += "[material] volume_stiffness = " + number(volume_stiffness) + " Pa in the scene restores them, and a larger value resists more";
   else
     text +=
-        "springs alone may leave them so; [material] volume_stiffness in the scene keeps cells from folding; begin with 3 times a spring's "
-        "stiffness divided by the edge of a cell";
+        "springs alone may not restore them; [material] volume_stiffness in the scene prevents inversion; a first value is 3 times the "
+        "stiffness of a spring divided by the edge of a cell";
   return text;
 }
 
@@ -195,7 +195,7 @@ void Messages::say_threads() {
   if (scene_.threads == members || !logger_.on(log_solver)) return;
   logger_.log(fmi2OK, log_solver,
               "solver.threads = " + std::to_string(scene_.threads) + ": a lattice of " + std::to_string(of.lattice.points()) +
-                  " control points has work for " + std::to_string(members));
+                  " control points uses " + std::to_string(members) + (members > 1 ? " threads" : " thread"));
 }
 
 /// Counting costs more than the other looks: where nobody listens it is left until somebody does.
@@ -212,12 +212,11 @@ void Messages::say_error(const SoftBody& body, double time) {
   const bool phases = stiff.unknown + stiff.grown > 0.5 * lost;
   logger_.log(
       fmi2Warning, log_warning,
-      at_time(time) + "the tolerance could not be kept at an obstacle: the result may be wrong by " + estimate(lost) +
-          " m, where it allows " + estimate(allowed) + " m; " +
-          (phases
-               ? "the phase of a vibration that an impact leaves decides the next impact and is not known so exactly; give the body more "
-                 "damping, or try a smaller tolerance"
-               : "take a smaller tolerance, or give the body more damping"));
+      at_time(time) + "the tolerance could not be met in contact: the result may be wrong by " + estimate(lost) +
+          " m, where the tolerance allows " + estimate(allowed) + " m; " +
+          (phases ? "the next impact depends on the phase of the vibration after the last one, which is not accurate enough for this; add "
+                    "damping, or try a smaller tolerance"
+                  : "set a smaller tolerance, or add damping"));
 }
 
 void Messages::say_share(const SoftBody& body, double time) {
@@ -226,7 +225,7 @@ void Messages::say_share(const SoftBody& body, double time) {
   said_.share = now.step_factor();
   logger_.log(
       fmi2OK, log_solver,
-      at_time(time) + "the body gained energy at its usual internal steps; it takes " + number(said_.share) + " of them from here on");
+      at_time(time) + "the body gained energy with its usual internal steps; from now on they are multiplied by " + number(said_.share));
 }
 
 /// The method of a step and why it is taken, where either is another than before, or where a given step has to be divided much further.
@@ -242,8 +241,8 @@ void Messages::say_choice(SoftBody& body) {
   if (!logger_.on(category)) return;
   std::string text = method_name(now.method(), now.reason()) + ": " + reason_text(now.reason());
   if (divided)
-    text += "; internal step " + number(h) + " s, a part of solver.step = " + number(asked) + " s, which is above the stability bound " +
-            within(now.stable_step()) + " s";
+    text += "; internal step " + number(h) + " s, a fraction of solver.step = " + number(asked) +
+            " s, which is above the stability bound " + within(now.stable_step()) + " s";
   else
     text += "; internal step of this communication step " + number(h) + " s";
   logger_.log(divided ? fmi2Warning : fmi2OK, category, text);

@@ -36,21 +36,20 @@ std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& b
     case StepStatus::contact_ahead: return "done";
     case StepStatus::impossible_planes:
       return where +
-             "the obstacle planes leave a control point, or a point of the surface, no place to go; move or turn the planes so that they "
-             "do not close on it";
+             "the obstacles leave a control point, or a point of the surface, no feasible position; move or turn them so that they do not "
+             "close on it";
     case StepStatus::pin_behind_plane:
-      return where + "a pinned control point is behind an obstacle plane; the pin's and the plane's motions contradict each other";
+      return where + "a pinned control point is behind an obstacle plane; the motions of the pin and the plane contradict each other";
     case StepStatus::zero_normal: return where + "a plane's normal is the zero vector; wanted any other vector";
     case StepStatus::zero_orientation: return where + "a pin's orientation is the zero quaternion; wanted any other, e.g. (1, 0, 0, 0)";
     case StepStatus::undecided: return where + without_direction(scene, body);
     case StepStatus::too_much_work:
-      return where + "a communication step of " + number(step) +
-             " s takes more than the work of [solver] most_work = " + number(scene.most_work) +
-             (body.came() > 0 ? ", as was seen at time " + number(time + body.came()) + " s" : "") +
-             "; use shorter communication steps, a longer solver.step, less stiffness per mass or a looser tolerance, or allow more work";
+      return where + "a communication step of " + number(step) + " s needs more work than [solver] most_work = " + number(scene.most_work) +
+             " allows" + (body.came() > 0 ? ", as was found at time " + number(time + body.came()) + " s" : "") +
+             "; use shorter communication steps, a longer solver.step, less stiffness per mass, a larger tolerance or a larger most_work";
     case StepStatus::not_finite:
       return where + "the result of a communication step of " + number(step) +
-             " s is not finite, and not with smaller internal steps either: forces, speeds or stiffness are beyond what they can follow";
+             " s is not finite, not even with smaller internal steps: forces, speeds or stiffness are too large";
   }
   return where + "unknown trouble";
 }
@@ -58,10 +57,11 @@ std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& b
 std::string without_direction(const SceneFile& scene, const SoftBody& body) {
   const bool drawn_flat = (scene.definition.stretch.array() == 0).any();
   const std::string behind = drawn_flat ? "" : behind_planes(scene, body);
-  const std::string why = behind.empty() ? "control points that they join are at the same place" : behind;
-  std::string cure = behind.empty() ? "draw the points apart (no 0 in initial.stretch)" : clear_of_planes;
-  if (behind.empty() && !(body.settings.step > 0)) cure += ", or give a solver.step, to which none applies";
-  return "springs have no length, because " + why + ": rounding would decide which way they push, and no tolerance could hold; " + cure;
+  const std::string why = behind.empty() ? "control points that they connect coincide" : behind;
+  std::string cure = behind.empty() ? "separate the points (no 0 in initial.stretch)" : clear_of_planes;
+  if (behind.empty() && !(body.settings.step > 0)) cure += ", or set solver.step, to which no tolerance applies";
+  return "springs have zero length, because " + why +
+         ": rounding would decide the direction of their force, and no tolerance could be met; " + cure;
 }
 
 std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
@@ -89,7 +89,7 @@ std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
               (plane.solid() ? " in " : " behind ") + scene.planes[q].kind() + " " + scene.planes[q].name + ", by up to " +
               estimate(deepest) + " m";
   }
-  return text.empty() ? text : text + ", and are moved out at once";
+  return text.empty() ? text : text + ", and are moved out at the start";
 }
 
 std::vector<std::string> strained_by_pins(const SceneFile& scene, const SoftBody& body) {
@@ -102,10 +102,10 @@ std::vector<std::string> strained_by_pins(const SceneFile& scene, const SoftBody
     for (int p : unstretched.pins[a].points) farthest = std::max(farthest, (row(body.state().x, p) - row(start, p)).norm());
     if (farthest > noticed_strain * body.lattice().largest_side())
       texts.push_back("pin " + scene.pins[a].name + " holds its control points up to " + estimate(farthest) +
-                      " m from where the body starts, which stretches the springs to its neighbours at once; " +
+                      " m from the initial position of the body, which strains the springs to their neighbours; " +
                       (scene.pins[a].moved_by_input
                            ? "start the pin at its rest pose, or move the body there with initial.offset"
-                           : "a fixed pin stays at rest: leave initial.offset at 0, or give the pin motion = \"input\""));
+                           : "a fixed pin stays at its rest pose: set initial.offset to 0, or give the pin motion = \"input\""));
   }
   return texts;
 }

@@ -17,6 +17,6 @@ std::string behind_planes(const SceneFile& scene, const SoftBody& body);
 std::vector<std::string> strained_by_pins(const SceneFile& scene, const SoftBody& body);
 
 /// What to do about points behind planes.
-inline constexpr const char* clear_of_planes = "to start clear of it move the obstacle or initial.offset, or turn a plane's normal round";
+inline constexpr const char* clear_of_planes = "to start clear of it, change the obstacle or initial.offset, or reverse a plane's normal";
 
 }  // namespace softffd::fmi

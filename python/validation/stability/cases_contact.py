@@ -13,7 +13,7 @@ from validation.stability.cases_standard import GROUND, held, slides
 from validation.stability.drive import DOWN, GRAVITY, ORIGIN, Drive, Z, box, plane, tilted
 from validation.stability.verdict import Case, Findings
 
-CLOSED = "no place to go"
+CLOSED = "no feasible position"
 
 
 def _timed(findings: Findings, drive: Drive, duration: float, step: float, each: Callable[[], None] | None = None) -> None:
@@ -106,7 +106,7 @@ def _dragged(method: str, share: float, findings: Findings) -> None:
         drive.set(plane__ground__velocity=(150.0, 0.0, 0.0))
         drive.run(4.0, 1.0)
         findings.sound(drive, [GROUND])
-        warned = 10.0 if "friction can feed" in drive.warned else None
+        warned = 10.0 if "friction can excite" in drive.warned else None
         findings.check("energy out of nothing / (weight times height)", abs(drive.balance()) / (GRAVITY * drive.side), 1e-3, bound=warned)
         findings.check("risen or sunk / box", abs(drive.centre[2] - 0.5), 1e-3, bound=warned)
         findings.check(

@@ -72,7 +72,7 @@ def _stretched(stretch: list[float], still: bool, findings: Findings) -> None:
                 findings.check(f"left the plane along {'xyz'[axis]} / box", np.ptp(drive.x[:, axis]), 1e-12)
         if math.prod(stretch) < 0:
             findings.check("cells inside out that are not counted", 27 - folded, 0)
-            findings.check("folded, without a warning", 0.0 if "inside out" in drive.warned else 1.0, 0.0)
+            findings.check("folded, without a warning", 0.0 if "inverted" in drive.warned else 1.0, 0.0)
 
 
 def _spun(stiffness: float, rate: float, step: float, steps: int, findings: Findings) -> None:
@@ -167,7 +167,7 @@ def cases() -> list[Case]:
         Case("all points at one place", "started so", "zero-length springs have no force: nothing moves",
              partial(_stretched, [0.0, 0.0, 0.0], True), quick=True),
         Case("coplanar", "started flat", "springs without length push in no direction", partial(_stretched, [1.0, 1.0, 0.0], False),
-             refusal="springs have no length", quick=True),
+             refusal="springs have zero length", quick=True),
         Case("nearly coplanar", "started at a thickness of 1e-9", free, partial(_stretched, [1.0, 1.0, 1e-9], False)),
         Case("mirrored", "started turned inside out", "nothing moves; 27 folded cells, warned of",
              partial(_stretched, [-1.0, 1.0, 1.0], True), quick=True),

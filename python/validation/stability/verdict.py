@@ -143,7 +143,7 @@ STATED = 5.0  # an error up to so many times what a warning states has been stat
 NUMBER = r"([-+]?[0-9.]+(?:e[-+]?[0-9]+)?)"
 WRONG_BY = re.compile(rf"(?:wrong|off) by (?:up to |about |some )*{NUMBER}")
 GAINED = re.compile(rf"has gained {NUMBER} J")
-TURNS = re.compile(rf"omega = {NUMBER} rad/s in implicit steps .* omega h / 2 = {NUMBER} a radian")
+TURNS = re.compile(rf"omega = {NUMBER} rad/s in implicit steps .* omega h / 2 = {NUMBER} per radian")
 
 
 def stated_length(text: str) -> float:

@@ -40,12 +40,12 @@ const std::string turned_inside_out = "-1 1 1 0 0 0 0 0 0 0 0 0", as_drawn = "1 
 TEST(a_warning_is_given_once_in_a_run_and_again_in_the_next) {
   Run run(turned_inside_out, "damping 0.1\n");
   run.start();
-  CHECK(count("logStatusWarning: at time 0 s 8 of the lattice's cells are turned inside out") == 1);
+  CHECK(count("logStatusWarning: at time 0 s 8 of the lattice's cells are inverted") == 1);
   run.steps(0, 3);
-  CHECK(count("turned inside out") == 1);
+  CHECK(count("inverted") == 1);
   run.instance.reset();
   run.start();
-  CHECK(count("turned inside out") == 2);
+  CHECK(count("inverted") == 2);
 }
 
 TEST(a_run_that_was_not_set_up_is_told_once_and_has_the_defaults) {
@@ -80,7 +80,7 @@ TEST(the_method_is_told_when_it_is_another) {
   Run run("1.1 1 1 0 0 0 0 0 0 0 0 0", "damping 0.1\nmethod 3\n");
   run.start();
   run.steps(0, 3);
-  CHECK(heard.size() == 1 && count("solver: leapfrog: as asked; internal step of this communication step ") == 1);
+  CHECK(heard.size() == 1 && count("solver: leapfrog: as set; internal step of this communication step ") == 1);
 }
 
 TEST(what_is_not_counted_while_nobody_listens_is_told_as_soon_as_somebody_does) {
@@ -90,7 +90,7 @@ TEST(what_is_not_counted_while_nobody_listens_is_told_as_soon_as_somebody_does) 
   CHECK(heard.empty());
   run.instance.logger.switch_categories(true, {});
   run.steps(1, 2);
-  CHECK(count("turned inside out") == 1);
+  CHECK(count("inverted") == 1);
 }
 
 TEST(a_tolerance_that_an_obstacle_does_not_let_hold_is_told_once_with_the_error) {
@@ -99,7 +99,7 @@ TEST(a_tolerance_that_an_obstacle_does_not_let_hold_is_told_once_with_the_error)
     Run run(falls, "damping 0.1\n" + table + (kept ? "tolerance 1e-3\n" : "tolerance 1e-12\n"));
     run.start();
     run.steps(0, 3);
-    CHECK(count("the tolerance could not be kept at an obstacle: the result may be wrong by ") == !kept);
+    CHECK(count("the tolerance could not be met in contact: the result may be wrong by ") == !kept);
   }
 }
 
@@ -114,6 +114,7 @@ TEST(a_pin_that_starts_off_its_place_is_told_by_name) {
     for (const bool off : {true, false}) {
       Run run(off ? "1 1 1 0 0 0.25 0 0 0 0 0 0" : "1.1 1 1 0 0 0 0 0 0 0 0 0", "damping 0.1\npin base " + moves + " 0 1\n");
       run.start();
-      CHECK(count("logStatusWarning: at time 0 s: pin base holds its control points up to 0.25 m from where the body starts") == off);
+      CHECK(count("logStatusWarning: at time 0 s: pin base holds its control points up to 0.25 m from the initial position of the body") ==
+            off);
     }
 }

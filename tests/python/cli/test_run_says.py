@@ -109,7 +109,7 @@ def test_methods_are_told_with_their_share_and_reason(capsys):
         assert row["simulated_s"] == pytest.approx(0.01 * row["communication_steps"])
         assert f"  {row['communication_steps'] / 40:.0%} of it by {row['method']}: {row['reason']}\n" in said
     said = told(capsys, "run", "box.toml", "--set", "solver.method=leapfrog", "--stop-time", "0.02", "--no-pictures")
-    assert "\n  all of it by leapfrog: as asked" in said
+    assert "\n  all of it by leapfrog: as set" in said
 
 
 def test_a_component_that_tells_of_no_method_runs_too():

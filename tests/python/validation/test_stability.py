@@ -107,10 +107,10 @@ def test_answer_where_a_refusal_is_wanted_is_wrong_and_so_is_a_refusal_for_anoth
         findings.check("nothing", 0.0, 1.0)
 
     def refuses(findings: Findings) -> None:
-        raise Refused("no place to go")
+        raise Refused("no feasible position")
 
-    assert run_case(Case("made up", "", "", answers, refusal="no place")).verdict == "WRONG"
-    assert run_case(Case("made up", "", "", refuses, refusal="no place")).verdict == "refused"
+    assert run_case(Case("made up", "", "", answers, refusal="no feasible")).verdict == "WRONG"
+    assert run_case(Case("made up", "", "", refuses, refusal="no feasible")).verdict == "refused"
     assert run_case(Case("made up", "", "", refuses, refusal="not finite")).verdict == "WRONG"
     assert run_case(Case("made up", "", "", refuses)).verdict == "refused"
 

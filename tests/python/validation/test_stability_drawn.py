@@ -117,12 +117,10 @@ def test_a_warning_states_a_length_an_energy_or_a_share_of_a_rotation():
     with Drive(box()) as drive:
         lost = "the vibration left by an impact cannot be followed to the next one: the position after t = 0.4 s may be wrong by 2.5e-3 m"
         assert stated_error(lost, drive, 1.0) == 2.5e-3
-        assert stated_error("the body has gained 0.02 J that nothing outside gave it", drive, 2.0) == pytest.approx(0.4)
-        turning = (
-            "turns at omega = 2 rad/s in implicit steps of h = 0.1 s, which take the share omega h / 2 = 0.1 a radian from the rotation"
-        )
+        assert stated_error("the body has gained 0.02 J by numerical error", drive, 2.0) == pytest.approx(0.4)
+        turning = "at omega = 2 rad/s in implicit steps of h = 0.1 s, which damp the rotation by the fraction omega h / 2 = 0.1 per radian"
         assert stated_error(turning, drive, 0.5) == pytest.approx(0.1)
-        assert stated_error("at time 3 s 2 of the lattice's cells are turned inside out", drive, 1.0) == 0
+        assert stated_error("at time 3 s 2 of the lattice's cells are inverted", drive, 1.0) == 0
 
 
 def test_energy_that_doubles_out_of_nothing_is_wrong():

@@ -33,11 +33,11 @@ def test_a_fast_turn_in_implicit_steps_is_warned_of_once(H):
     with Stepper(rolling(spin), start_values={"solver.method": "backward_euler"}) as body:
         speed = np.linalg.norm(body.velocities()[0])
         body.step(H, times=5)
-        (warning,) = body.said("turns at omega")
+        (warning,) = body.said("rotates at omega")
         omega, h, share = numbers(warning)
         assert omega == pytest.approx(spin, rel=1e-3) and h == H
         assert share == pytest.approx(0.5 * omega * h)
-        assert "solver.method = leapfrog, which resolves it" in warning
+        assert "solver.method = leapfrog, which resolves the rotation" in warning
         below = float(warning.split("communication steps below ")[1].split()[0])
         assert 0.97 * 0.05 / omega <= below <= 0.05 / omega  # two digits, and within the bound
         assert np.linalg.norm(body.velocities()[0]) < 0.95 * speed
@@ -52,16 +52,16 @@ def test_auto_keeps_the_spin_of_a_stiff_body_on_the_ground(H):
         body.step(H, times=20)
         lost = 1 - np.exp(-0.02 / (1 / 64) * 20 * H)  # by the air: 0.02 N s/m on each point of 1/64 kg
         assert np.linalg.norm(body.velocities()[0]) == pytest.approx((1 - lost) * speed, rel=2e-3)
-        assert not body.said("turns at omega")
+        assert not body.said("rotates at omega")
 
 
 def test_a_slow_turn_is_not():
     with Stepper(rolling(4.0), start_values={"solver.method": "backward_euler"}) as body:
         body.step(0.01, times=5)
-        assert not body.said("turns at omega")
+        assert not body.said("rotates at omega")
 
 
 def test_nor_a_fast_one_in_explicit_steps():
     with Stepper(rolling(20.0), start_values={"solver.method": "leapfrog"}) as body:
         body.step(0.01)
-        assert not body.said("turns at omega")
+        assert not body.said("rotates at omega")

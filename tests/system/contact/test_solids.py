@@ -140,7 +140,7 @@ def test_what_starts_inside_is_moved_out_and_said_to_be(body, kind):
     assert deepest(result, "thorn") <= 1e-12
     axis, across = (result.edges("thorn")[0, :, n] if kind == "box" else np.array([0.0, 1.0, 0.0]) for n in (2, 0))
     depth = -bodies.gap(kind, solid, shape[0], np.array(solid["point"]), axis, across).min()
-    told = f"start in {kind} thorn, by up to {depth:.2g} m, and are moved out at once; to start clear of it move the obstacle"
+    told = f"start in {kind} thorn, by up to {depth:.2g} m, and are moved out at the start; to start clear of it, change the obstacle"
     assert any(told in text for text in result.summary["warnings"])
 
 

@@ -145,7 +145,7 @@ def test_friction_that_misses_its_law_is_told_with_a_number(body, friction):
         for name, point, normal in zip("xyz", np.diag([0.05, 0.05, 0.0]).tolist(), np.eye(3).tolist(), strict=True)
     ]
     pressed = body(bodies.cube(8, 0.05), gravity=[-3.0, -4.0, -9.81], damping=0.3, plane=planes, stop_time=0.22)
-    told = [warning for warning in simulate(pressed).summary["warnings"] if "beyond Coulomb's law by up to" in warning]
+    told = [warning for warning in simulate(pressed).summary["warnings"] if "exceeded Coulomb's limit by up to" in warning]
     assert len(told) == (friction > 0)
 
 

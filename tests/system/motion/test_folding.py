@@ -85,7 +85,7 @@ def test_a_stiff_box_that_was_crushed_comes_back(method, stiffness, share):
         else:
             methods = body.methods()
             begun = 1 if methods[0][0] == "backward Euler with contact" else 0  # it may rest on the table before
-            assert methods[begun] == ("leapfrog", "a stiff body strikes an obstacle, or rings on one")
+            assert methods[begun] == ("leapfrog", "a stiff body hits an obstacle, or vibrates on one")
         volumes = corner_volumes(body.positions())
         left = 1e-6 if method == "backward_euler" else 1e-4
         assert volumes.min() > 1 - left and volumes.max() < 1 + left
@@ -99,25 +99,25 @@ def test_without_it_the_box_stays_folded_and_says_so_once(share):
         volumes = corner_volumes(body.positions())
         assert volumes.min() == pytest.approx(-1, abs=0.01)
         assert folded[-1] == (volumes <= 0).any(axis=0).sum() > 0
-        (warning,) = body.said("turned inside out")
+        (warning,) = body.said("inverted")
         first = next(n for n, count in enumerate(folded) if count)
-        cells = f"{folded[first]} of the lattice's cells {'is' if folded[first] == 1 else 'are'} turned inside out"
+        cells = f"{folded[first]} of the lattice's cells {'is' if folded[first] == 1 else 'are'} inverted"
         assert f"at time {(first + 1) * H:.9g} s {cells}" in warning and "[material] volume_stiffness" in warning
 
 
 def test_a_box_that_does_not_fold_gets_no_warning():
     with press(0.0) as body:
         assert not any(crush(body, 0.6))
-        assert not body.said("turned inside out")
+        assert not body.said("inverted")
 
 
 def test_a_box_that_starts_folded_is_warned_of_at_once_and_after_a_reset_again():
     with Stepper(box(stretch=[1.0, 1.0, -1.0])) as body:
-        assert [text.split(" s ")[0] for text in body.said("turned inside out")] == ["at time 0"]
+        assert [text.split(" s ")[0] for text in body.said("inverted")] == ["at time 0"]
         body.step(H, times=3)
-        assert len(body.said("turned inside out")) == 1
+        assert len(body.said("inverted")) == 1
         body.restart({})
-        assert len(body.said("turned inside out")) == 1
+        assert len(body.said("inverted")) == 1
 
 
 def test_a_restored_run_does_not_repeat_the_warning():
@@ -125,10 +125,10 @@ def test_a_restored_run_does_not_repeat_the_warning():
         crush(body, 0.2, until=0.1)
         before = body.save()
         crush(body, 0.2, until=0.5)
-        assert len(body.said("turned inside out")) == 1
+        assert len(body.said("inverted")) == 1
         body.restore(before)
         crush(body, 0.2, until=0.5)
-        assert len(body.said("turned inside out")) == 1
+        assert len(body.said("inverted")) == 1
 
 
 def test_the_bound_follows_a_box_that_is_crushed():

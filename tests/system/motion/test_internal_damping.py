@@ -146,7 +146,7 @@ def test_energy_is_accounted_for(ratio):
 def test_methods_that_cannot_follow_it_give_way_and_say_so(asked, taken):
     with Stepper(stretched(0.1), start_values={"solver.method": asked}) as stepper:
         stepper.step(0.01, times=3)
-        assert stepper.methods() == [(taken, "the method asked for is not for bodies damped like this one")]
+        assert stepper.methods() == [(taken, "the method that was set does not handle this damping")]
 
 
 def test_a_dropped_box_loses_nothing_before_it_lands_and_comes_to_rest():

@@ -147,7 +147,7 @@ def test_a_given_step_beyond_stability_is_shortened_and_said_so():
     assert np.abs(points(result)).max() < 2
     assert result.outputs["solver.steps"][-1] > 400
     (warning,) = result.summary["warnings"]
-    assert "internal step 0.00125 s, a part of solver.step = 0.005 s, which is above the stability bound" in warning
+    assert "internal step 0.00125 s, a fraction of solver.step = 0.005 s, which is above the stability bound" in warning
 
 
 def test_more_internal_steps_than_allowed_are_refused():

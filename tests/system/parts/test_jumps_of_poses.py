@@ -38,7 +38,7 @@ def moved(name: str, *, speed: float, told: float, **keys) -> tuple[list[str], f
 def test_poses_without_velocity_are_warned_of_once(name, method):
     (warning,), energy = moved(name, speed=SPEED, told=0.0, method=method)
     part = POSE[name].rpartition(".")[0]
-    assert f"at time 0.01 s: the pose of {part} jumped" in warning and f"give {part}.velocity" in warning
+    assert f"at time 0.01 s: the pose of {part} jumped" in warning and f"set {part}.velocity" in warning
     assert "by up to 0.005 m" in warning
     silent, led = moved(name, speed=SPEED, told=SPEED, method=method)
     assert silent == []

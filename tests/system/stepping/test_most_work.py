@@ -26,7 +26,7 @@ def test_a_call_that_needs_more_is_discarded_and_says_where(method):
     with Stepper(pulled) as body:
         body.step(1e-4)
         before = body.positions()
-        with pytest.raises(FmuError, match=r"at time 0.0001 s: a communication step of 1 s takes more than .*most_work = 2000"):
+        with pytest.raises(FmuError, match=r"at time 0.0001 s: a communication step of 1 s needs more work than .*most_work = 2000"):
             body.step(1.0)
         assert np.array_equal(body.positions(), before)
 
@@ -38,7 +38,7 @@ def test_a_step_whose_work_is_not_foreseen_says_when_it_was_spent():
         body.step(1e-4)
         with pytest.raises(FmuError) as refused:
             body.step(10.0)
-        assert 1e-4 < float(re.search(r"as was seen at time (\S+) s", str(refused.value))[1]) < 10
+        assert 1e-4 < float(re.search(r"as was found at time (\S+) s", str(refused.value))[1]) < 10
 
 
 @pytest.mark.parametrize("stiffness", [1e3, 1e7])
@@ -52,7 +52,7 @@ def test_a_stiff_body_at_an_obstacle_ends_its_step_implicitly():
     wanted, _ = bounced(5e6, stiffness=1e8)
     positions, words = bounced(4000, stiffness=1e8)
     assert not np.array_equal(positions, wanted) and np.isfinite(positions).all()
-    assert "implicit steps damp its vibrations away" in words
+    assert "implicit steps damp its vibrations" in words
 
 
 @pytest.mark.parametrize("step", [0.0, 1e-3])

@@ -85,8 +85,8 @@ def test_a_lattice_with_too_little_work_says_so():
             simulation.step()
             return [message.text for message in simulation.log if "solver.threads" in message.text]
 
-    assert said(2, [4, 4, 4]) == ["solver.threads = 2: a lattice of 64 control points has work for 1"]
-    assert said(10, SIDES) == ["solver.threads = 10: a lattice of 1728 control points has work for 3"]
+    assert said(2, [4, 4, 4]) == ["solver.threads = 2: a lattice of 64 control points uses 1 thread"]
+    assert said(10, SIDES) == ["solver.threads = 10: a lattice of 1728 control points uses 3 threads"]
     assert said(3, SIDES) == said(1, SIDES) == []
 
 

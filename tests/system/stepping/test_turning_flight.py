@@ -7,13 +7,13 @@ from scenes import GRAVITY, box
 from stepping import Stepper
 
 FLIGHT = (
-    "rigid motion with ros34pw2 in its frame",
-    "auto: a stiff body flies freely and its fast vibrations are small: implicit steps leave them out",
+    "ros34pw2 in a floating frame",
+    "auto: a stiff body is in free flight and its fast vibrations are small: implicit steps damp them",
 )
 IN_FLIGHT = [FLIGHT]
 ABOVE_GROUND = (
-    "rigid motion with the modes of the rest shape",
-    "a stiff body flies beside an obstacle; its modes carry its vibrations",
+    "modal superposition in a floating frame",
+    "a stiff body is in free flight near an obstacle: its modes describe its vibrations",
 )
 
 KINDS = ("kinetic", "elastic", "gravity", "dissipated")
@@ -84,7 +84,7 @@ def test_a_turning_drop_flies_in_long_steps_and_strikes_in_explicit_ones():
         assert stepper.integer("solver.steps") == 35
         while len(stepper.methods()) == 1:
             stepper.step(0.01)
-        assert stepper.methods()[1] == ("leapfrog", "a stiff body strikes an obstacle, or rings on one")
+        assert stepper.methods()[1] == ("leapfrog", "a stiff body hits an obstacle, or vibrates on one")
         assert stepper.positions()[:, 2].min() >= 0
 
 

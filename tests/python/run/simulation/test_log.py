@@ -20,7 +20,7 @@ def test_the_log_has_status_category_and_text_and_is_told_at_once():
 def test_methods_tells_which_took_over_and_why(sim):
     assert sim.methods() == []
     step(sim)
-    assert sim.methods() == [("leapfrog", "an obstacle is within reach")]
+    assert sim.methods() == [("leapfrog", "an obstacle is near")]
 
 
 def test_a_discarded_step_leaves_time_and_state_and_a_saved_moment_continues(sim):
