@@ -90,7 +90,7 @@ def _applicable(rig: Rig, methods: Sequence[str] | None, left_out: dict[str, str
     chosen = []
     for method in methods or rig.methods:
         if method in AS_AUTO:
-            left_out[method] = "does what auto does, but that stiff bodies do not rebound"
+            left_out[method] = "does what auto does, but stiff bodies do not rebound"
         elif rig.contact and method not in CONTACT:
             left_out[method] = "leaves communication steps with possible contact to leapfrog"
         elif rig.damped and method == "rkn12":

@@ -135,10 +135,10 @@ def _plane(plane: Plane | Sphere | Cylinder | Box) -> dict[str, Any]:
     if isinstance(plane, Plane):
         words = {
             "point_of": f"Point of the obstacle plane {plane.name}",
-            "normal_of": f"Normal of the obstacle plane {plane.name}, out of it",
+            "normal_of": f"Normal of the obstacle plane {plane.name}, out of the solid",
         }
     else:
-        axis = "A sphere's normal is of no meaning: {}" if isinstance(plane, Sphere) else "Axis of the {}"
+        axis = "Has no effect on the {}" if isinstance(plane, Sphere) else "Axis of the {}"
         words = {"point_of": f"Centre of the {plane.shape()}", "normal_of": axis.format(plane.shape())}
     own = {key: getattr(plane, key) for key in ("part", "name", "point", "velocity", "angular_velocity", "friction")}
     return words | own | turned | {"inputs": plane.input_components()}

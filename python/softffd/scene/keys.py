@@ -16,11 +16,11 @@ class SceneKeys(Section):
     title: Text = key("Soft object", "what the scene shows, in one line: the FMU's description")
     lattice: sections.Lattice = key(sections.Lattice(), "the volume around the object and its springs")
     mesh: sections.MeshFile | None = key(None, "the embedded object; absent: the box alone")
-    mass: sections.Mass = key(sections.Mass(), "mass and how it is spread")
+    mass: sections.Mass = key(sections.Mass(), "mass and its distribution")
     material: sections.Material = key(sections.Material(), "stiffness and damping")
     region: tuple[sections.Region, ...] = key((), "local overrides; later ones win")
-    environment: sections.Environment = key(sections.Environment(), "what acts everywhere")
-    contact: sections.Contact = key(sections.Contact(), "what of the object the obstacles meet")
+    environment: sections.Environment = key(sections.Environment(), "gravity")
+    contact: sections.Contact = key(sections.Contact(), "the points of the object that obstacles act on")
     plane: tuple[rigid.Plane, ...] = key((), "obstacles: half-spaces")
     sphere: tuple[rigid.Sphere, ...] = key((), "obstacles: solid spheres")
     cylinder: tuple[rigid.Cylinder, ...] = key((), "obstacles: solid cylinders")
@@ -30,10 +30,10 @@ class SceneKeys(Section):
     inputs: sections.Inputs = key(sections.Inputs(), "inputs besides those of planes, pins and loads")
     initial: sections.Initial = key(sections.Initial(), "the state at the start")
     probe: tuple[sections.Probe, ...] = key((), "points followed through the deformation")
-    outputs: sections.Outputs = key(sections.Outputs(), "what the FMU computes for others")
-    solver: sections.Solver = key(sections.Solver(), "how the motion is integrated")
+    outputs: sections.Outputs = key(sections.Outputs(), "outputs of the FMU")
+    solver: sections.Solver = key(sections.Solver(), "time integration")
     experiment: sections.Experiment = key(sections.Experiment(), "the FMU's default experiment")
-    fmu: sections.Fmu = key(sections.Fmu(), "how the FMU shows itself to other tools")
+    fmu: sections.Fmu = key(sections.Fmu(), "interface of the FMU to other tools")
 
     @property
     def solids(self) -> tuple[rigid.Sphere | rigid.Cylinder | rigid.Box, ...]:

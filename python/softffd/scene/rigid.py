@@ -51,12 +51,12 @@ PinInputs = Annotated[tuple[str, ...], _chosen_of(PIN_POSE), _chosen_schema(PIN_
 def _inputs(pose: dict[str, str], *, of: str = "", example: str = "") -> Any:
     """The key that chooses them."""
     vectors = ", ".join(f"`{vector}`" for vector in pose)
-    what = f"what of {vectors}{of} are inputs, or single components{example}"
+    what = f"which of {vectors}{of} are inputs, or single components{example}"
     return key((next(iter(pose)), "velocity"), f"{what}; the rest are parameters, which hold at every communication point")
 
 
 def _motion() -> Any:
-    return key("fixed", '"fixed", or "input": the FMU has inputs for what `inputs` names')
+    return key("fixed", '"fixed", or "input": what `inputs` names are inputs of the FMU')
 
 
 class _Movable(Protocol):
@@ -102,7 +102,7 @@ class Plane(Rigid):
 
 
 class Solid(Rigid):
-    """An obstacle with an inside: what it has in common with others. Its variables are those of a plane."""
+    """A solid obstacle: the keys that all kinds have."""
 
     name: Name = key(..., NAME, examples=["ball"])
     point: Vector = quantity((0.0, 0.0, 0.0), "m", "its centre")
@@ -161,7 +161,7 @@ class Box(Solid):
 
     size: PositiveVector = quantity(..., "m", "its edges, > 0", examples=[[1.0, 1.0, 1.0]])
     rotation: RotationTable | None = key(
-        None, "turned about `point`, { axis = [0, 1, 0], degrees = 35 }; absent: edges along the axes of the world"
+        None, "rotation about `point`, { axis = [0, 1, 0], degrees = 35 }; absent: edges along the axes of the world"
     )
     inputs: BoxInputs = _inputs(BOX_POSE)
 
@@ -181,8 +181,8 @@ class Pin(Rigid):
     name: Name = key(..., NAME, examples=["base"])
     points: Selection = key(..., "the pinned control points: a selection of at least one", examples=["z-"])
     origin: Vector | None = quantity(
-        None, "m", "origin of the frame at rest: what its position and velocity are those of, and its torque is about; default: the "
-        "centroid of the points"
+        None, "m", "origin of the frame at rest: the reference point of its position, velocity and torque; default: the centroid of "
+        "the points"
     )  # fmt: skip
     motion: Motion = _motion()
     inputs: PinInputs = _inputs(PIN_POSE, of=" of the frame", example=': "position.z"')

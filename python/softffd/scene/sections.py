@@ -42,25 +42,27 @@ class Lattice(Section):
     """The volume around the object and its springs (Xia & Wang 2009, section 1)."""
 
     points: PointsInput = quantity(
-        (4, 4, 4), "1", 'control points per axis [nx, ny, nz], 2..32 each; "cubic", or left out: as `cells` or `spacing` has them'
+        (4, 4, 4),
+        "1",
+        'control points per axis [nx, ny, nz], 2..32 each; "cubic", or absent beside `cells` or `spacing`: computed from these',
     )
     cells: Cells | None = quantity(
         None,
         "1",
-        "cells along the longest side of the box, 1..31, in place of `points`: along the others as many as make them nearly cubic",
+        "cells along the longest side of the box, 1..31, in place of `points`; the other sides get nearly cubic cells",
     )
-    spacing: Number | None = quantity(None, "m", "side of the cells, in place of `points`: as nearly as the box allows", gt=0)
-    origin: Vector | None = quantity(None, "m", "lower corner of the box; default: that of the mesh's box grown by `margin`, or [0, 0, 0]")
+    spacing: Number | None = quantity(None, "m", "approximate edge of the cells, in place of `points`", gt=0)
+    origin: Vector | None = quantity(None, "m", "lower corner of the box; default: that of the mesh enlarged by `margin`, or [0, 0, 0]")
     size: PositiveVector | None = quantity(
-        None, "m", "edges of the box, > 0; default: those of the mesh's box grown by `margin`, or [1, 1, 1]"
+        None, "m", "edges of the box, > 0; default: those of the mesh enlarged by `margin`, or [1, 1, 1]"
     )
-    margin: Number = quantity(0.0, "1", "share of the mesh's box added on every side", ge=0)
+    margin: Number = quantity(0.0, "1", "fraction of the size of the mesh that the box adds on every side", ge=0)
     springs: Literal["distinct", "paper"] = key(
-        "distinct", '"distinct" (468 springs for 4x4x4) or "paper" (504: those on the edges of the box doubled)'
+        "distinct", '"distinct": each spring once (468 for 4x4x4); "paper": springs on the edges of the box twice (504)'
     )
     basis: Literal["bezier", "bspline"] = key(
         "bezier",
-        '"bezier": every control point moves the whole object; "bspline": uniform cubic, clamped, only what is near, for finer lattices',
+        '"bezier": each control point moves the whole object; "bspline": uniform cubic, clamped: only its surroundings, for finer lattices',
     )
 
 
@@ -75,27 +77,33 @@ class MeshFile(Section):
 
 
 class Mass(Section):
-    """The object's mass and how it is spread over the control points."""
+    """The mass of the object and its distribution over the control points."""
 
-    total: Number | None = quantity(None, "kg", "total mass; absent together with `density`: 1", gt=0)
+    total: Number | None = quantity(None, "kg", "total mass; default without `density`: 1", gt=0)
     density: Number | None = quantity(
         None,
         "kg/m3",
-        "density, in place of `total`: times the volume of the mesh, which must be closed, or of the box where there is no mesh",
+        "density, in place of `total`; the volume is that of the mesh, which must be closed, or of the box without a mesh",
         gt=0,
     )
     distribution: Literal["uniform", "box", "vertices", "surface", "volume"] = key(
         "uniform",
-        '"uniform": equal points; "box": even through the box, each cell gives an eighth to each of its corners; "vertices", "surface", '
-        '"volume": as it is spread over the mesh; default beside `material.youngs_modulus`: "volume" with a closed mesh, else "box"',
+        '"uniform": equal masses; "box": uniform density in the box, each cell gives an eighth of its mass to each corner; "vertices", '
+        '"surface", "volume": uniform over those of the mesh; default beside `material.youngs_modulus`: "volume" with a closed mesh, '
+        'else "box"',
     )
     uniform_share: Number = quantity(
-        0.1, "1", 'part of the total spread evenly over the points, so that none is nearly massless; 0 for "box"', ge=0, le=1
+        0.1,
+        "1",
+        'fraction of the mass that is distributed equally over the points, so that none is nearly massless; 0 for "box"',
+        ge=0,
+        le=1,
     )
     inertia: Literal["lumped", "matched"] = key(
         "lumped",
-        '"lumped": masses that follow the weights, whose moment of inertia is too large, about twice at 4 control points per axis, as '
-        '`softffd build` tells; "matched": the inertia of the object, at steps two to five times shorter, where bodies roll or tip',
+        '"lumped": masses by the weights; their moment of inertia is too large, about twice at 4 control points per axis '
+        '(`softffd build` reports it); "matched": the inertia of the object, for bodies that roll or tip; steps are two to five times '
+        "shorter",
     )
 
 
@@ -134,40 +142,40 @@ class Material(Section):
     stiffness: StiffnessInput | None = quantity(
         None,
         "N/m",
-        "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }; absent together with `youngs_modulus`: 1e3",
+        "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }; default without `youngs_modulus`: 1e3",
     )
     youngs_modulus: Number | None = quantity(
         None,
         "Pa",
-        "Young's modulus, in place of `stiffness`: springs of an isotropic solid of Poisson's ratio 1/4, the only one that springs can "
-        "have, whatever the lattice; edges and face diagonals alone have springs",
+        "Young's modulus, in place of `stiffness`: the springs model an isotropic solid of Poisson's ratio 1/4, the only ratio that "
+        "springs allow, on any lattice; only edges and face diagonals have springs",
         gt=0,
     )
     damping: Number = quantity(
         0.01,
         "N.s/m",
-        "viscous damping of each control point, d_i of eq. (3): drag of the surroundings, which brakes free flight; default beside "
+        "nodal viscous drag: damping coefficient of each control point, d_i of eq. (3); it also brakes rigid motion; default beside "
         "`youngs_modulus`: 0",
         ge=0,
     )
     internal_damping: Number = quantity(
         0.0,
         "s",
-        "a dashpot along each spring, its stiffness times this time: damps deformation and leaves rigid motion alone; a mode of frequency "
-        "omega has the damping ratio omega / 2 times it; 0: absent",
+        "stiffness-proportional (Kelvin-Voigt) damping: a dashpot along each spring, whose coefficient is the stiffness times this time; "
+        "damps deformation, not rigid motion; a mode of angular frequency omega has the damping ratio omega / 2 times this time; 0: absent",
         ge=0,
     )
     volume_stiffness: Number = quantity(
         0.0,
         "Pa",
-        "keeps crushed cells from folding: resists where a cell's corner has lost half its volume; to begin with: 3 times the stiffness "
-        "divided by the edge of a cell, or youngs_modulus; 0: absent",
+        "prevents the inversion of crushed cells: acts where a corner of a cell has lost half its volume; a first value is 3 times the "
+        "stiffness divided by the edge of a cell, or youngs_modulus; 0: absent",
         ge=0,
     )
 
 
 class Region(Section):
-    """A local override; of several on one point or spring the last one wins."""
+    """A local override; where regions overlap, the last one wins."""
 
     points: Selection = key(..., "the control points of the region: a selection", examples=["z-"])
     stiffness: Number | None = quantity(None, "N/m", "stiffness of springs with both ends in the region", ge=0)
@@ -180,29 +188,29 @@ class Region(Section):
     )
     damping: Number | None = quantity(None, "N.s/m", "damping of each control point of the region", ge=0)
     internal_damping: Number | None = quantity(
-        None, "s", "internal damping of what has its stiffness from the region: springs with both ends in it, or, of a modulus, cells", ge=0
+        None, "s", "internal damping of springs with both ends in the region; with a modulus, of cells with all corners in it", ge=0
     )
 
 
 class Environment(Section):
     """What acts everywhere."""
 
-    gravity: Vector | None = quantity(None, "m/s2", "gravity; absent: none, and no variable for it")
+    gravity: Vector | None = quantity(None, "m/s2", "gravitational acceleration; absent: no gravity, and no variable for it")
 
 
 class Contact(Section):
-    """What of the object the obstacles meet."""
+    """The points of the object that obstacles act on."""
 
     of: Literal["surface", "lattice"] = key(
         "lattice",
-        '"surface": the vertices of the mesh, the default where there is one; "lattice": the control points, in whose hull the object '
-        'stays, the default without a mesh and with the method "central_difference", which does not know the other',
+        '"surface": the vertices of the mesh, default with a mesh; "lattice": the control points, whose convex hull contains the object, '
+        'default without a mesh and with the method "central_difference", which has no contact of the surface',
     )
     penetration: Number = quantity(
         1e-3,
         "1",
-        "of a mesh with more than 5,000 vertices so many are taken, 5,000 at most, that no other can be behind a plane by more than this "
-        "share of the lattice's height; `softffd build` says what is certain; 0: all are taken",
+        "of a mesh with more than 5,000 vertices, up to 5,000 are tested for contact; the others may penetrate a plane by this fraction "
+        "of the height of the lattice; `softffd build` reports the bound that holds; 0: all vertices are tested",
         ge=0,
         le=1,
     )
@@ -222,20 +230,20 @@ class Inputs(Section):
 
 
 class Initial(Section):
-    """The state at the start: x0 = origin + stretch (X - origin) + offset, X the rest position, turned by the rotation."""
+    """The state at the start: x0 = origin + stretch (X - origin) + offset, X the rest position, then the rotation."""
 
     stretch: Vector = quantity((1.0, 1.0, 1.0), "1", "factor per axis on the rest shape")
     offset: Vector = quantity((0.0, 0.0, 0.0), "m", "displacement of the whole object")
     rotation: RotationTable | None = key(
         None,
-        "the whole object turned about the centre of its box, { axis = [0, 1, 0], degrees = 35 }, with the points that pins hold; "
-        "velocities stay those of the world frame; absent: not turned, and no parameter for it",
+        "rotation of the whole object about the centre of its box, { axis = [0, 1, 0], degrees = 35 }, with the points that pins hold; "
+        "velocities stay in the world frame; absent: no rotation, and no parameter for it",
     )
-    velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of the whole object, of its centre where it spins, world frame")
+    velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of the whole object, or of its centre if it spins, world frame")
     angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about the centre, world frame")
     spin_about: Literal["box", "mass"] = key(
         "box",
-        'the centre of `velocity` and `angular_velocity`: "box": that of the box; "mass": that of mass, which then moves with `velocity`',
+        'reference point of `velocity` and `angular_velocity`: "box": the centre of the box; "mass": the centre of mass',
     )
 
     def rotation_vector(self) -> tuple[float, float, float]:
@@ -247,17 +255,17 @@ class Probe(Section):
     """A point of the object followed through the deformation: Q(u, v, w) of Xia & Wang 2009, eq. (1)."""
 
     name: Name = key(..., NAME, examples=["nose"])
-    at: Vector = quantity(..., "m", "a place in the rest shape, inside the box", examples=[[0.5, 0.5, 0.5]])
+    at: Vector = quantity(..., "m", "position in the rest shape, inside the box", examples=[[0.5, 0.5, 0.5]])
 
 
 class Outputs(Section):
-    """What the FMU computes for others; what is not asked for does not exist."""
+    """The outputs of the FMU; what is not selected does not exist."""
 
     positions: Selection = key("all", "control points whose positions are outputs: a selection")
     velocities: Selection = key("none", "control points whose velocities are outputs: a selection")
-    reactions: Switch = key(True, "force and torque on each plane and each pin, centre of pressure on each plane")
+    reactions: Switch = key(True, "force and torque on each obstacle and each pin, centre of pressure on each obstacle")
     energy: Switch = key(False, "kinetic, elastic, gravity and dissipated energy, work")
-    solver: Switch = key(False, "steps, error estimate, stable step, folded cells")
+    solver: Switch = key(False, "steps, rejected steps, contacts, stable step, inverted cells")
 
 
 class Solver(Section):
@@ -266,15 +274,17 @@ class Solver(Section):
     method: Literal["auto", "central_difference", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_euler", "sdirk2"] = key(
         "auto", '"auto": chosen per communication step; "central_difference": as published'
     )
-    tolerance: Number = quantity(1e-4, "m", "error at the end of the run for a box of 1 m, scaled by its largest side", gt=0)
+    tolerance: Number = quantity(
+        1e-4, "1", "error allowed in any control point at the end of the run, relative to the largest side of the box", gt=0
+    )
     step: Number = quantity(0.0, "s", "internal step; 0: chosen by stability and tolerance", ge=0)
     most_work: Number = key(
-        5e6, "work that one call may do, in evaluations of the forces of 64 control points: a million is about a second of one core", gt=0
+        5e6,
+        "limit of the work of one call, in evaluations of the forces of 64 control points: a million takes about a second on one core",
+        gt=0,
     )
-    threads: Threads = key(
-        1, "1 to 64 threads that share the work on the springs' forces, each for 512 control points at least; results have the same bits"
-    )
-    error_estimate: Switch = key(False, "a second run beside this one estimates its error; costs 80 to 160 % more")
+    threads: Threads = key(1, "threads for the spring forces, 1..64, each for at least 512 control points; results are bitwise the same")
+    error_estimate: Switch = key(False, "estimates the error by a second run beside this one; takes 80 to 160 % more time")
 
 
 class Experiment(Section):
@@ -285,7 +295,7 @@ class Experiment(Section):
 
 
 class Fmu(Section):
-    """How the FMU shows itself to other tools."""
+    """The interface of the FMU to other tools."""
 
     names: Literal["structured", "flat"] = key(
         "structured",

@@ -206,7 +206,7 @@ def test_an_fmu_alone_knows_its_solids_and_says_what_they_are(tmp_path):
     assert [plane.name for plane in stage.planes] == ["lid"]
     said = {v.name: v.description for v in read_model_description(fmu).modelVariables}
     assert said["sphere.ball.point.x"].startswith("Centre of the sphere ball of radius 1 m, x")
-    assert said["sphere.ball.normal.x"].startswith("A sphere's normal is of no meaning")
+    assert said["sphere.ball.normal.x"].startswith("Has no effect on the sphere ball")
     assert said["cylinder.log.normal.x"].startswith("Axis of the cylinder log of radius 1 m and length 2 m")
     assert said["box.crate.point.x"].startswith("Centre of the box crate of 1 x 2 x 3 m at the communication point, x")
     assert said["plane.lid.normal.z"].startswith("Normal of the obstacle plane lid, out of it")
