@@ -173,7 +173,7 @@ def _variable(row: dict[str, Any]) -> list[str]:
         "c": "{c}",
         "methods": methods,
         "point_of": "Point of the obstacle plane NAME, or centre of the solid",
-        "normal_of": "Normal of the obstacle plane NAME, out of it, or axis of the cylinder; a sphere's is of no meaning",
+        "normal_of": "Normal of the obstacle plane NAME, out of the solid, or axis of the cylinder; no effect on a sphere",
         "touching": "control points, or points of the surface,",
     }
     stem = row["name"].format(**words).removesuffix(".{c}")

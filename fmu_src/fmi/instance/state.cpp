@@ -139,7 +139,7 @@ void Instance::load_state(const Bytes& bytes) {
   Whole all = whole();
   pass(reader, all);
   if (!reader.at_end()) throw StateError("the state is too long");
-  if (!sound(all, variables_)) throw StateError("the state holds values that no run gives");
+  if (!sound(all, variables_)) throw StateError("the state has values that no run produces");
   const Place& place = all.place;
   phase = Phase(place.phase);
   times_ = place.times;

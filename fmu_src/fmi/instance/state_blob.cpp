@@ -32,8 +32,8 @@ Bytes without_head(const std::string& guid, std::span<const unsigned char> seria
   std::memcpy(words.data(), serialized.data(), sizeof words);
   for (std::uint64_t& word : words) word = little_endian(word);
   const auto payload = serialized.subspan(head_size(guid));
-  if (words[0] != magic) throw StateError("the bytes are no state of a softffd component");
-  if (words[1] != version) throw StateError("the state has another version of the format");
+  if (words[0] != magic) throw StateError("the bytes are not a state of a softffd component");
+  if (words[1] != version) throw StateError("the state has another format version");
   if (!std::equal(guid.begin(), guid.end(), serialized.begin() + sizeof words, [](char a, unsigned char b) { return a == char(b); }))
     throw StateError("the state belongs to another scene");
   if (words[2] != payload.size()) throw StateError("the state has the wrong size");

@@ -72,7 +72,7 @@ class StateReader {
   template <class Choice>
   void choice(Choice& value, Choice last) {
     const std::uint64_t number = word();
-    if (number > std::uint64_t(last)) throw StateError("a value of the state is none of those that it may have");
+    if (number > std::uint64_t(last)) throw StateError("a value of the state is not among the allowed ones");
     value = Choice(number);
   }
   void numbers(double* values, std::size_t count) {

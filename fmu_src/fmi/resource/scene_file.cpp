@@ -261,7 +261,7 @@ std::string_view checked_body(std::string_view text) {
   const std::size_t end = text.find('\n');
   Record head(text.substr(0, end), 1);
   if (end == text.npos || head.word() != "softffd-scene") head.fail("not a softffd scene");
-  if (head.word() != "2") head.fail("another version of the format");
+  if (head.word() != "2") head.fail("another format version");
   const std::string_view body = text.substr(end + 1), digits = head.word();
   std::uint32_t wanted = 0;
   const auto [last, error] = std::from_chars(digits.data(), digits.data() + digits.size(), wanted, 16);
@@ -282,7 +282,7 @@ void take_samples(SceneFile& s) {
   const auto refuse = [](const std::string& what) { throw SceneFileError("resources/scene.txt: " + what); };
   const auto solid = [](const PlaneMotion& plane) { return plane.solid(); };
   const bool solids = std::ranges::any_of(s.planes, solid);
-  if (solids && s.samples.empty()) refuse("solids are met by samples of the surface, and there are none");
+  if (solids && s.samples.empty()) refuse("solids need samples of the surface, and there are none");
   if (!std::ranges::is_partitioned(s.planes, std::not_fn(solid))) refuse("a plane comes after a solid");
   if (s.samples.empty() || s.planes.empty()) return;
   Definition& d = s.definition;
@@ -292,9 +292,11 @@ void take_samples(SceneFile& s) {
     if (!(part.minCoeff() >= -outside && part.maxCoeff() <= 1 + outside)) refuse("a sample of the surface lies outside of the box");
   }
   if (solids && !meets_solids(Method(s.method - 1)))
-    refuse("the method does not know solids; wanted auto, leapfrog, bm4, rkn12, dop853 or ros34pw2");
+    refuse("the method does not support solids; wanted auto, leapfrog, bm4, rkn12, dop853 or ros34pw2");
   if (!meets_surface(Method(s.method - 1)))
-    refuse("the method does not know contact of the surface; wanted auto, leapfrog, bm4, rkn12, dop853, ros34pw2, backward_euler or sdirk2");
+    refuse(
+        "the method does not support contact of the surface; wanted auto, leapfrog, bm4, rkn12, dop853, ros34pw2, backward_euler or "
+        "sdirk2");
   d.samples = std::make_shared<const Samples>(s.basis, d.lattice, s.samples);
 }
 

@@ -47,7 +47,7 @@ class Plate(Driver):
         ("initial.point", "parameter", "m", ZERO, "Point of the plate's surface at the start"),
         ("initial.velocity", "parameter", "m/s", ZERO, "Velocity at the start"),
         ("initial.normal", "parameter", "1", (0.0, 0.0, -1.0), "Normal of the surface, out of the plate towards the body"),
-        ("delay", "parameter", None, 1, "Communication steps by which the reaction is late: 1 or 0"),
+        ("delay", "parameter", None, 1, "Delay of the reaction in communication steps: 1 or 0"),
         ("point", "output", "m", ZERO, "Point of the plate's surface at the communication point"),
         ("normal", "output", "1", ZERO, "Normal of the surface, out of the plate towards the body"),
         ("velocity", "output", "m/s", ZERO, "Mean velocity over the next step"),

@@ -53,7 +53,7 @@ def inertia_note(scene: Scene, masses: Masses) -> str | None:
         return None
     times = f"{most:.3g}" if most < 1.01 * least else f"{least:.3g} to {most:.3g}"
     whose = "box" if scene.mass.distribution in ("uniform", "box") else f"mesh ({scene.mass.distribution})"
-    return f'lumped masses have {times} times the inertia of the {whose}; mass.inertia = "matched" has it right, at shorter steps'
+    return f'lumped masses have {times} times the inertia of the {whose}; mass.inertia = "matched" corrects this, with shorter steps'
 
 
 def spin_note(scene: Scene, masses: Masses) -> str | None:
@@ -64,8 +64,8 @@ def spin_note(scene: Scene, masses: Masses) -> str | None:
     if initial.spin_about == "mass" or np.linalg.norm(given) <= 1e-9 * np.linalg.norm(initial.angular_velocity) * max(box.size):
         return None
     return (
-        f"initial.angular_velocity is about the centre of the box, which gives the centre of mass ({_listed(given)}) m/s beside "
-        'initial.velocity; initial.spin_about = "mass" does not'
+        f"initial.angular_velocity is about the centre of the box, which adds ({_listed(given)}) m/s to initial.velocity at the centre of "
+        'mass; initial.spin_about = "mass" does not'
     )
 
 
@@ -90,7 +90,5 @@ def samples_note(samples: Samples | None) -> str | None:
         return None
     if len(samples.places) == samples.vertices:
         return f"surface contact: {samples.vertices:,} samples, every vertex"
-    share = f"{100 * samples.behind:.2g} %"
-    return (
-        f"surface contact: {len(samples.places):,} of {samples.vertices:,} vertices, others at most {share} of the lattice's height behind"
-    )
+    taken = f"{len(samples.places):,} of {samples.vertices:,} vertices"
+    return f"surface contact: {taken}; the others penetrate by at most {100 * samples.behind:.2g} % of the lattice's height"

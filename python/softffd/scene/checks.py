@@ -38,7 +38,7 @@ def _names(draft: Draft) -> Iterator[Fault]:
             if not draft.sound(*path):
                 continue
             if (owner := owners.setdefault(item.name, path)) != path:
-                yield Fault(path, f"wanted a name of its own, got {toml_text(item.name)}, already the name of {path_text(owner[:2])}")
+                yield Fault(path, f"wanted a unique name, got {toml_text(item.name)}, already the name of {path_text(owner[:2])}")
             if draft.keys.fmu.names == "flat" and (lost := mistaken(Part(section, item.name))):
                 flat = flat_form(lost)
                 what = f"its {lost} would be {flat}, which is {structured(flat)}"
@@ -50,7 +50,7 @@ def _idle_inputs(draft: Draft) -> Iterator[Fault]:
         for position, item in enumerate(getattr(draft.keys, section)):
             default = type(item).model_fields["inputs"].default
             if item.motion == "fixed" and item.inputs != default and draft.sound(section, position, "motion"):
-                text = f'wanted them beside motion = "input" only, got {toml_text(list(item.inputs))} with motion = "fixed"'
+                text = f'wanted none with motion = "fixed", got {toml_text(list(item.inputs))}; they need motion = "input"'
                 yield Fault((section, position, "inputs"), text)
 
 
@@ -65,7 +65,7 @@ def _counts(draft: Draft) -> Iterator[Fault]:
             yield Fault(("lattice", "points"), 'wanted cells or spacing beside "cubic", got neither')
     elif lattice.spacing is not None and draft.box and max(cells_of(None, lattice.spacing, draft.box[1])) > MOST:
         least = max(draft.box[1]) / MOST
-        yield Fault(("lattice", "spacing"), f"wanted >= {least:.3g} m, for a side has at most {MOST} cells, got {lattice.spacing:g}")
+        yield Fault(("lattice", "spacing"), f"wanted >= {least:.3g} m, because a side has at most {MOST} cells, got {lattice.spacing:g}")
 
 
 def _selections(draft: Draft) -> Iterator[Fault]:
@@ -109,7 +109,7 @@ def _mass(draft: Draft) -> Iterator[Fault]:
     if mass.distribution not in ("uniform", "box"):
         yield from _needs_mesh(draft, "distribution", closed=mass.distribution == "volume", instead='take "surface"')
     if mass.distribution == "box" and mass.uniform_share > 0:
-        text = f'wanted 0 where the distribution is "box", which leaves no point without mass, got {mass.uniform_share:g}'
+        text = f'wanted 0 with distribution = "box", which leaves no point without mass, got {mass.uniform_share:g}'
         yield Fault(("mass", "uniform_share"), text)
     if mass.density is not None and draft.keys.mesh is not None:
         yield from _needs_mesh(draft, "density", closed=True, instead='give "total"')
@@ -141,8 +141,8 @@ def _inertia(draft: Draft) -> Iterator[Fault]:
 def _margin(draft: Draft) -> Iterator[Fault]:
     margin, mesh = draft.keys.lattice.margin, draft.keys.mesh
     if margin > 0 and draft.sound("mesh") and (mesh is None or draft.box_is_given):
-        idle = "there is no [mesh] whose box it would grow" if mesh is None else "origin and size are both given"
-        yield Fault(("lattice", "margin"), f"wanted 0, for {idle}, got {margin:g}")
+        idle = "there is no [mesh] to enlarge" if mesh is None else "origin and size are both given"
+        yield Fault(("lattice", "margin"), f"wanted 0, because {idle}, got {margin:g}")
 
 
 def _box(draft: Draft) -> Iterator[Fault]:
@@ -166,7 +166,7 @@ def _control_points(draft: Draft) -> Iterator[Fault]:
 def _probes(draft: Draft) -> Iterator[Fault]:
     for position, probe in enumerate(draft.keys.probe):
         if _outside(draft, np.array([probe.at, probe.at])):
-            yield Fault(("probe", position, "at"), f"wanted a place in the box {_box_span(draft)}, got {toml_text(probe.at)}")
+            yield Fault(("probe", position, "at"), f"wanted a position in the box {_box_span(draft)}, got {toml_text(probe.at)}")
 
 
 def _outside(draft: Draft, bounds: np.ndarray) -> list[str]:
@@ -190,17 +190,17 @@ def _span(*corners: Sequence[float] | np.ndarray) -> str:
 
 
 def _contact(draft: Draft) -> Iterator[Fault]:
-    """Contact of the surface needs a mesh that has one, and a method that knows it."""
+    """Contact of the surface needs a mesh, and a method that supports it."""
     keys, contact, method = draft.keys, draft.keys.contact, draft.keys.solver.method
     if not draft.sound("contact", "of"):
         return
     if contact.of == "lattice":
         for section in SOLIDS:
             if getattr(keys, section):
-                text = f'"lattice" knows planes alone, but the scene has a [[{section}]]; take "surface", which needs a [mesh]'
+                text = f'"lattice" supports only planes, but the scene has a [[{section}]]; take "surface", which needs a [mesh]'
                 yield Fault(("contact", "of"), text)
         if "penetration" in contact.model_fields_set:
-            text = f'wanted it beside of = "surface" only, got {contact.penetration:g} with of = "lattice"'
+            text = f'wanted none with of = "lattice", got {contact.penetration:g}; it needs of = "surface"'
             yield Fault(("contact", "penetration"), text)
         return
     if keys.mesh is None and draft.sound("mesh"):
@@ -209,5 +209,5 @@ def _contact(draft: Draft) -> Iterator[Fault]:
         text = f"wanted {either(MEETING_SOLIDS)} beside a sphere, cylinder or box, got {toml_text(method)}"
         yield Fault(("solver", "method"), text)
     if method not in MEETING and keys.obstacles:
-        text = f'wanted {either(MEETING)} beside contact.of = "surface", which it does not know, got {toml_text(method)}'
+        text = f'wanted {either(MEETING)} with contact.of = "surface", got {toml_text(method)}'
         yield Fault(("solver", "method"), text)

@@ -41,9 +41,9 @@ def _regions(draft: Draft, of_modulus: bool) -> Iterator[Fault]:
         given = {key: value for key in region.model_fields_set if (value := getattr(region, key)) is not None}
         wrong, other = ("stiffness", "youngs_modulus") if of_modulus else ("youngs_modulus", "stiffness")
         if wrong in given:
-            yield Fault(("region", number, wrong), f"wanted {other}, for the material has one, got {wrong} = {given[wrong]:g}")
+            yield Fault(("region", number, wrong), f"wanted {other}, because the material has one, got {wrong} = {given[wrong]:g}")
         if "density" in given and distribution != "box" and draft.sound("mass", "distribution"):
-            wanted = 'wanted it with mass.distribution = "box" only, whose cells have masses'
+            wanted = 'wanted no density without mass.distribution = "box"'
             yield Fault(("region", number, "density"), f'{wanted}, got {region.density:g} with "{distribution}"')
         held = [key for key in OF_CELLS if key in given and key != wrong and (of_modulus or key == "density")]
         if held and draft.counts and not _holds_a_cell(region.points, draft.counts):

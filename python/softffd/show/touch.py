@@ -136,7 +136,7 @@ def narrow_contact(result: Result) -> dict[str, Any]:
         return entries | {"findings": []}
     listed = ", ".join(f"{name}: {f'{width:.2g}' if width >= 0.01 else 'a point or a line'}" for name, width in narrow.items())
     line = (
-        f"contact is narrower than {ENOUGH:g} cells ({listed}): force and size of the patch are the lattice's there, not the material's; "
-        "finer cells show how much (docs/methods.md: How fine for contact)"
+        f"contact is narrower than {ENOUGH:g} cells ({listed}): there the lattice, not the material, determines force and size of the "
+        "patch; finer cells show by how much (docs/methods.md: How fine for contact)"
     )
     return entries | {"findings": [line]}

@@ -131,8 +131,8 @@ TEST(a_refusal_says_what_is_wrong_with_the_bytes) {
   longer.push_back(0);
   shorter.pop_back();
   CHECK(refusal(good).empty());
-  CHECK(changed(0) == "the bytes are no state of a softffd component");
-  CHECK(changed(8) == "the state has another version of the format");
+  CHECK(changed(0) == "the bytes are not a state of a softffd component");
+  CHECK(changed(8) == "the state has another format version");
   CHECK(changed(16) == "the state has the wrong size" && refusal(longer) == changed(16) && refusal(shorter) == changed(16));
   CHECK(changed(24) == "the state is damaged: its checksum does not fit" && changed(head_size(guid)) == changed(24));
   CHECK(changed(32) == "the state belongs to another scene" && changed(head_size(guid) - 1) == changed(32));

@@ -97,6 +97,6 @@ def test_a_body_s_inertia_and_the_points_that_obstacles_meet_are_told_of_scenes_
     notes = [line for line in built if "inertia" in line or "vertices" in line or "fills" in line]
     assert "the mesh fills 52 % of its box; the elastic body is the whole box" in notes[0]
     assert "lumped masses have 2.38 times the inertia of the mesh (volume)" in notes[1]
-    assert "of 642 vertices, others at most" in notes[2] and "% of the lattice's height behind" in notes[2]
+    assert "of 642 vertices; the others penetrate by at most" in notes[2] and "% of the lattice's height" in notes[2]
     for what in ("ball.toml", "ball.fmu"):
         assert info(capsys, what)[3:6] == notes

@@ -43,7 +43,9 @@ def test_all_places_of_a_small_mesh_are_samples_once():
 def test_of_many_vertices_some_are_taken_and_the_others_follow(sphere, reduced):
     assert len(sphere.vertices) == reduced.vertices == 10242 and len(reduced.places) == MOST
     assert 1e-3 < reduced.behind < 4e-3  # 3.4e-3 with 3,000
-    assert samples_note(reduced) == "surface contact: 5,000 of 10,242 vertices, others at most 0.27 % of the lattice's height behind"
+    assert (
+        samples_note(reduced) == "surface contact: 5,000 of 10,242 vertices; the others penetrate by at most 0.27 % of the lattice's height"
+    )
     place = {tuple(vertex): n for n, vertex in enumerate(sphere.vertices)}
     assert np.all(np.diff([place[tuple(each)] for each in reduced.places]) > 0)
 

@@ -134,7 +134,7 @@ def test_what_is_no_input_is_refused_with_what_makes_it_one(tmp_path):
         ({"inputs": ["angular_velocity.zz"]}, 'did you mean "angular_velocity.z"'),
         ({"inputs": []}, "got []"),
         ({"inputs": "point"}, 'got "point"'),
-        ({"inputs": ["point.z"], "motion": "fixed"}, 'plane[0].inputs: wanted them beside motion = "input" only, got ["point.z"]'),
+        ({"inputs": ["point.z"], "motion": "fixed"}, 'plane[0].inputs: wanted none with motion = "fixed", got ["point.z"]; they'),
     ],
 )
 def test_names_that_are_none_and_inputs_of_what_is_fixed_are_refused(part, words):
@@ -209,4 +209,4 @@ def test_an_fmu_alone_knows_its_solids_and_says_what_they_are(tmp_path):
     assert said["sphere.ball.normal.x"].startswith("Has no effect on the sphere ball")
     assert said["cylinder.log.normal.x"].startswith("Axis of the cylinder log of radius 1 m and length 2 m")
     assert said["box.crate.point.x"].startswith("Centre of the box crate of 1 x 2 x 3 m at the communication point, x")
-    assert said["plane.lid.normal.z"].startswith("Normal of the obstacle plane lid, out of it")
+    assert said["plane.lid.normal.z"].startswith("Normal of the obstacle plane lid, out of the solid")

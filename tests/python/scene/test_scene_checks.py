@@ -52,13 +52,13 @@ def region(**keys):
 # fmt: off
 REFUSED = [
     *(({section: [item | {"name": "same"} for item in items]},
-       f'{section}[1].name: wanted a name of its own, got "same", already the name of {section}[0]') for section, items in TWO.items()),
+       f'{section}[1].name: wanted a unique name, got "same", already the name of {section}[0]') for section, items in TWO.items()),
     *(({section: [{"name": "a", "points": points}]}, f"{section}[0].points: wanted at least one control point, got {got}")
       for section in ("pin", "load") for points, got in (("none", '"none"'), ([], "[]"))),
     ({"pin": [{"name": "a", "points": "x-"}, {"name": "b", "points": "z-"}]},
      "pin[1].points: wanted control points that no other pin holds, got [0, 0, 0] and 3 more, held by pin[0] too"),
     ({"plane": [{"name": "a", "inputs": ["normal"]}]},
-     'plane[0].inputs: wanted them beside motion = "input" only, got ["normal"] with motion = "fixed"'),
+     'plane[0].inputs: wanted none with motion = "fixed", got ["normal"]; they need motion = "input"'),
     # mass
     (mesh("closed") | mass(total=3, density=5), "mass: wanted total or density, got total = 3 and density = 5"),
     *((mass(distribution=word), f'mass.distribution: "{word}" needs a {kind}, but the scene has no [mesh]')
@@ -67,7 +67,7 @@ REFUSED = [
        f"mass.{key}: {got} needs a closed mesh, but open.obj is open (holes in its surface, or faces turned inside out); {instead} instead")
       for key, value, got, instead in (("density", 5.0, "5.0", 'give "total"'), ("distribution", "volume", '"volume"', 'take "surface"'))),
     (mass(distribution="box", uniform_share=0.2),
-     'mass.uniform_share: wanted 0 where the distribution is "box", which leaves no point without mass, got 0.2'),
+     'mass.uniform_share: wanted 0 with distribution = "box", which leaves no point without mass, got 0.2'),
     (mass(inertia="matched") | lattice(points=[2, 4, 4]),
      'mass.inertia: "matched" wants 3 control points or more along each axis, got [2, 4, 4]; take "lumped" instead'),
     (mass(inertia="matched") | region(mass=2.0),
@@ -79,11 +79,11 @@ REFUSED = [
      f"{HOLDS}[0, 0, 0] to [2, 1, 3.9] m, which does not along z; leave out size{FOLLOWS}"),
     (mesh("closed") | lattice(origin=[0, 0, 1], size=[2, 1, 4]),
      f"{HOLDS}[0, 0, 1] to [2, 1, 5] m, which does not along z; leave out origin and size{FOLLOWS}"),
-    (lattice(margin=0.1), "lattice.margin: wanted 0, for there is no [mesh] whose box it would grow, got 0.1"),
+    (lattice(margin=0.1), "lattice.margin: wanted 0, because there is no [mesh] to enlarge, got 0.1"),
     (mesh("closed") | lattice(origin=[0, 0, 0], size=[2, 1, 4], margin=0.1),
-     "lattice.margin: wanted 0, for origin and size are both given, got 0.1"),
+     "lattice.margin: wanted 0, because origin and size are both given, got 0.1"),
     ({"probe": [{"name": "in", "at": [1, 0, 0.5]}, {"name": "out", "at": [0.5, 0.5, 1.001]}]},
-     "probe[1].at: wanted a place in the box [0, 0, 0] to [1, 1, 1] m, got [0.5, 0.5, 1.001]"),
+     "probe[1].at: wanted a position in the box [0, 0, 0] to [1, 1, 1] m, got [0.5, 0.5, 1.001]"),
     *((lattice(**box), "lattice: wanted control points that differ along x, got origin...")
       for box in ({"origin": [1e20, 0, 0], "size": [1, 1, 1]}, {"origin": [1.7e308, 0, 0], "size": [1.7e308, 1, 1]})),
     # control points
@@ -94,7 +94,7 @@ REFUSED = [
     (lattice(cells=32), "lattice.cells: wanted <= 31, got 32"),
     (lattice(cells=0), "lattice.cells: wanted >= 1, got 0"),
     (lattice(spacing=0.0), "lattice.spacing: wanted > 0 m, got 0.0"),
-    (lattice(spacing=1e-9), "lattice.spacing: wanted >= 0.0323 m, for a side has at most 31 cells, got 1e-09"),
+    (lattice(spacing=1e-9), "lattice.spacing: wanted >= 0.0323 m, because a side has at most 31 cells, got 1e-09"),
     (lattice(points="cubic", cells=99), "lattice.cells: wanted <= 31, got 99"),
     # material
     (rubber(material=RUBBER | {"stiffness": 2e3}),
@@ -104,10 +104,10 @@ REFUSED = [
     (region(youngs_modulus=1.0) | {"material": {"youngs_modulus": 0}}, "material.youngs_modulus: wanted > 0 Pa, got 0"),
     ({"material": {"internal_damping": -1}}, "material.internal_damping: wanted >= 0 s, got -1"),
     (rubber(lattice={"springs": "paper"}), 'lattice.springs: wanted "distinct", as springs of a youngs_modulus are, got "paper"'),
-    (rubber() | region(stiffness=4e3), "region[0].stiffness: wanted youngs_modulus, for the material has one, got stiffness = 4000"),
-    (region(youngs_modulus=4e3), "region[0].youngs_modulus: wanted stiffness, for the material has one, got youngs_modulus = 4000"),
+    (rubber() | region(stiffness=4e3), "region[0].stiffness: wanted youngs_modulus, because the material has one, got stiffness = 4000"),
+    (region(youngs_modulus=4e3), "region[0].youngs_modulus: wanted stiffness, because the material has one, got youngs_modulus = 4000"),
     (region(density=200.0),
-     'region[0].density: wanted it with mass.distribution = "box" only, whose cells have masses, got 200 with "uniform"'),
+     'region[0].density: wanted no density without mass.distribution = "box", got 200 with "uniform"'),
     *((rubber(region=[{"points": "z-", key: 1e3}]),
        f'region[0].points: wanted all eight corners of one cell at least, in which {key} would hold, got "z-"')
       for key in ("youngs_modulus", "internal_damping", "density")),
@@ -118,15 +118,15 @@ REFUSED = [
     (mesh("low") | rubber(), "...; the box is too flat or too long for nearly cubic ones, of which a side has at most 31"),
     # contact
     (ON_SURFACE | {"solver": {"method": "central_difference"}},
-     f'solver.method: {METHODS} or "backward_euler" beside contact.of = "surface", which it does not know, got "central_difference"'),
+     f'solver.method: {METHODS} or "backward_euler" with contact.of = "surface", got "central_difference"'),
     (ON_SURFACE | {"solver": {"method": "backward_euler"}, "sphere": [{"name": "ball", "radius": 1.0}]},
      'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12", "dop853" or "ros34pw2" beside a sphere, cylinder or box, '
      'got "backward_euler"'),
     (ON_SURFACE | {"contact": {"of": "lattice", "penetration": 0.01}},
-     'contact.penetration: wanted it beside of = "surface" only, got 0.01 with of = "lattice"'),
+     'contact.penetration: wanted none with of = "lattice", got 0.01; it needs of = "surface"'),
     ({"contact": {"of": "surface"}}, 'contact.of: "surface" needs a mesh, but the scene has no [mesh]; take "lattice" instead'),
     ({"sphere": [{"name": "ball", "radius": 1.0}]},
-     'contact.of: "lattice" knows planes alone, but the scene has a [[sphere]]; take "surface", which needs a [mesh]'),
+     'contact.of: "lattice" supports only planes, but the scene has a [[sphere]]; take "surface", which needs a [mesh]'),
     (ON_SURFACE | {"contact": {"of": "surfaces"}}, 'contact.of: wanted "surface" or "lattice", got "surfaces", did you mean "surface"?'),
     # what nobody gave is not blamed
     (lattice(points=[4, 4, 99]) | {"inputs": {"forces": [[0, 0, 50]]}}, "lattice.points[2]: wanted <= 32, got 99"),

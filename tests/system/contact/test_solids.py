@@ -177,7 +177,7 @@ def test_implicit_steps_and_the_lattice_refuse_them(body):
     ):
         body(bodies.sphere(1), sphere=[ball], method="backward_euler", step=0.0)
     for kind, solid in (("sphere", ball), ("box", {"name": "crate", "size": [1.0, 1.0, 1.0]})):
-        with pytest.raises(SceneError, match=rf"contact.of: .lattice. knows planes alone, but the scene has a \[\[{kind}\]\]"):
+        with pytest.raises(SceneError, match=rf"contact.of: .lattice. supports only planes, but the scene has a \[\[{kind}\]\]"):
             body(bodies.sphere(1), contact={"of": "lattice"}, **{kind: [solid]})
 
 

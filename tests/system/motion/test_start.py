@@ -125,7 +125,7 @@ def test_about_its_centre_of_mass_a_body_goes_where_its_velocity_says(rotation):
 def test_about_its_box_the_centre_of_mass_has_a_velocity_too_which_is_told(rotation):
     scene = uneven(**rotation)
     told = spin_note(scene, scene_masses(scene))
-    given = np.array(re.search(r"gives the centre of mass \((.*)\) m/s", told)[1].split(","), float)
+    given = np.array(re.search(r"which adds \((.*)\) m/s to initial.velocity", told)[1].split(","), float)
     np.testing.assert_allclose(speed_of_the_centre(scene) - VELOCITY, given, rtol=0, atol=0.005 * np.linalg.norm(given))
     assert np.linalg.norm(given) > 0.1
     assert spin_note(box(angular_velocity=[0.0, 0.0, 3.0]), scene_masses(box())) is None
