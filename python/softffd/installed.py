@@ -51,7 +51,7 @@ def library_function(name: str) -> Any:
     try:
         return getattr(loaded_library(), name)
     except AttributeError:
-        raise SoftffdError(f"{host_library()}: wanted this version's library, got one without {name}; install the package anew") from None
+        raise SoftffdError(f"{host_library()}: wanted this version's library, got one without {name}; reinstall the package") from None
 
 
 def libraries(platforms: Iterable[str] | None = None) -> dict[str, Path]:

@@ -72,7 +72,7 @@ def _opened(what: str | Path, error: bool) -> Scene | Path:
             if ESTIMATE not in component.by_name:
                 raise FmuError(
                     f"--error: {path} has no variable {ESTIMATE}; wanted an FMU whose scene says error_estimate = true in [solver]: "
-                    "build it anew with that, or run the scene itself with --error"
+                    "rebuild it with that, or run the scene itself with --error"
                 )
     return path
 

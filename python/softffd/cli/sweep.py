@@ -59,7 +59,7 @@ def _executor(scheduler: str | None, jobs: int | None) -> Iterator[Executor | No
         yield None
         return
     if jobs is not None:
-        raise SoftffdError("jobs: wanted without a scheduler, whose workers say how many runs there are at a time")
+        raise SoftffdError("jobs: wanted without a scheduler, whose workers decide how many runs there are at a time")
     distributed = package("distributed", "softffd sweep --scheduler", "clusters")
     try:
         client = distributed.Client(scheduler, timeout=CONNECTING, set_as_default=False)

@@ -19,8 +19,8 @@ that step to the middle of the expected one. The stiffness, one for each axis, i
 these ways; a step counts 0.8 of the next. It is never negative, and it is learnt and used only while the body pushes.
 
 `velocity` is the mean velocity over a following step of the same length. On a spring, velocity and force then satisfy the implicit
-midpoint rule, which keeps the energy at any step: the coupling neither feeds nor damps a contact of frequency omega (rad/s, of the plate
-on the body's stiffness), where the force held over the step feeds it by (step * omega)^3 / 8 a radian, or damps it.
+midpoint rule, which keeps the energy at any step: the coupling neither excites nor damps a contact of frequency omega (rad/s, of the plate
+on the body's stiffness), where the force held over the step excites it by (step * omega)^3 / 8 a radian, or damps it.
 
 Balance at every exchange, to rounding: momentum (as put out) + momentum of the body + step length * reaction (delay = 1: it is under
 way) = momentum at the start + impulse of weight and of other forces. With delay = 1 `momentum` is that at the start of the step done last.

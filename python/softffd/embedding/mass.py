@@ -176,7 +176,7 @@ def _require_all_positive(shares: np.ndarray, uniform_share: float) -> None:
     raise SoftffdError(
         f"mass.uniform_share: with {uniform_share:g}, control point {point} has practically no mass "
         f"({shares.min() * shares.size:.2g} of the mean), since the mesh has nothing near it, and could not be "
-        "simulated. Wanted a share that gives every point some mass; 0.1 is usual."
+        "simulated. Wanted a fraction that gives every point some mass; 0.1 is usual."
     )
 
 

@@ -117,7 +117,9 @@ class Wiring:
     def start(self, values: Mapping[str, Any]) -> None:
         """values: by end, numbers or vectors."""
         if values and (alike := [f"{a} and {b}" for a in self.elements for b in self.elements if a != b and b.startswith(a)]):
-            self.problems.append(f"components {alike[0]}: wanted names of which none begins with another, which fmpy takes start values by")
+            self.problems.append(
+                f"components {alike[0]}: wanted names of which none begins with another, because fmpy assigns start values by that"
+            )
         for name, given in values.items():
             ends = self._ends(name)
             each = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]

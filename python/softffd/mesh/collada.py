@@ -20,12 +20,12 @@ def read_dae(path: Path, data: bytes) -> Triangles:
     except (ElementTree.ParseError, ValueError, LookupError) as fault:
         raise damaged(path, f"its XML cannot be read ({fault})") from None
     if not _named(elements, "instance_visual_scene"):
-        raise MeshError(f"{path}: has no scene, so that no vertices stand anywhere; wanted <scene> with a visual scene")
+        raise MeshError(f"{path}: has no scene, so no vertices are placed; wanted <scene> with a visual scene")
     _require_points(path, elements)
     lost = _lost_bodies(elements)
     triangles = read_bodies(path, data)
     if lost and not len(triangles.faces):
-        raise MeshError(f"{path}: none of its bodies can be read: {'; '.join(lost)}. Wanted meshes that stand in the scene by themselves.")
+        raise MeshError(f"{path}: none of its bodies can be read: {'; '.join(lost)}. Wanted meshes that are placed in the scene directly.")
     return triangles._replace(looks=triangles.looks.and_notes(*lost, *_lost_looks(path, elements, triangles)))
 
 

@@ -98,7 +98,7 @@ def _header(where: str, names: list[str]) -> list[str]:
         raise FmuError(f"{wanted}, got {SEPARATORS[separator]} between them")
     if names[0] != "time":
         hint = "; `time` must be the first" if "time" in names else did_you_mean(nearest_of(names[0], ["time"]))
-        raise FmuError(f"{wanted}, got {names[0]!r} at its begin{hint}")
+        raise FmuError(f"{wanted}, got {names[0]!r} as the first name{hint}")
     if len(names) < 2:
         raise FmuError(f"{wanted}, got no name of an input")
     if "" in names:

@@ -92,7 +92,7 @@ class Obstacle(Part):
     friction = _number("Coulomb coefficient, >= 0")
     reaction = _vector("(3,) N: force of the object on the obstacle, mean of the last communication step")
     torque = _vector("(3,) N.m about `point`, mean of the last communication step")
-    centre = _vector("(3,) m: centre of pressure, where `reaction` acts; the plane's point where nothing presses")
+    centre = _vector("(3,) m: centre of pressure, where `reaction` acts; the plane's point without contact")
     contacts = _number("Number of control points, or points of the surface, in contact")
 
 

@@ -123,11 +123,11 @@ class Result:
         return green_strain(self._gradients(row, "strain"))
 
     def stress(self, row: int | slice = -1) -> np.ndarray:
-        """Cauchy stress of the springs in each cell [Pa], of the shape of `strain`; NaN in cells that are turned inside out. Parameters are
+        """Cauchy stress of the springs in each cell [Pa], of the shape of `strain`; NaN in inverted cells. Parameters are
         those of the start. SoftffdError for a run without its scene, too."""
         gradient = self._gradients(row, "stress")
         if self.scene is None:
-            raise SoftffdError(f"stress: wanted a run with its scene, which knows all springs{self.sceneless and f'; {self.sceneless}'}")
+            raise SoftffdError(f"stress: wanted a run with its scene, which defines the springs{self.sceneless and f'; {self.sceneless}'}")
         return cauchy_stress(gradient, cell_stiffness(self.scene, self.parameters), self._cell_sides())
 
     def _gradients(self, row: int | slice, who: str) -> np.ndarray:

@@ -12,7 +12,7 @@ from softffd.run.parts import require_name
 from softffd.run.result import Result
 from softffd.show.stage import Stage
 
-RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)  # the second: cells that are turned inside out, which have no stress
+RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)  # the second: inverted cells, which have no stress
 
 CELLS_AT_A_TIME = 200_000
 
@@ -36,7 +36,7 @@ COLOURS = {
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """A quantity of all cells over the frames (T, nx - 1, ny - 1, nz - 1), NaN where a cell is turned inside out; ends of its scale."""
+    """A quantity of all cells over the frames (T, nx - 1, ny - 1, nz - 1), NaN where a cell is inverted; ends of its scale."""
 
     name: str
     words: str

@@ -210,7 +210,7 @@ def _largest(stage: Stage, frames: np.ndarray) -> dict[str, float]:
 
 
 def _cells(cells: Cells) -> dict[str, Any]:
-    """Shares of the scale in 255 and whether a cell is turned inside out (T, cells, 2), x running fastest."""
+    """Shares of the scale in 255 and whether a cell is inverted (T, cells, 2), x running fastest."""
     low, high = cells.ends
     known = np.isfinite(cells.values)
     shares = np.where(known, (np.where(known, cells.values, low) - low) / (high - low), 0.0)

@@ -73,7 +73,7 @@ class Obstacle(Fixture):
         return HalfSpace(s.point + age * s.velocity, turned(s.normal, age * s.spin), s.velocity, s.spin)
 
     def centre(self, now: HalfSpace) -> np.ndarray:
-        """The centre of pressure [m] on the plane as it is now; its point where nothing presses."""
+        """The centre of pressure [m] on the plane as it is now; its point without contact."""
         pressing = -self.impulse @ now.normal
         return now.point - np.cross(now.normal, self.moment) / pressing if pressing > 0 else now.point
 

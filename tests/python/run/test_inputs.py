@@ -115,7 +115,7 @@ def test_what_is_no_source_is_refused_in_words(source, message):
         ("", "header line"),
         ("time,a\n", "at least one row"),
         ("t,a\n0,1\n", "line 1: wanted a header of `time`.*got 't'"),
-        ("Time,a\n0,1\n", "got 'Time' at its begin, did you mean \"time\"?"),
+        ("Time,a\n0,1\n", "got 'Time' as the first name, did you mean \"time\"?"),
         ("time [s],a\n0,1\n", 'did you mean "time"?'),
         ("a,time\n0,1\n", "`time` must be the first"),
         ("time;a\n0;1\n", "separated by commas, got semicolons"),

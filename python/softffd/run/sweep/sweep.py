@@ -59,7 +59,7 @@ def sweep(
     SoftffdError where `file` holds another sweep.
     """
     if jobs is not None and executor is not None:
-        raise SoftffdError("jobs: wanted without an executor, whose workers say how many runs there are at a time")
+        raise SoftffdError("jobs: wanted without an executor, whose workers decide how many runs there are at a time")
     if executor is not None and not hasattr(executor, "submit"):
         raise SoftffdError(f"executor: wanted one of concurrent.futures, got {type(executor).__name__}")
     if jobs is not None and jobs < 1:
