@@ -13,7 +13,7 @@ FLIGHT = (
 IN_FLIGHT = [FLIGHT]
 ABOVE_GROUND = (
     "modal superposition in a floating frame",
-    "a stiff body is in free flight near an obstacle: its modes describe its vibrations",
+    "a stiff body is in free flight near an obstacle; its modes describe its vibrations",
 )
 
 KINDS = ("kinetic", "elastic", "gravity", "dissipated")
