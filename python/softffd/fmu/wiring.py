@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 from xml.etree import ElementTree as Xml
 
 from softffd.errors import SoftffdError
+from softffd.fmu.absent import hint_for
 from softffd.fmu.block import number_of
-from softffd.fmu.interface import Interface, ScalarVariable
+from softffd.fmu.interface import IDENTIFIER, Interface, ScalarVariable
 from softffd.names import components_in, meant_by, parse_name, stem, structured, vectors_in
 from softffd.spelling import did_you_mean, nearest_of
 
@@ -177,8 +178,9 @@ class Wiring:
             return {"": End(owner, known[variable])}
         ends = {f".{c}": End(owner, known[full]) for c, full in components_in(known, variable).items()}
         if not ends:
-            nearest = nearest_of(variable, [*known, *sorted(vectors_in(known))])
-            self.problems.append(f"{name}: {element} has no such variable{did_you_mean(nearest and f'{element}.{nearest}')}")
+            hint = hint_for(variable, known, [*known, *sorted(vectors_in(known))], own=owner.interface.identifier == IDENTIFIER)
+            hint = hint.replace('did you mean "', f'did you mean "{element}.')
+            self.problems.append(f"{name}: {element} has no such variable{hint}")
         return ends
 
     def _unknown_element(self, name: str) -> None:

@@ -24,6 +24,10 @@ PARTS = {"a": box(plane=[LID], environment=FALL), "b": box(plane=[LID], environm
 REFUSED = {
     "unknown component": (("c.mass", "a.mass"), r"c\.mass: wanted COMPONENT\.VARIABLE of a, b"),
     "unknown variable": (("a.plane.lid.reactoin", "b.load.push"), r'a has no such variable, did you mean "a\.plane\.lid\.reaction"\?'),
+    "variable of another scene": (
+        ("a.energy.kinetic", "b.load.push.x"),
+        r"a\.energy\.kinetic: a has no such variable: its scene needs \[outputs\] energy = true",
+    ),
     "two outputs": (("a.plane.lid.reaction.x", "b.plane.lid.reaction.x"), "wanted an output and an input, got an output and an output"),
     "two inputs": (("a.plane.lid.point.x", "b.load.push.x"), "wanted an output and an input, got an input and an input"),
     "a parameter": (("a.plane.lid.reaction.x", "b.damping"), "got an output and a tunable parameter"),
