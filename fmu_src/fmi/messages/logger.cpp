@@ -95,7 +95,7 @@ std::string estimate(double value) { return number(two_digits(value)); }
 
 std::string within(double bound) {
   double rounded = two_digits(bound);
-  for (double share = 0.99; rounded > bound; share -= 0.01) rounded = two_digits(share * bound);
+  for (double factor = 0.99; rounded > bound; factor -= 0.01) rounded = two_digits(factor * bound);
   return number(rounded);
 }
 

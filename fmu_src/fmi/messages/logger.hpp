@@ -47,7 +47,7 @@ class Logger {
 std::string number(double value);
 /// A measured or estimated value with two digits, for messages.
 std::string estimate(double value);
-/// A bound with two digits, rounded so that what is said is within it.
+/// A bound with two digits, rounded so that the text is within it.
 std::string within(double bound);
 
 }  // namespace softffd::fmi

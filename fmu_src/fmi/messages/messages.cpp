@@ -8,15 +8,15 @@ namespace softffd::fmi {
 
 namespace {
 
-/// Share of the stability bound up to which neither friction nor resonance has been seen to feed an undamped body's vibrations.
-constexpr double quiet_share = 0.3;
-/// Error in tolerances from which on it is worth a word: what is said is an upper estimate more often than not.
+/// Fraction of the stability bound up to which neither friction nor resonance has been seen to feed an undamped body's vibrations.
+constexpr double quiet_fraction = 0.3;
+/// Error in tolerances from which on it is worth a warning: the stated error is an upper estimate more often than not.
 constexpr double doubtful = 3;
-/// Angle of an implicit contact step from which on what it takes from a rotation is worth a word [rad].
+/// Angle of an implicit contact step from which on what it takes from a rotation is worth a warning [rad].
 constexpr double damped_turn = 0.05;
-/// Share of the largest force by which friction may leave Coulomb's cone without a word.
+/// Fraction of the largest force by which friction may leave Coulomb's cone without a warning.
 constexpr double beside_the_cone = 1e-3;
-/// Jump of a pose, relative to the box, from which on it is worth a word [1].
+/// Jump of a pose, relative to the box, from which on it is worth a warning [1].
 constexpr double noticed_jump = 1e-6;
 
 std::string method_name(Method method, Reason reason) {
@@ -71,7 +71,7 @@ std::string rubbing_warning(SoftBody& body) {
   const Readings now = body.readings();
   if (!now.rubs_undamped()) return {};
   return "an undamped body slides on an obstacle with solver.step = " + number(body.settings.step) +
-         " s: friction can excite its vibrations; set solver.step below " + within(quiet_share * now.stable_step()) +
+         " s: friction can excite its vibrations; set solver.step below " + within(quiet_fraction * now.stable_step()) +
          " s or to 0, or add damping";
 }
 
@@ -84,7 +84,7 @@ std::string gain_warning(SoftBody& body, double time) {
                      " J by numerical error, where its largest energy is " + estimate(now.largest_energy()) + " J: ";
   if (given > 0)
     text += "solver.step = " + number(given) + " s excites its vibrations; set solver.step below " +
-            within(std::min(0.5 * given, quiet_share * now.stable_step())) + " s or to 0, or add damping";
+            within(std::min(0.5 * given, quiet_fraction * now.stable_step())) + " s or to 0, or add damping";
   else
     text += "smaller internal steps did not help; add damping, or set a smaller tolerance";
   return text;
@@ -166,7 +166,7 @@ void Messages::not_set_up() {
 }
 
 void Messages::begun(const SoftBody& body, double time) {
-  say_threads();
+  report_threads();
   warn_of_folding(body, time);
   for (const std::string& strained : strained_by_pins(scene_, body)) logger_.log(fmi2Warning, log_warning, at_time(time) + strained);
   if (body.readings().undecided())  // passes with a given step only
@@ -177,19 +177,19 @@ void Messages::begun(const SoftBody& body, double time) {
 
 void Messages::stepped(SoftBody& body, double time, double length) {
   once(rubbing, [&] { return rubbing_warning(body); });
-  say_choice(body);
+  report_choice(body);
   warn_of_folding(body, time);
-  say_share(body, time);
+  report_step_factor(body, time);
   once(gain, [&] { return gain_warning(body, time); });
   once(division, [&] { return division_warning(body, time); });
   once(turning, [&] { return turning_warning(body, time); });
   once(friction, [&] { return friction_warning(body, time); });
   if (logger_.on(log_warning)) once(jump, [&] { return jump_warning(body, scene_, time - length); });
-  say_error(body, time);
+  report_error(body, time);
 }
 
 /// Where a lattice has less work than the scene has threads for it.
-void Messages::say_threads() {
+void Messages::report_threads() {
   const Definition& of = scene_.definition;
   const int members = of.team ? of.team->members() : 1;
   if (scene_.threads == members || !logger_.on(log_solver)) return;
@@ -204,10 +204,10 @@ void Messages::warn_of_folding(const SoftBody& body, double time) {
 }
 
 /// Once, and again where it has become several times what was stated.
-void Messages::say_error(const SoftBody& body, double time) {
+void Messages::report_error(const SoftBody& body, double time) {
   const double lost = body.readings().stated_error(), allowed = body.settings.tolerance * body.lattice().largest_side();
-  if (!(lost > doubtful * std::max(allowed, said_.error)) || !logger_.on(log_warning)) return;
-  said_.error = lost;
+  if (!(lost > doubtful * std::max(allowed, reported_.error)) || !logger_.on(log_warning)) return;
+  reported_.error = lost;
   const StiffContact& stiff = body.run().path.stiff;
   const bool phases = stiff.unknown + stiff.grown > 0.5 * lost;
   logger_.log(
@@ -219,24 +219,24 @@ void Messages::say_error(const SoftBody& body, double time) {
                   : "set a smaller tolerance, or add damping"));
 }
 
-void Messages::say_share(const SoftBody& body, double time) {
+void Messages::report_step_factor(const SoftBody& body, double time) {
   const Readings now = body.readings();
-  if (now.step_factor() >= said_.share) return;
-  said_.share = now.step_factor();
-  logger_.log(
-      fmi2OK, log_solver,
-      at_time(time) + "the body gained energy with its usual internal steps; from now on they are multiplied by " + number(said_.share));
+  if (now.step_factor() >= reported_.step_factor) return;
+  reported_.step_factor = now.step_factor();
+  logger_.log(fmi2OK, log_solver,
+              at_time(time) + "the body gained energy with its usual internal steps; from now on they are multiplied by " +
+                  number(reported_.step_factor));
 }
 
 /// The method of a step and why it is taken, where either is another than before, or where a given step has to be divided much further.
-void Messages::say_choice(SoftBody& body) {
+void Messages::report_choice(SoftBody& body) {
   const Readings now = body.readings();
   const double h = now.internal_step(), asked = body.settings.step;
   const bool divided = asked > h * (1 + 1e-9) && asked > now.stable_step();
-  if (now.method() == said_.method && now.reason() == said_.reason && !(divided && h < 0.5 * said_.step)) return;
-  said_.method = now.method();
-  said_.reason = now.reason();
-  said_.step = h;
+  if (now.method() == reported_.method && now.reason() == reported_.reason && !(divided && h < 0.5 * reported_.step)) return;
+  reported_.method = now.method();
+  reported_.reason = now.reason();
+  reported_.step = h;
   const char* category = divided ? log_warning : log_solver;
   if (!logger_.on(category)) return;
   std::string text = method_name(now.method(), now.reason()) + ": " + reason_text(now.reason());

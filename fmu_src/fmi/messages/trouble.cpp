@@ -9,7 +9,7 @@ namespace {
 
 /// Depth behind a plane relative to the box that is rounding.
 constexpr double slight = 1e-9;
-/// Distance relative to the box by which a pin may begin off its place without a word.
+/// Distance relative to the box by which a pin may begin off its place without a warning.
 constexpr double noticed_strain = 1e-6;
 
 /// Where the body starts, what planes meet of it: samples of its surface, or the control points that no pin holds.
