@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/implicit/implicit_contact.hpp"
 #include "methods/ros34pw2.hpp"
 #include "methods/traits.hpp"
 #include "model/arithmetic.hpp"
@@ -15,10 +16,17 @@ namespace {
 /// Steps of the shadow in those of the run.
 constexpr double finer = 2.0 / 3;
 
-/// Whether the last communication step was a stiff body's beside an obstacle: the shadow goes by the same rules then.
+/// Whether the last communication step was a stiff or damped body's beside an obstacle: the shadow goes by the same rules then.
 bool of_impacts(const SoftBody& body) {
   const Reason reason = body.readings().reason();
-  return reason == Reason::impact || reason == Reason::ringing_flight || reason == Reason::stiff_contact;
+  const bool damped = reason == Reason::damped_contact || (body.settings.method == Method::sdirk2 && body.settings.step == 0);
+  return damped || reason == Reason::impact || reason == Reason::ringing_flight || reason == Reason::stiff_contact;
+}
+
+/// Of a vibration's amplitude, what a step of so many radians keeps.
+double kept(Method method, double angle) {
+  if (method == Method::backward_euler) return 1 / std::hypot(1, angle);
+  return method == Method::sdirk2 ? ImplicitContact::kept(angle) : Ros34pw2::kept(angle);
 }
 
 }  // namespace
@@ -125,8 +133,7 @@ void ErrorEstimate::follow_vibration(const SoftBody& body, double H, Count taken
     tally_.kept = 1;
   }
   const double angle = tally_.vibration.frequency * H / double(taken);
-  const bool euler = body.readings().method() == Method::backward_euler;
-  tally_.kept *= power(euler ? 1 / std::hypot(1, angle) : Ros34pw2::kept(angle), int(taken));
+  tally_.kept *= power(kept(body.readings().method(), angle), int(taken));
   tally_.damped_away = std::max(tally_.damped_away, tally_.vibration.amplitude * (1 - tally_.kept));
 }
 

@@ -42,6 +42,9 @@ bool squeezed(const Job& job, const State& state) {
   return false;
 }
 
+/// For how long a velocity of the body in contact lasts, its slowest vibration having this period [s]: internal damping takes it sooner.
+double ringing_time(const Job& job, double period) { return std::min(use::memory_periods * period, period + decay_time(job, period)); }
+
 /// Calls visit(place) for all that may touch: control points, or the surface's samples.
 template <class Visit>
 void visit_places(const Body& body, const Points& x, Visit visit) {
@@ -114,6 +117,12 @@ double slowest_period(const Job& job) {
   return std::min(use::period_per_time_scale * longest, left_of_run(job));
 }
 
+double decay_time(const Job& job, double period) {
+  const double time = job.model.body.springs.shortest_time();
+  constexpr double two_pi = 6.283185307179586;
+  return time > 0 ? std::max(2 * power(period / two_pi, 2) / time, time) : infinity;
+}
+
 NearestObstacle nearest_obstacle(const Job& job, const State& state) {
   NearestObstacle nearest;
   for (const Plane& plane : job.drive.planes) {
@@ -145,7 +154,7 @@ Outlook outlook(const Job& job, const State& state) {
   Outlook ahead{obstacle.normal, left, left, left, pressing};
   if (!job.drive.pins.empty()) return ahead;
   if (squeezed(job, state)) {
-    ahead.along_normal = std::min(left, use::memory_periods * slowest_period(job));
+    ahead.along_normal = std::min(left, ringing_time(job, slowest_period(job)));
     if (plane->friction > 0) ahead.along_plane = ahead.along_normal;
     return ahead;
   }
@@ -157,7 +166,7 @@ Outlook outlook(const Job& job, const State& state) {
   const double across = std::abs(velocity.dot(obstacle.normal)) + radius * tangential(obstacle.normal, spin).norm() +
                         std::sqrt(4 * kinetic_deformation(body, state) / motion.mass);
   const double along = tangential(obstacle.normal, velocity).norm() + radius * spin.norm();
-  ahead.along_normal = std::min(left, std::max(use::memory_periods * period, 4 * across / pressing));
+  ahead.along_normal = std::min(left, std::max(ringing_time(job, period), 4 * across / pressing));
   const double sliding = plane->friction > 0 ? 2 * along / (plane->friction * pressing) : infinity;
   ahead.along_plane = std::min(left, std::max(ahead.along_normal, sliding));
   return ahead;

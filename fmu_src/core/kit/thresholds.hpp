@@ -136,8 +136,8 @@ inline constexpr double least_implicit_work = 1e4;
 /// Explicit steps in what is left of a communication step, from which on a pinned body with internal damping takes implicit ones where no
 /// race has found any [1].
 inline constexpr double stiff_damping = 500;
-/// Work of explicit steps that an implicit one has to replace to pay, it being run twice [1].
-inline constexpr double worth_damping = 450;
+/// What an implicit step takes that pays in the place of explicit ones: factors, it being run twice, and solutions with each.
+inline constexpr double damped_runs = 3, damped_solutions = 10;
 /// First step, and explicit steps before implicit ones are tried again, in the shortest that pay; how often the latter get twice as many.
 inline constexpr double first_damped = 2, damped_turn = 2;
 inline constexpr Count most_damped_doubts = 6;

@@ -23,8 +23,6 @@ Outlook ahead(const Job& job) {
   return {Vec3::UnitZ(), left, left, left, 0};
 }
 
-constexpr double two_pi = 6.283185307179586;
-
 }  // namespace
 
 struct DampedSteps::Call {
@@ -38,15 +36,14 @@ struct DampedSteps::Call {
   double worth() const {
     const double known = job.run.course.damped.rate,
                  forecast = use::doubled_work * step_work(job.model.body, Method::leapfrog, limit) / limit;
-    return use::worth_damping / (known > 0 ? known : forecast);
+    const ImplicitWork& work = integrators.implicit_work();
+    return use::damped_runs * (work.factor + use::damped_solutions * work.solution) / (known > 0 ? known : forecast);
   }
   double tolerance() const { return job.request.tolerance * power(job.request.step_factor, 2); }
   /// Until an error of now is forgotten [s]: pins take a body back to where its slowest vibration dies away.
   double memory() const {
-    const double left = std::min(left_of_run(job), job.model.longest_memory), time = job.model.body.springs.shortest_time();
-    if (job.drive.pins.empty() || !(time > 0)) return left;
-    const double slowest = power(slowest_period(job) / two_pi, 2);  // 1 / omega^2
-    return std::min(left, std::max(2 * slowest / time, time));
+    const double left = std::min(left_of_run(job), job.model.longest_memory);
+    return job.drive.pins.empty() ? left : std::min(left, decay_time(job, slowest_period(job)));
   }
   double allowed(double h) const {
     const double rounding =
@@ -71,7 +68,7 @@ StepStatus DampedSteps::run(Integrators& integrators, const Job& job, double end
       if (const StepStatus status = take_explicit(call); status != StepStatus::ok) return status;
       continue;
     }
-    const Count parts = divisions(left, record.h);
+    const Count parts = divisions(left, std::min(record.h, left) * job.request.step_factor);
     const double until = parts == 1 ? end : motion.time + left / double(parts);
     if (record.trust > 0 && step_once(call, until)) continue;
     if (const StepStatus status = step_twice(call, until); status != StepStatus::ok) return status;
@@ -232,7 +229,6 @@ StepStatus DampedSteps::take_explicit(const Call& call) {
   const double begin = job.run.path.motion.time, length = double(Count{1} << record.doubts) * use::damped_turn * call.worth();
   const double until = begin + length < call.end ? begin + length : call.end;
   job.run.course.method = Method::leapfrog;
-  job.run.course.reason = Reason::contact;
   const double before = job.run.course.work;
   const StepStatus status = call.others->run(call.integrators, job, until);
   record.rate = (job.run.course.work - before) / (until - begin);

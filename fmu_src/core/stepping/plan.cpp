@@ -58,10 +58,11 @@ Plan impacts(bool rings) {
   return {.method = Method::backward_euler, .steps = Steps::impacts, .reason = Reason::stiff_contact, .rings = rings};
 }
 
-/// An obstacle is within reach: what is not stiff takes leapfrog. So does what has internal damping, which the modes of a flight do not
-/// know, so that nothing would see the echo of an impact; unless its impacts are to be passed over.
+/// An obstacle is within reach: what has internal damping takes implicit steps where they pay, what is not stiff takes leapfrog. The modes
+/// of a flight know no internal damping, so that nothing would see the echo of an impact.
 Plan plan_contact(const Facts& facts, const Asked& asked) {
-  if (facts.dashpots && asked.method == Method::automatic && !facts.given_step && !facts.solids)
+  const bool own = asked.method == Method::automatic || is_implicit(asked.method);
+  if (facts.dashpots && own && !facts.given_step && !facts.solids)
     return {.method = Method::sdirk2, .steps = Steps::damped, .reason = Reason::damped_contact};
   if (!facts.stiffness) return wanting(Want::stiffness);
   if (may_be_stiff(facts, asked) && stiff(facts)) {

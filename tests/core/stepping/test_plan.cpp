@@ -8,8 +8,8 @@ using namespace softffd;
 
 namespace {
 
-constexpr Method all[] = {Method::automatic, Method::central_difference, Method::leapfrog,       Method::bm4,           Method::rkn12,
-                          Method::dop853,    Method::ros34pw2,           Method::backward_euler, Method::floating_frame};
+constexpr Method all[] = {Method::automatic, Method::central_difference, Method::leapfrog,       Method::bm4,    Method::rkn12,
+                          Method::dop853,    Method::ros34pw2,           Method::backward_euler, Method::sdirk2, Method::floating_frame};
 
 struct Planned {
   std::vector<Method> asked;  ///< each of them, for the same facts
@@ -48,6 +48,8 @@ TEST(without_obstacles_everybody_gets_what_was_asked_for_unless_damping_forbids_
       {{central_difference, leapfrog, bm4}, {}, automatic, Steps::fitted},
       {{rkn12, dop853, ros34pw2, floating_frame}, {}, automatic, Steps::controlled},
       {{backward_euler}, {.given_step = true}, automatic, Steps::implicit},
+      {{sdirk2}, {}, automatic, Steps::damped},
+      {{sdirk2}, {.given_step = true, .counted = true}, automatic, Steps::implicit},
       {{automatic, backward_euler}, {}, leapfrog, Steps::raced},
       {{automatic}, {.given_step = true}, leapfrog, Steps::fitted, Reason::given_step},
       {{automatic}, {.given_step = true, .counted = true}, leapfrog, Steps::counted, Reason::given_step},
@@ -88,10 +90,12 @@ TEST(within_reach_leapfrog_runs_every_stretch_twice_and_given_steps_stay_given) 
   });
 }
 
-TEST(stiff_bodies_beside_obstacles_fly_strike_and_rest_unless_internal_damping_forbids_it) {
+TEST(stiff_bodies_beside_obstacles_fly_strike_and_rest_and_damped_ones_creep) {
   using enum Method;
   Facts damped = beside(true, 1e4), lasting = beside(true, 1.01 * thresholds::stiff_contact_of_long_runs), forever = lasting;
   damped.damped = damped.dashpots = true;
+  Facts beside_solids = damped, given = damped;
+  beside_solids.solids = given.given_step = true;
   lasting.length = 1.01 * thresholds::long_contact / *lasting.stiffness;  // stiff in short communication steps too if the run is long
   forever.stiffness = thresholds::stiff_contact_of_long_runs;
   forever.length = 1e6;
@@ -99,7 +103,10 @@ TEST(stiff_bodies_beside_obstacles_fly_strike_and_rest_unless_internal_damping_f
       {{automatic, ros34pw2, floating_frame, backward_euler}, beside(true, 1e4), backward_euler, Steps::impacts, Reason::stiff_contact},
       {{leapfrog}, beside(true, 1e4), automatic, Steps::doubled},
       {{bm4, rkn12, dop853}, beside(true, 1e4), leapfrog, Steps::doubled, Reason::contact},
-      {{automatic, ros34pw2}, damped, leapfrog, Steps::doubled, Reason::contact},
+      {{automatic, ros34pw2}, damped, sdirk2, Steps::damped, Reason::damped_contact},
+      {{dop853}, damped, leapfrog, Steps::doubled, Reason::contact},
+      {{automatic}, beside_solids, leapfrog, Steps::doubled, Reason::contact},
+      {{automatic}, given, leapfrog, Steps::fitted, Reason::contact},
       {{backward_euler}, damped, automatic, Steps::implicit},  // impacts are to be passed over
       {{automatic}, beside(true, thresholds::stiff_contact), leapfrog, Steps::doubled, Reason::contact},
       {{automatic}, beside(true, 1.01 * thresholds::stiff_contact), backward_euler, Steps::impacts, Reason::stiff_contact},

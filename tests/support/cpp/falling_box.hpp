@@ -89,7 +89,9 @@ struct CheckedRun {
     const Points x0 = scene.state.x;
     const Vec3 momentum = scene.momentum();
     const double energy = scene.energy();
-    const StepStatus status = method.advance({scene.body, scene.around}, time, h, true, scene.state, exchange);
+    const Equations equations{scene.body, scene.around};
+    const StepStatus status = sdirk2 ? method.advance_sdirk2(equations, time, h, 0, true, scene.state, exchange)
+                                     : method.advance(equations, time, h, true, scene.state, exchange);
     CHECK(status == StepStatus::ok);
     if (status != StepStatus::ok) return false;
     time += h;
@@ -118,6 +120,7 @@ struct CheckedRun {
   ImplicitContact method;
   Exchange exchange;
   double time = 0, loss = 0;
+  bool sdirk2 = false;
 };
 
 /// Steps each by a method of its own have the bits of those of one: the state has all that the next step begins with.

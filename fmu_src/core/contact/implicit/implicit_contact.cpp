@@ -134,6 +134,10 @@ bool ImplicitContact::close(const Step& step, double outside, double work, bool 
   return true;
 }
 
+double ImplicitContact::kept(double angle) {
+  return std::hypot(1, (1 - 2 * gamma) * angle) / (1 + gamma * gamma * angle * angle);
+}
+
 void ImplicitContact::take(State& state) {
   stage_.touches().hold(state);
   state.x.swap(stage_.x);

@@ -49,6 +49,9 @@ class ImplicitContact {
   /// strikes.
   double bend() const { return bend_; }
 
+  /// Of an undamped vibration's amplitude, what a step of SDIRK2 keeps that is so many radians long [1].
+  static double kept(double angle);
+
   /// Counted since the start.
   Count steps() const { return steps_; }        ///< tried; of which
   Count halvings() const { return halvings_; }  ///< had to be done in two halves
