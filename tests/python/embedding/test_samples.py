@@ -55,6 +55,7 @@ def test_no_deformation_takes_others_further_behind_a_plane_than_is_said(sphere)
     order = farthest_first(axes, int(sphere.vertices[:, 2].argmin()), 300)
     bound = most_behind(axes, order)
     assert 0.02 < bound < 0.035
+    assert 0.02 < most_behind(axes, order, 0.02) <= bound == most_behind(axes, order, 0.035)
     random, worst = np.random.default_rng(7), 0.0
     for size in (0.02, 0.1, 0.3, 1.0):
         for _ in range(20):

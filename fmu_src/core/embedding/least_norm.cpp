@@ -1,0 +1,86 @@
+#include "embedding/least_norm.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softffd {
+namespace {
+
+constexpr int most_cycles = 4 * most_vectors;  // some six are needed
+constexpr double least_gain = 1e-6;            // of the square: what is not worth another cycle
+constexpr double least_share = 1e-14;
+
+using Matrix = double[most_vectors][most_vectors];
+
+/// Solves a x = (1, .. 1) for a positive definite a of `count` rows, which it overwrites, by Cholesky's factor; false where it is none.
+bool solve(Matrix& a, int count, double* x) {
+  for (int i = 0; i < count; ++i) {
+    x[i] = 1;
+    for (int j = 0; j <= i; ++j) {
+      for (int k = 0; k < j; ++k) a[i][j] -= a[i][k] * a[j][k];
+      if (i == j && !(a[i][i] > 0)) return false;
+      a[i][j] = i == j ? std::sqrt(a[i][i]) : a[i][j] / a[j][j];
+      if (j < i) x[i] -= a[i][j] * x[j];
+    }
+    x[i] /= a[i][i];
+  }
+  for (int i = count - 1; i >= 0; --i) {
+    for (int k = i + 1; k < count; ++k) x[i] -= a[k][i] * x[k];
+    x[i] /= a[i][i];
+  }
+  return true;
+}
+
+struct Combination {
+  Matrix products;
+  std::vector<double> shares;
+  std::vector<int> in;  // the vectors that have shares
+
+  /// Goes towards the point of least norm in the plane through the vectors, as far as no share is negative: how far, 1 for all the way.
+  double step() {
+    Matrix part;
+    double goal[most_vectors], sum = 0, step = 1;
+    const int count = int(in.size());
+    for (int i = 0; i < count; ++i)
+      for (int j = 0; j <= i; ++j) part[i][j] = products[in[i]][in[j]] + products[in[0]][in[0]];  // sums of shares are 1: a constant more
+    if (!solve(part, count, goal)) return 1;
+    for (int i = 0; i < count; ++i) sum += goal[i];
+    for (int i = 0; i < count; ++i) {
+      goal[i] /= sum;
+      if (goal[i] <= 0) step = std::min(step, shares[in[i]] / (shares[in[i]] - goal[i]));
+    }
+    for (int i = 0; i < count; ++i) shares[in[i]] += step * (goal[i] - shares[in[i]]);
+    for (const int s : in) shares[s] = shares[s] > least_share ? shares[s] : 0;
+    std::erase_if(in, [&](int s) { return shares[s] == 0; });
+    return step;
+  }
+};
+
+}  // namespace
+
+std::vector<double> least_norm(int count, const std::function<const double*(int s)>& products, double enough) {
+  Combination found;
+  found.shares.assign(count, 0.0);
+  found.shares[0] = 1;
+  std::vector<double> along(count);
+  for (int cycle = 0, to = 0; cycle < most_cycles; ++cycle) {
+    std::copy_n(products(to), count, found.products[to]);
+    found.in.push_back(to);
+    while (found.step() < 1) {
+    }
+    double square = 0;
+    std::fill(along.begin(), along.end(), 0.0);
+    for (const int s : found.in)
+      for (int t = 0; t < count; ++t) along[t] += found.shares[s] * found.products[s][t];
+    for (const int s : found.in) square += found.shares[s] * along[s];
+    if (std::sqrt(std::max(square, 0.0)) <= enough) return {};
+    to = int(std::min_element(along.begin(), along.end()) - along.begin());
+    if (along[to] >= (1 - least_gain) * square || found.shares[to] > 0) break;
+  }
+  double sum = 0;
+  for (const double share : found.shares) sum += share;
+  for (double& share : found.shares) share /= sum;
+  return found.shares;
+}
+
+}  // namespace softffd
