@@ -4,13 +4,14 @@ Read here and not by trimesh, which takes index 0 for vertex 1, counts relative 
 passes over faces of two corners and lines it does not know, and splits vertices by their normals.
 """
 
+import sys
+from array import array
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import Generic, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from softffd.mesh.looks import Group, Looks
 from softffd.mesh.mtl import Library, without_comment
@@ -25,9 +26,9 @@ def read_obj(path: Path, data: bytes) -> Triangles:
     records, number = _Records(path), 1
     data = plain_text(data).removesuffix(b"\0").removesuffix(b"\x1a")
     lines = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines()
-    for key, run in groupby(lines, lambda line: line.split(None, 1)[:1]):
+    for key, run in groupby(lines, lambda line: line.partition(b" ")[0]):
         same = list(run)
-        if not (key and records.read_alike(key[0], number, same)):
+        if not records.read_alike(key, number, same):
             for place, line in enumerate(same, number):
                 records.read_line(place, line)
         number += len(same)
@@ -39,6 +40,9 @@ T = TypeVar("T")
 _NAMING = {b"mtllib", b"usemtl", b"o", b"g"}
 """Records whose rest of the line is a name, with `#` and blanks."""
 
+_FACE = bytes.maketrans(b"f/", b"0 ")
+"""Makes numbers of faces: 0, which is no index, begins one."""
+
 _MARKS = {bytes([mark]) for mark in b"$!%&*;@~"}
 """Lines that begin so are other programs' comments."""
 
@@ -48,8 +52,7 @@ class _Records:
 
     def __init__(self, path: Path):
         self.path = path
-        self.vertices: list[list[float]] = []
-        self.texels: list[list[float]] = []
+        self.vertices, self.texels = array("d"), array("d")  # one after the other, three and two numbers each
         self.corners: list[int] = []
         self.texel_corners: list[int] = []
         self.counts: list[int] = []
@@ -77,29 +80,27 @@ class _Records:
         if key not in (b"v", b"vt") or (rows := _rows(lines, 3 if key == b"v" else 2)) is None:
             return key == b"vn"
         if key == b"vt":
-            self.texels += rows[:, :2].tolist()
+            self.texels.frombytes(rows[:, :2].tobytes())
             return True
         if rows.shape[1] in (6, 7):
-            self.colours.update(enumerate(rows[:, 3:6].tolist(), len(self.vertices)))
-        self.vertices += rows[:, :3].tolist()
+            self.colours.update(enumerate(rows[:, 3:6].tolist(), len(self.vertices) // 3))
+        self.vertices.frombytes(rows[:, :3].tobytes())
         return True
 
     def _read_faces(self, first: int, lines: list[bytes]) -> bool:
         """Read faces whose corners are all written one way, "1", "1/1", "1//1" or "1/1/1"."""
         text = b" ".join(lines)
-        words = text.split()
-        slashes = {word.translate(None, b"0123456789") for word in words if word != b"f"}
-        if slashes not in ({b""}, {b"/"}, {b"//"}):
+        marks, corners = text.translate(None, b"0123456789").split(), len(text.split()) - len(lines)
+        slashes = {*marks} - {b"f"}
+        if slashes not in (set(), {b"/"}, {b"//"}) or len(marks) - len(lines) not in (0, corners):
             return False
-        corners, double = len(words) - len(lines), text.count(b"//")
-        each = 1 + len(slashes.pop()) - (double > 0)
-        try:
-            numbers = np.array(list(map(int, text.replace(b"/", b" ").replace(b"f", b"0").split())), dtype=np.int64)
-        except OverflowError:
-            return False
+        numbers, double = np.fromstring(text.translate(_FACE), dtype=np.int64, sep=" "), text.count(b"//")
+        each = 1 + len(b"".join(slashes)) - (double > 0)
         starts = np.flatnonzero(numbers == 0)
         counts = (np.diff(starts, append=len(numbers)) - 1) // each
         if len(starts) != len(lines) or len(numbers) - len(lines) != each * corners or double not in (0, corners) or counts.min() < 3:
+            return False
+        if numbers.max() == np.iinfo(np.int64).max:
             return False
         table = numbers[numbers > 0].reshape(corners, each) - 1
         self.corners += table[:, 0].tolist()
@@ -128,7 +129,7 @@ class _Records:
             elif key == b"f":
                 self._read_face(number, words[1:])
             elif key == b"vt":
-                self.texels.append([*_numbers(words[1:3], 1), 0.0][:2])
+                self.texels.extend([*_numbers(words[1:3], 1), 0.0][:2])
             elif key[:1] in _MARKS and decoded(b" ".join(words)).isprintable():
                 self.passed_over.append(number)
             elif not key.replace(b"_", b"").isalnum() or key[:1].isdigit():
@@ -139,8 +140,8 @@ class _Records:
 
     def _read_vertex(self, words: list[bytes]) -> None:
         if len(words) in (6, 7):  # the seventh is opacity
-            self.colours[len(self.vertices)] = _numbers(words[3:6], 3)
-        self.vertices.append(_numbers(words[:3], 3))
+            self.colours[len(self.vertices) // 3] = _numbers(words[3:6], 3)
+        self.vertices.extend(_numbers(words[:3], 3))
 
     def _read_face(self, number: int, words: list[bytes]) -> None:
         if len(words) < 3:
@@ -148,28 +149,24 @@ class _Records:
         for word in words:
             vertex, _, rest = word.partition(b"/")
             texel = rest.partition(b"/")[0]
-            self.corners.append(_from_zero(vertex, len(self.vertices)))
-            self.texel_corners.append(_from_zero(texel, len(self.texels)) if texel else -1)
+            self.corners.append(_from_zero(vertex, len(self.vertices) // 3))
+            self.texel_corners.append(_from_zero(texel, len(self.texels) // 2) if texel else -1)
         self._add_faces([number], [len(words)])
 
     def triangles(self) -> Triangles:
-        positions = np.array(self.vertices, dtype=float).reshape(-1, 3)
-        corners = self._checked("vertex", self.corners, len(positions))
+        positions = np.array(self.vertices).reshape(-1, 3)
+        corners = self._checked("vertex", np.array(self.corners, dtype=np.int64), len(positions))
         if not self.texels:
             return assemble(positions, corners, self.counts, looks=self._looks())
-        texels, texel_corners = np.array(self.texels), np.array(self.texel_corners, dtype=np.int64)
+        texels, texel_corners = np.array(self.texels).reshape(-1, 2), np.array(self.texel_corners, dtype=np.int64)
         if (texel_corners < 0).any():
             texel_corners[texel_corners < 0] = len(texels)
             texels = np.vstack([texels, [0.0, 0.0]])
         self._checked("texture coordinate", texel_corners, len(texels))
         return assemble(positions, corners, self.counts, texels=texels, texel_corners=texel_corners, looks=self._looks())
 
-    def _checked(self, what: str, given: ArrayLike, count: int) -> np.ndarray:
-        """The corners' indices as an array; none points outside the `count` records of its kind."""
-        try:
-            indices = np.array(given, dtype=np.int64)
-        except OverflowError:
-            raise damaged(self.path, f"a face refers to a {what} beyond all files") from None
+    def _checked(self, what: str, indices: np.ndarray, count: int) -> np.ndarray:
+        """The corners' indices, none of which points outside the `count` records of its kind."""
         place = first_outside(indices, count)
         if place >= 0:
             line = self.face_lines[np.searchsorted(np.cumsum(self.counts), place, side="right")]
@@ -189,7 +186,7 @@ class _Records:
         """White where a vertex has none; of 0 .. 255 in files that count so."""
         if not self.colours:
             return None
-        colours = np.ones((len(self.vertices), 3))
+        colours = np.ones((len(self.vertices) // 3, 3))
         given = np.array(list(self.colours.values()))
         colours[list(self.colours)] = given / (255.0 if given.max() > 1 else 1.0)
         return np.nan_to_num(colours).clip(0, 1)
@@ -243,4 +240,6 @@ def _from_zero(word: bytes, count: int) -> int:
         raise ValueError("wanted corners as in 'f 1 2 3' or 'f 1/1 2/2 3/3'") from None
     if index == 0 or index < -count:
         raise ValueError(f"a face refers to record {index}; wanted 1 and up, or -1 down to -{count}")
+    if index > sys.maxsize:
+        raise ValueError("a face refers to a record beyond all files")
     return index - 1 if index > 0 else count + index

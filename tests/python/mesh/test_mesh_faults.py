@@ -51,7 +51,8 @@ def faults():
         "face cut off": ("a.obj", TETRAHEDRON + FACES + "f 1 2", "line 9, 'f 1 2': a face needs at least 3 corners"),
         "vertex cut off": ("a.obj", "v 0 0 0\nv 1 0", "line 2, 'v 1 0': wanted 3 numbers, got 2"),
         "no number": ("a.obj", "v 0 0 zero\n", "line 1, 'v 0 0 zero': wanted numbers"),
-        "huge index": ("a.obj", TETRAHEDRON + f"f 1 2 {10**30}\n", "beyond all files"),
+        "huge index": ("a.obj", TETRAHEDRON + f"f 1 2 {10**30}\n", "line 5, .*beyond all files"),
+        "huge texture index": ("a.obj", TETRAHEDRON + f"vt 0 1\nf 1/1 2/1 3/{10**30}\n", "line 6, .*beyond all files"),
         "nan obj": (
             "a.obj",
             TETRAHEDRON.replace("0 1 0", "0 nan 0") + FACES,
