@@ -48,20 +48,23 @@ struct Places {
 };
 
 template <int lanes>
-INNER void products(const Places& places, kernels::In q, Index begin, double* found) {
-  kernels::Lanes<lanes> sum[3] = {};
-  const double* row = places.weights.data() + begin;
-  for (int axis = 0; axis < 3; ++axis)
-    for (Index i = 0; i < places.n; ++i, row += places.count) sum[axis] += kernels::load<lanes>(row) * q[axis * places.n + i];
-  kernels::store<lanes>(found + begin, sum[0] * sum[1] * sum[2]);
+INNER void products(const Places& places, kernels::In q, Index& at, double* found) {
+  const Index n = places.n, count = places.count;
+  for (; at + lanes <= count; at += lanes) {
+    kernels::Lanes<lanes> sum[3] = {};
+    const double* row = places.weights.data() + at;
+    for (Index i = 0; i < n; ++i)
+      for (int axis = 0; axis < 3; ++axis) sum[axis] += kernels::load<lanes>(row + (axis * n + i) * count) * q[axis * n + i];
+    kernels::store<lanes>(found + at, sum[0] * sum[1] * sum[2]);
+  }
 }
 
 /// W_p . W_q of all places p.
 void products(const Places& places, const Place& q, Numbers& found) {
   found.resize(places.count);
   Index at = 0;
-  for (; at + 8 <= places.count; at += 8) products<8>(places, q.weights.data(), at, found.data());
-  for (; at < places.count; ++at) products<1>(places, q.weights.data(), at, found.data());
+  products<4>(places, q.weights.data(), at, found.data());
+  products<1>(places, q.weights.data(), at, found.data());
 }
 
 /// |W_p - W_q|^2 of all places p.

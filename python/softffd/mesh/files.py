@@ -60,12 +60,13 @@ def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
         raise MeshError(f"{path}: mesh.scale: wanted a number > 0, got {scale}")
     read = _read(path)
     _require_faces(path, read.vertices, read.faces)
-    used, index = np.unique(read.faces, return_inverse=True)
+    counts = np.bincount(read.faces.ravel())
+    used, index = np.flatnonzero(counts), (np.cumsum(counts > 0) - 1)[read.faces]
     _require_finite(path, read.vertices[used])
     if path.suffix.lower() in _SOUPS:
         merged, used = _merged(read, used)
         index = merged[index]
-    vertices, faces = scale * (read.vertices[used] @ _TO_Z_UP[up].T), index.reshape(-1, 3)
+    vertices, faces = scale * (read.vertices[used] @ _TO_Z_UP[up].T), index
     _require_body(path, vertices, faces)
     uv = None if read.uv is None else read.uv[used]
     unsure = doubt(habit_of(path), float(np.ptp(vertices, axis=0).max())) if scale == 1.0 else ""
