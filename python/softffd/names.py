@@ -103,7 +103,7 @@ def parse_name(name: str) -> Name | None:
     """Family, instance and component of a name in either form; None for what is no name of the table."""
     possible = []
     for pattern, key, kind in _shapes().get(_first_word(name), ()):
-        if found := pattern.fullmatch(name):
+        if found := re.fullmatch(pattern, name):  # compiles those of this first word alone
             words = found.groupdict()
             point = (int(words["i"]), int(words["j"]), int(words["k"])) if "i" in words else None
             possible.append(Name(key, Part(kind, words["name"]) if kind else point, words.get("c", "")))
@@ -240,12 +240,12 @@ def _first_word(name: str) -> str:
 
 
 @cache
-def _shapes() -> dict[str, list[tuple[re.Pattern[str], str, str]]]:
+def _shapes() -> dict[str, list[tuple[str, str, str]]]:
     """What names look like in either form, by their first word: the pattern, the row's key, and the kind of part or nothing.
 
     Of families of one name the first in the table has it.
     """
-    shapes: dict[str, list[tuple[re.Pattern[str], str, str]]] = {}
+    shapes: dict[str, list[tuple[str, str, str]]] = {}
     known = set()
     for row in _rows().values():
         words = {"{name}": f"(?P<name>{IDENTIFIER})", "{c}": f"(?P<c>[{row.get('components', '')}])"}
@@ -256,5 +256,5 @@ def _shapes() -> dict[str, list[tuple[re.Pattern[str], str, str]]]:
                 pattern = "".join(words.get(piece) or re.escape(piece) for piece in re.split(r"(\{\w+\})", shape))
                 if pattern not in known:
                     known.add(pattern)
-                    shapes.setdefault(_first_word(shape), []).append((re.compile(pattern), row["key"], kind))
+                    shapes.setdefault(_first_word(shape), []).append((pattern, row["key"], kind))
     return shapes

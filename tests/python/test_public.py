@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -13,10 +14,10 @@ PUBLIC = [
 ]
 
 
-def loaded_after(program: str) -> set[str]:
-    """The packages that a new interpreter has loaded after a program."""
+def loaded_after(program: str, folder: Path | None = None) -> set[str]:
+    """The packages that a new interpreter has loaded after a program, which runs in the folder."""
     program = f"{program}\nimport sys; print(*{{name.partition('.')[0] for name in sys.modules}})"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=folder)
     return set(done.stdout.split())
 
 
@@ -61,6 +62,23 @@ HEAVY = {"numpy", "fmpy", "pydantic", "PIL", "matplotlib", "trimesh", "scipy", "
 )
 def test_packages_are_loaded_when_they_are_needed(program, wanted):
     assert loaded_after(program) & HEAVY <= wanted
+
+
+@pytest.mark.parametrize(
+    "command, wanted",
+    [
+        ("--help", set()),
+        ("new box.toml", {"numpy"}),
+        ("info press", {"numpy", "pydantic"}),
+        ("build press", {"numpy", "pydantic"}),
+        ("run press --no-pictures --stop-time 0.01", {"numpy", "pydantic", "fmpy"}),
+    ],
+)
+def test_commands_load_no_package_that_they_do_without(command, wanted, tmp_path):
+    program = (
+        f"import sys; sys.argv = ['softffd', *{command!r}.split()]\nfrom softffd.cli.command import main\ntry: main()\nexcept SystemExit: 0"
+    )
+    assert loaded_after(program, tmp_path) & HEAVY == wanted
 
 
 def test_the_package_says_that_it_is_typed():

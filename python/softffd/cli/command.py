@@ -11,7 +11,6 @@ import json
 import os
 import shlex
 import sys
-import webbrowser
 from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec
@@ -142,6 +141,8 @@ def _run(options: argparse.Namespace) -> None:
         reached, wanted = result.summary["simulated_time_s"], result.summary["interrupted_before_s"]
         raise KeyboardInterrupt(f"at {reached:g} s of {wanted:g} s; what was simulated until then is kept in {folder}")
     if options.view:
+        import webbrowser
+
         webbrowser.open((folder / "view.html").resolve().as_uri())
 
 
@@ -215,6 +216,8 @@ def _new(options: argparse.Namespace) -> None:
 
 
 def _view(options: argparse.Namespace) -> None:
+    import webbrowser
+
     from softffd.cli.keep import page_of
 
     with ProgressLine("writing view.html"):

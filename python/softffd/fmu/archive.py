@@ -8,8 +8,6 @@ from functools import cache
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
-import fmpy
-
 from softffd.errors import FmuError, SoftffdError
 from softffd.files import replacing
 from softffd.installed import host_library, loaded_library
@@ -33,6 +31,8 @@ def write_archive(path: Path, entries: Mapping[str, bytes]) -> None:
 def unpack(path: Path, folder: str) -> str | None:
     """Unpacks what a run reads: no documentation, no libraries of other platforms. Returns the path of the installed library where the FMU
     has the same one, which is not unpacked then: that and loading it again would take longer than a thousand communication steps."""
+    import fmpy
+
     with ZipFile(path) as archive:
         same = next((entry.filename for entry in archive.infolist() if _is_installed(entry)), None)
         require_no_bomb(archive, path.stat().st_size)
@@ -55,18 +55,20 @@ def require_no_bomb(archive: ZipFile, packed: int) -> None:
 
 def _is_read(name: str) -> bool:
     room, _, rest = name.partition("/")
-    return room not in ("documentation", "sources") and (room != "binaries" or rest.partition("/")[0] in _platforms())
+    return room not in ("documentation", "sources") and (room != "binaries" or rest.partition("/")[0] in platforms())
 
 
 def _is_installed(entry: ZipInfo) -> bool:
     """Whether it is this platform's library, and the installed one by what the archive's directory says of its content."""
     room, _, rest = entry.filename.partition("/")
     platform, _, name = rest.partition("/")
-    return room == "binaries" and platform in _platforms() and (name, entry.CRC, entry.file_size) == _installed()
+    return room == "binaries" and platform in platforms() and (name, entry.CRC, entry.file_size) == _installed()
 
 
-def _platforms() -> tuple[str, str]:
+def platforms() -> tuple[str, str]:
     """What FMI 2.0 and 3.0 call this machine."""
+    import fmpy  # brings much along, which those who write an archive do without
+
     return fmpy.platform, fmpy.platform_tuple
 
 

@@ -14,14 +14,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import fmpy
 import numpy as np
-from fmpy import calloc, free
-from fmpy.fmi2 import FMU2Slave, fmi2CallbackAllocateMemoryTYPE, fmi2CallbackFreeMemoryTYPE, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 from softffd.errors import FmuError, UnknownName
 from softffd.fmu.absent import hint_for
-from softffd.fmu.archive import unpack
+from softffd.fmu.archive import platforms, unpack
 from softffd.fmu.block import KINDS, Block, number_of
 from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
 from softffd.fmu.notes import read_notes
@@ -30,6 +27,8 @@ from softffd.installed import host_library, loaded_library
 from softffd.lattice import LatticeBox
 
 if TYPE_CHECKING:
+    from fmpy.fmi2 import fmi2CallbackFunctions
+
     from softffd.scene.scene import Scene
 
 WARNING, DISCARD = 1, 2
@@ -88,6 +87,8 @@ class Component:
         """Likewise"""
         if not running:
             return
+        from fmpy.fmi2 import FMU2Slave  # takes a sixth of a second, which those who have a scene and run nothing do without
+
         self._callbacks = self._make_callbacks()
         try:
             slave = FMU2Slave(
@@ -118,7 +119,7 @@ class Component:
             resources = Path(self._folder) / "resources"
             if description.fmiVersion.startswith("3.") and read_lattice(resources):
                 self.interface = read_interface(description, resources)
-                return library or str(next(Path(self._folder).glob(f"binaries/{fmpy.platform_tuple}/{IDENTIFIER}.*")))
+                return library or str(next(Path(self._folder).glob(f"binaries/{platforms()[1]}/{IDENTIFIER}.*")))
             if description.coSimulation is None or description.fmiVersion != "2.0":
                 raise FmuError(f"{path}: wanted an FMI 2.0 co-simulation FMU, or one of this package for FMI 3.0")
             self.interface = read_interface(description, resources)
@@ -140,6 +141,8 @@ class Component:
     @cached_property
     def description(self) -> Any:
         """fmpy's reading of the modelDescription.xml."""
+        import fmpy
+
         return fmpy.read_model_description(self._folder, validate=False)
 
     @cached_property
@@ -153,16 +156,18 @@ class Component:
         return list(read_notes(Path(self._folder) / "resources"))
 
     def _make_callbacks(self) -> fmi2CallbackFunctions:
-        callbacks = fmi2CallbackFunctions()
+        from fmpy import calloc, fmi2, free
+
+        callbacks = fmi2.fmi2CallbackFunctions()
         me = weakref.ref(self)  # the library's last words may come when there is nobody to hear them
 
         def note(_environment: Any, _instance: Any, status: int, category: bytes | None, text: bytes) -> None:
             if component := me():
                 component._note(status, category, text)
 
-        callbacks.logger = fmi2CallbackLoggerTYPE(note)
-        callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-        callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(note)
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
         return callbacks
 
     def _note(self, status: int, category: bytes | None, text: bytes) -> None:
