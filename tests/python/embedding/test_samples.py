@@ -88,17 +88,19 @@ def test_fewer_samples_are_taken_where_more_may_be_behind(sphere):
 
 
 def test_the_farthest_first_is_what_a_search_through_all_weights_finds():
-    vertices = np.random.default_rng(3).uniform(0.1, 0.9, size=(60, 3))
+    count = 1000  # in 16 blocks
+    vertices = np.random.default_rng(3).uniform(0.1, 0.9, size=(count, 3))
     lattice = LatticeBox((5, 3, 6), (0.1, 0.1, 0.1), (0.8, 0.8, 0.8), "bspline")
     axes = axis_weights(vertices, lattice)
     at = (vertices - lattice.origin) / np.array(lattice.size)
     x, y, z = (weights(t, n, lattice.basis).T for t, n in zip(at.T, lattice.points, strict=True))
-    dense = np.einsum("iv,jv,kv->vijk", x, y, z).reshape(60, -1)
-    chosen = [4]
-    for _ in range(9):
-        chosen.append(int(np.linalg.norm(dense[:, None] - dense[chosen], axis=2).min(axis=1).argmax()))
-    np.testing.assert_array_equal(farthest_first(axes, 4, 10), chosen)
-    assert most_behind(axes, np.arange(60)) == 0.0
+    dense = np.einsum("iv,jv,kv->vijk", x, y, z).reshape(count, -1)
+    chosen, distance = [4], np.full(count, np.inf)
+    for _ in range(199):
+        distance = np.minimum(distance, np.linalg.norm(dense - dense[chosen[-1]], axis=1))
+        chosen.append(int(distance.argmax()))
+    np.testing.assert_array_equal(farthest_first(axes, 4, 200), chosen)
+    assert most_behind(axes, np.arange(count)) == 0.0
 
 
 def test_the_resources_carry_samples_only_where_planes_meet_the_surface(tmp_path):
