@@ -54,7 +54,8 @@ INNER void products(const Places& places, kernels::In q, Index& at, double* foun
     kernels::Lanes<lanes> sum[3] = {};
     const double* row = places.weights.data() + at;
     for (Index i = 0; i < n; ++i)
-      for (int axis = 0; axis < 3; ++axis) sum[axis] += kernels::load<lanes>(row + (axis * n + i) * count) * q[axis * n + i];
+      for (int axis = 0; axis < 3; ++axis)
+        if (const double weight = q[axis * n + i]; weight != 0) sum[axis] += kernels::load<lanes>(row + (axis * n + i) * count) * weight;
     kernels::store<lanes>(found + at, sum[0] * sum[1] * sum[2]);
   }
 }
