@@ -24,7 +24,7 @@ bool of_impacts(const SoftBody& body) {
 }
 
 /// Of a vibration's amplitude, what a step of so many radians keeps.
-double kept(Method method, double angle) {
+double kept_by(Method method, double angle) {
   if (method == Method::backward_euler) return 1 / std::hypot(1, angle);
   return method == Method::sdirk2 ? ImplicitContact::kept(angle) : Ros34pw2::kept(angle);
 }
@@ -133,7 +133,7 @@ void ErrorEstimate::follow_vibration(const SoftBody& body, double H, Count taken
     tally_.kept = 1;
   }
   const double angle = tally_.vibration.frequency * H / double(taken);
-  tally_.kept *= power(kept(body.readings().method(), angle), int(taken));
+  tally_.kept *= power(kept_by(body.readings().method(), angle), int(taken));
   tally_.damped_away = std::max(tally_.damped_away, tally_.vibration.amplitude * (1 - tally_.kept));
 }
 

@@ -42,7 +42,7 @@ Integrators::Integrators(const Lattice& lattice, int planes, int pins, const Sam
   add(Method::dop853, std::make_unique<Dop853>(points, pins));
   Ros34pw2* ros34pw2 = add(Method::ros34pw2, std::make_unique<Ros34pw2>(lattice, pins));
   add(Method::floating_frame, std::make_unique<FloatingFrame>(lattice, *ros34pw2));
-  BackwardEuler* backward_euler = add(Method::backward_euler, std::make_unique<BackwardEuler>(lattice, planes, samples));
+  BackwardEuler* backward_euler = add(Method::backward_euler, std::make_unique<BackwardEuler>(lattice, planes, pins, samples));
   add(Method::sdirk2, std::make_unique<Sdirk2>(*backward_euler));
   backward_euler_ = backward_euler;
   ros34pw2_ = ros34pw2;

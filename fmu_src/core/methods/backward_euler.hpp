@@ -10,7 +10,8 @@ namespace softffd {
 class BackwardEuler final : public Integrator {
  public:
   /// samples: of the surface, where planes meet it.
-  BackwardEuler(const Lattice& lattice, int planes, const Samples* samples) : contact_(lattice, planes, samples), implicit_(lattice) {}
+  BackwardEuler(const Lattice& lattice, int planes, int pins, const Samples* samples)
+      : contact_(lattice, planes, pins, samples), implicit_(lattice) {}
   /// not_finite: a step found no solution, or not within the span's work.
   Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) override {
     return advance(Method::backward_euler, model, drive, span, run);

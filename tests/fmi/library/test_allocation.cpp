@@ -83,7 +83,7 @@ TEST(steps_ask_for_no_memory) {
   for (const Case& scene : cases())
     for (int method = 1; method <= softffd::fmi::method_count; ++method)
       for (bool ramped : {false, true}) {
-        if (scene.stiff && method != 1 && method != softffd::fmi::method_count) continue;
+        if (scene.stiff && method != 1 && method < 8) continue;
         const bool moved = scene.parts.find("load") != std::string::npos || scene.parts.find("wall") != std::string::npos;
         if (ramped && !moved) continue;  // the same run again
         long first = 0, later = 0;

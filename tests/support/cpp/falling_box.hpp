@@ -77,7 +77,8 @@ struct FallingBox {
 
 /// Runs a scene and holds every step against what must be true of it: nothing behind a plane, and the balances of momentum and energy.
 struct CheckedRun {
-  explicit CheckedRun(const FallingBox& scene) : method(scene.lattice, int(scene.around.planes.size()), scene.body.samples.get()) {
+  explicit CheckedRun(const FallingBox& scene)
+      : method(scene.lattice, int(scene.around.planes.size()), int(scene.around.pins.size()), scene.body.samples.get()) {
     exchange.planes.resize(scene.around.planes.size());
     exchange.pins.resize(scene.around.pins.size());
   }

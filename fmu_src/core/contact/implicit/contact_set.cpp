@@ -17,6 +17,7 @@ ContactSet::ContactSet(const Lattice& lattice, int planes)
       gap_(lattice.points()),
       feasible_(planes) {
   touching_.reserve(lattice.points());
+  in_matrix_.reserve(3 * lattice.points());
   constraints_.reserve(planes);
   for (int k = 0; k < lattice.counts[2]; ++k)
     for (int j = 0; j < lattice.counts[1]; ++j)

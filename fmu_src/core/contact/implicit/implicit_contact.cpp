@@ -23,6 +23,14 @@ constexpr double at_end = 0.19526214587563495, at_stage = -at_end / gamma, at_be
 
 }  // namespace
 
+ImplicitContact::ImplicitContact(const Lattice& lattice, int planes, int pins, const Samples* samples)
+    : stage_(lattice, planes, samples), first_v_(Points::Zero(lattice.points(), 3)) {
+  before_.planes.resize(planes);
+  before_.pins.resize(pins);
+  for (Points* each : {&start_.x, &start_.v, &start_.spring}) *each = first_v_;
+  start_.holds.assign(planes, first_v_);
+}
+
 void ImplicitContact::begin_call() {
   stage_.limit(factorizations() + most_factorizations, solutions() + double(most_solutions));
   given_ = 0;
@@ -134,9 +142,7 @@ bool ImplicitContact::close(const Step& step, double outside, double work, bool 
   return true;
 }
 
-double ImplicitContact::kept(double angle) {
-  return std::hypot(1, (1 - 2 * gamma) * angle) / (1 + gamma * gamma * angle * angle);
-}
+double ImplicitContact::kept(double angle) { return std::hypot(1, (1 - 2 * gamma) * angle) / (1 + gamma * gamma * angle * angle); }
 
 void ImplicitContact::take(State& state) {
   stage_.touches().hold(state);

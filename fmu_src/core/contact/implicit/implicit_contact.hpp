@@ -22,10 +22,7 @@ namespace softffd {
 class ImplicitContact {
  public:
   /// samples: of the surface, which planes meet; null: they meet the control points.
-  ImplicitContact(const Lattice& lattice, int planes, const Samples* samples = nullptr)
-      : stage_(lattice, planes, samples),
-        start_{.x = Points::Zero(lattice.points(), 3), .v = start_.x, .spring = start_.x},
-        first_v_(start_.x) {}
+  ImplicitContact(const Lattice& lattice, int planes, int pins, const Samples* samples = nullptr);
 
   /// Call when masses, stiffness or damping change.
   void body_changed() { stage_.body_changed(); }

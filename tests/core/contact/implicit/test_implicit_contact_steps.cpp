@@ -119,7 +119,7 @@ TEST(what_sticks_stays_where_it_is_in_steps_of_any_length) {
       scene.damp(0.5);
       scene.incline(21);
       scene.body.internal_force(scene.state.x, scene.state.spring);
-      ImplicitContact method(scene.lattice, 1);
+      ImplicitContact method(scene.lattice, 1, 0);
       Exchange exchange;
       exchange.planes.resize(1);
       Points settled;

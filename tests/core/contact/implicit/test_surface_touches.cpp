@@ -177,7 +177,7 @@ TEST(obstacles_that_leave_no_room_are_refused) {
   FallingBox scene = cube(1e5, 2);
   scene.around.planes[1].point = {0, 0, -0.1};
   scene.around.planes[1].normal = {0, 0, -1};
-  ImplicitContact method(scene.lattice, 2, scene.body.samples.get());
+  ImplicitContact method(scene.lattice, 2, 0, scene.body.samples.get());
   Exchange exchange;
   exchange.planes.resize(2);
   CHECK(method.advance({scene.body, scene.around}, 0, 0.01, false, scene.state, exchange) == StepStatus::impossible_planes);
@@ -185,7 +185,7 @@ TEST(obstacles_that_leave_no_room_are_refused) {
   FallingBox held = cube(1e5, 1);
   held.pin_layer(0);
   held.around.planes[0].point = {0, 0, 0.1};
-  ImplicitContact other(held.lattice, 1, held.body.samples.get());
+  ImplicitContact other(held.lattice, 1, 0, held.body.samples.get());
   exchange.pins.resize(1);
   CHECK(other.advance({held.body, held.around}, 0, 0.01, false, held.state, exchange) == StepStatus::pin_behind_plane);
 }
