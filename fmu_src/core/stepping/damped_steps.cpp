@@ -48,7 +48,7 @@ struct DampedSteps::Call {
   double allowed(double h) const {
     const double rounding =
         use::rounding * std::max(job.model.body.length, kernels::largest(job.run.path.motion.x.size(), job.run.path.motion.x.data()));
-    const double spent = job.run.path.stiff.error / job.request.tolerance, of_rest = use::damped_share * std::max(0.0, 1 - spent);
+    const double spent = job.run.path.stiff.error / job.request.tolerance, of_rest = use::damped_share * std::max(0.0, use::damped_sum - spent);
     return std::max(rounding, std::min(use::damped_most, std::max(of_rest, use::damped_rate * h / memory())) * tolerance());
   }
 };
@@ -99,12 +99,12 @@ DampedSteps::Step DampedSteps::take(const Call& call, double until) {
 }
 
 /// What energy that steps of h have taken from vibrations will have been able to move the body by [m]: it cannot lift what is pressed on
-/// with a force F further than energy / F. None where internal damping takes it in a step.
+/// with a force F further than energy / F. None where internal damping takes it in a step, or the step follows all of them.
 double DampedSteps::passed_over(const Call& call, double h, double lost) const {
   const Job& job = call.job;
   const double energy = lost - job.model.noise;
-  if (!(energy > 0) || h < 0.5 * use::passed_over * job.model.body.springs.shortest_time()) return 0;
-  if (!job.drive.pins.empty()) return amplitude(job.model, energy, h);
+  if (!(energy > 0) || h < std::max(call.limit, 0.5 * use::passed_over * job.model.body.springs.shortest_time())) return 0;
+  if (!job.drive.pins.empty() || job.drive.planes.empty()) return amplitude(job.model, energy, h);
   const Exchange &begin = start_.exchange, &end = job.run.path.exchange;
   double pressing = 0;
   for (std::size_t q = 0; q < end.planes.size(); ++q)
