@@ -195,8 +195,8 @@ struct Course {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.bound_x, s.bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.method, s.reason, s.race, s.work, s.usual,
-                  s.rejected, s.factors, s.contact_error, s.contact_drift);
+    return fields(s.bound_x, s.bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.method, s.reason, s.race, s.work,
+                  s.usual, s.rejected, s.factors, s.contact_error, s.contact_drift);
   }
 };
 static_assert(visits_every_field<Course>);

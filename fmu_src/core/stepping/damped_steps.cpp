@@ -48,8 +48,10 @@ struct DampedSteps::Call {
   double allowed(double h) const {
     const double rounding =
         use::rounding * std::max(job.model.body.length, kernels::largest(job.run.path.motion.x.size(), job.run.path.motion.x.data()));
-    const double spent = job.run.path.stiff.error / job.request.tolerance, of_rest = use::damped_share * std::max(0.0, use::damped_sum - spent);
-    return std::max(rounding, std::min(use::damped_most, std::max(of_rest, use::damped_rate * h / memory())) * tolerance());
+    const double spent = job.run.path.stiff.error / job.request.tolerance,
+                 rate = job.drive.pins.empty() ? use::damped_rate : use::held_rate;
+    const double of_rest = use::damped_share * std::max(0.0, use::damped_sum - spent);
+    return std::max(rounding, std::min(use::damped_most, std::max(of_rest, rate * h / memory())) * tolerance());
   }
 };
 

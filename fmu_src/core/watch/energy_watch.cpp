@@ -85,7 +85,8 @@ double open_account(Run& now, const Run& before, const Model& model, const Drive
 
 void close_account(Run& now, const Model& model, const Drive& drive, const Points& begin, double booked) {
   EnergyAccount& account = now.energy;
-  if (account.kinetic_elastic < 0 || now.course.method == Method::backward_euler || now.course.method == Method::sdirk2) {  // has a guard of its own
+  if (account.kinetic_elastic < 0 || now.course.method == Method::backward_euler ||
+      now.course.method == Method::sdirk2) {  // has a guard of its own
     account.kinetic_elastic = -1;
     return;
   }

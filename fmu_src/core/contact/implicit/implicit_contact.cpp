@@ -71,6 +71,15 @@ StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double 
 StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t, double h, double way, bool watch, State& state,
                                            Exchange& exchange) {
   begin_call();
+  before_ = exchange;
+  const StepStatus status = take_sdirk2(equations, t, h, way, watch, state, exchange);
+  if (status != StepStatus::not_finite || way > 0) return status;
+  exchange = before_;
+  return advance_in_parts(equations, t, h, watch, state, exchange, 0);
+}
+
+StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, double h, double way, bool watch, State& state,
+                                        Exchange& exchange) {
   ++steps_;
   const double part = gamma * h, rest = (1 - gamma) * h, weight = (1 - gamma) / gamma;
   const Step first{equations, t, part, state, t + part, &state.v, false, way, accuracy};
@@ -80,7 +89,6 @@ StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t,
   const auto work_of_ramps = [&](double time, const Points& v) { return equations.around.ramped ? equations.around.ramp_dot(time, v) : 0; };
   double outside = rest * work_of_loads(stage_.v), ramp = rest * work_of_ramps(t + part, stage_.v);
   double work = weight * stage_.contact_work(first), known = rest * stage_.lost_power(first);
-  before_ = exchange;
   stage_.book(first, weight, exchange);
   first_v_ = stage_.v;
   start_.x = state.x + rest * first_v_;

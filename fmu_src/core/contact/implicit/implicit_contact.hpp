@@ -30,7 +30,8 @@ class ImplicitContact {
   /// state.time is the caller's. On failure state and exchange are spoilt; not_finite: there was no solution down to h / 2^20, or not
   /// with so many factorizations and solutions with them.
   StepStatus advance(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
-  /// The same by SDIRK2, which is not halved. way: by which the solutions may be off [m].
+  /// The same by SDIRK2. way: by which the solutions may be off [m]; a step that then finds none is not done in parts, because who controls
+  /// its error does that. Without, it is done by backward Euler.
   StepStatus advance_sdirk2(const Equations& equations, double t, double h, double way, bool watch, State& state, Exchange& exchange);
   Count most_factorizations = 100'000, most_solutions = Count{1} << 53;
   /// Energy that obstacles and pins gave the body in the last call, friction included, points moving along obstacles with the mean of their
@@ -60,6 +61,7 @@ class ImplicitContact {
   using Step = ImplicitStage::Step;
   void begin_call();
   StepStatus advance_in_parts(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange, int depth);
+  StepStatus take_sdirk2(const Equations& equations, double t, double h, double way, bool watch, State& state, Exchange& exchange);
   StepStatus strike(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
   bool close(const Step& step, double outside, double work, bool watch, double ramp_work, Exchange& exchange);
   void take(State& state);
