@@ -74,7 +74,7 @@ EITHER = [
     (UNSET, "mass: wanted > 0 kg, got 0", lambda h: mixed(h, "mass", 0.0)),
     ((RUNNING,), "mass: cannot be set after initialization", lambda h: mixed(h, "mass", 2.0)),
     ((RUNNING,), "plane.wall.point.x: cannot be set", lambda h: mixed(h, "plane.wall.point.x", 2.0)),
-    *[(UNSET, "method: wanted one of 1 auto, 2 central_difference, ", lambda h, n=n: h.set_integer("solver.method", n)) for n in (9, 99)],
+    *[(UNSET, "method: wanted one of 1 auto, 2 central_difference, ", lambda h, n=n: h.set_integer("solver.method", n)) for n in (10, 99)],
     (DONE, "damping: is no output", lambda h: h.ask_slope("damping")),
     *[(DONE, f"energy.work: wanted a derivative of order 1, got {n}", lambda h, n=n: h.ask_slope("energy.work", n)) for n in (-1, 0, 2)],
     *[((RUNNING,), "fmi2DoStep: currentCommunicationPoint", lambda h, t=t: h("DoStep", t, STEP, 1)) for t in (0.0, 0.02, NAN, INF, -INF)],

@@ -118,10 +118,11 @@ REFUSED = [
     (mesh("low") | rubber(), "...; the box is too flat or too long for nearly cubic ones, of which a side has at most 31"),
     # contact
     (ON_SURFACE | {"solver": {"method": "central_difference"}},
-     f'solver.method: {METHODS} or "backward_euler" with contact.of = "surface", got "central_difference"'),
-    (ON_SURFACE | {"solver": {"method": "backward_euler"}, "sphere": [{"name": "ball", "radius": 1.0}]},
-     'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12", "dop853" or "ros34pw2" beside a sphere, cylinder or box, '
-     'got "backward_euler"'),
+     f'solver.method: {METHODS}, "backward_euler" or "sdirk2" with contact.of = "surface", got "central_difference"'),
+    *((ON_SURFACE | {"solver": {"method": method}, "sphere": [{"name": "ball", "radius": 1.0}]},
+       'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12", "dop853" or "ros34pw2" beside a sphere, cylinder or box, '
+       f'got "{method}"')
+      for method in ("backward_euler", "sdirk2")),
     (ON_SURFACE | {"contact": {"of": "lattice", "penetration": 0.01}},
      'contact.penetration: wanted none with of = "lattice", got 0.01; it needs of = "surface"'),
     ({"contact": {"of": "surface"}}, 'contact.of: "surface" needs a mesh, but the scene has no [mesh]; take "lattice" instead'),
@@ -136,7 +137,7 @@ REFUSED = [
 ]
 ALLOWED = [
     *({"lattice": {"points": points}, "solver": {"method": method}}
-      for points in ([8, 8, 8], [9, 9, 8], [2, 32, 32], [32, 32, 32]) for method in ("ros34pw2", "backward_euler")),
+      for points in ([8, 8, 8], [9, 9, 8], [2, 32, 32], [32, 32, 32]) for method in ("ros34pw2", "backward_euler", "sdirk2")),
     *(lattice(points=[32, 32, 32], basis=basis) for basis in ("bezier", "bspline")),
     {"plane": [{"name": "a"}], "load": [{"name": "a", "points": "all"}]},
     {"region": [{"points": "none"}]},

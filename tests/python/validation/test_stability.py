@@ -196,7 +196,7 @@ def test_soft_cells_of_every_scene_are_accurate(scene):
     assert judged.kind == "accurate", judged
 
 
-@pytest.mark.parametrize("method", ["auto", "leapfrog", "dop853", "ros34pw2", "backward_euler"])
+@pytest.mark.parametrize("method", ["auto", "leapfrog", "dop853", "ros34pw2", "backward_euler", "sdirk2"])
 @pytest.mark.parametrize("ratio", [0.01, 2.0, 1000.0])
 def test_cells_with_internal_damping_are_accurate(method, ratio):
     (judged,) = run_cells([Cell(Panel("damping", method), 1e3, 1e-2, ratio)])

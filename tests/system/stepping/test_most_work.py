@@ -56,7 +56,7 @@ def test_a_stiff_body_at_an_obstacle_ends_its_step_implicitly():
 
 
 @pytest.mark.parametrize("step", [0.0, 1e-3])
-@pytest.mark.parametrize("method", ["auto", "leapfrog", "dop853", "ros34pw2", "backward_euler"])
+@pytest.mark.parametrize("method", ["auto", "leapfrog", "dop853", "ros34pw2", "backward_euler", "sdirk2"])
 def test_a_body_so_far_away_that_rounding_is_larger_than_it_is_refused(method, step):
     """All points are pushed alike: no spring feels it, every number is finite, and none means anything."""
     pushed = box(stiffness=1e3, load=[{"name": "push", "points": "all"}], solver={"most_work": 2e5})
