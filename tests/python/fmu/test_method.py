@@ -29,7 +29,9 @@ def with_enumeration(fmu, target):
     """The FMU with the description that declares solver.method as an enumeration."""
     items = "".join(f'<Item name="{name}" value="{value}"/>' for name, value in METHODS.items())
     types = f'<TypeDefinitions><SimpleType name="Method"><Enumeration>{items}</Enumeration></SimpleType></TypeDefinitions>'
-    text, integers = re.subn(rf'<Integer min="1" max="{len(METHODS)}" start="1"/>', '<Enumeration declaredType="Method" start="1"/>', description_of(fmu))
+    text, integers = re.subn(
+        rf'<Integer min="1" max="{len(METHODS)}" start="1"/>', '<Enumeration declaredType="Method" start="1"/>', description_of(fmu)
+    )
     text, _ = re.subn(r'description="Time integration method[^"]*"', 'description="Time integration method"', text)
     assert integers == 1
     with zipfile.ZipFile(fmu) as archive, zipfile.ZipFile(target, "w") as written:
