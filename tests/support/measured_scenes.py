@@ -45,6 +45,28 @@ angular_velocity = [1.0, 0.0, 2.0]
 stop_time = 0.2
 communication_step = 0.02
 """
+
+RUBBER = """
+title = "A rubber block that slides"
+[lattice]
+points = [3, 3, 3]
+size = [0.1, 0.1, 0.1]
+origin = [0.0, 0.0, 0.0]
+[mass]
+total = 0.5
+[material]
+stiffness = 1e4
+damping = 0.0
+internal_damping = 3e-3
+[environment]
+gravity = [5.0, 0.0, -9.81]
+[[plane]]
+name = "ground"
+friction = 0.3
+[experiment]
+stop_time = 0.04
+communication_step = 0.01
+"""
 COURSE = 'time,load.push.x,"force[1,1,0].z"\n0,0,0\n0.1,6,-2\n0.14,6,1\n0.2,6,0\n'
 
 

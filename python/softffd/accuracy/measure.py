@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 
@@ -12,14 +13,20 @@ from softffd.errors import FmuError
 from softffd.run.progress import Note, silent
 from softffd.scene.scene import Scene
 
-FIXED_STEP = ("central_difference", "leapfrog", "bm4")
+FIXED_STEP = ("central_difference", "leapfrog", "bm4", "sdirk2")
 """Methods that are measured over fixed internal steps; all others, over tolerances."""
 
-CONTACT = ("central_difference", "leapfrog", "auto")
+IMPLICIT = ("sdirk2",)
+"""Those of them whose steps no bound of stability limits: their first one is a communication step."""
+
+CONTACT = ("central_difference", "leapfrog", "auto", "sdirk2")
 """Methods that differ where contact is possible: the others hand such communication steps to leapfrog."""
 
 AS_AUTO = ("backward_euler",)
 """Methods that do what `auto` does, but for the impacts of stiff bodies, which they lose: beside it they say nothing of the best method."""
+
+DAMPED_CONTACT = ("sdirk2",)
+"""Methods for bodies with internal damping beside planes."""
 
 FINER, QUICK_FINER = 1.5, 2.0
 """Ratio of successive fixed steps; the largest stable one of leapfrog is among them."""
@@ -87,17 +94,26 @@ def _applicable(rig: Rig, methods: Sequence[str] | None, left_out: dict[str, str
     for method in methods or ():
         if method not in rig.methods:
             raise FmuError(f"{method}: wanted one of the FMU's methods, {', '.join(rig.methods)}")
-    chosen = []
-    for method in methods or rig.methods:
-        if method in AS_AUTO:
-            left_out[method] = "does what auto does, but stiff bodies do not rebound"
-        elif rig.contact and method not in CONTACT:
-            left_out[method] = "leaves communication steps with possible contact to leapfrog"
-        elif rig.damped and method == "rkn12":
-            left_out[method] = "runs as dop853 where there is damping"
-        else:
-            chosen.append(method)
-    return chosen
+    why = {method: _why_left_out(rig, method) for method in methods or rig.methods}
+    left_out |= {method: reason for method, reason in why.items() if reason}
+    return [method for method, reason in why.items() if not reason]
+
+
+def _why_left_out(rig: Rig, method: str) -> str:
+    """Why a method would say nothing that another does not; empty where it is measured."""
+    if method in AS_AUTO:
+        return "does what auto does, but stiff bodies do not rebound"
+    if rig.contact and method not in CONTACT:
+        return "leaves communication steps with possible contact to leapfrog"
+    if method in DAMPED_CONTACT and not (rig.contact and rig.dashpots):
+        return "is for bodies with internal damping beside planes"
+    if method in DAMPED_CONTACT and rig.solids:
+        return "knows no spheres, cylinders and boxes"
+    if rig.dashpots and method == "central_difference":
+        return "runs as leapfrog where there is internal damping"
+    if (rig.damped and method == "rkn12") or (rig.dashpots and method == "bm4"):
+        return f"runs as dop853 where there is {'internal ' * (method == 'bm4')}damping"
+    return ""
 
 
 def settings_of(method: str, rig: Rig, *, quick: bool = False) -> Iterator[Setting]:
@@ -107,11 +123,11 @@ def settings_of(method: str, rig: Rig, *, quick: bool = False) -> Iterator[Setti
             yield Setting(method, tolerance=10.0 ** (-half_decades / 2))
         return
     stable, finer = math.ceil(rig.communication_step / rig.stable_step), QUICK_FINER if quick else FINER
-    count, power = 0, -COARSER
-    while True:
-        count = max(count + 1, round(stable * finer**power))
+    first = 1 if method in IMPLICIT else stable * finer**-COARSER
+    count = 0
+    for power in itertools.count():
+        count = max(count + 1, round(first * finer**power))
         yield Setting(method, step=rig.communication_step / count)
-        power += 1
 
 
 def _sweep(rig: Rig, method: str, records: Records, quick: bool, repeats: int, note: Note) -> None:

@@ -18,6 +18,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "rkn12": {"color": CURVES[3], "marker": "^"},
     "dop853": {"color": CURVES[4], "marker": "v"},
     "ros34pw2": {"color": CURVES[5], "marker": "P"},
+    "sdirk2": {"color": CURVES[2], "marker": "p"},  # bm4 leaves the scenes that have it
 }
 """Of the methods by name; others get what is left."""
 

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from softffd.errors import FmuError
-from softffd.fmu.variables import spring_damping_present
+from softffd.fmu.variables import internal_damping_present, spring_damping_present
 from softffd.lattice import all_points
 from softffd.names import variable_names
 from softffd.run.inputs import Inputs
@@ -67,8 +67,10 @@ class Rig:
         self.stop_time = scene.experiment.stop_time
         self.scene = scene
         self.side = max(scene.lattice_box.size)
-        self.damped = spring_damping_present(scene)
+        self.dashpots = internal_damping_present(scene)
+        self.damped = spring_damping_present(scene) or self.dashpots
         self.contact = bool(scene.obstacles)
+        self.solids = bool(scene.solids)
         require_memory(self.stop_time, self.communication_step, 24 * math.prod(scene.lattice.points))
         self.times = communication_points(self.stop_time, self.communication_step)
         self._steps = step_lengths(self.times, self.communication_step)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from measured_scenes import SMALL
+from measured_scenes import RUBBER, SMALL
 from softffd import FmuError, load_scene
 from softffd.accuracy.measure import measure, settings_of
 from softffd.accuracy.rig import Rig, Setting
@@ -37,6 +37,8 @@ def test_settings_go_from_coarse_to_fine():
         found = [next(steps).step for _ in range(6)]
         assert found[1] > rig.stable_step >= found[2] and all(1.3 <= a / b <= 2 for a, b in pairwise(found))
         assert all(rig.communication_step / step == pytest.approx(round(rig.communication_step / step)) for step in found)
+        steps = settings_of("sdirk2", rig)
+        assert [rig.communication_step / next(steps).step for _ in range(5)] == pytest.approx([1, 2, 3, 4, 5])
         tolerances = [setting.tolerance for setting in settings_of("dop853", rig)]
         assert tolerances[0] == pytest.approx(0.1) and tolerances[-1] == pytest.approx(1e-11) and len(tolerances) == 21
 
@@ -51,6 +53,35 @@ def test_scenes_with_obstacles_leave_out_what_would_be_leapfrog_and_are_unconfir
 def test_solids_count_as_obstacles():
     with Rig(load_scene("car_ball").replace({"experiment.stop_time": 0.02})) as rig:
         assert rig.contact
+
+
+def test_sdirk2_shows_its_order_on_a_damped_body_in_contact(folder, monkeypatch):
+    monkeypatch.setattr("softffd.accuracy.measure.QUICK_BUDGET", 0.2)
+    Path("rubber.toml").write_text(RUBBER)
+    records = measure(load_scene("rubber.toml"), methods=["auto", "leapfrog", "sdirk2"], quick=True, repeats=1)
+    assert records.names() == ["auto", "leapfrog", "sdirk2"] and records.runs[-1].setting.step
+    runs = [run for run in records.good("sdirk2") if 2e-4 < run.setting.step < 2e-3]
+    slope = np.polyfit(np.log([run.steps for run in runs]), np.log([run.error for run in runs]), 1)[0]
+    assert len(runs) == 3 and slope == pytest.approx(-2.0, abs=0.15)
+    assert all(run.steps == round(records.stop_time / run.setting.step) and run.error > 30 * records.reference.uncertainty for run in runs)
+
+
+def test_a_method_is_left_out_where_another_takes_its_steps_for_internal_damping(folder):
+    Path("rubber.toml").write_text(RUBBER)
+    Path("flying.toml").write_text(RUBBER.replace("[[plane]]", "#").replace("name = ", "#").replace("friction = ", "#"))
+    others = {"central_difference": "leapfrog", "bm4": "dop853", "rkn12": "dop853", "sdirk2": "beside planes"}
+    records = measure(load_scene("flying.toml"), methods=[*others, "ros34pw2"], quick=True, repeats=1)
+    assert records.names() == ["ros34pw2"] and all(why in records.left_out[method] for method, why in others.items())
+    records = measure(load_scene("rubber.toml"), methods=["central_difference", "sdirk2"], quick=True, repeats=1)
+    assert records.names() == ["sdirk2"] and "as leapfrog" in records.left_out["central_difference"]
+
+
+def test_sdirk2_is_left_out_without_internal_damping_and_beside_solids(folder):
+    Path("touching.toml").write_text(SMALL + '[[plane]]\nname = "ground"\npoint = [0.0, 0.0, -0.01]\n')
+    ball = load_scene("car_ball").replace({"experiment.stop_time": 0.02, "material.internal_damping": 1e-3})
+    for scene, why in ((load_scene("touching.toml"), "internal damping"), (ball, "spheres")):
+        records = measure(scene, methods=["sdirk2"], quick=True, repeats=1)
+        assert records.names() == [] and why in records.left_out["sdirk2"]
 
 
 def test_rkn12_is_left_out_where_there_is_damping(folder):

@@ -16,8 +16,10 @@ class MadeUpRig:
 
     methods: tuple[str, ...]
     damped: bool = False
+    dashpots: bool = False
     contact: bool = False
     tightest: float = 0.0
+    longest: float = 1.0
     error: float = 0.0
     side: float = 2.0
     communication_step: float = 0.01
@@ -28,8 +30,9 @@ class MadeUpRig:
             raise FmuError("too tight")
         signs = {"dop853": 1, "rkn12": -1, "bm4": 1, "leapfrog": -1}
         orders = {"bm4": 4, "leapfrog": 2}
-        error = (100 * setting.step) ** orders[setting.method] if setting.step else setting.tolerance + self.error
-        steps = 1 / setting.step if setting.step else 100
+        step = min(setting.step, self.longest)
+        error = (100 * step) ** orders[setting.method] if step else setting.tolerance + self.error
+        steps = 1 / step if step else 100
         return Run(np.full((2, 1, 3), 1.0) + signs[setting.method] * error, 1e-4 * steps, 1, int(steps), None)
 
 
@@ -42,6 +45,17 @@ def test_two_adaptive_methods_confirm_each_other():
 def test_a_damped_scene_is_confirmed_by_an_extrapolated_splitting_method():
     reference = find_reference(MadeUpRig(("leapfrog", "bm4", "rkn12", "dop853"), damped=True))
     assert reference.confirmed and reference.check.startswith("bm4") and reference.uncertainty < 1e-12
+
+
+def test_internal_damping_is_confirmed_by_leapfrog_as_bm4_would_be_dop853_again():
+    reference = find_reference(MadeUpRig(("leapfrog", "bm4", "rkn12", "dop853"), damped=True, dashpots=True))
+    assert reference.method.startswith("dop853") and reference.check.startswith("leapfrog")
+
+
+def test_a_step_that_was_shortened_to_the_one_before_confirms_nothing():
+    """Else a body whose dashpots bound the step by less than its stiffness does would have a reference without an error."""
+    reference = find_reference(MadeUpRig(("leapfrog",), contact=True, longest=1e-5))
+    assert reference.uncertainty > 1e-9 and float(reference.method.split()[2]) < 1e-5
 
 
 def test_a_method_that_cannot_be_so_tight_is_asked_for_less():
