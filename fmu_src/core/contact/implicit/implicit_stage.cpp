@@ -16,6 +16,8 @@ namespace {
 constexpr double roundings = 16;
 /// Of the least inertia m / h^2: a change of friction's stiffness that does not matter to the solution.
 constexpr double slight_share = 0.05;
+/// Of what the loads of sliding points lack, what is left for the next iteration: of a solution to a distance, or to rounding [1].
+constexpr double rough_loads = 1e-2, fine_loads = 1e-4;
 /// Of the accuracy of the balance.
 constexpr double of_loads = 0.1;
 /// Squared angles of the rotation in a Newton step [rad2]: below the first the arms are as long without it, to rounding; below the second
@@ -106,9 +108,18 @@ void ImplicitStage::predict(const Step& step) {
 }
 
 StepStatus ImplicitStage::iterate(const Step& step) {
-  const StepProblem problem{
-      step.equations.body,     step.from.x, u_, x, residual_, diagonal_, step.h, position_slack * extent_, force_scale_, largest_stiffness_,
-      of_loads * step.accuracy};
+  const StepProblem problem{step.equations.body,
+                            step.from.x,
+                            u_,
+                            x,
+                            residual_,
+                            diagonal_,
+                            step.h,
+                            position_slack * extent_,
+                            force_scale_,
+                            largest_stiffness_,
+                            step.way > 0 ? rough_loads : fine_loads,
+                            of_loads * step.accuracy};
   for (int i = 0; i < most_iterations; ++i) {
     find_residual(step, i == 0);
     if (straight_ && (convergence_.left() <= step.way || in_balance(step))) return StepStatus::ok;

@@ -7,8 +7,6 @@ namespace softffd {
 namespace {
 
 constexpr int most_guesses = 14;
-/// Share of what the loads of sliding points lack that may be left for the next iteration.
-constexpr double loads_left = 1e-4;
 /// Of responses from which those loads are combined: hundred times better.
 constexpr double of_products = 1e-6;
 /// From this round on touches end one by one and friction is cautious: slower, but without circles.
@@ -102,7 +100,7 @@ void LinearContact::couple_loads(const StepProblem& problem, ContactSet& contact
   const double lack = kernels::largest(n, lack_.data()),
                slight = problem.load_slack * std::max(problem.force_scale, contacts.largest_load());
   if (!(lack > slight)) return;
-  const Scalars& more = gmres_.solve(n, lack_, std::max(loads_left, slight / lack), [&](const Scalars& loads, Scalars& left) {
+  const Scalars& more = gmres_.solve(n, lack_, std::max(problem.loads_left, slight / lack), [&](const Scalars& loads, Scalars& left) {
     respond(problem, contacts, loads, of_products);
     contacts.loads_of(made_, friction_, response_, left);
     for (int i = 0; i < n; ++i) left[i] = loads[i] - left[i];

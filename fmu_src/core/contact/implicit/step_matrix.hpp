@@ -17,6 +17,7 @@ struct StepProblem {
   double slack;             ///< gaps above -slack count as none [m]
   double force_scale;       ///< [N]
   double stiffness_scale;   ///< [N/m]
+  double loads_left;        ///< of what the loads of sliding points lack, what may be left for the next iteration [1]
   double load_slack;        ///< of the largest force: pulls that are no reason to end a touch, loads that need not be found [1]
 };
 
