@@ -99,7 +99,7 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
   stage_.touches().hold(start_);
   const Step second{equations, t + rest, part, start_, t + h, &first_v_, true, way, accuracy};
   if (const StepStatus status = stage_.solve(second); status != StepStatus::ok) return status;
-  const Step whole{equations, t, h, state, t + h};
+  const Step whole{equations, t, h, state, t + h, nullptr, false, way};
   if (stage_.strikes(whole)) {
     exchange = before_;
     return strike(equations, t, h, watch, state, exchange);

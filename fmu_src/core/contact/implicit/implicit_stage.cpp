@@ -18,6 +18,8 @@ constexpr double roundings = 16;
 constexpr double slight_share = 0.05;
 /// Of what the loads of sliding points lack, what is left for the next iteration: of a solution to a distance, or to rounding [1].
 constexpr double rough_loads = 1e-2, fine_loads = 1e-4;
+/// Way in a step, in the box, and in that by which a solution may be off, from which on an obstacle strikes what touches it [1].
+constexpr double slight_approach = 1e-6, jump = 1e3;
 /// Of the accuracy of the balance.
 constexpr double of_loads = 0.1;
 /// Squared angles of the rotation in a Newton step [rad2]: below the first the arms are as long without it, to rounding; below the second
@@ -252,12 +254,15 @@ double ImplicitStage::given_by_contacts(const Step& step, double work) const {
   return given;
 }
 
+/// Off them, or touching one that comes at it.
 bool ImplicitStage::strikes(const Step& step) const {
-  const auto off = [&](const Reaction& each) {
+  const double length = step.equations.body.length, slight = std::max(slight_approach * length, jump * step.way);
+  return std::any_of(reactions_.begin(), reactions_.end(), [&](const Reaction& each) {
     const HalfSpace plane = step.equations.around.planes[each.plane].at(step.t);
-    return each.normal.dot(each.force) > 0 && plane.gap(touches_->value(each, step.from.x)) > touching * step.equations.body.length;
-  };
-  return std::any_of(reactions_.begin(), reactions_.end(), off);
+    const Vec3 place = touches_->value(each, step.from.x);
+    const double approach = each.normal.dot(plane.material_velocity(place) - touches_->value(each, step.from.v));
+    return each.normal.dot(each.force) > 0 && (plane.gap(place) > touching * length || approach * step.h > slight);
+  });
 }
 
 double ImplicitStage::lost_power(const Step& step) const {
