@@ -5,11 +5,11 @@ import sys
 
 import numpy as np
 import pytest
+from fmpy.fmi2 import FMU2Slave
 
 from other_fmu import COMPILER, build_other_fmu
 from softffd import FmuError, Simulation, load_scene, simulate, sweep
 from softffd.cli.command import main
-from softffd.fmu.component import FMU2Slave
 
 R = 'Größe "r", m'
 pytestmark = pytest.mark.skipif(sys.platform != "linux" or not COMPILER, reason="wants Linux and a C compiler named cc")
