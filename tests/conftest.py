@@ -9,7 +9,6 @@ A test marked `full` is left to the long runs; a parametrised one marked `short(
 A test that is named on the command line (file::test) always runs.
 """
 
-import gc
 import gzip
 import json
 import os
@@ -24,10 +23,6 @@ from rotation import chosen_group, renewed
 
 DATA = Path(__file__).resolve().parent / "data"
 SECONDS = DATA / "seconds.json"
-
-gc.disable()
-"""Twice a collection has ended a process of many tests, some of which had opened FMUs made by pythonfmu: a crash in Python itself, whose
-cause is not found. Nothing here waits for a collection."""
 
 
 def pytest_addoption(parser):

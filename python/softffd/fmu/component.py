@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from softffd.scene.scene import Scene
 
-WARNING, DISCARD = 1, 2
+WARNING, DISCARD, FATAL = 1, 2, 4
 CALLS = (
     *("fmi2SetupExperiment", "fmi2EnterInitializationMode", "fmi2ExitInitializationMode", "fmi2Terminate", "fmi2Reset", "fmi2DoStep"),
     *("fmi2SetReal", "fmi2GetReal", "fmi2SetInteger", "fmi2GetInteger", "fmi2SetRealInputDerivatives"),
@@ -200,9 +200,19 @@ class Component:
 
     def check(self, status: int) -> None:
         """FmuError with the component's words for the fmi2Status of a call that discarded or failed."""
+        if status == FATAL:
+            self._abandon()
         if status >= DISCARD:
             word = "discarded the step" if status == DISCARD else "reported an error"
             raise FmuError(f"the component {word}: {self._last_message() or 'no message'}")
+
+    def _abandon(self) -> None:
+        """After fmi2Fatal no call is allowed, not even to free the instance (FMI 2.0.4, section 2.1.3): pythonfmu's would free twice."""
+        self._end.detach()
+        _ABANDONED.append((self._slave, self._callbacks))
+        self._slave = None
+        self._states.clear()
+        self._answer_with(_failed)
 
     # ---- variables ----
 
@@ -356,9 +366,12 @@ class Component:
                 self.free_state(handle)
             self._end()
             self._slave = None
-            self._calls = dict.fromkeys(CALLS, _closed)
-            self._keep_loop_calls()
+            self._answer_with(_closed)
         self._unpacked.cleanup()
+
+    def _answer_with(self, call: Callable[..., None]) -> None:
+        self._calls = dict.fromkeys(CALLS, call)
+        self._keep_loop_calls()
 
     def __enter__(self) -> Component:
         return self
@@ -380,3 +393,11 @@ def _bound(function: Callable[..., int], instance: c_void_p, check: Callable[[in
 
 def _closed(*_arguments: object) -> None:
     raise FmuError("the component is closed")
+
+
+def _failed(*_arguments: object) -> None:
+    raise FmuError("the component has failed for good in an earlier call: open it again")
+
+
+_ABANDONED: list[tuple[Any, ...]] = []
+"""Instances after fmi2Fatal, with the callbacks that their libraries may still call"""

@@ -1,8 +1,11 @@
 """The driver FMUs themselves: a plate with mass, and what moves or pushes by a given course."""
 
+import gc
+
 import fmpy
 import numpy as np
 import pytest
+from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 from coupled_parts import FORCE, MOTION, PLANE, body_fmu
@@ -11,6 +14,7 @@ from scenes import box
 from softffd import FmuError, Result, SoftffdError, package_fmu
 from softffd.cli.command import main
 from softffd.drivers import build_driver
+from softffd.fmu.component import Component
 from stepping import Stepper
 
 
@@ -56,6 +60,20 @@ def test_an_unknown_driver_is_refused(tmp_path):
 def test_a_massless_plate_is_refused(drivers):
     with pytest.raises(FmuError, match="mass: wanted > 0 kg, got 0"):
         Stepper(drivers / "plate.fmu", start_values={"mass": 0.0})
+
+
+def test_a_driver_that_has_failed_for_good_is_called_no_more(drivers, monkeypatch):
+    monkeypatch.setattr(FMU2Slave, "freeInstance", lambda _slave: pytest.fail("pythonfmu frees twice then"))
+    plate = Component(drivers / "plate.fmu")
+    with pytest.raises(FmuError, match="mass: wanted > 0 kg, got 0"):
+        plate.initialize({"mass": 0.0})
+        plate.exit_initialization()
+    for call in (plate.exit_initialization, plate.reset, plate.terminate):
+        with pytest.raises(FmuError, match="has failed for good in an earlier call: open it again"):
+            call()
+    plate.close()
+    del plate
+    gc.collect()
 
 
 GRIP = {"name": "grip", "points": [[0, 0, 0]], "motion": "input"}
