@@ -116,12 +116,11 @@ double DampedSteps::passed_over(const Call& call, double h, double lost) const {
   return pressing > 0 ? std::min(moves, energy / pressing) : moves;
 }
 
-/// Largest of what the impulses on obstacles and pins of the two runs differ by, in what may be left [1].
-double DampedSteps::difference_of_forces(const Call& call) const {
+/// On obstacles and pins: what the impulses of the two runs differ by at most, in what may be left [1], and the largest force so far [N].
+DampedSteps::Forces DampedSteps::compare_forces(const Call& call) const {
   const Exchange &begin = start_.exchange, &one = coarse_.exchange, &other = call.job.run.path.exchange;
-  DampedRecord& record = call.job.run.course.damped;
   const double h = call.job.run.path.motion.time - start_.motion.time;
-  double largest = record.force, difference = 0;
+  double largest = call.job.run.course.damped.force, difference = 0;
   const auto compare = [&](const std::vector<Impulse>& from, const std::vector<Impulse>& a, const std::vector<Impulse>& b) {
     for (std::size_t q = 0; q < a.size(); ++q) {
       largest = std::max(largest, (b[q].force - from[q].force).norm() / h);
@@ -131,7 +130,7 @@ double DampedSteps::difference_of_forces(const Call& call) const {
   compare(begin.planes, one.planes, other.planes);
   compare(begin.pins, one.pins, other.pins);
   const double of_tolerance = power(bound(call.job), 2) * call.job.model.body.mass.minCoeff() * use::moving_force * call.tolerance();
-  return difference / ((call.end - call.begin) * std::max(use::force_share * largest, of_tolerance));
+  return {difference / ((call.end - call.begin) * std::max(use::force_share * largest, of_tolerance)), largest};
 }
 
 /// To `until`, unless the error is too large that goes with how the velocities bend, by the last step that was run twice.
@@ -168,6 +167,7 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
   Step coarse = take(call, until), fine = coarse;
   double error = infinity, ratio = infinity, over = 0;
   bool steady = false;
+  Forces forces{0, record.force};
   const double allowed = call.allowed(h);
   if (coarse.status == StepStatus::ok) {
     std::swap(coarse_, path);
@@ -187,7 +187,8 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
                fine.constraints == coarse.constraints;
       const double order = steady ? 1.0 / 3 : 1;
       error = order * outcome_of(job, coarse_.motion, path.motion, ahead(job));
-      ratio = std::max(error / allowed, order * difference_of_forces(call));
+      forces = compare_forces(call);
+      ratio = std::max(error / allowed, order * forces.difference);
       over = passed_over(call, h, lost);
       steady = steady && over <= ratio * allowed;
       error += over;
@@ -202,10 +203,7 @@ StepStatus DampedSteps::step_twice(const Call& call, double until) {
     path.stiff.error += error;
     record.constraints = fine.constraints;
     record.doubts = 0;
-    for (std::size_t q = 0; q < path.exchange.planes.size(); ++q)
-      record.force = std::max(record.force, (path.exchange.planes[q].force - start_.exchange.planes[q].force).norm() / h);
-    for (std::size_t a = 0; a < path.exchange.pins.size(); ++a)
-      record.force = std::max(record.force, (path.exchange.pins[a].force - start_.exchange.pins[a].force).norm() / h);
+    record.force = forces.largest;
     const double of_coarse = (steady ? 4 : 2) * std::max(0.0, ratio * allowed - over), least = use::least_share;
     const double share = coarse.bend > 0 && coarse.bend < infinity ? std::max(of_coarse / coarse.bend, least) : least;
     const bool known = coarse.bend < infinity && share <= use::shares_alike * record.share;

@@ -3,8 +3,8 @@
 /// which are run once for a while.
 ///
 /// Where constraints of contact change, or something strikes, the error falls with the first power of the step: it is taken so. What rings
-/// is seen by the two runs while a step is no longer than ten radians of it; steps grow by a factor of four at most, and begin short after
-/// a kink. Where they would have to be nearly as short as explicit ones, these take over for a while.
+/// is seen by the two runs while a step is no longer than ten radians of it, and beyond by the energy that the step takes; steps grow by a
+/// factor of four at most. Where they would have to be nearly as short as explicit ones, these take over for a while.
 #pragma once
 #include "stepping/doubled_steps.hpp"
 
@@ -25,11 +25,14 @@ class DampedSteps {
     double bend;
     double lost;  ///< [J]
   };
+  struct Forces {
+    double difference, largest;
+  };
   static void forget(const Call& call, double h);
   Step take(const Call& call, double until);
   bool step_once(const Call& call, double until);
   StepStatus step_twice(const Call& call, double until);
-  double difference_of_forces(const Call& call) const;
+  Forces compare_forces(const Call& call) const;
   double passed_over(const Call& call, double h, double lost) const;
   StepStatus take_explicit(const Call& call);
 

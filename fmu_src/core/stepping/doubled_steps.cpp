@@ -17,9 +17,6 @@ namespace {
 
 namespace use = thresholds;
 
-/// Twice the damping ratio from which on a body creeps [1].
-constexpr double overdamped = 2;
-
 /// Books what the unknown phase of an impact of control points may add.
 void book_impact(const Job& job, const State& begin) {
   const Body& body = job.model.body;
@@ -27,7 +24,7 @@ void book_impact(const Job& job, const State& begin) {
   double squared = 0;
   for (int i = 0; i < begin.spring.size(); ++i) squared += body.inverse_mass[i] * begin.spring.data()[i] * begin.spring.data()[i];
   const double frequency = elastic > 0 ? std::sqrt(squared / (2 * elastic)) : 0;
-  if (frequency * body.springs.shortest_time() > overdamped) return;  // nothing vibrates
+  if (frequency * body.springs.shortest_time() > use::creeping) return;  // nothing vibrates
   book_unknown_phase(job, begin, elastic + kinetic_deformation(body, begin), frequency, job.run.path.stiff.total_error());
 }
 

@@ -44,28 +44,29 @@ StepStatus ImplicitContact::advance(const Equations& equations, double t, double
 
 StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange,
                                              int depth) {
-  const Step step{equations, t, h, state, t + 0.5 * h};
-  ++steps_;
-  const StepStatus status = stage_.solve(step);
-  if (status == StepStatus::ok) {
-    const double outside = (stage_.force() * (stage_.x - state.x)).sum(), work = stage_.contact_work(step);
-    const double ramp = equations.around.ramped ? equations.around.ramp_dot(t + 0.5 * h, stage_.x - state.x) : 0;
-    if (close(step, outside, work, watch, ramp, exchange)) {
-      stage_.book(step, 1, exchange);
-      given_ += stage_.given_by_contacts(step, work);
-      slip_.add(stage_.slip_of_contacts(step));
-      lost_ -= h * stage_.lost_power(step);
-      take(state);
-      return StepStatus::ok;
-    }
-  } else if (status != StepStatus::not_finite) {
-    return status;
-  }
+  const StepStatus status = take_euler({equations, t, h, state, t + 0.5 * h}, watch, state, exchange, false);
+  if (status != StepStatus::not_finite) return status;
   if (depth == most_halvings || stage_.spent()) return StepStatus::not_finite;
   ++halvings_;
   const StepStatus first = advance_in_parts(equations, t, 0.5 * h, watch, state, exchange, depth + 1);
   if (first != StepStatus::ok) return first;
   return advance_in_parts(equations, t + 0.5 * h, 0.5 * h, watch, state, exchange, depth + 1);
+}
+
+/// count: what it loses beyond dampers and friction.
+StepStatus ImplicitContact::take_euler(const Step& step, bool watch, State& state, Exchange& exchange, bool count) {
+  ++steps_;
+  if (const StepStatus status = stage_.solve(step); status != StepStatus::ok) return status;
+  const double outside = (stage_.force() * (stage_.x - state.x)).sum(), work = stage_.contact_work(step);
+  const Drive& around = step.equations.around;
+  const double ramp = around.ramped ? around.ramp_dot(step.loads_at, stage_.x - state.x) : 0;
+  if (!close(step, outside, work, watch, ramp, exchange)) return StepStatus::not_finite;
+  stage_.book(step, 1, exchange);
+  given_ += stage_.given_by_contacts(step, work);
+  slip_.add(stage_.slip_of_contacts(step));
+  if (count) lost_ -= step.h * stage_.lost_power(step);
+  take(state);
+  return StepStatus::ok;
 }
 
 StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t, double h, double way, bool watch, State& state,
@@ -122,7 +123,7 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
 
 /// The second stage throws back what the first one stops, or what lies behind an obstacle between them.
 StepStatus ImplicitContact::strike(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange) {
-  const StepStatus status = advance_in_parts(equations, t, h, watch, state, exchange, most_halvings);
+  const StepStatus status = take_euler({equations, t, h, state, t + 0.5 * h}, watch, state, exchange, true);
   bend_ = std::numeric_limits<double>::infinity();
   return status;
 }

@@ -61,6 +61,7 @@ class ImplicitContact {
   using Step = ImplicitStage::Step;
   void begin_call();
   StepStatus advance_in_parts(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange, int depth);
+  StepStatus take_euler(const Step& step, bool watch, State& state, Exchange& exchange, bool count);
   StepStatus take_sdirk2(const Equations& equations, double t, double h, double way, bool watch, State& state, Exchange& exchange);
   StepStatus strike(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
   bool close(const Step& step, double outside, double work, bool watch, double ramp_work, Exchange& exchange);
