@@ -58,7 +58,7 @@ Outcome Integrators::take(const Job& job, Method method, const Span& span) {
   if (budget_.spent()) return outcome;
   const Count& contacts = job.run.path.exchange.contacts_resolved;
   const Count before = contacts;
-  outcome = take_span(job, method, {span.origin, span.first, span.h, span.steps, span.most_work, budget_.left(), span.way});
+  outcome = take_span(job, method, {span.origin, span.first, span.h, span.steps, span.most_work, budget_.left(), span.way, span.again});
   budget_.spend(std::max(outcome.work, outcome.spent) +
                 double(contacts - before) * thresholds::contact_work * thresholds::patience(job.model.body.points()));
   if (outcome.status == StepStatus::ok && !tells_apart(job)) outcome.status = StepStatus::not_finite;

@@ -148,6 +148,8 @@ inline constexpr double damped_sum = 0.5, damped_share = 0.2, damped_rate = 0.3,
 inline constexpr double force_share = 0.008, moving_force = 0.01;
 /// Radians of a vibration that a step may be long and yet differ visibly from two of half its length [rad].
 inline constexpr double passed_over = 10;
+/// Of the first step in a communication step, after that of the one before, which was cut [1].
+inline constexpr double opening_growth = 2;
 /// Error of a step in the bend of its velocities: at least, by how much it may have grown since the last step that was run twice for the
 /// next to be run once, and what is added for safety [1]; how many of these at most.
 inline constexpr double least_share = 0.02, shares_alike = 2, share_safety = 1.5;

@@ -17,7 +17,7 @@ Outcome BackwardEuler::advance(Method method, const Model& model, const Drive& d
     Path& path = run.path;
     const Equations equations{model.body, drive};
     const double t = span.time(i), h = span.h;
-    outcome.status = method == Method::sdirk2 ? contact_.advance_sdirk2(equations, t, h, span.way, drive.watch, path.motion, path.exchange)
+    outcome.status = method == Method::sdirk2 ? contact_.advance_sdirk2(equations, t, h, span, drive.watch, path.motion, path.exchange)
                                               : contact_.advance(equations, t, h, drive.watch, path.motion, path.exchange);
     outcome.given += contact_.given();
     outcome.slip = contact_.slip();

@@ -154,10 +154,11 @@ struct DampedRecord {
   Count doubts = 0;       ///< how often explicit steps had to take over, one time after the other
   double rate = 0;        ///< work of explicit steps in a second, as of the last that took over; 0: not known
   double force = 0;       ///< largest on an obstacle or a pin so far, as mean of a step [N]
+  double opening = 0;     ///< first step of a communication step, as of the last one where it was cut [s]; 0: it is not
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.trust, s.next_trust, s.share, s.constraints, s.doubts, s.rate, s.force);
+    return fields(s.h, s.trust, s.next_trust, s.share, s.constraints, s.doubts, s.rate, s.force, s.opening);
   }
 };
 static_assert(visits_every_field<DampedRecord>);

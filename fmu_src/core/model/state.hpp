@@ -55,6 +55,7 @@ struct Span {
   double most_work = std::numeric_limits<double>::infinity();  ///< after which a step that iterates gives up; in evaluations of the forces
   double budget = std::numeric_limits<double>::infinity();     ///< of the call, after which it does too
   double way = 0;                                              ///< by which a solution of its equations may be off [m]
+  bool again = false;  ///< the method took the step before this one, as long, of the same body: what it made of that may serve
   double time(Count i) const { return origin + double(first + i) * h; }
 };
 

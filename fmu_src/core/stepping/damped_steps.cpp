@@ -60,6 +60,8 @@ StepStatus DampedSteps::run(Integrators& integrators, const Job& job, double end
   DampedRecord& record = course.damped;
   const State& motion = job.run.path.motion;
   const double begin = motion.time;
+  const Count rejected = course.rejected;
+  bool opens = false;  // the first step is no longer than that of the communication step before
   while (motion.time < end) {
     const Call call{integrators, job, begin, end, step_limit(job, Method::leapfrog, false), others};
     course.method = Method::sdirk2;
@@ -70,10 +72,18 @@ StepStatus DampedSteps::run(Integrators& integrators, const Job& job, double end
       if (const StepStatus status = take_explicit(call); status != StepStatus::ok) return status;
       continue;
     }
+    const bool first = motion.time == begin;
+    if (first && course.rejected == rejected && record.opening > 0 && record.opening < std::min(record.h, left)) {
+      opens = true;
+      record.h = record.opening;
+      record.trust = 0;
+    }
     const Count parts = divisions(left, std::min(record.h, left) * job.request.step_factor);
     const double until = parts == 1 ? end : motion.time + left / double(parts);
-    if (record.trust > 0 && step_once(call, until)) continue;
-    if (const StepStatus status = step_twice(call, until); status != StepStatus::ok) return status;
+    if (const StepStatus status = step(call, until); status != StepStatus::ok) return status;
+    if (!first || motion.time == begin) continue;
+    const double h = motion.time - begin;
+    record.opening = course.rejected > rejected ? h : opens ? std::min(record.h, use::opening_growth * h) : 0;
   }
   return StepStatus::ok;
 }
@@ -83,7 +93,8 @@ void DampedSteps::forget(const Call& call, double h) {
   if (!call.job.drive.pins.empty()) call.job.run.path.stiff.error *= std::max(0.0, 1 - h / call.memory());
 }
 
-DampedSteps::Step DampedSteps::take(const Call& call, double until) {
+/// again: the step before was as long.
+DampedSteps::Step DampedSteps::take(const Call& call, double until, bool again) {
   const Job& job = call.job;
   Path& path = job.run.path;
   const double h = until - path.motion.time;
@@ -91,7 +102,7 @@ DampedSteps::Step DampedSteps::take(const Call& call, double until) {
   const double most = std::max(use::least_implicit_work, use::doubled_work * h / call.limit);
   job.run.energy.kinetic_elastic = -1;  // implicit steps have a guard of their own
   const Outcome outcome =
-      call.integrators.take(job, Method::sdirk2, {path.motion.time, 0, h, 1, most, infinity, use::solved * call.tolerance()});
+      call.integrators.take(job, Method::sdirk2, {path.motion.time, 0, h, 1, most, infinity, use::solved * call.tolerance(), again});
   job.run.course.work += outcome.work;
   path.motion.time = until;
   ++path.steps;
@@ -133,93 +144,97 @@ DampedSteps::Forces DampedSteps::compare_forces(const Call& call) const {
   return {difference / ((call.end - call.begin) * std::max(use::force_share * largest, of_tolerance)), largest};
 }
 
-/// To `until`, unless the error is too large that goes with how the velocities bend, by the last step that was run twice.
-bool DampedSteps::step_once(const Call& call, double until) {
+/// To `until`: once if the error is small enough that goes with how the velocities bend, by the last step that was run twice; else with two
+/// steps of half the length beside.
+StepStatus DampedSteps::step(const Call& call, double until) {
   Run& run = call.job.run;
   DampedRecord& record = run.course.damped;
   const double h = until - run.path.motion.time, allowed = call.allowed(h);
   Trial trial(run.path, start_);
-  const Step taken = take(call, until);
-  const double error = record.share * taken.bend + passed_over(call, h, taken.lost);
-  if (taken.status == StepStatus::ok && !taken.turned && error <= allowed) {
-    --record.trust;
-    forget(call, h);
-    run.path.stiff.error += error;
-    if (error > 0)
-      record.h = std::max(h * std::clamp(use::window_safety * std::sqrt(allowed / error), use::next_shrink, use::rest_growth),
-                          until == call.end ? record.h : h * use::next_shrink);
-    trial.keep();
-    return true;
+  const Step coarse = take(call, until);
+  if (record.trust > 0) {
+    const double error = record.share * coarse.bend + passed_over(call, h, coarse.lost);
+    if (coarse.status == StepStatus::ok && !coarse.turned && error <= allowed) {
+      --record.trust;
+      forget(call, h);
+      run.path.stiff.error += error;
+      if (error > 0)
+        record.h = std::max(h * std::clamp(use::window_safety * std::sqrt(allowed / error), use::next_shrink, use::rest_growth),
+                            until == call.end ? record.h : h * use::next_shrink);
+      trial.keep();
+      return StepStatus::ok;
+    }
+    ++run.course.rejected;
+    record.trust = 0;
+    record.next_trust = 1;
   }
-  ++run.course.rejected;
-  record.trust = 0;
-  record.next_trust = 1;
-  return false;
-}
-
-StepStatus DampedSteps::step_twice(const Call& call, double until) {
-  const Job& job = call.job;
-  Path& path = job.run.path;
-  Course& course = job.run.course;
-  DampedRecord& record = course.damped;
-  Trial trial(path, start_);
-  const double begin = path.motion.time, h = until - begin;
-  Step coarse = take(call, until), fine = coarse;
-  double error = infinity, ratio = infinity, over = 0;
-  bool steady = false;
-  Forces forces{0, record.force};
-  const double allowed = call.allowed(h);
+  Judged judged{.error = infinity, .ratio = infinity, .force = record.force, .constraints = coarse.constraints};
   if (coarse.status == StepStatus::ok) {
-    std::swap(coarse_, path);
+    std::swap(coarse_, run.path);
     trial.back();
-    Count middle = 0;
-    double lost = 0;
-    bool turned = coarse.turned;
-    for (const double next : {begin + 0.5 * h, until}) {
-      if (fine.status != StepStatus::ok) break;
-      fine = take(call, next);
-      lost += fine.lost;
-      turned = turned || fine.turned;
-      if (next != until) middle = fine.constraints;
-    }
-    if (fine.status == StepStatus::ok) {
-      steady = !turned && (record.constraints == 0 || record.constraints == middle) && middle == fine.constraints &&
-               fine.constraints == coarse.constraints;
-      const double order = steady ? 1.0 / 3 : 1;
-      error = order * outcome_of(job, coarse_.motion, path.motion, ahead(job));
-      forces = compare_forces(call);
-      ratio = std::max(error / allowed, order * forces.difference);
-      over = passed_over(call, h, lost);
-      steady = steady && over <= ratio * allowed;
-      error += over;
-      ratio = std::max(ratio, error / allowed);
-    }
+    judged = run_halves(call, until, allowed, coarse);
   }
   const bool last = h <= use::least_doubled * call.limit || (!call.others && h <= use::shortest_damped * call.limit);
-  if (last && !(error < infinity)) return StepStatus::not_finite;
-  const double factor = ratio > 0 ? use::window_safety * (steady ? std::sqrt(1 / ratio) : 1 / ratio) : use::rest_growth;
-  if (ratio <= 1 || last) {
-    forget(call, h);
-    path.stiff.error += error;
-    record.constraints = fine.constraints;
-    record.doubts = 0;
-    record.force = forces.largest;
-    const double of_coarse = (steady ? 4 : 2) * std::max(0.0, ratio * allowed - over), least = use::least_share;
-    const double share = coarse.bend > 0 && coarse.bend < infinity ? std::max(of_coarse / coarse.bend, least) : least;
-    const bool known = coarse.bend < infinity && share <= use::shares_alike * record.share;
-    record.share = use::share_safety * share;
-    record.trust = known ? record.next_trust : 0;
-    record.next_trust = known ? std::min(2 * record.next_trust, use::longest_damped_trust) : 1;
-    const double longer = h * std::clamp(factor, use::next_shrink, use::rest_growth);
-    record.h = factor < 1 ? longer : std::max(record.h, longer);
+  if (last && !(judged.error < infinity)) return StepStatus::not_finite;
+  if (judged.ratio <= 1 || last) {
+    accept(call, h, allowed, coarse.bend, judged);
     trial.keep();
     return StepStatus::ok;
   }
-  course.rejected += 3;
+  run.course.rejected += 3;
   record.trust = 0;
   record.next_trust = 1;
-  record.h = h * std::clamp(std::isfinite(ratio) ? factor : 0, use::window_shrink, use::loss_shrink * 2);
+  record.h = h * std::clamp(std::isfinite(judged.ratio) ? judged.growth() : 0, use::window_shrink, use::loss_shrink * 2);
   return StepStatus::ok;
+}
+
+/// The two steps of half the length, beside the whole one in coarse_.
+DampedSteps::Judged DampedSteps::run_halves(const Call& call, double until, double allowed, const Step& coarse) {
+  const Job& job = call.job;
+  Path& path = job.run.path;
+  const double begin = path.motion.time, h = until - begin;
+  const Step first = take(call, begin + 0.5 * h);
+  if (first.status != StepStatus::ok) return {.error = infinity, .ratio = infinity};
+  const Step second = take(call, until, true);
+  if (second.status != StepStatus::ok) return {.error = infinity, .ratio = infinity};
+  const Count before = job.run.course.damped.constraints;
+  Judged judged{.constraints = second.constraints};
+  judged.steady = !coarse.turned && !first.turned && !second.turned && (before == 0 || before == first.constraints) &&
+                  first.constraints == second.constraints && second.constraints == coarse.constraints;
+  const double order = judged.steady ? 1.0 / 3 : 1;
+  const Forces forces = compare_forces(call);
+  judged.force = forces.largest;
+  judged.error = order * outcome_of(job, coarse_.motion, path.motion, ahead(job));
+  judged.ratio = std::max(judged.error / allowed, order * forces.difference);
+  judged.over = passed_over(call, h, first.lost + second.lost);
+  judged.steady = judged.steady && judged.over <= judged.ratio * allowed;
+  judged.error += judged.over;
+  judged.ratio = std::max(judged.ratio, judged.error / allowed);
+  return judged;
+}
+
+/// How much longer the next step may be [1].
+double DampedSteps::Judged::growth() const {
+  return ratio > 0 ? use::window_safety * (steady ? std::sqrt(1 / ratio) : 1 / ratio) : use::rest_growth;
+}
+
+/// The halves count. bend: of the whole step.
+void DampedSteps::accept(const Call& call, double h, double allowed, double bend, const Judged& judged) {
+  Run& run = call.job.run;
+  DampedRecord& record = run.course.damped;
+  forget(call, h);
+  run.path.stiff.error += judged.error;
+  record.constraints = judged.constraints;
+  record.doubts = 0;
+  record.force = judged.force;
+  const double of_coarse = (judged.steady ? 4 : 2) * std::max(0.0, judged.ratio * allowed - judged.over), least = use::least_share;
+  const double share = bend > 0 && bend < infinity ? std::max(of_coarse / bend, least) : least;
+  const bool known = bend < infinity && share <= use::shares_alike * record.share;
+  record.share = use::share_safety * share;
+  record.trust = known ? record.next_trust : 0;
+  record.next_trust = known ? std::min(2 * record.next_trust, use::longest_damped_trust) : 1;
+  const double growth = judged.growth(), longer = h * std::clamp(growth, use::next_shrink, use::rest_growth);
+  record.h = growth < 1 ? longer : std::max(record.h, longer);
 }
 
 /// Explicit steps for a while, longer each time that implicit ones do not pay again.

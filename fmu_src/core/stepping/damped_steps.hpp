@@ -28,10 +28,21 @@ class DampedSteps {
   struct Forces {
     double difference, largest;
   };
+  /// What two runs of a step say of the finer one.
+  struct Judged {
+    double error = 0;  ///< [m]
+    double ratio = 0;  ///< of errors in what is allowed, the worst [1]
+    double over = 0;   ///< part of the error that is of vibrations passed over [m]
+    double force = 0;  ///< largest so far [N]
+    Count constraints = 0;
+    bool steady = false;  ///< no constraint changed
+    double growth() const;
+  };
   static void forget(const Call& call, double h);
-  Step take(const Call& call, double until);
-  bool step_once(const Call& call, double until);
-  StepStatus step_twice(const Call& call, double until);
+  Step take(const Call& call, double until, bool again = false);
+  StepStatus step(const Call& call, double until);
+  Judged run_halves(const Call& call, double until, double allowed, const Step& coarse);
+  static void accept(const Call& call, double h, double allowed, double bend, const Judged& judged);
   Forces compare_forces(const Call& call) const;
   double passed_over(const Call& call, double h, double lost) const;
   StepStatus take_explicit(const Call& call);

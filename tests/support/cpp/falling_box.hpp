@@ -91,7 +91,7 @@ struct CheckedRun {
     const Vec3 momentum = scene.momentum();
     const double energy = scene.energy();
     const Equations equations{scene.body, scene.around};
-    const StepStatus status = sdirk2 ? method.advance_sdirk2(equations, time, h, 0, true, scene.state, exchange)
+    const StepStatus status = sdirk2 ? method.advance_sdirk2(equations, time, h, {}, true, scene.state, exchange)
                                      : method.advance(equations, time, h, true, scene.state, exchange);
     CHECK(status == StepStatus::ok);
     if (status != StepStatus::ok) return false;

@@ -69,21 +69,22 @@ StepStatus ImplicitContact::take_euler(const Step& step, bool watch, State& stat
   return StepStatus::ok;
 }
 
-StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t, double h, double way, bool watch, State& state,
+StepStatus ImplicitContact::advance_sdirk2(const Equations& equations, double t, double h, const Span& span, bool watch, State& state,
                                            Exchange& exchange) {
   begin_call();
   before_ = exchange;
-  const StepStatus status = take_sdirk2(equations, t, h, way, watch, state, exchange);
-  if (status != StepStatus::not_finite || way > 0) return status;
+  const StepStatus status = take_sdirk2(equations, t, h, span, watch, state, exchange);
+  if (status != StepStatus::not_finite || span.way > 0) return status;
   exchange = before_;
   return advance_in_parts(equations, t, h, watch, state, exchange, 0);
 }
 
-StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, double h, double way, bool watch, State& state,
+StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, double h, const Span& span, bool watch, State& state,
                                         Exchange& exchange) {
   ++steps_;
   const double part = gamma * h, rest = (1 - gamma) * h, weight = (1 - gamma) / gamma;
-  const Step first{equations, t, part, state, t + part, &state.v, false, way, accuracy};
+  const double way = span.way;
+  const Step first{equations, t, part, state, t + part, &state.v, span.again, way, accuracy};
   if (const StepStatus status = stage_.solve(first); status != StepStatus::ok) return status;
   if (stage_.strikes(first)) return strike(equations, t, h, watch, state, exchange);
   const auto work_of_loads = [&](const auto& v) { return (stage_.force() * v).sum(); };

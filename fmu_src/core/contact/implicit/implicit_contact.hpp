@@ -30,9 +30,9 @@ class ImplicitContact {
   /// state.time is the caller's. On failure state and exchange are spoilt; not_finite: there was no solution down to h / 2^20, or not
   /// with so many factorizations and solutions with them.
   StepStatus advance(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
-  /// The same by SDIRK2. way: by which the solutions may be off [m]; a step that then finds none is not done in parts, because who controls
-  /// its error does that. Without, it is done by backward Euler.
-  StepStatus advance_sdirk2(const Equations& equations, double t, double h, double way, bool watch, State& state, Exchange& exchange);
+  /// The same by SDIRK2. A step that finds no solution to span.way is not done in parts, because who controls its error does that; if there
+  /// is no such way, it is done by backward Euler. span.again: the matrix of the step before may serve.
+  StepStatus advance_sdirk2(const Equations& equations, double t, double h, const Span& span, bool watch, State& state, Exchange& exchange);
   Count most_factorizations = 100'000, most_solutions = Count{1} << 53;
   /// Energy that obstacles and pins gave the body in the last call, friction included, points moving along obstacles with the mean of their
   /// velocities before and after [J].
@@ -62,7 +62,7 @@ class ImplicitContact {
   void begin_call();
   StepStatus advance_in_parts(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange, int depth);
   StepStatus take_euler(const Step& step, bool watch, State& state, Exchange& exchange, bool count);
-  StepStatus take_sdirk2(const Equations& equations, double t, double h, double way, bool watch, State& state, Exchange& exchange);
+  StepStatus take_sdirk2(const Equations& equations, double t, double h, const Span& span, bool watch, State& state, Exchange& exchange);
   StepStatus strike(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
   bool close(const Step& step, double outside, double work, bool watch, double ramp_work, Exchange& exchange);
   void take(State& state);

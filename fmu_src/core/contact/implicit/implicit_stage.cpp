@@ -26,6 +26,8 @@ constexpr double of_loads = 0.1;
 /// the matrix still serves.
 constexpr double straight = 1e-15, small_turn = 1e-8;
 constexpr int most_iterations = 30;
+/// Difference of two steps that are as long to rounding [1].
+constexpr double same_length = 1e-9;
 /// Of Coulomb's limit: friction from which on a contact counts as sliding [1].
 constexpr double slides_from = 1 - 1e-3;
 
@@ -89,10 +91,11 @@ StepStatus ImplicitStage::open(const Step& step) {
   scratch_ = force_;
   if (step.along && body.springs.dashpots()) body.springs.add_dashpot_force(step.from.x, *step.along, scratch_);
   touches_->guess(step, scratch_, x);
-  if (step.same_matrix)
+  if (step.same_matrix && std::abs(step.h - matrix_h_) <= same_length * step.h)
     touches_->keep(slight_);
   else
     touches_->refresh();
+  matrix_h_ = step.h;
   convergence_ = {};
   straight_ = false;
   return StepStatus::ok;

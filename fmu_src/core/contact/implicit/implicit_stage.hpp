@@ -87,6 +87,7 @@ class ImplicitStage {
   Points force_, residual_, last_change_, scratch_;
   double largest_stiffness_ = -1, force_scale_ = 0, noise_ = 0, extent_ = 0, slight_ = 0;
   Convergence convergence_;
+  double matrix_h_ = 0;    ///< step that the matrix is for [s]
   bool straight_ = false;  ///< the last Newton step was taken as the linear equations have it
   Vec3 rounding_ = Vec3::Zero();
   Count constraints_ = 0, iterations_ = 0, last_factorization_ = 0;

@@ -26,7 +26,7 @@ void PointTouches::guess(const Step& step, const Points& force, const Points& x)
 void PointTouches::find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) {
   if (contacts_.scale_friction(step.equations.body.length, largest_stiffness)) linear_.refresh();
   if (first) {
-    free_ = step.h * step.from.v;
+    free_ = step.h * (step.along ? *step.along : step.from.v);
     contacts_.guess_friction(step.from.x, u, free_, step.h);
   } else if (contacts_.find_friction(step.from.x, u, step.h, slight)) {
     linear_.refresh();

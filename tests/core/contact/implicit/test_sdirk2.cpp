@@ -71,7 +71,7 @@ TEST(what_strikes_is_not_thrown_back_by_the_second_stage) {
       CheckedRun run(scene);
       scene.body.internal_force(scene.state.x, scene.state.spring);
       const double before = scene.energy() + g * FallingBox::mean(scene.state.x).z();
-      CHECK(run.method.advance_sdirk2({scene.body, scene.around}, 0, h, 0, true, scene.state, run.exchange) == StepStatus::ok);
+      CHECK(run.method.advance_sdirk2({scene.body, scene.around}, 0, h, {}, true, scene.state, run.exchange) == StepStatus::ok);
       CHECK(scene.energy() + g * FallingBox::mean(scene.state.x).z() <= before * (1 + 1e-12));
       CHECK(scene.least_gap(h) >= -1e-15);
     }
