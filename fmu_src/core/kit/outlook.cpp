@@ -42,6 +42,13 @@ bool squeezed(const Job& job, const State& state) {
   return false;
 }
 
+/// In which internal damping takes a vibration of this period to 1 / e, or what creeps [s]; infinite without.
+double decay_time(const Job& job, double period) {
+  const double time = job.model.body.springs.shortest_time();
+  constexpr double two_pi = 6.283185307179586;
+  return time > 0 ? std::max(2 * power(period / two_pi, 2) / time, time) : infinity;
+}
+
 /// For how long a velocity of the body in contact lasts, its slowest vibration having this period [s]: internal damping takes it sooner.
 double ringing_time(const Job& job, double period) { return std::min(use::memory_periods * period, period + decay_time(job, period)); }
 
@@ -115,12 +122,6 @@ double slowest_period(const Job& job) {
   for (int i = 0; i < 3 * n; ++i)
     if (!job.model.body.pinned[i % n]) longest = std::max(longest, job.model.time_scale[i]);
   return std::min(use::period_per_time_scale * longest, left_of_run(job));
-}
-
-double decay_time(const Job& job, double period) {
-  const double time = job.model.body.springs.shortest_time();
-  constexpr double two_pi = 6.283185307179586;
-  return time > 0 ? std::max(2 * power(period / two_pi, 2) / time, time) : infinity;
 }
 
 NearestObstacle nearest_obstacle(const Job& job, const State& state) {

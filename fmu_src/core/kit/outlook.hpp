@@ -23,8 +23,6 @@ struct Outlook {
 double left_of_run(const Job& job);
 /// Of the slowest vibration, about [s].
 double slowest_period(const Job& job);
-/// In which internal damping takes a vibration of this period to 1 / e, or what creeps [s]; infinite without.
-double decay_time(const Job& job, double period);
 /// The obstacle that a point, or sample, is nearest to, or furthest behind. The drive has planes.
 struct NearestObstacle {
   const Plane* plane = nullptr;

@@ -142,8 +142,8 @@ inline constexpr double damped_runs = 3, damped_solutions = 10;
 inline constexpr double first_damped = 2, damped_turn = 2;
 inline constexpr Count most_damped_doubts = 6;
 /// Errors of all steps in the tolerance; of what is left of that, the error of a step, or of the tolerance per share of the time that
-/// errors are remembered for, that of a body that pins hold apart, and at most [1].
-inline constexpr double damped_sum = 0.5, damped_share = 0.2, damped_rate = 0.3, held_rate = 1, damped_most = 0.3;
+/// errors are remembered for, and at most [1].
+inline constexpr double damped_sum = 0.5, damped_share = 0.2, damped_rate = 1, damped_most = 0.3;
 /// Of the largest force, the error of the mean force of a communication step, or of what moves a point by the tolerance [1].
 inline constexpr double force_share = 0.008, moving_force = 0.01;
 /// Radians of a vibration that a step may be long and yet differ visibly from two of half its length [rad].

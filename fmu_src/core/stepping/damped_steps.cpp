@@ -7,6 +7,7 @@
 #include "kit/outlook.hpp"
 #include "kit/thresholds.hpp"
 #include "kit/trial.hpp"
+#include "matrix/slowest_vibration.hpp"
 #include "model/arithmetic.hpp"
 #include "watch/vibration.hpp"
 
@@ -30,6 +31,7 @@ struct DampedSteps::Call {
   const Job& job;
   double begin, end;  ///< of the communication step [s]
   double limit;       ///< largest stable explicit step [s]
+  double memory;      ///< until an error of now is forgotten [s]
   DoubledSteps* others;
 
   /// Shortest step that costs no more than the explicit ones in its place [s].
@@ -40,18 +42,12 @@ struct DampedSteps::Call {
     return use::damped_runs * (work.factor + use::damped_solutions * work.solution) / (known > 0 ? known : forecast);
   }
   double tolerance() const { return job.request.tolerance * power(job.request.step_factor, 2); }
-  /// Until an error of now is forgotten [s]: pins take a body back to where its slowest vibration dies away.
-  double memory() const {
-    const double left = std::min(left_of_run(job), job.model.longest_memory);
-    return job.drive.pins.empty() ? left : std::min(left, decay_time(job, slowest_period(job)));
-  }
   double allowed(double h) const {
     const double rounding =
         use::rounding * std::max(job.model.body.length, kernels::largest(job.run.path.motion.x.size(), job.run.path.motion.x.data()));
-    const double spent = job.run.path.stiff.error / job.request.tolerance,
-                 rate = job.drive.pins.empty() ? use::damped_rate : use::held_rate;
+    const double spent = job.run.path.stiff.error / job.request.tolerance;
     const double of_rest = use::damped_share * std::max(0.0, use::damped_sum - spent);
-    return std::max(rounding, std::min(use::damped_most, std::max(of_rest, rate * h / memory())) * tolerance());
+    return std::max(rounding, std::min(use::damped_most, std::max(of_rest, use::damped_rate * h / memory)) * tolerance());
   }
 };
 
@@ -63,7 +59,7 @@ StepStatus DampedSteps::run(Integrators& integrators, const Job& job, double end
   const Count rejected = course.rejected;
   bool opens = false;  // the first step is no longer than that of the communication step before
   while (motion.time < end) {
-    const Call call{integrators, job, begin, end, step_limit(job, Method::leapfrog, false), others};
+    const Call call{integrators, job, begin, end, step_limit(job, Method::leapfrog, false), memory(job), others};
     course.method = Method::sdirk2;
     const double left = end - motion.time;
     if (integrators.budget().spent()) return StepStatus::too_much_work;
@@ -88,9 +84,19 @@ StepStatus DampedSteps::run(Integrators& integrators, const Job& job, double end
   return StepStatus::ok;
 }
 
+/// Until an error of now is forgotten [s]: pins take a body back to where its slowest vibration dies away.
+double DampedSteps::memory(const Job& job) {
+  const double longest = std::min(job.request.horizon, job.model.longest_memory);
+  if (job.drive.pins.empty()) return longest;
+  if (version_ != job.model.body.version || longest_ != longest) memory_ = memory_of_slowest_vibration(lattice_, job.model.body, longest);
+  version_ = job.model.body.version;
+  longest_ = longest;
+  return memory_;
+}
+
 /// What is left of the error after h.
 void DampedSteps::forget(const Call& call, double h) {
-  if (!call.job.drive.pins.empty()) call.job.run.path.stiff.error *= std::max(0.0, 1 - h / call.memory());
+  if (!call.job.drive.pins.empty()) call.job.run.path.stiff.error *= std::max(0.0, 1 - h / call.memory);
 }
 
 /// again: the step before was as long.

@@ -12,7 +12,7 @@ namespace softffd {
 
 class DampedSteps {
  public:
-  explicit DampedSteps(const Run& run) : start_(run.path), coarse_(run.path) {}
+  DampedSteps(const Lattice& lattice, const Run& run) : lattice_(lattice), start_(run.path), coarse_(run.path) {}
   /// others: explicit ones, for where implicit ones do not pay; null: never.
   StepStatus run(Integrators& integrators, const Job& job, double end, DoubledSteps* others);
 
@@ -47,7 +47,13 @@ class DampedSteps {
   double passed_over(const Call& call, double h, double lost) const;
   StepStatus take_explicit(const Call& call);
 
+  double memory(const Job& job);
+
+  Lattice lattice_;
   Path start_, coarse_;
+  double memory_ = 0;   ///< of the body's slowest vibration [s]
+  double longest_ = 0;  ///< no longer than this [s]
+  Count version_ = -1;  ///< of the body that it is for
 };
 
 }  // namespace softffd

@@ -22,7 +22,7 @@ Propagator::Propagator(const Lattice& lattice, const Run& run, const Samples* sa
     : integrators_(lattice, int(run.path.exchange.planes.size()), int(run.path.exchange.pins.size()), samples),
       calibrator_(run),
       doubled_(run),
-      damped_(run),
+      damped_(lattice, run),
       impacts_(lattice, run),
       race_(run),
       start_(run.path) {}

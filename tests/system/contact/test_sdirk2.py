@@ -71,6 +71,19 @@ def test_an_overdamped_bar_creeps_exponentially(tau):
         assert exact == pytest.approx(load / 4 / k * (1 - np.exp(-time / tau)), rel=1e-2)
 
 
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
+def test_a_slender_beam_remembers_its_errors_for_as_long_as_it_swings(tolerance):
+    """At 8 Hz: what a step errs by is there for a second, as long as the swing lasts, though its cells ring much faster."""
+    beam = box(
+        points=[7, 2, 2], size=[0.12, 0.02, 0.02], mass={"total": 0.05}, gravity=GRAVITY, pin=[{"name": "wall", "points": "x-"}],
+        material={"stiffness": 2e3, "internal_damping": 1e-3, "damping": 0.0}, stop_time=0.6, communication_step=0.01, method="sdirk2",
+    )  # fmt: skip
+    result = simulate(beam, start_values={"solver.tolerance": tolerance})
+    exact = simulate(beam, start_values={"solver.method": "dop853", "solver.tolerance": 1e-8})
+    assert np.abs(exact.positions - exact.positions[0]).max() > 0.01  # m
+    assert np.abs(result.positions - exact.positions).max() < 3 * tolerance * 0.12
+
+
 STARTS = {
     "rests": {},
     "slides": {"velocity": [0.3, 0.0, 0.0]},
