@@ -1,14 +1,14 @@
 """The car that the demonstration deforms: made of formulas, so that the project needs no one else's model.
 
-The body is a loft (car_body.py); wheels, lamps and mirrors are closed solids of revolution. Colours are
-places in a small palette image: one texture coordinate for each face.
+The shipped car.obj is what `save_mesh` writes of it. The body is a loft (car_body.py); wheels, lamps and mirrors are
+closed solids of revolution. Colours are places in a small palette image: one texture coordinate for each face.
 """
 
 import numpy as np
 from PIL import Image
 
 from softffd.mesh.mesh import Mesh
-from softffd.scenes.car_body import AXLE_X, AXLE_Z, body, cells
+from validation.car_body import AXLE_X, AXLE_Z, body, cells
 
 LENGTH, WIDTH, HEIGHT = 4.0, 1.7, 1.4
 """Bounding box, m."""

@@ -9,7 +9,7 @@ import softffd
 from softffd.embedding.mass import enclosed_volume, point_masses
 from softffd.mesh.files import load_mesh
 from softffd.mesh.normals import merge_by_position
-from softffd.scenes.car import PALETTE, car_mesh
+from validation.car import PALETTE, car_mesh
 
 SHIPPED = Path(softffd.__file__).parent / "scenes" / "car.obj"
 
