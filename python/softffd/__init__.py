@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from softffd.run.result import Result
     from softffd.run.simulate import simulate
     from softffd.run.simulation import Simulation
-    from softffd.run.sweep.sweep import sweep
-    from softffd.run.sweep.table import Sweep
+    from softffd.run.sweep import sweep
+    from softffd.run.sweep_table import Sweep
     from softffd.scene.scene import Scene, load_scene
 
 __version__ = "0.1.0"
@@ -33,8 +33,8 @@ HOMES = {
     "run.result": ["Result"],
     "run.simulate": ["simulate"],
     "run.simulation": ["Simulation"],
-    "run.sweep.sweep": ["sweep"],
-    "run.sweep.table": ["Sweep"],
+    "run.sweep": ["sweep"],
+    "run.sweep_table": ["Sweep"],
     "scene.scene": ["Scene", "load_scene"],
 }
 """The public names by their module, which is imported when one is asked for: numpy, pydantic and fmpy take most of a second."""

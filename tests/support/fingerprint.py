@@ -33,8 +33,8 @@ import numpy as np
 
 from softffd import FmuError, Result, Scene, installed, load_scene, simulate
 from softffd.installed import table
-from softffd.run.guard import guarded
 from softffd.scene.document import shipped_scenes
+from validation.guard import guarded
 from validation.stability.cases import CASES
 from validation.stability.drive import Drive
 from validation.stability.verdict import run_case

@@ -14,8 +14,8 @@ from softffd.accuracy.picture import course_picture, front_picture
 from softffd.accuracy.records import CHOSEN, LEVELS, MISSED, Records, level_words
 from softffd.accuracy.report import factor_words
 from softffd.errors import FmuError
+from softffd.run.drive import positive
 from softffd.run.progress import Note, silent
-from softffd.run.times import positive
 from softffd.scene.scene import load_scene
 
 STANDARD = (

@@ -13,9 +13,9 @@ from softffd.errors import FmuError
 from softffd.fmu.variables import internal_damping_present, spring_damping_present
 from softffd.lattice import all_points
 from softffd.names import variable_names
+from softffd.run.drive import communication_points, positive, step_lengths
 from softffd.run.inputs import Inputs
 from softffd.run.simulation import Simulation
-from softffd.run.times import communication_points, positive, require_memory, step_lengths
 from softffd.scene.scene import Scene
 
 ENOUGH = 0.4
@@ -71,8 +71,7 @@ class Rig:
         self.damped = spring_damping_present(scene) or self.dashpots
         self.contact = bool(scene.obstacles)
         self.solids = bool(scene.solids)
-        require_memory(self.stop_time, self.communication_step, 24 * math.prod(scene.lattice.points))
-        self.times = communication_points(self.stop_time, self.communication_step)
+        self.times = communication_points(self.stop_time, self.communication_step, bytes_each=24 * math.prod(scene.lattice.points))
         self._steps = step_lengths(self.times, self.communication_step)
         self._source = Inputs(scene.default_inputs)
         self._open()

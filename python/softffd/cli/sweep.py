@@ -16,7 +16,7 @@ import numpy as np
 from softffd.errors import SoftffdError
 from softffd.files import require_writable
 from softffd.run.progress import ProgressLine
-from softffd.run.sweep.sweep import sweep
+from softffd.run.sweep import sweep
 from softffd.run.tables import package
 from softffd.spelling import number_in
 

@@ -104,6 +104,16 @@ class Blocks:
 _RANGE = (np.iinfo(np.int32).min, np.iinfo(np.int32).max)
 
 
+def one_number(what: str, value: Any) -> float:
+    """A number that is given; FmuError for an array, text and other things."""
+    try:
+        if np.ndim(value) == 0 and not isinstance(value, str | bytes):
+            return float(value)
+    except (TypeError, ValueError):
+        pass
+    raise FmuError(f"{what}: wanted one number, got {value!r:.70}")
+
+
 def number_of(variable: ScalarVariable, value: Any) -> Any:
     """The value that a block takes for what a user gives: a number, of a Boolean 0 or 1, of an enumeration's names the number that stands
     for it, of a String its text. FmuError says what was wanted; an integer must be a whole number."""

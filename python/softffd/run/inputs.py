@@ -3,6 +3,7 @@ of planes and pins that follow from their poses."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Container, Iterable, Mapping
 from itertools import pairwise
 from pathlib import Path
@@ -13,7 +14,7 @@ import numpy as np
 from softffd.errors import FmuError
 from softffd.names import is_pose, parse_name, structured, vector_names
 from softffd.rotation import between_directions, between_orientations, nearer, quaternion
-from softffd.run.inputs_given import constants, is_data_frame, read_csv, table_of
+from softffd.run.tables import is_data_frame, read_csv, require_course, table_of
 from softffd.scene.document import shown
 
 if TYPE_CHECKING:
@@ -63,6 +64,9 @@ RATES: dict[str, tuple[str, Rate]] = {
 
 
 Source = Union[Callable[[float], Mapping[str, Any]], Mapping[str, Any], np.ndarray, "pd.DataFrame", str, Path]
+
+COMPONENTS = {3: "xyz", 4: "wxyz"}
+"""Of vectors and quaternions, by how many numbers there are."""
 
 SLACK = 1e-9
 """Relative difference up to which a row's time is that of a communication point: multiples of a step are rounded."""
@@ -143,7 +147,7 @@ class Inputs:
         """`values` at each of some communication points but the last, (points - 1, names)."""
         if self._steady:
             return np.broadcast_to(self.values(times[0], times[1]), (len(times) - 1, len(self.names) + len(self.derived_names)))
-        if self.derived_names:
+        if self.derived_names or self.is_function:
             return np.array([self.values(time, then) for time, then in pairwise(times)])
         now = self._at(times[:-1], False)
         return np.stack([now[name] for name in self.names], axis=1)
@@ -197,7 +201,7 @@ def _course(source: Source | None, where: str, start: float, held: set[str]) -> 
     if callable(source):
         return _of_function(source, where, start)
     if isinstance(source, Mapping):
-        numbers = constants(source)
+        numbers = _constants(source)
         return _of_function(lambda time: numbers, where, start)
     if isinstance(source, str | Path):
         return _of_table(read_csv(Path(source)), where, held)
@@ -209,12 +213,35 @@ def _course(source: Source | None, where: str, start: float, held: set[str]) -> 
     raise FmuError(f"{where}wanted {wanted}, got {type(source).__name__}: {source!r:.70}")
 
 
+def _constants(given: Mapping[str, Any], where: str = "inputs: ") -> dict[str, float]:
+    """Numbers by the names of single variables; a vector goes by the name that its components share. FmuError, which begins with `where`,
+    for anything else."""
+    numbers: dict[str, float] = {}
+    for name, value in given.items():
+        if isinstance(value, float) and math.isfinite(value):
+            numbers[name] = value
+            continue
+        try:
+            values = np.asarray(math.nan if isinstance(value, str | bytes) else value, dtype=float)
+        except (TypeError, ValueError):
+            values = np.array(math.nan)
+        if not np.isfinite(values).all():
+            raise FmuError(f"{where}{name}: wanted a finite number or a vector of them, got {value!r:.70}")
+        if values.ndim == 0:
+            numbers[str(name)] = float(values)
+        elif values.ndim == 1 and (components := COMPONENTS.get(len(values))):
+            numbers |= {f"{name}.{c}": float(v) for c, v in zip(components, values, strict=True)}
+        else:
+            raise FmuError(f"{where}{name}: wanted a number or a vector of 3 (of 4 for an orientation), got the shape {values.shape}")
+    return numbers
+
+
 def _of_function(function: Callable[[float], Mapping[str, Any]], where: str, start: float) -> tuple[Course, list[str]]:
     def asked(time: float) -> dict[str, float]:
         values = function(time)
         if not (isinstance(values, Mapping) and all(isinstance(name, str) for name in values)):
             raise FmuError(f"{where}at {time:g} s: wanted a dict of values by name, got {values!r:.70}")
-        return constants(values, f"{where}at {time:g} s: ")
+        return _constants(values, f"{where}at {time:g} s: ")
 
     given = list(asked(start))
     names, wanted = _structured(given, where), set(given)
@@ -278,9 +305,5 @@ def _checked(table: np.ndarray) -> np.ndarray:
     for name in names:
         if table[name].shape != table.shape or table[name].dtype.kind not in "fiu":
             raise FmuError(f"inputs: {name}: wanted a column of numbers, got {table.dtype[name]}")
-        if len(rows := np.flatnonzero(~np.isfinite(table[name]))):
-            raise FmuError(f"inputs: row {rows[0]}, {name}: wanted a finite number, got {table[name][rows[0]]}")
-    if len(rows := np.flatnonzero(np.diff(table["time"].astype(float)) < 0)):
-        before, after = table["time"][rows[0] : rows[0] + 2]
-        raise FmuError(f"inputs: row {rows[0] + 1}: the times must not decrease, got {after:g} after {before:g}")
+    require_course(table)
     return table

@@ -12,7 +12,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from softffd.errors import SoftffdError
-from softffd.run.times import memory
+from softffd.run.drive import memory
 from softffd.scene.document import shown
 
 UNREADABLE = (OSError, ValueError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error, MemoryError, OverflowError)

@@ -10,10 +10,10 @@ import numpy as np
 from softffd.errors import FmuError
 from softffd.fmu.interface import ScalarVariable
 from softffd.run.inputs import Inputs
-from softffd.run.inputs_given import is_data_frame, read_csv, table_of
 from softffd.run.result import Result
 from softffd.run.simulate import simulate
 from softffd.run.simulation import Simulation
+from softffd.run.tables import is_data_frame, read_csv, structured_array, table_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -59,14 +59,7 @@ def _inputs(table: Any, component: str, variables: dict[str, ScalarVariable]) ->
         raise FmuError(f"rows: wanted equal steps of time, got some of {min(steps):g} s and some of {max(steps):g} s")
     times = begin + steps.mean() * np.arange(len(table) + 1)
     held = {"time": times} | {name: np.append(0.0, table[f"{component}.{name}"]) for name in given}
-    for name in Inputs(_structured(held), begin).derived_names:  # nobody gave them: they keep what they start from
+    for name in Inputs(structured_array(held), begin).derived_names:  # nobody gave them: they keep what they start from
         if name in variables and variables[name].causality == "input":
             held[name] = np.full(len(times), float(variables[name].start or 0))
-    return _structured(held), times
-
-
-def _structured(columns: dict[str, np.ndarray]) -> np.ndarray:
-    table = np.zeros(len(columns["time"]), dtype=[(name, float) for name in columns])
-    for name, values in columns.items():
-        table[name] = values
-    return table
+    return structured_array(held), times

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import html
+import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +20,6 @@ from softffd.obstacles import Obstacles
 from softffd.rotation import turned
 from softffd.run.parts import require_name
 from softffd.run.result_file import read_result, write_files
-from softffd.run.shown import in_notebook, temporary_page
 from softffd.run.stress import cauchy_stress, cell_stiffness, deformation, gradients, green_strain
 from softffd.run.tables import data_frame, dataset
 from softffd.spelling import did_you_mean, nearest_of
@@ -32,6 +34,9 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 T = TypeVar("T")
+
+LARGEST_PAGE = 2e6
+"""Characters of an interactive page that a notebook takes into itself."""
 
 
 class Columns(ByName[T]):
@@ -261,12 +266,12 @@ class Result:
         return figure
 
     def view(self, path: str | Path | None = None, *, browser: bool = True) -> Path:
-        """Writes the interactive page to `path`, and opens it in the browser. Returns the page's path. Without a path it is a temporary
-        file: those of a process share a folder, which goes a day later, when another page is written.
+        """Writes the interactive page to `path`, by default a temporary file, and opens it in the browser. Returns the page's path.
         SoftffdError where positions were not recorded."""
         from softffd.show.view import write_view
 
-        written = Path(write_view(self, temporary_page() if path is None else path, mesh=self.loaded_mesh))
+        path = Path(tempfile.mkdtemp(prefix="softffd-view-")) / "view.html" if path is None else path
+        written = write_view(self, path, mesh=self.loaded_mesh)
         if browser:
             import webbrowser
 
@@ -275,9 +280,16 @@ class Result:
 
     def _repr_html_(self) -> str:
         """In a notebook the words and, where positions were recorded, the picture and, if it is small, the interactive page."""
+        words = f'<pre style="white-space: pre-wrap">{html.escape(repr(self))}</pre>'
         if not self.has_positions:
-            return in_notebook(repr(self))
+            return words
         from softffd.show.figure import png_of
         from softffd.show.view import page_text
 
-        return in_notebook(repr(self), self.title, png_of(self.plot()), page_text(self, mesh=self.loaded_mesh))
+        data = base64.b64encode(png_of(self.plot())).decode("ascii")
+        picture = f'<img alt="{html.escape(self.title)}" style="max-width: 100%" src="data:image/png;base64,{data}">'
+        page = page_text(self, mesh=self.loaded_mesh)
+        if len(page) > LARGEST_PAGE:
+            return f"{words}{picture}<p>The interactive page is large: <code>view()</code> opens it in the browser.</p>"
+        frame = f'<iframe loading="lazy" style="width: 100%; height: 36rem; border: 0" srcdoc="{html.escape(page)}"></iframe>'
+        return f"{words}{picture}<details><summary>interactive page</summary>{frame}</details>"

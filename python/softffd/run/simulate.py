@@ -1,26 +1,26 @@
-"""Runs a scene or an FMU through fmpy's library handle, with kept buffers."""
+"""Runs a scene or an FMU from start to stop time."""
 
 from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
 from softffd.errors import FmuError, Interrupted, UnknownName
-from softffd.fmu.block import Blocks
-from softffd.fmu.component import Component
+from softffd.fmu.block import one_number
+from softffd.fmu.component import Component, Message
 from softffd.lattice import LatticeBox
 from softffd.names import meant_by, structured
+from softffd.run.drive import NUMBERS, Drive, communication_points, positive
 from softffd.run.inputs import Inputs, Source
-from softffd.run.many_steps import ManySteps
 from softffd.run.parts import in_place, is_position, places
 from softffd.run.result import Result
 from softffd.run.simulation import Simulation, choice_in, run_source
-from softffd.run.times import communication_points, one_number, positive, require_memory, step_lengths
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 Progress = Callable[[float, float], None]
 Begun = Callable[[Simulation, Inputs], object]
 Interpolation = Literal["held", "linear", "cubic"]
-NUMBERS = ("Real", "Integer", "Boolean")
-"""Kinds of variables that a result has; Booleans are 0 and 1 there"""
 
 
 def simulate(
@@ -76,153 +74,128 @@ def simulate(
     if inputs is None and scene:
         inputs = scene.default_inputs
     with Component(what) as component:
-        interface = component.interface
-        stop_time = positive("stop time", stop_time, interface.stop_time, after=start_time)
-        step = positive("communication step", step, interface.step)
+        stop_time = positive("stop time", stop_time, component.interface.stop_time, after=start_time)
+        step = positive("communication step", step, component.interface.step)
         source = Inputs(inputs, start_time)
-        with Simulation(
+        simulation = Simulation(
             component, tolerance=tolerance, method=method, start_values=start_values, start_time=start_time, stop_time=stop_time
-        ) as simulation:
-            recorder = _Recorder(simulation, source, stop_time, step, interpolation, output)
-            started = [name for given in start_values or {} for name in simulation.block(given).names]
-            source.require_undriven(started, recorder.inputs.names)
-            recorder.apply_inputs(0)
-            simulation.initialize()
-            if begun:
-                begun(simulation, source)
-                recorder.starts = _read(component, "input", "parameter")
-            began, began_cpu = clock.perf_counter(), clock.process_time()
-            whole = recorder.run(progress)
-            elapsed, elapsed_cpu = clock.perf_counter() - began, clock.process_time() - began_cpu
-            simulated = float(recorder.times[-1] - recorder.times[0])
-            summary = {
-                "title": interface.title,
-                "simulated_time_s": simulated,
-                "run_time_s": elapsed,
-                "cpu_time_s": elapsed_cpu,
-                "real_time_factor": simulated / elapsed if elapsed > 0 else math.inf,
-                "communication_step_s": step,
-                "communication_steps": len(recorder.times) - 1,
-                "methods": shares(recorder.changes, recorder.times),
-                "warnings": simulation.warnings,
-            }
-            if not whole:
-                raise Interrupted(recorder.result(summary | {"interrupted_before_s": stop_time}, scene))
-            return recorder.result(summary, scene)
+        )
+        run = _Run(simulation, source, stop_time, step, interpolation, _recorded_outputs(component, output))
+        started = [name for given in start_values or {} for name in simulation.block(given).names]
+        source.require_undriven(started, run.inputs.names)
+        run.fill(0, 1)
+        run.apply(0)
+        simulation.initialize()
+        if begun:
+            begun(simulation, source)
+        starts = _starts(component)
+        began, began_cpu = clock.perf_counter(), clock.process_time()
+        whole = run.to_the_end(progress)
+        elapsed, elapsed_cpu = clock.perf_counter() - began, clock.process_time() - began_cpu
+        times = run.times[: run.done + 1]
+        simulated = float(times[-1] - times[0])
+        summary = {
+            "title": component.interface.title,
+            "simulated_time_s": simulated,
+            "run_time_s": elapsed,
+            "cpu_time_s": elapsed_cpu,
+            "real_time_factor": simulated / elapsed if elapsed > 0 else math.inf,
+            "communication_step_s": step,
+            "communication_steps": run.done,
+            "methods": shares(run.changes, times),
+            "warnings": simulation.warnings,
+        }
+        if not whole:
+            raise Interrupted(run.result(summary | {"interrupted_before_s": stop_time}, starts, scene))
+        return run.result(summary, starts, scene)
 
 
-class _Recorder:
-    """Buffers of a run: what is set and got at each communication point."""
+class _Run(Drive):
+    """A run whose inputs come from a source, and what it gives back."""
 
     def __init__(
-        self, simulation: Simulation, source: Inputs, stop_time: float, step: float, interpolation: Interpolation,
-        output: Iterable[str] | str | None,
-    ):  # fmt: skip
-        self.simulation, self.source, self.interpolation = simulation, source, interpolation
-        component = self.component = simulation.component
-        chosen, driven = _recorded_outputs(component, output), source.driven(component)
-        self.interpolated = [n for n, variable in enumerate(driven[: len(source.names)]) if variable.kind == "Real"]
-        """Which of the source's names are Reals that it gives itself"""
-        self.inputs, self.driven = Blocks(component, driven), component.block_of([driven[n] for n in self.interpolated])
-        reals, integers, booleans = ([v for v in component.variables("output", kind) if v.name in chosen] for kind in NUMBERS)
-        self.reals, self.integers, self.booleans = map(component.block_of, (in_place(reals), integers, booleans))
-        self.starts = _read(component, "input", "parameter")
-        """Parameters and inputs before the first communication point"""
+        self, simulation: Simulation, source: Inputs, stop_time: float, step: float, interpolation: Interpolation, chosen: set[str]
+    ):
+        component = simulation.component
+        driven = source.driven(component)
+        reals, *others = ([v for v in component.variables("output", kind) if v.name in chosen] for kind in NUMBERS)
+        outputs = [*in_place(reals), *(variable for some in others for variable in some)]
         points = math.prod(component.lattice.points) if component.lattice else len(reals) // 3
-        recorded = len(self.inputs.names) + len(component.variables("input")) + len(reals) + len(integers) + len(booleans)
-        require_memory(stop_time - simulation.time, step, 8 * (recorded + 3 * points + 8))
-        self.times = communication_points(stop_time, step, simulation.time)
-        self.steps = step_lengths(self.times, step)
-        rows = len(self.times)
-        self.input_rows, self.real_rows = np.zeros((rows, len(driven))), np.zeros((rows, len(reals)))
-        self.integer_rows, self.boolean_rows = (np.zeros((rows, len(some)), np.int64) for some in (integers, booleans))
+        recorded = len(driven) + len(component.variables("input")) + len(outputs) + 3 * points + 8
+        times = communication_points(stop_time, step, simulation.time, bytes_each=8 * recorded)
+        super().__init__(simulation, times, step, driven, outputs, single=source.is_function or interpolation != "held")
+        self._simulation, self._source = simulation, source
+        self._slopes = {"linear": source.rates, "cubic": source.bends}.get(interpolation)
+        self._moving = [n for n, variable in enumerate(driven[: len(source.names)]) if variable.kind == "Real"]
+        """Which of the source's names are Reals that it gives itself"""
+        self._rates = component.block_of([driven[n] for n in self._moving])
         self.changes: list[tuple[int, tuple[str, str]]] = []
-        """Communication steps in which the method or its reason were new"""
-        self.done = 0
-        """Communication steps that are recorded"""
+        """Communication steps in which the method or its reason were new; those before the first step are its own"""
 
-    def apply_inputs(self, row: int) -> None:
-        if not self.inputs.names:
-            return
-        time, then = self.times[row], self.times[min(row + 1, len(self.steps))]
-        self.inputs.set(self.source.values(time, then))
-        self.input_rows[row] = self.inputs.values
-        if self.driven.names and self.interpolation != "held" and then > time:
-            course = self.source.rates if self.interpolation == "linear" else self.source.bends
-            self.driven.set_rates(course(time, then)[..., self.interpolated])
+    def fill(self, first: int, until: int) -> None:
+        if first < until:
+            self.input_rows[first:until] = self._source.rows(self.times[first : until + 1])
 
-    def run(self, progress: Progress | None) -> bool:
+    def apply(self, row: int) -> None:
+        super().apply(row)
+        if self._slopes and self._rates.names:
+            self._rates.set_rates(self._slopes(*self.times[row : row + 2])[..., self._moving])
+
+    def to_the_end(self, progress: Progress | None) -> bool:
         """All steps; False where it was interrupted on the way: what there is ends then with the last step that was done."""
-        self.real_rows[0], self.integer_rows[0], self.boolean_rows[0] = self.reals.get(), self.integers.get(), self.booleans.get()
+        last = len(self.times) - 1
+        report_every = max(1, last // 200)
         try:
-            self._go_on(progress)
+            with self._choices_heard():
+                for done in self.run(most=report_every if progress else None):
+                    if progress and done % report_every == 0:
+                        progress(done / last, float(self.times[done]))
         except KeyboardInterrupt:
             if self.done == 0:
                 raise
-            self._cut()
-            return False
-        return True
+        end = self.times[self.done]
+        self.input_rows[self.done] = self._source.values(end, end)
+        return self.done == last
 
-    def _go_on(self, progress: Progress | None) -> None:
-        """Held values go to the library with many steps at once; what is a function, or moves within a step, is set before each. Inputs
-        that are no Reals, and Booleans, are for the host."""
-        last, times = len(self.times) - 1, self.times.tolist()
-        report_every = max(1, last // 200)
-        reals = self.inputs.real
-        one_by_one = self.source.is_function or self.interpolation != "held" or reals is None or bool(self.booleans.names)
-        inputs = self.component.block_of([]) if one_by_one or reals is None else reals
-        rows = {"inputs": (inputs, self.input_rows), "reals": (self.reals, self.real_rows), "integers": (self.integers, self.integer_rows)}
-        many = ManySteps(self.component, self.times, self.steps, rows, single=one_by_one)
+    @contextmanager
+    def _choices_heard(self) -> Iterator[None]:
+        """Meanwhile what the component says of a method that takes over is noted in `changes`."""
+        component = self._simulation.component
+        listener = component.listener
+        said = [(0, message) for message in component.messages]
+
+        def hear(message: Message) -> None:
+            said.append((self.done, message))
+            if listener:
+                listener(message)
+
+        component.listener = hear
         try:
-            with many.listening():
-                while self.done < last:
-                    if one_by_one:
-                        until = self.done + 1
-                        if self.done > 0:
-                            self.apply_inputs(self.done)
-                    else:
-                        until = min(last, self.done + many.together, (self.done // report_every + 1) * report_every if progress else last)
-                        self.input_rows[self.done : until] = self.source.rows(self.times[self.done : until + 1])
-                    many.go_on(until)
-                    if self.booleans.names:
-                        self.boolean_rows[until] = self.booleans.get()
-                    self.done, self.simulation.time = until, times[until]
-                    if progress and self.done % report_every == 0:
-                        progress(self.done / last, times[self.done])
+            yield
         finally:
-            self.done, self.simulation.time = many.done, times[many.done]
-            self.changes = [(row, choice) for row, message in many.said if (choice := choice_in(message.text))]
-        self.apply_inputs(last)
+            component.listener = listener
+            self.changes = [(row, choice) for row, message in said if (choice := choice_in(message.text))]
 
-    def _cut(self) -> None:
-        """Keeps the communication points up to the last step that was done."""
-        rows = slice(self.done + 1)
-        self.times, self.steps = self.times[rows], self.steps[: self.done]
-        self.input_rows, self.real_rows = self.input_rows[rows], self.real_rows[rows]
-        self.integer_rows, self.boolean_rows = self.integer_rows[rows], self.boolean_rows[rows]
-        if self.inputs.names:
-            self.input_rows[-1] = self.source.values(self.times[-1], self.times[-1])
-
-    def result(self, summary: dict[str, Any], scene: Scene | None) -> Result:
-        component, names = self.component, self.reals.names
-        moved = sum(map(is_position, names))
-        positions = _positions(names[:moved], self.real_rows[:, :moved], component.lattice)
-        others = dict(zip(names[moved:], self.real_rows[:, moved:].T, strict=True))
-        others |= dict(zip(self.integers.names, self.integer_rows.T, strict=True))
-        others |= dict(zip(self.booleans.names, self.boolean_rows.T, strict=True))
-        causality = {name: component.variable(name).causality for name in self.starts}
-        held = {name: np.full(len(self.times), float(value)) for name, value in self.starts.items() if causality[name] == "input"}
-        held |= dict(zip(self.inputs.names, self.input_rows.T, strict=True))
-        parameters = {name: value for name, value in self.starts.items() if causality[name] == "parameter"}
+    def result(self, summary: dict[str, Any], starts: Mapping[str, float], scene: Scene | None) -> Result:
+        """starts: the numbers of parameters and inputs before the first step."""
+        component, rows = self._simulation.component, slice(self.done + 1)
+        block, values = self.outputs["Real"]
+        moved = sum(map(is_position, block.names))
+        positions = _positions(block.names[:moved], values[rows, :moved], component.lattice)
+        others = {name: column for n, (name, column) in enumerate(self.columns().items()) if n >= moved}
+        causality = {name: component.variable(name).causality for name in starts}
+        held = {name: np.full(self.done + 1, float(value)) for name, value in starts.items() if causality[name] == "input"}
+        held |= dict(zip(self.inputs.names, self.input_rows[rows].T, strict=True))
+        parameters = {name: value for name, value in starts.items() if causality[name] == "parameter"}
         return Result(
-            self.times, positions, others, held, parameters, summary, scene, component.lattice, component.interface.flat,
-            component.obstacles, tuple(self.simulation.log),
+            self.times[rows], positions, others, held, parameters, summary, scene, component.lattice, component.interface.flat,
+            component.obstacles, tuple(self._simulation.log),
         )  # fmt: skip
 
 
-def _read(component: Component, *causalities: str) -> dict[str, float]:
-    """The numbers of these causalities by name, in the order of the FMU."""
-    blocks = [component.block_of(component.variables(causality, kind)) for causality in causalities for kind in NUMBERS]
+def _starts(component: Component) -> dict[str, float]:
+    """The numbers of inputs and parameters by name, in the order of the FMU."""
+    blocks = [component.block_of(component.variables(causality, kind)) for causality in ("input", "parameter") for kind in NUMBERS]
     values = {name: value for block in blocks for name, value in zip(block.names, block.get().tolist(), strict=True)}
     return {name: values[name] for name in component.by_name if name in values}
 

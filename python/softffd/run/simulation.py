@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 
 from softffd.errors import FmuError, UnknownName
-from softffd.fmu.block import Block, number_of
+from softffd.fmu.block import Block, number_of, one_number
 from softffd.fmu.component import Component, Message
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import OBSTACLES, components_in, part_names, parts_of, vectors_in
 from softffd.run.parts import Obstacle, Parts, Pin, PointField, PointVectors, Vectors
-from softffd.run.times import one_number
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

@@ -1,16 +1,19 @@
-"""A run as the tables of other packages: a DataFrame of pandas, a Dataset of xarray."""
+"""Tables of other programs: inputs that come as one, CSV file or DataFrame of pandas, and a run as DataFrame or as Dataset of xarray."""
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterable, Mapping
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from softffd.errors import SoftffdError
+from softffd.errors import FmuError, SoftffdError
 from softffd.names import stem, unit_of
 from softffd.run.parts import at_point, places
+from softffd.spelling import did_you_mean, nearest_of, number_in
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,6 +21,112 @@ if TYPE_CHECKING:
 
 POINTS = ("time", "i", "j", "k", "axis")
 """Dimensions of what there is at control points."""
+SEPARATORS = {";": "semicolons", "\t": "tabs"}
+"""What other programs put where a comma is wanted."""
+
+
+# ---- that come in ----
+
+
+def is_data_frame(source: object) -> bool:
+    """Whether this is a DataFrame, without loading the package that it is of."""
+    return hasattr(source, "columns") and hasattr(source, "to_numpy")
+
+
+def structured_array(columns: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Columns (rows,) by name as a structured array (rows,)."""
+    table = np.zeros(len(columns["time"]), dtype=[(name, values.dtype) for name, values in columns.items()])
+    for name, values in columns.items():
+        table[name] = values
+    return table
+
+
+def table_of(frame: Any) -> np.ndarray:
+    """A DataFrame as a structured array: its column `time`, else its index, and then its other columns."""
+    columns = {str(name): np.asarray(frame[name]) for name in frame.columns}
+    time = columns.pop("time", None)
+    if time is None:
+        if not hasattr(frame, "index"):
+            raise FmuError("inputs: wanted a column `time` in the DataFrame, got none")
+        time = np.asarray(frame.index)
+    return structured_array({"time": time, **columns})
+
+
+def read_csv(path: Path) -> np.ndarray:
+    """A structured array (rows,) from a CSV file: a header line of `time` and names of inputs, then rows of numbers, times not decreasing.
+
+    Empty lines and lines that begin with # are passed over. FmuError says which line is wrong and why.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise FmuError(f"{path}: cannot be read: {error}") from None
+    rows = [(f"{path}: line {n}", _words(path, n, line)) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+    if len(rows) < 2:
+        raise FmuError(f"{path}: wanted a header line (time, names of inputs) and at least one row of numbers")
+    names = _header(*rows[0])
+    table = np.array([_numbers(where, names, words) for where, words in rows[1:]], dtype=[(name, float) for name in names])
+    require_course(table, [where for where, _ in rows[1:]])
+    return table
+
+
+def require_course(table: np.ndarray, rows: list[str] | None = None) -> None:
+    """FmuError where a column of a structured array has a number that is not finite, or the times decrease. rows: their names."""
+    called = (lambda row: f"inputs: row {row}") if rows is None else rows.__getitem__
+    for name in table.dtype.names or ():
+        if len(wrong := np.flatnonzero(~np.isfinite(table[name]))):
+            raise FmuError(f"{called(wrong[0])}, {name}: wanted a finite number, got {table[name][wrong[0]]}")
+    if len(wrong := np.flatnonzero(np.diff(table["time"].astype(float)) < 0)):
+        before, after = table["time"][wrong[0] : wrong[0] + 2]
+        raise FmuError(f"{called(wrong[0] + 1)}: the times must not decrease, got {after:g} after {before:g}")
+
+
+def _words(path: Path, number: int, line: str) -> list[str]:
+    try:
+        return [word.strip() for word in next(csv.reader([line]))]
+    except csv.Error as error:
+        raise FmuError(f"{path}: line {number}: is no line of a CSV file: {error}") from None
+
+
+def _header(where: str, names: list[str]) -> list[str]:
+    wanted = f"{where}: wanted a header of `time` and names of inputs, each once, separated by commas"
+    if len(names) == 1 and (separator := next((each for each in SEPARATORS if each in names[0]), None)):
+        raise FmuError(f"{wanted}, got {SEPARATORS[separator]} between them")
+    if names[0] != "time":
+        hint = "; `time` must be the first" if "time" in names else did_you_mean(nearest_of(names[0], ["time"]))
+        raise FmuError(f"{wanted}, got {names[0]!r} as the first name{hint}")
+    if len(names) < 2:
+        raise FmuError(f"{wanted}, got no name of an input")
+    if "" in names:
+        ends = ": the line ends with a comma" if names.index("") == len(names) - 1 else ""
+        raise FmuError(f"{wanted}, got column {names.index('') + 1} without a name{ends}")
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise FmuError(f"{wanted}, got {twice!r} again")
+    return names
+
+
+def _numbers(where: str, names: list[str], words: list[str]) -> tuple[float, ...]:
+    if len(words) != len(names):
+        ends = "" if words[-1] else ", for the line ends with a comma"
+        raise FmuError(f"{where}: wanted {len(names)} numbers as in the header, got {len(words)}{ends}")
+    numbers: list[float] = []
+    for name, word in zip(names, words, strict=True):
+        try:
+            numbers.append(number_in(word))
+        except ValueError:
+            raise FmuError(f"{where}, {name}: wanted a number, got {word[:70]!r}") from None
+    return tuple(numbers)
+
+
+# ---- that go out ----
+
+
+def package(name: str, method: str, extra: str) -> Any:
+    """An optional package, for a method of this name; SoftffdError tells the extra where it is missing."""
+    try:
+        return import_module(name)
+    except ImportError:
+        raise SoftffdError(f"{method} needs {name}, which is not installed here: pip install 'softffd[{extra}]'") from None
 
 
 def data_frame(time: np.ndarray, values: Mapping[str, np.ndarray]) -> pd.DataFrame:
@@ -34,14 +143,6 @@ def dataset(time: np.ndarray, positions: np.ndarray, values: Mapping[str, np.nda
         dimensions, array = _array(members, values, positions.shape)
         arrays[name] = (dimensions, array, {"units": unit_of(members[0])})
     return xarray.Dataset(arrays, {"time": ("time", time, {"units": "s"}), "axis": list("xyz")}, attributes)
-
-
-def package(name: str, method: str, extra: str) -> Any:
-    """An optional package, for a method of this name; SoftffdError tells the extra where it is missing."""
-    try:
-        return import_module(name)
-    except ImportError:
-        raise SoftffdError(f"{method} needs {name}, which is not installed here: pip install 'softffd[{extra}]'") from None
 
 
 def _together(names: Iterable[str]) -> dict[str, list[str]]:

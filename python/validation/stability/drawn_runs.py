@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from softffd.run.guard import Lost
+from validation.guard import Lost
 from validation.stability.drawn import Drawn, drawn
 from validation.stability.drawn_bodies import drawn_damped, drawn_solids, drawn_surface
 from validation.stability.drive import GRAVITY, Drive, Refused, StateTouched

@@ -11,8 +11,8 @@ from typing import Any
 
 from softffd.accuracy.kept import conditions, csv_text, json_text, keep_files
 from softffd.errors import SoftffdError
-from softffd.run.guard import guarded
 from softffd.run.progress import Note, silent
+from validation.guard import guarded
 from validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, VERDICTS, Job, Judged, judge, patience, run_jobs
 
 COMMAND = "python3 python/run.py random"

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from softffd.errors import SoftffdError
-from softffd.run.guard import Lost, guarded
 from softffd.run.progress import Note
 from softffd.spelling import did_you_mean, nearest_of
+from validation.guard import Lost, guarded
 from validation.stability import rebound
 from validation.stability.cases import CASES, run_named
 from validation.stability.cell import HANG, Cell, Judged, Panel

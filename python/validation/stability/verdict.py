@@ -11,7 +11,7 @@ from typing import SupportsFloat
 
 import numpy as np
 
-from softffd.run.guard import Lost
+from validation.guard import Lost
 from validation.stability.drive import Drive, Refused, StateTouched, Vector
 
 VERDICTS = ("right", "bounded", "refused", "slow", "WRONG")

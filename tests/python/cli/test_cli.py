@@ -19,7 +19,7 @@ from softffd import deform, load_mesh, load_scene, save_mesh
 from softffd.cli.command import main
 from softffd.fmu.component import Component
 from softffd.installed import least_glibc
-from softffd.run.many_steps import ManySteps
+from softffd.run.drive import Drive
 from softffd.scene.document import shipped_scenes
 
 QUICK = """
@@ -336,7 +336,7 @@ def test_an_fmu_without_a_default_experiment_asks_for_times(quick, capsys):
 @pytest.mark.parametrize("command", [["run", "quick.toml"], ["demo"], ["accuracy"], ["stability"], ["drivers"]])
 def test_a_folder_that_cannot_be_is_refused_before_anything_runs(command, quick, monkeypatch, capsys):
     monkeypatch.setattr(Component, "do_step", None)
-    monkeypatch.setattr(ManySteps, "go_on", None)
+    monkeypatch.setattr(Drive, "go_on", None)
     assert "is a file" in refused(capsys, *command, "-o", "quick.toml/out")
     Path("locked").mkdir()
     monkeypatch.setattr(os, "access", lambda path, _mode: Path(path).name != "locked")
@@ -383,7 +383,7 @@ def test_an_interrupt_leaves_no_half_written_file(quick, monkeypatch, capsys):
     def interrupt(*_arguments):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(ManySteps, "go_on", interrupt)
+    monkeypatch.setattr(Drive, "go_on", interrupt)
     assert main(["run", "quick.toml", "-o", "out"]) == 130
     assert not Path("out").exists()
     assert "interrupted" in capsys.readouterr().err

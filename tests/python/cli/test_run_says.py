@@ -22,8 +22,8 @@ from softffd.errors import FmuError
 from softffd.fmu.package import package_fmu, scene_masses
 from softffd.fmu.variables import method_value
 from softffd.run import progress
+from softffd.run.drive import Drive
 from softffd.run.findings import findings
-from softffd.run.many_steps import ManySteps
 from softffd.run.progress import ProgressLine
 from softffd.run.simulate import shares
 
@@ -61,14 +61,14 @@ def told(capsys, *arguments: str, status: int = 0) -> str:
 
 def stopped_at(monkeypatch, row: int, error: type[BaseException] = KeyboardInterrupt) -> None:
     """The component's step of this number, from 0, raises."""
-    whole = ManySteps.go_on
+    whole = Drive.go_on
 
     def go_on(many, until):
         whole(many, min(until, row))
         if until > row:
             raise error
 
-    monkeypatch.setattr(ManySteps, "go_on", go_on)
+    monkeypatch.setattr(Drive, "go_on", go_on)
 
 
 def test_what_runs_is_said_before_the_first_step(monkeypatch, capsys):

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from softffd import Result, Sweep
-from softffd.run.guard import GRACE, Lost, guarded
+from validation.guard import GRACE, Lost, guarded
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads what a process computed where Linux tells it")
 
@@ -110,13 +110,13 @@ def terminates_itself(jobs):
 
 
 def test_a_process_that_ends_within_a_message_is_a_lost_job_and_the_next_ones_go_on(monkeypatch):
-    monkeypatch.setattr("softffd.run.guard._way", lambda _work: "fork")
+    monkeypatch.setattr("validation.guard._way", lambda _work: "fork")
     results = dict(guarded(ends_within_a_message, [0, 1, 2], lambda _job: 20.0))
     assert results == {0: Lost("crash", "the process ended with status 7"), 1: b"x" * 1000, 2: b"x" * 1000}
 
 
 def test_where_all_processes_are_terminated_no_job_is_lost(monkeypatch):
-    monkeypatch.setattr("softffd.run.guard._way", lambda _work: "fork")
+    monkeypatch.setattr("validation.guard._way", lambda _work: "fork")
     before = signal.signal(signal.SIGALRM, signal.default_int_handler)
     try:
         signal.setitimer(signal.ITIMER_REAL, GRACE / 2)

@@ -9,8 +9,8 @@ import pytest
 from scenes import box, table_and_press
 from softffd import FmuError, simulate
 from softffd.errors import Interrupted
+from softffd.run.drive import Drive
 from softffd.run.inputs import Inputs
-from softffd.run.many_steps import ManySteps
 
 PUSHED = box(load=[{"name": "push", "points": "x+"}], gravity=[0, 0, -9.81], energy=True, stop_time=2.0, communication_step=1e-3)
 COLUMNS = [("time", float), ("load.push.x", float), ("load.push.y", float)]
@@ -20,13 +20,13 @@ TABLE = np.array([(0.0, 1.0, 0.0), (0.1, 2.0, 3.0), (0.1, -1.0, 3.0), (1.5, 0.5,
 @pytest.fixture
 def calls(monkeypatch):
     """How many steps each call of the library is asked for."""
-    lengths, go_on = [], ManySteps.go_on
+    lengths, go_on = [], Drive.go_on
 
     def counted(many, until):
         lengths.append(until - many.done)
         go_on(many, until)
 
-    monkeypatch.setattr(ManySteps, "go_on", counted)
+    monkeypatch.setattr(Drive, "go_on", counted)
     return lengths
 
 

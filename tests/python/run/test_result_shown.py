@@ -2,7 +2,6 @@
 
 import base64
 import html
-import os
 import re
 import sys
 import tempfile
@@ -16,7 +15,7 @@ from PIL import Image
 from made_up_run import made_up_run
 from scenes import LED, box, table_and_press
 from softffd import SoftffdError, simulate
-from softffd.run import shown
+from softffd.run import result as results
 from softffd.show.figure import new_figure
 
 
@@ -75,18 +74,10 @@ def test_what_cannot_be_plotted_is_refused(result, asked, words):
         result.plot(**asked)
 
 
-def test_pages_of_a_process_share_a_folder_and_yesterdays_go(tmp_path, monkeypatch, opened):
-    old, new, other = (tmp_path / name for name in ("softffd-view-old", "softffd-view-new", "softffd-run"))
-    for folder in (old, new, other):
-        folder.mkdir()
-    for folder in (old, other):
-        os.utime(folder, (1e9, 1e9))
+def test_pages_without_a_path_are_temporary_files(tmp_path, monkeypatch, opened):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    shown._pages.cache_clear()
     first, second = made_up_run().view(), made_up_run().view()
-    shown._pages.cache_clear()
-    assert first != second and first.parent == second.parent and len(opened) == 2
-    assert sorted(tmp_path.iterdir()) == sorted([new, other, first.parent])
+    assert first != second and first.is_relative_to(tmp_path) and second.is_file() and len(opened) == 2
 
 
 def test_view_writes_the_page_and_opens_it(tmp_path, opened):
@@ -113,8 +104,8 @@ def test_a_notebook_shows_words_picture_and_page(monkeypatch):
         assert image.width > 1000
     frame = html.unescape(re.search(r'srcdoc="([^"]+)"', page)[1])
     assert frame.startswith("<!doctype html>") and frame.rstrip().endswith("</html>")
-    monkeypatch.setattr(shown, "LARGEST_PAGE", len(frame) - 1)
-    large = shown.in_notebook("words", "title", b"image", frame)
+    monkeypatch.setattr(results, "LARGEST_PAGE", len(frame) - 1)
+    large = run._repr_html_()
     assert "<iframe" not in large and "view()" in large
 
 

@@ -9,12 +9,13 @@ import sys
 import numpy as np
 import pytest
 
+import deadly_runs
 import softffd
 from scenes import box, table_and_press
 from softffd import FmuError, SoftffdError, Sweep, load_scene, simulate, sweep
 from softffd.cli.command import main
-from softffd.run.guard import Lost
-from softffd.run.sweep import runs
+from softffd.run import sweep as sweeping
+from softffd.run.drive import Drive
 
 SCENE = box(
     plane=table_and_press(friction=0.3), gravity=[0.0, 0.0, -9.81], reactions=True, energy=True, solver={"tolerance": 1e-3},
@@ -74,22 +75,22 @@ def test_a_failed_run_keeps_its_words_and_the_rest_goes_on(jobs):
 
 
 def test_a_run_that_is_refused_on_its_way_says_when(monkeypatch):
-    def refused(simulation, *_arguments, **_options):
-        simulation.time = 0.03
-        raise FmuError("no more")
+    go_on = Drive.go_on
 
-    monkeypatch.setattr(runs.Simulation, "step", refused)
+    def refused(drive, until):
+        go_on(drive, min(until, 3))
+        if until > 3:
+            raise FmuError("no more")
+
+    monkeypatch.setattr(Drive, "go_on", refused)
     ((_, words),) = sweep(SCENE, {"mass": [1]}, outputs=[FORCE]).failures
     assert words == "at 0.03 s: no more"
 
 
 def test_a_run_that_takes_its_process_down_is_a_failed_run(monkeypatch):
-    def guarded(work, jobs, *rest):
-        return ((job, Lost("crash", "the process ended") if job == (1,) else np.array([1.0])) for job in jobs)
-
-    monkeypatch.setattr(runs, "guarded", guarded)
+    monkeypatch.setattr(sweeping, "run_elsewhere", deadly_runs.run_elsewhere)
     table = sweep(SCENE, {"mass": [1, 2, 3]}, outputs=[FORCE], jobs=2)
-    assert table.failures == [({"mass": 2}, "the process ended")]
+    assert table.failures == [({"mass": 2}, "the worker process ended, each time that it was tried")]
     assert np.isnan(table.outputs[FORCE]).tolist() == [False, True, False]
 
 
@@ -268,7 +269,7 @@ def test_the_command_keeps_table_and_picture_and_goes_on(tmp_path, monkeypatch, 
     assert "3 runs, 0 failed" in said and f"max({FORCE}): " in said
     assert sorted(path.name for path in (tmp_path / "kept").iterdir()) == ["sweep.csv", "sweep.npz", "sweep.png"]
     assert Sweep.load("kept/sweep.npz").values["stiffness.edge"] == pytest.approx([400, 800, 1600])
-    monkeypatch.setattr(runs, "run_all", lambda plan, indices: pytest.fail("again") if indices else iter(()))
+    monkeypatch.setattr(sweeping, "run_all", lambda plan, indices: pytest.fail("again") if indices else iter(()))
     assert main(arguments) == 0
 
 

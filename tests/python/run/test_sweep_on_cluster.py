@@ -12,7 +12,7 @@ from scenes import box
 from softffd import SoftffdError, Sweep, sweep
 from softffd.cli import sweep as command
 from softffd.cli.command import main
-from softffd.run.sweep import runs
+from softffd.run import sweep as sweeping
 
 distributed = pytest.importorskip("distributed")
 
@@ -78,7 +78,7 @@ def test_any_executor_makes_the_table_of_this_machine(made):
 
 
 def test_an_fmu_that_a_worker_cannot_open_is_told(client, monkeypatch):
-    monkeypatch.setattr(runs, "_bytes_of", lambda plan: b"no FMU")
+    monkeypatch.setattr(sweeping, "_bytes_of", lambda plan: b"no FMU")
     table = sweep(SCENE, {"mass": [1]}, outputs=[WORK], executor=client.get_executor())
     assert "swept.fmu" in table.failures[0][1]
 
@@ -135,8 +135,8 @@ def test_a_run_that_takes_its_worker_down_is_a_failed_run_and_the_rest_goes_on(c
         return os._exit(1) if (1,) in given else [np.array([float(run[0])]) for run in given]
 
     deadly.__module__ = "__main__"  # goes to the workers as it is
-    monkeypatch.setattr(runs, "run_elsewhere", deadly)
-    monkeypatch.setattr(runs, "CHUNKS", 2)
+    monkeypatch.setattr(sweeping, "run_elsewhere", deadly)
+    monkeypatch.setattr(sweeping, "CHUNKS", 2)
     table = sweep(SCENE, {"mass": [1, 2, 3, 4]}, outputs=[WORK], executor=client.get_executor(pure=False))
     assert table.failures == [({"mass": 2}, "the worker process ended, each time that it was tried")]
     assert table.outputs[WORK][[0, 2, 3]].tolist() == [0.0, 2.0, 3.0]

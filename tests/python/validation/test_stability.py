@@ -15,8 +15,8 @@ import pytest
 
 from softffd.cli.command import exit_status
 from softffd.errors import SoftffdError, UnknownName
-from softffd.run import guard
-from softffd.run.guard import Lost, guarded
+from validation import guard
+from validation.guard import Lost, guarded
 from validation.stability import survey as survey_module
 from validation.stability.cases import CASES, run_named
 from validation.stability.cell import Cell, Judged, Panel, omega, settings

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from softffd.cli.command import exit_status
-from softffd.run.guard import Lost
 from softffd.scene.scene import scene_from
+from validation.guard import Lost
 from validation.stability import drawn_survey
 from validation.stability.drawn import Course, Draws, drawn
 from validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, Job, Run, _grown, judge, run_jobs

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import math
-import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -19,10 +17,10 @@ from softffd.fmu.block import number_of
 from softffd.fmu.component import Component
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import components_in, parse_name
+from softffd.run.drive import communication_points, positive
 from softffd.run.inputs import Inputs, Source
 from softffd.run.parts import at_point
 from softffd.run.simulation import Simulation, run_source
-from softffd.run.times import communication_points, positive, require_memory
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
@@ -62,24 +60,19 @@ class Plan:
     """tolerance and method of all runs, where they are given"""
     stop_time: float
     step: float
+    times: np.ndarray
+    """The communication points (T,) [s]"""
     driven: tuple[str, ...]
     """Inputs that go over time"""
     course: np.ndarray
-    """Their values (T, m) at the communication points"""
+    """Their values (T - 1, m) from each communication point to the next"""
     about: dict[str, Any]
     """Title, units and the fingerprints of the FMU and its library"""
-    folder: str
-    """Where the paths of the scene and the FMU begin; empty where there are none"""
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Of the grid."""
         return tuple(map(len, self.numbers.values()))
-
-    @cached_property
-    def times(self) -> np.ndarray:
-        """The communication points (T,) [s]."""
-        return communication_points(self.stop_time, self.step)
 
     def start(self, index: Index) -> dict[str, Any]:
         """The start values of one run of the grid."""
@@ -113,18 +106,15 @@ def plan_of(
         readings = _readings(component, outputs)
         if (count := math.prod(map(len, numbers.values()))) * len(readings) > MOST_RUNS:
             raise FmuError(f"vary: {count} runs of {len(readings)} outputs; wanted at most {MOST_RUNS:g} values: vary less, or read less")
-        require_memory(stop_time, step, 8 * (len(driven) + len(readings) + 1))
-        times = communication_points(stop_time, step)
-        intervals = zip(times, [*times[1:], times[-1]], strict=True)
-        course = np.array([source.values(*interval) for interval in intervals]) if driven else np.zeros((0, 0))
+        times = communication_points(stop_time, step, bytes_each=8 * (len(driven) + len(readings) + 1))
+        course = source.rows(times)
         units = {name: component.variable(name).unit or "" for name in [*varied, *(reading.name for reading in readings)]}
         about = {
             "title": interface.title, "fmu": interface.guid, "library": component.library_hash(), "units": units,
             "inputs": hashlib.sha256("\n".join(driven).encode() + course.tobytes()).hexdigest() if driven else "",
         }  # fmt: skip
         return Plan(
-            what, varied, numbers, readings, dict(start_values or {}), dict(settings), stop_time, step, tuple(driven), course, about,
-            os.getcwd(),
+            what, varied, numbers, readings, dict(start_values or {}), dict(settings), stop_time, step, times, tuple(driven), course, about,
         )  # fmt: skip
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from softffd.files import replacing, write_text
 from softffd.run.npz import UNREADABLE, damaged, read_arrays, write_arrays
 from softffd.run.result import Columns
-from softffd.run.sweep.plan import Index, Plan
+from softffd.run.sweep_plan import Index, Plan
 from softffd.run.tables import package
 
 COMPARED = ("fmu", "library", "values", "outputs", "start_values", "inputs", "stop_time", "step", "tolerance", "method")
@@ -134,7 +134,7 @@ class Sweep:
 
     def plot(self, file: str | Path | None = None, *, outputs: Iterable[str] | str | None = None) -> Any:
         """A matplotlib Figure of some outputs, all by default: lines over one varied variable, maps over two; written where `file` says."""
-        from softffd.run.sweep.picture import draw
+        from softffd.show.sweep import draw
 
         names = self.outputs if outputs is None else [outputs] if isinstance(outputs, str) else outputs
         chosen = {name: self.outputs[name] for name in names}

@@ -1,0 +1,202 @@
+"""How a run goes from communication point to communication point: the points, and the steps between them.
+
+The library does many steps in one call where no Python is needed between them (fmu_src/fmi/calls/many_steps.hpp).
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import threading
+import time as clock
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from ctypes import POINTER, Structure, byref, c_int, c_longlong, c_size_t, c_void_p, cast
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from softffd.errors import FmuError
+from softffd.fmu.block import Block, Blocks, one_number
+from softffd.installed import library_function
+from softffd.run.simulation import Simulation
+
+if TYPE_CHECKING:
+    from softffd.fmu.interface import ScalarVariable
+
+GIVEN_BY = {"communication step": "--step H, in Python step=H", "stop time": "--stop-time T, in Python stop_time=T"}
+"""How a user gives what an FMU has no default for."""
+NUMBERS = ("Real", "Integer", "Boolean")
+"""Kinds of variables that a result has; Booleans are 0 and 1 there"""
+PATIENCE = 0.02
+"""A call of the library takes about so long [s]: after it Ctrl-C is heard."""
+
+
+def positive(what: str, given: float | None, default: Any, *, after: float = 0.0) -> float:
+    """The given value, else the default, if it is a number > 0, or > `after` [s]; FmuError says what is wrong otherwise.
+
+    what: "communication step" or "stop time".
+    """
+    wanted = f"wanted > {after:g} s{', the start time' if after else ''}"
+    if given is None and default is None:
+        raise FmuError(f"{what}: {wanted}, got none; the FMU has no default: give {GIVEN_BY[what]}")
+    value = one_number(what, default if given is None else given)
+    if not (math.isfinite(value) and value > after):
+        source = "given" if given is not None else "in the FMU's default experiment"
+        raise FmuError(f"{what}: {wanted}, got {value:g} ({source})")
+    return value
+
+
+def communication_points(stop_time: float, step: float, start_time: float = 0.0, *, bytes_each: int) -> np.ndarray:
+    """The start time, multiples of step after it, and the stop time: (T,) [s]; FmuError where the values that a run keeps of all of them
+    would not fit into this machine's memory."""
+    count = (stop_time - start_time) / step
+    if not count * bytes_each <= memory():
+        raise FmuError(
+            f"communication step {step:g} s and stop time {stop_time:g} s make {count:.3g} communication points, whose result would take "
+            f"{count * bytes_each / 1e9:.3g} GB; wanted at most {memory() / 1e9:.3g} GB, this machine's memory: "
+            "take a longer step, a shorter stop time or fewer outputs"
+        )
+    return np.append(start_time + step * np.arange(math.ceil(count * (1 - 1e-9))), stop_time)
+
+
+def memory() -> float:
+    """Of this machine [bytes]; 16 GB where it does not tell."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, OSError, ValueError):
+        return 16e9
+
+
+def step_lengths(times: np.ndarray, step: float) -> list[float]:
+    """Lengths between the times: the same double for all but a shorter last one."""
+    last = float(times[-1] - times[-2])
+    whole = math.isclose(last, step, rel_tol=1e-9, abs_tol=4 * float(np.spacing(abs(times).max())))
+    return [step] * (len(times) - 2) + [step if whole else last]
+
+
+class _Recorded(Structure):
+    _fields_ = (("count", c_size_t), ("references", c_void_p), ("values", c_void_p), ("rows", c_void_p))
+
+    @classmethod
+    def of(cls, block: Block, rows: np.ndarray) -> _Recorded:
+        return cls(len(block.names), cast(block.references, c_void_p).value, block.values.ctypes.data, rows.ctypes.data)
+
+
+class _Run(Structure):
+    _fields_ = (
+        *((name, c_void_p) for name in ("component", "set_real", "get_real", "get_integer", "do_step", "times", "steps")),
+        *((name, _Recorded) for name in ("inputs", "reals", "integers")),
+        ("done", c_longlong),
+    )
+
+
+class Drive:
+    """The steps of a run between given times: inputs are set from rows, outputs go to rows, of numbers (T, m); again after a restart.
+
+    Held inputs that are Reals go to the library with many steps at once; inputs of other kinds, and Booleans, are for the host.
+    """
+
+    def __init__(
+        self, simulation: Simulation, times: np.ndarray, step: float, inputs: Sequence[ScalarVariable], outputs: Sequence[ScalarVariable],
+        *, single: bool = False,
+    ):  # fmt: skip
+        """times: (T,) [s], each a `step` [s] after the one before, the last perhaps less. single: not many steps at once."""
+        component = self._component = simulation.component
+        self._simulation, self.times, self._steps = simulation, times, np.array(step_lengths(times, step))
+        self.inputs, self.input_rows = Blocks(component, inputs), np.zeros((len(times), len(inputs)))
+        self.outputs: dict[str, tuple[Block, np.ndarray]] = {}
+        """Block and rows of the outputs of each kind"""
+        for kind in NUMBERS:
+            block = component.block_of([variable for variable in outputs if variable.kind == kind])
+            self.outputs[kind] = block, np.zeros((len(times), len(block.names)), float if kind == "Real" else np.int64)
+        reals = None if single or self.outputs["Boolean"][0].names else self.inputs.real
+        self._single, self._set = reals is None, reals or component.block_of([])
+        calls = map(component.address, ("fmi2SetReal", "fmi2GetReal", "fmi2GetInteger", "fmi2DoStep"))
+        self._run = _Run(component.instance, *calls, times.ctypes.data, self._steps.ctypes.data)
+        self._run.inputs = _Recorded.of(self._set, self.input_rows)
+        self._run.reals, self._run.integers = (_Recorded.of(*self.outputs[kind]) for kind in ("Real", "Integer"))
+        self._together = 1
+        """How many steps at a time take about PATIENCE, as far as is known"""
+
+    @property
+    def done(self) -> int:
+        """Steps that are done and recorded."""
+        return int(self._run.done)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """The outputs by name, (steps done + 1,) each."""
+        pairs = ((block.names, rows[: self.done + 1]) for block, rows in self.outputs.values())
+        return {name: column for names, rows in pairs for name, column in zip(names, rows.T, strict=True)}
+
+    def fill(self, first: int, until: int) -> None:
+        """Puts the inputs of some steps into their rows; here they are there from the beginning."""
+
+    def apply(self, row: int) -> None:
+        """Hands over the inputs of a row. Those of the first one are to be handed over before the initialization ends."""
+        if self.inputs.names:
+            self.inputs.set(self.input_rows[row])
+
+    def run(self, *, most: int | None = None) -> Iterator[int]:
+        """Does all steps of an initialized simulation; yields how many are done, at multiples of `most` at the latest.
+
+        FmuError as `Component.do_step`, where `done` is then the step before.
+        """
+        self._run.done, last, times = 0, len(self._steps), self.times.tolist()
+        for block, rows in self.outputs.values():
+            rows[0] = block.get()
+        booleans, truths = self.outputs["Boolean"]
+        try:
+            while self.done < last:
+                until = self.done + 1 if self._single else min(last, self.done + self._together)
+                until = min(until, (self.done // most + 1) * most) if most else until
+                self.fill(max(1, self.done), until)
+                if self._single and self.done:
+                    self.apply(self.done)
+                self.go_on(until)
+                if booleans.names:
+                    truths[until] = booleans.get()
+                self._simulation.time = times[until]
+                yield until
+        finally:
+            self._simulation.time = times[self.done]
+
+    def go_on(self, until: int) -> None:
+        """Steps until so many are done, in one call of the library."""
+        begin, began = self.done, clock.perf_counter()
+        with nullcontext() if self._single else _interrupted_afterwards():
+            status = _library_many_steps()(byref(self._run), until)
+        self._component.check(status)
+        took = clock.perf_counter() - began
+        if took < PATIENCE / 2:
+            self._together = max(self._together, 2 * (until - begin))
+        elif took > 2 * PATIENCE:
+            self._together = max(1, self._together // 2)
+
+
+@contextmanager
+def _interrupted_afterwards() -> Iterator[None]:
+    """Signals such as Ctrl-C wait until the end: raised where the library calls back to tell something, they would be lost."""
+    before = {number: action for number in (signal.SIGINT, signal.SIGTERM) if callable(action := signal.getsignal(number))}
+    if threading.current_thread() is not threading.main_thread() or not before:
+        yield
+        return
+    heard: list[Any] = []
+    for number in before:
+        signal.signal(number, lambda *told: heard.append(told))
+    try:
+        yield
+    finally:
+        for number, action in before.items():
+            signal.signal(number, action)
+        if heard:
+            before[heard[-1][0]](*heard[-1])
+
+
+@cache
+def _library_many_steps() -> Any:
+    function = library_function("softffd_many_steps")
+    function.argtypes, function.restype = [POINTER(_Run), c_longlong], c_int
+    return function
