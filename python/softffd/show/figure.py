@@ -11,9 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.image import FigureImage
 from matplotlib.ticker import EngFormatter, MaxNLocator
-from PIL import Image
 
 from softffd.files import write_bytes
 
@@ -33,22 +31,6 @@ class Picture(Figure):
 
     def _repr_png_(self) -> bytes:
         return png_of(self)
-
-
-class Pixels(FigureImage):
-    """An image (height, width, 3), 0 .. 255, that goes as it is into a figure of its own resolution, so many pixels from its lower left
-    corner: to resample it takes as long as to draw the words of a picture."""
-
-    def __init__(self, figure: Figure, pixels: np.ndarray, left: int, bottom: int):
-        super().__init__(figure, offsetx=left, offsety=bottom, origin="upper")
-        self.set_data(np.dstack([pixels, np.full(pixels.shape[:2], 255, np.uint8)]))
-
-    def make_image(self, renderer: Any, magnification: float = 1.0, unsampled: bool = False) -> Any:
-        """As matplotlib asks for it: RGBA from the lowest row up, and the place of its lower left corner."""
-        figure = self.get_figure(root=True)
-        if figure is None or renderer.dpi * magnification != figure.dpi:
-            return super().make_image(renderer, magnification, unsampled)
-        return np.asarray(self.get_array())[::-1], self.ox, self.oy, None
 
 
 def new_figure(width: float, height: float, *, dpi: float) -> Picture:
@@ -112,12 +94,9 @@ def quantity(value: float, unit: str) -> str:
 
 
 def png_of(figure: Figure) -> bytes:
-    """The figure as the bytes of a PNG: drawn once, where savefig first asks what it takes, and without transparency."""
-    canvas: Any = figure.canvas
+    """The figure as the bytes of a PNG."""
     stream = BytesIO()
-    canvas.draw()
-    image = Image.frombuffer("RGBA", canvas.get_width_height(), canvas.buffer_rgba()).convert("RGB")
-    image.save(stream, format="png", dpi=(figure.dpi, figure.dpi), compress_level=COMPRESSION)
+    figure.savefig(stream, format="png", pil_kwargs={"compress_level": COMPRESSION})
     return stream.getvalue()
 
 

@@ -11,7 +11,7 @@ from softffd.mesh.mesh import Mesh
 from softffd.names import unit_of
 from softffd.run.findings import energies, heights, reactions
 from softffd.run.result import Columns, Result
-from softffd.show.figure import SOFT, Box, Picture, Pixels, draw_curves, draw_scale, draw_words, new_figure, quantity
+from softffd.show.figure import SOFT, Box, Picture, draw_curves, draw_scale, draw_words, new_figure, quantity
 from softffd.show.panel import Panels
 from softffd.show.stage import Stage, stage_of, up_direction
 from softffd.show.tension import RAMP, tension_of
@@ -158,7 +158,7 @@ def _draw_images(
     for number, (frame, caption) in enumerate(zip(frames, captions, strict=True)):
         begin = left + number * pitch
         pixels = (255 * panels.image(frame) + 0.5).astype(np.uint8)
-        figure.add_artist(Pixels(figure, pixels, round(begin * across), round((bottom + low) * up)))
+        figure.figimage(pixels, round(begin * across), round((bottom + low) * up), origin="upper")
         draw_words(figure, caption, (begin + width / 2, bottom + low / 2), 11.5)
 
 

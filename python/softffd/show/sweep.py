@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import matplotlib
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
 
 from softffd.errors import SoftffdError
 from softffd.files import replacing
+from softffd.show.figure import PLAIN, new_figure
 
 LARGEST = 30
 """Outputs in one picture"""
 MOST_LINES = 8
 """In one panel; more values than these of two variables make a map"""
+MOST_LETTERS = 24
+"""Of names beside each other below a panel; more stand aslant"""
 FORMATS = (".png", ".svg", ".pdf")
-PLAIN = {"parse_math": False}
-"""Of words that are not this program's: two dollars in them make no formula"""
-WIDE, TALL = 2.3, 2.2
-"""Inches that an axis of a panel has for its ticks, at least"""
-LETTER, LINE = 0.09, 0.2
-"""Of a tick's words: width of a letter and height of a line [inches]"""
 
 
 def draw(
@@ -50,8 +45,8 @@ def draw(
     axes, failed = (axes[::-1], failed.T) if turned else (axes, failed)
     as_map = len(axes) == 2 and len(axes[1].places) > MOST_LINES
     with_legend = len(axes) == 2 and not as_map
-    figure = Figure(figsize=(1 + 4.2 * columns + 2 * with_legend, 0.5 + 3.2 * rows), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(1 + 4.2 * columns + 2 * with_legend, 0.5 + 3.2 * rows, dpi=120)
+    figure.set_layout_engine("constrained")
     figure.suptitle(title, **PLAIN)
     for number, (name, output) in enumerate(outputs.items(), 1):
         panel = figure.add_subplot(rows, columns, number)
@@ -63,59 +58,31 @@ def draw(
             text.set(**PLAIN)
     if file is not None:
         with replacing(file) as stream:
-            figure.savefig(stream, format=Path(file).suffix[1:], dpi=120)
+            figure.savefig(stream, format=Path(file).suffix[1:])
     return figure
 
 
 class _Axis:
-    """A varied variable as an axis with its values as ticks: names at whole numbers; a logarithmic scale where they grow by a factor."""
+    """A varied variable as an axis: names at whole numbers; a logarithmic scale where the values grow by a factor."""
 
     def __init__(self, name: str, unit: str, values: np.ndarray):
-        self.label, self.named = _label(name, unit), values.dtype.kind in "UO"
-        self.places = np.arange(len(values)) if self.named else values.astype(float)
-        self.words = list(map(str, values)) if self.named else _told_apart(self.places)
+        self.label, self._named = _label(name, unit), values.dtype.kind in "UO"
+        self.places = np.arange(len(values)) if self._named else values.astype(float)
+        self.words = [str(value) if self._named else f"{value:.10g}" for value in values]
         self.order = np.argsort(self.places, kind="stable")
         sorted_places = self.places[self.order]
         ratios = sorted_places[1:] / sorted_places[:-1] if len(values) > 2 and (self.places > 0).all() else np.array([])
-        self.logarithmic = bool(not self.named and ratios.size and np.allclose(ratios, ratios[0]) and ratios[0] > 1.2)
+        self._logarithmic = bool(not self._named and ratios.size and np.allclose(ratios, ratios[0]) and ratios[0] > 1.2)
 
     def dress(self, axis: Any, scale: Any) -> None:
         """axis: xaxis or yaxis of a panel; scale: its set_xscale or set_yscale."""
         axis.set_label_text(self.label, **PLAIN)
-        if self.logarithmic:
+        if self._logarithmic:
             scale("log")
-        across = axis.axis_name == "x"
-        kept = self._that_fit(WIDE, [LETTER * (len(words) + 2) for words in self.words]) if across else []
-        aslant = across and self.named and len(kept) < len(self.places)
-        if aslant or not across:
-            kept = self._that_fit(WIDE if across else TALL, [LINE] * len(self.places))
-        look = {"rotation": 60, "ha": "right", "rotation_mode": "anchor"} if aslant else {}
-        axis.set_ticks(self.places[kept], labels=[self.words[n] for n in kept], **look, **PLAIN)
-        axis.set_minor_locator(NullLocator())
-
-    def _that_fit(self, room: float, sizes: Sequence[float]) -> list[int]:
-        """The values, from the first to the last, whose words of these sizes do not overlap on an axis with so much room [inches]."""
-        places = np.log(self.places) if self.logarithmic else self.places
-        at = (places - places.min()) / (np.ptp(places) or 1.0) * room
-
-        def apart(one: int, other: int) -> bool:
-            return abs(float(at[one] - at[other])) >= (sizes[one] + sizes[other]) / 2
-
-        order = self.order.tolist()
-        kept, last = order[:1], order[-1]
-        for n in order[1:]:
-            if apart(kept[-1], n) and (n == last or apart(n, last)):
-                kept.append(n)
-        return kept
-
-
-def _told_apart(values: np.ndarray) -> list[str]:
-    """The numbers in as few digits as leave them different, 4 at least."""
-    for digits in range(4, 18):
-        words = [f"{value:.{digits}g}" for value in values]
-        if len(set(words)) == len(set(values.tolist())):
-            break
-    return words
+        if self._named:
+            aslant = axis.axis_name == "x" and sum(map(len, self.words)) > MOST_LETTERS
+            look = {"rotation": 60, "ha": "right", "rotation_mode": "anchor"} if aslant else {}
+            axis.set_ticks(self.places, labels=self.words, **look, **PLAIN)
 
 
 def _lines(panel: Any, axes: list[_Axis], values: np.ndarray, failed: np.ndarray, label: str) -> None:

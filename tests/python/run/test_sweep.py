@@ -220,28 +220,16 @@ def test_one_variable_is_a_line_and_two_are_a_line_for_each_value_or_a_map(table
     assert panel.collections[0].get_array().tolist() == many.outputs[FORCE][:, ::-1].tolist() and bar.get_ylabel() == f"{FORCE} [N]"
 
 
-AXES = {
-    "few": [0.1, 0.25, 0.3], "many": np.linspace(0, 1, 200), "factor": np.geomspace(500, 2000, 4), "decades": np.geomspace(1e-9, 1e9, 40),
-    "one": [3.0], "near": [1.00000001, 1.00000002, 1.00000003], "crowded": [0, 1e-6, 2e-6, 1.0],
-    "words": ["leapfrog", "central_difference"] * 6, "short": ["a", "b"],
-}  # fmt: skip
-
-
-@pytest.mark.short("line-*", "lines-decades", "map-many", "map-words")
-@pytest.mark.parametrize("values", AXES.values(), ids=AXES)
-@pytest.mark.parametrize("other", [None, [1.0, 2.0], np.arange(20.0)], ids=["line", "lines", "map"])
-def test_ticks_are_values_and_do_not_overlap(values, other):
-    both = {"k": values} if other is None else {"k": values, "other": other}
-    panel = (figure := made_up(**both).plot()).axes[0]
-    figure.canvas.draw()
-    given = [value for each in both.values() for value in each]
-    digits = range(4, 12)
-    allowed = {word for value in given for word in ([value] if isinstance(value, str) else [f"{value:.{n}g}" for n in digits])}
-    for axis in (panel.xaxis, panel.yaxis) if len(both) == 2 and len(panel.lines) == 1 else (panel.xaxis,):
-        labels = axis.get_ticklabels()
-        boxes = [label.get_window_extent() for label in labels if not label.get_rotation()]
-        assert labels and {label.get_text() for label in labels} <= allowed and not axis.get_minorticklocs().size
-        assert not any(one.overlaps(two) for n, one in enumerate(boxes) for two in boxes[:n])
+def test_values_that_grow_by_a_factor_have_a_logarithmic_scale_and_names_are_ticks():
+    scales = {"few": [0.1, 0.25, 0.3], "factor": np.geomspace(500, 2000, 4), "decades": np.geomspace(1e-9, 1e9, 40), "one": [3.0]}
+    drawn = {name: made_up(k=values).plot().axes[0].get_xscale() for name, values in scales.items()}
+    assert drawn == {"few": "linear", "factor": "log", "decades": "log", "one": "linear"}
+    names = ["leapfrog", "central_difference"] * 6
+    over_names = made_up(k=names, other=np.geomspace(1, 1e9, 10)).plot()
+    over_names.canvas.draw()
+    axes = over_names.axes[0]
+    assert [label.get_text() for label in axes.get_xticklabels()] == names and axes.get_xticklabels()[0].get_rotation() == 60
+    assert axes.get_yscale() == "log"
 
 
 def test_words_of_the_user_are_drawn_as_they_are():
