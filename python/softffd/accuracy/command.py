@@ -10,7 +10,7 @@ from softffd.accuracy.files import keep
 from softffd.accuracy.kept import conditions
 from softffd.accuracy.measure import REPEATS, Anchors, Interrupted, measure
 from softffd.accuracy.page import time_words
-from softffd.accuracy.picture import course_picture, front_picture
+from softffd.accuracy.picture import front_picture
 from softffd.accuracy.records import CHOSEN, LEVELS, MISSED, Records, level_words
 from softffd.accuracy.report import factor_words
 from softffd.errors import FmuError
@@ -48,7 +48,7 @@ def report_accuracy(
     about = _about(scenes, step=step, anchors=anchors, typed=typed, quick=quick)
     measured: list[Records] = []
     refused: dict[str, str] = {}
-    pictures: dict[str, tuple[bytes, bytes]] = {}
+    pictures: dict[str, bytes] = {}
     for number, scene in enumerate(loaded):
         missing = {each.name: "interrupted" for each in loaded[number + 1 :]}
         try:
@@ -62,7 +62,7 @@ def report_accuracy(
             continue
         if records.runs:
             measured.append(records)
-            pictures[scene.name] = front_picture(records), course_picture(records)
+            pictures[scene.name] = front_picture(records)
         else:
             missing = {scene.name: "interrupted"} | missing
         keep(folder, measured, refused | missing, about, pictures)

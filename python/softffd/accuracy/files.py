@@ -15,18 +15,17 @@ COLUMNS = (
     "internal_steps", "rejected_steps", "failure",
 )  # fmt: skip
 
-Pictures = Mapping[str, Sequence[bytes]]
-"""PNGs by scene: error against run time, error against simulated time"""
 
-
-def keep(folder: Path, measured: Sequence[Records], missing: Mapping[str, str], about: Mapping[str, Any], pictures: Pictures) -> None:
-    """Writes accuracy.csv, accuracy.json, report.html and a SCENE.png of each scene into `folder`."""
+def keep(
+    folder: Path, measured: Sequence[Records], missing: Mapping[str, str], about: Mapping[str, Any], pictures: Mapping[str, bytes]
+) -> None:
+    """Writes accuracy.csv, accuracy.json, report.html and a SCENE.png of each scene into `folder`. pictures: PNGs by scene."""
     files: dict[str, bytes | str] = {
         "accuracy.csv": csv_text(COLUMNS, (_row(records, run) for records in measured for run in records.runs)),
         "accuracy.json": json_text(_document(measured, missing, about)),
         "report.html": report_page(measured, missing, about, pictures),
     }
-    keep_files(folder, files | {f"{records.scene}.png": pictures[records.scene][0] for records in measured})
+    keep_files(folder, files | {f"{records.scene}.png": pictures[records.scene] for records in measured})
 
 
 def _row(records: Records, run: Record) -> dict[str, Any]:

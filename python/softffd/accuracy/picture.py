@@ -1,10 +1,8 @@
-"""Pictures of a scene's records: error against run time, and error against simulated time."""
+"""The picture of a scene's records: error against run time."""
 
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, LogLocator, NullFormatter
 
 from softffd.accuracy.records import CHOSEN, CLAIM, LEVELS, PUBLISHED, Record, Records
@@ -35,7 +33,10 @@ def front_picture(records: Records) -> bytes:
     """PNG: error against CPU time, both logarithmic, one line per method; the front is the pale band behind the lines."""
     figure = new_figure(13.0, 6.6, dpi=120)
     axes = figure.add_axes((0.07, 0.1, 0.68, 0.76))
-    _head(figure, records, "error against run time, lower left is better; pale: the front")
+    figure.text(0.02, 0.96, records.title, fontsize=15, fontweight="bold", color=INK, va="center", **PLAIN)
+    words = "error against run time, lower left is better; pale: the front"
+    words += f"; {records.stop_time:.4g} s with communication steps of {records.communication_step:.4g} s"
+    figure.text(0.02, 0.915, words, fontsize=10.5, color=SOFT, va="center")
     front = [run for run in records.front() if run.error <= LARGEST]
     axes.plot(*_points(front), color=BAND, linewidth=17, zorder=1, solid_capstyle="round", solid_joinstyle="round")
     for name in drawn_order(records):
@@ -48,26 +49,6 @@ def front_picture(records: Records) -> bytes:
     axes.set_xlabel("CPU time of the run")
     axes.set_ylabel("largest error / largest side of the box")
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), frameon=False, fontsize=10.5, labelspacing=0.8)
-    return png_of(figure)
-
-
-def course_picture(records: Records) -> bytes:
-    """PNG: error against simulated time, for each method the cheapest run within 1e-6, or its most accurate one."""
-    figure = new_figure(13.0, 5.4, dpi=120)
-    axes = figure.add_axes((0.07, 0.12, 0.60, 0.71))
-    _head(figure, records, "error against simulated time, each method's cheapest run within 1e-6, or else its best")
-    for name in drawn_order(records):
-        run = records.typical(name)
-        if run is None or run.errors is None:
-            continue
-        errors = np.where(run.errors > 0, np.clip(run.errors, SMALLEST, LARGEST), np.nan)
-        look = _look(name, records) | ({"marker": None} if len(errors) > 40 else {})
-        axes.plot(records.times, errors, label=f"{name}, {setting_words(run)}", **look)
-    _dress_errors(axes, records)
-    axes.set_xlabel("simulated time [s]")
-    axes.set_ylabel("error / largest side of the box")
-    axes.set_xlim(0, records.stop_time)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), frameon=False, fontsize=10.5)
     return png_of(figure)
 
 
@@ -91,12 +72,6 @@ def _look(name: str, records: Records) -> dict[str, Any]:
     others = [each for each in records.names("softffd") if each not in LOOKS]
     plain = {"color": OTHER_COLOURS[others.index(name) % len(OTHER_COLOURS)], "marker": "*"} if name in others else LOOKS[name]
     return {"linewidth": 1.7, "markersize": 5} | plain
-
-
-def _head(figure: Figure, records: Records, what: str) -> None:
-    figure.text(0.02, 0.96, records.title, fontsize=15, fontweight="bold", color=INK, va="center", **PLAIN)
-    words = f"{what}; {records.stop_time:.4g} s with communication steps of {records.communication_step:.4g} s"
-    figure.text(0.02, 0.915, words, fontsize=10.5, color=SOFT, va="center")
 
 
 def _label_times(axes: Axes) -> None:

@@ -155,7 +155,3 @@ class Records:
         """The run of a method over tolerances with the largest error per tolerance; errors that the reference cannot tell are left out."""
         runs = [run for run in self.good(name) if run.setting.tolerance and run.error >= CLAIM * self.reference.uncertainty]
         return max(runs, key=lambda run: run.error / run.setting.tolerance, default=None)
-
-    def typical(self, name: str, level: float = 1e-6) -> Record | None:
-        """The run whose course of the error is shown: the cheapest one within `level`, else the most accurate one."""
-        return self.cheapest(name, level) or min(self.good(name), key=lambda run: run.error, default=None)

@@ -18,10 +18,8 @@ divided by the largest side of the box. The published scheme is <code>central_di
 SUMMARY = f"""<p>Time of <code>auto</code> to reach an error; how many times as fast as the published scheme that is; and its time over
 that of the best other method (wanted: at most {WITHIN}).</p>"""
 
-Pictures = Mapping[str, Sequence[bytes]]
 
-
-def report_page(measured: Sequence[Records], missing: Mapping[str, str], about: Mapping[str, Any], pictures: Pictures) -> str:
+def report_page(measured: Sequence[Records], missing: Mapping[str, str], about: Mapping[str, Any], pictures: Mapping[str, bytes]) -> str:
     """The page's text. missing: scenes without records, and why; about: machine, versions, settings; pictures: PNGs by scene."""
     sections = [_summary(measured), *(_scene(records, pictures[records.scene]) for records in measured)]
     return page("Error against run time", about, [INTRODUCTION, _missing(missing, measured)], sections)
@@ -60,8 +58,7 @@ def _summary_cell(records: Records, level: float) -> str:
     return f"{time_words(chosen.cpu_time)}{small(over)}{small(beside)}"
 
 
-def _scene(records: Records, pictures: Sequence[bytes]) -> str:
-    front, course = map(image, pictures)
+def _scene(records: Records, picture: bytes) -> str:
     facts = (
         f"{records.scene}: {records.points} control points, {records.stop_time:.4g} s in communication steps of "
         f"{records.communication_step:.4g} s. Reference: {records.reference}."
@@ -72,15 +69,13 @@ def _scene(records: Records, pictures: Sequence[bytes]) -> str:
         records.title,
         paragraph(facts, "soft"),
         paragraph(doubt, "warning"),
-        front,
+        image(picture),
         "<h3>Time to reach an error</h3>",
         _by_level("method", _method_rows(records), _factor_rows(records)),
         paragraph(f"Left out: {left_out}." if left_out else "", "soft"),
         _tolerances(records),
         "<h3>Setting for this scene</h3>",
         _recommendation(records),
-        "<h3>Error against simulated time</h3>",
-        course,
         _all_runs(records),
         name=records.scene,
     )
