@@ -196,11 +196,11 @@ def unit_of(name: str) -> str:
     return str(_row(found.family).get("unit", "")) if found else ""
 
 
-def listed(names: Iterable[str], *, most: int = 6) -> str:
-    """Names in a line, for what is to be read at a glance: vectors once, the first `most` and how many more."""
+def listed(names: Iterable[str]) -> str:
+    """Names in a line, for what is to be read at a glance: vectors once, the first six and how many more."""
     stems = list(dict.fromkeys(map(stem, names)))
-    more = f" and {len(stems) - most} more" if len(stems) > most else ""
-    return (", ".join(stems[:most]) or "none") + more
+    more = f" and {len(stems) - 6} more" if len(stems) > 6 else ""
+    return (", ".join(stems[:6]) or "none") + more
 
 
 def part_names(names: Iterable[str], *kinds: str) -> list[str]:

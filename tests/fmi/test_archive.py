@@ -99,7 +99,7 @@ def test_every_input_has_a_nominal_value_of_the_size_of_the_scene():
     assert nominals(1.0, None)["load.push"] == nominals(1.0, [0.0, 0.0, 0.0])["load.push"] == pytest.approx(3 * 9.80665)
 
 
-PACKAGE_CALLS = {"softffd_bounds", "softffd_deform", "softffd_farthest_first", "softffd_many_steps", "softffd_most_behind"}
+PACKAGE_CALLS = {"softffd_deform", "softffd_farthest_first", "softffd_many_steps", "softffd_most_behind"}
 """What the Python package calls of the library beside the standards' functions."""
 
 

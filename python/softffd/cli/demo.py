@@ -11,7 +11,7 @@ from softffd.run.progress import ProgressLine
 from softffd.run.simulate import simulate
 from softffd.scene.scene import load_scene
 from softffd.show.figure import save_figure
-from softffd.show.picture import history_picture, run_picture, strip_picture
+from softffd.show.picture import run_picture
 from softffd.show.view import write_view
 
 
@@ -25,16 +25,13 @@ def run_demo(folder: Path) -> None:
         result = run_scene_or_fmu("car_drop", progress=progress)
         progress.say(told_after(result.summary))
         keep_run(result, folder, progress.stage)
-        progress.stage("drawing strip.png and history.png")
-        save_figure(strip_picture(result, mesh=result.loaded_mesh), folder / "strip.png")
-        save_figure(history_picture(result), folder / "history.png")
         bump = load_scene("car_bump")
         progress.stage("simulating car_bump")
         struck = simulate(bump)
         progress.stage("drawing bump.png, writing bump.html")
         save_figure(run_picture(struck, mesh=bump.loaded_mesh), folder / "bump.png")
         write_view(struck, folder / "bump.html", mesh=bump.loaded_mesh)
-    print(f"  pictures: {folder / 'strip.png'}, {folder / 'history.png'}, {folder / 'picture.png'}")
+    print(f"  picture: {folder / 'picture.png'}")
     print(f"  to play and turn it in a browser: {folder / 'view.html'}")
     print(f"  {bump.title}: {folder / 'bump.png'}, {folder / 'bump.html'}")
     print(f"  the last shape as a mesh: {folder / 'deformed.obj'}; numbers: {folder / 'result.csv'}, {folder / 'summary.json'}")

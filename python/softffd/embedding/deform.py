@@ -36,9 +36,6 @@ OUTSIDE_ALLOWED = 1e-6
 _BLOCK = 1 << 27
 """Multiplications in one call of the library: some 20 ms, then Ctrl-C is heard."""
 
-_POINTS = 1 << 18
-"""Points whose bounds one call finds."""
-
 
 class Surface(Protocol):
     """What has vertices, (V, 3) m: a Mesh."""
@@ -72,9 +69,8 @@ def deform(
     if (origin is None or size is None) and not len(vertices):
         raise ValueError("origin, size: wanted both where there are no vertices, got none")
     if origin is None or size is None:
-        low, high = bounds(vertices)
-        origin = low if origin is None else origin
-        size = high - np.asarray(origin) if size is None else size
+        origin = vertices.min(axis=0) if origin is None else origin
+        size = vertices.max(axis=0) - np.asarray(origin) if size is None else size
     return Embedding(vertices, origin, size, positions.shape[-4:-1], basis).deform(positions)
 
 
@@ -123,26 +119,6 @@ def _library_deform() -> Callable[..., None]:
     return function
 
 
-def bounds(points: Points) -> tuple[Array, Array]:
-    """Lower and upper corner (3,) of points (m, 3), infinite without any, NaN where a coordinate is."""
-    corners = np.empty((2, 1 + -(-len(points) // _POINTS), 3))
-    corners[:, 0] = [[np.inf], [-np.inf]]
-    for part in range(1, corners.shape[1]):
-        some = np.ascontiguousarray(points[(part - 1) * _POINTS : part * _POINTS], dtype=float)
-        low, high = corners[:, part]
-        _library_bounds()(len(some), some.ctypes.data, low.ctypes.data, high.ctypes.data)
-    return corners[0].min(axis=0), corners[1].max(axis=0)
-
-
-@cache
-def _library_bounds() -> Callable[..., None]:
-    """fmu_src/core/embedding/bounds.hpp says what it takes."""
-    function = library_function("softffd_bounds")
-    function.argtypes = [c_longlong, *[c_void_p] * 3]
-    function.restype = None
-    return function
-
-
 def lattice_coordinates(points: ArrayLike, origin: ArrayLike, size: ArrayLike) -> Array:
     """Return (u, v, w) = (points - origin) / size, shape (m, 3), of `points` (m, 3) m.
 
@@ -159,7 +135,7 @@ def _in_box(given: ArrayLike, origin: ArrayLike, size: ArrayLike) -> tuple[Point
         raise ValueError(f"lattice box: wanted three finite numbers each, got origin {corner} and size {sides}")
     if not (sides > 0).all():
         raise MeshError(f"lattice.size: wanted three sides > 0 m, got {_triple(sides)}")
-    if len(points) and not all(_inside((end - corner) / sides) for end in bounds(points)):
+    if len(points) and not all(_inside((end - corner) / sides) for end in (points.min(axis=0), points.max(axis=0))):
         _refuse(points, corner, sides)
     return points, corner, sides
 

@@ -83,8 +83,8 @@ def path_text(path: KeyPath) -> str:
     return text
 
 
-def toml_text(value: Any, *, longest: int = 70) -> str:
-    """A value as one would write it in the file, cut to `longest` characters."""
+def toml_text(value: Any) -> str:
+    """A value as one would write it in the file, cut to 70 characters."""
     if isinstance(value, bool | str):
         text = json.dumps(value, ensure_ascii=False)
     elif isinstance(value, list | tuple):
@@ -95,7 +95,7 @@ def toml_text(value: Any, *, longest: int = 70) -> str:
         text = hex(value)  # Python writes no decimal numbers of so many digits
     else:
         text = str(value)
-    return text if len(text) <= longest else text[: longest - 3] + "..."
+    return text if len(text) <= 70 else text[:67] + "..."
 
 
 def _field_at(model: type[BaseModel], path: KeyPath) -> FieldInfo | None:

@@ -1,4 +1,4 @@
-"""The object in one frame, or at rest, as an image: its surface, its lattice and the obstacles, from the usual side."""
+"""The object in one frame as an image: its surface, its lattice and the obstacles, from the usual side."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -19,15 +19,14 @@ FILLED = 0.84  # share of the image's width or height that the lattices may take
 
 
 class Panels:
-    """Images of a stage in some `frames`, `width` x `height` pixels each, all from the same distance; None: at rest, without obstacles.
+    """Images of a stage in some `frames`, `width` x `height` pixels each, all by one camera.
 
-    The camera stands still but for the shape at rest, which is in the middle of its image.
     tints: colours (V, 3) of the vertices by frame, where they are not those of the stage's skin. touch: the contacts to show.
     lattice: draw the lattice, not only the control points that pins hold.
     """
 
     def __init__(
-        self, stage: Stage, frames: Sequence[int | None], width: int, height: int, *, tints: Mapping[int, np.ndarray] | None = None,
+        self, stage: Stage, frames: Sequence[int], width: int, height: int, *, tints: Mapping[int, np.ndarray] | None = None,
         touch: Touch | None = None, lattice: bool = True,
     ):  # fmt: skip
         self._tints, self._touch, self._lattice = tints or {}, touch, lattice
@@ -36,44 +35,39 @@ class Panels:
         small = len(stage.faces) <= SMOOTH_FACES
         self._normals = ShadingNormals(stage.vertices, stage.faces) if small else None
         self._paint = stage.skin.painter(stage.faces)
-        moving = [frame for frame in frames if frame is not None]
-        points = np.concatenate([stage.points(frame).reshape(-1, 3) for frame in moving or frames[:1]])
+        points = np.concatenate([stage.positions[frame].reshape(-1, 3) for frame in frames])
         covered = np.stack([points.min(axis=0), points.max(axis=0)])
-        self._beside: dict[int | None, list[np.ndarray]] = {f: [beside(covered, solid, f) for solid in stage.solids] for f in moving}
+        self._beside = {frame: [beside(covered, solid, frame) for solid in stage.solids] for frame in frames}
         points = np.concatenate([points, *(ends for each in self._beside.values() for ends in each)])
-        self._centre, self._half = _middle(points), np.ptp(points, axis=0) / 2
+        self._centre, self._half = (points.min(axis=0) + points.max(axis=0)) / 2, np.ptp(points, axis=0) / 2
         self._distance = float(max(self._needed(frame) for frame in frames))
 
-    def image(self, frame: int | None) -> np.ndarray:
+    def image(self, frame: int) -> np.ndarray:
         """The image (height, width, 3), 0 .. 1, of one of the frames."""
-        stage, target, points = self._stage, self._target(frame), self._stage.points(frame)
-        canvas = Canvas(Camera(target + self._distance * self._axes[2], target, stage.up), self._width, self._height)
+        stage, points = self._stage, self._stage.positions[frame]
+        canvas = Canvas(Camera(self._centre + self._distance * self._axes[2], self._centre, stage.up), self._width, self._height)
         surface = stage.deformed(points), stage.faces
         canvas.triangles(*surface, self._corner_normals(*surface), self._painter(frame))
-        if frame is not None:
-            solids = [(*solid.surface(frame), solid.form.faces) for solid in stage.solids]
-            for solid, parts in zip(stage.solids, solids, strict=True):
-                draw_solid(canvas, *parts, tint=solid.tint)
-            self._draw_planes(canvas, frame, [surface, *((vertices, faces) for vertices, _, faces in solids)])
+        solids = [(*solid.surface(frame), solid.form.faces) for solid in stage.solids]
+        for solid, parts in zip(stage.solids, solids, strict=True):
+            draw_solid(canvas, *parts, tint=solid.tint)
+        self._draw_planes(canvas, frame, [surface, *((vertices, faces) for vertices, _, faces in solids)])
         self._draw_lattice(canvas, points)
-        if frame is not None and self._touch:
+        if self._touch:
             self._draw_touch(canvas, frame, self._touch)
         return canvas.image()
 
-    def _painter(self, frame: int | None) -> Painter:
-        if frame is None or frame not in self._tints:
+    def _painter(self, frame: int) -> Painter:
+        if frame not in self._tints:
             return self._paint
         return replace(self._stage.skin, tints=self._tints[frame], pictures=()).painter(self._stage.faces)
 
-    def _target(self, frame: int | None) -> np.ndarray:
-        return self._centre if frame is not None else _middle(self._stage.rest.reshape(-1, 3))
-
-    def _needed(self, frame: int | None) -> float:
+    def _needed(self, frame: int) -> float:
         """The distance [m] from which the frame's lattice fits into the image, its arrows and what is beside it of solids."""
-        points = np.concatenate([self._stage.points(frame).reshape(-1, 3), *map(_corners, self._beside.get(frame, []))])
-        if self._touch and frame is not None:
+        points = np.concatenate([self._stage.positions[frame].reshape(-1, 3), *map(_corners, self._beside[frame])])
+        if self._touch:
             points = np.concatenate([points, self._touch.arrows(frame)[:, 1]])
-        right, above, back = self._axes @ (points - self._target(frame)).T
+        right, above, back = self._axes @ (points - self._centre).T
         tall = FILLED * FIELD
         return (back + np.maximum(np.abs(right) * self._height / self._width, np.abs(above)) / tall).max()
 
@@ -128,7 +122,3 @@ def view_axes(up: np.ndarray) -> np.ndarray:
 def _corners(ends: np.ndarray) -> np.ndarray:
     """Of a box with these ends (2, 3), (8, 3)."""
     return np.array(list(product(*ends.T)))
-
-
-def _middle(points: np.ndarray) -> np.ndarray:
-    return np.asarray(points.min(axis=0) + points.max(axis=0)) / 2

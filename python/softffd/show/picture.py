@@ -56,34 +56,6 @@ def _time_and_error(summary: Mapping[str, Any]) -> str:
     return ", ".join(f"{what} {quantity(value, unit)}" for what, (value, unit) in numbers.items() if isinstance(value, int | float))
 
 
-def strip_picture(
-    result: Result, *, mesh: Mesh | None = None, moments: Iterable[float | None] | None = None, labels: Sequence[str] | None = None
-) -> Picture:
-    """A wide strip, as the paper's figure 3: the object with its lattice at several moments.
-
-    moments: times [s], each shown by the nearest recorded frame, or None for the shape at rest; by default rest, just
-    before the first contact, the largest deformation, and the end. labels: a caption for each.
-    Raises SoftffdError when positions of control points were not recorded.
-    """
-    stage = stage_of(result, mesh=mesh)
-    if moments is None:
-        frames, labels = _four_frames(result), labels or ("at rest", "before", "during", "after")
-    else:
-        frames = [None if t is None else int(np.abs(stage.time - t).argmin()) for t in moments]
-    if labels is None:
-        labels = ["at rest" if frame is None else f"t = {stage.time[frame]:.4g} s" for frame in frames]
-    figure = new_figure(3.6 * len(frames), 3.2, dpi=170)
-    _draw_images(figure, stage, frames, labels, box=(0.0, 0.0, 1.0, 1.0), touch=touch_of(result, stage))
-    return figure
-
-
-def history_picture(result: Result) -> Picture:
-    """The curves alone: reactions [N] and energies [J]; without either the lattice's height."""
-    figure = new_figure(13.0, 4.0, dpi=110)
-    _draw_history(figure, result, bottom=0.15, top=0.89)
-    return figure
-
-
 def curve_picture(result: Result, *, x: str = "time", y: str | Iterable[str]) -> Picture:
     """Outputs or inputs `y` over another one or over time; those of one unit share their axes. A vector's name means its components.
 
@@ -120,7 +92,7 @@ def telling_moments(result: Result) -> dict[int, str]:
     A first contact that is hardly apart from another of them is left out.
     """
     found = {0: "start", len(result.time) - 1: "end"}
-    found.setdefault(_largest_deformation(result), "largest deformation")
+    found.setdefault(int(result.deformation().argmax()), "largest deformation")
     contact = first_contact(result)
     if contact is not None and min(abs(contact - frame) for frame in found) > 0.02 * len(result.time):
         found[contact] = "first contact"
@@ -134,19 +106,8 @@ def first_contact(result: Result) -> int | None:
     return int(touching.argmax()) if touching.any() else None
 
 
-def _largest_deformation(result: Result) -> int:
-    return int(result.deformation().argmax())
-
-
-def _four_frames(result: Result) -> list[int | None]:
-    """None for rest, the frame before the first contact, the one of the largest deformation, the last."""
-    worst, contact = _largest_deformation(result), first_contact(result)
-    before = worst // 2 if contact is None or contact >= worst else contact - 1
-    return [None, max(0, before), worst, len(result.time) - 1]
-
-
 def _draw_images(
-    figure: Figure, stage: Stage, frames: Sequence[int | None], captions: Sequence[str], *, box: Box, touch: Touch,
+    figure: Figure, stage: Stage, frames: Sequence[int], captions: Sequence[str], *, box: Box, touch: Touch,
     tints: Mapping[int, np.ndarray] | None = None, lattice: bool = True,
 ) -> None:  # fmt: skip
     """The object in `frames`, side by side in `box` of the figure, with a line below each."""

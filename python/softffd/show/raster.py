@@ -15,6 +15,8 @@ from softffd.show.skin import Painter, single
 Tint = tuple[float, float, float]  # a colour, 0 .. 1
 
 FIELD = 0.29
+FAINT = 0.12
+"""Opacity of the lattice behind other things"""
 FACES = 1 << 12
 FRAGMENTS = 1 << 17
 """Worked on at a time: so few that the system is rarely asked for memory, so many that the calls do not count in a fine mesh."""
@@ -118,11 +120,8 @@ class Canvas:
         light = colour * (0.12 + 0.26 * sky + 0.80 * diffuse) + 0.28 * gloss + 0.14 * rim * sky
         return light.clip(0, 1) ** (1 / 2.2)
 
-    def lines(
-        self, points: np.ndarray, ends: np.ndarray, *, width: float = 1.0, colour: Tint = (0.1, 0.12, 0.16), opacity: float = 0.75,
-        hidden: float = 0.12,
-    ) -> None:  # fmt: skip
-        """Draw segments points[ends], ends (E, 2), `width` pixels wide; `hidden`: opacity behind other things."""
+    def lines(self, points: np.ndarray, ends: np.ndarray, *, width: float = 1.0, colour: Tint = (0.1, 0.12, 0.16)) -> None:
+        """Draw segments points[ends], ends (E, 2), `width` pixels wide; faintly behind other things."""
         screen = self.project(points)
         a, b = screen[ends[:, 0]], screen[ends[:, 1]]
         along = unit((b - a)[:, :2] + [1e-9, 0.0])
@@ -130,9 +129,9 @@ class Canvas:
         corners = np.stack([a - side, a + side, b - side, b + side], axis=1).reshape(-1, 3)
         quads = 4 * np.arange(len(a))[:, None, None] + np.array([[0, 1, 2], [1, 3, 2]])
         for pixel, _, depth in fragments(corners, quads.reshape(-1, 3), self.width, self.height):
-            self.blend(pixel, colour, np.where(depth >= 0.999 * self.depth[pixel], opacity, hidden))
+            self.blend(pixel, colour, np.where(depth >= 0.999 * self.depth[pixel], 0.75, FAINT))
 
-    def balls(self, points: np.ndarray, *, radius: float, colours: np.ndarray, hidden: float = 0.12) -> None:
+    def balls(self, points: np.ndarray, *, radius: float, colours: np.ndarray) -> None:
         """Draw balls of `radius` pixels, colours (N, 3), in front of what they touch; hidden ones show faintly."""
         screen, reach = self.project(points), 2 * radius
         for (x, y, depth), colour in sorted(zip(screen, colours, strict=True), key=lambda ball: ball[0][2]):
@@ -146,7 +145,7 @@ class Canvas:
             light = 0.55 + 0.5 * (-0.4 * right + 0.7 * above + 0.6 * front).clip(0)
             seen = depth >= 0.99 * self.depth[pixel]
             self.depth[pixel[seen]] = depth
-            self.blend(pixel, np.multiply.outer(colour, light), np.where(seen, 1.0, hidden))
+            self.blend(pixel, np.multiply.outer(colour, light), np.where(seen, 1.0, FAINT))
 
     def sight(self) -> tuple[np.ndarray, np.ndarray]:
         """Slopes of the rays through the fine pixels against the view: rightwards (width,), upwards (height,)."""

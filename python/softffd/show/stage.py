@@ -120,10 +120,6 @@ class Stage:
         """The undeformed lattice, (nx, ny, nz, 3) [m]."""
         return rest_grid(self.counts, self.origin, self.size)
 
-    def points(self, frame: int | None) -> np.ndarray:
-        """The control points in a frame, None: at rest, (nx, ny, nz, 3) [m]."""
-        return self.rest if frame is None else self.positions[frame]
-
     @cached_property
     def edges(self) -> np.ndarray:
         """Neighbours along the axes, (E, 2) flat indices: the lines of the lattice."""

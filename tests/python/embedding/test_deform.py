@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from softffd.embedding.basis import weights
-from softffd.embedding.deform import Embedding, bounds, deform
+from softffd.embedding.deform import Embedding, deform
 from softffd.errors import MeshError, SoftffdError
 from softffd.installed import library_function
 from softffd.mesh.mesh import Mesh
@@ -126,14 +126,6 @@ def test_no_points_stay_none():
     assert deform(cloud(), np.zeros((0, 4, 4, 4, 3)), origin=ORIGIN, size=SIZE).shape == (0, 200, 3)
     with pytest.raises(ValueError, match="origin, size: wanted both where there are no vertices"):
         deform(np.zeros((0, 3)), rest_grid((4, 4, 4)))
-
-
-@pytest.mark.parametrize("points", [64, 65, 200])
-def test_bounds_are_those_of_all_points(points):
-    some = cloud(points)
-    np.testing.assert_array_equal(bounds(some), [some.min(axis=0), some.max(axis=0)])
-    some[points - 1, 1] = np.nan
-    assert np.isnan(bounds(some)).tolist() == [[False, True, False]] * 2
 
 
 def test_the_weights_of_24_control_points_an_axis_are_no_array_of_their_own():

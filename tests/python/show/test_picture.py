@@ -12,7 +12,7 @@ from softffd.errors import SoftffdError
 from softffd.mesh.files import load_mesh
 from softffd.show.figure import draw_curves, draw_words, new_figure, png_of
 from softffd.show.panel import Panels, view_axes
-from softffd.show.picture import first_contact, history_picture, run_picture, strip_picture, telling_moments
+from softffd.show.picture import first_contact, run_picture, telling_moments
 from softffd.show.stage import FREE, PINNED, stage_of
 from softffd.show.touch import MARK
 
@@ -66,34 +66,6 @@ def test_without_reactions_and_energies_the_picture_shows_the_height():
     assert near(image[640:], (0.0, 0.447, 0.698)) > 300
 
 
-def test_strip_is_wide_and_shows_the_shape_at_rest_without_obstacles():
-    image = pixels(strip_picture(made_up_run()))
-    height, width, _ = image.shape
-    assert width > 4 * height
-    corners = [quarter[int(0.8 * height), 20] for quarter in np.array_split(image, 4, axis=1)]
-    assert corners[0].mean() > max(c.mean() for c in corners[1:])
-
-
-def test_a_strip_marks_what_touches_and_the_forces_on_obstacles():
-    quarters = np.array_split(pixels(strip_picture(made_up_run())), 4, axis=1)
-    yellow = [near(quarter, MARK, 0.03) for quarter in quarters]
-    assert yellow[0] == 0 and yellow[2] > 500 and yellow[3] > 100  # at rest, during, after
-
-
-def test_strip_takes_times_and_labels():
-    one, two = (
-        pixels(strip_picture(made_up_run(), moments=times, labels=labels))
-        for times, labels in (((1.2,), ("pressed",)), ((None, 2.0), None))
-    )
-    assert two.shape[1] == 2 * one.shape[1]
-
-
-def test_history_needs_no_positions():
-    result = made_up_run()
-    result.positions[:] = np.nan
-    assert near(pixels(history_picture(result)), (0.0, 0.447, 0.698)) > 300
-
-
 def test_a_run_without_recorded_positions_is_refused():
     result = made_up_run()
     result.positions[:, 0] = np.nan
@@ -103,8 +75,8 @@ def test_a_run_without_recorded_positions_is_refused():
 
 def test_every_lattice_is_inside_its_image_and_fills_it():
     stage = stage_of(made_up_run())
-    panels = Panels(stage, [None, 0, 24], 120, 90)
-    drawn = [(np.abs(panels.image(frame) - FREE).max(axis=-1) < 0.15) for frame in (None, 0, 24)]
+    panels = Panels(stage, [0, 24], 120, 90)
+    drawn = [(np.abs(panels.image(frame) - FREE).max(axis=-1) < 0.15) for frame in (0, 24)]
     assert not any(d[[0, -1]].any() or d[:, [0, -1]].any() for d in drawn)
     assert any(np.ptp(np.flatnonzero(d.any(axis=0))) > 70 or np.ptp(np.flatnonzero(d.any(axis=1))) > 50 for d in drawn)
 
@@ -112,7 +84,7 @@ def test_every_lattice_is_inside_its_image_and_fills_it():
 def test_pinned_control_points_are_dark():
     plain, pinned = (stage_of(made_up_run(pins=p)) for p in ((), (np.arange(16), np.arange(48, 64))))
     assert pinned.pinned.tolist() == [*range(16), *range(48, 64)]
-    dark = [near(Panels(stage, [None], 300, 200).image(None), PINNED, 0.1) for stage in (plain, pinned)]
+    dark = [near(Panels(stage, [0], 300, 200).image(0), PINNED, 0.1) for stage in (plain, pinned)]
     assert dark[1] > dark[0] + 200
 
 
@@ -128,7 +100,7 @@ def test_view_looks_down_a_little_with_up_upwards(up):
 def test_a_picture_shows_the_colours_of_the_mesh(name, tmp_path):
     """The red box is below the green one, and nothing is as blue as what has no colour."""
     mesh = load_mesh(two_colours(tmp_path, name))
-    image = pixels(strip_picture(at_rest_about(mesh), mesh=mesh, moments=[None]))
+    image = Panels(replace(stage_of(at_rest_about(mesh), mesh=mesh), planes=()), [0], 600, 500).image(0)
     red, green, blue = image[..., 0], image[..., 1], image[..., 2]
     reddish, greenish = np.argwhere(red > 2 * np.maximum(green, blue)), np.argwhere(green > 1.3 * np.maximum(red, blue))
     assert len(reddish) > 3000 and len(greenish) > 3000
@@ -140,7 +112,7 @@ def test_picture_of_a_real_mesh(real_meshes):
     mesh = load_mesh(real_meshes / "spot.obj", up="y")
     into = SIZE / np.ptp(mesh.bounds, axis=0)
     mesh = replace(mesh, vertices=ORIGIN + (mesh.vertices - mesh.bounds[0]) * into)
-    image = pixels(strip_picture(made_up_run(), mesh=mesh, moments=[1.2]))
+    image = Panels(stage_of(made_up_run(), mesh=mesh), [24], 600, 500).image(24)
     assert ((image[..., 2] > image[..., 0] + 0.2).sum()) > 3000
 
 
