@@ -27,8 +27,6 @@ from softffd.lattice import rest_grid, shared_by_corners, to_flat
 from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import area_vectors, merge_by_position
 
-DISTRIBUTIONS = ("uniform", "box", "vertices", "surface", "volume")
-
 _BLOCK = 1 << 21
 """Numbers held at a time while integrating: 16 MB."""
 
@@ -71,12 +69,11 @@ def point_masses(
     `shift`. basis: of the volume, "bezier" or "bspline".
     inertia: "lumped" (each sample's mass to the control points that move it) or "matched" (with the inertia of the object; gravity pulls
     at the lumped masses, and `uniform_share` is what every point has of the mean mass at least).
-    Raises SoftffdError where a value or the mesh does not fit, or a control point would be left without mass.
+    Raises SoftffdError where the mesh does not fit, or a control point would be left without mass; a scene has checked the values.
     """
-    _require_values(distribution, mesh, total, density, uniform_share)
     if density is not None:
         total = density * (enclosed_volume(mesh) if mesh is not None else float(np.prod(np.asarray(size))))
-    assert total is not None
+    assert total is not None  # one of the two
     shares = _shares(distribution, counts, origin, size, mesh, basis)
     shares /= shares.sum()
     blended = (1 - uniform_share) * shares + uniform_share / shares.size
@@ -120,22 +117,6 @@ def enclosed_volume(mesh: Mesh) -> float:
     if volume <= 1e-12 * np.prod(np.ptp(mesh.bounds, axis=0)):
         raise SoftffdError(f"mesh '{mesh.name}' is closed but encloses no volume; wanted a solid body")
     return volume
-
-
-def _require_values(distribution: str, mesh: Mesh | None, total: float | None, density: float | None, uniform_share: float) -> None:
-    if distribution not in DISTRIBUTIONS:
-        raise SoftffdError(f"mass.distribution: wanted one of {', '.join(DISTRIBUTIONS)}, got {distribution!r}")
-    if mesh is None and distribution not in ("uniform", "box"):
-        raise SoftffdError(
-            f"mass.distribution = '{distribution}': needs a mesh and the scene has none; add [mesh], or use the distribution 'uniform'"
-        )
-    if (total is None) == (density is None):
-        raise SoftffdError(f"mass: wanted either total or density, got {'neither' if total is None else 'both'}")
-    for key, value in (("total", total), ("density", density)):
-        if value is not None and not (np.isfinite(value) and value > 0):
-            raise SoftffdError(f"mass.{key}: wanted a number > 0, got {value}")
-    if not 0 <= uniform_share <= 1:
-        raise SoftffdError(f"mass.uniform_share: wanted 0 to 1, got {uniform_share}")
 
 
 def _shares(distribution: str, counts: tuple[int, ...], origin: ArrayLike, size: ArrayLike, mesh: Mesh | None, basis: str) -> np.ndarray:
