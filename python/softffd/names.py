@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from softffd.installed import table
 from softffd.lattice import Point
+from softffd.spelling import few
 
 T = TypeVar("T")
 
@@ -198,9 +199,7 @@ def unit_of(name: str) -> str:
 
 def listed(names: Iterable[str]) -> str:
     """Names in a line, for what is to be read at a glance: vectors once, the first six and how many more."""
-    stems = list(dict.fromkeys(map(stem, names)))
-    more = f" and {len(stems) - 6} more" if len(stems) > 6 else ""
-    return (", ".join(stems[:6]) or "none") + more
+    return few(list(dict.fromkeys(map(stem, names)))) or "none"
 
 
 def part_names(names: Iterable[str], *kinds: str) -> list[str]:

@@ -1,7 +1,7 @@
-"""A wrong word's nearest right one: every message about a name that does not exist ends with it."""
+"""How messages speak of words: a wrong one's nearest right one, with which every message about a name that does not exist ends; lists."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 
 def nearest_of(given: str, choices: Iterable[str]) -> str | None:
@@ -15,6 +15,17 @@ def nearest_of(given: str, choices: Iterable[str]) -> str | None:
 def did_you_mean(nearest: str | None) -> str:
     """`, did you mean "..."?`, or nothing."""
     return f', did you mean "{nearest}"?' if nearest else ""
+
+
+def wanted_one_of(choices: Iterable[str], given: object) -> str:
+    """What a message says of a word that is none of its choices."""
+    words = list(choices)
+    return f"wanted one of {', '.join(words)}, got {given!r:.70}{did_you_mean(nearest_of(str(given), words))}"
+
+
+def few(names: Sequence[str]) -> str:
+    """The names in a line, of many the first six and how many more there are."""
+    return ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
 
 
 def number_in(word: str) -> float:

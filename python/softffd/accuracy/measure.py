@@ -12,6 +12,7 @@ from softffd.accuracy.rig import Rig, Setting, TooLong
 from softffd.errors import FmuError
 from softffd.run.progress import Note, silent
 from softffd.scene.scene import Scene
+from softffd.spelling import wanted_one_of
 
 FIXED_STEP = ("central_difference", "leapfrog", "bm4", "sdirk2")
 """Methods that are measured over fixed internal steps; all others, over tolerances."""
@@ -93,7 +94,7 @@ def measure(
 def _applicable(rig: Rig, methods: Sequence[str] | None, left_out: dict[str, str]) -> list[str]:
     for method in methods or ():
         if method not in rig.methods:
-            raise FmuError(f"{method}: wanted one of the FMU's methods, {', '.join(rig.methods)}")
+            raise FmuError(f"solver.method: {wanted_one_of(rig.methods, method)}")
     why = {method: _why_left_out(rig, method) for method in methods or rig.methods}
     left_out |= {method: reason for method, reason in why.items() if reason}
     return [method for method, reason in why.items() if not reason]

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 import softffd
 from softffd.errors import SoftffdError
-from softffd.spelling import did_you_mean, nearest_of, number_in
+from softffd.spelling import did_you_mean, nearest_of, number_in, wanted_one_of
 
 
 class Parser(argparse.ArgumentParser):
@@ -24,9 +24,7 @@ class Parser(argparse.ArgumentParser):
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
-            words = [str(choice) for choice in action.choices]
-            nearest = did_you_mean(nearest_of(str(value), words))
-            raise argparse.ArgumentError(action, f"wanted one of {', '.join(words)}, got {value}{nearest}")
+            raise argparse.ArgumentError(action, wanted_one_of(map(str, action.choices), value))
 
     def refuse(self, extra: list[str]) -> NoReturn:
         """Wrong usage, for words that are left over."""

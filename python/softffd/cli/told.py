@@ -7,8 +7,7 @@ from typing import Any
 from softffd.fmu.component import Component
 from softffd.run.inputs import Inputs
 from softffd.run.simulation import Simulation
-
-MOST_NAMES = 6  # of inputs, in one line
+from softffd.spelling import few
 
 
 def told_before(simulation: Simulation, inputs: Inputs) -> str:
@@ -38,21 +37,15 @@ def _driven(simulation: Simulation, inputs: Inputs) -> list[str]:
     driven = {*inputs.names, *inputs.derived_names}
     lines = []
     if inputs.names:
-        follows = f"; {_few(inputs.derived_names)} {_verb(inputs.derived_names, 'follow')} from that" if inputs.derived_names else ""
-        lines.append(f"{inputs.where}drives {_few(inputs.names)}{follows}")
+        follows = f"; {few(inputs.derived_names)} {_verb(inputs.derived_names, 'follow')} from that" if inputs.derived_names else ""
+        lines.append(f"{inputs.where}drives {few(inputs.names)}{follows}")
     if held := [name for name in there if name not in driven]:
-        lines.append(f"nothing drives {_few(held)}: {'they keep their start values' if len(held) > 1 else 'it keeps its start value'}")
+        lines.append(f"nothing drives {few(held)}: {'they keep their start values' if len(held) > 1 else 'it keeps its start value'}")
     return lines
 
 
 def _verb(names: list[str], verb: str) -> str:
     return verb if len(names) > 1 else f"{verb}s"
-
-
-def _few(names: list[str]) -> str:
-    """The names, of many the first ones and how many more there are."""
-    more = len(names) - MOST_NAMES
-    return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def told_after(summary: dict[str, Any]) -> str:

@@ -19,6 +19,7 @@ from typing import Any
 
 from softffd.errors import SoftffdError
 from softffd.files import write_bytes
+from softffd.spelling import wanted_one_of
 
 DRIVERS = ("plate", "actuator")
 HERE = Path(__file__).parent
@@ -37,7 +38,7 @@ def build_driver(name: str, folder: str | Path, *, start_values: Mapping[str, An
     start_values: parameters by name, vectors ("initial.point") as three numbers; they become the FMU's start values.
     """
     if name not in DRIVERS:
-        raise SoftffdError(f"driver: wanted one of {', '.join(DRIVERS)}, got {name!r}")
+        raise SoftffdError(f"driver: {wanted_one_of(DRIVERS, name)}")
     if find_spec("pythonfmu") is None:
         raise SoftffdError("the driver FMUs are made with pythonfmu, which is not installed: pip install pythonfmu")
     path = Path(folder) / f"{name}.fmu"

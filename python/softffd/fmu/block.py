@@ -11,7 +11,7 @@ import numpy as np
 from softffd.errors import FmuError
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import listed
-from softffd.spelling import did_you_mean, nearest_of, number_in
+from softffd.spelling import did_you_mean, nearest_of, number_in, wanted_one_of
 
 KINDS: dict[str, tuple[Any, Any]] = {
     "Real": (np.float64, c_double), "Integer": (np.int32, c_int), "Boolean": (np.int32, c_int), "String": (object, c_char_p),
@@ -127,8 +127,7 @@ def number_of(variable: ScalarVariable, value: Any) -> Any:
         if value in variable.items:
             return variable.items[value]
         if not value.lstrip("-").isdigit():
-            nearest = did_you_mean(nearest_of(value, variable.items))
-            raise FmuError(f"{variable.name}: wanted one of {', '.join(variable.items)}, got {value!r}{nearest}")
+            raise FmuError(f"{variable.name}: {wanted_one_of(variable.items, value)}")
     real = variable.type == "Real"
     try:
         number = number_in(value) if isinstance(value, str) else float(value)

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from softffd.errors import MeshError
 from softffd.mesh.looks import Group, Looks, Material, from_face_colours, to_screen
 from softffd.mesh.polygons import Triangles, damaged, found_beside
+from softffd.spelling import few
 
 _NEEDED = {".dae": ("collada", "pycollada"), ".3mf": ("networkx", "lxml and networkx")}
 """A module that trimesh needs beside itself, and what to install."""
@@ -202,7 +203,7 @@ def _joined_looks(bodies: list[Triangles]) -> Looks:
         materials, material_of = [], []
     group_of = np.repeat(np.arange(len(bodies)), [len(body.faces) for body in bodies])
     clear = [material.name or "without a name" for material in materials if material.opacity < 1]
-    notes = (f"transparent materials are shown opaque: {', '.join(clear[:4])}",) if clear else ()
+    notes = (f"transparent materials are shown opaque: {few(clear)}",) if clear else ()
     groups = tuple(body.looks.groups[0] for body in bodies)
     return Looks(tuple(materials), np.concatenate(material_of) if materials else None, colours, groups, group_of, notes)
 

@@ -8,6 +8,7 @@ from xml.etree.ElementTree import Element
 from softffd.errors import MeshError
 from softffd.mesh.bodies import read_bodies, require_package
 from softffd.mesh.polygons import Triangles, damaged, found_beside
+from softffd.spelling import few
 
 
 def read_dae(path: Path, data: bytes) -> Triangles:
@@ -42,9 +43,9 @@ def _lost_bodies(elements: list[Element]) -> list[str]:
     named = [each.get("url", "") for each in geometries] + [each.get("source", "") for each in _named(elements, "input")]
     broken = sorted({name for name in named if name.startswith("#") and unquote(name[1:]) not in known and name[1:] not in known})
     notes = {
-        f"bodies on a skin or morph ({_some(skins)}), which are not read: apply the armature, or export without it": skins,
-        f"bodies in other files ({_some(outside)}), which are not read": outside,
-        f"broken references ({_some(broken)})": broken,
+        f"bodies on a skin or morph ({few(skins)}), which are not read: apply the armature, or export without it": skins,
+        f"bodies in other files ({few(outside)}), which are not read": outside,
+        f"broken references ({few(broken)})": broken,
     }
     return [note for note, present in notes.items() if present]
 
@@ -52,11 +53,7 @@ def _lost_bodies(elements: list[Element]) -> list[str]:
 def _lost_pictures(path: Path, elements: list[Element]) -> list[str]:
     files = [each.text or "" for image in _named(elements, "image") for each in image.iter() if _name(each) in ("init_from", "ref")]
     missing = [name for name in map(str.strip, files) if name and not found_beside(path.parent, name)]
-    return [f"pictures that are not beside it: {_some(missing)}"] if missing else []
-
-
-def _some(names: list[str]) -> str:
-    return ", ".join(names[:4]) + (", ..." if len(names) > 4 else "")
+    return [f"pictures that are not beside it: {few(missing)}"] if missing else []
 
 
 def _named(elements: list[Element], *names: str) -> list[Element]:

@@ -20,7 +20,7 @@ from softffd.mesh.polygons import Triangles
 from softffd.mesh.stl import read_stl
 from softffd.mesh.threemf import read_3mf
 from softffd.mesh.written import write_glb, write_obj, write_ply, write_stl
-from softffd.spelling import did_you_mean, nearest_of
+from softffd.spelling import did_you_mean, nearest_of, wanted_one_of
 
 _READERS = {
     ".obj": read_obj, ".stl": read_stl, ".ply": read_ply, ".glb": read_glb,
@@ -137,7 +137,7 @@ def _read(path: Path) -> Triangles:
 
 def _require_axis(path: Path, up: str) -> None:
     if up not in _TO_Z_UP:
-        raise MeshError(f"{path}: mesh.up: wanted one of x, y, z, got {up!r}{did_you_mean(nearest_of(str(up), _TO_Z_UP))}")
+        raise MeshError(f"{path}: mesh.up: {wanted_one_of(_TO_Z_UP, up)}")
 
 
 def _require_known_ending(path: Path, known: tuple[str, ...]) -> None:

@@ -15,6 +15,7 @@ import numpy as np
 from softffd.errors import MeshError
 from softffd.mesh.bodies import Surface, read_bodies
 from softffd.mesh.polygons import Triangles, damaged, found_beside
+from softffd.spelling import few
 
 _COMPRESSED = {
     "KHR_draco_mesh_compression",
@@ -204,7 +205,7 @@ def _left_out(path: Path, header: dict[str, Any], primitives: list[dict[str, Any
     compressed = any("source" not in t or images[t["source"]].get("mimeType") == "image/ktx2" for t in textures)
     lines = any(p.get("mode", _TRIANGLES) < _TRIANGLES for p in primitives)
     notes = {
-        f"pictures that are not beside it: {', '.join(missing[:4])}": missing,
+        f"pictures that are not beside it: {few(missing)}": missing,
         "pictures in KTX2 (KHR_texture_basisu) are not read; PNG and JPEG are": compressed,
         "points and lines": lines,
     }

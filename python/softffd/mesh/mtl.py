@@ -9,6 +9,7 @@ from pathlib import Path
 
 from softffd.mesh.looks import Colour, Material, Picture
 from softffd.mesh.polygons import beside, decoded, open_texture, plain_text
+from softffd.spelling import few
 
 _PLACING = {"-s", "-o", "-t"}
 _TAKES_A_WORD = {"-colorspace", "-imfchan", "-type"}
@@ -61,13 +62,13 @@ class Library:
         unknown = [name for name in names if name and name not in self._records]
         if unknown:
             why = f"{' and '.join(self._missing)} cannot be read" if self._missing else "no material library (MTL) describes them"
-            self.notes.append(f"materials without a colour ({_some(unknown)}): {why}")
+            self.notes.append(f"materials without a colour ({few(unknown)}): {why}")
         lost = sorted({key for name in names for key in self._records.get(name, {}) if key.startswith(("map_", "bump", "norm", "disp"))})
         lost = [key for key in lost if key != "map_kd"]
         if lost:
-            self.notes.append(f"pictures other than map_Kd are not kept: {_some(lost)}")
+            self.notes.append(f"pictures other than map_Kd are not kept: {few(lost)}")
         if clear := [material.name for material in materials if material.opacity < 1]:
-            self.notes.append(f"transparent materials are shown opaque: {_some(clear)}")
+            self.notes.append(f"transparent materials are shown opaque: {few(clear)}")
         return materials
 
     def _material(self, name: str) -> Material:
@@ -137,7 +138,3 @@ def _number(word: str) -> float:
         return float(word)
     except ValueError:
         return nan
-
-
-def _some(names: list[str]) -> str:
-    return ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")

@@ -9,6 +9,7 @@ from zipfile import BadZipFile, ZipFile
 from softffd.errors import MeshError
 from softffd.mesh.bodies import read_bodies, require_package
 from softffd.mesh.polygons import Triangles, damaged
+from softffd.spelling import few
 
 _MOST, _RATIO = 100_000_000, 100
 """Bytes, and times the archive's own size: an archive that unpacks to more than both is no mesh."""
@@ -42,8 +43,8 @@ def _read(path: Path, data: bytes, archive: ZipFile) -> Triangles:
     lost = sorted({f"object {number}" for number, file in references if not file and number not in objects})
     triangles = read_bodies(path, data)
     if lost and not len(triangles.faces):
-        raise MeshError(f"{path}: none of its bodies can be read: broken references ({', '.join(lost[:4])})")
-    return triangles._replace(looks=triangles.looks.and_notes(f"broken references ({', '.join(lost[:4])})" if lost else ""))
+        raise MeshError(f"{path}: none of its bodies can be read: broken references ({few(lost)})")
+    return triangles._replace(looks=triangles.looks.and_notes(f"broken references ({few(lost)})" if lost else ""))
 
 
 def _require_extensions(path: Path, archive: ZipFile, main: str) -> None:
@@ -83,7 +84,7 @@ def _require_own_parts(path: Path, archive: ZipFile, references: list[tuple[str,
     files, numbers = ([each[place] for each in outer] for place in (1, 0))
     plain = len(set(files)) == len(files) and len(set(numbers)) == len(numbers)
     if outer and not (plain and all(file in archive.namelist() and len(_parts(archive, file)[0]) == 1 for file in files)):
-        listed = ", ".join(sorted(set(files))[:4])
+        listed = few(sorted(set(files)))
         raise MeshError(
             f"{path}: has parts in other files of its archive ({listed}), which are not read. Wanted one model; export it as one."
         )

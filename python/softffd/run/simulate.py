@@ -21,7 +21,7 @@ from softffd.run.inputs import Inputs, Source
 from softffd.run.parts import in_place, is_position, places
 from softffd.run.result import Result
 from softffd.run.simulation import Simulation, choice_in, run_source
-from softffd.spelling import did_you_mean, nearest_of
+from softffd.spelling import wanted_one_of
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
@@ -67,8 +67,7 @@ def simulate(
     if not math.isfinite(one_number("start time", start_time)):
         raise FmuError(f"start time: wanted a finite number of s, got {start_time:g}")
     if interpolation not in (choices := get_args(Interpolation)):
-        nearest = did_you_mean(nearest_of(str(interpolation), choices))
-        raise FmuError(f"interpolation: wanted one of {', '.join(choices)}, got {interpolation!r}{nearest}")
+        raise FmuError(f"interpolation: {wanted_one_of(choices, interpolation)}")
     what = run_source(scene_or_fmu, "simulate")
     scene = None if isinstance(what, Path) else what
     if inputs is None and scene:

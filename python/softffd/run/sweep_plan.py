@@ -21,7 +21,7 @@ from softffd.run.drive import communication_points, positive
 from softffd.run.inputs import Inputs, Source
 from softffd.run.parts import at_point
 from softffd.run.simulation import Simulation, run_source
-from softffd.spelling import did_you_mean, nearest_of
+from softffd.spelling import wanted_one_of
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
@@ -169,7 +169,7 @@ def _reading(component: Component, text: str, every: list[str]) -> list[Reading]
     call = re.fullmatch(r"\s*(\w+)\s*\((.*)\)\s*", text)
     fold, name = (call[1], call[2].strip()) if call else (END, text.strip())
     if call and fold not in FOLDS:
-        raise FmuError(f"{text}: wanted one of {', '.join(FOLDS)}, got {fold}{did_you_mean(nearest_of(fold, FOLDS))}")
+        raise FmuError(f"{text}: {wanted_one_of(FOLDS, fold)}")
     names = [name] if name in component.by_name else components_in(component.by_name, name).values()
     variables = [component.by_name[each] for each in names]
     other = next(("String" if v.causality == "output" else v.causality for v in variables if v.name not in every), "")

@@ -14,7 +14,7 @@ from softffd.mesh.files import load_mesh, placed
 from softffd.mesh.habits import UNITS, habit_of, likely_unit, words_of
 from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import merge_by_position
-from softffd.spelling import did_you_mean, nearest_of
+from softffd.spelling import wanted_one_of
 
 TEMPLATE, MESH_TEMPLATE = (Path(__file__).parent / f"{name}.toml" for name in ("template", "mesh_template"))
 GRAVITY = 9.81
@@ -59,9 +59,9 @@ def scene_of_mesh(
     """
     file = Path(file)
     if unit is not None and unit not in UNITS:
-        raise SoftffdError(f"--unit: wanted one of {', '.join(UNITS)}, got {unit}{did_you_mean(nearest_of(unit, UNITS))}")
+        raise SoftffdError(f"--unit: {wanted_one_of(UNITS, unit)}")
     if up is not None and up not in ("x", "y", "z"):
-        raise SoftffdError(f"--up: wanted one of x, y, z, got {up}")
+        raise SoftffdError(f"--up: {wanted_one_of('xyz', up)}")
     if density is not None and not (np.isfinite(density) and density > 0):
         raise SoftffdError(f"--density: wanted > 0 kg/m3, got {density:g}")
     if str(file).encode(errors="replace") != os.fsencode(file):

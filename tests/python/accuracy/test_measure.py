@@ -98,7 +98,7 @@ def test_a_method_that_is_auto_but_for_impacts_is_left_out_everywhere(folder):
 
 
 def test_an_unknown_method_is_refused(folder):
-    with pytest.raises(FmuError, match=r"leapfrg: wanted one of .*leapfrog"):
+    with pytest.raises(FmuError, match=r"wanted one of .*leapfrog, .* got 'leapfrg', did you mean \"leapfrog\""):
         measure(load_scene("small.toml"), methods=["leapfrg"])
 
 

@@ -30,8 +30,8 @@ def test_every_command_has_an_example_that_can_be_typed(name, capsys):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["rnu", "press"], 'got rnu, did you mean "run"?'),
-        (["ifno"], 'got ifno, did you mean "info"?'),
+        (["rnu", "press"], "got 'rnu', did you mean \"run\"?"),
+        (["ifno"], "got 'ifno', did you mean \"info\"?"),
         (["run", "press", "--stp-time", "1"], '--stp-time: there is no such option, did you mean "--stop-time"?'),
         (["run", "press", "--overwirte=1"], '--overwirte: there is no such option, did you mean "--overwrite"?'),
         (["build", "press", "--fmi", "4"], "argument --fmi: wanted one of 2, 3, got 4"),

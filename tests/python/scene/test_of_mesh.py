@@ -162,8 +162,8 @@ def test_a_mesh_falls_as_fast_as_a_stone(tmp_path):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"unit": "mn"}, r"--unit: wanted one of m, cm, mm, in, ft, got mn"),
-        ({"up": "w"}, "--up: wanted one of x, y, z, got w"),
+        ({"unit": "mn"}, r"--unit: wanted one of m, cm, mm, in, ft, got 'mn'"),
+        ({"up": "w"}, "--up: wanted one of x, y, z, got 'w'"),
         ({"density": 0.0}, "--density: wanted > 0 kg/m3, got 0"),
         ({"density": float("nan")}, "--density: wanted > 0 kg/m3, got nan"),
     ],
