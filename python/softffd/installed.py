@@ -46,12 +46,16 @@ def loaded_library() -> CDLL:
     return CDLL(str(host_library()))
 
 
-def library_function(name: str) -> Any:
-    """A function that the library has for this package; SoftffdError where the library is another version's."""
+@cache
+def library_function(name: str, result: Any, *arguments: Any) -> Any:
+    """A function that the library has for this package, with the C types of its result and arguments; SoftffdError where the library is
+    another version's."""
     try:
-        return getattr(loaded_library(), name)
+        function = getattr(loaded_library(), name)
     except AttributeError:
         raise SoftffdError(f"{host_library()}: wanted this version's library, got one without {name}; reinstall the package") from None
+    function.restype, function.argtypes = result, arguments
+    return function
 
 
 def libraries(platforms: Iterable[str] | None = None) -> dict[str, Path]:

@@ -13,9 +13,8 @@ lost and the polynomials grow fast, so a point outside is an error here, not an 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from ctypes import c_int, c_longlong, c_void_p
-from functools import cache
 from typing import Any, Protocol
 
 import numpy as np
@@ -32,6 +31,9 @@ BASES = ("bezier", "bspline")
 
 OUTSIDE_ALLOWED = 1e-6
 """How far outside the box a point may lie, as a share of the side: room for a box typed with six digits."""
+
+DEFORM = (*[c_void_p] * 3, c_int, c_longlong, c_void_p, c_longlong, c_void_p, c_longlong, c_void_p)
+"""What the library takes for it (fmu_src/core/embedding/deform.hpp)."""
 
 _BLOCK = 1 << 27
 """Multiplications in one call of the library: some 20 ms, then Ctrl-C is heard."""
@@ -97,7 +99,7 @@ class Embedding:
         counts, spline = np.array(self.counts, dtype=np.int32), self.basis == "bspline"
         for part in self._parts(len(frames)):
             rest = np.ascontiguousarray(self.vertices[part], dtype=float)
-            _library_deform()(
+            library_function("softffd_deform", None, *DEFORM)(
                 self.origin.ctypes.data, self.size.ctypes.data, counts.ctypes.data, spline, len(frames), control.ctypes.data,
                 len(rest), rest.ctypes.data, len(self.vertices), moved.ctypes.data + part.start * rest.itemsize * 3,
             )  # fmt: skip
@@ -108,15 +110,6 @@ class Embedding:
         work = 3 * max(1, frames) * int(np.prod([n if self.basis == "bezier" else min(n, 4) for n in self.counts]))
         step = 32 * max(1, min(_BLOCK // work, 1 << 16) // 32)
         return (slice(start, min(start + step, len(self.vertices))) for start in range(0, len(self.vertices), step))
-
-
-@cache
-def _library_deform() -> Callable[..., None]:
-    """fmu_src/core/embedding/deform.hpp says what it takes."""
-    function = library_function("softffd_deform")
-    function.argtypes = [*[c_void_p] * 3, c_int, c_longlong, c_void_p, c_longlong, c_void_p, c_longlong, c_void_p]
-    function.restype = None
-    return function
 
 
 def lattice_coordinates(points: ArrayLike, origin: ArrayLike, size: ArrayLike) -> Array:

@@ -7,14 +7,12 @@ sample is behind it,
 
 W being the weights of all control points: those of a combination of samples are not behind the plane, and the entries of the difference
 sum to 0. Samples are chosen farthest first (Gonzalez 1985) by the distance |W_v - W_s|_2, which is what deformation can separate, and alpha
-is the nearest combination of samples near a vertex. The library finds both.
+is the nearest combination of samples near a vertex. The library finds both
+(fmu_src/core/embedding/samples.hpp).
 """
 
-from collections.abc import Callable
 from ctypes import c_double, c_int, c_longlong, c_void_p
 from dataclasses import dataclass
-from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,27 +78,13 @@ def axis_weights(places: Array, box: LatticeBox) -> Array:
 def farthest_first(axes: Array, first: int, count: int) -> Indices:
     """Indices (count,) of vertices, each the farthest from all before it, in weights (3, n, V); ties by index."""
     axes, order = np.ascontiguousarray(axes), np.empty(count, dtype=np.int64)
-    _library_farthest_first()(*axes.shape[1:], axes.ctypes.data, first, count, order.ctypes.data)
+    find = library_function("softffd_farthest_first", None, c_int, c_longlong, c_void_p, c_longlong, c_longlong, c_void_p)
+    find(*axes.shape[1:], axes.ctypes.data, first, count, order.ctypes.data)
     return order
 
 
 def most_behind(axes: Array, samples: Indices, allowed: float = np.inf) -> float:
     """The largest e_v found of the vertices of weights (3, n, V) that are not among the samples (indices), or the first above `allowed`."""
     axes, samples = np.ascontiguousarray(axes), np.ascontiguousarray(samples)
-    return float(_library_most_behind()(*axes.shape[1:], axes.ctypes.data, len(samples), samples.ctypes.data, allowed))
-
-
-@cache
-def _library_farthest_first() -> Callable[..., None]:
-    """fmu_src/core/embedding/samples.hpp says what it takes."""
-    function = library_function("softffd_farthest_first")
-    function.argtypes, function.restype = [c_int, c_longlong, c_void_p, c_longlong, c_longlong, c_void_p], None
-    return function
-
-
-@cache
-def _library_most_behind() -> Callable[..., Any]:
-    """The same file says what it takes."""
-    function = library_function("softffd_most_behind")
-    function.argtypes, function.restype = [c_int, c_longlong, c_void_p, c_longlong, c_void_p, c_double], c_double
-    return function
+    find = library_function("softffd_most_behind", c_double, c_int, c_longlong, c_void_p, c_longlong, c_void_p, c_double)
+    return float(find(*axes.shape[1:], axes.ctypes.data, len(samples), samples.ctypes.data, allowed))

@@ -13,7 +13,6 @@ import time as clock
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from ctypes import POINTER, Structure, byref, c_int, c_longlong, c_size_t, c_void_p, cast
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -167,7 +166,7 @@ class Drive:
         """Steps until so many are done, in one call of the library."""
         begin, began = self.done, clock.perf_counter()
         with nullcontext() if self._single else _interrupted_afterwards():
-            status = _library_many_steps()(byref(self._run), until)
+            status = library_function("softffd_many_steps", c_int, POINTER(_Run), c_longlong)(byref(self._run), until)
         self._component.check(status)
         took = clock.perf_counter() - began
         if took < PATIENCE / 2:
@@ -193,10 +192,3 @@ def _interrupted_afterwards() -> Iterator[None]:
             signal.signal(number, action)
         if heard:
             before[heard[-1][0]](*heard[-1])
-
-
-@cache
-def _library_many_steps() -> Any:
-    function = library_function("softffd_many_steps")
-    function.argtypes, function.restype = [POINTER(_Run), c_longlong], c_int
-    return function

@@ -36,7 +36,7 @@ def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step
     for pose, (velocity, rate) in RATES.items():
         for part in (part for family, part in parts if family == pose):
             given, wanted = vector_names(pose, part), vector_names(velocity, part)
-            if any(name in now for name in wanted) or (rate is not _difference and not all(name in now for name in given)):
+            if any(name in now for name in wanted) or (pose in TURNING and not all(name in now for name in given)):
                 continue
             first = np.array([now.get(name, 0.0) for name in given])
             last = np.array([then[name] if name in now else 0.0 for name in given])
@@ -44,29 +44,19 @@ def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step
     return derived
 
 
-def _difference(first: np.ndarray, last: np.ndarray) -> np.ndarray:
-    return last - first
-
-
-def _between_rotations(first: np.ndarray, last: np.ndarray) -> np.ndarray:
-    return between_orientations(quaternion(first), quaternion(last))
-
-
 Rate = Callable[[np.ndarray, np.ndarray], np.ndarray]
 RATES: dict[str, tuple[str, Rate]] = {
-    "plane_point": ("plane_velocity", _difference),
-    "pin_position": ("pin_velocity", _difference),
+    "plane_point": ("plane_velocity", lambda first, last: last - first),
+    "pin_position": ("pin_velocity", lambda first, last: last - first),
     "plane_normal": ("plane_angular_velocity", between_directions),
-    "plane_rotation": ("plane_angular_velocity", _between_rotations),
+    "plane_rotation": ("plane_angular_velocity", lambda first, last: between_orientations(quaternion(first), quaternion(last))),
     "pin_orientation": ("pin_angular_velocity", between_orientations),
 }
 """Families of poses: the velocity that follows from each, and how"""
+TURNING = ("plane_normal", "plane_rotation", "pin_orientation")
 
 
 Source = Union[Callable[[float], Mapping[str, Any]], Mapping[str, Any], np.ndarray, "pd.DataFrame", str, Path]
-
-COMPONENTS = {3: "xyz", 4: "wxyz"}
-"""Of vectors and quaternions, by how many numbers there are."""
 
 SLACK = 1e-9
 """Relative difference up to which a row's time is that of a communication point: multiples of a step are rounded."""
@@ -229,7 +219,7 @@ def _constants(given: Mapping[str, Any], where: str = "inputs: ") -> dict[str, f
             raise FmuError(f"{where}{name}: wanted a finite number or a vector of them, got {value!r:.70}")
         if values.ndim == 0:
             numbers[str(name)] = float(values)
-        elif values.ndim == 1 and (components := COMPONENTS.get(len(values))):
+        elif values.ndim == 1 and (components := {3: "xyz", 4: "wxyz"}.get(len(values))):
             numbers |= {f"{name}.{c}": float(v) for c, v in zip(components, values, strict=True)}
         else:
             raise FmuError(f"{where}{name}: wanted a number or a vector of 3 (of 4 for an orientation), got the shape {values.shape}")

@@ -201,4 +201,4 @@ def test_an_unknown_basis_is_refused_with_the_choices(basis):
 
 def test_a_library_of_another_version_is_told():
     with pytest.raises(SoftffdError, match="wanted this version's library, got one without softffd_nothing; reinstall the package"):
-        library_function("softffd_nothing")
+        library_function("softffd_nothing", None)
