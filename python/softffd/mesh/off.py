@@ -16,9 +16,8 @@ _KIND = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?(?:OFF|off)(?=[\s\d])")
 
 
 def read_off(path: Path, data: bytes) -> Triangles:
-    """Return the triangles of an OFF file, with its colours (COFF, or numbers after a polygon).
+    """Return the triangles of an OFF file of a record a line, with its colours (COFF, or numbers after a polygon).
 
-    A record is a line; in files where that does not fit, so many words.
     Raises MeshError where the file ends early, or a face refers to no vertex.
     """
     try:
@@ -31,33 +30,7 @@ def _triangles(text: bytes) -> Triangles:
     kind = _KIND.match(text)
     if kind is None or kind[4] or kind[5] or b"BINARY" in text[:20]:
         raise ValueError("wanted a text whose first word is OFF, or COFF with colours of vertices")
-    text = text[kind.end() :]
-    rows = [line.split() for line in text.splitlines() if line.strip()]
-    try:
-        return _of_rows(rows, kind)
-    except ValueError as fault:
-        by_words = _rows_of_words(text.split(), len(rows[0]) if rows and len(rows[0]) in (2, 3) else 3, kind)
-        if by_words is None:
-            raise fault from None
-        return _of_rows(by_words, kind)
-
-
-def _rows_of_words(words: list[bytes], start: int, kind: re.Match[bytes]) -> list[list[bytes]] | None:
-    """The records by their numbers of words, colours of faces aside; None where words are left or missing."""
-    try:
-        vertices, faces = map(int, words[:2])
-        size = 3 + 3 * bool(kind[3]) + 3 * bool(kind[2]) + 2 * bool(kind[1])
-        rows, at = [words[:start]], start
-        for number in range(min(vertices + faces, len(words))):
-            length = size if number < vertices else 1 + int(words[at])
-            rows.append(words[at : at + length])
-            at += max(length, 1)
-    except (ValueError, IndexError):
-        return None
-    return rows if at == len(words) else None
-
-
-def _of_rows(rows: list[list[bytes]], kind: re.Match[bytes]) -> Triangles:
+    rows = [line.split() for line in text[kind.end() :].splitlines() if line.strip()]
     counts = _whole(_numbers(rows[:1] or [[]], 0, 2, "the numbers of vertices and of faces"))[0]
     vertices, faces = rows[1 : counts[0] + 1], rows[counts[0] + 1 : counts.sum() + 1]
     if len(rows) < counts.sum() + 1:

@@ -13,7 +13,6 @@ from softffd.obstacles import SolidShape
 
 AROUND, RINGS = 64, 48  # sides of what is round, and rings of a sphere from pole to pole
 FINEST = 2000  # sides of a cylinder, at most
-MARCHES = 100  # steps along a line, which are enough but for one that nearly grazes
 SAGITTA = 1e-3  # by which the sides of a cylinder may be off the circle, as a share of what there is to see
 
 
@@ -31,17 +30,6 @@ class Form:
         """Signed distance of places (N, 3) [m], negative inside, (N,) [m]."""
         beyond = self.beyond(places)
         return np.linalg.norm(beyond.clip(0), axis=1) + beyond.max(axis=1).clip(max=0)
-
-    def entered(self, places: np.ndarray, ways: np.ndarray) -> np.ndarray:
-        """How far from places (N, 3) [m] lines along unit ways (N, 3) enter it, (N,) [m]; 0 for lines that pass by.
-
-        From before it on, each time by the distance that nothing of it is nearer than.
-        """
-        size = np.linalg.norm(self.vertices, axis=1).max()
-        far = -size - np.linalg.norm(places, axis=1)
-        for _ in range(MARCHES):
-            far = far + self.gap(places + far[:, None] * ways)
-        return np.where(self.gap(places + far[:, None] * ways) <= 1e-6 * size, far, 0.0)
 
 
 def form_of(solid: SolidShape, scale: float) -> Form:

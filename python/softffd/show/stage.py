@@ -68,11 +68,6 @@ class SolidTrack(Track):
         """Signed distance of places (N, 3) [m] from it in a frame, negative inside, (N,) [m]."""
         return self.form.gap((places - self.points[frame]) @ self.axes[frame].T)
 
-    def entered(self, places: np.ndarray, ways: np.ndarray) -> np.ndarray:
-        """Where the lines through places (T, 3) [m] along ways (T, 3) enter it, (T, 3) [m]; the places themselves where they pass by."""
-        arms, along = (np.einsum("tka,ta->tk", self.axes, each) for each in (places - self.points, unit(ways)))
-        return places + unit(ways) * self.form.entered(arms, along)[:, None]
-
 
 @dataclass(frozen=True, eq=False)
 class Stage:

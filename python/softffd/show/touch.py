@@ -28,7 +28,7 @@ class Touch:
     """What there is to see of contact in a run.
 
     `starts` and `ways` (P, T, 3) [m]: of the arrows of P obstacles, along the force of the object on the obstacle, from the centre of
-    pressure, or where its line of action enters a solid; 0 where there is none. The largest force of the run has the longest arrow, a
+    pressure; 0 where there is none. The largest force of the run has the longest arrow, a
     quarter of it one of half that length.
     `of`: what touches, "lattice" or "surface"; None: either, for all that is known.
     """
@@ -94,10 +94,6 @@ def touch_of(result: Result, stage: Stage) -> Touch:
         return Touch(stage, of, np.empty((0, len(stage.time), 3)), np.empty((0, len(stage.time), 3)))
     starts = np.stack([np.stack([result.outputs[each] for each in centres[name]], axis=1) for name in drawn])
     force = np.stack([forces[name] for name in drawn])
-    for solid in stage.solids:
-        if solid.name in drawn:
-            row = drawn.index(solid.name)
-            starts[row] = solid.entered(starts[row], force[row])
     size = np.linalg.norm(force, axis=2, keepdims=True)
     largest = size.max() or 1.0
     scale = LONGEST * np.linalg.norm(stage.size) / np.sqrt(largest)

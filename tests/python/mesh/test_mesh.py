@@ -337,9 +337,6 @@ READ_ALL_THE_SAME = {
     "off after a mark": ("a.off", OFF.encode("utf-8-sig")),
     "off without a blank": ("a.off", OFF.replace("OFF\n", "OFF")),
     "off in small letters": ("a.off", OFF.lower()),
-    "off in one line": ("a.off", OFF.replace("\n", " ")),
-    "off, a word a line": ("a.off", OFF.replace(" ", "\n")),
-    "off, vertices in one line": ("a.off", OFF.replace("0 0 0\n1", "0 0 0 1")),
     "off without edges": ("a.off", OFF.replace("4 4 0\n", "4 4\n")),
 }
 
