@@ -65,12 +65,6 @@ def index_grid(counts: Counts) -> np.ndarray:
     return np.arange(math.prod(counts), dtype=np.int64).reshape(counts, order="F")
 
 
-def flat_index(point: Point, counts: Counts) -> int:
-    """p of (i, j, k)."""
-    (i, j, k), (nx, ny, _) = point, counts
-    return i + nx * (j + ny * k)
-
-
 def point_at(index: int, counts: Counts) -> Point:
     """(i, j, k) of p."""
     nx, ny, _ = counts

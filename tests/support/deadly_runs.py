@@ -5,5 +5,5 @@ import os
 import numpy as np
 
 
-def run_elsewhere(_plan, _fmu, runs, _version):
+def run_list(_plan, runs):
     return os._exit(1) if (1,) in runs else [np.array([1.0]) for _ in runs]

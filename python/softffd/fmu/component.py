@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 WARNING, DISCARD, FATAL = 1, 2, 4
 CALLS = (
-    *("fmi2SetupExperiment", "fmi2EnterInitializationMode", "fmi2ExitInitializationMode", "fmi2Terminate", "fmi2Reset", "fmi2DoStep"),
+    *("fmi2SetupExperiment", "fmi2EnterInitializationMode", "fmi2ExitInitializationMode", "fmi2Reset", "fmi2DoStep"),
     *("fmi2SetReal", "fmi2GetReal", "fmi2SetInteger", "fmi2GetInteger", "fmi2SetRealInputDerivatives"),
     *("fmi2SetBoolean", "fmi2GetBoolean", "fmi2SetString", "fmi2GetString"),
     *("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate"),
@@ -284,10 +284,10 @@ class Component:
         )
         self._calls["fmi2EnterInitializationMode"]()
 
-    def initialize(self, start_values: Mapping[str, Any], *, start_time: float = 0.0, stop_time: float | None = None) -> None:
+    def initialize(self, start_values: Mapping[str, Any], *, start_time: float = 0.0) -> None:
         """From instantiated to ready for a step, with start values (by name) set before."""
         self.set_start_values(start_values)
-        self.set_up(start_time=start_time, stop_time=stop_time)
+        self.set_up(start_time=start_time)
 
     def exit_initialization(self) -> None:
         """fmi2ExitInitializationMode."""
@@ -296,10 +296,6 @@ class Component:
     def do_step(self, time: float, step: float) -> None:
         """One communication step [s]."""
         self._do_step(c_double(time), c_double(step), c_int(1))
-
-    def terminate(self) -> None:
-        """fmi2Terminate."""
-        self._calls["fmi2Terminate"]()
 
     def reset(self) -> None:
         """fmi2Reset: as right after opening."""

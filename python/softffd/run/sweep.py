@@ -1,5 +1,5 @@
 """Runs a scene or an FMU for every combination of some values: in this process, in several, or on any executor of concurrent.futures,
-whose workers get the FMU as bytes with all that the runs need. A component is opened once and reset between its runs."""
+whose workers get the FMU as bytes. A component is opened once and reset between its runs."""
 
 from __future__ import annotations
 
@@ -176,27 +176,29 @@ def _read(simulation: Simulation, drive: Drive, plan: Plan) -> np.ndarray:
 
 def _made(plan: Plan, indices: Sequence[Index], jobs: int, executor: Executor | None) -> Generator[tuple[Index, Readings]]:
     """Each run of the grid with its readings, as they come; leaving the iteration early ends or takes back what is under way."""
-    if executor is not None:
-        yield from _on_executor(executor.submit, plan, indices)
-    elif jobs == 1:
-        yield from zip(indices, run_all(plan, indices), strict=True)
-    elif indices:
-        with _processes(min(jobs, len(indices))) as submit:
-            yield from _on_executor(submit, plan, indices)
-
-
-def _on_executor(submit: Callable[..., Future[Any]], plan: Plan, indices: Sequence[Index]) -> Iterator[tuple[Index, Readings]]:
-    """Runs whose worker ended are tried again, one at a time: what ends its worker then is a failed run. SoftffdError where workers have
-    another version or the executor takes nothing any more."""
     if not indices:
         return
-    fmu, sent = _bytes_of(plan), replace(plan, source=Path())
-    together = min(TOGETHER, math.ceil(len(indices) / CHUNKS))
+    if executor is not None:
+        fmu, sent = _bytes_of(plan), replace(plan, source=Path())
+        yield from _by_futures(lambda runs: executor.submit(run_elsewhere, sent, fmu, runs, softffd.__version__), indices, CHUNKS)
+    elif jobs == 1:
+        yield from zip(indices, run_all(plan, indices), strict=True)
+    else:
+        with _processes(min(jobs, len(indices))) as pool:
+            yield from _by_futures(lambda runs: pool.schedule(run_list, (plan, runs)), indices, 8 * jobs)
+
+
+def _by_futures(
+    submit: Callable[[Sequence[Index]], Future[list[Readings]]], indices: Sequence[Index], chunks: int
+) -> Iterator[tuple[Index, Readings]]:
+    """Runs whose worker ended are tried again, one at a time: what ends its worker then is a failed run. SoftffdError where workers have
+    another version or the executor takes nothing any more."""
+    together = min(TOGETHER, math.ceil(len(indices) / chunks))
     given: dict[Future[list[Readings]], Sequence[Index]] = {}
 
     def give(runs: Sequence[Index]) -> Future[list[Readings]]:
         try:
-            future = submit(run_elsewhere, sent, fmu, runs, softffd.__version__)
+            future = submit(runs)
         except RuntimeError as error:  # it is broken or shut down
             raise SoftffdError(f"executor: takes no runs any more: {error}") from None
         given[future] = runs
@@ -218,14 +220,19 @@ def _on_executor(submit: Callable[..., Future[Any]], plan: Plan, indices: Sequen
             future.cancel()
 
 
+def run_list(plan: Plan, runs: Sequence[Index]) -> list[Readings]:
+    """The results of some runs, in a process of this machine."""
+    return list(run_all(plan, runs))
+
+
 def run_elsewhere(plan: Plan, fmu: bytes, runs: Sequence[Index], version: str) -> list[Readings]:
-    """The results of some runs, on a worker."""
+    """The results of some runs, on a worker of an executor."""
     if softffd.__version__ != version:
         raise SoftffdError(f"executor: a worker has softffd {softffd.__version__}, wanted {version}")
     with TemporaryDirectory(prefix="softffd-") as folder:
         file = Path(folder) / "swept.fmu"
         file.write_bytes(fmu)
-        return list(run_all(replace(plan, source=file), runs))
+        return run_list(replace(plan, source=file), runs)
 
 
 def _results(future: Future[list[Readings]]) -> list[Readings] | None:
@@ -267,14 +274,14 @@ class _Context(SpawnContext):
 
 
 @contextmanager
-def _processes(count: int) -> Iterator[Callable[..., Future[Any]]]:
-    """`submit` of so many processes of this machine, which end with the block; their temporary files go then."""
+def _processes(count: int) -> Iterator[Any]:
+    """A pool of so many processes of this machine, which end with the block; their temporary files go then."""
     from pebble import ProcessPool
 
     with TemporaryDirectory(prefix="softffd-", ignore_cleanup_errors=True) as scratch:
         pool = ProcessPool(count, initializer=_begin_process, initargs=(scratch,), context=_Context())
         try:
-            yield lambda function, *arguments: pool.schedule(function, arguments)
+            yield pool
         finally:
             pool.stop()
             pool.join()

@@ -85,6 +85,7 @@ def plan_of(
 ) -> Plan:  # fmt: skip
     """The plan of a sweep, see `sweep`; FmuError for what cannot be asked of this FMU."""
     what = run_source(scene_or_fmu, "sweep")
+    what = what.absolute() if isinstance(what, Path) else what  # for processes that begin in another folder
     if inputs is None and not isinstance(what, Path):
         inputs = what.default_inputs
     with Simulation(what, start_values=start_values, **settings) as simulation:

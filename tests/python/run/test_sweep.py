@@ -88,7 +88,7 @@ def test_a_run_that_is_refused_on_its_way_says_when(monkeypatch):
 
 
 def test_a_run_that_takes_its_process_down_is_a_failed_run(monkeypatch):
-    monkeypatch.setattr(sweeping, "run_elsewhere", deadly_runs.run_elsewhere)
+    monkeypatch.setattr(sweeping, "run_list", deadly_runs.run_list)
     table = sweep(SCENE, {"mass": [1, 2, 3]}, outputs=[FORCE], jobs=2)
     assert table.failures == [({"mass": 2}, "the worker process ended, each time that it was tried")]
     assert np.isnan(table.outputs[FORCE]).tolist() == [False, True, False]
