@@ -37,7 +37,7 @@ def read_arrays(path: Path, what: str) -> dict[str, np.ndarray]:
                     f"{shown(path)}: its arrays take {size / 1e9:.3g} GB; wanted at most {memory() / 1e9:.3g} GB, this machine's memory"
                 )
             entries = {name.removesuffix(".npy"): archive.read(name) for name in archive.namelist()}
-        return {name: _array(entry) for name, entry in entries.items()}
+        return {name: np.lib.format.read_array(BytesIO(entry), allow_pickle=False) for name, entry in entries.items()}
     except FileNotFoundError:
         raise SoftffdError(f"{shown(path)}: there is no such file; wanted a {what} that softffd wrote") from None
     except UNREADABLE as fault:
@@ -47,15 +47,3 @@ def read_arrays(path: Path, what: str) -> dict[str, np.ndarray]:
 def damaged(path: Path, what: str, fault: object) -> SoftffdError:
     """Of a file that should be a `what`."""
     return SoftffdError(f"{shown(path)}: damaged, or no {what} that softffd wrote ({fault})")
-
-
-def _array(entry: bytes) -> np.ndarray:
-    """ValueError where the array would be larger than its entry, which numpy only finds out when the memory is taken."""
-    stream = BytesIO(entry)
-    version = np.lib.format.read_magic(stream)
-    read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-    shape, _, dtype = read_header(stream)
-    if dtype.itemsize * np.prod(shape, dtype=float) != len(entry) - stream.tell() or not dtype.itemsize:
-        raise ValueError(f"an array of shape {shape} and {dtype} in {len(entry)} bytes")
-    stream.seek(0)
-    return np.lib.format.read_array(stream, allow_pickle=False)

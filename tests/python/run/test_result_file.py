@@ -233,12 +233,13 @@ def test_what_would_not_fit_into_the_memory_is_refused_unread(small, tmp_path, m
         Result.load(tmp_path / "run.npz")
 
 
-def test_an_array_that_promises_more_than_its_entry_holds_is_refused(tmp_path):
+@pytest.mark.parametrize("numbers", [10**9, 10**14])
+def test_an_array_that_promises_more_than_its_entry_holds_is_refused(numbers, tmp_path):
     stream = BytesIO()
-    np.lib.format.write_array_header_1_0(stream, {"descr": "<f8", "fortran_order": False, "shape": (10**14,)})
+    np.lib.format.write_array_header_1_0(stream, {"descr": "<f8", "fortran_order": False, "shape": (numbers,)})
     with zipfile.ZipFile(tmp_path / "run.npz", "w") as archive:
         archive.writestr("header.npy", stream.getvalue())
-    with pytest.raises(SoftffdError, match=r"an array of shape \(100000000000000,\)"):
+    with pytest.raises(SoftffdError, match=r"run\.npz: damaged, or no result that softffd wrote"):
         Result.load(tmp_path / "run.npz")
 
 
