@@ -20,9 +20,10 @@ def keep(
     folder: Path, measured: Sequence[Records], missing: Mapping[str, str], about: Mapping[str, Any], pictures: Mapping[str, bytes]
 ) -> None:
     """Writes accuracy.csv, accuracy.json, report.html and a SCENE.png of each scene into `folder`. pictures: PNGs by scene."""
+    scenes = [_scene(records) for records in measured]
     files: dict[str, bytes | str] = {
         "accuracy.csv": csv_text(COLUMNS, (_row(records, run) for records in measured for run in records.runs)),
-        "accuracy.json": json_text(_document(measured, missing, about)),
+        "accuracy.json": json_text({**about, "error_levels": LEVELS, "scenes": scenes, "scenes_not_measured": dict(missing)}),
         "report.html": report_page(measured, missing, about, pictures),
     }
     keep_files(folder, files | {f"{records.scene}.png": pictures[records.scene] for records in measured})
@@ -47,12 +48,10 @@ def _row(records: Records, run: Record) -> dict[str, Any]:
     }
 
 
-def _document(measured: Sequence[Records], missing: Mapping[str, str], about: Mapping[str, Any]) -> dict[str, Any]:
-    return {**about, "error_levels": LEVELS, "scenes": [_scene(records) for records in measured], "scenes_not_measured": dict(missing)}
-
-
 def _scene(records: Records) -> dict[str, Any]:
-    reference = records.reference
+    reference, recommended = records.reference, records.recommended(records.tolerance)
+    worst = {name: run for name in records.names("softffd") if (run := records.worst_of_tolerance(name))}
+    errors = ([] if run.errors is None else [float(f"{error:.3e}") for error in run.errors] for run in records.runs)
     return {
         "scene": records.scene,
         "title": records.title,
@@ -68,10 +67,12 @@ def _scene(records: Records) -> dict[str, Any]:
         },
         "left_out": records.left_out,
         "levels": {level_words(level): _level(records, level) for level in LEVELS},
-        "error_over_tolerance": {name: _worst(run) for name in records.names("softffd") if (run := records.worst_of_tolerance(name))},
-        "recommended": _told(records.recommended(records.tolerance)),
+        "error_over_tolerance": {
+            name: {"largest": run.error / run.setting.tolerance, "tolerance": run.setting.tolerance} for name, run in worst.items()
+        },
+        "recommended": recommended and _row(records, recommended),
         "times_s": records.times.tolist(),
-        "runs": [_row(records, run) | {"errors": _rounded(run)} for run in records.runs],
+        "runs": [_row(records, run) | {"errors": each or None} for run, each in zip(records.runs, errors, strict=True)],
     }
 
 
@@ -82,22 +83,3 @@ def _level(records: Records, level: float) -> dict[str, Any]:
     factors = {name: records.factor(run, level) for name, run in (("best", best), ("auto", chosen))}
     told = {f"{name}_over_published": pair and {"factor": pair[0], "is_lower_bound": pair[1]} for name, pair in factors.items()}
     return {"cpu_time_s": reached, "best": best and best.name, **told, "auto_over_best": records.ratio(level)}
-
-
-def _told(run: Record | None) -> dict[str, Any] | None:
-    if run is None:
-        return None
-    return {
-        "method": run.setting.method,
-        "step_s": run.setting.step or None,
-        "tolerance": run.setting.tolerance or None,
-        "cpu_time_s": run.cpu_time,
-    }
-
-
-def _worst(run: Record) -> dict[str, float]:
-    return {"largest": run.error / run.setting.tolerance, "tolerance": run.setting.tolerance}
-
-
-def _rounded(run: Record) -> list[float] | None:
-    return None if run.errors is None else [float(f"{error:.3e}") for error in run.errors]
