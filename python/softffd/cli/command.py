@@ -111,12 +111,12 @@ def _run(options: argparse.Namespace) -> None:
     wanted = folder = options.output or Path(f"softffd-{Path(options.what).stem}")
     interrupted = None
     with ProgressLine("packaging") as progress:
-        from softffd.cli.keep import free_folder, keep_run, require_no_results, run_scene_or_fmu
+        from softffd.cli.keep import RESULTS, free_folder, keep_run, run_scene_or_fmu
         from softffd.cli.told import told_after, told_before
 
         if not options.overwrite:
             if options.output:
-                require_no_results(folder)
+                require_new([folder / name for name in RESULTS], "another folder by -o DIR")
             else:
                 folder = free_folder(wanted)
         require_writable(folder)

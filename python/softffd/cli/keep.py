@@ -133,15 +133,6 @@ def _remove_shown(result: Result, folder: Path) -> None:
             old.unlink()
 
 
-def require_no_results(folder: Path) -> None:
-    """SoftffdError where a folder holds the results of an earlier run: to be asked before a run."""
-    if kept := [name for name in RESULTS if (folder / name).exists()]:
-        raise SoftffdError(
-            f"{folder}: holds the results of an earlier run ({', '.join(kept)}); to write over them: --overwrite, "
-            "to keep them: another folder by -o DIR"
-        )
-
-
 def free_folder(folder: Path) -> Path:
     """The folder, or the first of NAME-2, NAME-3, ... that is not there or is empty: what a run keeps goes beside what is there."""
     names = (folder if number == 1 else folder.with_name(f"{folder.name}-{number}") for number in count(1))

@@ -188,7 +188,7 @@ def test_results_of_an_earlier_run_stay_unless_asked(capsys):
     assert "kept in softffd-box-2: " in said and "softffd-box is there already; --overwrite" in said
     assert Path("softffd-box-2/result.npz").is_file() and Path("softffd-box/result.npz").read_bytes() == before
     said = told(capsys, "run", "box.toml", "--set", "mass=3", "-o", "softffd-box", status=1)
-    assert "softffd-box: holds the results of an earlier run (result.npz" in said and "--overwrite" in said
+    assert "softffd-box/result.npz, softffd-box/result.csv, softffd-box/summary.json: there already" in said and "--overwrite" in said
     assert Path("softffd-box/result.npz").read_bytes() == before
     told(capsys, "run", "box.toml", "--set", "load.push.x=3", "--overwrite", "--no-pictures")
     assert Path("softffd-box/result.npz").read_bytes() != before
