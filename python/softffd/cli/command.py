@@ -105,8 +105,6 @@ def _build(options: argparse.Namespace) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    if options.no_input and options.input:
-        raise SoftffdError("--no-input: wanted without --input")
     settings = dict(setting(text) for text in options.settings)
     wanted = folder = options.output or Path(f"softffd-{Path(options.what).stem}")
     interrupted = None
@@ -127,7 +125,7 @@ def _run(options: argparse.Namespace) -> None:
 
         try:
             result = run_scene_or_fmu(
-                options.what, inputs="" if options.no_input else options.input, error=options.error, of_mesh=_mesh_options(options),
+                options.what, inputs={} if options.no_input else options.input, error=options.error, of_mesh=_mesh_options(options),
                 stop_time=options.stop_time, step=options.step, start_values=settings, interpolation=options.interpolation,
                 tolerance=options.tolerance, method=options.method, progress=progress, begun=begun,
             )  # fmt: skip

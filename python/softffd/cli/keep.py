@@ -8,7 +8,7 @@ import tomllib
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from softffd.errors import FmuError, Interrupted, SoftffdError
 from softffd.fmu.component import Component
@@ -32,14 +32,14 @@ SHOWN = re.compile(rf"picture\.png|view\.html|deformed(_\d+)?\.png|deformed\.mtl
 def run_scene_or_fmu(
     what: str | Path,
     *,
-    inputs: Source | Literal[""] | None = None,
+    inputs: Source | None = None,
     error: bool = False,
     of_mesh: dict[str, Any] | None = None,
     **asked: Any,
 ) -> Result:
     """Runs a scene file, a shipped scene, a mesh that falls on the ground, or an FMU.
 
-    inputs: as `simulate` takes them; by default a scene's own (NAME.csv beside it) drive it, with "" nothing does.
+    inputs: as `simulate` takes them; by default a scene's own (NAME.csv beside it) drive it.
     error: estimate the error at the end too, in the summary as estimated_error_m; an FMU must have been built with that.
     of_mesh: unit, up and density of a mesh file, see `scene_of_mesh`. asked: what else `simulate` takes.
     """
@@ -48,7 +48,7 @@ def run_scene_or_fmu(
     if given and not is_mesh:
         raise SoftffdError(f"--{next(iter(given))}: wanted with a mesh file, got {what}; a scene says it in [mesh] and [mass]")
     scene_or_fmu = _mesh_scene(Path(what), error, given) if is_mesh else _opened(what, error)
-    if (isinstance(inputs, str) and not inputs) or (inputs is None and is_mesh):
+    if inputs is None and is_mesh:
         inputs = {}
     try:
         return _with_findings(simulate(scene_or_fmu, inputs=inputs, **asked))

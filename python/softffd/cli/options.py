@@ -197,8 +197,9 @@ def _add_run_options(parser: Parser) -> None:
     start = "Start value of a variable in its unit; may be repeated."
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", dest="settings", help=start)
     table = "CSV file of inputs over time: a column time in s, others by the inputs' names; default: the one beside the scene."
-    parser.add_argument("--input", type=Path, metavar="FILE.csv", help=table)
-    parser.add_argument("--no-input", action="store_true", help="Ignore the CSV file beside the scene: inputs keep their start values.")
+    driven = parser.add_mutually_exclusive_group()
+    driven.add_argument("--input", type=Path, metavar="FILE.csv", help=table)
+    driven.add_argument("--no-input", action="store_true", help="Ignore the CSV file beside the scene: inputs keep their start values.")
 
 
 def _add_overwrite(parser: Parser, what: str) -> None:

@@ -30,8 +30,6 @@ def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: i
     vary = dict(_varied(text) for text in options.vary)
     if len(vary) < len(options.vary):
         raise SoftffdError("--vary: wanted each variable once")
-    if options.no_input and options.input:
-        raise SoftffdError("--no-input: wanted without --input")
     folder = options.output or Path(f"softffd-sweep-{Path(options.what).stem}")
     require_writable(folder)
     began = clock.monotonic()

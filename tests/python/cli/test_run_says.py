@@ -251,9 +251,10 @@ def test_a_title_that_the_output_cannot_say_is_said_as_far_as_it_can(tmp_path):
     assert (said.returncode, said.stdout.splitlines()[0]) == (0, b"a ? b"), said.stderr
 
 
-def test_no_input_beside_an_input_is_refused(tmp_path, capsys):
-    assert main(["run", "press", "--no-input", "--input", "none.csv", "-o", str(tmp_path / "a")]) == 1
-    assert "--no-input: wanted without --input" in capsys.readouterr().err
+def test_no_input_beside_an_input_is_wrong_usage(tmp_path, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(["run", "press", "--no-input", "--input", "none.csv", "-o", str(tmp_path / "a")])
+    assert "argument --input: not allowed with argument --no-input" in capsys.readouterr().err
 
 
 def test_method_and_tolerance_are_those_asked_for(tmp_path, capsys):
