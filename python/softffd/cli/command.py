@@ -147,7 +147,7 @@ def _run(options: argparse.Namespace) -> None:
 def _sweep(options: argparse.Namespace) -> None:
     from softffd.cli.sweep import run_sweep
 
-    run_sweep(options, dict(setting(text) for text in options.settings), options.jobs if options.scheduler else _jobs(options))
+    run_sweep(options, dict(setting(text) for text in options.settings))
 
 
 def _ssp(options: argparse.Namespace) -> None:
@@ -165,10 +165,6 @@ def _accuracy(options: argparse.Namespace) -> None:
     with ProgressLine("measuring") as progress:
         report_accuracy(options.scenes, options.output, step=options.step, quick=options.quick, note=progress.note, say=progress.say)
     print(f"kept in {options.output}: report.html, accuracy.csv, accuracy.json, a picture of each scene")
-
-
-def _jobs(options: argparse.Namespace) -> int:
-    return (os.cpu_count() or 1) if options.jobs is None else options.jobs
 
 
 def _drivers(options: argparse.Namespace) -> None:

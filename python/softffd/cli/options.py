@@ -149,8 +149,9 @@ def _sweep(add: Add) -> None:
     measure = "Output at the end of each run, or max(NAME), min(NAME), mean(NAME) over it; may be repeated."
     sweep.add_argument("--measure", action="append", metavar="OUTPUT", help=measure)
     _add_run_options(sweep)
-    sweep.add_argument("-j", "--jobs", type=int, metavar="J", help="Number of runs at a time; default: the number of processor cores.")
-    sweep.add_argument("--scheduler", metavar="ADDRESS", help="Address of the Dask cluster that does the runs, such as tcp://host:8786.")
+    where = sweep.add_mutually_exclusive_group()
+    where.add_argument("-j", "--jobs", type=int, metavar="J", help="Number of runs at a time; default: the number of processor cores.")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="Address of the Dask cluster that does the runs, such as tcp://host:8786.")
     folder = "Folder for the results; default: softffd-sweep-NAME; the same sweep there is continued."
     sweep.add_argument("-o", "--output", type=Path, metavar="DIR", help=folder)
 

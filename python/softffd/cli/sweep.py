@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import time as clock
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -25,15 +26,16 @@ CONNECTING, WORKERS = 10.0, 60.0  # so long a scheduler may take to answer, and 
 WANTED = "NAME=FROM:TO:COUNT, NAME=FROM:TO:COUNT:log or NAME=V1,V2,..., e.g. --vary stiffness.edge=500:2000:4:log"
 
 
-def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: int | None) -> None:
+def run_sweep(options: argparse.Namespace, start_values: dict[str, str]) -> None:
     """Makes what is missing of the sweep, keeps it and says what came out."""
     vary = dict(_varied(text) for text in options.vary)
     if len(vary) < len(options.vary):
         raise SoftffdError("--vary: wanted each variable once")
     folder = options.output or Path(f"softffd-sweep-{Path(options.what).stem}")
     require_writable(folder)
+    jobs = None if options.scheduler else os.cpu_count() if options.jobs is None else options.jobs
     began = clock.monotonic()
-    with _executor(options.scheduler, jobs) as executor, ProgressLine("sweeping") as line:
+    with _executor(options.scheduler) as executor, ProgressLine("sweeping") as line:
 
         def progress(done: int, total: int) -> None:
             line.note(f"{done} of {total} runs, {clock.monotonic() - began:.0f} s", at_once=done == total)
@@ -51,13 +53,11 @@ def run_sweep(options: argparse.Namespace, start_values: dict[str, str], jobs: i
 
 
 @contextmanager
-def _executor(scheduler: str | None, jobs: int | None) -> Iterator[Executor | None]:
+def _executor(scheduler: str | None) -> Iterator[Executor | None]:
     """Of the Dask cluster at an address; none without one."""
     if scheduler is None:
         yield None
         return
-    if jobs is not None:
-        raise SoftffdError("jobs: wanted without a scheduler, whose workers decide how many runs there are at a time")
     distributed = package("distributed", "softffd sweep --scheduler", "clusters")
     try:
         client = distributed.Client(scheduler, timeout=CONNECTING, set_as_default=False)

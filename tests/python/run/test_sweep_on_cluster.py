@@ -126,8 +126,9 @@ def test_the_command_takes_a_scheduler(scheduler, tmp_path, capsys):
     assert main(arguments) == 0
     assert "3 runs, 0 failed" in capsys.readouterr().out
     assert Sweep.load(tmp_path / "kept" / "sweep.npz").done.all()
-    assert main([*arguments, "-j", "2"]) == 1
-    assert "jobs: wanted without a scheduler" in capsys.readouterr().err
+    with pytest.raises(SystemExit, match="2"):
+        main([*arguments, "-j", "2"])
+    assert "argument -j/--jobs: not allowed with argument --scheduler" in capsys.readouterr().err
 
 
 def test_a_run_that_takes_its_worker_down_is_a_failed_run_and_the_rest_goes_on(client, monkeypatch):
