@@ -99,6 +99,15 @@ def meant_by(name: str) -> list[str]:
     return list(dict.fromkeys([*whole, *map(flat_form, whole)])) if parse_name(name) else whole
 
 
+def belonging(names: Iterable[str]) -> dict[str, list[str]]:
+    """By everything that stands for some of these variables the names of those: of position all control points'."""
+    found: dict[str, list[str]] = {}
+    for name in names:
+        for each in meant_by(name):
+            found.setdefault(each, []).append(name)
+    return found
+
+
 @lru_cache(maxsize=4096)  # the inputs of a run come back at every step
 def parse_name(name: str) -> Name | None:
     """Family, instance and component of a name in either form; None for what is no name of the table."""

@@ -15,7 +15,7 @@ from softffd.errors import SoftffdError
 from softffd.fmu.absent import hint_for
 from softffd.fmu.block import number_of
 from softffd.fmu.interface import IDENTIFIER, Interface, ScalarVariable
-from softffd.names import components_in, meant_by, parse_name, stem, structured, vectors_in
+from softffd.names import belonging, components_in, parse_name, stem, structured, vectors_in
 from softffd.spelling import did_you_mean, nearest_of
 
 STARTS = ("Real", "Integer", "Boolean", "Enumeration")  # types of variables that take a start value
@@ -82,14 +82,12 @@ class Wiring:
             if element not in self.elements:
                 self._unknown_element(str(name))
                 continue
-            by_name: dict[str, list[End]] = {"": []}
-            for variable in self.elements[element].interface.variables.values():
-                if variable.causality == "output" and variable.type in STARTS:
-                    for each in ("", *meant_by(variable.name)):
-                        by_name.setdefault(each, []).append(End(self.elements[element], variable))
-            if ends := by_name.get(structured(wanted)):
-                self.recorded += ends
-            elif found := self.elements[element].interface.variables.get(wanted):
+            known = self.elements[element].interface.variables
+            outputs = [variable.name for variable in known.values() if variable.causality == "output" and variable.type in STARTS]
+            by_name = {"": outputs} | belonging(outputs)
+            if names := by_name.get(structured(wanted)):
+                self.recorded += [End(self.elements[element], known[each]) for each in names]
+            elif found := known.get(wanted):
                 self.problems.append(f"{name}: wanted an output to record, got {_kind(found)}")
             else:
                 nearest = nearest_of(wanted, by_name)
@@ -220,13 +218,9 @@ def _problem_of(connection: Connection) -> str | None:
     return None
 
 
-def _stem(name: str) -> str:
-    return next(iter(vectors_in([name])), name)
-
-
 def _family(name: str) -> str:
     """The vector, of control points that of all of them: position[i,j,k]."""
-    return stem(name) if parse_name(name) else _stem(name)
+    return stem(name) if parse_name(name) else next(iter(vectors_in([name])), name)
 
 
 def _kind(variable: ScalarVariable) -> str:

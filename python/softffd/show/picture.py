@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from softffd.errors import SoftffdError
 from softffd.mesh.mesh import Mesh
-from softffd.names import unit_of
+from softffd.names import components_in, unit_of
 from softffd.run.findings import energies, heights, reactions
 from softffd.run.result import Columns, Result
 from softffd.show.figure import SOFT, Box, Picture, draw_curves, draw_scale, draw_words, new_figure, quantity
@@ -80,7 +80,7 @@ def curve_picture(result: Result, *, x: str = "time", y: str | Iterable[str]) ->
 
 def _names_of(columns: Columns[np.ndarray], name: str) -> list[str]:
     """The variable of this name, or the components of the vector."""
-    if name not in columns and (parts := [full for c in "wxyz" if (full := f"{name}.{c}") in columns]):
+    if name not in columns and (parts := list(components_in(columns, name).values())):
         return parts
     columns[name]  # UnknownName where it is not there
     return [name]
