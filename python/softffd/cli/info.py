@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from itertools import groupby
 
@@ -21,8 +20,6 @@ def told_info(component: Component, *, every: bool = False) -> str:
     if interface.stop_time and interface.step:
         lines.append(f"  {interface.stop_time:g} s in communication steps of {interface.step:g} s")
     lines += [f"  {line}" for line in (*component.notes, *_pins(component))]
-    if turn := _turn(component):
-        lines.append(f"  {turn}")
     variables = list(interface.variables.values())
     rows = [HEAD, *(map(_row, variables) if every else _grouped(variables, interface.flat))]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -35,17 +32,6 @@ def _pins(component: Component) -> Iterator[str]:
         at = ", ".join(f"{value:.6g}" for value in pin.origin)
         moved = "moved by its inputs" if pin.moved else "fixed"
         yield f"pin {pin.name}, {moved}: the frame at rest is at ({at}) m with the world's axes; it holds {pin.points} points"
-
-
-def _turn(component: Component) -> str | None:
-    """How the body starts turned, where the scene says so."""
-    if "initial.rotation.x" not in component.by_name:
-        return None
-    x, y, z = (float(component.variable(f"initial.rotation.{axis}").start or 0) for axis in "xyz")
-    angle = math.hypot(x, y, z)
-    axis = ", ".join(f"{each / (angle or 1):.4g}" for each in (x, y, z))
-    about = f" about ({axis})" if angle else ""
-    return f"starts turned by {math.degrees(angle):.6g} degrees{about}, with the points that pins hold: initial.rotation"
 
 
 def _row(variable: ScalarVariable) -> tuple[str, ...]:

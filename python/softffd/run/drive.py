@@ -84,7 +84,7 @@ class _Recorded(Structure):
         return cls(len(block.names), cast(block.references, c_void_p).value, block.values.ctypes.data, rows.ctypes.data)
 
 
-class _Run(Structure):
+class _ManySteps(Structure):
     _fields_ = (
         *((name, c_void_p) for name in ("component", "set_real", "get_real", "get_integer", "do_step", "times", "steps")),
         *((name, _Recorded) for name in ("inputs", "reals", "integers")),
@@ -114,16 +114,16 @@ class Drive:
         reals = None if single or self.outputs["Boolean"][0].names else self.inputs.real
         self._single, self._set = reals is None, reals or component.block_of([])
         calls = map(component.address, ("fmi2SetReal", "fmi2GetReal", "fmi2GetInteger", "fmi2DoStep"))
-        self._run = _Run(component.instance, *calls, times.ctypes.data, self._steps.ctypes.data)
-        self._run.inputs = _Recorded.of(self._set, self.input_rows)
-        self._run.reals, self._run.integers = (_Recorded.of(*self.outputs[kind]) for kind in ("Real", "Integer"))
+        self._many = _ManySteps(component.instance, *calls, times.ctypes.data, self._steps.ctypes.data)
+        self._many.inputs = _Recorded.of(self._set, self.input_rows)
+        self._many.reals, self._many.integers = (_Recorded.of(*self.outputs[kind]) for kind in ("Real", "Integer"))
         self._together = 1
         """How many steps at a time take about PATIENCE, as far as is known"""
 
     @property
     def done(self) -> int:
         """Steps that are done and recorded."""
-        return int(self._run.done)
+        return int(self._many.done)
 
     def columns(self) -> dict[str, np.ndarray]:
         """The outputs by name, (steps done + 1,) each."""
@@ -143,7 +143,7 @@ class Drive:
 
         FmuError as `Component.do_step`, where `done` is then the step before.
         """
-        self._run.done, last, times = 0, len(self._steps), self.times.tolist()
+        self._many.done, last, times = 0, len(self._steps), self.times.tolist()
         for block, rows in self.outputs.values():
             rows[0] = block.get()
         booleans, truths = self.outputs["Boolean"]
@@ -166,7 +166,7 @@ class Drive:
         """Steps until so many are done, in one call of the library."""
         begin, began = self.done, clock.perf_counter()
         with nullcontext() if self._single else _interrupted_afterwards():
-            status = library_function("softffd_many_steps", c_int, POINTER(_Run), c_longlong)(byref(self._run), until)
+            status = library_function("softffd_many_steps", c_int, POINTER(_ManySteps), c_longlong)(byref(self._many), until)
         self._component.check(status)
         took = clock.perf_counter() - began
         if took < PATIENCE / 2:

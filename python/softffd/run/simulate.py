@@ -123,7 +123,7 @@ class _Run(Drive):
         recorded = len(driven) + len(component.variables("input")) + len(outputs) + 3 * points + 8
         times = communication_points(stop_time, step, simulation.time, bytes_each=8 * recorded)
         super().__init__(simulation, times, step, driven, outputs, single=source.is_function or interpolation != "held")
-        self._simulation, self._source = simulation, source
+        self._source = source
         self._slopes = {"linear": source.rates, "cubic": source.bends}.get(interpolation)
         self._moving = [n for n, variable in enumerate(driven[: len(source.names)]) if variable.kind == "Real"]
         """Which of the source's names are Reals that it gives itself"""

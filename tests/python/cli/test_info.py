@@ -74,16 +74,6 @@ def test_the_frames_of_pins_are_told(capsys):
     assert "  pin hand, moved by its inputs: the frame at rest is at (2, 0.5, 0) m with the world's axes; it holds 2 points" in lines
 
 
-def test_a_start_that_is_turned_is_told_with_its_parameter(capsys):
-    Path("turned.toml").write_text(HELD + "[initial]\nrotation = { axis = [0, 2, 0], degrees = 35 }\n")
-    told = info(capsys, "turned.toml")
-    assert "  starts turned by 35 degrees about (0, 1, 0), with the points that pins hold: initial.rotation" in told
-    assert [line.split()[:5] for line in told if line.startswith("initial.rotation.y")] == [
-        ["initial.rotation.y", "parameter", "fixed", "rad", "0.6108652382"]
-    ]
-    assert "turned" not in " ".join(info(capsys, "held.toml"))
-
-
 @pytest.mark.parametrize("fmi", ["2", "3"])
 def test_a_body_s_inertia_and_the_points_that_obstacles_meet_are_told_of_scenes_and_of_fmus(fmi, capsys, monkeypatch):
     shape = bodies.sphere(3)
