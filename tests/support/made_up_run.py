@@ -39,7 +39,13 @@ def at_rest_about(mesh):
     """The run with all frames at rest, in the box of a mesh."""
     origin, size, run = mesh.bounds[0], np.ptp(mesh.bounds, axis=0), made_up_run()
     positions = np.tile(rest_grid((4, 4, 4), origin, size), (len(run.time), 1, 1, 1, 1))
-    return replace(run, positions=positions, lattice=LatticeBox((4, 4, 4), tuple(origin), tuple(size), "bezier"))
+    return with_mesh(replace(run, positions=positions, lattice=LatticeBox((4, 4, 4), tuple(origin), tuple(size), "bezier")), mesh)
+
+
+def with_mesh(result, mesh):
+    """The run with a mesh as its object."""
+    result.scene.loaded_mesh = mesh
+    return result
 
 
 def with_solids(result, *solids):

@@ -22,5 +22,5 @@ def decoded(text, kind, width):
 
 def page_of_two_colours(folder, name):
     mesh = load_mesh(two_colours(folder, name))
-    page = write_view(at_rest_about(mesh), folder / "view.html", mesh=mesh)
+    page = write_view(at_rest_about(mesh), folder / "view.html")
     return run_of(page), page

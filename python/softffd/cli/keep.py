@@ -110,9 +110,9 @@ def keep_run(
         from softffd.show.view import write_view
 
         stage("drawing picture.png")
-        save_figure(run_picture(result, mesh=mesh, colour=colour, lattice=lattice), picture)
+        save_figure(run_picture(result, colour=colour, lattice=lattice), picture)
         stage("writing view.html")
-        write_view(result, page, mesh=mesh)
+        write_view(result, page)
         files += [picture, page]
     if mesh and result.scene and result.scene.mesh:
         kind = result.scene.mesh.file.suffix.lower()

@@ -260,7 +260,7 @@ class Result:
 
         if (x != "time" and not y) or ((colour or lattice) and y):
             raise SoftffdError("plot: wanted x with y, and colour and lattice without them")
-        figure = curve_picture(self, x=x, y=y) if y else run_picture(self, mesh=self.loaded_mesh, colour=colour, lattice=lattice)
+        figure = curve_picture(self, x=x, y=y) if y else run_picture(self, colour=colour, lattice=lattice)
         if path is not None:
             save_figure(figure, path)
         return figure
@@ -271,7 +271,7 @@ class Result:
         from softffd.show.view import write_view
 
         path = Path(tempfile.mkdtemp(prefix="softffd-view-")) / "view.html" if path is None else path
-        written = write_view(self, path, mesh=self.loaded_mesh)
+        written = write_view(self, path)
         if browser:
             import webbrowser
 
@@ -288,7 +288,7 @@ class Result:
 
         data = base64.b64encode(png_of(self.plot())).decode("ascii")
         picture = f'<img alt="{html.escape(self.title)}" style="max-width: 100%" src="data:image/png;base64,{data}">'
-        page = page_text(self, mesh=self.loaded_mesh)
+        page = page_text(self)
         if len(page) > LARGEST_PAGE:
             return f"{words}{picture}<p>The interactive page is large: <code>view()</code> opens it in the browser.</p>"
         frame = f'<iframe loading="lazy" style="width: 100%; height: 36rem; border: 0" srcdoc="{html.escape(page)}"></iframe>'

@@ -8,7 +8,6 @@ import numpy as np
 from softffd.embedding.deform import Embedding
 from softffd.errors import SoftffdError
 from softffd.lattice import index_grid, rest_grid
-from softffd.mesh.mesh import Mesh
 from softffd.names import vector_names
 from softffd.obstacles import SolidShape
 from softffd.run.result import Result
@@ -131,11 +130,11 @@ class Stage:
         return self._embedding.deform(positions)
 
 
-def stage_of(result: Result, *, mesh: Mesh | None = None) -> Stage:
-    """The stage of a `Result` with `mesh` as its object, or without one the boundary of the volume; in the box of the lattice, else of the
-    mesh, else of the first frame. Raises SoftffdError when positions of control points were not recorded."""
-    positions = _recorded(result)
-    origin, size = _box(result, mesh)
+def stage_of(result: Result) -> Stage:
+    """The stage of a `Result`: its object is the mesh of the scene, without one the boundary of the volume; its box that of the lattice,
+    else of the first frame. Raises SoftffdError when positions of control points were not recorded."""
+    positions, mesh = _recorded(result), result.loaded_mesh
+    origin, size = _box(result)
     if mesh is not None:
         vertices, faces, skin = skinned(mesh)
     else:
@@ -206,12 +205,11 @@ def _recorded(result: Result) -> np.ndarray:
     return positions
 
 
-def _box(result: Result, mesh: Mesh | None) -> tuple[np.ndarray, np.ndarray]:
+def _box(result: Result) -> tuple[np.ndarray, np.ndarray]:
     if result.lattice is not None:
         return np.array(result.lattice.origin, float), np.array(result.lattice.size, float)
     points = result.positions[0].reshape(-1, 3)
-    low, high = mesh.bounds if mesh is not None else (points.min(axis=0), points.max(axis=0))
-    return low, high - low
+    return points.min(axis=0), np.ptp(points, axis=0)
 
 
 def _track(name: str, tint: Tint, up: np.ndarray, points: np.ndarray, normals: np.ndarray) -> PlaneTrack:

@@ -110,7 +110,7 @@ def contact_widths(result: Result) -> dict[Part, float]:
     forces = {part: np.linalg.norm(force, axis=1) for part, force in reactions(result).items() if part.is_obstacle and force.any()}
     if result.lattice is None or not result.has_positions or not forces:
         return {}
-    stage = stage_of(result, mesh=result.loaded_mesh)
+    stage = stage_of(result)
     touch, cells = touch_of(result, stage), stage.size / (np.array(stage.counts) - 1)
     widths: dict[Part, float] = {}
     for obstacle in stage.obstacles:

@@ -42,23 +42,22 @@ RAMP = ("ffffd9", "edf8b1", "c7e9b4", "7fcdbb", "41b6c4", "1d91c0", "225ea8", "2
 ENERGY_MARKS = {"kinetic": "#0072b2", "elastic": "#d55e00"}
 
 
-def write_view(result: Result, path: str | Path, *, mesh: Mesh | None = None) -> Path:
+def write_view(result: Result, path: str | Path) -> Path:
     """Write the page that plays `result` to `path`; returns the path.
 
-    mesh: the object at rest, or None for the boundary of the volume.
     A run of more than 600 frames is thinned evenly, keeping the first and the last, and the page says so.
     Raises SoftffdError when positions of control points were not recorded.
     """
-    write_text(path, page_text(result, mesh=mesh))
+    write_text(path, page_text(result))
     return Path(path)
 
 
-def page_text(result: Result, *, mesh: Mesh | None = None) -> str:
+def page_text(result: Result) -> str:
     """The page itself, see write_view."""
-    stage = stage_of(result, mesh=mesh)
+    stage = stage_of(result)
     frames = _frames(stage.positions)
     run = {
-        **_words(stage, frames, mesh),
+        **_words(stage, frames, result.loaded_mesh),
         **_surface(stage),
         **_colours(stage),
         **_sights(stage),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from made_up_run import ORIGIN, SIZE, at_rest_about, made_up_run
+from made_up_run import ORIGIN, SIZE, at_rest_about, made_up_run, with_mesh
 from mesh_files import two_colours
 from softffd.errors import SoftffdError
 from softffd.mesh.files import load_mesh
@@ -100,7 +100,7 @@ def test_view_looks_down_a_little_with_up_upwards(up):
 def test_a_picture_shows_the_colours_of_the_mesh(name, tmp_path):
     """The red box is below the green one, and nothing is as blue as what has no colour."""
     mesh = load_mesh(two_colours(tmp_path, name))
-    image = Panels(replace(stage_of(at_rest_about(mesh), mesh=mesh), planes=()), [0], 600, 500).image(0)
+    image = Panels(replace(stage_of(at_rest_about(mesh)), planes=()), [0], 600, 500).image(0)
     red, green, blue = image[..., 0], image[..., 1], image[..., 2]
     reddish, greenish = np.argwhere(red > 2 * np.maximum(green, blue)), np.argwhere(green > 1.3 * np.maximum(red, blue))
     assert len(reddish) > 3000 and len(greenish) > 3000
@@ -112,7 +112,7 @@ def test_picture_of_a_real_mesh(real_meshes):
     mesh = load_mesh(real_meshes / "spot.obj", up="y")
     into = SIZE / np.ptp(mesh.bounds, axis=0)
     mesh = replace(mesh, vertices=ORIGIN + (mesh.vertices - mesh.bounds[0]) * into)
-    image = Panels(stage_of(made_up_run(), mesh=mesh), [24], 600, 500).image(24)
+    image = Panels(stage_of(with_mesh(made_up_run(), mesh)), [24], 600, 500).image(24)
     assert ((image[..., 2] > image[..., 0] + 0.2).sum()) > 3000
 
 

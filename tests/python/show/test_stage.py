@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from made_up_run import ORIGIN, SIZE, made_up_run, rest_points
+from made_up_run import ORIGIN, SIZE, made_up_run, rest_points, with_mesh
 from softffd.errors import SoftffdError
 from softffd.mesh.mesh import Mesh
 from softffd.run.findings import energies, heights, reactions
@@ -13,9 +13,7 @@ TRIANGLE = Mesh(ORIGIN + SIZE * np.array([[0.1, 0.2, 0.3], [0.9, 0.2, 0.4], [0.5
 
 
 def test_box_of_the_lattice_comes_before_the_bounds_of_the_mesh():
-    assert stage_of(made_up_run(), mesh=TRIANGLE).origin.tolist() == ORIGIN.tolist()
-    without_lattice = replace(made_up_run(), lattice=None)
-    assert np.allclose(stage_of(without_lattice, mesh=TRIANGLE).size, np.ptp(TRIANGLE.vertices, axis=0))
+    assert stage_of(with_mesh(made_up_run(), TRIANGLE)).origin.tolist() == ORIGIN.tolist()
 
 
 def test_box_without_lattice_and_mesh_is_that_of_the_first_frame():
@@ -25,7 +23,7 @@ def test_box_without_lattice_and_mesh_is_that_of_the_first_frame():
 
 
 def test_surface_at_rest_is_the_mesh():
-    stage = stage_of(made_up_run(), mesh=TRIANGLE)
+    stage = stage_of(with_mesh(made_up_run(), TRIANGLE))
     assert np.allclose(stage.deformed(stage.rest), TRIANGLE.vertices)
     assert np.allclose(stage.rest, rest_points((4, 4, 4)))
 

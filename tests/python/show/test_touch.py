@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from made_up_run import ORIGIN, SIZE, made_up_run
+from made_up_run import ORIGIN, SIZE, made_up_run, with_mesh
 from softffd.mesh.mesh import Mesh
 from softffd.obstacles import Obstacles
 from softffd.show.skin import cage_surface
@@ -17,7 +17,7 @@ def seen(*, of="lattice", divisions=None, **changes):
     """The contacts of the made-up run; with `divisions` its object is a mesh that fills the box."""
     result = replace(made_up_run(), obstacles=Obstacles(of), **changes)
     mesh = None if divisions is None else Mesh(*cage_surface(ORIGIN, SIZE, divisions=divisions))
-    return result, touch_of(result, stage_of(result, mesh=mesh))
+    return result, touch_of(result, stage_of(with_mesh(result, mesh)))
 
 
 def test_arrows_go_from_the_centre_of_pressure_along_the_force_on_the_obstacle():
@@ -58,7 +58,7 @@ def test_of_many_vertices_some_are_shown():
 def test_of_another_fmu_whatever_is_on_an_obstacle_touches():
     result = replace(made_up_run(), obstacles=None)
     mesh = Mesh(*cage_surface(ORIGIN, SIZE, divisions=6))
-    assert [len(each) for each in touch_of(result, stage_of(result, mesh=mesh)).places(40)] == [16, 49]
+    assert [len(each) for each in touch_of(result, stage_of(with_mesh(result, mesh))).places(40)] == [16, 49]
 
 
 @pytest.mark.parametrize(("counts", "cells", "narrow"), [((4, 4, 4), 3.0, False), ((3, 4, 4), 2.0, True), ((2, 2, 2), 1.0, True)])

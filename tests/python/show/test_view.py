@@ -7,7 +7,7 @@ import pytest
 from matplotlib import colormaps
 from PIL import Image
 
-from made_up_run import ORIGIN, SIZE, made_up_run, with_solids
+from made_up_run import ORIGIN, SIZE, made_up_run, with_mesh, with_solids
 from mesh_files import GREEN, RED
 from pages import decoded, page_of_two_colours, run_of
 from softffd.errors import SoftffdError
@@ -104,7 +104,7 @@ def test_a_title_cannot_break_the_page(tmp_path):
 def test_a_texture_travels_in_the_page_no_larger_than_needed(tmp_path):
     vertices, faces = cage_surface(ORIGIN, SIZE, divisions=2)
     mesh = Mesh(vertices, faces, uv=vertices[:, :2], texture=Image.new("RGB", (3000, 10), (9, 99, 199)))
-    run = run_of(write_view(made_up_run(), tmp_path / "view.html", mesh=mesh))
+    run = run_of(write_view(with_mesh(made_up_run(), mesh), tmp_path / "view.html"))
     assert run["pictures"][0].startswith("data:image/png;base64,")
     (tmp_path / "texture.png").write_bytes(base64.b64decode(run["pictures"][0].partition(",")[2]))
     assert Image.open(tmp_path / "texture.png").width == 1024
