@@ -10,9 +10,6 @@ from softffd.fmu.package import package_fmu
 from softffd.run.progress import ProgressLine
 from softffd.run.simulate import simulate
 from softffd.scene.scene import load_scene
-from softffd.show.figure import save_figure
-from softffd.show.picture import run_picture
-from softffd.show.view import write_view
 
 
 def run_demo(folder: Path) -> None:
@@ -25,13 +22,12 @@ def run_demo(folder: Path) -> None:
         result = run_scene_or_fmu("car_drop", progress=progress)
         progress.say(told_after(result.summary))
         keep_run(result, folder, progress.stage)
-        bump = load_scene("car_bump")
         progress.stage("simulating car_bump")
-        struck = simulate(bump)
+        struck = simulate("car_bump")
         progress.stage("drawing bump.png, writing bump.html")
-        save_figure(run_picture(struck), folder / "bump.png")
-        write_view(struck, folder / "bump.html")
+        struck.plot(folder / "bump.png")
+        struck.view(folder / "bump.html", browser=False)
     print(f"  picture: {folder / 'picture.png'}")
     print(f"  to play and turn it in a browser: {folder / 'view.html'}")
-    print(f"  {bump.title}: {folder / 'bump.png'}, {folder / 'bump.html'}")
+    print(f"  {struck.title}: {folder / 'bump.png'}, {folder / 'bump.html'}")
     print(f"  the last shape as a mesh: {folder / 'deformed.obj'}; numbers: {folder / 'result.csv'}, {folder / 'summary.json'}")

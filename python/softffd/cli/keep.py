@@ -105,14 +105,10 @@ def keep_run(
     mesh = result.loaded_mesh
     picture, page = folder / "picture.png", folder / "view.html"
     if pictures:
-        from softffd.show.figure import save_figure
-        from softffd.show.picture import run_picture
-        from softffd.show.view import write_view
-
         stage("drawing picture.png")
-        save_figure(run_picture(result, colour=colour, lattice=lattice), picture)
+        result.plot(picture, colour=colour, lattice=lattice)
         stage("writing view.html")
-        write_view(result, page)
+        result.view(page, browser=False)
         files += [picture, page]
     if mesh and result.scene and result.scene.mesh:
         kind = result.scene.mesh.file.suffix.lower()

@@ -14,6 +14,7 @@ import numpy as np
 
 from softffd.embedding.deform import deform
 from softffd.errors import MeshError, SoftffdError, UnknownName
+from softffd.files import write_bytes
 from softffd.lattice import LatticeBox, all_points
 from softffd.names import OBSTACLES, ByName, Part, listed, parts_of, variable_names, vector_names
 from softffd.obstacles import Obstacles
@@ -255,14 +256,14 @@ class Result:
         plot(x="plane.press.point.z", y="plane.press.reaction.z").
         Returns matplotlib's Figure. UnknownName with the nearest name; SoftffdError where the picture needs positions that were not
         recorded."""
-        from softffd.show.figure import save_figure
+        from softffd.show.figure import png_of
         from softffd.show.picture import curve_picture, run_picture
 
         if (x != "time" and not y) or ((colour or lattice) and y):
             raise SoftffdError("plot: wanted x with y, and colour and lattice without them")
         figure = curve_picture(self, x=x, y=y) if y else run_picture(self, colour=colour, lattice=lattice)
         if path is not None:
-            save_figure(figure, path)
+            write_bytes(path, png_of(figure))
         return figure
 
     def view(self, path: str | Path | None = None, *, browser: bool = True) -> Path:

@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping
 from io import BytesIO
 from itertools import cycle
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,8 +11,6 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
-
-from softffd.files import write_bytes
 
 INK, SOFT = "#1b2430", "#5b6675"  # colours of words and lines
 PLAIN: dict[str, Any] = {"parse_math": False}  # of words that are not this program's: two dollars in them make no formula
@@ -98,9 +95,3 @@ def png_of(figure: Figure) -> bytes:
     stream = BytesIO()
     figure.savefig(stream, format="png", pil_kwargs={"compress_level": COMPRESSION})
     return stream.getvalue()
-
-
-def save_figure(figure: Figure, path: str | Path) -> Path:
-    """Writes the figure to `path` (PNG); returns the path."""
-    write_bytes(path, png_of(figure))
-    return Path(path)
