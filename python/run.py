@@ -194,7 +194,9 @@ def main():
         options = ["-n", "auto", "--dist", "worksteal", *(["-m", "lint"] if arguments[0] == "lint" else [])]
         if "--full" not in arguments:  # a test that hangs ends its process with a stack trace, and fails
             options += ["-o", f"faulthandler_timeout={HANGS}", "-o", "faulthandler_exit_on_timeout=true"]
-        return subprocess.call([PYTHON, "-m", "pytest", *options, *arguments[1:]], cwd=ROOT, env=compiler_environment())
+        env = compiler_environment()
+        env.pop("PYTHONDONTWRITEBYTECODE", None)  # else each process that a test starts compiles the package anew
+        return subprocess.call([PYTHON, "-m", "pytest", *options, *arguments[1:]], cwd=ROOT, env=env)
     if arguments[0] == "bench":
         add_comparisons()
         return subprocess.call([PYTHON, ROOT / "benchmarks" / "bench.py", *arguments[1:]])

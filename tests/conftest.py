@@ -39,6 +39,13 @@ def pytest_configure(config):
     config.addinivalue_line("markers", "short(*ids): of this matrix the short run takes the cells of these ids (with * and ?)")
 
 
+def pytest_ignore_collect(collection_path, config):
+    """Where only tests with certain marks run, files without these marks are not read: that takes as long as many tests."""
+    wanted = ("mark.lint",) if config.option.markexpr == "lint" else ("mark.full", "mark.short") if config.option.rotate else ()
+    if wanted and collection_path.suffix == ".py" and not any(mark in collection_path.read_text() for mark in wanted):
+        return True
+
+
 def pytest_collection_modifyitems(config, items):
     refuse_idle_patterns(config, items)
     if config.option.rotate:
