@@ -8,7 +8,7 @@ using namespace softffd;
 
 namespace {
 
-constexpr double kappa = 9e3;
+constexpr double modulus = 9e3;
 
 Eigen::MatrixXd by_products(const Volume& volume, const Points& x) {
   return -matrix_of(int(x.rows()), [&](const Points& u, Points& f) { subtract_stiffness_product(volume, x, u, f); });
@@ -18,7 +18,7 @@ Eigen::MatrixXd by_products(const Volume& volume, const Points& x) {
 
 TEST(stiffness_is_positive_semidefinite_and_one_matrix_in_all_its_uses) {
   const Lattice lattice{{3, 2, 4}};
-  const Volume volume(lattice, kappa);
+  const Volume volume(lattice, modulus);
   for (int trial = 0; trial < 4; ++trial) {
     const Points x = scattered(lattice, 0.4, trial);
     const Eigen::MatrixXd k = by_products(volume, x);
@@ -42,7 +42,7 @@ TEST(stiffness_is_positive_semidefinite_and_one_matrix_in_all_its_uses) {
 }
 
 TEST(stiffness_is_the_second_derivative_where_the_force_is_small) {
-  const Volume volume(Lattice{}, kappa);
+  const Volume volume(Lattice{}, modulus);
   Points x = rest_positions({});
   x.col(2) *= 0.4999;  // phi' is the square of 1e-4, phi'' twice that number
   for (int p = 0; p < 64; ++p) x(p, 2) += 2e-6 * scattered(p);

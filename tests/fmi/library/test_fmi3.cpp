@@ -35,7 +35,7 @@ fmi3Instance running() {
   return c;
 }
 
-fmi3Status step(fmi3Instance c, int n) {
+fmi3Status step_of(fmi3Instance c, int n) {
   fmi3Boolean event = true, end = true, early = true;
   fmi3Float64 time = -1;
   const fmi3Status status = fmi3DoStep(c, n * 0.01, 0.01, true, &event, &end, &early, &time);
@@ -57,7 +57,7 @@ fmi3Status push(fmi3Instance c, double force) {
 std::vector<double> run(fmi3Instance c) {
   for (int n = 0; n < 20; ++n) {
     CHECK(push(c, 0.1 * n) == fmi3OK);
-    CHECK(step(c, n) == fmi3OK);
+    CHECK(step_of(c, n) == fmi3OK);
   }
   std::vector<double> positions(3 * points);
   CHECK(get(c, Family::position, positions) == fmi3OK);

@@ -16,7 +16,7 @@ const Bytes payload{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
 const std::string guid = "{guid}";
 
 /// What a serialized state is refused with; empty: it is taken.
-std::string refusal(const Bytes& serialized, const std::string& scene = guid) {
+std::string loading(const Bytes& serialized, const std::string& scene = guid) {
   try {
     without_head(scene, serialized);
   } catch (const StateError& error) {
@@ -116,7 +116,7 @@ TEST(every_changed_byte_of_a_serialized_state_is_noticed) {
     for (unsigned char bit = 1; bit; bit <<= 1) {
       Bytes bad = good;
       bad[i] ^= bit;
-      CHECK(!refusal(bad).empty());
+      CHECK(!loading(bad).empty());
     }
 }
 
@@ -125,20 +125,20 @@ TEST(a_refusal_says_what_is_wrong_with_the_bytes) {
   const auto changed = [&](std::size_t at) {
     Bytes bad = good;
     ++bad[at];
-    return refusal(bad);
+    return loading(bad);
   };
   Bytes longer = good, shorter = good;
   longer.push_back(0);
   shorter.pop_back();
-  CHECK(refusal(good).empty());
+  CHECK(loading(good).empty());
   CHECK(changed(0) == "the bytes are not a state of a softffd component");
   CHECK(changed(8) == "the state has another format version");
-  CHECK(changed(16) == "the state has the wrong size" && refusal(longer) == changed(16) && refusal(shorter) == changed(16));
+  CHECK(changed(16) == "the state has the wrong size" && loading(longer) == changed(16) && loading(shorter) == changed(16));
   CHECK(changed(24) == "the state is damaged: its checksum does not fit" && changed(head_size(guid)) == changed(24));
   CHECK(changed(32) == "the state belongs to another scene" && changed(head_size(guid) - 1) == changed(32));
-  CHECK(refusal(good, "{other}") == changed(32));
+  CHECK(loading(good, "{other}") == changed(32));
   for (std::size_t length = 0; length < head_size(guid); ++length)
-    CHECK(refusal(Bytes(good.begin(), good.begin() + length)) == "the state is too short");
+    CHECK(loading(Bytes(good.begin(), good.begin() + length)) == "the state is too short");
 }
 
 TEST(the_checksum_is_crc_32) {

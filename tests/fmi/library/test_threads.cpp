@@ -29,14 +29,14 @@ void note(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status,
   host.foreign += host.name != instance;
 }
 
-struct Run {
+struct Outcome {
   std::vector<double> end;
   int errors = 0, messages = 0;
 };
 
 /// Steps with a rollback in the middle through a serialized state, and a refused call and a reset before.
-Run run(const std::string& uri, const std::string& name) {
-  Run result;
+Outcome run(const std::string& uri, const std::string& name) {
+  Outcome result;
   Host host{0, 0, name};
   fmi2Component c = component::instantiate(uri, fmi2True, "{g}", {note, std::calloc, std::free, nullptr, &host}, name.c_str());
   const auto must = [&](fmi2Status status) { result.errors += status != fmi2OK; };
@@ -72,7 +72,7 @@ Run run(const std::string& uri, const std::string& name) {
 
 TEST(many_threads_give_the_bits_of_a_run_alone_and_the_messages_of_their_own_instance) {
   const std::string uris[] = {scene(false), scene(true)};
-  const Run alone[] = {run(uris[0], "alone"), run(uris[1], "alone")};
+  const Outcome alone[] = {run(uris[0], "alone"), run(uris[1], "alone")};
   CHECK(alone[0].errors == 0 && alone[1].errors == 0 && alone[0].messages > 1);
   CHECK(alone[0].end != alone[1].end);
   std::atomic<int> ready = 0, errors = 0, differing = 0;
@@ -82,7 +82,7 @@ TEST(many_threads_give_the_bits_of_a_run_alone_and_the_messages_of_their_own_ins
       for (++ready; ready < thread_count;) std::this_thread::yield();
       for (int round = 0; round < rounds; ++round) {
         const int which = (t + round) % 2;
-        const Run mine = run(uris[which], "thread " + std::to_string(t));
+        const Outcome mine = run(uris[which], "thread " + std::to_string(t));
         errors += mine.errors;
         differing += mine.end != alone[which].end || mine.messages != alone[which].messages;
       }
@@ -93,8 +93,8 @@ TEST(many_threads_give_the_bits_of_a_run_alone_and_the_messages_of_their_own_ins
 
 TEST(an_instance_may_wander_from_thread_to_thread) {
   const std::string uri = scene(true);
-  const Run alone = run(uri, "wanderer");
-  Run elsewhere;
+  const Outcome alone = run(uri, "wanderer");
+  Outcome elsewhere;
   std::thread([&] { elsewhere = run(uri, "wanderer"); }).join();
   CHECK(elsewhere.end == alone.end);
   fmi2Component c = component::instantiate(uri, fmi2True);

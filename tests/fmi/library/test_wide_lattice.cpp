@@ -5,12 +5,12 @@ using namespace softffd::fmi;
 
 namespace {
 
-constexpr int side = 9, points = side * side * side;
+constexpr int side = 9, point_count = side * side * side;
 const MethodValue implicit_methods[] = {MethodValue::ros34pw2, MethodValue::backward_euler};
 
 /// Stiff, falling onto the ground if there is one.
 std::unique_ptr<Instance> fallen(MethodValue method, bool free = false) {
-  const small_scene::Box box{.side = side, .mass = 1.0 / points, .stiffness = 3e5, .initial = "1 1 1 0 0 0.01 0 0 0 0 0 0"};
+  const small_scene::Box box{.side = side, .mass = 1.0 / point_count, .stiffness = 3e5, .initial = "1 1 1 0 0 0.01 0 0 0 0 0 0"};
   const std::string ground = free ? "" : "plane ground fixed 0 0 0 0 0 1 0 0 0 0 0 0 0.4\n";
   auto instance =
       instance_of(box.text("damping 0.01\ngravity 0 0 -9.81\nsolver\n" + ground + "method " + std::to_string(int(method)) + "\n"));
