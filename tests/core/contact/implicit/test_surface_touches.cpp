@@ -122,7 +122,7 @@ TEST(a_sphere_in_a_groove_presses_both_sides_as_statics_have_it) {
       FallingBox scene = in_groove(k, degrees);
       scene.damp(0.5);
       CheckedRun runner(scene);
-      if (!runner.run(scene, 0.02, 40)) return;
+      if (!runner.run(scene, 0.02, 20)) return;
       const double exact = 0.5 * g / std::sin(degrees / 2 * M_PI / 180);
       for (int q = 0; q < 2; ++q) CHECK_NEAR(runner.force(q, 0.02).norm(), exact, 1e-5);
     }
