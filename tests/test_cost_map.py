@@ -64,6 +64,9 @@ def test_the_table_is_printed_and_put_in_the_place_of_the_one_in_a_page(tmp_path
     text = page.read_text()
     assert text.startswith(f"before\n\n{head}|---|---|\n| pinned face | ") and text.endswith(" |\n\nafter\n") and "gone" not in text
     assert all(line in done.stdout for line in text.splitlines()[2:-2])
-    page.write_text("nothing\n")
-    done = run(tmp_path, *words)
-    assert done.returncode == 1 and "page.md: wanted a table" in done.stderr
+
+
+def test_a_page_without_a_table_is_refused(cost_map, tmp_path):
+    (tmp_path / "page.md").write_text("nothing\n")
+    with pytest.raises(SystemExit, match=r"page\.md: wanted a table that begins with \| k"):
+        cost_map.write(tmp_path / "page.md", cost_map.head([(1e7, 1e-4)]))

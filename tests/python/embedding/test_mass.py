@@ -179,28 +179,27 @@ def test_cutting_the_triangles_changes_nothing(distribution):
     np.testing.assert_allclose(coarse.mass, fine.mass, atol=1e-15)
 
 
+def require_means(found, points, mesh, counts=(4, 4, 4), basis="bezier", share=0.0):
+    """The masses are the means of the weights over random points, within five standard errors and an even share of this size."""
+    low, high = mesh.bounds
+    axes = [weights(t, n, basis) for t, n in zip(((points - low) / (high - low)).T, counts, strict=True)]
+    mean, square = (np.einsum("pi,pj,pk->kji", *each, optimize=True).ravel() / len(points) for each in (axes, [a**2 for a in axes]))
+    error = np.sqrt(np.maximum(square - mean**2, 0) / len(points)) + share
+    assert (np.abs(found.mass - mean) < 5 * error).all()
+
+
 @pytest.mark.parametrize(("counts", "basis"), [((4, 4, 4), "bezier"), ((6, 5, 8), "bspline")])
 def test_the_volume_distribution_is_that_of_random_points_in_the_solid(counts, basis):
-    """Means over 200,000 points; five standard errors are allowed."""
     mesh = wedge()
     points = np.random.default_rng(5).dirichlet(np.ones(4), 200_000) @ mesh.vertices
-    low, high = mesh.bounds
-    u, v, w = (weights(t, n, basis) for t, n in zip(((points - low) / (high - low)).T, counts, strict=True))
-    samples = (w[:, :, None, None] * v[:, None, :, None] * u[:, None, None, :]).reshape(len(points), -1)
-    error = samples.std(axis=0) / np.sqrt(len(points)) + 1e-9
-    found = masses("volume", mesh, counts=counts, basis=basis, uniform_share=1e-9)
-    assert (np.abs(found.mass - samples.mean(axis=0)) < 5 * error).all()
+    require_means(masses("volume", mesh, counts=counts, basis=basis, uniform_share=1e-9), points, mesh, counts, basis, share=1e-9)
 
 
 def test_the_surface_distribution_is_that_of_random_points_on_it():
     mesh = wedge()
     body = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     points, _ = trimesh.sample.sample_surface(body, 200_000, seed=6)
-    low, high = mesh.bounds
-    u, v, w = (weights(t, 4) for t in ((points - low) / (high - low)).T)
-    samples = (w[:, :, None, None] * v[:, None, :, None] * u[:, None, None, :]).reshape(len(points), -1)
-    error = samples.std(axis=0) / np.sqrt(len(points))
-    assert (np.abs(masses("surface", mesh).mass - samples.mean(axis=0)) < 5 * error).all()
+    require_means(masses("surface", mesh), points, mesh)
 
 
 def test_control_points_are_in_flat_order_with_x_fastest():
