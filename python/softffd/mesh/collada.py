@@ -10,9 +10,11 @@ from softffd.mesh.bodies import read_bodies, require_package
 from softffd.mesh.polygons import Triangles, damaged, found_beside
 from softffd.spelling import few
 
+_PRIMITIVES = ("triangles", "polylist", "polygons", "tristrips", "trifans")
+
 
 def read_dae(path: Path, data: bytes) -> Triangles:
-    """As read_bodies; notes say which bodies and pictures are not read. Raises MeshError where no body is, with the reason."""
+    """As read_bodies; notes say which bodies and looks are not read. Raises MeshError where no body is, with the reason."""
     require_package(path)
     try:
         elements = list(ElementTree.fromstring(data).iter())
@@ -25,7 +27,7 @@ def read_dae(path: Path, data: bytes) -> Triangles:
     triangles = read_bodies(path, data)
     if lost and not len(triangles.faces):
         raise MeshError(f"{path}: none of its bodies can be read: {'; '.join(lost)}. Wanted meshes that are placed in the scene directly.")
-    return triangles._replace(looks=triangles.looks.and_notes(*lost, *_lost_pictures(path, elements)))
+    return triangles._replace(looks=triangles.looks.and_notes(*lost, *_lost_looks(path, elements, triangles)))
 
 
 def _require_points(path: Path, elements: list[Element]) -> None:
@@ -50,10 +52,18 @@ def _lost_bodies(elements: list[Element]) -> list[str]:
     return [note for note, present in notes.items() if present]
 
 
-def _lost_pictures(path: Path, elements: list[Element]) -> list[str]:
+def _lost_looks(path: Path, elements: list[Element], triangles: Triangles) -> list[str]:
     files = [each.text or "" for image in _named(elements, "image") for each in image.iter() if _name(each) in ("init_from", "ref")]
     missing = [name for name in map(str.strip, files) if name and not found_beside(path.parent, name)]
-    return [f"pictures that are not beside it: {few(missing)}"] if missing else []
+    drawn = _named(elements, *_PRIMITIVES)
+    bound = {each.get("symbol") for each in _named(elements, "instance_material")}
+    coloured = any(each.get("semantic") == "COLOR" and body.get("material") in bound for body in drawn for each in body)
+    notes = {
+        "the names of its materials are not read": triangles.looks.materials,
+        f"pictures that are not beside it: {few(missing)}": missing,
+        "colours of vertices of bodies that have a material": coloured,
+    }
+    return [note for note, present in notes.items() if present]
 
 
 def _named(elements: list[Element], *names: str) -> list[Element]:

@@ -16,7 +16,7 @@ _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribut
 def read_stl(path: Path, data: bytes) -> Triangles:
     """Return the triangles of an STL file, three vertices each.
 
-    What follows the promised triangles, and colours, are left out.
+    What follows the promised triangles, and colours, are left out with a note.
     Raises MeshError where the data are fewer than promised, or a text's facets are not whole.
     """
     promised = int.from_bytes(data[80:_HEAD], "little") if len(data) >= _HEAD else None
@@ -27,10 +27,18 @@ def read_stl(path: Path, data: bytes) -> Triangles:
     if promised is None:
         raise damaged(path, f"it has {len(data)} bytes, and every binary STL file begins with {_HEAD}")
     if rest == 0 or (rest > 0 and promised):
-        return _soup(np.frombuffer(data, _RECORD, promised, _HEAD)["corners"])
+        return _binary(data, promised, rest)
     size = _HEAD + promised * _RECORD.itemsize
     fault = f"its header promises {promised} triangles, which makes {size} bytes, but it has {len(data)} bytes"
     raise damaged(path, fault)
+
+
+def _binary(data: bytes, promised: int, rest: int) -> Triangles:
+    records = np.frombuffer(data, _RECORD, promised, _HEAD)
+    coloured = b"COLOR=" in data[:80] or ((records["attribute"] & 0x8000) != 0).any()
+    notes = ["colours of an STL file are not read; OBJ, PLY and GLB keep theirs"] * bool(coloured)
+    notes += [f"{rest} bytes that follow after the {promised} triangles of its header"] * bool(rest)
+    return _soup(records["corners"])._replace(looks=PLAIN.and_notes(*notes))
 
 
 def _soup(corners: np.ndarray) -> Triangles:

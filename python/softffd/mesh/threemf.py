@@ -19,7 +19,7 @@ _EXTENSIONS = ("/production/", "/material/", "/trianglesets/")
 
 
 def read_3mf(path: Path, data: bytes) -> Triangles:
-    """As read_bodies; notes say which bodies are missing. Raises MeshError also for what is not read."""
+    """As read_bodies; notes say that colours are not read, and which bodies are missing. Raises MeshError also for what is not read."""
     require_package(path)
     try:
         with ZipFile(BytesIO(data)) as archive:
@@ -34,17 +34,24 @@ def _read(path: Path, data: bytes, archive: ZipFile) -> Triangles:
     size = sum(member.file_size for member in archive.infolist())
     if size > max(_MOST, _RATIO * len(data)):
         raise MeshError(f"{path}: unpacks to {size:,} bytes, over {_RATIO} times its own {len(data):,}; wanted a mesh of a sensible size")
-    main = next((name for name in archive.namelist() if "3d/3dmodel.model" in name.lower()), None)
+    names = [name for name in archive.namelist() if name.lower().endswith(".model")]
+    main = next((name for name in names if "3d/3dmodel.model" in name.lower()), None)
     if main is None:
         raise damaged(path, "it has no part 3D/3dmodel.model")
     _require_extensions(path, archive, main)
-    objects, references = _parts(archive, main)
+    objects, references, _ = _parts(archive, main)
     _require_own_parts(path, archive, references)
     lost = sorted({f"object {number}" for number, file in references if not file and number not in objects})
     triangles = read_bodies(path, data)
     if lost and not len(triangles.faces):
         raise MeshError(f"{path}: none of its bodies can be read: broken references ({few(lost)})")
-    return triangles._replace(looks=triangles.looks.and_notes(f"broken references ({few(lost)})" if lost else ""))
+    coloured = any(_parts(archive, name)[2] for name in names)
+    return triangles._replace(
+        looks=triangles.looks.and_notes(
+            f"broken references ({few(lost)})" if lost else "",
+            "colours of a 3MF file are not read; OBJ, PLY and GLB keep theirs" if coloured else "",
+        )
+    )
 
 
 def _require_extensions(path: Path, archive: ZipFile, main: str) -> None:
@@ -62,9 +69,9 @@ def _require_extensions(path: Path, archive: ZipFile, main: str) -> None:
         raise MeshError(f"{path}: requires {', '.join(unknown)}, which is not read. Wanted plain meshes; export it without.")
 
 
-def _parts(archive: ZipFile, name: str) -> tuple[list[str], list[tuple[str, str]]]:
-    """The numbers of a model's objects, and those that it puts together (number, other file or "")."""
-    objects, references = [], []
+def _parts(archive: ZipFile, name: str) -> tuple[list[str], list[tuple[str, str]], bool]:
+    """The numbers of a model's objects, those that it puts together (number, other file or ""), and whether it has colours."""
+    objects, references, coloured = [], [], False
     with archive.open(name) as stream:
         for _, element in ElementTree.iterparse(stream):
             kind = element.tag.rpartition("}")[2]
@@ -73,9 +80,11 @@ def _parts(archive: ZipFile, name: str) -> tuple[list[str], list[tuple[str, str]
             elif kind in ("component", "item"):
                 file = next((value for key, value in element.attrib.items() if key.rpartition("}")[2] == "path"), "")
                 references.append((element.attrib.get("objectid", ""), file.strip("/")))
+            elif kind in ("basematerials", "colorgroup", "texture2d"):
+                coloured = True
             elif kind == "mesh":
                 element.clear()
-    return objects, references
+    return objects, references, coloured
 
 
 def _require_own_parts(path: Path, archive: ZipFile, references: list[tuple[str, str]]) -> None:

@@ -67,12 +67,16 @@ def test_decimal_commas_are_named(tmp_path):
         loaded(tmp_path, "a.dae", text(numbers=NUMBERS.replace("1", "0,5")))
 
 
-def test_pictures_that_are_not_there_are_told(tmp_path):
+def test_looks_that_are_not_kept_are_told(tmp_path):
+    names = "the names of its materials are not read"
     (tmp_path / "here it is.png").touch()
-    assert loaded(tmp_path, "a.dae", text(picture="here%20it%20is.png")).looks.notes == ()
-    assert loaded(tmp_path, "b.dae", text(picture="gone.png")).looks.notes == ("pictures that are not beside it: gone.png",)
+    assert loaded(tmp_path, "a.dae", text(picture="here%20it%20is.png")).looks.notes == (names,)
+    missing = loaded(tmp_path, "b.dae", text(picture="gone.png")).looks
+    assert missing.notes == (names, "pictures that are not beside it: gone.png")
     colour = '<input semantic="COLOR" source="#shades" offset="0"/>'
-    assert loaded(tmp_path, "c.dae", text(colour=colour)).looks.materials[0].colour == (1.0, 0.0, 0.0)
+    coloured = loaded(tmp_path, "c.dae", text(colour=colour)).looks
+    assert coloured.notes == (names, "colours of vertices of bodies that have a material")
+    assert coloured.materials[0].colour == (1.0, 0.0, 0.0)
     unbound = loaded(tmp_path, "d.dae", text(colour=colour, bodies='<instance_geometry url="#body"/>')).looks
     assert unbound.notes == () and unbound.colours[1].tolist() == [0.0, 0.0, 1.0]
 

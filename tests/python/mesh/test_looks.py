@@ -1,6 +1,7 @@
 """A mesh keeps its looks: what files say of materials, groups and colours is read, shown and written."""
 
 import re
+import zipfile
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from mesh_files import (
     glb_with,
     loaded,
     ply,
+    saved,
     two_colours,
     unit_box,
     written,
@@ -66,13 +68,17 @@ def test_collada_has_two_colours_and_no_names(tmp_path):
     mesh = loaded(tmp_path, "two.dae", dae.export_collada(parts))
     require_two_colours(mesh)
     assert mesh.closed and len(mesh.vertices) == len(bodies.vertices)
-    assert mesh.looks.notes == ()
+    assert mesh.looks.notes == ("the names of its materials are not read",)
 
 
-def test_a_3mf_is_read_without_looks(tmp_path):
+def test_a_3mf_is_read_and_says_that_its_colours_are_not(tmp_path):
     pytest.importorskip("networkx", reason="networkx is not installed")
-    mesh = loaded(tmp_path, "a.3mf", trimesh.Scene([unit_box(0.0)]).export(file_type="3mf"))
+    data = trimesh.Scene([unit_box(0.0)]).export(file_type="3mf")
+    mesh = loaded(tmp_path, "a.3mf", data)
     assert mesh.closed and len(mesh.vertices) == 8 and mesh.looks.notes == ()
+    with zipfile.ZipFile(written(tmp_path, "b.3mf", data), "a") as archive:
+        archive.writestr("3D/other.model", "<model><basematerials/></model>")
+    assert load_mesh(tmp_path / "b.3mf").looks.notes == ("colours of a 3MF file are not read; OBJ, PLY and GLB keep theirs",)
 
 
 @pytest.mark.parametrize("kind", ["obj", "glb"])
@@ -262,7 +268,7 @@ def test_colours_with_opacity_and_lines_of_other_programs_are_read(tmp_path):
     coloured = "".join(f"{line} 0.8 0.2 0 1\n" for line in TETRAHEDRON.splitlines())
     mesh = loaded(tmp_path, "a.obj", f"$ of elsewhere\n{coloured}{FACES}\x1a")
     np.testing.assert_allclose(mesh.looks.colours, np.tile(RED, (4, 1)))
-    assert mesh.looks.notes == ()
+    assert mesh.looks.notes == ("lines that are no records of OBJ: 1, the first is line 1",)
 
 
 @pytest.mark.parametrize("names", ["red green blue", "r g b", "diffuse_red diffuse_green diffuse_blue"])
@@ -274,6 +280,13 @@ def test_colours_of_a_ply_count_to_one_or_to_255(names, kind, whole, tmp_path):
     shade = " ".join(f"{whole * channel:g}" for channel in RED)
     mesh = loaded(tmp_path, "a.ply", head + "\n".join([f"{point} {shade}" for point in points[:4]] + points[4:]) + "\n")
     np.testing.assert_allclose(mesh.looks.colours, np.tile(RED, (4, 1)), atol=1e-6)
+
+
+@pytest.mark.parametrize(("head", "attribute"), [(b"COLOR=\xff\0\0\xff", 0), (b"", 0x8000 | 31)])
+def test_colours_of_an_stl_are_said_to_be_lost(head, attribute, tmp_path):
+    data = bytearray(saved(tmp_path, "stl"))
+    data[:80], data[84 + 48 : 84 + 50] = head.ljust(80, b"\0"), attribute.to_bytes(2, "little")
+    assert "colours of an STL file are not read" in loaded(tmp_path, "a.stl", bytes(data)).looks.notes[0]
 
 
 @pytest.mark.parametrize("mark", ["\n", "\r", "\v", "\x85", "\u2028"])

@@ -355,9 +355,10 @@ def test_a_text_without_its_last_line_is_read_and_told(tmp_path):
 
 @pytest.mark.parametrize("rest", [b"\n", bytes(50)])
 @pytest.mark.parametrize("kind", ["stl", "ply"])
-def test_bytes_after_all_that_a_binary_file_promises_are_passed_over(kind, rest, tmp_path):
+def test_bytes_after_all_that_a_binary_file_promises_are_told(kind, rest, tmp_path):
     mesh = loaded(tmp_path, f"a.{kind}", saved(tmp_path, kind) + rest)
     assert mesh.closed and len(mesh.faces) == len(ball().faces)
+    assert mesh.looks.notes[0].startswith(f"{len(rest)} bytes that follow after")
 
 
 ROUND = trimesh.creation.icosphere(2)
