@@ -64,6 +64,7 @@ def told_ssp(path: Path, *asked: Any) -> list[str]:
     names, count = ", ".join(wiring.elements), len(wiring.connections)
     recorded = len({str(end) for end in wiring.recorded})
     lines = [f"{path}: {names}; {count} connection{'s' * (count != 1)}" + (f", {recorded} outputs to record" if recorded else "")]
+    lines += [f"  {doubt}" for doubt in wiring.doubts()]
     if elsewhere := wiring.starts_elsewhere():
         lines.append(f"  fmpy sets connected inputs to 0 in its first step; here they start from {', '.join(elsewhere)}")
     if any(each[2:] != (1.0, 0.0) for each in wiring.connections):

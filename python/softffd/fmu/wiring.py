@@ -43,6 +43,22 @@ class End(NamedTuple):
         """What compares equal for equal units: the definition, else the name."""
         return self.element.units.get(self.variable.unit or "", self.variable.unit)
 
+    @property
+    def quantity(self) -> Any:
+        """What compares equal for equal quantities, such as lengths in m and mm."""
+        unit = self.unit
+        return {key: power for key, power in unit.items() if key not in ("factor", "offset")} if isinstance(unit, Mapping) else unit
+
+    @property
+    def stem(self) -> str:
+        """The vector that it is a component of, else itself."""
+        return f"{self.element.name}.{_stem(self.variable.name)}"
+
+    @property
+    def word(self) -> str:
+        """The last word of that: "reaction"."""
+        return self.stem.rpartition(".")[2]
+
 
 class Connection(NamedTuple):
     """From an output to an input, which gets factor * value + offset."""
@@ -193,6 +209,21 @@ class Wiring:
             if names:
                 found.append(f"; {wanted}s of {end.element.name} in {other.variable.unit}: {', '.join(list(names)[:MOST_NAMES])}")
         return "".join(found)
+
+    def doubts(self) -> list[str]:
+        """Connections that are made and may not be what was meant: of two quantities, by a factor; to another input than the one of the
+        output's name."""
+        connected = {each.target.stem for each in self.connections}
+        found: dict[str, None] = {}
+        for source, target, *_ in self.connections:
+            if source.variable.unit and target.variable.unit and source.quantity != target.quantity:
+                made = f"the factor makes {target.variable.unit} of {source.variable.unit}"
+                found[f"{source.stem} to {target.stem}: {made}{self._fitting(Connection(source, target))}"] = None
+            inputs = [End(target.element, each) for each in target.element.interface.variables.values() if each.causality == "input"]
+            alike = [each for each in inputs if each.word == source.word and each.unit == source.unit and each.stem not in connected]
+            if target.word != source.word and alike:
+                found[f'{source.stem} goes to {target.stem}; did you mean "{alike[0].stem}", to which nothing goes?'] = None
+        return list(found)
 
     def starts_elsewhere(self) -> list[str]:
         """What connected inputs start from, where that is not zero: fmpy sets these to zero in its first step."""

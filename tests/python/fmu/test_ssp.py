@@ -1,6 +1,7 @@
 """Systems of coupled FMUs: what is refused in words, and what is written."""
 
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,10 @@ from fmpy.ssp.ssd import read_ssd, read_ssv
 from scenes import box
 from softffd import SoftffdError, package_fmu, write_ssp
 from softffd.cli.command import main
+from softffd.fmu.interface import Interface, ScalarVariable
 from softffd.fmu.ssp import SPACES, START
+from softffd.fmu.wiring import Element, Wiring
+from softffd.names import ByName
 
 LID = {"name": "lid", "point": [0, 0, 1.5], "normal": [0, 0, -1], "motion": "input"}
 FALL = {"gravity": [0, 0, -9.81]}
@@ -142,6 +146,40 @@ def test_the_command_line_says_what_hosts_do_otherwise(says):
     assert "fmpy sets connected inputs to 0 in its first step; here they start from press.plane.press.point.z = 1" in told
     assert "fmpy passes over factors" in told and f'read_ssv("three.ssp", "{START}")' in told
     assert [each.name for each in read_ssd("three.ssp").system.elements] == ["press", "a", "other"]
+
+
+PLATE = {"reaction": ("input", "N"), "force": ("input", "N"), "point": ("output", "m"), "low": ("output", "mm")}
+
+
+def plate_element():
+    """A partner with two inputs for forces and lengths in m and mm."""
+    units = {"N": {"kg": "1", "m": "1", "s": "-2"}, "m": {"m": "1"}, "mm": {"m": "1", "factor": "0.001"}}
+    names = {f"{name}.{c}": given for name, given in PLATE.items() for c in "xyz"}
+    listed = {name: ScalarVariable(name, 0, "Real", kind, "continuous", None, unit, "") for name, (kind, unit) in names.items()}
+    return Element("plate", Interface("plate", "", "plate", "", ByName(listed), False, None, None, False, False, False), units)
+
+
+@pytest.mark.parametrize(
+    "connections, doubts",
+    [
+        ([("body.reaction", "plate.reaction")], []),
+        ([("body.reaction", "plate.force")], ['body.reaction goes to plate.force; did you mean "plate.reaction", to which nothing goes?']),
+        (
+            [("body.reaction", "plate.force"), ("body.point", "plate.reaction", 2.0)],
+            ["body.point to plate.reaction: the factor makes N of m"],
+        ),
+        ([("plate.low", "body.place", 0.001)], []),
+    ],
+)
+def test_a_connection_that_is_likely_another_is_told(connections, doubts):
+    plate = plate_element()
+    names = {"reaction": ("output", "N"), "point": ("output", "m"), "place": ("input", "m")}
+    listed = {f"{n}.x": ScalarVariable(f"{n}.x", 0, "Real", kind, "continuous", None, unit, "") for n, (kind, unit) in names.items()}
+    body = Element("body", replace(plate.interface, name="body", variables=ByName(listed)), plate.units)
+    wiring = Wiring({"body": body, "plate": plate})
+    wiring.connect([(f"{one}.x", f"{other}.x", *factor) for one, other, *factor in connections])
+    assert not wiring.problems
+    assert [each.partition("; outputs")[0] for each in wiring.doubts()] == doubts
 
 
 @pytest.mark.parametrize(
