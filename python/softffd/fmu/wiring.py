@@ -52,7 +52,7 @@ class End(NamedTuple):
     @property
     def stem(self) -> str:
         """The vector that it is a component of, else itself."""
-        return f"{self.element.name}.{_stem(self.variable.name)}"
+        return f"{self.element.name}.{next(iter(vectors_in([self.variable.name])), self.variable.name)}"
 
     @property
     def word(self) -> str:
