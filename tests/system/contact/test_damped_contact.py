@@ -190,6 +190,17 @@ def test_a_dropped_pad_rebounds_as_in_explicit_steps(fall, tau, method):
     assert np.abs(result - exact).max() < 10 * TOLERANCE
 
 
+@pytest.mark.full
+@pytest.mark.parametrize("velocity", [[0.3, 0.0, 0.0], [0.0, 0.0, -1.0]], ids=["by its weight", "thrown down"])
+@pytest.mark.parametrize("stiffness", [1e4, 1e6])
+@pytest.mark.parametrize("tau", [1e-3, 1e-4, 1e-5, 1e-6])
+def test_auto_keeps_the_tolerance_in_drops_and_warns_of_nothing(tau, stiffness, velocity):
+    scene = pad(tau, stiffness, stop_time=0.06, offset=[0.0, 0.0, 0.005], velocity=velocity)
+    exact, result = simulate(scene, start_values={"solver.method": "leapfrog", "solver.tolerance": 1e-6}), simulate(scene)
+    assert np.abs(points(result) - points(exact)).max() < TOLERANCE
+    assert not [each for each in result.log if each.status]
+
+
 @pytest.mark.parametrize(("fall", "tau"), DROPS)
 def test_its_energy_never_grows_and_is_accounted_for(fall, tau):
     result = dropped(fall, tau, method="auto")
