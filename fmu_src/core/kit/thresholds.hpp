@@ -170,6 +170,8 @@ inline constexpr double regrowth = 1.25;
 inline constexpr double forecast_tolerance = 1.5;
 /// The same of contact of a surface, whose stretches err alike: rolling does.
 inline constexpr double surface_tolerance = 0.6;
+/// The same of contact of a body with internal damping, whose errors add to those of implicit steps.
+inline constexpr double damped_tolerance = 0.5;
 
 // ---- calibration of fixed steps ----
 

@@ -111,7 +111,8 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
   Path& path = job.run.path;
   Course& course = job.run.course;
   ContactSteps& contact = course.contact;
-  const double share = job.model.body.samples ? use::surface_tolerance : use::forecast_tolerance;
+  const Body& body = job.model.body;
+  const double share = body.samples ? use::surface_tolerance : body.springs.dashpots() ? use::damped_tolerance : use::forecast_tolerance;
   const double allowed = share * job.request.tolerance * power(job.request.step_factor, 2);
   const double least = use::least_doubled * stretch.limit;
   const bool at_limit = stretch.at_limit();
