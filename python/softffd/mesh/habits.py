@@ -1,9 +1,8 @@
 """What a kind of mesh file says, or its habit is, of unit and up axis."""
 
 import math
-from io import BytesIO
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import NamedTuple
 from xml.etree import ElementTree
 from zipfile import BadZipFile, ZipFile
 
@@ -61,14 +60,20 @@ def habit_of(path: Path) -> Habit:
         unit = _unit_of_3mf(path)
         return Habit(_3MF.get(unit), "z", True, "" if unit in _3MF else unit)
     if kind == ".dae":
-        return _collada(_asset(BytesIO(path.read_bytes())))
+        return _collada(path.read_bytes())
     gltf = kind in (".glb", ".gltf")
     return Habit(1.0 if gltf else None, _UP.get(kind, "z"), gltf)
 
 
-def _collada(asset: dict[str, str]) -> Habit:
+def _collada(data: bytes) -> Habit:
     """By its asset; without one a unit is a metre and y is up. Some programs write the decimal mark of their country."""
-    text, up = asset.get("unit", "1"), asset.get("up_axis", "Y_UP").strip().upper()
+    try:
+        root = ElementTree.fromstring(data)
+    except ElementTree.ParseError:  # a file that could be read so far says nothing of it
+        root = ElementTree.Element("COLLADA")
+    unit = root.find("{*}asset/{*}unit")
+    text = "1" if unit is None else unit.attrib.get("meter", "1")
+    up = (root.findtext("{*}asset/{*}up_axis") or "Y_UP").strip().upper()
     try:
         metres = float(text.replace(",", "."))
     except ValueError:
@@ -76,28 +81,6 @@ def _collada(asset: dict[str, str]) -> Habit:
     metres = metres if 0 < metres < math.inf else 0.0
     known = up in ("X_UP", "Y_UP", "Z_UP")
     return Habit(metres or None, up[0].lower() if known else "y", known, "" if metres else text)
-
-
-def _asset(stream: IO[bytes]) -> dict[str, str]:
-    """The root's own unit and up axis, as texts, where they are given."""
-    found: dict[str, str] = {}
-    depth = 0
-    try:
-        for event, element in ElementTree.iterparse(stream, ("start", "end")):
-            depth += 1 if event == "start" else -1
-            if event == "start" or depth != 1:
-                continue
-            if _name(element) == "asset":
-                for child in element:
-                    if _name(child) == "unit" and "meter" in child.attrib:
-                        found["unit"] = child.attrib["meter"]
-                    elif _name(child) == "up_axis":
-                        found["up_axis"] = child.text or ""
-                break
-            element.clear()
-    except ElementTree.ParseError:
-        pass  # a file that could be read so far says nothing of it
-    return found
 
 
 def _unit_of_3mf(path: Path) -> str:
@@ -109,7 +92,3 @@ def _unit_of_3mf(path: Path) -> str:
                 return root.attrib.get("unit", "millimeter")
     except (BadZipFile, ElementTree.ParseError, StopIteration):
         return "millimeter"
-
-
-def _name(element: ElementTree.Element) -> str:
-    return element.tag.rpartition("}")[2]
