@@ -10,10 +10,11 @@ from itertools import pairwise
 import numpy as np
 
 from softffd.errors import FmuError
+from softffd.fmu.block import Block
 from softffd.fmu.variables import internal_damping_present, spring_damping_present
 from softffd.lattice import all_points
 from softffd.names import variable_names
-from softffd.run.drive import communication_points, positive, step_lengths
+from softffd.run.drive import Drive, communication_points, positive
 from softffd.run.inputs import Inputs
 from softffd.run.simulation import Simulation
 from softffd.scene.scene import Scene
@@ -58,8 +59,20 @@ class Run:
     """Rejected internal steps; None where the FMU does not count them"""
 
 
+class _Course(Drive):
+    """Steps with inputs that move along curves between the communication points: `rates` (T - 1, 3, m) of the block `moving`."""
+
+    rates: np.ndarray
+    moving: Block
+
+    def apply(self, row: int) -> None:
+        super().apply(row)
+        if self.moving.names:
+            self.moving.set_rates(self.rates[row])
+
+
 class Rig:
-    """Use as a context manager. Inputs come from the CSV beside the scene, linear between the communication points."""
+    """Use as a context manager. Inputs come from the CSV beside the scene, cubic between the communication points."""
 
     def __init__(self, scene: Scene, *, step: float | None = None):
         """step: communication step [s], > 0, the scene's own by default. Raises FmuError, and SoftffdError as `package_fmu` does."""
@@ -72,11 +85,11 @@ class Rig:
         self.contact = bool(scene.obstacles)
         self.solids = bool(scene.solids)
         self.times = communication_points(self.stop_time, self.communication_step, bytes_each=24 * math.prod(scene.lattice.points))
-        self._steps = step_lengths(self.times, self.communication_step)
-        self._source = Inputs(scene.default_inputs)
+        source = self._source = Inputs(scene.default_inputs)
+        self.driven_names = source.names
+        self.input_rates = np.array([source.bends(*pair) for pair in pairwise(self.times)]).reshape(len(self.times) - 1, 3, -1)
         self._open()
         try:
-            self._read_inputs()
             self._begin(Setting(scene.solver.method))
             self.stable_step = float(self._simulation.number("solver.stable_step"))
         except BaseException:
@@ -84,25 +97,19 @@ class Rig:
             raise
 
     def _open(self) -> None:
-        """A new simulation with its kept buffers: that of the positions, of all inputs, and of those that the source gives itself."""
         simulation = self._simulation = Simulation(_observed(self.scene))
         self.methods = list(simulation.variables["solver.method"].items or {})
-        self._positions = simulation.block(variable_names("position", all_points(self.scene.lattice.points)))
-        self._source.derive_only({variable.name for variable in simulation.component.variables("input")})
-        self._inputs = simulation.block([*self._source.names, *self._source.derived_names])
-        self._driven = simulation.block(self._source.names)
-
-    def _read_inputs(self) -> None:
-        pairs = list(pairwise(self.times))
-        self.driven_names = self._source.names
-        self.input_values = np.array([self._source.values(*pair) for pair in pairs]).reshape(len(pairs), -1)
-        self.input_rates = np.array([self._source.bends(*pair) for pair in pairs]).reshape(len(pairs), 3, -1)
+        component, names = simulation.component, variable_names("position", all_points(self.scene.lattice.points))
+        driven, positions = self._source.driven(component), [component.variable(name) for name in names]
+        self._drive = _Course(simulation, self.times, self.communication_step, driven, positions, single=bool(driven))
+        self.input_values = self._drive.input_rows[:-1]
+        self.input_values[:] = self._source.rows(self.times)
+        self._drive.rates, self._drive.moving = self.input_rates, component.block(self.driven_names)
 
     def _begin(self, setting: Setting) -> None:
         values = {"solver.step": setting.step} | ({"solver.tolerance": setting.tolerance} if setting.tolerance else {})
         self._simulation.restart(method=setting.method, start_values=values, stop_time=self.stop_time)
-        if self._inputs.names:
-            self._inputs.set(self.input_values[0])
+        self._drive.apply(0)
         self._simulation.initialize()
 
     def run(self, setting: Setting, *, repeats: int = 1, most: float = math.inf, before: Run | None = None) -> Run:
@@ -115,7 +122,7 @@ class Rig:
             times: list[float] = []
             while not times or (len(times) < repeats * (3 if times[0] < SHORT else 1) and sum(times) + min(times) < ENOUGH):
                 self._begin(setting)
-                positions, elapsed = self._drive(most)
+                positions, elapsed = self._timed(most)
                 times.append(elapsed)
                 if before is not None and np.array_equal(positions, before.positions):
                     break
@@ -125,24 +132,16 @@ class Rig:
             self._open()
             raise
 
-    def _drive(self, most: float) -> tuple[np.ndarray, float]:
-        inputs, positions, step = self._inputs, self._positions, self._simulation.step
-        driven, times = bool(inputs.names), self.times.tolist()
-        rows = np.empty((len(self.times), len(positions.names)))
-        rows[0] = positions.get()
+    def _timed(self, most: float) -> tuple[np.ndarray, float]:
         began = clock.process_time()
-        for row, length in enumerate(self._steps):
-            if driven:
-                inputs.set(self.input_values[row])
-                self._driven.set_rates(self.input_rates[row])
-            step(length, end=times[row + 1])
-            rows[row + 1] = positions.get()
+        for done in self._drive.run():
             if clock.process_time() - began > most:
-                raise TooLong(f"given up at {times[row + 1]:.3g} s: more than {most:.3g} s of CPU time")
+                raise TooLong(f"given up at {self.times[done]:.3g} s: more than {most:.3g} s of CPU time")
         elapsed = clock.process_time() - began
+        _, rows = self._drive.outputs["Real"]
         if not np.isfinite(rows).all():
             raise FmuError("the positions are not finite")
-        return rows.reshape(len(rows), -1, 3), elapsed
+        return rows.reshape(len(rows), -1, 3).copy(), elapsed
 
     def _rejected(self) -> int | None:
         name = "solver.rejected"
