@@ -75,7 +75,7 @@ class Canvas:
         """
         screen = self.project(points)
         shown, nearest = self._nearest(screen, faces)
-        seen, number = _numbered(nearest, len(faces))  # what is worked out for each face is for these, often few of many
+        seen, number = np.unique(nearest, return_inverse=True)  # what is worked out for each face is for these, often few of many
         corners = faces[seen].T
         facets = self._facets(*(points[each].T for each in corners))
         normals = single(normals[seen]).transpose(2, 1, 0).copy()
@@ -236,13 +236,6 @@ def _span(slope: np.ndarray, constant: np.ndarray, width: int) -> tuple[np.ndarr
     low = np.where(slope > 0, bound, np.where((slope == 0) & (constant < 0), np.inf, -np.inf)).max(axis=0)
     high = np.where(slope < 0, bound, np.inf).min(axis=0)
     return np.ceil(low - 0.5).clip(0, width).astype(np.int64), np.floor(high - 0.5).clip(-1, width - 1).astype(np.int64)
-
-
-def _numbered(values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Which of 0 .. count - 1 are among the values (P,), (S,) in order, and the values' places in that (P,)."""
-    held = np.zeros(count, dtype=bool)
-    held[values] = True
-    return np.flatnonzero(held), (np.cumsum(held) - 1)[values]
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
