@@ -15,7 +15,7 @@ import numpy as np
 
 from softffd.mesh.looks import Group, Looks
 from softffd.mesh.mtl import Library, without_comment
-from softffd.mesh.polygons import Triangles, assemble, damaged, decoded, first_outside, plain_text
+from softffd.mesh.polygons import Triangles, assemble, damaged, decoded, plain_text
 
 
 def read_obj(path: Path, data: bytes) -> Triangles:
@@ -154,25 +154,20 @@ class _Records:
         self._add_faces([number], [len(words)])
 
     def triangles(self) -> Triangles:
-        positions = np.array(self.vertices).reshape(-1, 3)
-        corners = self._checked("vertex", np.array(self.corners, dtype=np.int64), len(positions))
-        if not self.texels:
-            return assemble(positions, corners, self.counts, looks=self._looks())
-        texels, texel_corners = np.array(self.texels).reshape(-1, 2), np.array(self.texel_corners, dtype=np.int64)
-        if (texel_corners < 0).any():
-            texel_corners[texel_corners < 0] = len(texels)
-            texels = np.vstack([texels, [0.0, 0.0]])
-        self._checked("texture coordinate", texel_corners, len(texels))
-        return assemble(positions, corners, self.counts, texels=texels, texel_corners=texel_corners, looks=self._looks())
-
-    def _checked(self, what: str, indices: np.ndarray, count: int) -> np.ndarray:
-        """The corners' indices, none of which points outside the `count` records of its kind."""
-        place = first_outside(indices, count)
-        if place >= 0:
-            line = self.face_lines[np.searchsorted(np.cumsum(self.counts), place, side="right")]
-            fault = f"line {line}: a face refers to {what} {indices[place] + 1}, but the file has {count}"
-            raise damaged(self.path, fault)
-        return indices
+        positions, corners = np.array(self.vertices).reshape(-1, 3), np.array(self.corners, dtype=np.int64)
+        texels = texel_corners = None
+        if self.texels:
+            texels, texel_corners = np.array(self.texels).reshape(-1, 2), np.array(self.texel_corners, dtype=np.int64)
+            if (texel_corners < 0).any():
+                texel_corners[texel_corners < 0] = len(texels)
+                texels = np.vstack([texels, [0.0, 0.0]])
+        try:
+            return assemble(
+                positions, corners, self.counts, texels=texels, texel_corners=texel_corners, looks=self._looks(),
+                called=lambda face: f"line {self.face_lines[face]}: a face", first=1,
+            )  # fmt: skip
+        except ValueError as fault:
+            raise damaged(self.path, str(fault)) from None
 
     def _looks(self) -> Looks:
         names, material_of = self.materials.found()

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from softffd.mesh.looks import PLAIN, Looks, from_face_colours
-from softffd.mesh.polygons import Triangles, assemble, damaged, first_outside, plain_text
+from softffd.mesh.polygons import Triangles, assemble, damaged, plain_text
 
 _KIND = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?(?:OFF|off)(?=[\s\d])")
 
@@ -39,11 +39,6 @@ def _triangles(text: bytes) -> Triangles:
     sizes = _whole(_numbers(faces, 0, 1, "the number of corners of a face"))[:, 0]
     corners = [_numbers([row], 1, size, "the corners of each face")[0] for row, size in zip(faces, sizes.tolist(), strict=True)]
     corners = np.nan_to_num(np.concatenate([np.zeros(0), *corners]), nan=-1, posinf=-1).astype(np.int64)
-    if (sizes < 3).any():
-        raise ValueError(f"face {int((sizes < 3).argmax())} (from 0) has fewer than 3 corners")
-    if (place := first_outside(corners, len(positions))) >= 0:
-        number = np.searchsorted(np.cumsum(sizes), place, side="right")
-        raise ValueError(f"face {number} (from 0) refers to vertex {corners[place]} (from 0), but there are {len(positions)}")
     looks = _face_looks([row[size + 1 :] for row, size in zip(faces, sizes, strict=True)])
     if kind[2]:
         skipped = 6 if kind[3] else 3

@@ -11,17 +11,40 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from softffd.mesh.looks import PLAIN, Looks, Material, from_face_colours
-from softffd.mesh.ply_records import TYPES, BinaryBody, Element, Lists, Property, TextBody, read_element
-from softffd.mesh.polygons import Triangles, assemble, beside, damaged, first_outside, open_texture, plain_text
+from softffd.mesh.polygons import Triangles, assemble, beside, damaged, open_texture, plain_text
 
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+_TYPES = {
+    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
+    "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4",
+    "int64": "i8", "uint64": "u8", "float": "f4", "double": "f8", "float32": "f4", "float64": "f8",
+}  # fmt: skip
 _COLOUR_NAMES = [("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b")]
 _UV_NAMES = [("s", "t"), ("u", "v"), ("texture_u", "texture_v")]
 
 
+class _Property(NamedTuple):
+    name: str
+    type: str
+    count_type: str | None
+
+
+class _Element(NamedTuple):
+    name: str
+    records: int
+    properties: list[_Property]
+
+
+class _Lists(NamedTuple):
+    """A list property of all records: `counts` (N,) and the `values` of all of them one after another."""
+
+    counts: np.ndarray
+    values: np.ndarray
+
+
 class _Header(NamedTuple):
     order: str
-    elements: list[Element]
+    elements: list[_Element]
     textures: tuple[str, ...]
 
 
@@ -33,12 +56,14 @@ def read_ply(path: Path, data: bytes) -> Triangles:
     Raises MeshError where the data are fewer than the header says, or a text's are more, or a face refers to no vertex.
     """
     try:
-        header, body = _read_header(plain_text(data))
-        reader = TextBody(body) if header.order == "" else BinaryBody(body, header.order)
-        records = {element.name: read_element(reader, element) for element in header.elements}
-        rest = reader.rest()
+        header, rest = _read_header(plain_text(data))
+        numbers = _Numbers(rest, header.order)
+        records = {element.name: _read_element(numbers, element) for element in header.elements}
+        if header.order == "" and numbers.left:
+            raise ValueError(f"{numbers.left} numbers follow after all that the header describes")
         triangles = _triangles(path, header, records)
-        return triangles._replace(looks=triangles.looks.and_notes(rest)) if rest else triangles
+        note = f"{numbers.left} bytes that follow after all that the header describes" if numbers.left else ""  # padding
+        return triangles._replace(looks=triangles.looks.and_notes(note))
     except ValueError as fault:
         raise damaged(path, str(fault)) from None
 
@@ -58,16 +83,106 @@ def _read_header(data: bytes) -> tuple[_Header, bytes]:
             case ["comment" | "obj_info", *_] | []:
                 pass
             case ["element", name, count] if count.isdigit():
-                elements.append(Element(name, int(count), []))
-            case ["property", "list", count_type, kind, name] if elements and {count_type, kind} <= set(TYPES):
-                elements[-1].properties.append(Property(name, TYPES[kind], TYPES[count_type]))
-            case ["property", kind, name] if elements and kind in TYPES:
-                elements[-1].properties.append(Property(name, TYPES[kind], None))
+                elements.append(_Element(name, int(count), []))
+            case ["property", "list", count_type, kind, name] if elements and {count_type, kind} <= set(_TYPES):
+                elements[-1].properties.append(_Property(name, _TYPES[kind], _TYPES[count_type]))
+            case ["property", kind, name] if elements and kind in _TYPES:
+                elements[-1].properties.append(_Property(name, _TYPES[kind], None))
             case _:
                 raise ValueError(f"the header's line {line[:60]!r} means nothing")
     if order is None:
         raise ValueError(f"the header names none of the formats {', '.join(_ORDERS)}")
     return _Header(order, elements, tuple(textures)), body
+
+
+class _Numbers:
+    """What follows the header, taken from the front on: bytes, or in a text numbers."""
+
+    def __init__(self, body: bytes, order: str):
+        self._order, self._at = order, 0
+        try:
+            self._body: Any = body if order else np.array(list(map(float, body.split())))
+        except ValueError:
+            raise ValueError("the data hold something that is not a number") from None
+
+    @property
+    def left(self) -> int:
+        return len(self._body) - self._at
+
+    def size(self, type_: str) -> int:
+        """How much of what is left one number takes."""
+        return int(type_[1]) if self._order else 1
+
+    def take(self, types: list[str], counts: list[int], records: int) -> list[np.ndarray]:
+        """The next `records` records, each of groups of so many numbers of one type; arrays (records, count)."""
+        groups = list(zip(types, counts, strict=True))
+        size, start = records * sum(self.size(type_) * count for type_, count in groups), self._at
+        if size > self.left:
+            raise ValueError("the file ends within the data that the header promises")
+        self._at += size
+        if not self._order:
+            return np.split(self._body[start : start + size].reshape(records, -1), np.cumsum(counts)[:-1], axis=1)
+        record = np.dtype([(f"f{n}", self._order + type_, (count,)) for n, (type_, count) in enumerate(groups)])
+        table = np.frombuffer(self._body, record, count=records, offset=start)
+        return [table[f"f{n}"] for n in range(len(groups))]
+
+    def go_back(self, to_left: int) -> None:
+        """To where so much was left."""
+        self._at = len(self._body) - to_left
+
+
+def _read_element(numbers: _Numbers, element: _Element) -> dict[str, np.ndarray | _Lists]:
+    """The element's properties by name: (N,) for a number, _Lists for a list."""
+    if element.records == 0 or not element.properties:
+        return {}
+    if element.records > numbers.left // sum(numbers.size(p.count_type or p.type) for p in element.properties):  # every list empty
+        raise ValueError(f"the header promises {element.records} records '{element.name}', more than the file has room for")
+    return _read_alike(numbers, element) or _read_one_by_one(numbers, element)
+
+
+def _read_alike(numbers: _Numbers, element: _Element) -> dict[str, np.ndarray | _Lists] | None:
+    """All records at once if their lists are as long as the first one's; else None, with nothing consumed."""
+    start = numbers.left
+    sizes = [len(values) for values in _read_record(numbers, element)]
+    numbers.go_back(start)
+    types, counts = [], []
+    for p, size in zip(element.properties, sizes, strict=True):
+        types += [p.type] if p.count_type is None else [p.count_type, p.type]
+        counts += [1] if p.count_type is None else [1, size]
+    found: dict[str, np.ndarray | _Lists] = {}
+    try:
+        columns = iter(numbers.take(types, counts, element.records))
+    except ValueError:
+        return None
+    for p, size in zip(element.properties, sizes, strict=True):
+        lengths = next(columns)[:, 0]
+        if p.count_type is None:
+            found[p.name] = lengths
+        elif (lengths == size).all():
+            found[p.name] = _Lists(lengths.astype(np.int64), next(columns).reshape(-1))
+        else:
+            numbers.go_back(start)
+            return None
+    return found
+
+
+def _read_one_by_one(numbers: _Numbers, element: _Element) -> dict[str, np.ndarray | _Lists]:
+    records = [_read_record(numbers, element) for _ in range(element.records)]
+    columns: dict[str, np.ndarray | _Lists] = {}
+    for p, values in zip(element.properties, zip(*records, strict=True), strict=True):
+        joined = np.concatenate(values)
+        columns[p.name] = joined if p.count_type is None else _Lists(np.array([len(v) for v in values]), joined)
+    return columns
+
+
+def _read_record(numbers: _Numbers, element: _Element) -> list[np.ndarray]:
+    values = []
+    for p in element.properties:
+        length = 1.0 if p.count_type is None else float(numbers.take([p.count_type], [1], 1)[0][0, 0])
+        if not (length >= 0 and length.is_integer()):
+            raise ValueError(f"a list '{p.name}' of the element '{element.name}' has the length {length:g}")
+        values.append(numbers.take([p.type], [int(length)], 1)[0].reshape(-1))
+    return values
 
 
 def _triangles(path: Path, header: _Header, records: dict[str, Any]) -> Triangles:
@@ -76,7 +191,7 @@ def _triangles(path: Path, header: _Header, records: dict[str, Any]) -> Triangle
         raise ValueError("its vertices have no x, y and z")
     axes = [vertex[axis] for axis in "xyz"] if vertex else [[], [], []]
     positions = np.stack(axes, axis=1).astype(float)
-    faces = _checked(_faces(face, records.get("tristrips", {})), len(positions))
+    faces = _faces(face, records.get("tristrips", {}))
     texels, texel_corners = _texels(vertex, face, faces)
     looks = replace(
         _face_looks(path.parent, header, face, len(faces.counts), texels is not None), colours=_colours(header, "vertex", vertex)
@@ -84,15 +199,15 @@ def _triangles(path: Path, header: _Header, records: dict[str, Any]) -> Triangle
     return assemble(positions, faces.values, faces.counts, texels=texels, texel_corners=texel_corners, looks=looks)
 
 
-def _faces(face: dict[str, Any], strips: dict[str, Any]) -> Lists:
+def _faces(face: dict[str, Any], strips: dict[str, Any]) -> _Lists:
     """The corners of the polygons, and of the triangles of strips, which follow them."""
     found = [records.get("vertex_indices", records.get("vertex_index")) for records in (face, strips)]
-    polygons, strip = (each if isinstance(each, Lists) else Lists(np.zeros(0, np.int64), np.zeros(0)) for each in found)
+    polygons, strip = (each if isinstance(each, _Lists) else _Lists(np.zeros(0, np.int64), np.zeros(0)) for each in found)
     values = np.concatenate([polygons.values.astype(np.int64), _unstripped(strip).reshape(-1)])
-    return Lists(np.append(polygons.counts, np.full((len(values) - len(polygons.values)) // 3, 3)), values)
+    return _Lists(np.append(polygons.counts, np.full((len(values) - len(polygons.values)) // 3, 3)), values)
 
 
-def _unstripped(strips: Lists) -> np.ndarray:
+def _unstripped(strips: _Lists) -> np.ndarray:
     """Triangles (T, 3) of strips: each three neighbours in a row, every second one turned round; -1 begins a strip anew."""
     corners = strips.values.astype(np.int64)
     begins = np.zeros(len(corners) + 1, dtype=bool)
@@ -107,21 +222,10 @@ def _unstripped(strips: Lists) -> np.ndarray:
     return triangles[(a != b) & (b != c) & (c != a)]  # corners given twice only turn the strip
 
 
-def _checked(lists: Lists, vertices: int) -> Lists:
-    if (lists.counts < 3).any():
-        raise ValueError(f"face {int((lists.counts < 3).argmax())} (from 0) has fewer than 3 corners")
-    corners = lists.values
-    place = first_outside(corners, vertices)
-    if place >= 0:
-        number = np.searchsorted(np.cumsum(lists.counts), place, side="right")
-        raise ValueError(f"face {number} (from 0) refers to vertex {corners[place]} (from 0), but there are {vertices}")
-    return lists
-
-
-def _texels(vertex: dict[str, Any], face: dict[str, Any], faces: Lists) -> tuple[np.ndarray | None, np.ndarray | None]:
+def _texels(vertex: dict[str, Any], face: dict[str, Any], faces: _Lists) -> tuple[np.ndarray | None, np.ndarray | None]:
     """Texture coordinates, of the corners (rare) or of the vertices, and each corner's index into them."""
     wedge = face.get("texcoord")
-    if isinstance(wedge, Lists) and np.array_equal(wedge.counts, 2 * faces.counts):
+    if isinstance(wedge, _Lists) and np.array_equal(wedge.counts, 2 * faces.counts):
         texels, index = np.unique(wedge.values.astype(float).reshape(-1, 2), axis=0, return_inverse=True)
         return texels, index.reshape(-1)
     for u, v in _UV_NAMES:
@@ -148,7 +252,7 @@ def _face_looks(folder: Path, header: _Header, face: dict[str, Any], faces: int,
 def _colours(header: _Header, element: str, records: dict[str, Any]) -> np.ndarray | None:
     """Colours (N, 3), 0 .. 1, of an element's records; None where they have none."""
     for names in _COLOUR_NAMES:
-        if set(names) <= records.keys() and not any(isinstance(records[name], Lists) for name in names):
+        if set(names) <= records.keys() and not any(isinstance(records[name], _Lists) for name in names):
             kind = next(p.type for e in header.elements if e.name == element for p in e.properties if p.name == names[0])
             whole = {"u1": 255.0, "u2": 65535.0}.get(kind, 255.0 if kind[0] in "iu" else 1.0)
             shades = np.nan_to_num(np.stack([records[name] for name in names], axis=1).astype(float))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import unquote
@@ -36,16 +37,29 @@ def assemble(
     texels: np.ndarray | None = None,
     texel_corners: ArrayLike | None = None,
     looks: Looks = PLAIN,
+    called: Callable[[int], str] = "face {} (from 0)".format,
+    first: int = 0,
 ) -> Triangles:
     """Return triangles that share a vertex where position and texture coordinate are the same.
 
     positions: (P, 3). corners: (C,) indices of positions, one polygon after another. counts: (F,) corners of
     each, >= 3. texels: (Q, 2) texture coordinates and texel_corners: (C,) indices of them, or both None.
-    looks: of the polygons and positions.
+    looks: of the polygons and positions. called: what the file has as the n-th polygon, and first: where it counts from, for messages.
+    Raises ValueError where a polygon has fewer than three corners or refers to nothing.
     A polygon of c corners becomes c - 2 triangles: a fan about its first corner where that covers it, else ears.
     The vertices keep the order of `positions`.
     """
     sizes, places = np.asarray(counts, dtype=np.int64), np.asarray(corners, dtype=np.int64)
+    if (sizes < 3).any():
+        raise ValueError(f"{called(int((sizes < 3).argmax()))} has fewer than 3 corners")
+
+    def require(what: str, indices: np.ndarray, count: int) -> None:
+        wrong = np.flatnonzero((indices < 0) | (indices >= count))
+        if len(wrong):
+            name = called(int(np.searchsorted(np.cumsum(sizes), wrong[0], side="right")))
+            raise ValueError(f"{name} refers to {what} {indices[wrong[0]] + first} (from {first}), but there are {count}")
+
+    require("vertex", places, len(positions))
     fans, crossed = _fans(sizes), 0
     if (sizes > 3).any():
         fans, crossed = _cut_concave(positions[places], sizes, fans)
@@ -54,7 +68,9 @@ def assemble(
         looks = looks.and_notes(f"polygons that cross themselves: {crossed}; what of them is filled is a guess")
     if texels is None:
         return Triangles(positions, places[fans], None, looks)
-    pairs = places * len(texels) + np.asarray(texel_corners, dtype=np.int64)
+    texel_places = np.asarray(texel_corners, dtype=np.int64)
+    require("texture coordinate", texel_places, len(texels))
+    pairs = places * len(texels) + texel_places
     pairs, vertex_of_corner = np.unique(pairs, return_inverse=True)
     vertices, uv = positions[pairs // len(texels)], texels[pairs % len(texels)]
     return Triangles(vertices, vertex_of_corner[fans], uv, looks.with_vertices(pairs // len(texels)))
@@ -97,12 +113,6 @@ def open_texture(file: Path) -> Picture | None:
             return image.copy()
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
         return None
-
-
-def first_outside(indices: np.ndarray, count: int) -> int:
-    """Return the place of the first index that is not one of `count`, or -1."""
-    wrong = (indices < 0) | (indices >= count)
-    return int(wrong.argmax()) if wrong.any() else -1
 
 
 def damaged(path: Path, fault: str) -> MeshError:

@@ -43,7 +43,7 @@ def faults():
         "vertex beyond the last": (
             "a.obj",
             TETRAHEDRON + FACES + "f 1 2 9\n",
-            "line 9: .* vertex 9, but the file has 4",
+            r"line 9: .* vertex 9 \(from 1\), but there are 4",
         ),
         "vertex zero": ("a.obj", TETRAHEDRON + "f 0 1 2\n", "line 5, 'f 0 1 2': .* record 0"),
         "vertex before the first": ("a.obj", TETRAHEDRON + "f -5 1 2\n", "line 5.* record -5"),
