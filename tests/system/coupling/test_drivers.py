@@ -68,7 +68,7 @@ def test_a_driver_that_has_failed_for_good_is_called_no_more(drivers, monkeypatc
     with pytest.raises(FmuError, match="mass: wanted > 0 kg, got 0"):
         plate.initialize({"mass": 0.0})
         plate.exit_initialization()
-    for call in (plate.exit_initialization, plate.reset, plate.terminate):
+    for call in (plate.exit_initialization, plate.reset, plate.set_up):
         with pytest.raises(FmuError, match="has failed for good in an earlier call: open it again"):
             call()
     plate.close()
