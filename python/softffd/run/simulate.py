@@ -142,7 +142,7 @@ class _Run(Drive):
 
     def to_the_end(self, progress: Progress | None) -> bool:
         """All steps; False where it was interrupted on the way: what there is ends then with the last step that was done."""
-        last = len(self.times) - 1
+        last, whole = len(self.times) - 1, True
         report_every = max(1, last // 200)
         try:
             with self._choices_heard():
@@ -152,9 +152,10 @@ class _Run(Drive):
         except KeyboardInterrupt:
             if self.done == 0:
                 raise
+            whole = False
         end = self.times[self.done]
         self.input_rows[self.done] = self._source.values(end, end)
-        return self.done == last
+        return whole
 
     @contextmanager
     def _choices_heard(self) -> Iterator[None]:
