@@ -75,10 +75,20 @@ def present(tool: Callable[[], Tool]) -> Tool:
         pytest.skip(str(reason))
 
 
+class Shipped(dict[str, Path]):
+    """The FMUs of shipped scenes, each made when it is first asked for."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+
+    def __missing__(self, name: str) -> Path:
+        self[name] = package_fmu(load_scene(name), self.folder / f"{name}.fmu")
+        return self[name]
+
+
 @pytest.fixture(scope="session")
-def fmus(tmp_path_factory) -> dict[str, Path]:
-    folder = tmp_path_factory.mktemp("shipped")
-    return {name: package_fmu(load_scene(name), folder / f"{name}.fmu") for name in shipped_scenes()}
+def fmus(tmp_path_factory) -> Shipped:
+    return Shipped(tmp_path_factory.mktemp("shipped"))
 
 
 def check(name: str, tool: Tool, fmu: Path) -> list[str]:

@@ -1,5 +1,6 @@
 """Systems of coupled FMUs: what is refused in words, and what is written."""
 
+import shutil
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -59,10 +60,17 @@ REFUSED = {
 }
 
 
+@pytest.fixture(scope="module")
+def packed(tmp_path_factory) -> dict[str, Path]:
+    """The FMUs of PARTS."""
+    folder = tmp_path_factory.mktemp("packed")
+    return {name: package_fmu(scene, folder / f"{name}.fmu") for name, scene in PARTS.items()}
+
+
 @pytest.mark.parametrize("connection, words", REFUSED.values(), ids=REFUSED)
-def test_a_connection_that_does_not_fit_is_refused(connection, words, tmp_path):
+def test_a_connection_that_does_not_fit_is_refused(packed, connection, words, tmp_path):
     with pytest.raises(SoftffdError, match=words):
-        write_ssp(tmp_path / "x.ssp", PARTS, [connection])
+        write_ssp(tmp_path / "x.ssp", packed, [connection])
     assert not list(tmp_path.iterdir())
 
 
@@ -81,8 +89,8 @@ def test_all_problems_are_told_at_once_an_input_connected_twice_among_them(tmp_p
         assert words in str(caught.value)
 
 
-def test_the_system_holds_its_components_connections_units_and_start_values(tmp_path):
-    fmu = package_fmu(PARTS["b"], tmp_path / "b.fmu")
+def test_the_system_holds_its_components_connections_units_and_start_values(packed, tmp_path):
+    fmu = packed["b"]
     asked = [("b.load.push", "a.plane.lid.reaction"), ("a.position[1,1,1].z", "b.plane.lid.point.z", 2, -1)]
     path = write_ssp(tmp_path / "new" / "two.ssp", {"a": PARTS["a"], "b": fmu}, asked, start_values={"a.mass": 3, "b.gravity": (0, 0, -1)})
     system = read_ssd(str(path)).system  # which checks it against the schema
@@ -125,11 +133,11 @@ def test_an_fmi3_fmu_and_another_ending_are_refused(tmp_path):
 
 
 @pytest.fixture
-def says(capsys, tmp_path, monkeypatch):
+def says(packed, capsys, tmp_path, monkeypatch):
     """What the command line says to some words after `softffd ssp`, where the FMUs a and b are."""
     monkeypatch.chdir(tmp_path)
-    for name, scene in PARTS.items():
-        package_fmu(scene, f"{name}.fmu")
+    for file in packed.values():
+        shutil.copy(file, tmp_path)
 
     def said(*words: str, status: int = 0) -> str:
         assert main(["ssp", *words]) == status
