@@ -54,6 +54,10 @@ def pytest_collection_modifyitems(config, items):
         bundle = {item.nodeid: mark.args[0] for item in items if (mark := item.get_closest_marker("bundle"))}
         wanted, config.rotation = chosen_group(long_ones, seconds, config.option.rotate, bundle)
         keep(config, items, lambda item: item.nodeid in wanted)
+        longest: dict[Path, float] = {}
+        for item in items:
+            longest[item.path] = max(longest.get(item.path, 0.0), seconds.get(item.nodeid, 0.0))
+        items.sort(key=lambda item: -longest[item.path])  # so that all processes end at about the same time
     elif not config.option.full and not any("::" in argument for argument in config.args):
         lint = config.option.markexpr == "lint"
         keep(config, items, lambda item: not is_long(item) and (item.get_closest_marker("lint") is not None) == lint)
