@@ -8,16 +8,15 @@ import zipfile
 from pathlib import Path
 from xml.etree import ElementTree
 
-import fmpy
 import pytest
 
 from scenes import LED, MOVED, box
+from signatures import HEADERS
 from softffd import SoftffdError, load_scene, package_fmu
 from softffd.fmu.package import scene_texts
 from softffd.installed import data_folder
 
 LOAD = {"name": "push", "points": "all"}
-HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 
 @pytest.fixture(scope="module")

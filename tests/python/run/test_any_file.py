@@ -9,14 +9,11 @@ from io import BytesIO
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from any_example import require_of_all
 from scenes import LED, box, table_and_press
 from softffd import Result, SoftffdError, Sweep, package_fmu, simulate, sweep
-
-AT_MOST = 20_000
-"""Of an example, on a busy machine [ms]"""
 
 few_and_many = pytest.mark.parametrize("examples", [pytest.param(count, id=f"{count} files") for count in (60, 2000)])
 few = pytest.mark.short("*60 files")
@@ -27,14 +24,6 @@ class Bytes(bytes):
 
     def __repr__(self):
         return f"<{len(self)} bytes>"
-
-
-def require_of_all(strategy, examples, check):
-    """The check holds for so many examples; the few of the short run are the same ones each time."""
-    own = settings(
-        max_examples=examples, deadline=AT_MOST, database=None, derandomize=examples < 100, suppress_health_check=list(HealthCheck)
-    )
-    own(given(strategy)(check))()
 
 
 # ---- inputs ----

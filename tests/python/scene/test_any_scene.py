@@ -8,18 +8,15 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from any_example import require_of_all
 from scenes import TETRAHEDRON
 from softffd import Scene, SceneError, load_scene
 from softffd.scene.document import SHIPPED, shipped_scenes
 from softffd.scene.keys import schema
 from softffd.scene.new import template
 from softffd.scene.scene import scene_from
-
-AT_MOST = 20_000
-"""Of an example, on a busy machine [ms]"""
 
 few_and_many = pytest.mark.parametrize("examples", [pytest.param(count, id=f"{count} scenes") for count in (50, 5000)])
 few = pytest.mark.short("50 scenes")
@@ -115,14 +112,6 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("any_scene")
     (folder / "box.obj").write_text(TETRAHEDRON)
     return folder
-
-
-def require_of_all(strategy, examples, check):
-    """The check holds for so many examples; the few of the short run are the same ones each time."""
-    own = settings(
-        max_examples=examples, deadline=AT_MOST, database=None, derandomize=examples < 1000, suppress_health_check=list(HealthCheck)
-    )
-    own(given(strategy)(check))()
 
 
 def require_used_or_refused(make, line=r".+\S"):

@@ -5,11 +5,9 @@ import pytest
 
 import reference
 from readings import orders, points, velocities
-from scenes import box
+from scenes import OBSERVED, box
 from softffd import FmuError, simulate
 from stepping import Stepper
-
-OBSERVED = {"velocities": "all", "energy": True, "outputs": {"solver": True}}
 
 
 def cube(stretch=(1.1, 1.0, 1.0), outputs=OBSERVED):

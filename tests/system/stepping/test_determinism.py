@@ -82,17 +82,6 @@ def test_two_instances_in_turn_are_two_runs():
             assert np.array_equal(second.positions(), alone[1][row])
 
 
-def test_a_reset_instance_runs_as_a_new_one():
-    with Stepper(lively()) as stepper:
-        stepper.step(0.01, times=20)
-        once = stepper.positions()
-        stepper.set({"load.push.y": 5.0})
-        stepper.step(0.01)
-        stepper.restart({})
-        stepper.step(0.01, times=20)
-        assert np.array_equal(stepper.positions(), once)
-
-
 def landing(method):
     """On a plane that comes within reach on the way."""
     motion = {"gravity": GRAVITY, "velocity": [0.5, 0.0, 0.0], "stretch": [1.05, 1.0, 1.0], "stop_time": 0.4}

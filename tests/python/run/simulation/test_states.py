@@ -1,15 +1,13 @@
-"""Saved moments come back, as bytes in other simulations and processes too; a restart begins again."""
+"""Saved moments come back, as bytes in other simulations too; a restart begins again. For other processes: tests/fmi/test_state.py."""
 
 import copy
 import pickle
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
 from host_scenes import STEP, scene, step
-from softffd import FmuError, Simulation, package_fmu
+from softffd import FmuError, Simulation
 from softffd.fmu.component import Component
 
 
@@ -35,22 +33,6 @@ def test_a_state_is_bytes_that_another_simulation_continues_from(sim):
         assert other.time == pytest.approx(3 * STEP) and not other.initializing
         step(other, 2)
         np.testing.assert_array_equal(other.positions, sim.positions)
-
-
-def test_a_state_s_bytes_continue_in_another_process(sim, tmp_path):
-    step(sim, 3)
-    package_fmu(scene(), tmp_path / "box.fmu")
-    (tmp_path / "state").write_bytes(bytes(sim.save()))
-    step(sim, 2)
-    program = (
-        "import sys, numpy, softffd\n"
-        "with softffd.Simulation('box.fmu') as sim:\n"
-        "    sim.restore(open('state', 'rb').read())\n"
-        f"    sim.step({STEP!r}); sim.step({STEP!r})\n"
-        "    numpy.save('end.npy', sim.positions)\n"
-    )
-    subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True)
-    np.testing.assert_array_equal(np.load(tmp_path / "end.npy"), sim.positions)
 
 
 def test_a_state_before_the_first_step_leads_back_to_the_settings(sim):
