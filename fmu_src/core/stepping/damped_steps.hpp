@@ -5,6 +5,10 @@
 /// Where constraints of contact change, or something strikes, the error falls with the first power of the step: it is taken so. What rings
 /// is seen by the two runs while a step is no longer than ten radians of it, and beyond by the energy that the step takes; steps grow by a
 /// factor of four at most. Where they would have to be nearly as short as explicit ones, these take over for a while.
+///
+/// What a step errs by counts for as long as the body remembers it: held by pins, until its slowest vibration has died away
+/// (matrix/slowest_vibration.hpp); else to the end of the run. The first step of a communication step, at which inputs may jump, is no
+/// longer than the one before had to be.
 #pragma once
 #include "stepping/doubled_steps.hpp"
 
