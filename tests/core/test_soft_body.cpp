@@ -165,15 +165,6 @@ TEST(a_moved_pin_carries_its_points_and_gets_their_momentum) {
   CHECK_NEAR((row(body.state().x, 0) - corner).norm(), 0.0, 1e-15);
 }
 
-TEST(mass_scales_every_point) {
-  SoftBody body(stretched());
-  body.settings.mass = 8;
-  body.settings.force.change()(3, 0) = 1;
-  body.initialize(0);
-  body.advance(0.01);
-  CHECK_NEAR(body.state().v(3, 0), 0.01 / (8.0 / 64), 1e-12);
-}
-
 TEST(a_scene_that_explicit_steps_suit_never_factors_a_matrix) {
   const auto factors = [](double k, double damping, Vec3 stretch, Vec3 spin, int planes, double H, int side = 4) {
     Definition definition = one_kilogram({side, side, side}, planes);
@@ -223,28 +214,4 @@ TEST(a_damped_box_that_was_dropped_comes_to_rest) {
         CHECK(!moves);
         if (moves) std::printf("  %d x %d x %d, k = %g N/m, H = %g s\n", counts[0], counts[1], counts[2], k, H);
       }
-}
-
-TEST(a_body_that_starts_turned_moves_as_the_turned_one) {
-  const Vec3 rotation(0.3, -0.5, 0.2);
-  const auto turned = [&](const Vec3& v) { return rotated(rotation, v); };
-  Definition definition = stretched(), other = definition;
-  definition.velocity = {1, 0, 0.5};
-  definition.angular_velocity = {0.5, 2, 1};
-  other.velocity = turned(definition.velocity);
-  other.angular_velocity = turned(definition.angular_velocity);
-  SoftBody upright = soft_body(definition, 1e3), tilted = soft_body(other, 1e3);
-  for (SoftBody* body : {&upright, &tilted}) {
-    body->settings.method = Method::leapfrog;
-    body->settings.step = 1e-3;
-    body->settings.gravity = {0, 0, -9.81};
-  }
-  tilted.settings.gravity = turned(upright.settings.gravity);
-  tilted.settings.rotation = rotation;
-  for (SoftBody* body : {&upright, &tilted}) {
-    body->initialize(0);
-    go(*body, 20, 0.01);
-  }
-  const Vec3 centre(0.55, 0.5, 0.5);
-  for (int p = 0; p < 64; ++p) CHECK((row(tilted.state().x, p) - centre - turned(row(upright.state().x, p) - centre)).norm() < 1e-12);
 }
