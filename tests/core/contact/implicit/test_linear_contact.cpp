@@ -33,7 +33,7 @@ struct Setting {
     x = x0 + u;
   }
 
-  StepProblem problem() const { return {body, x0, u, x, residual, diagonal, h, 1e-14, 30, k}; }
+  StepProblem problem() const { return {body, x0, u, x, residual, diagonal, h, 1e-14, 30, k, 0, 0}; }
 
   /// A of the free points, dense, axis by axis.
   Eigen::MatrixXd matrix() const {
