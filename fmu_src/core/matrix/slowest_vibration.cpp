@@ -12,23 +12,38 @@ constexpr int iterations = 3;
 
 }  // namespace
 
-double memory_of_slowest_vibration(const Lattice& lattice, const Body& body, double longest) {
-  const Points rest = rest_positions(lattice);
+SlowestVibration::Room::Room(const Lattice& lattice)
+    : rest(rest_positions(lattice)),
+      mode(lattice.points(), 3),
+      force(lattice.points(), 3),
+      diagonal(lattice.points()),
+      sums(6 * lattice.points()),
+      matrix(lattice) {}
+
+double SlowestVibration::memory(const Body& body, double longest) {
+  if (version_ != body.version || longest_ != longest) memory_ = find(body, longest);
+  version_ = body.version;
+  longest_ = longest;
+  return memory_;
+}
+
+double SlowestVibration::find(const Body& body, double longest) {
+  if (!room_) room_ = std::make_unique<Room>(lattice_);
+  auto& [rest, mode, force, diagonal, sums, matrix] = *room_;
   const double slight = 1 / (longest * longest);  // what is slower lasts longer
-  Scalars sums(6 * body.points());
-  LatticeMatrix matrix(lattice);
-  assemble(body, rest, slight * body.mass, sums, matrix);
+  diagonal = slight * body.mass;
+  assemble(body, rest, diagonal, sums, matrix);
   matrix.factor();
   double memory = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    Points mode = Points::Zero(body.points(), 3), force = mode;
+    mode.setZero();
     for (int p = 0; p < body.points(); ++p) mode(p, axis) = body.pinned[p] ? 0 : 1;
-    double squared = 0, kinetic = 0;
+    double squared = 0;
     for (int i = 0; i < iterations; ++i) {
       for (int a = 0; a < 3; ++a) force.col(a) = body.mass * mode.col(a);
       mode = force;
       matrix.solve(mode);
-      kinetic = (mode.square().rowwise().sum() * body.mass).sum();
+      const double kinetic = (mode.square().rowwise().sum() * body.mass).sum();
       squared = std::max(0.0, (mode * force).sum() / kinetic - slight);
       mode /= std::sqrt(kinetic);
     }

@@ -7,7 +7,6 @@
 #include "kit/outlook.hpp"
 #include "kit/thresholds.hpp"
 #include "kit/trial.hpp"
-#include "matrix/slowest_vibration.hpp"
 #include "model/arithmetic.hpp"
 #include "watch/vibration.hpp"
 
@@ -87,11 +86,7 @@ StepStatus DampedSteps::run(Integrators& integrators, const Job& job, double end
 /// Until an error of now is forgotten [s]: pins take a body back to where its slowest vibration dies away.
 double DampedSteps::memory(const Job& job) {
   const double longest = std::min(job.request.horizon, job.model.longest_memory);
-  if (job.drive.pins.empty()) return longest;
-  if (version_ != job.model.body.version || longest_ != longest) memory_ = memory_of_slowest_vibration(lattice_, job.model.body, longest);
-  version_ = job.model.body.version;
-  longest_ = longest;
-  return memory_;
+  return job.drive.pins.empty() ? longest : slowest_.memory(job.model.body, longest);
 }
 
 /// What is left of the error after h.

@@ -10,13 +10,14 @@
 /// (matrix/slowest_vibration.hpp); else to the end of the run. The first step of a communication step, at which inputs may jump, is no
 /// longer than the one before had to be.
 #pragma once
+#include "matrix/slowest_vibration.hpp"
 #include "stepping/doubled_steps.hpp"
 
 namespace softffd {
 
 class DampedSteps {
  public:
-  DampedSteps(const Lattice& lattice, const Run& run) : lattice_(lattice), start_(run.path), coarse_(run.path) {}
+  DampedSteps(const Lattice& lattice, const Run& run) : slowest_(lattice), start_(run.path), coarse_(run.path) {}
   /// others: explicit ones, for where implicit ones do not pay; null: never.
   StepStatus run(Integrators& integrators, const Job& job, double end, DoubledSteps* others);
 
@@ -53,11 +54,8 @@ class DampedSteps {
 
   double memory(const Job& job);
 
-  Lattice lattice_;
+  SlowestVibration slowest_;
   Path start_, coarse_;
-  double memory_ = 0;   ///< of the body's slowest vibration [s]
-  double longest_ = 0;  ///< no longer than this [s]
-  Count version_ = -1;  ///< of the body that it is for
 };
 
 }  // namespace softffd
