@@ -151,7 +151,8 @@ double approach_speed(const Job& job, const State& state, const RigidMotion& rig
 
 Outlook outlook(const Job& job, const State& state) {
   const auto [plane, obstacle, gap] = nearest_obstacle(job, state);
-  const double left = left_of_run(job), pressing = (plane->acceleration - whole_acceleration(job)).dot(obstacle.normal);
+  const Vec3 pushed = plane->acceleration - whole_acceleration(job);
+  const double left = left_of_run(job), pressing = pushed.dot(obstacle.normal);
   Outlook ahead{obstacle.normal, left, left, left, pressing};
   if (!job.drive.pins.empty()) return ahead;
   if (squeezed(job, state)) {
@@ -160,6 +161,7 @@ Outlook outlook(const Job& job, const State& state) {
     return ahead;
   }
   if (!(pressing > 0)) return ahead;
+  ahead.slides_on = tangential(obstacle.normal, pushed).norm() >= plane->friction * pressing;
   const Body& body = job.model.body;
   const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
   const double radius = radius_about(motion.centre, state.x), period = slowest_period(job);

@@ -12,8 +12,9 @@ namespace softffd {
 struct Outlook {
   Vec3 normal;  ///< of the nearest obstacle
   double along_normal, along_plane;
-  double left;      ///< of the run
-  double pressing;  ///< acceleration towards the obstacle [m/s2]
+  double left;             ///< of the run
+  double pressing;         ///< acceleration towards the obstacle [m/s2]
+  bool slides_on = false;  ///< friction does not hold it against what drives it along the obstacle
   /// Of a body that falls over: how many times what two states differ by grows until it lands or the run ends, and the way of its outermost
   /// point until then, beyond which they cannot differ more [m].
   double growth = 1, sweep = 0;

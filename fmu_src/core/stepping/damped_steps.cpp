@@ -16,11 +16,13 @@ namespace {
 
 namespace use = thresholds;
 
-/// Without obstacles a difference of velocities lasts.
+/// A difference of velocities lasts without obstacles, and along one on which friction does not hold the body.
 Outlook ahead(const Job& job) {
-  if (!job.drive.planes.empty()) return outlook_of_stiff(job, job.run.path.motion);
   const double left = left_of_run(job);
-  return {Vec3::UnitZ(), left, left, left, 0};
+  if (job.drive.planes.empty()) return {Vec3::UnitZ(), left, left, left, 0};
+  Outlook ahead = outlook_of_stiff(job, job.run.path.motion);
+  if (ahead.slides_on) ahead.along_plane = left;
+  return ahead;
 }
 
 }  // namespace

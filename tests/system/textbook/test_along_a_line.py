@@ -125,6 +125,7 @@ CASES = [
     "brick-plane-k1e+08-H0.1-30deg*", "brick-plane-k1e+08-H0.02-30deg*", "small-plane-k1e+08-H0.1-22.2deg*",
     "cube-plane-k1e+06-H0.1-growing", "brick-plane-k1e+09-H0.1-to and fro",
     "cube-plane-k1e+05-H0.05-laid*", "brick-plane-k1e+09-H0.1-flips*", "small-disk-k1e+07-H0.05-swings",
+    "small-surface-k1e+05-H0.02-25deg*",
 )  # fmt: skip
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_a_block_slides_and_sticks_as_a_rigid_one(case, tmp_path):
