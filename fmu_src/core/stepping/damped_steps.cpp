@@ -171,7 +171,7 @@ StepStatus DampedSteps::step(const Call& call, double until) {
     record.trust = 0;
     record.next_trust = 1;
   }
-  Judged judged{.error = infinity, .ratio = infinity, .force = record.force, .constraints = coarse.constraints};
+  Judged judged{.error = infinity, .ratio = infinity};
   if (coarse.status == StepStatus::ok) {
     std::swap(coarse_, run.path);
     trial.back();

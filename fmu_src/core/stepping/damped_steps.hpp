@@ -7,10 +7,10 @@
 /// factor of four at most. Where they would have to be nearly as short as explicit ones, these take over for a while.
 ///
 /// What a step errs by counts for as long as the body remembers it: held by pins, until its slowest vibration has died away
-/// (matrix/slowest_vibration.hpp); else to the end of the run. The first step of a communication step, at which inputs may jump, is no
+/// (kit/slowest_vibration.hpp); else to the end of the run. The first step of a communication step, at which inputs may jump, is no
 /// longer than the one before had to be.
 #pragma once
-#include "matrix/slowest_vibration.hpp"
+#include "kit/slowest_vibration.hpp"
 #include "stepping/doubled_steps.hpp"
 
 namespace softffd {

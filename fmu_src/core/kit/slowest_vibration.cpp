@@ -1,4 +1,4 @@
-#include "matrix/slowest_vibration.hpp"
+#include "kit/slowest_vibration.hpp"
 
 #include <algorithm>
 
