@@ -55,7 +55,6 @@ struct Readings {
   int folded_cells() const { return cells.folded(now.path.motion.x); }
 
   bool damped() const { return model.body.damped; }
-  bool dashpots() const { return model.body.springs.dashpots(); }
   /// Has the body more energy than it was given?
   bool gains_energy() const { return alarm(now.energy, model.noise); }
   double gained_energy() const { return now.energy.gained; }  ///< out of nothing [J]
