@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "contact/stand_ins.hpp"
 #include "forces/light_points.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
@@ -281,8 +282,9 @@ StepStatus SoftBody::initialize(double t0) {
   return settings.step == 0 && readings().undecided() ? StepStatus::undecided : StepStatus::ok;
 }
 
-/// A communication step from the run as it is. changed: the material is another than before it.
-StepStatus SoftBody::advance_from_here(double H, double step_factor, bool changed) {
+/// A communication step from the run as it is. changed: the material is another than before it. stand_ins: half-spaces may stand for
+/// solids; where they are pressed beside these, the step is not taken.
+StepStatus SoftBody::advance_from_here(double H, double step_factor, bool changed, bool stand_ins) {
   State& motion = now_.path.motion;
   Exchange& exchange = now_.path.exchange;
   if (changed) take_material();
@@ -314,7 +316,9 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
                         .horizon = settings.horizon,
                         .jolt = jump > thresholds::jolt * drive_.force.abs().maxCoeff(),
                         .step_factor = step_factor * settings.step_factor};
+  if (definition_.solids && stand_ins) let_half_spaces_stand(model_.body, drive_, motion, H);
   const StepStatus ran = propagator_.advance({model_, drive_, request, now_}, H);
+  if (definition_.solids) meet_solids(drive_);
   if (ran != StepStatus::ok) return ran;
   if (drive_.ramped)
     drive_.force_at(motion.time, now_.outside.change());
@@ -357,7 +361,16 @@ StepStatus SoftBody::advance(double H) {
   if (changed) refresh_model(settings.gravity);
   const bool automatic = settings.step == 0;
   const double usual = automatic ? now_.energy.step_factor : 1;
-  const auto attempt = [&](double step_factor) { return advance_from_here(H, step_factor, changed); };
+  bool stand_ins = true;
+  const auto attempt = [&](double step_factor) {
+    const EnergyAccount begun = now_.energy;
+    const StepStatus ran = advance_from_here(H, step_factor, changed, stand_ins);
+    if (ran != StepStatus::beside_solid) return ran;
+    stand_ins = false;
+    trial.back();
+    now_.energy = begun;
+    return advance_from_here(H, step_factor, changed, stand_ins);
+  };
   Budget& budget = propagator_.budget();
   const double most = settings.most_work * thresholds::patience(model_.body.points());
   budget.begin(most);

@@ -113,7 +113,7 @@ class SoftBody {
   bool place_pins(bool book);
   double potential_energy() const { return readings().elastic_energy() + readings().gravity_energy(); }
   void take_material();
-  StepStatus advance_from_here(double H, double step_factor, bool changed);
+  StepStatus advance_from_here(double H, double step_factor, bool changed, bool stand_ins);
 
   /// What the outside forces come from.
   struct Loads {

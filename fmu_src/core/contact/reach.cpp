@@ -65,16 +65,21 @@ bool off_obstacles(const Body& body, const Drive& around, double t, const Points
   return body.samples && std::all_of(around.planes.begin(), around.planes.end(), off);
 }
 
+double forecast_way(const Equations& equations, const State& state, double H) {
+  const auto& [body, around] = equations;
+  double acceleration = 0;
+  for (int axis = 0; axis < 3; ++axis) acceleration = std::max(acceleration, (around.force.col(axis) / body.mass).abs().maxCoeff());
+  return H * (largest_speed(state.v) + 0.5 * H * std::sqrt(3.0) * acceleration);
+}
+
 double Reach::least_gap(const HalfSpace& obstacle, const Points& x) {
   kernels::gaps(int(x.rows()), x.data(), obstacle.normal.data(), obstacle.offset, gap_.data());
   return gap_.minCoeff<Eigen::PropagateNaN>();
 }
 
 bool Reach::may_touch(const Equations& equations, const State& state, double H) {
-  const auto& [body, around] = equations;
-  double acceleration = 0;
-  for (int axis = 0; axis < 3; ++axis) acceleration = std::max(acceleration, (around.force.col(axis) / body.mass).abs().maxCoeff());
-  const double way = H * (largest_speed(state.v) + 0.5 * H * std::sqrt(3.0) * acceleration);
+  const Drive& around = equations.around;
+  const double way = forecast_way(equations, state, H);
   return std::any_of(around.planes.begin(), around.planes.end(), [&](const Plane& plane) {
     const HalfSpace start = plane.at(state.time);
     const double first = least_gap(start, state.x), last = least_gap(plane.at(state.time + H), state.x);

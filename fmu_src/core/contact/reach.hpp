@@ -21,11 +21,13 @@ bool off_obstacles(const Drive& around, double t, const Points& x, double gap);
 /// The same of the surface's samples, where obstacles meet them and not the control points.
 bool off_obstacles(const Body& body, const Drive& around, double t, const Points& x, double gap);
 
+/// How far a point may go within H, at its present speed and under the outside forces [m]: a forecast.
+double forecast_way(const Equations& equations, const State& state, double H);
+
 class Reach {
  public:
   explicit Reach(int points) : gap_(points), middle_(points, 3) {}
-  /// Could a point come to an obstacle within H, at its present speed and under the outside forces? A forecast; the obstacles' own motion
-  /// is bounded.
+  /// Could a point come to an obstacle within H, by that forecast? The obstacles' own motion is bounded.
   bool may_touch(const Equations& equations, const State& state, double H);
   /// Is a point behind an obstacle at t1, or could one have been in between, going by the gaps and speeds at both ends and by the cubic
   /// through them? A point that swings to and fro more than once in the step is beyond that.

@@ -25,31 +25,54 @@ Turned turned_box(const Plane& box, double age) {
   return now;
 }
 
+/// Of the half-spaces with a normal that goes with the solid that which touches it.
+HalfSpace supporting(const Plane& solid, const SolidPose& pose) {
+  Vec3 normal = solid.facing;
+  double beyond = solid.radius;
+  if (solid.box()) {
+    normal = pose.edges * solid.facing;
+    beyond = 0.5 * solid.sides.dot(solid.facing.cwiseAbs());
+  } else if (solid.length > 0) {
+    normal = swung(solid.normal, pose.normal, solid.facing);
+    const double along = normal.dot(pose.normal);
+    beyond = solid.radius * (normal - along * pose.normal).norm() + 0.5 * solid.length * std::abs(along);
+  }
+  return {pose.point, normal, normal.dot(pose.point) + beyond, pose.velocity, pose.spin};
+}
+
 }  // namespace
 
 HalfSpace Plane::at(double time) const {
-  if (box()) return pose_at(time);
+  if (stood_for()) return supporting(*this, pose_at(time));
+  return pose_at(time);
+}
+
+SolidPose Plane::pose_at(double time) const {
   const double age = time - since;
   const Vec3 here = point + age * (velocity + 0.5 * age * acceleration);
   const Vec3 speed = velocity + age * acceleration;
+  if (box()) {
+    const auto [edges, spin] = turned_box(*this, age);
+    const Vec3 up = edges.col(2);
+    return {{here, up, up.dot(here) + 0.5 * sides[2], speed, spin}, edges};
+  }
   if (!normal_rate.isZero(0)) {
     const Vec3 n = normal + age * normal_rate;
     const double squared = n.squaredNorm();
     const Vec3 unit = n / std::sqrt(squared);
-    return {here, unit, unit.dot(here), speed, n.cross(normal_rate) / squared};
+    return {{here, unit, unit.dot(here), speed, n.cross(normal_rate) / squared}, {}};
   }
   const Vec3 turn = age * (angular_velocity + 0.5 * age * angular_acceleration);
   const Vec3 n = turn.isZero(0) ? normal : rotated(turn, normal);
-  return {here, n, n.dot(here), speed, angular_velocity + age * angular_acceleration};
+  return {{here, n, n.dot(here), speed, angular_velocity + age * angular_acceleration}, {}};
 }
 
-SolidPose Plane::pose_at(double time) const {
-  if (!box()) return {at(time), {}};
-  const double age = time - since;
-  const Vec3 here = point + age * (velocity + 0.5 * age * acceleration);
-  const auto [edges, spin] = turned_box(*this, age);
-  const Vec3 up = edges.col(2);
-  return {{here, up, up.dot(here) + 0.5 * sides[2], velocity + age * acceleration, spin}, edges};
+bool Plane::holds(const SolidPose& pose, const Vec3& x, double slack) const {
+  const Vec3 arm = x - pose.point;
+  if (box()) return ((pose.edges.transpose() * arm).cwiseAbs() - 0.5 * sides).maxCoeff() <= slack;
+  if (length == 0) return arm.norm() <= radius + slack;
+  const double height = pose.normal.dot(arm);
+  return std::abs(height) <= 0.5 * length + slack && (arm - height * pose.normal).norm() <= radius + slack;
 }
 
 bool Plane::at_rest() const {

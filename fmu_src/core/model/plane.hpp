@@ -53,10 +53,18 @@ struct SolidPose : HalfSpace {
 /// The same from time `since` on, with a normal of unit length, which turns with the angular velocity, or, where a rate of the normal or
 /// of the rotation is given, follows it.
 struct Plane : PlaneMotion {
-  double since = 0;  ///< [s]
+  double since = 0;            ///< [s]
+  Vec3 facing = Vec3::Zero();  ///< of a solid for which a supporting half-space stands: its unit normal: of a box by its edges, of others at `since`
 
+  /// Does a half-space stand for the solid that it holds (contact/surface/stand_ins.hpp)?
+  bool stood_for() const { return !facing.isZero(0); }
+  /// A solid that is met as itself.
+  bool solid() const { return PlaneMotion::solid() && !stood_for(); }
+  /// The half-space, that which stands for a solid too.
   HalfSpace at(double time) const;
   SolidPose pose_at(double time) const;
+  /// Is x in the solid in this pose, or at most so far out of one of its faces [m]?
+  bool holds(const SolidPose& pose, const Vec3& x, double slack) const;
   /// Is it the same at all times?
   bool at_rest() const;
 };

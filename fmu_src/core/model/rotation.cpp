@@ -36,6 +36,13 @@ Vec3 rotated(const Vec3& w, const Vec3& v) {
   return r.cosine * v + r.sine * axis.cross(v) + (1 - r.cosine) * axis.dot(v) * axis;
 }
 
+Vec3 swung(const Vec3& from, const Vec3& to, const Vec3& v) {
+  const Vec3 axis = from.cross(to);
+  const double cosine = from.dot(to);
+  if (axis.isZero(0) || cosine <= -1) return v;
+  return v + axis.cross(v) + axis.cross(axis.cross(v)) / (1 + cosine);
+}
+
 Vec3 spin_of(const Vec3& w, const Vec3& rate) {
   const double angle = std::sqrt(w.dot(w));
   if (angle == 0) return rate;

@@ -15,6 +15,9 @@ SineCosine sine_cosine(double angle);
 /// The vector v turned by the rotation vector w [rad] about the axis w.
 Vec3 rotated(const Vec3& w, const Vec3& v);
 
+/// The vector v as the shortest turn from one unit vector to another takes it; from one to its opposite: v itself.
+Vec3 swung(const Vec3& from, const Vec3& to, const Vec3& v);
+
 /// The angular velocity [rad/s] of what a rotation vector w turns whose time derivative is this [rad/s].
 Vec3 spin_of(const Vec3& w, const Vec3& rate);
 

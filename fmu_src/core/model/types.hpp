@@ -20,6 +20,7 @@ inline void set_row(Points& points, int p, const Vec3& value) { points.row(p) = 
 enum class StepStatus {
   ok,
   contact_ahead,
+  beside_solid,  ///< what stands for a solid is pressed where that is not (contact/stand_ins.hpp)
   impossible_planes,
   pin_behind_plane,
   zero_normal,

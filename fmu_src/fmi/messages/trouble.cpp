@@ -33,7 +33,8 @@ std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& b
   const std::string where = "at time " + number(time) + " s: ";
   switch (status) {
     case StepStatus::ok:
-    case StepStatus::contact_ahead: return "done";
+    case StepStatus::contact_ahead:
+    case StepStatus::beside_solid: return "done";
     case StepStatus::impossible_planes:
       return where +
              "the obstacles leave a control point, or a point of the surface, no feasible position; move or turn them so that they do not "

@@ -60,8 +60,18 @@ StepStatus ImplicitStage::solve(const Step& step) {
   }
   StepStatus status = open(step);
   if (status == StepStatus::ok) status = iterate(step);
-  if (status == StepStatus::ok) close(step);
-  return status;
+  if (status != StepStatus::ok) return status;
+  close(step);
+  return presses_solids(step) ? StepStatus::ok : StepStatus::beside_solid;
+}
+
+/// Do the reactions press on the solids that half-spaces stand for?
+bool ImplicitStage::presses_solids(const Step& step) const {
+  return std::ranges::all_of(reactions_, [&](const Reaction& each) {
+    const Plane& solid = step.equations.around.planes[each.plane];
+    return !solid.stood_for() || each.force.isZero(0) ||
+           solid.holds(solid.pose_at(step.t + step.h), touches_->value(each, x), touching * step.equations.body.length);
+  });
 }
 
 StepStatus ImplicitStage::open(const Step& step) {
@@ -313,7 +323,9 @@ Vec3 ImplicitStage::pin_impulse(const Step& step, int p) const {
 void ImplicitStage::book(const Step& step, double weight, Exchange& exchange) const {
   const Drive& around = step.equations.around;
   for (const Reaction& each : reactions_) {
-    exchange.planes[each.plane].add(-weight * impulse(step, each), touches_->value(each, x) - touches_->plane(each.plane).point);
+    const Vec3 arm = touches_->value(each, x) - touches_->plane(each.plane).point, taken = weight * impulse(step, each);
+    exchange.planes[each.plane].add(-taken, arm);
+    if (around.planes[each.plane].stood_for()) exchange.planes[each.plane].press(each.normal.dot(taken), arm);
     exchange.contacts_resolved += each.first;
   }
   for (std::size_t a = 0; a < around.pins.size(); ++a) {

@@ -75,6 +75,7 @@ class ImplicitStage {
   void move(const Step& step);
   void keep_converging();
   void close(const Step& step);
+  bool presses_solids(const Step& step) const;
   void spread_rounding(const Step& step);
   Vec3 material_velocity(const Step& step, const Reaction& at) const;
   Vec3 impulse(const Step& step, const Reaction& reaction) const;

@@ -108,11 +108,11 @@ void StepDelassus::sort() {
   set_rows(rows);
 }
 
-void StepDelassus::raise(const std::vector<double>& forces, const std::vector<Scalars>& begin, std::vector<Scalars>& heights) {
-  move_.setZero(begin[0].size(), 3);
+void StepDelassus::raise(const std::vector<double>& forces, const std::vector<Heights>& begin, std::vector<Heights>& heights) {
+  move_.setZero(body_->points(), 3);
   for (std::size_t t = 0; t < forces.size(); ++t) add_response(rows_[t].sample, forces[t] * normals_[rows_[t].plane], move_);
-  for (std::size_t q = 0; q < heights.size(); ++q)
-    heights[q] = begin[q] + normals_[q][0] * move_.col(0) + normals_[q][1] * move_.col(1) + normals_[q][2] * move_.col(2);
+  heights = begin;
+  for (std::size_t q = 0; q < heights.size(); ++q) heights[q].raise(*samples_, {0, body_->points()}, move_, normals_[q]);
 }
 
 }  // namespace softffd

@@ -37,7 +37,7 @@ class StepDelassus {
   void drop(int row, Column* column = nullptr);
   void sort();
   void solve(double* b) const { factor_.solve(b); }
-  void raise(const std::vector<double>& forces, const std::vector<Scalars>& begin, std::vector<Scalars>& heights);
+  void raise(const std::vector<double>& forces, const std::vector<Heights>& begin, std::vector<Heights>& heights);
 
   /// G of two samples [m/N].
   Eigen::Matrix3d operator()(int s, int t);

@@ -128,15 +128,15 @@ StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
   for (int looks = 0; looks < most_looks; ++looks) {
     find_loads();
     find_move(forces_);
-    find_heights(problem, heights_);
-    if (looks == 0) all_covered(heights_);
+    find_heights(problem);
+    if (looks == 0) all_covered();
     list_candidates();
     set_.delassus().set_rows(start_);
     if (const StepStatus status = set_.solve(candidates_, heights_, problem.slack, loads_); status != StepStatus::ok) return status;
     if (set_.pinned_violation() > pin_slack * length_) return StepStatus::pin_behind_plane;
     lost = take_loads() || lost;
     find_move(forces_);
-    find_heights(problem, heights_);
+    find_heights(problem);
     if (in_front(problem.slack)) return StepStatus::ok;
   }
   return StepStatus::not_finite;
@@ -200,18 +200,18 @@ bool SurfaceTouches::rub(const StepProblem& problem) {
   const double missed = rows_.solve(coulomb_, force);
   for (int t = 0; t < n; ++t) forces_[t].force = force[t];
   find_move(forces_);
-  find_heights(problem, heights_);
+  find_heights(problem);
   return missed <= problem.slack + doubt_ && in_front(problem.slack);
 }
 
 /// Are the samples in front of the planes at the heights at hand, as far as their lists and rounding let know? Looks for them anew where
 /// the lists do not do.
 bool SurfaceTouches::in_front(double slack) {
-  const bool covered = all_covered(heights_);
+  const bool covered = all_covered();
   list_candidates();
   return covered && std::all_of(candidates_.begin(), candidates_.end(), [&](const Candidate& each) {
            const int s = each.row.sample;
-           return samples_.at(s, heights_[each.row.plane].data()) >= -2 * slack - doubt_ ||
+           return heights_[each.row.plane].at(samples_, s) >= -2 * slack - doubt_ ||
                   set_.delassus()(s, s).isZero(0);  // all of it pinned
          });
 }
@@ -243,11 +243,12 @@ void SurfaceTouches::find_move(const std::vector<Force>& forces) {
 }
 
 /// Of the control points above the planes, moved.
-void SurfaceTouches::find_heights(const StepProblem& problem, std::vector<Scalars>& heights) const {
-  heights.resize(end_.size());
+void SurfaceTouches::find_heights(const StepProblem& problem) {
+  heights_.resize(end_.size());
   for (std::size_t q = 0; q < end_.size(); ++q) {
-    heights[q] = Scalars::Constant(move_.rows(), -end_[q].offset);
-    for (int axis = 0; axis < 3; ++axis) heights[q] += normals_[q][axis] * (problem.x.col(axis) + move_.col(axis));
+    Scalars& heights = heights_[q].of_points;
+    heights = Scalars::Constant(move_.rows(), -end_[q].offset);
+    for (int axis = 0; axis < 3; ++axis) heights += normals_[q][axis] * (problem.x.col(axis) + move_.col(axis));
   }
 }
 
@@ -264,11 +265,11 @@ void SurfaceTouches::list_candidates() {
 }
 
 /// Looks for samples anew where their lists do not do; returns whether all did.
-bool SurfaceTouches::all_covered(const std::vector<Scalars>& heights) {
+bool SurfaceTouches::all_covered() {
   bool covered = true;
   for (std::size_t q = 0; q < end_.size(); ++q)
-    if (!search_.covers(int(q), heights[q])) {
-      search_.look(int(q), heights[q], move_.abs().maxCoeff());
+    if (!search_.covers(int(q), heights_[q].of_points)) {
+      search_.look(int(q), heights_[q].of_points, move_.abs().maxCoeff());
       covered = false;
     }
   return covered;

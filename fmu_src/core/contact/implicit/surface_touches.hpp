@@ -60,9 +60,9 @@ class SurfaceTouches final : public ImplicitTouches {
   bool rub(const StepProblem& problem);
   bool rubs() const;
   void find_move(const std::vector<Force>& forces);
-  void find_heights(const StepProblem& problem, std::vector<Scalars>& heights) const;
+  void find_heights(const StepProblem& problem);
   void list_candidates();
-  bool all_covered(const std::vector<Scalars>& heights);
+  bool all_covered();
   Vec3 place(const StepProblem& problem, const SurfaceRow& row) const;
 
   const Samples& samples_;
@@ -80,7 +80,7 @@ class SurfaceTouches final : public ImplicitTouches {
   std::vector<double> loads_;                    ///< theirs [N]
   StepSolution solution_;
   Points free_, move_;  ///< dx with the forces before; with those at hand [m]
-  std::vector<Scalars> heights_;
+  std::vector<Heights> heights_;
   std::vector<Candidate> candidates_;
   FeasibleSet feasible_;
   double doubt_ = 0;  ///< rounding of move_ [m]

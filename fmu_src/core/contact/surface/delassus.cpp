@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/surface/surface_loops.hpp"
+#include "forces/kernels.hpp"
 
 namespace softffd {
 
@@ -11,28 +12,38 @@ namespace {
 
 /// Cosines so near to 1 or -1 are those of parallel planes; up to so many planes have a table of them.
 constexpr double aligned = 1 - 1e-15;
-constexpr std::size_t few = 64;
+constexpr int few = 64;
 
 }  // namespace
 
-double Delassus::between(const std::vector<Vec3>& normals, int p, int q) {
-  const double cosine = p == q ? 1 : normals[p].dot(normals[q]);
+bool Heights::find(const Samples& samples, const Points& x, const Vec3& normal, double offset) {
+  if (sample < 0) return kernels::gaps(int(x.rows()), x.data(), normal.data(), offset, of_points.data());
+  of_sample = normal.dot(samples.at(sample, x)) - offset;
+  return of_sample < 0;
+}
+
+void Heights::raise(const Samples& samples, PointRange range, const Points& move, const Vec3& normal) {
+  if (sample >= 0)
+    of_sample += normal.dot(samples.at(sample, move));
+  else
+    kernels::raise(int(move.rows()), range, normal.data(), move.data(), of_points.data());
+}
+
+double Delassus::between(int p, int q) const {
+  const double cosine = p == q ? 1 : normals_[p].dot(normals_[q]);
   return cosine > aligned ? 1 : cosine < -aligned ? -1 : cosine;
 }
 
 void Delassus::set_normals(const std::vector<Vec3>& normals) {
+  if (normals == normals_) return;
+  normals_ = normals;
+  cosines_.clear();
   const int n = int(normals.size());
-  if (normals.size() <= few) {
-    std::vector<double> cosines;
-    for (int p = 0; p < n; ++p)
-      for (int q = 0; q < n; ++q) cosines.push_back(between(normals, p, q));
-    normals_.clear();
-    set_cosines(cosines);
-  } else if (normals != normals_) {
-    cosines_.clear();
-    normals_ = normals;
-    factor(0);
-  }
+  std::vector<double> table;
+  for (int p = 0; p < n && n <= few; ++p)
+    for (int q = 0; q < n; ++q) table.push_back(between(p, q));
+  cosines_.swap(table);
+  factor(0);
 }
 
 void Delassus::set_masses(const Scalars& inverse) {
@@ -40,13 +51,6 @@ void Delassus::set_masses(const Scalars& inverse) {
   const std::vector<SurfaceRow> rows = rows_;
   rows_.clear();
   set_rows(rows);
-}
-
-void Delassus::set_cosines(const std::vector<double>& cosines) {
-  if (cosines == cosines_) return;
-  cosines_ = cosines;
-  planes_ = int(std::lround(std::sqrt(double(cosines.size()))));
-  factor(0);
 }
 
 void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
@@ -86,20 +90,30 @@ void Delassus::factor(int from) {
       [&](int i) { return g_[start(i) + i]; });
 }
 
-void Delassus::raise(const std::vector<double>& forces, const std::vector<Scalars>& begin, std::vector<Scalars>& heights) {
-  fields_.resize(begin.size());
-  pushed_.clear();
-  for (const SurfaceRow& row : rows_) pushed_.push_back(row.plane);
-  std::sort(pushed_.begin(), pushed_.end());
-  pushed_.erase(std::unique(pushed_.begin(), pushed_.end()), pushed_.end());
-  for (const int r : pushed_) fields_[r].setZero(begin[0].size());
-  for (std::size_t t = 0; t < forces.size(); ++t) push(int(t), forces[t], fields_[rows_[t].plane].data());
-  for (std::size_t q = 0; q < fields_.size(); ++q) {
-    heights[q] = begin[q];
-    for (const int r : pushed_)
-      if (const double along = cosine(int(q), r); along != 0) heights[q] += along * fields_[r];
+/// Rows of one plane move the points along its normal alone.
+void Delassus::raise(const std::vector<double>& forces, const std::vector<Heights>& begin, std::vector<Heights>& heights) {
+  heights = begin;
+  if (rows_.empty()) return;
+  const int one = rows_[0].plane, points = int(inverse_.size());
+  spend(double(begin.size()) * points);
+  if (std::ranges::all_of(rows_, [&](const SurfaceRow& row) { return row.plane == one; })) {
+    field_.setZero(points);
+    for (std::size_t t = 0; t < forces.size(); ++t) push(int(t), forces[t], field_.data());
+    for (std::size_t q = 0; q < heights.size(); ++q) {
+      const double along = cosine(int(q), one);
+      if (along == 0) continue;
+      if (heights[q].sample >= 0)
+        heights[q].of_sample += along * samples_->at(heights[q].sample, field_.data());
+      else
+        heights[q].of_points += along * field_;
+    }
+    return;
   }
-  spend(double(begin.size()) * double(begin[0].size()) * double(1 + pushed_.size()));
+  pushes_.clear();
+  for (std::size_t t = 0; t < forces.size(); ++t) pushes_.push_back(forces[t] * normals_[rows_[t].plane]);
+  push(pushes_, move_);
+  for (std::size_t q = 0; q < heights.size(); ++q) heights[q].raise(*samples_, range_, move_, normals_[q]);
+  spend(3 * double(begin.size()) * points);
 }
 
 void Delassus::push(const std::vector<Vec3>& forces, Points& move) const {

@@ -20,15 +20,26 @@ struct SurfaceRow {
   auto operator<=>(const SurfaceRow&) const = default;
 };
 
+/// Heights above a plane, which are linear in those of the control points.
+struct Heights {
+  Scalars of_points;  ///< (points); none where the plane is of one sample alone, as a solid's tangent is:
+  int sample = -1;
+  double of_sample = 0;
+
+  double at(const Samples& samples, int s) const { return sample < 0 ? samples.at(s, of_points.data()) : of_sample; }
+  /// Of these positions above a plane, or of velocities along its normal. Returns whether any is below 0.
+  bool find(const Samples& samples, const Points& x, const Vec3& normal, double offset);
+  /// By this motion of the control points in the range.
+  void raise(const Samples& samples, PointRange range, const Points& move, const Vec3& normal);
+};
+
 class Delassus {
  public:
   explicit Delassus(const Samples& samples) : samples_(&samples) {}
 
   /// Inverse masses (points) that all rows are to have from now on; existing rows are made anew.
   void set_masses(const Scalars& inverse);
-  /// Cosines of the angles between planes, (planes * planes); existing rows are factored anew if one has changed.
-  void set_cosines(const std::vector<double>& cosines);
-  /// The same by the planes' normals: of many, such as the tangents of solids, no table is made.
+  /// The planes' unit normals; existing rows are factored anew if one has changed.
   void set_normals(const std::vector<Vec3>& normals);
   /// These rows, sorted, in the place of those at hand.
   void set_rows(const std::vector<SurfaceRow>& rows);
@@ -36,7 +47,8 @@ class Delassus {
   int size() const { return int(rows_.size()); }
   const std::vector<SurfaceRow>& rows() const { return rows_; }
   const Samples& samples() const { return *samples_; }
-  double cosine(int p, int q) const { return normals_.empty() ? cosines_[p * planes_ + q] : between(normals_, p, q); }
+  const std::vector<Vec3>& normals() const { return normals_; }
+  double cosine(int p, int q) const { return cosines_.empty() ? between(p, q) : cosines_[p * int(normals_.size()) + q]; }
   /// G of rows s and t at hand.
   double operator()(int s, int t) const { return s < t ? g_[start(t) + s] : g_[start(s) + t]; }
 
@@ -57,8 +69,8 @@ class Delassus {
   /// The same with `together` columns, b (size, together) row by row.
   static constexpr int together = RowFactor::together;
   void solve_together(double* b) const { factor_.solve_together(b); }
-  /// heights = begin, (planes)(points) both, moved by these forces of the rows.
-  void raise(const std::vector<double>& forces, const std::vector<Scalars>& begin, std::vector<Scalars>& heights);
+  /// heights = begin, moved by these forces of the rows along their normals.
+  void raise(const std::vector<double>& forces, const std::vector<Heights>& begin, std::vector<Heights>& heights);
   /// values_i += f W_si / m_i for row s.
   void push(int s, double f, double* values) const { samples_->add(rows_[s].sample, f, over_mass(s), values); }
   /// Points that rows move, and perhaps others; all where not all points count at a sample.
@@ -72,7 +84,7 @@ class Delassus {
   void push(const std::vector<Vec3>& forces, Points& move) const;
 
  private:
-  static double between(const std::vector<Vec3>& normals, int p, int q);
+  double between(int p, int q) const;
   static std::size_t start(int row) { return RowFactor::start(row); }
   const double* over_mass(int s) const { return &over_mass_[std::size_t(s) * samples_->support()]; }
   double element(const SurfaceRow& a, const double* of_a, const SurfaceRow& b, const double* of_b) const;
@@ -81,16 +93,16 @@ class Delassus {
 
   const Samples* samples_;
   Scalars inverse_;
-  std::vector<double> cosines_;
-  std::vector<Vec3> normals_;  ///< of many planes, in the place of cosines
-  int planes_ = 0;
+  std::vector<Vec3> normals_;    ///< of the planes
+  std::vector<double> cosines_;  ///< of the angles between them, (planes * planes), where they are few
   std::vector<SurfaceRow> rows_;
   std::vector<double> over_mass_;  ///< W / m of each row, (support) each
   PointRange range_;
   std::vector<double> g_;  ///< lower triangle, row by row
   RowFactor factor_;
-  std::vector<Scalars> fields_;  ///< of the planes' forces, along their normals
-  std::vector<int> pushed_;      ///< planes that have any
+  Scalars field_;                ///< of the forces of one plane's rows, along its normal
+  std::vector<Vec3> pushes_;     ///< of rows of several planes
+  Points move_;                  ///< by them
   mutable double done_ = 0;
   double most_ = std::numeric_limits<double>::infinity();
   bool sorted_ = true;

@@ -33,7 +33,7 @@ bool spent(const Metric& metric, double more = 0) {
 }  // namespace
 
 template <class Metric>
-StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance,
+StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, std::vector<Heights>& heights, double tolerance,
                                           const std::vector<double>& known) {
   heights_ = &heights;
   pinned_ = 0;

@@ -40,7 +40,7 @@ class DualActiveSetIn {
   /// heights: (planes) of y0, become those of y. candidates: sorted by row; the active ones must be among them. known: forces of the active
   /// rows that y0 has already, so that large forces that hold each other lose no digits; none: zero. Not finite: not found in so many
   /// steps.
-  StepStatus solve(std::vector<Candidate>& candidates, std::vector<Scalars>& heights, double tolerance,
+  StepStatus solve(std::vector<Candidate>& candidates, std::vector<Heights>& heights, double tolerance,
                    const std::vector<double>& known = {});
 
  private:
@@ -54,16 +54,16 @@ class DualActiveSetIn {
   int most_violated(std::vector<Candidate>& candidates, double tolerance);
   StepStatus add(const std::vector<Candidate>& candidates, int chosen);
   void renew_forces();
-  double height(const SurfaceRow& row, const std::vector<Scalars>& heights) const {
-    return delassus_.samples().at(row.sample, heights[row.plane].data());
+  double height(const SurfaceRow& row, const std::vector<Heights>& heights) const {
+    return heights[row.plane].at(delassus_.samples(), row.sample);
   }
 
   Metric delassus_;
   typename Metric::Column column_;
   std::vector<double> forces_, known_, bounds_, wanted_;  ///< of the active rows: l, its part in y0, b, b less height at y0
   std::vector<double> scratch_;
-  std::vector<Scalars> begin_;  ///< heights of y0
-  std::vector<Scalars>* heights_ = nullptr;
+  std::vector<Heights> begin_;  ///< of y0
+  std::vector<Heights>* heights_ = nullptr;
   std::vector<int> hot_;       ///< candidates that were violated most at the last full look
   std::vector<char> at_hand_;  ///< candidates: 1 active, 2 pinned
   std::vector<std::pair<double, int>> violated_;

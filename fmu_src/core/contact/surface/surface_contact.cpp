@@ -58,28 +58,19 @@ SurfaceContact::SurfaceContact(const Body& body, int planes)
       length_(body.length),
       search_(samples_, planes, length_),
       tangents_(samples_, length_),
-      flat_(planes),
-      obstacle_(planes),
-      drift_(samples_, planes),
-      close_(samples_, planes),
-      start_(planes),
-      middle_(planes),
-      end_(planes),
-      friction_(planes, 0.0),
+      drift_(samples_),
+      close_(samples_),
       still_(planes, 0),
-      normals_(planes),
       at_hand_(samples_),
       behind_(body.points() / 8 + 1) {
-  for (SurfaceStage* stage : {&drift_, &close_})
-    for (Scalars& heights : stage->heights) heights.setZero(body.points());
-  for (int q = 0; q < planes; ++q) obstacle_[q] = q;
   patience_ = std::min(1.0, 64.0 / body.points());
 }
 
 void SurfaceContact::set_planes() {
-  for (std::size_t q = 0; q < end_.size(); ++q) normals_[q] = end_[q].normal;
-  drift_.set_planes(normals_, friction_);
-  close_.set_planes(normals_, friction_);
+  normals_.clear();
+  for (const HalfSpace& plane : end_) normals_.push_back(plane.normal);
+  drift_.set_planes(normals_, friction_, alone_);
+  close_.set_planes(normals_, friction_, alone_);
 }
 
 void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h) {
@@ -90,13 +81,7 @@ void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive
     drift_.set_masses(inverse(kicks.opening_mass()));
     close_.set_masses(inverse(kicks.closing_mass()));
   }
-  know(around);
-  for (int q = 0; q < flat_; ++q) {
-    friction_[q] = around.planes[q].friction;
-    still_[q] = around.planes[q].at_rest();
-    start_[q] = middle_[q] = end_[q] = around.planes[q].at(t0);
-  }
-  set_planes();
+  know(around, t0);
   holds_ = false;
 }
 
@@ -108,16 +93,17 @@ void SurfaceContact::move_planes(const StepView& step) {
     start_[q] = plane.at(step.t0);
     middle_[q] = plane.at(0.5 * (step.t0 + step.t1));
     end_[q] = plane.at(step.t1);
+    if (!poses_.empty()) poses_[q] = plane.pose_at(step.t1);
     moved = true;
   }
   if (moved) set_planes();
 }
 
-/// Heights of the control points; returns whether any is behind an obstacle.
+/// Heights above the planes; returns whether a control point is behind one, or the sample of a tangent.
 bool SurfaceContact::find_heights(const Points& x1) {
   bool behind = false;
   for (std::size_t q = 0; q < end_.size(); ++q)
-    behind = kernels::gaps(int(x1.rows()), x1.data(), end_[q].normal.data(), end_[q].offset, drift_.heights[q].data()) || behind;
+    behind = drift_.heights[q].find(samples_, x1, end_[q].normal, end_[q].offset) || behind;
   return behind;
 }
 
@@ -131,7 +117,7 @@ double SurfaceContact::slack_of_rows() const {
 StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip) {
   free_ = drift_.heights;
   for (int q = 0; q < flat_; ++q)
-    if (!search_.covers(q, free_[q])) search_.look(q, free_[q], way);
+    if (!search_.covers(q, free_[q].of_points)) search_.look(q, free_[q].of_points, way);
   const double tolerance = slack_of_rows();
   if (fit_known(rows, friction, tolerance, slip)) return StepStatus::ok;
   for (int looks = 0; looks < most_looks; ++looks) {
@@ -145,8 +131,8 @@ StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& fri
     if (const StepStatus status = drift_.solve(tolerance, slip); status != StepStatus::ok) return status;
     bool covered = true;
     for (int q = 0; q < flat_; ++q)
-      if (!search_.covers(q, drift_.heights[q])) {
-        search_.look(q, drift_.heights[q], way);
+      if (!search_.covers(q, drift_.heights[q].of_points)) {
+        search_.look(q, drift_.heights[q].of_points, way);
         covered = false;
       }
     if (covered) return drift_.pinned_violation() > pin_slack * length_ ? StepStatus::pin_behind_plane : StepStatus::ok;
@@ -186,6 +172,7 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
       exchange.contacts_resolved += Count(drift_.rows.size());
       if (!places_known_) find_places(drift_, x1);
       places_known_ = true;
+      if (const StepStatus status = pressed_solids(step, drift_); status != StepStatus::ok) return status;
       exchange.dissipated += book(step, drift_, 1 / step.h, exchange);
     }
     rows.missed = std::max(rows.missed, drift_.missed());
@@ -286,7 +273,7 @@ double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, dou
     const int q = stage.rows[t].plane;
     const Vec3 impulse = per_force * stage.force(int(t));
     taken.add(-impulse, places_[t] - end_[q].point);
-    if (q >= flat_) taken.press(end_[q].normal.dot(impulse), places_[t] - end_[q].point);
+    if (step.around.planes[obstacle_[q]].PlaneMotion::solid()) taken.press(end_[q].normal.dot(impulse), places_[t] - end_[q].point);
     if (q >= flat_ || !still_[q]) work += impulse.dot(end_[q].material_velocity(places_[t]));
     if (t + 1 < stage.rows.size() && stage.rows[t + 1].plane == q) continue;
     exchange.planes[obstacle_[q]] += taken;
@@ -338,7 +325,7 @@ StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, c
     fastest = std::max(fastest, std::abs(candidate.bound));
   }
   for (std::size_t q = 0; q < end_.size(); ++q)
-    kernels::gaps(step.body.points(), v.data(), end_[q].normal.data(), 0, close_.heights[q].data());
+    close_.heights[q].find(samples_, v, end_[q].normal, 0);
   load(rows.close, rows.close_friction, close_);
   const auto slip_of = [&](const SurfaceRow& row) {
     const HalfSpace& plane = end_[row.plane];
@@ -360,6 +347,7 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
     }
     find_places(close_, step.x0);
   }
+  if (const StepStatus status = pressed_solids(step, close_); status != StepStatus::ok) return status;
   close_.give(1, v);
   exchange.dissipated += book(step, close_, 1, exchange);
   rows.missed = std::max(rows.missed, close_.missed());

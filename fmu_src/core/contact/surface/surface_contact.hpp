@@ -100,28 +100,31 @@ class SurfaceContact {
   bool find_stop_of_known(const StepView& step, const Points& v, const SurfaceRows& rows);
   void list_touching();
   // surface_solids.cpp
-  void know(const Drive& around);
+  void know(const Drive& around, double time);
+  StepStatus pressed_solids(const StepView& step, const SurfaceStage& stage) const;
   void resize(std::size_t planes);
   void find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way);
   void turn_tangents(const StepView& step, const Points& x1);
   // surface_jumps.cpp
   bool gaps_at(const Drive& around, double time, const Points& x, double& deepest);
   void shift(Points& x) const;
-  const std::vector<int>& near(int q, const HalfSpace& plane, const Points& x);
+  const std::vector<int>& near(int q, const Points& x);
 
   const Samples& samples_;
   double length_;
   SampleSearch search_;
   Tangents tangents_;
   bool solids_ = false;        ///< any obstacle is one
-  int flat_;                   ///< number of half-spaces, which come first; then planes of the tangents, one each
+  int flat_ = 0;               ///< number of half-spaces, which come first; then planes of the tangents, one each
   std::vector<int> obstacle_;  ///< whose plane it is
+  std::vector<int> alone_;     ///< of a tangent its sample; -1
   SurfaceStage drift_, close_;
   std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at the start of the step, in its middle, at its end
   std::vector<double> friction_;
   std::vector<char> still_;
+  std::vector<SolidPose> poses_;  ///< at the end of the step; none: no half-space stands for a solid
   std::vector<Vec3> normals_;
-  std::vector<Scalars> free_;        ///< heights before a stage
+  std::vector<Heights> free_;        ///< heights before a stage
   std::vector<Candidate> touching_;  ///< after the last drift; or of these those that were active before it,
   int known_ = -1;                   ///< where a long list of this plane alone has no other that matters
   std::vector<Candidate>

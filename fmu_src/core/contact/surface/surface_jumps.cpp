@@ -18,7 +18,8 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
     double deepest = 0;
     return !gaps_at(around, time, x, deepest) || deepest >= -position_slack * (length_ + row(x, 0).norm());
   };
-  know(around);
+  know(around, time);
+  std::ranges::fill(friction_, 0.0);
   if (clear()) return StepStatus::ok;
   if (body.version != version_) {
     version_ = body.version;
@@ -28,6 +29,7 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
   const bool free = std::none_of(body.pinned.begin(), body.pinned.end(), [](bool pinned) { return pinned; });
   for (int looks = 0; looks < most_jump_looks; ++looks) {
     if (free) shift(x);
+    set_planes();
     find_heights(x);
     const std::vector<Count> none;
     const StepStatus status = fit(none, {}, 0, [](const SurfaceRow&) { return Vec3(Vec3::Zero()); });
@@ -42,8 +44,8 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
 void SurfaceContact::look(const Drive& around, double time, const Points& x) {
   touching_.clear();
   for (int q = 0; q < flat_; ++q)
-    for (const int s : near(q, end_[q], x))
-      if (samples_.at(s, drift_.heights[q].data()) <= touching * length_) touching_.push_back({.row = {q, s}});
+    for (const int s : near(q, x))
+      if (drift_.heights[q].at(samples_, s) <= touching * length_) touching_.push_back({.row = {q, s}});
   if (solids_) find_tangents(around, time, time, x, 0);
   for (int q = flat_; q < int(end_.size()); ++q) touching_.push_back({.row = {q, tangents_.found()[q - flat_].sample}});
   lasting_ = touching_;
@@ -51,25 +53,23 @@ void SurfaceContact::look(const Drive& around, double time, const Points& x) {
 }
 
 /// Samples near plane q where it is now, all that touch it among them; their heights are those of drift_.
-const std::vector<int>& SurfaceContact::near(int q, const HalfSpace& plane, const Points& x) {
-  Scalars& heights = drift_.heights[q];
-  kernels::gaps(int(x.rows()), x.data(), plane.normal.data(), plane.offset, heights.data());
-  if (!search_.covers(q, heights)) search_.look(q, heights, 0);
+const std::vector<int>& SurfaceContact::near(int q, const Points& x) {
+  Heights& heights = drift_.heights[q];
+  heights.find(samples_, x, end_[q].normal, end_[q].offset);
+  if (!search_.covers(q, heights.of_points)) search_.look(q, heights.of_points, 0);
   return search_.near(q);
 }
 
-/// Planes without friction and heights above them; deepest: of the samples [m]. Returns whether any control point is behind one.
+/// Tangents, and heights above the planes; deepest: of the samples [m]. Returns whether any control point is behind one.
 bool SurfaceContact::gaps_at(const Drive& around, double time, const Points& x, double& deepest) {
-  for (int q = 0; q < flat_; ++q) end_[q] = around.planes[q].at(time);
   if (solids_) find_tangents(around, time, time, x, 0);
   if (!find_heights(x)) return false;
-  set_planes();
   for (int q = 0; q < flat_; ++q) {
-    if (!search_.covers(q, drift_.heights[q])) search_.look(q, drift_.heights[q], 0);
-    for (const int s : search_.near(q)) deepest = std::min(deepest, samples_.at(s, drift_.heights[q].data()));
+    if (!search_.covers(q, drift_.heights[q].of_points)) search_.look(q, drift_.heights[q].of_points, 0);
+    for (const int s : search_.near(q)) deepest = std::min(deepest, drift_.heights[q].at(samples_, s));
   }
   for (int q = flat_; q < int(end_.size()); ++q)
-    deepest = std::min(deepest, samples_.at(tangents_.found()[q - flat_].sample, drift_.heights[q].data()));
+    deepest = std::min(deepest, drift_.heights[q].at(samples_, tangents_.found()[q - flat_].sample));
   return true;
 }
 
@@ -78,8 +78,8 @@ void SurfaceContact::shift(Points& x) const {
   std::vector<Constraint> constraints;
   for (std::size_t q = 0; q < end_.size(); ++q) {
     const bool flat = int(q) < flat_;
-    double least = samples_.at(flat ? 0 : tangents_.found()[q - flat_].sample, drift_.heights[q].data());
-    for (int s = 1; flat && s < samples_.count(); ++s) least = std::min(least, samples_.at(s, drift_.heights[q].data()));
+    double least = drift_.heights[q].at(samples_, flat ? 0 : drift_.heights[q].sample);
+    for (int s = 1; flat && s < samples_.count(); ++s) least = std::min(least, drift_.heights[q].at(samples_, s));
     constraints.push_back({.normal = end_[q].normal, .bound = -least});
   }
   FeasibleSet feasible(int(end_.size()));
@@ -89,12 +89,12 @@ void SurfaceContact::shift(Points& x) const {
 }
 
 void SurfaceContact::count(const Drive& around, double time, const Points& x, std::vector<Count>& contacts) {
-  know(around);
+  know(around, time);
   std::ranges::fill(contacts, 0);
   if (solids_) tangents_.find(around, time, time, x, 0);
   for (const Tangent& each : tangents_.found()) ++contacts[each.obstacle];
   for (int q = 0; q < flat_; ++q) {
-    for (const int s : near(q, around.planes[q].at(time), x)) contacts[q] += samples_.at(s, drift_.heights[q].data()) <= touching * length_;
+    for (const int s : near(q, x)) contacts[q] += drift_.heights[q].at(samples_, s) <= touching * length_;
   }
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "contact/surface/surface_contact.hpp"
+#include "contact/tolerances.hpp"
 
 namespace softffd {
 
@@ -12,21 +13,44 @@ constexpr double tangent_work = 200, plane_work = 10;
 
 }  // namespace
 
-/// Solids, which come after the planes, have rows by their tangents alone.
-void SurfaceContact::know(const Drive& around) {
+/// The obstacles at this time. Solids that are met as themselves, which come after all else, have rows by their tangents alone.
+void SurfaceContact::know(const Drive& around, double time) {
+  const int flat = int(std::ranges::count_if(around.planes, [](const Plane& plane) { return !plane.solid(); }));
   solids_ = around.planes.back().solid();
-  if (!solids_) return;
-  touching_.clear();
-  lasting_.clear();
-  flat_ = int(std::count_if(around.planes.begin(), around.planes.end(), [](const Plane& plane) { return !plane.solid(); }));
+  if (solids_ || flat != flat_) {
+    touching_.clear();
+    lasting_.clear();
+  }
+  flat_ = flat;
   resize(flat_);
+  for (int q = 0; q < flat_; ++q) {
+    obstacle_[q] = q;
+    alone_[q] = -1;
+    friction_[q] = around.planes[q].friction;
+    still_[q] = around.planes[q].at_rest();
+    start_[q] = middle_[q] = end_[q] = around.planes[q].at(time);
+  }
+  poses_.clear();
+  if (std::ranges::any_of(around.planes, &Plane::stood_for))
+    for (int q = 0; q < flat_; ++q) poses_.push_back(around.planes[q].pose_at(time));
+  set_planes();
+}
+
+/// Do the active rows, at their places, press on the solids that half-spaces stand for?
+StepStatus SurfaceContact::pressed_solids(const StepView& step, const SurfaceStage& stage) const {
+  for (std::size_t t = 0; t < stage.rows.size() && !poses_.empty(); ++t) {
+    const int q = stage.rows[t].plane;
+    if (q >= flat_ || !step.around.planes[q].stood_for()) continue;
+    if (!step.around.planes[q].holds(poses_[q], places_[t], touching * length_)) return StepStatus::beside_solid;
+  }
+  return StepStatus::ok;
 }
 
 void SurfaceContact::resize(std::size_t planes) {
   for (auto* each : {&start_, &middle_, &end_}) each->resize(planes);
   friction_.resize(planes);
-  normals_.resize(planes);
   obstacle_.resize(planes);
+  alone_.resize(planes);
 }
 
 /// The tangents of what can come to a solid from t0 to t1, if no point moves further than this [m].
@@ -35,18 +59,17 @@ void SurfaceContact::find_tangents(const Drive& around, double t0, double t1, co
   for (const Candidate& candidate : lasting_) lasting.push_back({number(candidate.row), candidate});
   tangents_.find(around, t0, t1, x0, way);
   resize(flat_ + tangents_.found().size());
-  found_ += double(tangents_.found().size()) * (tangent_work + plane_work * double(x0.rows()));
+  found_ += double(tangents_.found().size()) * (tangent_work + plane_work);
   int q = flat_;
   for (const Tangent& each : tangents_.found()) {
     start_[q] = each.start;
     middle_[q] = each.middle;
     end_[q] = each.end;
     friction_[q] = around.planes[each.obstacle].friction;
+    alone_[q] = each.sample;
     obstacle_[q++] = each.obstacle;
   }
   set_planes();
-  for (SurfaceStage* stage : {&drift_, &close_})
-    for (Scalars& heights : stage->heights) heights.resize(x0.rows());
   lasting_.clear();
   for (auto& [known, candidate] : lasting) {
     if (candidate.row.plane >= flat_) {

@@ -7,11 +7,14 @@
 
 namespace softffd {
 
-SurfaceStage::SurfaceStage(const Samples& samples, int planes) : heights(planes), set_(samples) {}
-
-void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction) {
+void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction, const std::vector<int>& samples) {
   if (normals.size() != normals_.size()) set_.delassus().set_rows({});  // their planes may not be there
   heights.resize(normals.size());
+  const int points = set_.delassus().samples().lattice().points();
+  for (std::size_t q = 0; q < normals.size(); ++q) {
+    heights[q].sample = samples[q];
+    if (heights[q].of_points.size() == 0 && samples[q] < 0) heights[q].of_points.setZero(points);
+  }
   normals_ = normals;
   friction_ = friction;
   set_.delassus().set_normals(normals_);
@@ -72,8 +75,7 @@ bool SurfaceStage::hold(const std::vector<Vec3>& away) {
     share[t] = limit > 0 ? Vec3(1 / limit * rubbed) : Vec3(Vec3::Zero());
   }
   find_move();
-  for (std::size_t q = 0; q < heights.size(); ++q)
-    kernels::raise(int(move_.rows()), range(), normals_[q].data(), move_.data(), heights[q].data());
+  raise(move_);
   return true;
 }
 
@@ -114,5 +116,10 @@ void SurfaceStage::find_forces() {
 }
 
 void SurfaceStage::find_move() { set_.delassus().push(force_, move_); }
+
+/// The heights by this motion.
+void SurfaceStage::raise(const Points& move) {
+  for (std::size_t q = 0; q < heights.size(); ++q) heights[q].raise(set_.delassus().samples(), range(), move, normals_[q]);
+}
 
 }  // namespace softffd

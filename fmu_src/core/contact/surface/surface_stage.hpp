@@ -20,10 +20,10 @@ namespace softffd {
 
 class SurfaceStage {
  public:
-  SurfaceStage(const Samples& samples, int planes);
+  explicit SurfaceStage(const Samples& samples) : set_(samples) {}
 
-  /// The planes of what follows.
-  void set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction);
+  /// The planes of what follows, and of those of one sample alone which; -1: of any.
+  void set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction, const std::vector<int>& samples);
   /// Inverse masses of the control points (points), 0 of pinned ones.
   void set_masses(const Scalars& inverse) { set_.delassus().set_masses(inverse); }
 
@@ -31,8 +31,8 @@ class SurfaceStage {
   void allow(double most) { set_.delassus().allow(most); }
   double done() const { return set_.delassus().done(); }
 
-  /// To be filled before `solve`: heights of y0 (planes)(points), which become those of y, and rows that must be kept, sorted.
-  std::vector<Scalars> heights;
+  /// To be filled before `solve`: heights of y0 above the planes, which become those of y, and rows that must be kept, sorted.
+  std::vector<Heights> heights;
   std::vector<Candidate> candidates;
   /// Rows that were active before, sorted, and where their friction is looked for first, in parts of its limit.
   std::vector<SurfaceRow> rows;
@@ -63,6 +63,7 @@ class SurfaceStage {
   Vec3 moved_by_normals(int t) const;
   void find_forces();
   void find_move();
+  void raise(const Points& move);
   // turning_friction.cpp
   StepStatus take_turns(double tolerance);
   StepStatus alternate(double tolerance, bool& rests);
@@ -76,11 +77,12 @@ class SurfaceStage {
   DiskFriction disks_;
   std::vector<Vec3> normals_;
   std::vector<double> friction_;
-  std::vector<Scalars> begin_;  ///< heights of y0
+  std::vector<Heights> begin_;  ///< of y0
   std::vector<Vec3> force_, p_;
   std::vector<Vec3> whole_slip_;  ///< of the active rows at y0, along normals too
   std::vector<double> wanted_;    ///< of the active rows: bound less height at y0
   Points move_, last_move_;       ///< y - y0 by the forces, and at the end of the turn before
+  Points rubbed_;                 ///< by friction alone
   const std::function<Vec3(const SurfaceRow&)>* slip_of_ = nullptr;
   std::vector<double> limits_;
   std::vector<Vec3> slips_, before_;

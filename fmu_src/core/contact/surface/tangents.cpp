@@ -20,14 +20,6 @@ double way_since(const Points& x0, const SolidPose& pose0, const Points& x, cons
   return moved + (pose.point - pose0.point).norm() + turned;
 }
 
-/// v as the shortest turn from one unit vector to the other takes it.
-Vec3 swung(const Vec3& from, const Vec3& to, const Vec3& v) {
-  const Vec3 axis = from.cross(to);
-  const double cosine = from.dot(to);
-  if (axis.isZero(0) || cosine <= -1) return v;  // a solid of revolution looks alike from both ends
-  return v + axis.cross(v) + axis.cross(axis.cross(v)) / (1 + cosine);
-}
-
 HalfSpace half_space(const HalfSpace& pose, const Vec3& normal, double beyond) {
   return {pose.point, normal, normal.dot(pose.point) + beyond, pose.velocity, pose.spin};
 }

@@ -26,7 +26,7 @@ constexpr int most_settlings = 1000;
 
 StepStatus SurfaceStage::take_turns(double tolerance) {
   bool rests = false;
-  move_.setZero(heights[0].size(), 3);
+  move_.setZero(set_.delassus().samples().lattice().points(), 3);
   last_move_ = move_;
   const bool few = rows.size() <= few_rows;
   for (const bool sweeps : {few, !few}) {
@@ -66,7 +66,7 @@ StepStatus SurfaceStage::balance(double tolerance, bool& rests) {
     for (const SurfaceRow& row : rows) {
       const auto at = std::lower_bound(candidates.begin(), candidates.end(), row,
                                        [](const Candidate& candidate, const SurfaceRow& r) { return candidate.row < r; });
-      wanted_.push_back(at->bound - set_.delassus().samples().at(row.sample, begin_[row.plane].data()));
+      wanted_.push_back(at->bound - begin_[row.plane].at(set_.delassus().samples(), row.sample));
       whole_slip_.push_back((*slip_of_)(row));
     }
     normal = set_.forces();
@@ -105,9 +105,8 @@ bool SurfaceStage::sweep(std::vector<double>& normal) {
 StepStatus SurfaceStage::settle(double tolerance) {
   for (int round = 0; round < most_settlings; ++round) {
     heights = begin_;
-    for (std::size_t t = 0; t < rows.size(); ++t)
-      for (std::size_t q = 0; q < heights.size(); ++q)
-        if (const double along = normals_[q].dot(p_[t]); along != 0) set_.delassus().push(int(t), along, heights[q].data());
+    set_.delassus().push(p_, rubbed_);
+    raise(rubbed_);
     if (const StepStatus status = set_.solve(candidates, heights, tolerance); status != StepStatus::ok) return status;
     if (set_.active() == rows) return StepStatus::ok;
     const std::vector<SurfaceRow> before = rows;

@@ -17,10 +17,7 @@ struct Rubbing {
 
   Rubbing(Random& random, int count, std::vector<Vec3> planes, double most)
       : samples(Basis::bezier, {}, places(random, count)), rows(samples), normals(std::move(planes)) {
-    std::vector<double> cosines;
-    for (const Vec3& p : normals)
-      for (const Vec3& q : normals) cosines.push_back(&p == &q ? 1 : p.dot(q));
-    rows.set_cosines(cosines);
+    rows.set_normals(normals);
     rows.set_masses(Scalars::Constant(64, 64.0));
     std::vector<SurfaceRow> list;
     for (int q = 0; q < int(normals.size()); ++q)
