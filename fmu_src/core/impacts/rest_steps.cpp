@@ -250,9 +250,9 @@ Outcome RestSteps::take_in_frame(const Beside& at, const Vec3& acceleration, con
   Path& path = job.run.path;
   drive_ = job.drive;
   for (Plane& plane : drive_.planes) {
-    const HalfSpace here = plane.at(drive_.since);
-    if (!plane.moved_by_input) plane.point = here.point, plane.normal = here.normal, plane.velocity = here.velocity;
-    plane.since = drive_.since;
+    const double age = drive_.since - plane.since;
+    plane.point -= 0.5 * age * age * acceleration;
+    plane.velocity += age * acceleration;
     plane.acceleration -= acceleration;
   }
   const auto see = [&](double sign, double time) {

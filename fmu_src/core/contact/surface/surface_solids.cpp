@@ -22,6 +22,7 @@ void SurfaceContact::know(const Drive& around, double time) {
     lasting_.clear();
   }
   flat_ = flat;
+  tangents_.forget();
   resize(flat_);
   for (int q = 0; q < flat_; ++q) {
     obstacle_[q] = q;

@@ -35,6 +35,7 @@ class Tangents {
   /// Of the samples that can come to a solid between t0 and t1, where no control point moves by more than `way` [m]; by obstacle and
   /// sample. x0: control points at t0.
   void find(const Drive& around, double t0, double t1, const Points& x0, double way);
+  void forget() { found_.clear(); }
   const std::vector<Tangent>& found() const { return found_; }
   /// Are the tangents those of such a way too?
   bool covers(double way) const { return way <= way_; }
