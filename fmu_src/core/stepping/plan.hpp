@@ -21,7 +21,6 @@ struct Facts {
   bool damped = false;                 ///< any damping
   bool dashpots = false;               ///< of them, internal damping
   bool obstacles = false;              ///< the scene has planes
-  bool solids = false;                 ///< and spheres, cylinders or boxes
   bool surface = false;                ///< which samples of the surface meet
   bool pins = false;                   ///< the scene has pins
   std::optional<bool> clear{};         ///< no point is on an obstacle now

@@ -53,7 +53,6 @@ Facts Propagator::facts(const Job& job, double H) const {
   facts.surface = facts.obstacles && job.model.body.samples;
   facts.pins = !job.drive.pins.empty();
   if (facts.obstacles && job.drive.planes.back().solid()) {  // which leapfrog alone knows
-    facts.solids = true;
     facts.clear = false;
     facts.within_reach = true;
     facts.stiffness = 0;

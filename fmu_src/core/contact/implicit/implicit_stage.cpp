@@ -5,6 +5,7 @@
 
 #include "contact/implicit/point_touches.hpp"
 #include "contact/implicit/surface_touches.hpp"
+#include "contact/surface/tangents.hpp"
 #include "contact/tolerances.hpp"
 #include "model/rigid_motion.hpp"
 
@@ -271,8 +272,8 @@ double ImplicitStage::given_by_contacts(const Step& step, double work) const {
 bool ImplicitStage::strikes(const Step& step) const {
   const double length = step.equations.body.length, slight = std::max(slight_approach * length, jump * step.way);
   return std::any_of(reactions_.begin(), reactions_.end(), [&](const Reaction& each) {
-    const HalfSpace plane = step.equations.around.planes[each.plane].at(step.t);
     const Vec3 place = touches_->value(each, step.from.x);
+    const HalfSpace plane = facing_half_space(step.equations.around.planes[each.plane], step.t, place);
     const double approach = each.normal.dot(plane.material_velocity(place) - touches_->value(each, step.from.v));
     return each.normal.dot(each.force) > 0 && (plane.gap(place) > touching * length || approach * step.h > slight);
   });
@@ -325,7 +326,7 @@ void ImplicitStage::book(const Step& step, double weight, Exchange& exchange) co
   for (const Reaction& each : reactions_) {
     const Vec3 arm = touches_->value(each, x) - touches_->plane(each.plane).point, taken = weight * impulse(step, each);
     exchange.planes[each.plane].add(-taken, arm);
-    if (around.planes[each.plane].stood_for()) exchange.planes[each.plane].press(each.normal.dot(taken), arm);
+    if (around.planes[each.plane].PlaneMotion::solid()) exchange.planes[each.plane].press(each.normal.dot(taken), arm);
     exchange.contacts_resolved += each.first;
   }
   for (std::size_t a = 0; a < around.pins.size(); ++a) {

@@ -15,6 +15,9 @@ constexpr double exact_roundings = 4;
 /// Of the way that a force alone would move its sample, where others hold it: what is left of the sum is known no better.
 constexpr double response_roundings = 2;
 
+/// By which normals of tangents may still turn where a solution settles [1]: the gap that it leaves is of second order in it.
+constexpr double most_turn = 1e-6;
+
 constexpr auto by_row = [](const auto& a, const auto& b) { return a.row < b.row; };
 
 }  // namespace
@@ -24,8 +27,9 @@ SurfaceTouches::SurfaceTouches(const Samples& samples, double length, int planes
       length_(length),
       middle_(planes),
       end_(planes),
+      poses_(planes),
       friction_(planes, 0.0),
-      normals_(planes),
+      tangents_(samples, length),
       search_(samples, planes, length),
       matrix_(samples.lattice()),
       set_(samples),
@@ -34,32 +38,50 @@ SurfaceTouches::SurfaceTouches(const Samples& samples, double length, int planes
 }
 
 void SurfaceTouches::open(const Step& step) {
-  const Drive& around = step.equations.around;
+  step_ = &step;
+  const std::vector<Plane>& obstacles = step.equations.around.planes;
+  flat_ = int(std::ranges::count_if(obstacles, [](const Plane& each) { return !each.solid(); }));
+  planes_.resize(flat_);
+  obstacle_.resize(flat_);
   for (std::size_t q = 0; q < end_.size(); ++q) {
-    middle_[q] = around.planes[q].at(step.t + 0.5 * step.h);
-    end_[q] = around.planes[q].at(step.t + step.h);
-    friction_[q] = around.planes[q].friction;
-    normals_[q] = end_[q].normal;
+    middle_[q] = obstacles[q].at(step.t + 0.5 * step.h);
+    end_[q] = obstacles[q].at(step.t + step.h);
+    if (obstacles[q].solid()) poses_[q] = obstacles[q].pose_at(step.t + step.h);
+    friction_[q] = obstacles[q].friction;
   }
+  for (int q = 0; q < flat_; ++q) {
+    planes_[q] = end_[q];
+    obstacle_[q] = q;
+  }
+  forces_.clear();
+  set_normals();
+}
+
+void SurfaceTouches::set_normals() {
+  normals_.clear();
+  for (const HalfSpace& plane : planes_) normals_.push_back(plane.normal);
   set_.delassus().set_planes(normals_);
 }
 
+/// Solids are not looked at: there is room beside them.
 bool SurfaceTouches::possible(const Vec3& x, double slack) {
   std::vector<Constraint> constraints;
-  for (const HalfSpace& plane : end_) constraints.push_back({.normal = plane.normal, .bound = plane.offset});
+  for (int q = 0; q < flat_; ++q) constraints.push_back({.normal = planes_[q].normal, .bound = planes_[q].offset});
   Vec3 nearest = x;
   return feasible_.project(constraints, slack, nearest);
 }
 
 /// The forces of the step before.
-void SurfaceTouches::guess(const Step& step, const Points&, const Points&) {
+void SurfaceTouches::guess(const Step& step, const Points&, const Points& x) {
+  if (flat_ < int(end_.size())) find_tangents(longest_way(step.from.x, x));
   const HeldRows& held = step.from.held_rows;
   const int count = samples_.count();
   forces_.clear();
   for (std::size_t t = 0; t < held.rows.size() && held.rows[t] >= 0; ++t) {
-    const SurfaceRow row{int(held.rows[t] / count), int(held.rows[t] % count)};
-    if (row.plane < int(end_.size()) && (forces_.empty() || forces_.back().row < row))  // a state may hold anything
-      forces_.push_back({row, softffd::row(held.forces, int(t))});
+    const int obstacle = int(held.rows[t] / count), sample = int(held.rows[t] % count);
+    if (obstacle >= int(end_.size())) break;  // a state may hold anything
+    const SurfaceRow row{plane_of(obstacle, sample), sample};
+    if (row.plane >= 0 && (forces_.empty() || forces_.back().row < row)) forces_.push_back({row, softffd::row(held.forces, int(t))});
   }
 }
 
@@ -71,17 +93,82 @@ void SurfaceTouches::hold(State& state) const {
   }
   held.forget();
   for (std::size_t t = 0; t < std::min(forces_.size(), held.rows.size()); ++t) {
-    held.rows[t] = Count(forces_[t].row.plane) * samples_.count() + forces_[t].row.sample;
+    held.rows[t] = number(forces_[t].row);
     set_row(held.forces, int(t), forces_[t].force);
   }
 }
 
+/// In which the sample meets the obstacle; -1: in none.
+int SurfaceTouches::plane_of(int obstacle, int sample) const {
+  if (obstacle < flat_) return obstacle;
+  const auto& found = tangents_.found();
+  const auto at = std::ranges::lower_bound(found, std::pair(obstacle, sample), {}, [](const Tangent& each) {
+    return std::pair(each.obstacle, each.sample);
+  });
+  return at != found.end() && at->obstacle == obstacle && at->sample == sample ? flat_ + int(at - found.begin()) : -1;
+}
+
+/// Those of all samples that can come to a solid where no point goes further than this from where the step begins [m]; the forces at hand
+/// go with their samples.
+void SurfaceTouches::find_tangents(double way) {
+  std::vector<std::pair<Count, Vec3>> known;
+  for (const Force& each : forces_) known.push_back({number(each.row), each.force});
+  tangents_.find(step_->equations.around, step_->t, step_->t + step_->h, step_->from.x, way);
+  covered_ = true;
+  planes_.resize(flat_);
+  obstacle_.resize(flat_);
+  for (const Tangent& each : tangents_.found()) {
+    planes_.push_back(each.end);
+    obstacle_.push_back(each.obstacle);
+  }
+  set_normals();
+  forces_.clear();
+  for (const auto& [number, force] : known) {
+    const int sample = int(number % samples_.count()), plane = plane_of(int(number / samples_.count()), sample);
+    if (plane >= 0) forces_.push_back({{plane, sample}, force});
+  }
+}
+
+/// The tangent of a plane at a place of its sample: at its foot where the place is behind the half-space that was in front of the sample
+/// when the step began, so that none comes out of the other side of a thin solid.
+HalfSpace SurfaceTouches::tangent_at(int plane, const Vec3& place) const {
+  const HalfSpace& start = tangents_.found()[plane - flat_].end;
+  const int solid = obstacle_[plane];
+  return tangent(step_->equations.around.planes[solid], poses_[solid], place - std::min(start.gap(place), 0.0) * start.normal);
+}
+
+/// To where the samples are now; forces go with the normals.
+void SurfaceTouches::turn_tangents(const StepProblem& problem) {
+  const std::vector<Vec3> before = normals_;
+  for (int q = flat_; q < int(planes_.size()); ++q)
+    planes_[q] = tangent_at(q, samples_.at(tangents_.found()[q - flat_].sample, problem.x));
+  set_normals();
+  for (Force& each : forces_)
+    if (each.row.plane >= flat_) each.force = swung(before[each.row.plane], normals_[each.row.plane], each.force);
+}
+
+/// Do the tangents hold where the forces have brought the samples?
+bool SurfaceTouches::tangents_stand(const StepProblem& problem) const {
+  return std::ranges::all_of(forces_, [&](const Force& each) {
+    if (each.row.plane < flat_) return true;
+    const Vec3 place = samples_.at(each.row.sample, problem.x) + samples_.at(each.row.sample, move_);
+    return (tangent_at(each.row.plane, place).normal - normals_[each.row.plane]).norm() <= most_turn;
+  });
+}
+
 StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
   solution_.fresh = solution_.settled = false;
+  const bool solids = flat_ < int(end_.size());
+  if (solids && !covered_) find_tangents(2 * longest_way(problem.x0, problem.x));
+  if (solids) turn_tangents(problem);
   if (!solve_free(problem)) return StepStatus::not_finite;
   before_ = forces_;
   if (const StepStatus status = find_forces(problem); status != StepStatus::ok) return status;
   std::erase_if(forces_, [](const Force& each) { return each.force.isZero(0); });
+  if (solids) {
+    covered_ = tangents_.covers(longest_way(problem.x0, problem.x + move_));
+    solution_.settled = solution_.settled && covered_ && tangents_stand(problem);
+  }
   solution_.change = move_;
   matrix_.forces_of(problem, move_, solution_.reaction);
   solution_.reaction -= problem.residual;
@@ -177,7 +264,7 @@ bool SurfaceTouches::take_loads() {
 }
 
 bool SurfaceTouches::rubs() const {
-  return std::any_of(forces_.begin(), forces_.end(), [&](const Force& each) { return friction_[each.row.plane] > 0; });
+  return std::any_of(forces_.begin(), forces_.end(), [&](const Force& each) { return friction_[obstacle_[each.row.plane]] > 0; });
 }
 
 /// All forces of the active rows. Returns whether they keep to Coulomb's law, and the other rows in front of their planes.
@@ -191,7 +278,7 @@ bool SurfaceTouches::rub(const StepProblem& problem) {
   std::vector<Vec3> force;
   for (const Force& each : forces_) {
     coulomb_.normals.push_back(normals_[each.row.plane]);
-    coulomb_.friction.push_back(friction_[each.row.plane]);
+    coulomb_.friction.push_back(friction_[obstacle_[each.row.plane]]);
     coulomb_.u.push_back(place(problem, each.row));
     force.push_back(each.force);
     for (int t = 0; t < n; ++t) coulomb_.g.push_back(g(each.row.sample, forces_[t].row.sample));
@@ -218,9 +305,9 @@ bool SurfaceTouches::in_front(double slack) {
 
 /// What a row has of gap along its normal and of slip across it [m].
 Vec3 SurfaceTouches::place(const StepProblem& problem, const SurfaceRow& row) const {
-  const HalfSpace& plane = end_[row.plane];
+  const HalfSpace& plane = planes_[row.plane];
   const Vec3 begin = samples_.at(row.sample, problem.x0), u = samples_.at(row.sample, problem.u), move = samples_.at(row.sample, move_);
-  const Vec3 slip = u + move - problem.h * material_velocity(row.plane, begin + 0.5 * u);
+  const Vec3 slip = u + move - problem.h * material_velocity(obstacle_[row.plane], begin + 0.5 * u);
   return (plane.gap(samples_.at(row.sample, problem.x)) + plane.normal.dot(move)) * plane.normal + tangential(plane.normal, slip);
 }
 
@@ -242,21 +329,28 @@ void SurfaceTouches::find_move(const std::vector<Force>& forces) {
   for (; t < forces.size(); ++t) push(forces[t].row.sample, forces[t].force);
 }
 
-/// Of the control points above the planes, moved.
+/// Above the planes, moved.
 void SurfaceTouches::find_heights(const StepProblem& problem) {
-  heights_.resize(end_.size());
-  for (std::size_t q = 0; q < end_.size(); ++q) {
+  heights_.resize(planes_.size());
+  for (int q = 0; q < int(planes_.size()); ++q) {
+    const HalfSpace& plane = planes_[q];
+    heights_[q].sample = q < flat_ ? -1 : tangents_.found()[q - flat_].sample;
+    if (const int s = heights_[q].sample; s >= 0) {
+      heights_[q].of_sample = plane.gap(samples_.at(s, problem.x)) + plane.normal.dot(samples_.at(s, move_));
+      continue;
+    }
     Scalars& heights = heights_[q].of_points;
-    heights = Scalars::Constant(move_.rows(), -end_[q].offset);
-    for (int axis = 0; axis < 3; ++axis) heights += normals_[q][axis] * (problem.x.col(axis) + move_.col(axis));
+    heights = Scalars::Constant(move_.rows(), -plane.offset);
+    for (int axis = 0; axis < 3; ++axis) heights += plane.normal[axis] * (problem.x.col(axis) + move_.col(axis));
   }
 }
 
 /// Samples near the planes, and loaded ones.
 void SurfaceTouches::list_candidates() {
   candidates_.clear();
-  for (int q = 0; q < int(end_.size()); ++q)
+  for (int q = 0; q < flat_; ++q)
     for (const int s : search_.near(q)) candidates_.push_back({.row = {q, s}});
+  for (int q = flat_; q < int(planes_.size()); ++q) candidates_.push_back({.row = {q, heights_[q].sample}});
   const std::size_t near = candidates_.size();
   for (const SurfaceRow& row : start_)
     if (!std::binary_search(candidates_.begin(), candidates_.begin() + near, Candidate{.row = row}, by_row))
@@ -267,9 +361,9 @@ void SurfaceTouches::list_candidates() {
 /// Looks for samples anew where their lists do not do; returns whether all did.
 bool SurfaceTouches::all_covered() {
   bool covered = true;
-  for (std::size_t q = 0; q < end_.size(); ++q)
-    if (!search_.covers(int(q), heights_[q].of_points)) {
-      search_.look(int(q), heights_[q].of_points, move_.abs().maxCoeff());
+  for (int q = 0; q < flat_; ++q)
+    if (!search_.covers(q, heights_[q].of_points)) {
+      search_.look(q, heights_[q].of_points, move_.abs().maxCoeff());
       covered = false;
     }
   return covered;
@@ -287,7 +381,7 @@ double SurfaceTouches::largest_load() const {
 
 void SurfaceTouches::find_reactions(std::vector<Reaction>& reactions) const {
   reactions.clear();
-  for (const Force& each : forces_) reactions.push_back({each.row.plane, each.row.sample, normals_[each.row.plane], each.force, true});
+  for (const Force& each : forces_) reactions.push_back({obstacle_[each.row.plane], each.row.sample, normals_[each.row.plane], each.force, true});
 }
 
 }  // namespace softffd

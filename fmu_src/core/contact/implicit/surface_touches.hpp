@@ -19,6 +19,7 @@
 #include "contact/implicit/step_delassus.hpp"
 #include "contact/surface/dual_active_set.hpp"
 #include "contact/surface/sample_search.hpp"
+#include "contact/surface/tangents.hpp"
 
 namespace softffd {
 
@@ -53,6 +54,14 @@ class SurfaceTouches final : public ImplicitTouches {
   };
   bool solve_free(const StepProblem& problem);
   StepStatus find_forces(const StepProblem& problem);
+  // what solids do to their samples
+  void set_normals();
+  int plane_of(int obstacle, int sample) const;
+  void find_tangents(double way);
+  void turn_tangents(const StepProblem& problem);
+  bool tangents_stand(const StepProblem& problem) const;
+  HalfSpace tangent_at(int plane, const Vec3& place) const;
+  Count number(const SurfaceRow& row) const { return Count(obstacle_[row.plane]) * samples_.count() + row.sample; }
   StepStatus press(const StepProblem& problem, bool& lost);
   void find_loads();
   bool in_front(double slack);
@@ -67,9 +76,16 @@ class SurfaceTouches final : public ImplicitTouches {
 
   const Samples& samples_;
   double length_;
-  std::vector<HalfSpace> middle_, end_;  ///< the planes in the middle and at the end of the step
-  std::vector<double> friction_;         ///< (planes) coefficients
+  std::vector<HalfSpace> middle_, end_;  ///< the obstacles in the middle and at the end of the step
+  std::vector<SolidPose> poses_;         ///< of solids, at the end
+  std::vector<double> friction_;         ///< (obstacles) coefficients
+  Tangents tangents_;
+  int flat_ = 0;                         ///< number of half-spaces, which come first; then planes of the tangents, one each
+  std::vector<HalfSpace> planes_;        ///< at the end of the step
+  std::vector<int> obstacle_;            ///< (planes) whose plane it is
   std::vector<Vec3> normals_;            ///< (planes)
+  const Step* step_ = nullptr;           ///< that is open
+  bool covered_ = true;                  ///< no other sample can have come to a solid
   SampleSearch search_;
   StepMatrix matrix_;
   DualActiveSetIn<StepDelassus> set_;

@@ -18,11 +18,6 @@ constexpr double operations = 2500;
 /// Of its limit, friction that a step begins to look at.
 constexpr double most_share = 2;
 
-/// By which any point has moved.
-double longest_way(const Points& from, const Points& to) {
-  return std::sqrt((to - from).square().rowwise().sum().maxCoeff<Eigen::PropagateNaN>());
-}
-
 }  // namespace
 
 /// Rows of the state, of which those among the candidates can be active.

@@ -15,9 +15,8 @@ constexpr double far_reach = 16, nearest_reserve = 1e-2;
 
 /// By how much any point's gap to a solid of this size may have become smaller.
 double way_since(const Points& x0, const SolidPose& pose0, const Points& x, const SolidPose& pose, const Plane& solid) {
-  const double moved = std::sqrt((x - x0).square().rowwise().sum().maxCoeff<Eigen::PropagateNaN>());
   const double turned = (solid.box() ? (pose.edges - pose0.edges).norm() : (pose.normal - pose0.normal).norm()) * solid.size();
-  return moved + (pose.point - pose0.point).norm() + turned;
+  return longest_way(x0, x) + (pose.point - pose0.point).norm() + turned;
 }
 
 HalfSpace half_space(const HalfSpace& pose, const Vec3& normal, double beyond) {
@@ -61,6 +60,14 @@ HalfSpace tangent(const Plane& solid, const SolidPose& pose, const Vec3& x) {
     return half_space(pose, (above * up + beside * outward) / away, (above * half + beside * solid.radius) / away);
   }
   return above >= beside ? half_space(pose, up, half) : half_space(pose, outward, solid.radius);
+}
+
+double longest_way(const Points& from, const Points& to) {
+  return std::sqrt((to - from).square().rowwise().sum().maxCoeff<Eigen::PropagateNaN>());
+}
+
+HalfSpace facing_half_space(const Plane& obstacle, double time, const Vec3& x) {
+  return obstacle.solid() ? tangent(obstacle, obstacle.pose_at(time), x) : obstacle.at(time);
 }
 
 double gap_between(const Plane& solid, const SolidPose& pose, const Points& x) {

@@ -20,8 +20,14 @@ namespace softffd {
 /// The half-space of a solid in this pose that is closest to x, or furthest in front of it where x is inside; it moves as the solid does.
 HalfSpace tangent(const Plane& solid, const SolidPose& pose, const Vec3& x);
 
+/// By which any point has moved [m].
+double longest_way(const Points& from, const Points& to);
+
 /// How far all points are in front of the tangent that is nearest to their middle [m]: no sample is nearer to the solid.
 double gap_between(const Plane& solid, const SolidPose& pose, const Points& x);
+
+/// The half-space of an obstacle, be it a solid or not, that faces x.
+HalfSpace facing_half_space(const Plane& obstacle, double time, const Vec3& x);
 
 struct Tangent {
   int obstacle, sample;
