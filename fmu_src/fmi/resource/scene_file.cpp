@@ -291,8 +291,6 @@ void take_samples(SceneFile& s) {
     const auto part = (place - d.lattice.origin).array() / d.lattice.size.array();
     if (!(part.minCoeff() >= -outside && part.maxCoeff() <= 1 + outside)) refuse("a sample of the surface lies outside of the box");
   }
-  if (solids && !meets_solids(Method(s.method - 1)))
-    refuse("the method does not support solids; wanted auto, leapfrog, bm4, rkn12, dop853 or ros34pw2");
   if (!meets_surface(Method(s.method - 1)))
     refuse(
         "the method does not support contact of the surface; wanted auto, leapfrog, bm4, rkn12, dop853, ros34pw2, backward_euler or "

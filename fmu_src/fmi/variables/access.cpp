@@ -37,8 +37,7 @@ Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) 
 /// Whether there is such a method, and the scene can be run by it.
 bool Variables::method_fits(double value) const {
   if (!(value >= 1 && value <= method_count)) return false;
-  const Method method = Method(int(value) - 1);
-  return (!scene_.definition.samples || meets_surface(method)) && (!scene_.definition.solids || meets_solids(method));
+  return !scene_.definition.samples || meets_surface(Method(int(value) - 1));
 }
 
 void Variables::check_method(double method) const {

@@ -107,9 +107,7 @@ def _why_left_out(rig: Rig, method: str) -> str:
     if rig.contact and method not in CONTACT:
         return "leaves communication steps with possible contact to leapfrog"
     if method in DAMPED_CONTACT and not (rig.contact and rig.dashpots):
-        return "is for bodies with internal damping beside planes"
-    if method in DAMPED_CONTACT and rig.solids:
-        return "knows no spheres, cylinders and boxes"
+        return "is for bodies with internal damping beside obstacles"
     if rig.dashpots and method == "central_difference":
         return "runs as leapfrog where there is internal damping"
     if (rig.damped and method == "rkn12") or (rig.dashpots and method == "bm4"):

@@ -83,7 +83,6 @@ class Rig:
         self.dashpots = internal_damping_present(scene)
         self.damped = spring_damping_present(scene) or self.dashpots
         self.contact = bool(scene.obstacles)
-        self.solids = bool(scene.solids)
         self.times = communication_points(self.stop_time, self.communication_step, bytes_each=24 * math.prod(scene.lattice.points))
         source = self._source = Inputs(scene.default_inputs)
         self.driven_names = source.names

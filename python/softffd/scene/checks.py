@@ -10,7 +10,7 @@ from softffd.lattice import point_at
 from softffd.names import Part, flat_form, mistaken, structured
 from softffd.scene.cells import MOST, cells_of
 from softffd.scene.checks_material import material_check
-from softffd.scene.draft import MEETING, MEETING_SOLIDS, Draft
+from softffd.scene.draft import MEETING, Draft
 from softffd.scene.faults import Fault, KeyPath, either, path_text, toml_text
 from softffd.scene.keys import OBSTACLES, SOLIDS
 from softffd.scene.selection import Selection, flat_indices
@@ -205,9 +205,6 @@ def _contact(draft: Draft) -> Iterator[Fault]:
         return
     if keys.mesh is None and draft.sound("mesh"):
         yield Fault(("contact", "of"), '"surface" needs a mesh, but the scene has no [mesh]; take "lattice" instead')
-    if method in MEETING and method not in MEETING_SOLIDS and keys.solids:
-        text = f"wanted {either(MEETING_SOLIDS)} beside a sphere, cylinder or box, got {toml_text(method)}"
-        yield Fault(("solver", "method"), text)
     if method not in MEETING and keys.obstacles:
         text = f'wanted {either(MEETING)} with contact.of = "surface", got {toml_text(method)}'
         yield Fault(("solver", "method"), text)

@@ -20,8 +20,6 @@ from softffd.scene.sections import Contact, Lattice, Mass, Material, MeshFile, S
 
 MEETING = ("auto", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_euler", "sdirk2")
 """Methods that may be asked for beside contact of the surface"""
-MEETING_SOLIDS = tuple(each for each in MEETING if each not in ("backward_euler", "sdirk2"))
-"""And beside spheres, cylinders and boxes, which the implicit contact does not know."""
 STIFFNESS = 1e3
 """Of springs where a scene says neither stiffness nor modulus [N/m]."""
 

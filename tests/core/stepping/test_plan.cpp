@@ -94,8 +94,8 @@ TEST(stiff_bodies_beside_obstacles_fly_strike_and_rest_and_damped_ones_creep) {
   using enum Method;
   Facts damped = beside(true, 1e4), lasting = beside(true, 1.01 * thresholds::stiff_contact_of_long_runs), forever = lasting;
   damped.damped = damped.dashpots = true;
-  Facts beside_solids = damped, given = damped;
-  beside_solids.solids = given.given_step = true;
+  Facts given = damped;
+  given.given_step = true;
   lasting.length = 1.01 * thresholds::long_contact / *lasting.stiffness;  // stiff in short communication steps too if the run is long
   forever.stiffness = thresholds::stiff_contact_of_long_runs;
   forever.length = 1e6;
@@ -105,7 +105,6 @@ TEST(stiff_bodies_beside_obstacles_fly_strike_and_rest_and_damped_ones_creep) {
       {{bm4, rkn12, dop853}, beside(true, 1e4), leapfrog, Steps::doubled, Reason::contact},
       {{automatic, ros34pw2}, damped, sdirk2, Steps::damped, Reason::damped_contact},
       {{dop853}, damped, leapfrog, Steps::doubled, Reason::contact},
-      {{automatic}, beside_solids, leapfrog, Steps::doubled, Reason::contact},
       {{automatic}, given, leapfrog, Steps::fitted, Reason::contact},
       {{backward_euler}, damped, automatic, Steps::implicit},  // impacts are to be passed over
       {{automatic}, beside(true, thresholds::stiff_contact), leapfrog, Steps::doubled, Reason::contact},

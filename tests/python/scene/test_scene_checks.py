@@ -119,10 +119,6 @@ REFUSED = [
     # contact
     (ON_SURFACE | {"solver": {"method": "central_difference"}},
      f'solver.method: {METHODS}, "backward_euler" or "sdirk2" with contact.of = "surface", got "central_difference"'),
-    *((ON_SURFACE | {"solver": {"method": method}, "sphere": [{"name": "ball", "radius": 1.0}]},
-       'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12", "dop853" or "ros34pw2" beside a sphere, cylinder or box, '
-       f'got "{method}"')
-      for method in ("backward_euler", "sdirk2")),
     (ON_SURFACE | {"contact": {"of": "lattice", "penetration": 0.01}},
      'contact.penetration: wanted none with of = "lattice", got 0.01; it needs of = "surface"'),
     ({"contact": {"of": "surface"}}, 'contact.of: "surface" needs a mesh, but the scene has no [mesh]; take "lattice" instead'),

@@ -112,14 +112,3 @@ def test_given_steps_are_taken_as_they_are_and_only_lose_energy(case, tau):
     assert (stored - stored[0]).max() < 1e-12
     if tau and "plane" not in STARTS[case]:
         assert vector(result, "plane.ground.reaction")[-1] == pytest.approx([0.0, 0.0, -0.5 * 9.81], abs=1e-6)
-
-
-def test_beside_solids_it_is_refused(tmp_path):
-    ball = {"name": "ball", "radius": 0.2}
-    document = {
-        "mesh": {"file": bodies.write(tmp_path / "body.obj", bodies.cube(2, 0.0))},
-        "sphere": [ball],
-        "solver": {"method": "sdirk2"},
-    }
-    (found,) = problems(document)
-    assert found.startswith('solver.method: wanted "auto", "leapfrog"') and found.endswith('beside a sphere, cylinder or box, got "sdirk2"')
