@@ -24,6 +24,9 @@ AT_REST = {"initial": {"stretch": [1.0, 1.0, 1.0]}}
 SETTLING = 3.0
 """Time [s] after which a body with this damping has come to rest on the ground."""
 SETTLES = {"material": {"damping": 0.3}}
+LONG = 0.1
+"""Time [s] of a run that is compared as a whole."""
+SLIDING = {"velocity": [1.0, 0.0, 0.0]}
 
 
 def ground(height: float) -> dict[str, Any]:
@@ -52,6 +55,35 @@ def on_its_surface(name: str, body: shapes.Shape, *, goal: float | None = None, 
                 while own.time < after:
                     own.step(INTERVAL)
                 yield Pair(lambda: own.step(INTERVAL) if after else lap(own), lambda: lap(bare), per=round(INTERVAL / STEP))
+
+
+def against_a_plane(name: str, side: int, *, material: dict[str, float], **initial: Any) -> None:
+    """A row for a cube, each face of side^2 squares, on the face of a box, against one on a plane."""
+
+    @row(GROUP, f"{6 * side * side + 2:,} vertices {name}", "the same on a plane", goal=1.5)
+    def on_a_box() -> Iterator[Pair]:
+        with tempfile.TemporaryDirectory() as folder:
+            mesh = {"file": shapes.write(Path(folder) / "body.obj", shapes.cube(side, 0.0))}
+            sections = {
+                "mesh": mesh,
+                "contact": {"of": "surface"},
+                "material": material,
+                "initial": AT_REST["initial"] | initial,
+                **GRAVITY,
+            }
+            table = {"name": "table", "friction": 0.4, "size": [9.0, 9.0, 1.0], "point": [0.5, 0.5, -0.5]}
+            beside = {"solver": {"method": "auto", "step": 0.0}, "experiment": {"stop_time": LONG}}
+            with Simulation(box(**sections | beside, box=[table])) as own, Simulation(box(**sections | beside, **ground(0.0))) as base:
+                yield Pair(lambda: run_through(own), lambda: run_through(base))
+
+
+def run_through(simulation: Simulation) -> float:
+    """Processor time [s] of a run in communication steps of 10 ms."""
+    simulation.restart()
+    began = time.process_time()
+    while simulation.time < LONG - 1e-9:
+        simulation.step(0.01)
+    return time.process_time() - began
 
 
 def on_feet() -> shapes.Shape:
@@ -92,6 +124,15 @@ on_its_surface("a surface out of reach", on_feet(), goal=1.1, **ground(-9.0))
 for vertices, body, most in (("3 vertices", on_feet(), 1.6), ("5,041 vertices", on_a_face(71), 20.0)):
     on_its_surface(f"{vertices} resting on a plane", body, goal=most, after=SETTLING, **GRAVITY, **SETTLES, **AT_REST, **ground(0.0))
     on_its_surface(f"{vertices} on a plane, swaying", body, **GRAVITY, **AT_REST, **ground(0.0))
+for squares in (4, 8, 16):
+    against_a_plane("resting on a box", squares, material={"stiffness": 2e3, "damping": 0.05})
+    against_a_plane("sliding on a box", squares, material={"stiffness": 2e3, "damping": 0.05}, **SLIDING)
+    against_a_plane("dropped on a box", squares, material={"stiffness": 2e3, "damping": 0.05}, offset=[0.0, 0.0, 0.01])
+for squares in (4, 8):
+    against_a_plane("of rubber, sliding on a box", squares, material={"stiffness": 1e4, "internal_damping": 1e-3}, **SLIDING)
+on_its_surface("386 vertices sliding on a plane", shapes.cube(8, 0.0), **GRAVITY, **ground(0.0), initial=SLIDING)
+ball = {"name": "ball", "friction": 0.4, "radius": 2.0, "point": [0.5, 0.5, -2.0]}
+on_its_surface("386 vertices resting on a sphere", shapes.cube(8, 0.0), after=SETTLING, **GRAVITY, **SETTLES, **AT_REST, sphere=[ball])
 part("volume stiffness, body in shape", material={"volume_stiffness": 9e3})
 too_soft_to_unfold = {"volume_stiffness": 1e-6}
 part("volume stiffness, all corners folded", material=too_soft_to_unfold, initial={"stretch": [1.02, 1.0, -1.0]})

@@ -228,10 +228,7 @@ RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   if (taken.status != StepStatus::ok) return taken;
   path.motion.time = until;
   ++path.steps;
-  for (std::size_t q = 0; q < job.drive.planes.size(); ++q) {
-    const Vec3 impulse = path.exchange.planes[q].force - before_.exchange.planes[q].force;
-    taken.pressing = std::max(taken.pressing, std::abs(impulse.dot(job.drive.planes[q].at(until).normal)) / h);
-  }
+  taken.pressing = pressed_since(job, before_.exchange.planes) / h;
   if (!job.drive.pins.empty()) return taken;
   x_ = path.motion.x;
   const bool along = settling || job.model.body.samples;  // what rings, and a surface that rolls over its samples, has no mean turn

@@ -23,7 +23,7 @@ class Windows {
   StepStatus listen(const Beside& at, Flights& flights, double h, double until, bool decide);
 
   Path start_, coarse_, accepted_;
-  std::vector<Vec3> pushed_;  ///< impulse on each obstacle before a stretch
+  std::vector<Impulse> pushed_;  ///< on each obstacle before a stretch
 };
 
 }  // namespace softffd

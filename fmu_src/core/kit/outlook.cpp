@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/reach.hpp"
+#include "contact/surface/tangents.hpp"
 #include "contact/tolerances.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
@@ -33,10 +34,10 @@ bool squeezed(const Job& job, const State& state) {
   const double touch = touching * job.model.body.length;
   const auto touches = [&](const HalfSpace& obstacle) { return least_gap(job.model.body, obstacle, state.x) <= touch; };
   const auto& planes = job.drive.planes;
+  const Vec3 middle = state.x.colwise().mean().matrix().transpose();
   for (std::size_t a = 0; a < planes.size(); ++a)
     for (std::size_t b = a + 1; b < planes.size(); ++b) {
-      if (planes[a].solid() || planes[b].solid()) continue;
-      const HalfSpace one = planes[a].at(state.time), other = planes[b].at(state.time);
+      const HalfSpace one = facing_half_space(planes[a], state.time, middle), other = facing_half_space(planes[b], state.time, middle);
       if (one.normal.dot(other.normal) < use::opposite && touches(one) && touches(other)) return true;
     }
   return false;
@@ -131,6 +132,18 @@ NearestObstacle nearest_obstacle(const Job& job, const State& state) {
     if (!nearest.plane || !(here.gap >= nearest.gap)) nearest = {&plane, here.obstacle, here.gap};
   }
   return nearest;
+}
+
+double pressed_since(const Job& job, const std::vector<Impulse>& before) {
+  const std::vector<Impulse>& now = job.run.path.exchange.planes;
+  double most = 0;
+  for (std::size_t q = 0; q < now.size(); ++q) {
+    const Plane& obstacle = job.drive.planes[q];
+    const Vec3 force = now[q].force - before[q].force;
+    most = std::max(
+        most, std::abs(obstacle.solid() ? now[q].pressed - before[q].pressed : force.dot(obstacle.at(job.run.path.motion.time).normal)));
+  }
+  return most;
 }
 
 double kinetic_deformation(const Body& body, const State& state) {

@@ -31,6 +31,8 @@ struct NearestObstacle {
   double gap = std::numeric_limits<double>::infinity();  ///< [m]
 };
 NearestObstacle nearest_obstacle(const Job& job, const State& state);
+/// What any obstacle has been pressed by most since these impulses on them, along its normals [N s].
+double pressed_since(const Job& job, const std::vector<Impulse>& before);
 /// Kinetic energy of the motion that is not rigid [J].
 double kinetic_deformation(const Body& body, const State& state);
 /// Speed at which a body comes to the nearest obstacle, with what its turning adds [m/s]. radius: of its outermost point [m].

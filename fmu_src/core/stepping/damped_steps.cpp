@@ -121,14 +121,7 @@ double DampedSteps::passed_over(const Call& call, double h, double lost) const {
   const double energy = lost - job.model.noise;
   if (!(energy > 0) || h < std::max(call.limit, 0.5 * use::passed_over * job.model.body.springs.shortest_time())) return 0;
   if (!job.drive.pins.empty() || job.drive.planes.empty()) return amplitude(job.model, energy, h);
-  const Exchange &begin = start_.exchange, &end = job.run.path.exchange;
-  double pressing = 0;
-  for (std::size_t q = 0; q < end.planes.size(); ++q) {
-    const Impulse &from = begin.planes[q], &to = end.planes[q];
-    const Plane& obstacle = job.drive.planes[q];
-    const double along = obstacle.solid() ? to.pressed - from.pressed : (to.force - from.force).dot(obstacle.at(job.run.path.motion.time).normal);
-    pressing = std::max(pressing, std::abs(along) / h);
-  }
+  const double pressing = pressed_since(job, start_.exchange.planes) / h;
   const double moves = ahead(job).along_normal * std::sqrt(2 * energy / job.model.body.mass.sum());
   return pressing > 0 ? std::min(moves, energy / pressing) : moves;
 }

@@ -52,7 +52,7 @@ Facts Propagator::facts(const Job& job, double H) const {
   facts.obstacles = !job.drive.planes.empty();
   facts.surface = facts.obstacles && job.model.body.samples;
   facts.pins = !job.drive.pins.empty();
-  if (facts.obstacles && job.drive.planes.back().solid()) {  // which leapfrog alone knows
+  if (facts.obstacles && job.drive.planes.back().solid()) {  // near, and round: flights and rests know planes alone
     facts.clear = false;
     facts.within_reach = true;
     facts.stiffness = 0;

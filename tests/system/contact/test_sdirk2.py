@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from readings import orders, vector
-from scenes import GRAVITY, box, problems
+from scenes import GRAVITY, box
 from softffd import Scene, simulate
 from softffd.fmu.package import scene_masses
 from stepping import Stepper
-from validation import shapes as bodies
 
 TOLERANCE = 1e-4 * 0.1
 """m; the default of solver.tolerance for the pad"""

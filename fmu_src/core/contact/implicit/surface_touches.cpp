@@ -102,9 +102,8 @@ void SurfaceTouches::hold(State& state) const {
 int SurfaceTouches::plane_of(int obstacle, int sample) const {
   if (obstacle < flat_) return obstacle;
   const auto& found = tangents_.found();
-  const auto at = std::ranges::lower_bound(found, std::pair(obstacle, sample), {}, [](const Tangent& each) {
-    return std::pair(each.obstacle, each.sample);
-  });
+  const auto at = std::ranges::lower_bound(found, std::pair(obstacle, sample), {},
+                                           [](const Tangent& each) { return std::pair(each.obstacle, each.sample); });
   return at != found.end() && at->obstacle == obstacle && at->sample == sample ? flat_ + int(at - found.begin()) : -1;
 }
 
@@ -140,8 +139,7 @@ HalfSpace SurfaceTouches::tangent_at(int plane, const Vec3& place) const {
 /// To where the samples are now; forces go with the normals.
 void SurfaceTouches::turn_tangents(const StepProblem& problem) {
   const std::vector<Vec3> before = normals_;
-  for (int q = flat_; q < int(planes_.size()); ++q)
-    planes_[q] = tangent_at(q, samples_.at(tangents_.found()[q - flat_].sample, problem.x));
+  for (int q = flat_; q < int(planes_.size()); ++q) planes_[q] = tangent_at(q, samples_.at(tangents_.found()[q - flat_].sample, problem.x));
   set_normals();
   for (Force& each : forces_)
     if (each.row.plane >= flat_) each.force = swung(before[each.row.plane], normals_[each.row.plane], each.force);
@@ -298,8 +296,7 @@ bool SurfaceTouches::in_front(double slack) {
   list_candidates();
   return covered && std::all_of(candidates_.begin(), candidates_.end(), [&](const Candidate& each) {
            const int s = each.row.sample;
-           return heights_[each.row.plane].at(samples_, s) >= -2 * slack - doubt_ ||
-                  set_.delassus()(s, s).isZero(0);  // all of it pinned
+           return heights_[each.row.plane].at(samples_, s) >= -2 * slack - doubt_ || set_.delassus()(s, s).isZero(0);  // all of it pinned
          });
 }
 
@@ -381,7 +378,8 @@ double SurfaceTouches::largest_load() const {
 
 void SurfaceTouches::find_reactions(std::vector<Reaction>& reactions) const {
   reactions.clear();
-  for (const Force& each : forces_) reactions.push_back({obstacle_[each.row.plane], each.row.sample, normals_[each.row.plane], each.force, true});
+  for (const Force& each : forces_)
+    reactions.push_back({obstacle_[each.row.plane], each.row.sample, normals_[each.row.plane], each.force, true});
 }
 
 }  // namespace softffd

@@ -80,12 +80,12 @@ class SurfaceTouches final : public ImplicitTouches {
   std::vector<SolidPose> poses_;         ///< of solids, at the end
   std::vector<double> friction_;         ///< (obstacles) coefficients
   Tangents tangents_;
-  int flat_ = 0;                         ///< number of half-spaces, which come first; then planes of the tangents, one each
-  std::vector<HalfSpace> planes_;        ///< at the end of the step
-  std::vector<int> obstacle_;            ///< (planes) whose plane it is
-  std::vector<Vec3> normals_;            ///< (planes)
-  const Step* step_ = nullptr;           ///< that is open
-  bool covered_ = true;                  ///< no other sample can have come to a solid
+  int flat_ = 0;                   ///< number of half-spaces, which come first; then planes of the tangents, one each
+  std::vector<HalfSpace> planes_;  ///< at the end of the step
+  std::vector<int> obstacle_;      ///< (planes) whose plane it is
+  std::vector<Vec3> normals_;      ///< (planes)
+  const Step* step_ = nullptr;     ///< that is open
+  bool covered_ = true;            ///< no other sample can have come to a solid
   SampleSearch search_;
   StepMatrix matrix_;
   DualActiveSetIn<StepDelassus> set_;

@@ -97,8 +97,7 @@ void SurfaceContact::move_planes(const StepView& step) {
 /// Heights above the planes; returns whether a control point is behind one, or the sample of a tangent.
 bool SurfaceContact::find_heights(const Points& x1) {
   bool behind = false;
-  for (std::size_t q = 0; q < end_.size(); ++q)
-    behind = drift_.heights[q].find(samples_, x1, end_[q].normal, end_[q].offset) || behind;
+  for (std::size_t q = 0; q < end_.size(); ++q) behind = drift_.heights[q].find(samples_, x1, end_[q].normal, end_[q].offset) || behind;
   return behind;
 }
 
@@ -319,8 +318,7 @@ StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, c
     candidate.bound = plane.normal.dot(turns ? plane.material_velocity(samples_.at(candidate.row.sample, x1)) : plane.velocity);
     fastest = std::max(fastest, std::abs(candidate.bound));
   }
-  for (std::size_t q = 0; q < end_.size(); ++q)
-    close_.heights[q].find(samples_, v, end_[q].normal, 0);
+  for (std::size_t q = 0; q < end_.size(); ++q) close_.heights[q].find(samples_, v, end_[q].normal, 0);
   load(rows.close, rows.close_friction, close_);
   const auto slip_of = [&](const SurfaceRow& row) {
     const HalfSpace& plane = end_[row.plane];
