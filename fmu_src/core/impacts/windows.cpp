@@ -94,9 +94,9 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     if (status != StepStatus::ok) return status;
     const Phase next = path.stiff.phase;
     const double reached = path.motion.time;
-    std::swap(coarse_, path);
     // Slight points make windows a fraction of the impact: what is pressed on then is no vibration that the next impact will meet.
     const bool whole = fresh && (job.model.body.slight.empty() || off_obstacles(job, touching));
+    std::swap(coarse_, path);
     const bool rings = (whole || next == Phase::flight) && job.drive.pins.empty() && flights.has_modes(job.model.body);
     trial.back();
     const Count taken = path.steps;
