@@ -120,8 +120,8 @@ SoftBody::SoftBody(Definition definition)
       regions_(definition_.lattice, definition_.regions),
       cells_(definition_.lattice, definition_.team),
       now_(empty_run(definition_)),
-      before_(now_),
-      propagator_(definition_.lattice, now_, definition_.planes > 0 ? definition_.samples.get() : nullptr),
+      propagator_(definition_.lattice, definition_.planes, int(definition_.pins.size()),
+                  definition_.planes > 0 ? definition_.samples.get() : nullptr),
       jumps_(definition_.lattice.points(), definition_.planes) {
   const int n = definition_.lattice.points();
   pin_origins_.resize(definition_.pins.size());
@@ -131,7 +131,7 @@ SoftBody::SoftBody(Definition definition)
   if (definition_.samples && definition_.planes > 0) surface_ = std::make_unique<SurfaceContact>(model_.body, definition_.planes);
   for (MarkedPoints* points : {&settings.force, &settings.force_rate, &settings.force_bend[0], &settings.force_bend[1]})
     points->change().setZero(n, 3);
-  for (Points* points : {&drive_.force, &drive_.force_rate, &drive_.force_bend[0], &drive_.force_bend[1], &begin_}) points->setZero(n, 3);
+  drive_.force.setZero(n, 3);
   settings.planes.resize(definition_.planes);
   settings.pins.resize(definition_.pins.size());
   for (std::size_t a = 0; a < pin_origins_.size(); ++a) settings.pins[a].position = pin_origins_[a];

@@ -129,7 +129,7 @@ class SoftBody {
   Regions regions_;
   std::vector<Vec3> pin_origins_;
   Cells cells_;
-  Run now_, before_;  ///< before: at the start of the last communication step
+  Run now_, before_;  ///< before: at the start of the last communication step, if there was any
   Propagator propagator_;
   Contact jumps_;
   std::unique_ptr<SurfaceContact> surface_;  ///< where planes meet the surface: its jumps

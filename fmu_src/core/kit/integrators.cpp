@@ -28,30 +28,31 @@ bool tells_apart(const Job& job) {
 }  // namespace
 
 Integrators::Integrators(const Lattice& lattice, int planes, int pins, const Samples* samples)
-    : implicit_work_(lattice), reach_(lattice.points()), x0_(lattice.points(), 3), v0_(lattice.points(), 3) {
-  const int points = lattice.points();
-  const auto add = [&]<class T>(Method method, std::unique_ptr<T> integrator) {
-    T* added = integrator.get();
-    all_[std::size_t(method)] = std::move(integrator);
-    return added;
-  };
-  add(Method::central_difference, std::make_unique<CentralDifference>(points));
-  add(Method::leapfrog, std::make_unique<Leapfrog>(points, planes));
-  add(Method::bm4, std::make_unique<Bm4>(points, pins));
-  add(Method::rkn12, std::make_unique<Rkn12>(points, pins));
-  add(Method::dop853, std::make_unique<Dop853>(points, pins));
-  Ros34pw2* ros34pw2 = add(Method::ros34pw2, std::make_unique<Ros34pw2>(lattice, pins));
-  add(Method::floating_frame, std::make_unique<FloatingFrame>(lattice, *ros34pw2));
-  BackwardEuler* backward_euler = add(Method::backward_euler, std::make_unique<BackwardEuler>(lattice, planes, pins, samples));
-  add(Method::sdirk2, std::make_unique<Sdirk2>(*backward_euler));
-  backward_euler_ = backward_euler;
-  ros34pw2_ = ros34pw2;
+    : lattice_(lattice), planes_(planes), pins_(pins), samples_(samples), implicit_work_(lattice), reach_(lattice.points()) {}
+
+std::unique_ptr<Integrator> Integrators::make(Method method) {
+  const int points = lattice_.points();
+  switch (method) {
+    case Method::automatic: break;  // stands for others
+    case Method::central_difference: return std::make_unique<CentralDifference>(points);
+    case Method::leapfrog: return std::make_unique<Leapfrog>(points, planes_);
+    case Method::bm4: return std::make_unique<Bm4>(points, pins_);
+    case Method::rkn12: return std::make_unique<Rkn12>(points, pins_);
+    case Method::dop853: return std::make_unique<Dop853>(points, pins_);
+    case Method::ros34pw2: return std::make_unique<Ros34pw2>(lattice_, pins_);
+    case Method::backward_euler: return std::make_unique<BackwardEuler>(lattice_, planes_, pins_, samples_);
+    case Method::sdirk2: return std::make_unique<Sdirk2>(static_cast<BackwardEuler&>((*this)[Method::backward_euler]));
+    case Method::floating_frame: return std::make_unique<FloatingFrame>(lattice_, static_cast<Ros34pw2&>((*this)[Method::ros34pw2]));
+  }
+  return nullptr;
 }
 
-Integrators::Integrators(Integrators&&) noexcept = default;
-Integrators::~Integrators() = default;
-
-Count Integrators::factorizations() const { return ros34pw2_->factorizations() + backward_euler_->factorizations(); }
+Count Integrators::factorizations() const {
+  Count sum = 0;
+  for (const auto& integrator : all_)
+    if (integrator) sum += integrator->factorizations();
+  return sum;
+}
 
 Outcome Integrators::take(const Job& job, Method method, const Span& span) {
   Outcome outcome{.status = StepStatus::too_much_work};

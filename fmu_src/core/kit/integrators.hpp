@@ -12,17 +12,17 @@
 
 namespace softffd {
 
-class BackwardEuler;
-class Ros34pw2;
-
 class Integrators {
  public:
   /// samples: of the surface, where planes meet it.
   Integrators(const Lattice& lattice, int planes, int pins, const Samples* samples = nullptr);
-  Integrators(Integrators&&) noexcept;
-  ~Integrators();
 
-  Integrator& operator[](Method method) { return *all_[std::size_t(method)]; }
+  /// Made when it is first asked for.
+  Integrator& operator[](Method method) {
+    std::unique_ptr<Integrator>& integrator = all_[std::size_t(method)];
+    if (!integrator) integrator = make(method);
+    return *integrator;
+  }
   /// Of those with error control.
   OneStep& one_step(Method method) { return static_cast<OneStep&>((*this)[method]); }
   const ImplicitWork& implicit_work() const { return implicit_work_; }
@@ -40,11 +40,13 @@ class Integrators {
   Budget& budget() { return budget_; }
 
  private:
+  std::unique_ptr<Integrator> make(Method method);
   Outcome take_span(const Job& job, Method method, const Span& span);
 
+  Lattice lattice_;
+  int planes_, pins_;
+  const Samples* samples_;
   std::array<std::unique_ptr<Integrator>, method_count> all_;
-  const Ros34pw2* ros34pw2_ = nullptr;
-  const BackwardEuler* backward_euler_ = nullptr;
   ImplicitWork implicit_work_;
   Reach reach_;
   Budget budget_;

@@ -16,8 +16,7 @@ class BackwardEuler final : public Integrator {
   Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) override {
     return advance(Method::backward_euler, model, drive, span, run);
   }
-  /// Number of factors made so far.
-  Count factorizations() const { return contact_.factorizations(); }
+  Count factorizations() const override { return contact_.factorizations(); }
 
  private:
   friend class Sdirk2;

@@ -60,8 +60,7 @@ class Ros34pw2 final : public OneStep {
   }
   /// The next attempt takes the stiffness at its own state.
   void refresh() { factored.h = 0; }
-  /// Number of factors made so far.
-  Count factorizations() const { return factorizations_; }
+  Count factorizations() const override { return factorizations_; }
 
   /// What the next step's factor is made from, if the step is `h` long and it has not served its time; attempts keep it up to date. Part of
   /// every snapshot: the factor follows from it and from the body.

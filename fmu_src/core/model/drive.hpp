@@ -22,8 +22,8 @@ struct Drive {
   std::vector<Plane> planes;
   std::vector<Pin> pins;
   Points force;                      ///< gravity, loads and point forces at time `since` (points, 3) [N]
-  Points force_rate;                 ///< their time derivative at `since` [N/s]; used only if `ramped`
-  std::array<Points, 2> force_bend;  ///< second and third derivative [N/s2, N/s3]; used only if `bent`
+  Points force_rate;                 ///< their time derivative at `since` [N/s]; there only if `ramped`
+  std::array<Points, 2> force_bend;  ///< second and third derivative [N/s2, N/s3]; there only if `bent`
   bool ramped = false;               ///< any derivative is not zero
   bool bent = false;                 ///< any second or third
   bool even = false;                 ///< the same forces on all points, and not ramped

@@ -18,15 +18,6 @@ namespace use = thresholds;
 
 }  // namespace
 
-Propagator::Propagator(const Lattice& lattice, const Run& run, const Samples* samples)
-    : integrators_(lattice, int(run.path.exchange.planes.size()), int(run.path.exchange.pins.size()), samples),
-      calibrator_(run),
-      doubled_(run),
-      damped_(lattice, run),
-      impacts_(lattice, run),
-      race_(run),
-      start_(run.path) {}
-
 StepStatus Propagator::advance(const Job& job, double H) {
   Course& course = job.run.course;
   course.usual = std::max(H, use::usual_decay * course.usual);
@@ -64,7 +55,7 @@ void Propagator::find(Want want, const Job& job, double H, Facts& facts) {
   const State& motion = job.run.path.motion;
   if (want == Want::clear) facts.clear = off_obstacles(job.drive, motion.time, motion.x, touching * job.model.body.length);
   if (want == Want::within_reach) facts.within_reach = integrators_.reach().may_touch(job.equations(), motion, H);
-  if (want == Want::rings) facts.rings = impacts_.rings_about_rest(job);
+  if (want == Want::rings) facts.rings = impacts_.of(lattice_, job.run).rings_about_rest(job);
   if (want == Want::stiffness) facts.stiffness = H / step_limit(job, Method::leapfrog, false);
 }
 
@@ -103,12 +94,14 @@ StepStatus Propagator::carry_out(const Job& job, const Plan& plan, double H) {
   if (plan.steps != Steps::impacts && !job.drive.planes.empty()) job.run.path.stiff.begin(Phase::flight);
   switch (plan.steps) {
     case Steps::implicit: return run_implicit(integrators_, job, plan.method, end);
-    case Steps::damped: return damped_.run(integrators_, job, end, job.drive.planes.empty() ? nullptr : &doubled_);
-    case Steps::doubled: return doubled_.run(integrators_, job, end);
+    case Steps::damped:
+      return damped_.of(lattice_, job.run).run(integrators_, job, end, job.drive.planes.empty() ? nullptr : &doubled_.of(job.run));
+    case Steps::doubled: return doubled_.of(job.run).run(integrators_, job, end);
     case Steps::counted: return run_counted(integrators_, job, plan.method, counted_units(job.request, H));
     case Steps::controlled: return begun < end ? run_controlled(integrators_, job, plan.method, end, infinity) : StepStatus::ok;
-    case Steps::impacts: return impacts_.run(integrators_, job, end, plan.rings);
-    case Steps::fitted: return begun < end ? run_fitted(integrators_, calibrator_, job, plan.method, end, infinity) : StepStatus::ok;
+    case Steps::impacts: return impacts_.of(lattice_, job.run).run(integrators_, job, end, plan.rings);
+    case Steps::fitted:
+      return begun < end ? run_fitted(integrators_, calibrator_.of(job.run), job, plan.method, end, infinity) : StepStatus::ok;
     case Steps::raced: return run_raced(job, end);
   }
   return StepStatus::ok;
@@ -119,19 +112,20 @@ StepStatus Propagator::run_raced(const Job& job, double end) {
   const State& motion = job.run.path.motion;
   while (motion.time < end) {
     const double left = end - motion.time;
-    if (Race::due(job, left)) race_.run(integrators_, calibrator_, job, left);
+    if (Race::due(job, left)) race_.of(job.run).run(integrators_, calibrator_.of(job.run), job, left);
     const Method method = course.method = course.race.winner;
     course.reason = course.race.reason;
     if (motion.time == end) break;  // a trial took it there
     const bool creeps = !job.drive.pins.empty() && job.model.body.springs.dashpots() && job.request.method == Method::automatic;
     if (creeps && !is_implicit(method) && left / step_limit(job, Method::leapfrog, false) > use::stiff_damping) {
       course.reason = Reason::quiet_stiffness;
-      return damped_.run(integrators_, job, end, nullptr);
+      return damped_.of(lattice_, job.run).run(integrators_, job, end, nullptr);
     }
     if (course.race.forecast > use::too_long * budget().left()) return StepStatus::too_much_work;
     const double pause_at = std::min(course.race.due, course.work + use::overrun * course.race.forecast + use::shortest_pause);
-    const StepStatus status = traits(method).error_control() ? run_controlled(integrators_, job, method, end, pause_at)
-                                                             : run_fitted(integrators_, calibrator_, job, method, end, pause_at);
+    const StepStatus status = traits(method).error_control()
+                                  ? run_controlled(integrators_, job, method, end, pause_at)
+                                  : run_fitted(integrators_, calibrator_.of(job.run), job, method, end, pause_at);
     if (status != StepStatus::ok) return status;
     if (motion.time < end) course.race.due = course.work;
   }

@@ -4,6 +4,7 @@
 #include "impacts/impacts.hpp"
 #include "kit/integrators.hpp"
 #include "kit/thresholds.hpp"
+#include "model/lazy.hpp"
 #include "stepping/calibration.hpp"
 #include "stepping/damped_steps.hpp"
 #include "stepping/plan.hpp"
@@ -13,9 +14,9 @@ namespace softffd {
 
 class Propagator {
  public:
-  /// run: any of the body's, for the sizes of what is kept.
   /// samples: of the surface, where planes meet it.
-  Propagator(const Lattice& lattice, const Run& run, const Samples* samples = nullptr);
+  Propagator(const Lattice& lattice, int planes, int pins, const Samples* samples = nullptr)
+      : lattice_(lattice), integrators_(lattice, planes, pins, samples) {}
   /// From the run's time to H later. On failure the run is spoilt and the caller restores it.
   StepStatus advance(const Job& job, double H);
   Budget& budget() { return integrators_.budget(); }
@@ -30,12 +31,13 @@ class Propagator {
   StepStatus carry_out(const Job& job, const Plan& plan, double H);
   StepStatus run_raced(const Job& job, double end);
 
+  Lattice lattice_;
   Integrators integrators_;
-  Calibrator calibrator_;
-  DoubledSteps doubled_;
-  DampedSteps damped_;
-  Impacts impacts_;
-  Race race_;
+  Lazy<Calibrator> calibrator_;
+  Lazy<DoubledSteps> doubled_;
+  Lazy<DampedSteps> damped_;
+  Lazy<Impacts> impacts_;
+  Lazy<Race> race_;
   Path start_;  ///< of a stretch that may have to be gone back to
 };
 

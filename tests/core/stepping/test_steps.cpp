@@ -145,7 +145,7 @@ TEST(the_propagator_ends_every_communication_step_on_time) {
   for (Method method : {Method::automatic, Method::leapfrog, Method::bm4, Method::rkn12, Method::dop853, Method::ros34pw2}) {
     Bench b;
     b.request.method = method;
-    Propagator propagator(b.lattice, b.run);
+    Propagator propagator(b.lattice, 0, 0);
     for (int i = 1; i <= 3; ++i) {
       const double end = b.run.path.motion.time + 0.03;
       CHECK(propagator.advance(b.job(), 0.03) == StepStatus::ok);
