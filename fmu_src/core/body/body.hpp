@@ -41,6 +41,7 @@ struct Body {
 template <class V>
 double dashpot_power(const Springs& springs, const Points& x, const V& v) {
   double power = 0;
+  if (!springs.dashpots()) return power;
   for (const Springs::Row& row : springs.rows())
     for (int lane = 0; lane < row.lanes(); ++lane) {
       if (row.dashpot[lane] == 0) continue;

@@ -33,7 +33,6 @@ Contact::Contact(int points, int planes)
       approach_(planes),
       behind_(planes * bytes(points)),
       were_(behind_),
-      octets_(planes > 0 ? points / Octet::lanes + planes : 0),
       open_(planes),
       feasible_(planes),
       gap_(points),
@@ -142,6 +141,7 @@ bool Contact::group(const StepView& step, const Points& x1) {
     }
     if (open_[plane] < 0 || octets_[open_[plane]].count == Octet::lanes) {
       open_[plane] = used_++;
+      if (used_ > int(octets_.size())) octets_.emplace_back();
       octets_[open_[plane]].clear(plane);
     }
     octets_[open_[plane]].add(p);

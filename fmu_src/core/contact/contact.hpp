@@ -97,7 +97,7 @@ class Contact {
   std::vector<Approach> approach_;            ///< the planes during a step in which points touch
   std::vector<unsigned char> behind_, were_;  ///< by the last two drifts
   std::vector<int> touched_;                  ///< those of the last
-  std::vector<Octet> octets_;                 ///< those of them that no pin holds, by plane; the first so many:
+  std::vector<Octet> octets_;                 ///< those of them that no pin holds, by plane, as many as ever were; the first so many:
   int used_ = 0;
   bool same_ = false;      ///< the points found are those of the last time
   bool at_hand_ = false;   ///< octets hold the step that has begun

@@ -138,8 +138,7 @@ const auto add_squares = chosen<loops::add_squares>();
 
 }  // namespace kernels
 
-Cells::Cells(const Lattice& lattice, std::shared_ptr<Team> team)
-    : team_(std::move(team)), points_(lattice.points()), edges_(Scalars::Zero(9 * points_)), pulls_(Scalars::Zero(9 * points_)) {
+Cells::Cells(const Lattice& lattice, std::shared_ptr<Team> team) : team_(std::move(team)), points_(lattice.points()) {
   const auto& n = lattice.counts;
   offset_ = {lattice.index(1, 0, 0), lattice.index(0, 1, 0), lattice.index(0, 0, 1)};
   for (int axis = 0; axis < 3; ++axis) per_length_[axis] = (n[axis] - 1) / lattice.size[axis];
@@ -185,6 +184,7 @@ Cells::Corner Cells::corner(const Points& x, int lane, int a, int b, int c) cons
 
 void Cells::add_squares(double limit, double factor, const Points& x, Points& f) const {
   if (!any_below(limit, x)) return;
+  if (edges_.size() == 0) edges_ = pulls_ = Scalars::Zero(9 * points_);
   kernels::make_edges(points_, offset_.data(), per_length_.data(), x.data(), edges_.data());
   const std::array<double, 3> scaled{factor * per_length_[0], factor * per_length_[1], factor * per_length_[2]};
   kernels::add_squares(points_, lanes(), offset_.data(), scaled.data(), limit, absent_.data(), edges_.data(), pulls_.data(), f.data());

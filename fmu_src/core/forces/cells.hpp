@@ -63,7 +63,7 @@ class Cells {
   std::array<double, 3> per_length_;  ///< 1 / length of the edges at rest [1/m]
   int points_;
   Scalars absent_;                 ///< (lanes) 0: a cell, infinite: none
-  mutable Scalars edges_, pulls_;  ///< (9 * points) by axis of the edge, then by coordinate
+  mutable Scalars edges_, pulls_;  ///< (9 * points) by axis of the edge, then by coordinate; none until corners resist
   mutable Scalars smallest_;       ///< (lanes)
 };
 

@@ -29,7 +29,7 @@ Springs::Row make_row(const Lattice& lattice, Topology topology, const Direction
   while (all[begin] == 0) ++begin;
   while (all[end - 1] == 0) --end;
   const int lanes = end - begin;
-  Springs::Row row{direction, begin, offset, all.segment(begin, lanes), Scalars::Zero(lanes), Scalars(lanes), Scalars::Zero(lanes)};
+  Springs::Row row{direction, begin, offset, all.segment(begin, lanes), Scalars::Zero(lanes), Scalars(lanes), {}};
   for (int p = 0; p < lanes; ++p) {
     const Vec3 d = softffd::row(rest, begin + p + offset) - softffd::row(rest, begin + p);
     row.rest_length[p] = std::sqrt(d.x() * d.x() + d.y() * d.y() + d.z() * d.z());  // the kernel's own expression: no force at rest
@@ -87,10 +87,11 @@ void Springs::set_stiffness(const Stiffness& stiffness, const std::vector<Spring
 
 void Springs::set_modulus(const Scalars& modulus, const Scalars& time) {
   const auto& n = lattice_.counts;
+  const bool damped = (time > 0).any();
   for (std::size_t d = 0; d < rows_.size(); ++d) {
     Row& row = rows_[d];
     row.stiffness.setZero();
-    row.dashpot.setZero();
+    row.dashpot.setZero(damped ? row.lanes() : 0);
     const OfCell springs(lattice_, row.direction);
     const double share = share_of_cell(lattice_, row.direction);
     int cell = 0;
@@ -100,7 +101,7 @@ void Springs::set_modulus(const Scalars& modulus, const Scalars& time) {
           for (int s = 0; s < springs.count; ++s) {
             const int lane = lattice_.index(i, j, k) + springs.begins[s] - row.begin;
             row.stiffness[lane] += share * modulus[cell];
-            row.dashpot[lane] += share * modulus[cell] * time[cell];
+            if (damped) row.dashpot[lane] += share * modulus[cell] * time[cell];
           }
   }
   pass_.set(views());
@@ -112,8 +113,9 @@ void Springs::dashpots_changed() {
   for (const Row& row : rows_)
     for (int p = 0; p < row.lanes(); ++p) {
       if (row.stiffness[p] == 0) continue;
-      longest_time_ = std::max(longest_time_, row.dashpot[p] / row.stiffness[p]);
-      shortest_time_ = std::min(shortest_time_, row.dashpot[p] / row.stiffness[p]);
+      const double time = row.dashpot.size() > 0 ? row.dashpot[p] / row.stiffness[p] : 0;
+      longest_time_ = std::max(longest_time_, time);
+      shortest_time_ = std::min(shortest_time_, time);
     }
   if (!dashpots()) return;
   std::array<const double*, directions.size()> c;
@@ -128,8 +130,12 @@ SpringPass::Rows Springs::views() const {
 }
 
 void Springs::set_dashpots(double time, const std::vector<SpringOverride>& overrides) {
-  for (Row& row : rows_)
-    for (int p = 0; p < row.lanes(); ++p) row.dashpot[p] = row.overridden(p, time, overrides) * row.stiffness[p];
+  const bool damped =
+      time > 0 || std::any_of(overrides.begin(), overrides.end(), [](const SpringOverride& some) { return some.value > 0; });
+  for (Row& row : rows_) {
+    row.dashpot.resize(damped ? row.lanes() : 0);
+    for (int p = 0; p < row.dashpot.size(); ++p) row.dashpot[p] = row.overridden(p, time, overrides) * row.stiffness[p];
+  }
   dashpots_changed();
 }
 

@@ -87,7 +87,7 @@ class Springs {
     Scalars multiplicity;  ///< 0 (none), 1 or 2 (lanes)
     Scalars stiffness;     ///< [N/m] (lanes)
     Scalars rest_length;   ///< [m] (lanes)
-    Scalars dashpot;       ///< c [N s/m] (lanes)
+    Scalars dashpot;       ///< c [N s/m] (lanes); none where no spring has one
     int lanes() const { return int(stiffness.size()); }
     /// A value of the spring in a lane, that of the last override for it if there is one.
     double overridden(int lane, double value, const std::vector<SpringOverride>& overrides) const;

@@ -11,10 +11,11 @@ SpringHessian::SpringHessian(int points) : blocks_(directions.size()), sums_(6 *
 
 void SpringHessian::compute(const Springs& springs, const Points& x, double softening, double per_time) {
   sums_.setZero();
+  const bool damped = springs.dashpots();
   for (std::size_t r = 0; r < springs.rows().size(); ++r) {
     const Springs::Row& row = springs.rows()[r];
-    kernels::add_spring_matrices(row.view(), row.dashpot.data(), int(x.rows()), x.data(), softening, per_time, blocks_[r].data(),
-                                 sums_.data());
+    kernels::add_spring_matrices(row.view(), (damped ? row.dashpot : row.stiffness).data(), int(x.rows()), x.data(), softening,
+                                 damped ? per_time : 0, blocks_[r].data(), sums_.data());
   }
 }
 
