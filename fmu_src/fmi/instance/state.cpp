@@ -127,9 +127,12 @@ Whole Instance::whole() const {
 }
 
 Bytes Instance::save_state() const {
-  Bytes bytes;
-  StateWriter writer(bytes);
   Whole all = whole();
+  StateSize size;
+  pass(size, all);
+  Bytes bytes;
+  bytes.reserve(size.bytes);
+  StateWriter writer(bytes);
   pass(writer, all);
   return bytes;
 }

@@ -34,6 +34,18 @@ inline std::uint64_t little_endian(std::uint64_t word) {
   return turned;
 }
 
+/// Counts the bytes that a StateWriter appends.
+struct StateSize {
+  std::size_t bytes = 0;
+  void number(double&) { bytes += 8; }
+  void integer(Count&) { bytes += 8; }
+  template <class Choice>
+  void choice(Choice&, Choice) {
+    bytes += 8;
+  }
+  void numbers(double*, std::size_t count) { bytes += 8 * count; }
+};
+
 /// Appends values, eight bytes each.
 class StateWriter {
  public:
