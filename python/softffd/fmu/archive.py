@@ -39,8 +39,7 @@ def unpack(path: Path, folder: str) -> str | None:
     fmpy.extract(str(path), unzipdir=folder, include=lambda name: name != same and _is_read(name))
     if not same:
         return None
-    loaded_library()
-    return str(host_library())
+    return str(loaded_library()._name)
 
 
 def require_no_bomb(archive: ZipFile, packed: int) -> None:

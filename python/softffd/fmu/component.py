@@ -23,7 +23,7 @@ from softffd.fmu.block import KINDS, Block, number_of
 from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
 from softffd.fmu.notes import read_notes
 from softffd.fmu.records import PinRecord, read_lattice, read_obstacles, read_pins
-from softffd.installed import host_library, loaded_library
+from softffd.installed import loaded_library
 from softffd.lattice import LatticeBox
 
 if TYPE_CHECKING:
@@ -135,8 +135,7 @@ class Component:
 
         self.interface = write_folder(scene, Path(self._folder))
         self._name = scene.name
-        loaded_library()
-        return str(host_library())
+        return str(loaded_library()._name)
 
     @cached_property
     def description(self) -> Any:
