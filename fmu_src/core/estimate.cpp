@@ -81,9 +81,7 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
   const Points &x = body.state().x, &y = shadow_.state().x;
   for (int i = 0; i < x.size(); ++i) difference = std::max(difference, std::abs(x.data()[i] - y.data()[i]));
   if (!of_impacts(body)) follow_vibration(body, H, taken);
-  const double slurred = thresholds::of_moved_mass * body.moved_mass() * body.lattice().largest_side();
-  const double estimate =
-      std::max({difference * tally_.time / tally_.ratio_time, tally_.damped_away, body.run().path.stiff.error, slurred});
+  const double estimate = std::max({difference * tally_.time / tally_.ratio_time, tally_.damped_away, body.run().path.stiff.error});
   const bool free = given && !body.readings().damped();
   tally_.value = free && out_of_phase() ? std::max(tally_.value, estimate) : estimate;
   if (free) tally_.value = std::max(tally_.value, lost_vibration(body));
@@ -137,9 +135,9 @@ void ErrorEstimate::follow_vibration(const SoftBody& body, double H, Count taken
   tally_.damped_away = std::max(tally_.damped_away, tally_.vibration.amplitude * (1 - tally_.kept));
 }
 
-void ErrorEstimate::restore(const Memory& memory, const Settings& settings, double start_time, const Vec3& gravity_of_masses) {
+void ErrorEstimate::restore(const Memory& memory, const Settings& settings, double start_time) {
   shadow_.settings = settings;
-  shadow_.restore(memory.shadow, start_time, gravity_of_masses);
+  shadow_.restore(memory.shadow, start_time);
   tally_ = memory.tally;
 }
 

@@ -59,7 +59,7 @@ class ErrorEstimate {
 
   Memory memory() const { return {shadow_.run(), tally_}; }
   /// Continues from a snapshot; `settings` are those of the body.
-  void restore(const Memory& memory, const Settings& settings, double start_time, const Vec3& gravity_of_masses);
+  void restore(const Memory& memory, const Settings& settings, double start_time);
 
  private:
   double choose_steps(const SoftBody& body, double H, Count taken);

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "contact/stand_ins.hpp"
-#include "forces/light_points.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
 #include "model/rigid_motion.hpp"
@@ -137,14 +136,11 @@ SoftBody::SoftBody(Definition definition)
   for (std::size_t a = 0; a < pin_origins_.size(); ++a) settings.pins[a].position = pin_origins_[a];
 }
 
-/// The model of the settings' material. gravity: by which light points get mass.
-void SoftBody::refresh_model(const Vec3& gravity) {
+/// The model of the settings' material.
+void SoftBody::refresh_model() {
   const int n = definition_.lattice.points();
   Body& body = model_.body;
   material_ = settings;
-  gravity_of_masses_ = gravity;
-  moved_mass_ = 0;
-  body.slight.clear();
   const Eigen::Map<const Scalars> weights(definition_.mass.data(), n);
   body.mass = weights * (settings.mass / weights.sum());
   body.damping = Scalars::Constant(n, settings.damping);
@@ -155,15 +151,6 @@ void SoftBody::refresh_model(const Vec3& gravity) {
     regions_.set_modulus(settings.modulus, settings.internal_damping, body.springs);
   else
     regions_.set_stiffness(settings.stiffness, settings.internal_damping, body.springs);
-  if (definition_.planes > 0 && settings.method == Method::automatic && settings.step == 0) {  // without planes implicit steps do better
-    const double length = body.length, most = thresholds::light_share * settings.tolerance * settings.mass;
-    const double speed =
-        definition_.velocity.norm() + definition_.angular_velocity.norm() * length + std::sqrt(2 * gravity.norm() * length);
-    const double period = thresholds::light_swing * settings.tolerance * length / speed;
-    LightPoints found = raise_light_points(body.springs, body.pinned, most, period, body.mass);
-    moved_mass_ = found.moved / settings.mass;
-    body.slight = std::move(found.slight);
-  }
   body.weight = body.mass;
   if (!definition_.weight.empty()) {
     const Eigen::Map<const Scalars> given(definition_.weight.data(), n);
@@ -246,7 +233,7 @@ bool SoftBody::place_pins(bool book) {
 }
 
 StepStatus SoftBody::initialize(double t0) {
-  refresh_model(settings.gravity);
+  refresh_model();
   State& motion = now_.path.motion;
   start_time_ = motion.time = t0;
   const StepStatus status = refresh_drive();
@@ -346,8 +333,8 @@ void SoftBody::look_at_planes() {
   }
 }
 
-void SoftBody::restore(const Run& run, double start_time, const Vec3& gravity_of_masses) {
-  refresh_model(gravity_of_masses);
+void SoftBody::restore(const Run& run, double start_time) {
+  refresh_model();
   start_time_ = start_time;
   now_ = run;
 }
@@ -356,9 +343,8 @@ StepStatus SoftBody::advance(double H) {
   divided_ = 1;
   const bool changed = material_waits();
   const Material in_effect = material_;
-  const Vec3 gravity_before = gravity_of_masses_;
   Trial trial(now_, before_, definition_.team.get());
-  if (changed) refresh_model(settings.gravity);
+  if (changed) refresh_model();
   const bool automatic = settings.step == 0;
   const double usual = automatic ? now_.energy.step_factor : 1;
   bool stand_ins = true;
@@ -388,7 +374,7 @@ StepStatus SoftBody::advance(double H) {
   }
   if (changed) {  // outputs are again those of the material before
     const Material wanted = std::exchange(static_cast<Material&>(settings), in_effect);
-    refresh_model(gravity_before);
+    refresh_model();
     static_cast<Material&>(settings) = wanted;
   }
   return status;

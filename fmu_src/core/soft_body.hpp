@@ -71,11 +71,8 @@ class SoftBody {
  public:
   explicit SoftBody(Definition definition);
 
-  Settings settings;                                      ///< take effect at the next `initialize` or `advance`
-  const Material& material() const { return material_; }  ///< in effect
-  double moved_mass() const { return moved_mass_; }       ///< to light points, share of the whole
-  /// Gravity by which masses were moved, as the material came into effect [m/s2].
-  const Vec3& gravity_of_masses() const { return gravity_of_masses_; }
+  Settings settings;                                                ///< take effect at the next `initialize` or `advance`
+  const Material& material() const { return material_; }            ///< in effect
   bool material_waits() const { return !(material_ == settings); }  ///< for the next step
 
   /// Sets up the initial state at time t0; positions behind planes are moved onto them.
@@ -87,8 +84,8 @@ class SoftBody {
   /// A snapshot to read or copy.
   const Run& run() const { return now_; }
   /// Continues from a snapshot of the same definition. `settings` must be those of the snapshot's moment: the start time and all values
-  /// that had taken effect; gravity_of_masses as it was then.
-  void restore(const Run& run, double start_time, const Vec3& gravity_of_masses);
+  /// that had taken effect.
+  void restore(const Run& run, double start_time);
   const Lattice& lattice() const { return definition_.lattice; }
   /// Where pin a's frame is at rest [m].
   Vec3 pin_origin(int a) const { return pin_origins_[a]; }
@@ -105,7 +102,7 @@ class SoftBody {
   Count factorizations() const { return propagator_.factorizations(); }
 
  private:
-  void refresh_model(const Vec3& gravity);
+  void refresh_model();
   StepStatus refresh_drive();
   void refresh_forces();
   StepStatus clear_jumps(bool& moved);
@@ -140,8 +137,6 @@ class SoftBody {
   double work_done_ = 0;   ///< of the last call
   double came_ = 0;        ///< by which the last call's first attempt moved the time [s]
   Material material_;      ///< of the settings, what is in effect
-  double moved_mass_ = 0;  ///< share of the mass that was moved to light points
-  Vec3 gravity_of_masses_ = Vec3::Zero();
   double start_time_ = 0;  ///< [s]
   bool moved_ = false;     ///< pins or planes moved points at once when the last communication step began
 };

@@ -143,7 +143,7 @@ TEST(a_gain_of_a_damped_body_under_a_load_that_grows_is_seen) {
   CHECK(!body.readings().gains_energy());
   Run more = body.run();
   more.path.motion.v *= 2;
-  body.restore(more, 0, body.gravity_of_masses());
+  body.restore(more, 0);
   go(body, 20, 0.1);
   CHECK(body.readings().gains_energy());
 }

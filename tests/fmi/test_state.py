@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from c_host import ERROR, OK, Fmu, Host, doubles, ints, uints
-from softffd import Simulation, load_scene
 
 METHODS = {"leapfrog": 3, "central_difference": 2}
 
@@ -61,22 +60,6 @@ def test_pending_derivatives_of_inputs_are_part_of_the_state(rich, method):
     host.must("SetFMUstate", state)
     assert advance(host, 10, 12) == straight
     host.free()
-
-
-def test_light_points_keep_the_mass_that_they_were_made_with():
-    """Gravity chose it at the start; what is restored takes that one, and not the gravity of now."""
-    ends = []
-    with Simulation(load_scene("light_bounce")) as simulation:
-        for through_state in (False, True):
-            simulation.restart()
-            for n in range(30):
-                if n == 10:
-                    simulation["gravity.z"] = -40.0
-                if n == 16 and through_state:
-                    simulation.restore(bytes(simulation.save()))
-                simulation.step(0.01)
-            ends.append(simulation.positions.copy())
-    assert np.array_equal(*ends)
 
 
 @pytest.mark.parametrize(("method", "other"), [tuple(METHODS), tuple(METHODS)[::-1]])

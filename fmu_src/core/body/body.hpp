@@ -15,7 +15,6 @@ struct Body {
   Scalars mass;                    ///< (points) [kg], > 0
   Scalars damping;                 ///< (points) [N s/m], >= 0
   std::vector<bool> pinned;        ///< (points) moved by a pin, not by forces
-  std::vector<int> slight{};       ///< points so light that what they swing by on their own does not matter
   bool damped = false;             ///< any damping > 0, of points or along springs
   double fastest_damping = 0;      ///< rate at which damping changes velocities, at most [1/s]
   Scalars weight{};                ///< (points) [kg], what gravity pulls at

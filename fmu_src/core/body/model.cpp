@@ -34,8 +34,6 @@ void Model::renew() {
   body.fastest_damping = body.damping_rate.maxCoeff();
   if (body.springs.dashpots()) body.fastest_damping += body.springs.longest_time() * power(stability.any_frequency(), 2);
   for (int i = 0; i < 3 * n; ++i) memory[i] = body.damping_rate[i] > 0 ? 2 / body.damping_rate[i] : std::numeric_limits<double>::infinity();
-  for (const int p : body.slight)
-    for (int axis = 0; axis < 3; ++axis) memory[p + axis * n] = 0;
   longest_memory = memory.maxCoeff();
 }
 

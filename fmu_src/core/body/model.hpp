@@ -10,7 +10,7 @@ struct Model {
   Body body;
   Stability stability;
   Scalars time_scale;         ///< (3 * points) position error that a velocity error amounts to [s]
-  Scalars memory;             ///< (3 * points) in which damping forgets an error [s]; infinite without damping, 0 of slight points
+  Scalars memory;             ///< (3 * points) in which damping forgets an error [s]; infinite without damping
   double longest_memory = 0;  ///< of all points [s]
   double noise = 0;           ///< energy of displacements that are rounding [J]
 

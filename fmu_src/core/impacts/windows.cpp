@@ -88,16 +88,14 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     return status;
   }
   Trial trial(path, start_);
-  double h = fresh && job.model.body.slight.empty() ? 0.5 * at.limit : at.limit;  // slight points make steps short already
+  double h = fresh ? 0.5 * at.limit : at.limit;
   StepStatus status = listen(at, flights, h, until, true);
   for (int tries = 0;; ++tries) {
     if (status != StepStatus::ok) return status;
     const Phase next = path.stiff.phase;
     const double reached = path.motion.time;
-    // Slight points make windows a fraction of the impact: what is pressed on then is no vibration that the next impact will meet.
-    const bool whole = fresh && (job.model.body.slight.empty() || off_obstacles(job, touching));
     std::swap(coarse_, path);
-    const bool rings = (whole || next == Phase::flight) && job.drive.pins.empty() && flights.has_modes(job.model.body);
+    const bool rings = (fresh || next == Phase::flight) && job.drive.pins.empty() && flights.has_modes(job.model.body);
     trial.back();
     const Count taken = path.steps;
     status = listen(at, flights, 0.5 * h, reached, false);
@@ -172,7 +170,7 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
     const double length = last ? until - begun : stretch;
     const Count steps = divisions(length, h), quarter = std::max(Count{1}, steps / 4);
     path.clock = {begun, length / double(steps), 0};
-    pushed_ = path.exchange.planes;
+    for (std::size_t q = 0; q < pushed_.size(); ++q) pushed_[q] = path.exchange.planes[q].force;
     const Count contacts = path.exchange.contacts_resolved;
     for (Count i = 0; i < steps; i += quarter) {
       const Span span{begun, i, path.clock.h, std::min(quarter, steps - i)};
@@ -183,7 +181,10 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
       motion.time = i + quarter >= steps ? (last ? until : begun + length) : span.time(span.steps);
       stiff.loudest = std::max(stiff.loudest, loudness(job));
     }
-    stiff.impulse += pressed_since(job, pushed_);
+    double impulse = 0;
+    for (std::size_t q = 0; q < pushed_.size(); ++q)
+      impulse = std::max(impulse, std::abs((path.exchange.planes[q].force - pushed_[q]).dot(job.drive.planes[q].at(motion.time).normal)));
+    stiff.impulse += impulse;
     stiff.listened += length;
     ++stiff.looks;
     const bool touched = path.exchange.contacts_resolved != contacts;

@@ -101,11 +101,6 @@ inline constexpr double rebound_share = 0.1, echo_share = 0.3, turning_share = 0
 inline constexpr double struck_share = 0.5;
 /// Share of the tolerance that positions are taken to err by at least.
 inline constexpr double least_error = 0.1;
-/// Share of the tolerance, relative to the box, for mass that is moved to light points, relative to the whole, and for what they swing by
-/// at the speed of the start and of a fall by one box [1].
-inline constexpr double light_share = 0.3, light_swing = 0.7;
-/// What it moves the others by, in boxes and this share.
-inline constexpr double of_moved_mass = 1;
 /// Largest turn by which an impact is tried for what it makes of errors [rad].
 inline constexpr double most_aside = 0.1;
 /// Energy that may be damped away, in that of the pressing force along the tolerance [1]: it cannot move the body further.

@@ -9,13 +9,13 @@ namespace softffd::fmi {
 /// What of the settings had taken effect; values set since then may still wait for the next step.
 struct InEffect {
   double mass, edge, face, body, modulus, damping, internal_damping;
-  Vec3 gravity, gravity_of_masses;
+  Vec3 gravity;
 };
 
 template <class Archive>
 void pass(Archive& archive, InEffect& s) {
   for (double* value : {&s.mass, &s.edge, &s.face, &s.body, &s.modulus, &s.damping, &s.internal_damping}) archive.number(*value);
-  for (Vec3* value : {&s.gravity, &s.gravity_of_masses}) archive.numbers(value->data(), 3);
+  archive.numbers(s.gravity.data(), 3);
 }
 
 struct Place {
@@ -67,7 +67,7 @@ namespace {
 bool sound(const InEffect& s) {
   const auto weight = [](double value) { return std::isfinite(value) && value >= 0; };
   return weight(s.mass) && s.mass > 0 && weight(s.edge) && weight(s.face) && weight(s.body) && weight(s.modulus) && weight(s.damping) &&
-         weight(s.internal_damping) && s.gravity.allFinite() && s.gravity_of_masses.allFinite();
+         weight(s.internal_damping) && s.gravity.allFinite();
 }
 
 bool sound(const Place& place) {
@@ -121,7 +121,7 @@ Whole Instance::whole() const {
           .values = values,
           .last_step = variables_.last_step(),
           .in_effect = {material.mass, springs.edge, springs.face, springs.body, material.modulus, material.damping,
-                        material.internal_damping, body_.settings.gravity, body_.gravity_of_masses()},
+                        material.internal_damping, body_.settings.gravity},
           .run = body_.run(),
           .memory = error_estimate_ ? std::optional(error_estimate_->memory()) : std::nullopt};
 }
@@ -157,8 +157,8 @@ void Instance::load_state(const Bytes& bytes) {
   s.damping = before.damping;
   s.internal_damping = before.internal_damping;
   s.gravity = before.gravity;
-  body_.restore(all.run, 0, before.gravity_of_masses);
-  if (all.memory) error_estimate_->restore(*all.memory, s, 0, before.gravity_of_masses);
+  body_.restore(all.run, 0);
+  if (all.memory) error_estimate_->restore(*all.memory, s, 0);
   variables_.set_changed(place.changed, place.material_changed);
 }
 

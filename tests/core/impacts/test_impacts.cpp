@@ -232,9 +232,9 @@ TEST(a_snapshot_in_flight_at_an_impact_and_at_rest_goes_on_to_the_bit) {
     const Phase phase = body.run().path.stiff.phase;
     if (std::find(seen.begin(), seen.end(), phase) != seen.end()) continue;
     seen.push_back(phase);
-    other.restore(body.run(), 0, body.gravity_of_masses());
+    other.restore(body.run(), 0);
     SoftBody first = box.start();
-    first.restore(body.run(), 0, body.gravity_of_masses());
+    first.restore(body.run(), 0);
     CHECK(first.advance(0.01) == StepStatus::ok && other.advance(0.01) == StepStatus::ok);
     CHECK((first.state().x == other.state().x).all() && (first.state().v == other.state().v).all());
   }

@@ -77,12 +77,12 @@ TEST(cutting_and_restoring_changes_no_bit_in_contact_of_the_surface) {
     body.initialize(0);
     go(body, 4, 0.01);
     other.initialize(0);
-    other.restore(body.run(), 0, body.gravity_of_masses());
+    other.restore(body.run(), 0);
     bool touched = false;
     for (int i = 0; i < 20; ++i) {
       if (body.run().path.surface.drift[0] >= 0) {
         touched = true;
-        other.restore(body.run(), 0, body.gravity_of_masses());
+        other.restore(body.run(), 0);
       }
       CHECK(body.advance(0.01) == StepStatus::ok);
       CHECK(other.advance(0.01) == StepStatus::ok);
