@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from softffd.embedding.mass import filled_words
+from softffd.lattice import point_at
 from softffd.rotation import turned
+from softffd.scene.springs import WAYS, springs
 
 if TYPE_CHECKING:
     from softffd.embedding.mass import Masses
@@ -18,12 +20,16 @@ if TYPE_CHECKING:
 
 NAME = "notes.txt"
 
+LIGHT, LIGHTEST, WORTH = 0.02, 0.2, 2.0
+"""Of the whole mass, what light points have in all at most; of the mean one, what the lightest has at most; how many times shorter steps
+they make at least"""
+
 
 def body_notes(scene: Scene, masses: Masses, samples: Samples | None) -> list[str]:
-    """How much of its box the mesh fills, where the centre of mass has moved, how many times too large the inertia is, what the start
-    does to centre of mass and pins, which points of the surface obstacles meet."""
-    of_mass = fill_note(scene), shift_note(scene, masses), inertia_note(scene, masses), spin_note(scene, masses)
-    notes = *of_mass, pins_note(scene), samples_note(samples)
+    """How much of its box the mesh fills, where the centre of mass has moved, how many times too large the inertia is, which points are so
+    light that steps are short, what the start does to centre of mass and pins, which points of the surface obstacles meet."""
+    of_mass = fill_note(scene), shift_note(scene, masses), inertia_note(scene, masses), light_note(scene, masses)
+    notes = *of_mass, spin_note(scene, masses), pins_note(scene), samples_note(samples)
     return [note for note in notes if note]
 
 
@@ -54,6 +60,51 @@ def inertia_note(scene: Scene, masses: Masses) -> str | None:
     times = f"{most:.3g}" if most < 1.01 * least else f"{least:.3g} to {most:.3g}"
     whose = "box" if scene.mass.distribution in ("uniform", "box") else f"mesh ({scene.mass.distribution})"
     return f'lumped masses have {times} times the inertia of the {whose}; mass.inertia = "matched" corrects this, with shorter steps'
+
+
+def light_note(scene: Scene, masses: Masses) -> str | None:
+    """How many times shorter explicit steps are because of the lightest points, and the key that gives those mass."""
+    mass = masses.mass
+    if mass.min() > LIGHTEST * mass.mean():
+        return None
+    squared, lightest = _squared_frequencies(scene, mass), np.argsort(mass, kind="stable")
+    count = int((np.cumsum(mass[lightest]) <= LIGHT * mass.sum()).sum())
+    raised = np.maximum(mass, mass[lightest[count]])  # to the least of the others
+    others = _squared_frequencies(scene, raised).max()
+    light = [p for p in lightest[:count] if mass[p] <= LIGHTEST * mass.mean() and squared[p] > WORTH**2 * others]
+    if not light:
+        return None
+    times, first = np.sqrt(squared[light].max() / others), int(light[0])
+    place, key = list(point_at(first, scene.lattice.points)), _key_of_mass(scene, first)
+    which = f"control point {place} with {mass[first]:.3g} kg makes"
+    if len(light) > 1:
+        share = f"{100 * mass[light].sum() / mass.sum():.2g} % of the mass"
+        which = f"{len(light)} control points with {share} in all, such as {place} with {mass[first]:.3g} kg, make"
+    return f"{which} explicit steps {times:.2g} times shorter than the others need; a larger {key} makes them longer"
+
+
+def _squared_frequencies(scene: Scene, mass: np.ndarray) -> np.ndarray:
+    """Bounds (n,) [1/s2] of the squared frequencies at rest by each point, of which the largest gives the explicit step: the greatest
+    eigenvalue of the sum of k (1 + sqrt(m / m_other)) / m d d^T over its springs along d. 0 of pinned points: their mass is infinite."""
+    heavy, sides = mass.astype(float), np.array(scene.lattice_box.size) / (np.array(scene.lattice.points) - 1)
+    for pin in scene.pin:
+        heavy[scene.select(pin.points)] = np.inf
+    loose, total = np.isfinite(heavy), np.zeros((len(mass), 3, 3))
+    for way, (here, there, stiffness) in zip(WAYS, springs(scene), strict=True):
+        along = np.array(way) * sides / np.linalg.norm(way * sides)
+        for end, other in ((here, there), (there, here)):
+            weight = stiffness * (1 + np.sqrt(np.where(loose[end], mass[end], 0) / heavy[other]))
+            total[end] += weight[:, None, None] * np.outer(along, along)
+    return np.where(loose, np.linalg.eigvalsh(total)[:, 2] / mass, 0.0)
+
+
+def _key_of_mass(scene: Scene, point: int) -> str:
+    """Of the scene, the key that a point has its mass from."""
+    given = [number for number, region in enumerate(scene.region) if region.mass is not None and point in scene.select(region.points)]
+    dense = [number for number, region in enumerate(scene.region) if region.density is not None and point in scene.select(region.points)]
+    if given:
+        return f"region[{given[-1]}].mass"
+    return f"region[{dense[-1]}].density" if dense else "mass.uniform_share"
 
 
 def spin_note(scene: Scene, masses: Masses) -> str | None:

@@ -21,8 +21,9 @@ from softffd.obstacles import Obstacles
 from softffd.rotation import turned
 from softffd.run.parts import require_name
 from softffd.run.result_file import read_result, write_files
-from softffd.run.stress import cauchy_stress, cell_stiffness, deformation, gradients, green_strain
+from softffd.run.stress import cauchy_stress, deformation, gradients, green_strain
 from softffd.run.tables import data_frame, dataset
+from softffd.scene.springs import cell_stiffness
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:

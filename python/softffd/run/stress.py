@@ -8,18 +8,9 @@ cells around it, or of a modulus with what this cell gives it, store under F the
 and the Cauchy stress is dW/dF F^T / det F: the sum of k (1 - |l| / |d|) d d^T / (V det F), d = F l.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from itertools import product
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from softffd.lattice import cells_within, index_grid
-
-if TYPE_CHECKING:
-    from softffd.scene.scene import Scene
+from softffd.scene.springs import WAYS
 
 
 def deformation(positions: np.ndarray, rest: np.ndarray) -> np.ndarray:
@@ -32,11 +23,6 @@ def deformation(positions: np.ndarray, rest: np.ndarray) -> np.ndarray:
     u, _, vt = np.linalg.svd(np.einsum("na,tnb->tab", at_rest, moved))
     u[:, :, -1] *= np.where(np.linalg.det(u @ vt) < 0, -1.0, 1.0)[:, None]
     return np.linalg.norm(moved - at_rest @ (u @ vt), axis=2).max(axis=1)
-
-
-WAYS = [way for way in product((-1, 0, 1), repeat=3) if way > (0, 0, 0)]
-"""From a control point to half of its neighbours, in numbers of cells."""
-KINDS = ("edge", "face", "body")
 
 
 def gradients(positions: np.ndarray, sides: np.ndarray) -> np.ndarray:
@@ -75,52 +61,3 @@ def cauchy_stress(gradient: np.ndarray, stiffness: np.ndarray, sides: np.ndarray
         total += pull[..., None, None] * now[..., :, None] * now[..., None, :]
     change = np.linalg.det(gradient)
     return total / np.where(change > 0, change * np.prod(sides), np.nan)[..., None, None]
-
-
-def cell_stiffness(scene: Scene, parameters: Mapping[str, float]) -> np.ndarray:
-    """What springs along WAYS each cell has in all (nx - 1, ny - 1, nz - 1, 13) [N/m]. parameters: of the run, where they differ."""
-    if scene.material.youngs_modulus is not None:
-        return _of_modulus(scene, parameters.get("youngs_modulus", scene.material.youngs_modulus))
-    given = scene.material.stiffness
-    assert given is not None  # filled in
-    usual = {kind: parameters.get(f"stiffness.{kind}", getattr(given, kind)) for kind in KINDS}
-    return np.stack([_of_springs(scene, way, usual[KINDS[np.abs(way).sum() - 1]]) for way in WAYS], axis=-1)
-
-
-def _of_modulus(scene: Scene, modulus: float) -> np.ndarray:
-    counts = np.array(scene.lattice.points)
-    sides = np.array(scene.lattice_box.size) / (counts - 1)
-    moduli = np.full(counts - 1, modulus)
-    for region in scene.region:
-        if region.youngs_modulus is not None:
-            moduli[cells_within(scene.select(region.points), scene.lattice.points)] = region.youngs_modulus
-    shares = []
-    for way in np.abs(WAYS):
-        along, across = ((1 / sides[way == step] ** 2).sum() for step in (1, 0))
-        shares.append({1: 1.2 * along - 0.4 * across, 2: 0.2 * along, 3: 0.0}[way.sum()] * np.prod(sides))
-    return moduli[..., None] * np.array(shares)
-
-
-def _of_springs(scene: Scene, way: tuple[int, ...], stiffness: float) -> np.ndarray:
-    """Of one way: every spring's stiffness, shared equally by the cells around it."""
-    counts = scene.lattice.points
-    points = index_grid(counts)
-    here = points[tuple(slice(max(0, -d), n - max(0, d)) for d, n in zip(way, counts, strict=True))]
-    there = points[tuple(slice(max(0, d), n + min(0, d)) for d, n in zip(way, counts, strict=True))]
-    springs = np.full(here.shape, float(stiffness))
-    for region in scene.region:
-        if region.stiffness is not None:
-            inside = scene.select(region.points)
-            springs[np.isin(here, inside) & np.isin(there, inside)] = region.stiffness
-    across = [axis for axis in range(3) if way[axis] == 0]
-    outer = np.zeros(springs.shape, int)
-    for axis in across:
-        ends = np.moveaxis(outer, axis, 0)
-        ends[[0, -1]] += 1
-    if scene.lattice.springs == "paper" and len(across) == 2:
-        springs[outer == 2] *= 2
-    springs /= 2.0 ** (len(across) - outer)
-    for axis in across:
-        layers = np.moveaxis(springs, axis, 0)
-        springs = np.moveaxis(layers[:-1] + layers[1:], 0, axis)
-    return springs

@@ -7,7 +7,8 @@ import pytest
 
 from scenes import box
 from softffd import SoftffdError, simulate
-from softffd.run.stress import WAYS, cauchy_stress, cell_stiffness, gradients, green_strain
+from softffd.run.stress import cauchy_stress, gradients, green_strain
+from softffd.scene.springs import WAYS, cell_stiffness, springs
 from validation.mechanics import Body
 from validation.resolved import resolved
 
@@ -46,6 +47,18 @@ def test_a_small_strain_has_the_stress_of_the_solid():
     lame = 0.4 * 2e5
     wanted = lame * np.trace(strain) * np.eye(3) + 2 * lame * strain
     assert found == pytest.approx(np.broadcast_to(wanted, found.shape), abs=1e-5 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_springs_have_the_ends_and_the_stiffness_of_the_twins(material):
+    scene = box(**MATERIALS[material])
+    body = Body.of(resolved(scene))
+    wanted = np.zeros((len(body.mass), len(body.mass)))
+    np.add.at(wanted, tuple(np.sort(body.pairs, axis=1).T), body.stiffness)
+    found = np.zeros_like(wanted)
+    for here, there, stiffness in springs(scene):
+        found[np.minimum(here, there), np.maximum(here, there)] += stiffness
+    assert found == pytest.approx(wanted, rel=1e-13, abs=1e-9)
 
 
 @pytest.mark.parametrize("material", MATERIALS)
