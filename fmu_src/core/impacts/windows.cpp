@@ -170,7 +170,7 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
     const double length = last ? until - begun : stretch;
     const Count steps = divisions(length, h), quarter = std::max(Count{1}, steps / 4);
     path.clock = {begun, length / double(steps), 0};
-    for (std::size_t q = 0; q < pushed_.size(); ++q) pushed_[q] = path.exchange.planes[q].force;
+    pushed_ = path.exchange.planes;
     const Count contacts = path.exchange.contacts_resolved;
     for (Count i = 0; i < steps; i += quarter) {
       const Span span{begun, i, path.clock.h, std::min(quarter, steps - i)};
@@ -181,10 +181,7 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
       motion.time = i + quarter >= steps ? (last ? until : begun + length) : span.time(span.steps);
       stiff.loudest = std::max(stiff.loudest, loudness(job));
     }
-    double impulse = 0;
-    for (std::size_t q = 0; q < pushed_.size(); ++q)
-      impulse = std::max(impulse, std::abs((path.exchange.planes[q].force - pushed_[q]).dot(job.drive.planes[q].at(motion.time).normal)));
-    stiff.impulse += impulse;
+    stiff.impulse += pressed_since(job, pushed_);
     stiff.listened += length;
     ++stiff.looks;
     const bool touched = path.exchange.contacts_resolved != contacts;
