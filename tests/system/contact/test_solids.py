@@ -104,6 +104,15 @@ def test_rubber_slides_over_what_is_round(body, case):
     assert deepest(result, "under") <= 1e-12
 
 
+def test_a_body_may_start_squeezed_between_round_solids(body):
+    """What one of them moves out the other would move back, were it not told of it."""
+    balls = [{"name": name, "radius": 2.0, "point": [0.5, 0.5, z]} for name, z in (("below", -2.0), ("above", 2.93))]
+    result = simulate(body(bodies.cube(4, 0.0), sphere=balls, damping=1.0, stop_time=0.1))
+    assert max(deepest(result, "below"), deepest(result, "above")) <= 1e-12
+    forces = [vector(result, f"sphere.{name}.reaction")[-1] for name in ("below", "above")]
+    assert forces[1][2] > 1
+
+
 STEEP = {
     "cylinder": {"radius": 0.5, "length": 0.8, "point": [0.2, 0.5, -0.5], "normal": [0.0, 1.0, 0.0]},
     "box": {"size": [1.0, 1.0, 0.3], "point": [0.1, 0.5, -0.5], "rotation": {"axis": [0, 1, 0], "degrees": 30.0}},

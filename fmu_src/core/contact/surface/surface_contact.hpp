@@ -106,7 +106,7 @@ class SurfaceContact {
   void find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way);
   void turn_tangents(const StepView& step, const Points& x1);
   // surface_jumps.cpp
-  bool gaps_at(const Drive& around, double time, const Points& x, double& deepest);
+  bool gaps_at(const Drive& around, double time, const Points& x, double way, double& deepest);
   void shift(Points& x) const;
   const std::vector<int>& near(int q, const Points& x);
 

@@ -14,9 +14,11 @@ constexpr int most_jump_looks = 50;
 }  // namespace
 
 StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, double time, Points& x, bool& moved) {
+  double way = 0;  // a point has been moved at most, twice: samples so near to a solid are kept off it by the next move
   const auto clear = [&] {
     double deepest = 0;
-    return !gaps_at(around, time, x, deepest) || deepest >= -position_slack * (length_ + row(x, 0).norm());
+    return !gaps_at(around, time, x, way, deepest) ||
+           deepest >= -std::max(position_slack * (length_ + row(x, 0).norm()), 2 * slack_of_rows());  // what `fit` leaves
   };
   know(around, time);
   std::ranges::fill(friction_, 0.0);
@@ -28,6 +30,7 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
   }
   const bool free = std::none_of(body.pinned.begin(), body.pinned.end(), [](bool pinned) { return pinned; });
   for (int looks = 0; looks < most_jump_looks; ++looks) {
+    const Points before = x;
     if (free) shift(x);
     set_planes();
     find_heights(x);
@@ -35,6 +38,7 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
     const StepStatus status = fit(none, {}, 0, [](const SurfaceRow&) { return Vec3(Vec3::Zero()); });
     if (status != StepStatus::ok) return status;
     x += drift_.move();
+    way = std::max(way, 2 * longest_way(before, x));
     moved = true;
     if (!solids_ || clear()) return StepStatus::ok;  // before solids other samples may have come
   }
@@ -61,8 +65,8 @@ const std::vector<int>& SurfaceContact::near(int q, const Points& x) {
 }
 
 /// Tangents, and heights above the planes; deepest: of the samples [m]. Returns whether any control point is behind one.
-bool SurfaceContact::gaps_at(const Drive& around, double time, const Points& x, double& deepest) {
-  if (solids_) find_tangents(around, time, time, x, 0);
+bool SurfaceContact::gaps_at(const Drive& around, double time, const Points& x, double way, double& deepest) {
+  if (solids_) find_tangents(around, time, time, x, way);
   if (!find_heights(x)) return false;
   for (int q = 0; q < flat_; ++q) {
     if (!search_.covers(q, drift_.heights[q].of_points)) search_.look(q, drift_.heights[q].of_points, 0);
