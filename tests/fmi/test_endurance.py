@@ -1,12 +1,17 @@
-"""Instances, states and steps by the thousand leave memory and descriptors where they were."""
+"""What instances and states take of the memory; by the thousand, and with their steps, they leave it and descriptors where they were."""
 
 import os
 import sys
+from concurrent.futures import ProcessPoolExecutor
+from ctypes import byref, c_size_t
+from multiprocessing import get_context
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from c_host import Host
+from c_host import Fmu, Host, opened
+from scenes import box
 
 LINUX = sys.platform == "linux"
 
@@ -63,3 +68,28 @@ def test_states_that_a_host_never_freed_go_with_their_instance(rich):
     before = resident()[0]
     cycle(300)
     assert resident()[0] - before < 1000, "kB grown by 3,000 forgotten states of some 10 kB"
+
+
+def taken(path: str, guid: bytes, uri: bytes) -> tuple[int, int, int]:
+    """What this process, which has nothing else to do, takes for an instance up to its first step, and for ten saved states; the bytes of
+    these when they are serialized. All in kB."""
+    fmu = SimpleNamespace(library=opened(path), guid=guid, uri=uri)
+    before = resident()[0]
+    host = Host(fmu)
+    host.begin()
+    ready = resident()[0]
+    states, size = [host.save() for _ in range(10)], c_size_t()
+    host.must("SerializedFMUstateSize", states[0], byref(size))
+    return ready - before, resident()[0] - ready, 10 * size.value // 1024
+
+
+@pytest.mark.skipif(not LINUX, reason="reads /proc")
+@pytest.mark.parametrize(("side", "most"), [(4, 1_150), (32, 40_000)])
+def test_a_scene_takes_little_memory_before_it_is_used_and_a_state_its_fields(side, most, tmp_path):
+    """Of scenes without a plane even less; [kB]."""
+    plane = {"name": "ground", "point": [0.0, 0.0, -1.0]}
+    fmu = Fmu(box(points=[side] * 3, outputs={"positions": "none"}, plane=[plane]), tmp_path / "fmu")
+    with ProcessPoolExecutor(1, get_context("spawn")) as fresh:
+        scene, states, fields = fresh.submit(taken, fmu.path, fmu.guid, fmu.uri).result()
+    assert scene <= most
+    assert states <= 1.2 * fields

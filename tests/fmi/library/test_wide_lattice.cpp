@@ -29,6 +29,11 @@ TEST(implicit_methods_take_a_stiff_body_down_in_few_steps) {
   }
 }
 
+TEST(a_saved_state_has_no_room_to_spare) {
+  const auto state = fallen(MethodValue::leapfrog)->save_state();
+  CHECK(state.capacity() == state.size());
+}
+
 TEST(a_state_between_implicit_steps_goes_on_with_the_same_bits) {
   for (const MethodValue method : implicit_methods)
     for (const bool free : {true, false}) {
