@@ -81,12 +81,12 @@ Vec3 start_centre(const Definition& definition) {
 /// Whether any number is not 0. Sums take several at a time, isZero() one by one.
 bool any(const Points& points) { return points.abs().sum() != 0; }
 
-bool finite(const Run& run, Team* team) {
+bool finite(const Run& run) {
   const auto mean_is_finite = [H = run.exchange_time](const Impulse& impulse) {
     return (impulse.force / H).allFinite() && (impulse.torque / H).allFinite();
   };
   const Exchange& exchange = run.path.exchange;
-  return all_finite(run.path.motion, team) && all_finite(exchange) && all_finite(run.potential) && all_finite(run.energy) &&
+  return all_finite(run.path.motion) && all_finite(exchange) && all_finite(run.potential) && all_finite(run.energy) &&
          all_finite(run.work) && all_finite(run.dissipated) && !std::isnan(run.course.bound) &&
          std::all_of(exchange.planes.begin(), exchange.planes.end(), mean_is_finite) &&
          std::all_of(exchange.pins.begin(), exchange.pins.end(), mean_is_finite);
@@ -117,7 +117,7 @@ SoftBody::SoftBody(Definition definition)
     : definition_(std::move(definition)),
       model_(make_body(definition_)),
       regions_(definition_.lattice, definition_.regions),
-      cells_(definition_.lattice, definition_.team),
+      cells_(definition_.lattice),
       now_(empty_run(definition_)),
       propagator_(definition_.lattice, definition_.planes, int(definition_.pins.size()),
                   definition_.planes > 0 ? definition_.samples.get() : nullptr),
@@ -265,7 +265,7 @@ StepStatus SoftBody::initialize(double t0) {
   look_at_planes();
   model_.body.internal_force(motion.x, motion.spring);
   if (definition_.watch_energy) now_.potential = potential_energy();
-  if (!finite(now_, definition_.team.get())) return StepStatus::not_finite;
+  if (!finite(now_)) return StepStatus::not_finite;
   return settings.step == 0 && readings().undecided() ? StepStatus::undecided : StepStatus::ok;
 }
 
@@ -319,7 +319,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
     now_.dissipated += exchange.dissipated;
     now_.work += exchange.work + (*settings.force * (motion.x - begin)).sum();
   }
-  return finite(now_, definition_.team.get()) ? StepStatus::ok : StepStatus::not_finite;
+  return finite(now_) ? StepStatus::ok : StepStatus::not_finite;
 }
 
 void SoftBody::look_at_planes() {
@@ -343,7 +343,7 @@ StepStatus SoftBody::advance(double H) {
   divided_ = 1;
   const bool changed = material_waits();
   const Material in_effect = material_;
-  Trial trial(now_, before_, definition_.team.get());
+  Trial trial(now_, before_);
   if (changed) refresh_model();
   const bool automatic = settings.step == 0;
   const double usual = automatic ? now_.energy.step_factor : 1;

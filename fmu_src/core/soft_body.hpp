@@ -33,7 +33,7 @@ struct Definition {
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< [m/s], [rad/s], both of the centre of the box at x0
   bool spin_about_mass = false;                                   ///< both of the centre of mass instead
   bool watch_energy = false;                                      ///< accumulate dissipated energy and work
-  std::shared_ptr<Team> team = {};                                ///< shares the loops over many numbers; null: one thread does them
+  std::shared_ptr<Team> team = {};                                ///< shares the spring forces; null: one thread works them out
 };
 
 /// Before pins and planes move points (points, 3) [m]. rotation: vector [rad] by which the body starts turned about the centre of its box.

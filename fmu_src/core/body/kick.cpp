@@ -2,21 +2,16 @@
 
 namespace softffd {
 
-void KickCoefficients::apply(const Points& spring, const Points& outside, Points& v, Team* team) const {
-  in_parts(team, v.size(), [&](std::ptrdiff_t i, std::ptrdiff_t end) {
-    kernels::kick(end - i, a.data() + i, b.data() + i, spring.data() + i, outside.data() + i, v.data() + i);
-  });
+void KickCoefficients::apply(const Points& spring, const Points& outside, Points& v) const {
+  kernels::kick(v.size(), a.data(), b.data(), spring.data(), outside.data(), v.data());
 }
 
 void HalfKicks::open(const Points& spring, const Points& external, const Points& v0, const Points& x0, Points& v, Points& x) const {
-  in_parts(team_, v.size(), [&](std::ptrdiff_t i, std::ptrdiff_t end) {
-    kernels::kick_and_drift(end - i, open_.a.data() + i, open_.b.data() + i, spring.data() + i, external.data() + i, h_, v0.data() + i,
-                            x0.data() + i, v.data() + i, x.data() + i);
-  });
+  kernels::kick_and_drift(v.size(), open_.a.data(), open_.b.data(), spring.data(), external.data(), h_, v0.data(), x0.data(), v.data(),
+                          x.data());
 }
 
 void HalfKicks::prepare(const Body& body, double h) {
-  team_ = body.springs.team();
   if (h == h_ && body.version == version_) return;
   h_ = h;
   version_ = body.version;

@@ -18,7 +18,7 @@ namespace softffd {
 struct KickCoefficients {
   explicit KickCoefficients(int points) : a(Scalars::Zero(3 * points)), b(a) {}
   /// f = spring + outside forces [N].
-  void apply(const Points& spring, const Points& outside, Points& v, Team* team) const;
+  void apply(const Points& spring, const Points& outside, Points& v) const;
   Stage::Kick kick() const { return {a.data(), b.data(), even}; }
   Scalars a, b;
   bool even = false;  ///< the same for all points, as `find_even` has found
@@ -33,7 +33,7 @@ class HalfKicks {
 
   /// With the drift after it, from v0 and x0: v and x.
   void open(const Points& spring, const Points& external, const Points& v0, const Points& x0, Points& v, Points& x) const;
-  void close(const Points& spring, const Points& external, Points& v) const { close_.apply(spring, external, v, team_); }
+  void close(const Points& spring, const Points& external, Points& v) const { close_.apply(spring, external, v); }
 
   /// A closing half kick, the next opening one and the drift after it. even_outside: the outside forces are the same on all points.
   Stage stage(bool even_outside) const { return {{close_.kick(), open_.kick()}, 2, h_, even_outside}; }
@@ -47,8 +47,7 @@ class HalfKicks {
   KickCoefficients open_, close_;
   Scalars opening_mass_, closing_mass_;
   double h_ = -1;
-  Count version_ = -1;    ///< of the body
-  Team* team_ = nullptr;  ///< the body's
+  Count version_ = -1;  ///< of the body
 };
 
 }  // namespace softffd

@@ -138,7 +138,7 @@ const auto add_squares = chosen<loops::add_squares>();
 
 }  // namespace kernels
 
-Cells::Cells(const Lattice& lattice, std::shared_ptr<Team> team) : team_(std::move(team)), points_(lattice.points()) {
+Cells::Cells(const Lattice& lattice) : points_(lattice.points()) {
   const auto& n = lattice.counts;
   offset_ = {lattice.index(1, 0, 0), lattice.index(0, 1, 0), lattice.index(0, 0, 1)};
   for (int axis = 0; axis < 3; ++axis) per_length_[axis] = (n[axis] - 1) / lattice.size[axis];
@@ -150,10 +150,7 @@ Cells::Cells(const Lattice& lattice, std::shared_ptr<Team> team) : team_(std::mo
 }
 
 const Scalars& Cells::smallest(const Points& x) const {
-  in_parts(team_.get(), lanes(), [&](std::ptrdiff_t p, std::ptrdiff_t end) {
-    kernels::corner_volumes(points_, int(end - p), offset_.data(), per_length_.data(), absent_.data() + p, x.data() + p,
-                            smallest_.data() + p);
-  });
+  kernels::corner_volumes(points_, lanes(), offset_.data(), per_length_.data(), absent_.data(), x.data(), smallest_.data());
   return smallest_;
 }
 

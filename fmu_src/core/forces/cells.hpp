@@ -13,17 +13,14 @@
 ///      cell     *  *  *  . | *  *  *  .
 #pragma once
 #include <array>
-#include <memory>
 
-#include "machine/team.hpp"
 #include "model/lattice.hpp"
 
 namespace softffd {
 
 class Cells {
  public:
-  /// The volumes are worked out by this team; null: by the thread that asks for them.
-  explicit Cells(const Lattice& lattice, std::shared_ptr<Team> team = nullptr);
+  explicit Cells(const Lattice& lattice);
 
   /// Smallest J of each lane's corners at configuration x, (points, 3); infinite without a cell. (lanes), until the next call.
   const Scalars& smallest(const Points& x) const;
@@ -58,7 +55,6 @@ class Cells {
   void add_squares(double limit, double factor, const Points& x, Points& f) const;
 
  private:
-  std::shared_ptr<Team> team_;
   std::array<int, 3> offset_;         ///< from a point to its neighbour along each axis
   std::array<double, 3> per_length_;  ///< 1 / length of the edges at rest [1/m]
   int points_;

@@ -75,7 +75,6 @@ class Springs {
     if (dashpots()) pass_.add_dashpot_force(x.data(), v.data(), drift, f);
   }
   /// That shares what the body has much of; null: nobody.
-  Team* team() const { return pass_.team.get(); }
   /// Elastic energy at x [J].
   double energy(const Points& x) const;
   /// Number of springs; a doubled segment counts twice.

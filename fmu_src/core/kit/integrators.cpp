@@ -20,9 +20,7 @@ namespace {
 /// Whether a number tells the body's points apart there: further away rounding is larger than the body.
 bool tells_apart(const Job& job) {
   const Points& x = job.run.path.motion.x;
-  return !in_any_part(job.model.body.springs.team(), x.size(), [&](std::ptrdiff_t i, std::ptrdiff_t end) {
-    return !(rounding * kernels::largest(end - i, x.data() + i) <= job.model.body.length);  // nor where one is no number
-  });
+  return rounding * kernels::largest(x.size(), x.data()) <= job.model.body.length;  // not where one is no number
 }
 
 }  // namespace

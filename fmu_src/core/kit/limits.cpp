@@ -32,12 +32,7 @@ bool deformed_since_bound(const Job& job) {
     kernels::SpringRow edges = row.view();
     if (body.volume) edges.stiffness = row.multiplicity.data();  // edges without stiffness count too
     const double limit = relative * row.rest_length[0];
-    const auto exceeds = [&](std::ptrdiff_t lane, std::ptrdiff_t end) {
-      const kernels::SpringRow part{edges.begin + int(lane), int(end - lane), edges.offset, edges.stiffness + lane,
-                                    edges.rest_length + lane};
-      return !(kernels::largest_change(part, body.points(), x.data(), bound_x.data()) <= limit * limit);
-    };
-    if (in_any_part(body.springs.team(), edges.lanes, exceeds)) return true;
+    if (!(kernels::largest_change(edges, body.points(), x.data(), bound_x.data()) <= limit * limit)) return true;
   }
   return false;
 }

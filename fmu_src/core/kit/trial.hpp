@@ -8,8 +8,7 @@ namespace softffd {
 template <class Part>
 class [[nodiscard]] Trial {
  public:
-  /// team: shares the copying.
-  Trial(Part& part, Part& buffer, Team* team = nullptr) : part_(part), before_(buffer), team_(team) { assign(before_, part_, team_); }
+  Trial(Part& part, Part& buffer) : part_(part), before_(buffer) { assign(before_, part_); }
   ~Trial() {
     if (open_) back();
   }
@@ -19,12 +18,11 @@ class [[nodiscard]] Trial {
   /// What follows stays.
   void keep() { open_ = false; }
   /// To try once more.
-  void back() { assign(part_, before_, team_); }
+  void back() { assign(part_, before_); }
   const Part& before() const { return before_; }
 
  private:
   Part &part_, &before_;
-  Team* team_;
   bool open_ = true;
 };
 

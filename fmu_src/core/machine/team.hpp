@@ -8,7 +8,6 @@
 /// half a millisecond, most of it letting others run, and then sleep. They have the floating-point environment that results assume, and no
 /// signal is delivered to them.
 #pragma once
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <memory>
@@ -53,29 +52,5 @@ class Team {
   std::unique_ptr<std::vector<std::thread>> helpers_;
   long process_;  ///< in which the helpers are
 };
-
-/// Numbers of which one thread goes through so many while two agree on who does what.
-constexpr std::ptrdiff_t least_shared = 4096;
-
-/// act(begin, end) for parts of 0 ... count - 1 that begin on cache lines, at once; for all of it where there is no team or little to do.
-template <class Act>
-void in_parts(Team* team, std::ptrdiff_t count, const Act& act) {
-  const std::ptrdiff_t parts = team ? std::min<std::ptrdiff_t>(team->members(), count / least_shared) : 1;
-  if (parts < 2) return act(std::ptrdiff_t{0}, count);
-  const std::ptrdiff_t each = (count / parts + 7) / 8 * 8;
-  team->share([&](int piece) {
-    if (piece * each < count && piece < parts) act(piece * each, piece + 1 == parts ? count : std::min(count, (piece + 1) * each));
-  });
-}
-
-/// Whether act(begin, end) holds for one of these parts.
-template <class Act>
-bool in_any_part(Team* team, std::ptrdiff_t count, const Act& act) {
-  std::atomic<bool> any{false};
-  in_parts(team, count, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-    if (act(begin, end)) any.store(true, std::memory_order_relaxed);
-  });
-  return any.load(std::memory_order_relaxed);
-}
 
 }  // namespace softffd

@@ -67,7 +67,7 @@ void Bm4::prepare(const Body& body, double h) {
 
 void Bm4::kick(const Equations& equations, int k, double t, State& state) {
   const Points& force = equations.outside(t, outside_);
-  const auto apply = [&](const KickCoefficients& c, Points& v) { c.apply(state.spring, force, v, equations.body.springs.team()); };
+  const auto apply = [&](const KickCoefficients& c, Points& v) { c.apply(state.spring, force, v); };
   if (!ledger_.recording()) return apply(kicks_[k], state.v);
   equations.place_pins(t, state.x, state.v);  // damping takes from the pinned points' present motion too
   const double tau = kick_shares[k] * h_;
@@ -94,7 +94,7 @@ Outcome Bm4::advance(const Model& model, const Drive& drive, const Span& span, R
 /// Steps of which nothing is asked between forces and drift: each pair of a kick and a drift is one pass.
 void Bm4::glide(const Equations& equations, const Span& span, State& state) {
   const auto& [body, around] = equations;
-  kicks_[order[0]].apply(state.spring, around.force, state.v, body.springs.team());
+  kicks_[order[0]].apply(state.spring, around.force, state.v);
   kernels::drift(state.x.size(), drift_shares[0] * h_, state.x.data(), state.v.data(), next_.data());
   state.x.swap(next_);
   const Count drifts = Count(drift_shares.size()), last = span.steps * drifts;
@@ -105,7 +105,7 @@ void Bm4::glide(const Equations& equations, const Span& span, State& state) {
     state.x.swap(next_);
   }
   body.internal_force(state.x, state.spring);
-  kicks_[order[0]].apply(state.spring, around.force, state.v, body.springs.team());
+  kicks_[order[0]].apply(state.spring, around.force, state.v);
 }
 
 void Bm4::step(const Equations& equations, double t, double h, State& state, Exchange& exchange) {

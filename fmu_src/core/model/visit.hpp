@@ -15,7 +15,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "machine/team.hpp"
 #include "model/marked_points.hpp"
 #include "model/types.hpp"
 
@@ -79,12 +78,12 @@ void each_leaf(T& value, Leaf&& leaf) {
 
 /// to = from; arrays of numbers as memory, for which the C library has wider registers than this is compiled for.
 template <class T>
-void assign(T& to, const T& from, Team* team = nullptr) {
+void assign(T& to, const T& from) {
   if constexpr (Visited<T>) {
-    T::visit(to, [&](auto&... into) { T::visit(from, [&](const auto&... value) { (assign(into, value, team), ...); }); });
+    T::visit(to, [&](auto&... into) { T::visit(from, [&](const auto&... value) { (assign(into, value), ...); }); });
   } else if constexpr (requires { to.resizeLike(from); }) {
     to.resizeLike(from);
-    in_parts(team, from.size(), [&](std::ptrdiff_t i, std::ptrdiff_t end) { std::copy_n(from.data() + i, end - i, to.data() + i); });
+    std::copy_n(from.data(), from.size(), to.data());
   } else {
     to = from;
   }
@@ -92,17 +91,14 @@ void assign(T& to, const T& from, Team* team = nullptr) {
 
 /// Whether all numbers are finite.
 template <class T>
-bool all_finite(const T& value, Team* team = nullptr) {
+bool all_finite(const T& value) {
   bool finite = true;
   each_leaf(value, [&](const auto& leaf) {
     using Leaf = std::remove_cvref_t<decltype(leaf)>;
     if constexpr (std::is_same_v<Leaf, double>)
       finite = finite && std::isfinite(leaf);
     else if constexpr (!std::is_integral_v<Leaf> && !std::is_enum_v<Leaf>)
-      finite = finite && !in_any_part(team, leaf.size(), [&](std::ptrdiff_t i, std::ptrdiff_t end) {
-                 const Eigen::Map<const Scalars> part(leaf.data() + i, end - i);
-                 return (part - part).sum() != 0;  // NaN of what is none; several at a time, as allFinite() is not
-               });
+      finite = finite && (leaf - leaf).sum() == 0;  // NaN of what is none; several at a time, as allFinite() is not
   });
   return finite;
 }

@@ -63,31 +63,6 @@ TEST(helpers_round_as_results_assume_whatever_their_maker_does) {
   CHECK(rounding[0] == FE_TONEAREST && rounding[1] == FE_TONEAREST);
 }
 
-TEST(numbers_are_shared_in_whole_cache_lines_each_once) {
-  for (const int members : {1, 2, 3, 7})
-    for (const std::ptrdiff_t count : {std::ptrdiff_t{0}, least_shared, 2 * least_shared, 2 * least_shared + 1, 7 * least_shared + 13}) {
-      Team team(members);
-      std::vector<int> done(count);
-      std::atomic<int> parts{0};
-      in_parts(&team, count, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-        ++parts;
-        if (begin % 8 != 0) parts = -1000;
-        for (std::ptrdiff_t i = begin; i < end; ++i) ++done[i];
-      });
-      CHECK(std::all_of(done.begin(), done.end(), [](int times) { return times == 1; }));
-      CHECK(parts == std::max<std::ptrdiff_t>(1, std::min<std::ptrdiff_t>(members, count / least_shared)));
-    }
-}
-
-TEST(one_part_in_which_it_holds_is_enough) {
-  Team team(3);
-  const std::ptrdiff_t count = 5 * least_shared;
-  for (Team* who : {static_cast<Team*>(nullptr), &team})
-    for (const std::ptrdiff_t place : {std::ptrdiff_t{-1}, std::ptrdiff_t{0}, count / 2, count - 1})
-      CHECK(in_any_part(who, count, [&](std::ptrdiff_t begin, std::ptrdiff_t end) { return begin <= place && place < end; }) ==
-            (place >= 0));
-}
-
 #ifndef _WIN32
 TEST(no_signal_is_delivered_to_helpers) {
   Team team(2);

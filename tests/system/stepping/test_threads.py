@@ -15,7 +15,7 @@ from softffd.fmu.records import scene_records
 TASKS = Path("/proc/self/task")
 SIDES = [12, 12, 12]
 LARGE = [16, 16, 17]
-"""So many that threads share the loops over all numbers too, which do not divide into equal parts."""
+"""Layers that do not divide into equal parts."""
 GROUND = {"gravity": [0.0, 0.0, -9.81], "offset": [0.0, 0.0, 0.001], "plane": [{"name": "ground", "friction": 0.4}]}
 
 
