@@ -13,6 +13,13 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+/// Change of the outside forces relative to their size, between two communication steps, that is a jolt [1].
+constexpr double jolt = 0.01;
+
+}  // namespace thresholds
+
 namespace {
 
 /// Active rows that the state keeps; of more, the first: the others are found again.

@@ -9,6 +9,23 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+// Steps are the largest stable explicit ones; what these rest on stands in kit/thresholds.hpp.
+
+/// Steps that a flight takes at least: entering one costs as much.
+constexpr double shortest_flight = 4;
+/// Steps below which a further advance towards a touch is not worth it.
+constexpr double shortest_advance = 0.25;
+/// Work of taking a motion apart into modes, and of a flight.
+constexpr double entry_work = 15, flight_work = 30;
+/// Share of the vibrations' energy by which that of the modes may miss the body's own: beyond, the body is far from its rest shape [1].
+constexpr double modal_mismatch = 0.01;
+/// Share that the next rebound may feel of what two runs' vibrations differ by [1].
+constexpr double echo_share = 0.3;
+
+}  // namespace thresholds
+
 namespace {
 
 namespace use = thresholds;

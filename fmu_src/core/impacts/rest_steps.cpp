@@ -14,6 +14,28 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+// Steps are the largest stable explicit ones; what these rest on stands in kit/thresholds.hpp.
+
+/// Energy that the first implicit step may lose, in that of the pressing force along the tolerance [1]; part of the tolerance for its
+/// error.
+constexpr double settling_loss = 3, settling_share = 0.5;
+/// Steps from which on implicit ones pay: three cost what these do.
+constexpr double worth_resting = 400;
+/// Part of the tolerance for the error of a step at rest, at most and per share of the run that it takes [1]; what lets the next be taken
+/// once, and how many of these at most.
+constexpr double rest_share = 0.5, rest_rate = 4, easy_rest = 0.2;
+constexpr Count longest_rest_trust = 128;
+/// Of that error, what an event of a contact within the step may leave: beyond, the step ends at the event. What is tried for its time at
+/// most, and the part of a step that is tried first where nothing tells when it is; a step also stops short of it by this part at most [1].
+constexpr double event_share = 0.1, event_shrink = 0.125;
+constexpr int most_event_tries = 12;
+/// Gap relative to the box at which a body at rest has lifted off; gap that is closed after the body is moved as a whole [1].
+constexpr double lifted = 1e-9, snapped = 1e-13;
+
+}  // namespace thresholds
+
 namespace {
 
 namespace use = thresholds;

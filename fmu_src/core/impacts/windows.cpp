@@ -12,6 +12,38 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+// Steps are the largest stable explicit ones; what these rest on stands in kit/thresholds.hpp.
+
+/// Steps between two looks; looks at least before it can be called quiet; looks of a window at most.
+constexpr double look_steps = 24, longest_window = 64;
+constexpr Count least_looks = 4;
+/// Steps that nothing can be touched for when a window ends in a flight.
+constexpr double worth_flying = 40;
+/// Steps for which an impact is run with half the step: a contact takes 48 to 120 whatever the stiffness.
+constexpr double impact_length = 240;
+/// Steps of windows that are run once where flights come before and after, in the largest stable ones [1]: leapfrog keeps another energy
+/// than the modes do, so that each change from one to the other multiplies a vibration's energy by (2 - a)^2 / (4 (1 - a)) on average, with
+/// a = (omega h / 2)^2: 1.10 for the fastest at the largest step, 1.0002 at a quarter of it.
+constexpr double after_flight = 0.25;
+/// Where the phases of the vibrations are lost by this many tolerances impacts may add this share of it: nothing can hold the tolerance
+/// then. By so many tolerances of any error windows are run once.
+constexpr double hopeless = 10, share_of_known = 0.1, lost = 300;
+/// The finest run of a window, in steps; times it is run again.
+constexpr double finest_window = 1.0 / 64;
+constexpr int most_window_tries = 6;
+/// Of the allowed error, what the coarser run may have to let the next windows be run once as coarsely; how many at most. In contact that
+/// goes on alone: given to one that had not touched yet it would make the impact a single unchecked run.
+constexpr double easy = 0.4;
+constexpr Count longest_window_trust = 32;
+/// Largest turn by which an impact is tried for what it makes of errors [rad].
+constexpr double most_aside = 0.1;
+/// Energy that may be damped away, in that of the pressing force along the tolerance [1]: it cannot move the body further.
+constexpr double quiet_energy = 0.1;
+
+}  // namespace thresholds
+
 namespace {
 
 namespace use = thresholds;

@@ -8,6 +8,13 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+/// Work that an implicit step may take at least before explicit ones are tried: where a body buckles these are no shorter way.
+constexpr double buckling_work = 1e6;
+
+}  // namespace thresholds
+
 namespace use = thresholds;
 
 StepStatus run_implicit(Integrators& integrators, const Job& job, Method method, double end) {

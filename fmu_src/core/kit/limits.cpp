@@ -8,6 +8,27 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+/// Change of an edge's vector relative to its rest length from which on the stability bound is computed anew [1]. Smaller: more bounds to
+/// compute; larger: the bound of a state that has gone. By experience the distance that chosen steps keep from the bound covers it.
+constexpr double deformation = 0.2;
+/// The same with a volume stiffness, which grows fast once a corner begins to fold: there no bound holds in every configuration [1].
+constexpr double deformation_with_volume = 0.05;
+/// Vibrations of a run, its length times omega, from which on it is long: rkn12 takes a millionth of a vibration's energy per step near the
+/// end of its stability interval, which adds up [rad]. The factor by which its steps are shorter then is in its row of traits.cpp.
+constexpr double long_run = 1e5;
+/// (omega h) (spin h) of an implicit step: points go along straight lines, which stretches springs, and the energy of the rotation errs by
+/// about its square [1]. By experience on spinning bodies.
+constexpr double straight_turn = 1e-4;
+/// Angle that such a step may turn through, however soft the body [rad]: the torque on turning pins errs as the cube of it.
+constexpr double straight_angle = 0.005;
+/// Angle that a step in the body's own frame may turn through [rad]: the rigid motion is exact, but the loads' directions in the frame are
+/// linear in between.
+constexpr double frame_angle = 1;
+
+}  // namespace thresholds
+
 namespace {
 
 double spin(const Model& model, const Points& x, const Points& v) { return rigid_motion(model.body.mass, x, v).spin.norm(); }

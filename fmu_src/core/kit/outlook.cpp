@@ -11,6 +11,28 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+// Steps are the largest stable explicit ones; what these rest on stands in kit/thresholds.hpp.
+
+/// Periods of the slowest vibration in the largest time scale of a point [1]: of the uniform lattice of four points a side.
+constexpr double period_per_time_scale = 26;
+/// What is left of a run is taken for at least this share of it [1].
+constexpr double least_left = 0.02;
+/// Periods of the slowest vibration that a difference of velocities lasts at least.
+constexpr double memory_periods = 10;
+/// Cosine of two normals below which obstacles hold a body from two sides [1].
+constexpr double opposite = -0.5;
+/// Share of the speed of turning in that of approach that the next rebound may feel [1].
+constexpr double turning_share = 0.3;
+/// The share of the vibrations' velocity that the next rebound may feel where a sample of the surface strikes: it stops at once, and with
+/// it the mass that moves with it [1].
+constexpr double struck_share = 0.5;
+/// Gap relative to the box up to which what rings counts as touching, for whether the body falls over [1]; logarithm of the largest growth.
+constexpr double snug = 1e-4, longest_growth = 20;
+
+}  // namespace thresholds
+
 namespace {
 
 namespace use = thresholds;

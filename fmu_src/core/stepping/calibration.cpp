@@ -11,6 +11,21 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+/// Steps of the coarser run at most: leapfrog, bm4.
+constexpr Count calibration_steps = 40, calibration_steps_bm4 = 16;
+/// Work between two calibrations, in multiples of a calibration's own [1]: so they cost at most a tenth of a run; and after a jolt.
+constexpr double calibration_pause = 10, calibration_pause_after_jolt = 3;
+/// A factor of the step from which on a calibration is good enough, its extrapolation being that of the method's order [1].
+constexpr double calibrated = 0.35;
+/// Bounds of the factor by which one calibration may change the step [1].
+constexpr double calibration_shrink = 1e-4, calibration_growth = 4;
+/// The same after a trial without a finite result [1].
+constexpr double after_failed_trial = 0.1;
+
+}  // namespace thresholds
+
 namespace {
 
 namespace use = thresholds;

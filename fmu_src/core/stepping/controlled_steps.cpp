@@ -9,6 +9,28 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+/// Bounds of the step's change; growth where the error is zero [1] (Hairer, Norsett, Wanner 1993, section II.4).
+constexpr double shrink = 0.1, growth = 6, growth_without_error = 5;
+/// After a rejected step the next is at most this much of it [1].
+constexpr double after_rejection = 0.9;
+/// The same where an old factor may be at fault: it is made anew, at a step between these [1].
+constexpr double old_factor_shrink = 0.5, old_factor_keep = 0.95;
+/// Between these the step of an implicit method stays, and with it the factor of its matrix [1]: measured, a kept factor is worth a
+/// factor of 1.5 to 2.4.
+constexpr double keep_below = 0.95, keep_above = 1.5;
+/// A step that turns the body by more than twice the limit is halved [1].
+constexpr double turned_too_far = 2, turned_shrink = 0.5;
+/// A step that the communication point has cut to less than this fraction says nothing about the next [1].
+constexpr double cut_short = 0.2;
+/// First step in units of 1 / omega [1].
+constexpr double first_step = 3;
+/// Shortest step relative to the times [1].
+constexpr double shortest_step = 1e-14;
+
+}  // namespace thresholds
+
 namespace {
 
 namespace use = thresholds;

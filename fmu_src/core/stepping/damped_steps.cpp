@@ -12,6 +12,35 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+/// What an implicit step takes that pays in the place of explicit ones: factors, it being run twice, and solutions with each.
+constexpr double damped_runs = 3, damped_solutions = 10;
+/// First step, and explicit steps before implicit ones are tried again, in the shortest that pay; how often the latter get twice as many.
+constexpr double first_damped = 2, damped_turn = 2;
+constexpr Count most_damped_doubts = 6;
+/// Errors of all steps in the tolerance; of what is left of that, the error of a step, or of the tolerance per share of the time that
+/// errors are remembered for, and at most [1].
+constexpr double damped_sum = 0.5, damped_share = 0.2, damped_rate = 1, damped_most = 0.3;
+/// Of the largest force, the error of the mean force of a communication step, or of what moves a point by the tolerance [1].
+constexpr double force_share = 0.008, moving_force = 0.01;
+/// Radians of a vibration that a step may be long and yet differ visibly from two of half its length [rad].
+constexpr double passed_over = 10;
+/// Of the first step in a communication step, after that of the one before, which was cut [1].
+constexpr double opening_growth = 2;
+/// Error of a step in the bend of its velocities: at least, by how much it may have grown since the last step that was run twice for the
+/// next to be run once, and what is added for safety [1]; how many of these at most.
+constexpr double least_share = 0.02, shares_alike = 2, share_safety = 1.5;
+constexpr Count longest_damped_trust = 32;
+/// Of what is allowed, the way of contacts that stop, turn round or begin to slide in a step, from which on they count [1].
+constexpr double slight_slip = 0.01;
+/// Of the tolerance, by which the equations of a stage may be solved wrong.
+constexpr double solved = 1e-4;
+/// Shortest step in the largest explicit one, where there are no explicit steps to take over [1].
+constexpr double shortest_damped = 0.05;
+
+}  // namespace thresholds
+
 namespace {
 
 namespace use = thresholds;

@@ -13,6 +13,26 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+/// Factor of the tolerance that the summed errors may take by forecast, of contact of a surface, whose stretches err alike: rolling does
+/// [1].
+constexpr double surface_tolerance = 0.6;
+/// The same of contact of a body with internal damping, whose errors add to those of implicit steps.
+constexpr double damped_tolerance = 0.5;
+/// Times that a stretch is run again.
+constexpr int most_reruns = 4;
+/// Stretches that may be run once after a success, at least and at most [1]. By experience on dropped and sliding bodies, as all of these.
+constexpr double shortest_trust = 8, longest_trust = 128;
+/// Of the allowed error, what the coarser run may have for that, and before it is trusted at all [1]: a change of the step may make a
+/// vibration larger by a third, and one that lost the trust by that would never come to rest.
+constexpr double trusted = 0.5, trusted_at_first = 0.125;
+/// Bounds of the step's change after a stretch, the lower one in kit/thresholds.hpp, and before it is run again; growth where the error is
+/// zero [1].
+constexpr double next_growth = 1.5, rerun_shrink = 0.2, rerun_growth = 0.7, doubled_growth = 2;
+
+}  // namespace thresholds
+
 namespace {
 
 namespace use = thresholds;

@@ -9,6 +9,17 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+/// Given steps that can be counted exactly.
+constexpr double countable = 0x1p53;
+/// A step is made longer again only by this factor or more [1]: every change costs a method its coefficients for the step.
+constexpr double regrowth = 1.25;
+/// Rounds of a calibration within a run.
+constexpr int calibration_rounds = 4;
+
+}  // namespace thresholds
+
 namespace {
 
 namespace use = thresholds;

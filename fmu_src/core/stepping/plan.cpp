@@ -6,6 +6,20 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+/// A challenger has to need this much less work than the last winner [1]: measured without it winners changed up to 27 times in a run.
+constexpr double challenge = 1.2;
+/// H omega / 2 from which on implicit steps are worth a trial for a body that turns freely, whose frame takes work too [1]. By experience.
+constexpr double stiff_turning = 100;
+/// Vibration in units of the tolerance above which implicit steps must not pass over it [1]: what is compared is a bound. By experience.
+constexpr double loud = 3;
+/// Leapfrog's work in units of what stability asks for, up to which nothing else is tried [1]: per evaluation of the forces nothing is
+/// stable for as long as leapfrog (bm4 has a third of its interval), so that the trials would cost more than they find.
+constexpr double enough = 1.7;
+
+}  // namespace thresholds
+
 namespace {
 
 namespace use = thresholds;

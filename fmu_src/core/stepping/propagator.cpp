@@ -12,6 +12,20 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+/// Work of a communication step by forecast, relative to what is left, at which it is refused before it is done [1]: forecasts err.
+constexpr double too_long = 1.2;
+/// Explicit steps in what is left of a communication step, from which on a pinned body with internal damping takes implicit ones where no
+/// race has found any [1].
+constexpr double stiff_damping = 500;
+/// What is left per communication step of the length that is remembered of those of late [1].
+constexpr double usual_decay = 0.8;
+/// A winner that needs so many times the forecast runs again [1].
+constexpr double overrun = 2.5;
+
+}  // namespace thresholds
+
 namespace {
 
 namespace use = thresholds;

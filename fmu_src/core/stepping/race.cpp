@@ -12,6 +12,24 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+/// Rounds of a calibration in a race: the first of leapfrog, of bm4, the others of leapfrog.
+constexpr int race_rounds = 1, race_rounds_bm4 = 2, race_rounds_left = 3;
+/// Work between two races, in multiples of a race's own, and its limit while the winner stays [1]; after a jolt. Measured before the pause
+/// was bound to their work: races took 5 to 30 % of a run of a second. Now a tenth at most, and less while the winner stays.
+constexpr double race_pause = 10, longest_race_pause = 160, race_pause_after_jolt = 3;
+/// Work that a trial of implicit steps may take.
+constexpr double longest_trial = 20'000;
+/// By how many steps in the place of one implicit one it is seen that the fastest mode creeps.
+constexpr Count creep_parts = 16;
+/// Vibrations with time scales above this many implicit steps are resolved by their error control [1]. By experience.
+constexpr double resolved = 8;
+/// Stretch of the trial of a method with error control in units of 1 / omega [1]: some steps, until it has found their size.
+constexpr double controlled_window = 30;
+
+}  // namespace thresholds
+
 namespace {
 
 namespace use = thresholds;

@@ -8,6 +8,16 @@
 
 namespace softffd {
 
+namespace thresholds {
+
+/// How often the internal step of a communication step without a finite result is halved: by experience on crushed and on collapsing bodies
+/// what five halvings do not mend more do not.
+inline constexpr int most_halvings = 5;
+/// Of the energy gained, what may be left with smaller steps if it was these that were at fault [1].
+inline constexpr double mended = 0.25;
+
+}  // namespace thresholds
+
 /// The state went astray: tries smaller internal steps, as long as what all trials have taken is less than half of `most`, the call's work.
 /// divided: by how much.
 template <class Attempt>
