@@ -53,8 +53,9 @@ struct SolidPose : HalfSpace {
 /// The same from time `since` on, with a normal of unit length, which turns with the angular velocity, or, where a rate of the normal or
 /// of the rotation is given, follows it.
 struct Plane : PlaneMotion {
-  double since = 0;            ///< [s]
-  Vec3 facing = Vec3::Zero();  ///< of a solid for which a supporting half-space stands: its unit normal: of a box by its edges, of others at `since`
+  double since = 0;  ///< [s]
+  Vec3 facing =
+      Vec3::Zero();  ///< of a solid for which a supporting half-space stands: its unit normal: of a box by its edges, of others at `since`
 
   /// Does a half-space stand for the solid that it holds (contact/surface/stand_ins.hpp)?
   bool stood_for() const { return !facing.isZero(0); }

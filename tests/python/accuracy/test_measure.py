@@ -69,7 +69,7 @@ def test_sdirk2_shows_its_order_on_a_damped_body_in_contact(folder, monkeypatch)
 def test_a_method_is_left_out_where_another_takes_its_steps_for_internal_damping(folder):
     Path("rubber.toml").write_text(RUBBER)
     Path("flying.toml").write_text(RUBBER.replace("[[plane]]", "#").replace("name = ", "#").replace("friction = ", "#"))
-    others = {"central_difference": "leapfrog", "bm4": "dop853", "rkn12": "dop853", "sdirk2": "beside planes"}
+    others = {"central_difference": "leapfrog", "bm4": "dop853", "rkn12": "dop853", "sdirk2": "beside obstacles"}
     records = measure(load_scene("flying.toml"), methods=[*others, "ros34pw2"], quick=True, repeats=1)
     assert records.names() == ["ros34pw2"] and all(why in records.left_out[method] for method, why in others.items())
     records = measure(load_scene("rubber.toml"), methods=["central_difference", "sdirk2"], quick=True, repeats=1)

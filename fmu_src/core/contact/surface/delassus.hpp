@@ -47,7 +47,6 @@ class Delassus {
   int size() const { return int(rows_.size()); }
   const std::vector<SurfaceRow>& rows() const { return rows_; }
   const Samples& samples() const { return *samples_; }
-  const std::vector<Vec3>& normals() const { return normals_; }
   double cosine(int p, int q) const { return cosines_.empty() ? between(p, q) : cosines_[p * int(normals_.size()) + q]; }
   /// G of rows s and t at hand.
   double operator()(int s, int t) const { return s < t ? g_[start(t) + s] : g_[start(s) + t]; }
@@ -100,9 +99,9 @@ class Delassus {
   PointRange range_;
   std::vector<double> g_;  ///< lower triangle, row by row
   RowFactor factor_;
-  Scalars field_;                ///< of the forces of one plane's rows, along its normal
-  std::vector<Vec3> pushes_;     ///< of rows of several planes
-  Points move_;                  ///< by them
+  Scalars field_;             ///< of the forces of one plane's rows, along its normal
+  std::vector<Vec3> pushes_;  ///< of rows of several planes
+  Points move_;               ///< by them
   mutable double done_ = 0;
   double most_ = std::numeric_limits<double>::infinity();
   bool sorted_ = true;

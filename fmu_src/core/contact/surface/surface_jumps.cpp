@@ -21,7 +21,7 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
            deepest >= -std::max(position_slack * (length_ + row(x, 0).norm()), 2 * slack_of_rows());  // what `fit` leaves
   };
   know(around, time);
-  std::ranges::fill(friction_, 0.0);
+  std::ranges::fill(friction_, 0.0);  // nothing rubs in a jump
   if (clear()) return StepStatus::ok;
   if (body.version != version_) {
     version_ = body.version;
