@@ -22,15 +22,18 @@ double largest_speed(const Points& v) { return std::sqrt(v.square().rowwise().su
 
 }  // namespace
 
-double least_gap(const Body& body, const HalfSpace& obstacle, const Points& x) {
+double least_gap(const HalfSpace& obstacle, const Points& x) {
   double least = std::numeric_limits<double>::infinity();
-  if (body.samples) {
-    Scalars heights(x.rows());
-    kernels::gaps(int(x.rows()), x.data(), obstacle.normal.data(), obstacle.offset, heights.data());
-    for (int s = 0; s < body.samples->count(); ++s) least = smaller(least, body.samples->at(s, heights.data()));
-  } else {
-    for (int p = 0; p < x.rows(); ++p) least = smaller(least, obstacle.gap(row(x, p)));
-  }
+  for (int p = 0; p < x.rows(); ++p) least = smaller(least, obstacle.gap(row(x, p)));
+  return least;
+}
+
+double least_gap(const Body& body, const HalfSpace& obstacle, const Points& x) {
+  if (!body.samples) return least_gap(obstacle, x);
+  double least = std::numeric_limits<double>::infinity();
+  Scalars heights(x.rows());
+  kernels::gaps(int(x.rows()), x.data(), obstacle.normal.data(), obstacle.offset, heights.data());
+  for (int s = 0; s < body.samples->count(); ++s) least = smaller(least, body.samples->at(s, heights.data()));
   return least;
 }
 

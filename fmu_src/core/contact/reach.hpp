@@ -5,6 +5,8 @@
 
 namespace softffd {
 
+/// The least gap of control points [m].
+double least_gap(const HalfSpace& obstacle, const Points& x);
 /// Gap of what may meet the obstacle: the least of the control points', or, where it meets the surface, of the samples' [m].
 double least_gap(const Body& body, const HalfSpace& obstacle, const Points& x);
 

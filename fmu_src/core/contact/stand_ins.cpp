@@ -37,22 +37,16 @@ bool over_face(const Plane& solid, const SolidPose& pose, const Vec3& x, double 
   return true;
 }
 
-double least_gap_of_points(const HalfSpace& obstacle, const Points& x) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int p = 0; p < x.rows(); ++p) least = std::min(least, obstacle.gap(row(x, p)));
-  return least;
-}
-
 /// The half-space that the body is furthest in front of. Returns whether it is that of a face.
 bool choose(Plane& solid, const SolidPose& pose, double t, const Points& x) {
   const Vec3 middle = x.colwise().mean().matrix().transpose();
   Vec3 best = facing_of(solid, pose, tangent(solid, pose, middle).normal);
   solid.facing = best;
-  double furthest = least_gap_of_points(solid.at(t), x);
+  double furthest = least_gap(solid.at(t), x);
   bool flat = false;
   for (const Vec3& face : faces_of(solid)) {
     solid.facing = face;
-    if (const double gap = least_gap_of_points(solid.at(t), x); gap >= furthest) furthest = gap, best = face, flat = true;
+    if (const double gap = least_gap(solid.at(t), x); gap >= furthest) furthest = gap, best = face, flat = true;
   }
   solid.facing = best;
   return flat;

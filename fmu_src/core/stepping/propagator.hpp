@@ -4,9 +4,9 @@
 #include "impacts/impacts.hpp"
 #include "kit/integrators.hpp"
 #include "kit/thresholds.hpp"
-#include "model/lazy.hpp"
 #include "stepping/calibration.hpp"
 #include "stepping/damped_steps.hpp"
+#include "stepping/lazy.hpp"
 #include "stepping/plan.hpp"
 #include "stepping/race.hpp"
 

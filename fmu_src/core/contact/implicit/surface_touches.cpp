@@ -101,10 +101,8 @@ void SurfaceTouches::hold(State& state) const {
 /// In which the sample meets the obstacle; -1: in none.
 int SurfaceTouches::plane_of(int obstacle, int sample) const {
   if (obstacle < flat_) return obstacle;
-  const auto& found = tangents_.found();
-  const auto at = std::ranges::lower_bound(found, std::pair(obstacle, sample), {},
-                                           [](const Tangent& each) { return std::pair(each.obstacle, each.sample); });
-  return at != found.end() && at->obstacle == obstacle && at->sample == sample ? flat_ + int(at - found.begin()) : -1;
+  const int at = tangents_.index(obstacle, sample);
+  return at < 0 ? -1 : flat_ + at;
 }
 
 /// Those of all samples that can come to a solid where no point goes further than this from where the step begins [m]; the forces at hand

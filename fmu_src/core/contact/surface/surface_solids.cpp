@@ -74,10 +74,9 @@ void SurfaceContact::find_tangents(const Drive& around, double t0, double t1, co
   lasting_.clear();
   for (auto& [known, candidate] : lasting) {
     if (candidate.row.plane >= flat_) {
-      const auto at = std::ranges::find(tangents_.found(), known,
-                                        [&](const Tangent& each) { return Count(each.obstacle) * samples_.count() + each.sample; });
-      if (at == tangents_.found().end()) continue;
-      candidate.row.plane = flat_ + int(at - tangents_.found().begin());
+      const int at = tangents_.index(int(known / samples_.count()), candidate.row.sample);
+      if (at < 0) continue;
+      candidate.row.plane = flat_ + at;
     }
     lasting_.push_back(candidate);
   }

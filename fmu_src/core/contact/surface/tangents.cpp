@@ -108,6 +108,12 @@ void Tangents::find(const Drive& around, double t0, double t1, const Points& x0,
   }
 }
 
+int Tangents::index(int obstacle, int sample) const {
+  const auto at = std::ranges::lower_bound(found_, std::pair(obstacle, sample), {},
+                                           [](const Tangent& each) { return std::pair(each.obstacle, each.sample); });
+  return at != found_.end() && at->obstacle == obstacle && at->sample == sample ? int(at - found_.begin()) : -1;
+}
+
 void Tangents::list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known) const {
   known.reserve = far_reach * reach + nearest_reserve * length_;
   known.near.clear();

@@ -43,6 +43,8 @@ class Tangents {
   void find(const Drive& around, double t0, double t1, const Points& x0, double way);
   void forget() { found_.clear(); }
   const std::vector<Tangent>& found() const { return found_; }
+  /// Where among them that of this sample at this obstacle is; -1: there is none.
+  int index(int obstacle, int sample) const;
   /// Are the tangents those of such a way too?
   bool covers(double way) const { return way <= way_; }
 

@@ -36,13 +36,7 @@ const Samples& round_samples() {
   return samples;
 }
 
-bool holds(const Plane& solid, const SolidPose& pose, const Vec3& x) {
-  const Vec3 arm = x - pose.point;
-  if (solid.box()) return ((pose.edges.transpose() * arm).cwiseAbs() - 0.5 * solid.sides).maxCoeff() <= slight;
-  if (solid.length == 0) return arm.norm() <= solid.radius + slight;
-  const double height = pose.normal.dot(arm);
-  return std::abs(height) <= 0.5 * solid.length + slight && (arm - height * pose.normal).norm() <= solid.radius + slight;
-}
+bool holds(const Plane& solid, const SolidPose& pose, const Vec3& x) { return solid.holds(pose, x, slight); }
 
 /// The solid over and over from one time to another, with its tangents at samples of the body.
 struct Coming {
