@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "contact/stand_ins.hpp"
+#include "forces/volume.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
 #include "model/rigid_motion.hpp"
@@ -34,16 +35,14 @@ std::vector<bool> pinned_points(const Definition& definition) {
 
 Body make_body(const Definition& definition) {
   const int n = definition.lattice.points();
-  Body body{.springs = Springs(definition.lattice, definition.topology, definition.team),
-            .mass = {},
-            .damping = {},
-            .pinned = pinned_points(definition)};
+  Body body{.energies = {}, .mass = {}, .damping = {}, .pinned = pinned_points(definition)};
+  body.energies.push_back(std::make_shared<Springs>(definition.lattice, definition.topology, definition.team));
+  if (definition.volume_stiffness > 0) body.energies.push_back(std::make_shared<Volume>(definition.lattice, definition.volume_stiffness));
   body.mass = Eigen::Map<const Scalars>(definition.mass.data(), n);
   body.weight = body.mass;
   body.damping = Scalars::Zero(n);
   body.length = definition.lattice.largest_side();
   body.samples = definition.samples;
-  if (definition.volume_stiffness > 0) body.volume.emplace(definition.lattice, definition.volume_stiffness);
   return body;
 }
 
@@ -154,10 +153,11 @@ void SoftBody::refresh_model() {
   for (const Region& region : definition_.regions)
     if (region.damping)
       for (int p : region.points) body.damping[p] = *region.damping;
+  Springs& springs = static_cast<Springs&>(*body.energies.front());
   if (definition_.of_modulus)
-    regions_.set_modulus(settings.modulus, settings.internal_damping, body.springs);
+    regions_.set_modulus(settings.modulus, settings.internal_damping, springs);
   else
-    regions_.set_stiffness(settings.stiffness, settings.internal_damping, body.springs);
+    regions_.set_stiffness(settings.stiffness, settings.internal_damping, springs);
   body.weight = body.mass;
   if (!definition_.weight.empty()) {
     const Eigen::Map<const Scalars> given(definition_.weight.data(), n);

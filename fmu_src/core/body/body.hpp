@@ -1,59 +1,83 @@
-/// The mechanical model of eq. (3): masses, springs, point damping; and where it is wanted, what keeps cells from folding. Constant during
-/// a step.
+/// The mechanical model of eq. (3): masses, point damping, and the energies that hold the points together. Constant during a step.
 #pragma once
+#include <algorithm>
 #include <memory>
-#include <optional>
+#include <vector>
 
-#include "forces/springs.hpp"
-#include "forces/volume.hpp"
+#include "forces/energy.hpp"
+#include "forces/kernels.hpp"
 #include "model/samples.hpp"
 
 namespace softffd {
 
 struct Body {
-  Springs springs;
-  Scalars mass;                    ///< (points) [kg], > 0
-  Scalars damping;                 ///< (points) [N s/m], >= 0
-  std::vector<bool> pinned;        ///< (points) moved by a pin, not by forces
-  bool damped = false;             ///< any damping > 0, of points or along springs
-  double fastest_damping = 0;      ///< rate at which damping changes velocities, at most [1/s]
-  Scalars weight{};                ///< (points) [kg], what gravity pulls at
-  Scalars inverse_mass{};          ///< (3 * points), axis by axis; 0 where pinned [1/kg]
-  Scalars damping_rate{};          ///< (3 * points), damping / mass; 0 where pinned [1/s]
-  double length = 1;               ///< largest side of the box [m]: the scale of every tolerance on positions
-  std::optional<Volume> volume{};  ///< volume stiffness; most bodies have none
-  Count version = 0;               ///< made new by whoever changes masses, stiffness, damping or the pinned points
+  std::vector<std::shared_ptr<Energy>> energies;  ///< at least one; copies of a body share them
+  Scalars mass;                                   ///< (points) [kg], > 0
+  Scalars damping;                                ///< (points) [N s/m], >= 0
+  std::vector<bool> pinned;                       ///< (points) moved by a pin, not by forces
+  bool damped = false;                            ///< any damping > 0, of points or along springs
+  double fastest_damping = 0;                     ///< rate at which damping changes velocities, at most [1/s]
+  Scalars weight{};                               ///< (points) [kg], what gravity pulls at
+  Scalars inverse_mass{};                         ///< (3 * points), axis by axis; 0 where pinned [1/kg]
+  Scalars damping_rate{};                         ///< (3 * points), damping / mass; 0 where pinned [1/s]
+  double length = 1;                              ///< largest side of the box [m]: the scale of every tolerance on positions
+  mutable Points scratch{};                       ///< (points, 3), of who uses it last
+  Count version = 0;                              ///< made new by whoever changes masses, stiffness, damping or the pinned points
   /// Of the surface, by which obstacles are met; null: by the control points.
   std::shared_ptr<const Samples> samples{};
   int points() const { return int(mass.size()); }
 
-  /// f = forces of the springs and of the volume stiffness on the points at x [N], (points, 3).
+  /// f = forces of all energies on the points at x [N], (points, 3).
   void internal_force(const Points& x, Points& f) const {
-    springs.force(x, f);
-    if (volume) volume->add_force(x, f);
+    energies.front()->set_force(x, f);
+    for (std::size_t i = 1; i < energies.size(); ++i) energies[i]->add_force(x, f);
   }
-  /// Energy of the springs and of the volume stiffness at x [J].
-  double elastic_energy(const Points& x) const { return springs.energy(x) + (volume ? volume->energy(x) : 0.0); }
-};
+  /// Of all energies at x [J].
+  double elastic_energy(const Points& x) const {
+    return sum([&](const Energy& each) { return each.energy(x); });
+  }
+  /// f -= the linearisation's matrix at x times u [N]; u [m], (points, 3).
+  void subtract_product(const Points& x, const Linearisation& of, const Points& u, Points& f) const {
+    for (const auto& each : energies) each->subtract_product(x, of, u, f);
+  }
+  /// Largest stiffness between two points [N/m].
+  double largest_stiffness() const {
+    double largest = 0;
+    for (const auto& each : energies) largest = std::max(largest, each->largest_stiffness());
+    return largest;
+  }
 
-/// What the dashpots take of points at x that move with v [W].
-template <class V>
-double dashpot_power(const Springs& springs, const Points& x, const V& v) {
-  double power = 0;
-  if (!springs.dashpots()) return power;
-  for (const Springs::Row& row : springs.rows())
-    for (int lane = 0; lane < row.lanes(); ++lane) {
-      if (row.dashpot[lane] == 0) continue;
-      const int p = row.begin + lane, q = p + row.offset;
-      double along = 0, squared = kernels::smallest_square;
-      for (int axis = 0; axis < 3; ++axis) {
-        const double d = x(q, axis) - x(p, axis);
-        along += d * (v(q, axis) - v(p, axis));
-        squared += d * d;
-      }
-      power += row.dashpot[lane] * along * along / squared;
-    }
-  return power;
-}
+  /// Whether there are dashpots; the smallest and the largest ratio of one to its stiffness [s].
+  bool dashpots() const { return longest_time() > 0; }
+  double shortest_time() const {
+    double shortest = energies.front()->shortest_time();
+    for (const auto& each : energies) shortest = std::min(shortest, each->shortest_time());
+    return shortest;
+  }
+  double longest_time() const {
+    double longest = 0;
+    for (const auto& each : energies) longest = std::max(longest, each->longest_time());
+    return longest;
+  }
+  /// f -= what the dashpots exert on points at x that move with v [N] (Energy::add_dashpot_force).
+  void add_dashpot_force(const Points& x, const Points& v, Points& f, double drift = 0) const {
+    for (const auto& each : energies) each->add_dashpot_force(x, v, f, drift);
+  }
+  /// What the dashpots take of points at x that move with v [W].
+  double dashpot_power(const Points& x, const Points& v) const {
+    return sum([&](const Energy& each) { return each.dashpot_power(x, v); });
+  }
+
+  /// A pass that moves the points too; null unless all forces are those of one energy that offers it.
+  const FusedPass* fused() const { return energies.size() == 1 ? energies.front()->fused() : nullptr; }
+
+ private:
+  template <class Value>
+  double sum(const Value& value) const {
+    double sum = 0;
+    for (const auto& each : energies) sum += value(*each);
+    return sum;
+  }
+};
 
 }  // namespace softffd

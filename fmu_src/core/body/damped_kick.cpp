@@ -71,7 +71,7 @@ void DampedKick::hold_pins(const Points& v0, Points& v) const {
 void DampedKick::multiply(const Body& body, const Points& x, Points& v, Points& out) const {
   for (const int p : pinned_) set_row(v, p, Vec3::Zero());
   for (int axis = 0; axis < 3; ++axis) out.col(axis) = -body.damping * v.col(axis);
-  body.springs.add_dashpot_force(x, v, out);
+  body.add_dashpot_force(x, v, out);
   for (int axis = 0; axis < 3; ++axis) out.col(axis) *= scale_;
 }
 

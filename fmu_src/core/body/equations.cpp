@@ -20,15 +20,15 @@ const Points& Equations::outside(double t, Points& scratch) const {
 }
 
 const Points& Equations::inner(const Points& x, const Points& v, const Points& spring, Points& scratch) const {
-  if (!body.springs.dashpots()) return spring;
+  if (!body.dashpots()) return spring;
   scratch = spring;
-  body.springs.add_dashpot_force(x, v, scratch);
+  body.add_dashpot_force(x, v, scratch);
   return scratch;
 }
 
 void Equations::acceleration(double t, const Points& x, const Points& v, Points& scratch, Points& inner, Points& a) const {
   body.internal_force(x, inner);
-  if (body.springs.dashpots()) body.springs.add_dashpot_force(x, v, inner);
+  body.add_dashpot_force(x, v, inner);
   acceleration(t, v, inner, scratch, a);
 }
 
@@ -69,7 +69,7 @@ void Ledger::damp(const Equations& equations, double weight, const Points& x, co
   if (!watch_ || !equations.body.damped || equations.around.damping_unwatched) return;
   const Body& body = equations.body;
   for (int axis = 0; axis < 3; ++axis) dissipated_ += weight * (body.damping * v.col(axis).square()).sum();
-  if (body.springs.dashpots()) dissipated_ += weight * dashpot_power(body.springs, x, v);
+  dissipated_ += weight * body.dashpot_power(x, v);
 }
 
 void Ledger::end(const Equations& equations, double sign, double t, const Points& x, const Points& v) {

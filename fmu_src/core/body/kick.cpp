@@ -16,7 +16,7 @@ void HalfKicks::prepare(const Body& body, double h) {
   h_ = h;
   version_ = body.version;
   const int n = body.points();
-  if (body.springs.dashpots()) {
+  if (body.dashpots()) {
     opening_mass_ = closing_mass_ = body.mass;
     return;
   }

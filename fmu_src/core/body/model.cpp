@@ -19,7 +19,7 @@ Model::Model(Body of)
 void Model::renew() {
   const int n = body.points();
   ++body.version;
-  body.damped = (body.damping > 0).any() || body.springs.dashpots();
+  body.damped = (body.damping > 0).any() || body.dashpots();
   body.inverse_mass.resize(3 * n);
   body.damping_rate.resize(3 * n);
   for (int i = 0; i < 3 * n; ++i) {
@@ -28,11 +28,11 @@ void Model::renew() {
     body.damping_rate[i] = body.pinned[p] ? 0 : body.damping[p] / body.mass[p];
   }
   noise = 0;
-  for (const Springs::Row& row : body.springs.rows()) noise += 0.5 * row.stiffness.sum() * power(slight * body.length, 2);
+  for (const auto& each : body.energies) noise += 0.5 * each->total_stiffness() * power(slight * body.length, 2);
   stability.prepare(body);
   stability.time_scales(body, time_scale);
   body.fastest_damping = body.damping_rate.maxCoeff();
-  if (body.springs.dashpots()) body.fastest_damping += body.springs.longest_time() * power(stability.any_frequency(), 2);
+  if (body.dashpots()) body.fastest_damping += body.longest_time() * power(stability.any_frequency(), 2);
   for (int i = 0; i < 3 * n; ++i) memory[i] = body.damping_rate[i] > 0 ? 2 / body.damping_rate[i] : std::numeric_limits<double>::infinity();
   longest_memory = memory.maxCoeff();
 }

@@ -11,9 +11,9 @@
 /// A pinned neighbour does not move: its term is B_e alone. Replacing B_e by k I gives a bound that holds in any configuration, because
 /// no eigenvalue of a spring's Hessian exceeds k. A power iteration would approach omega from below, the wrong side.
 ///
-/// A volume stiffness adds its own blocks to S_p (derived in volume.hpp), but nothing at all while no corner has lost half its volume. With
-/// it no bound holds in every configuration: a step that was stable may no longer be after the next fold, so that the bound of the state
-/// has to be renewed as the body deforms, and more often than without.
+/// Every energy of the body adds its own blocks to S_p; a volume stiffness (derived in volume.hpp) nothing at all while no corner has lost
+/// half its volume. With it no bound holds in every configuration: a step that was stable may no longer be after the next fold, so that the
+/// bound of the state has to be renewed as the body deforms, and more often than without.
 #pragma once
 #include "body/body.hpp"
 
@@ -32,16 +32,15 @@ class Stability {
   /// Time in which a velocity error of a point becomes a position error, (3 * points) [s]: of the size of a period of the springs at the
   /// point over 2 pi, for the uniform lattice the inverse of the geometric mean of its lowest and highest frequency.
   void time_scales(const Body& body, Scalars& scales) const;
-  /// Upper bound of omega of the springs alone in every configuration [rad/s].
+  /// Upper bound of omega in every configuration, of the energies that have one [rad/s].
   double any_frequency() const { return any_frequency_; }
   /// Whether the body resists deformation at all; if not, its frequency is 0 whatever its shape.
   bool elastic() const { return elastic_; }
 
  private:
-  std::vector<Scalars> first_, second_;  ///< k (1 + sqrt(mass ratio)) of each row's lanes, as seen from either end
-  Scalars any_squared_;                  ///< (points) what each point contributes to the bound in every configuration [1/s2]
-  mutable Scalars sums_;                 ///< S_p as xx yy zz xy xz yz, each (points)
-  mutable Scalars mean_, spread_;        ///< workspace (points)
+  AnyBounds any_;                  ///< in every configuration
+  mutable Scalars sums_;           ///< S_p as xx yy zz xy xz yz, each (points)
+  mutable Scalars mean_, spread_;  ///< workspace (points)
   double any_frequency_ = 0;
   bool elastic_ = false;
 };

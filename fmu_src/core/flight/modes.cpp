@@ -16,6 +16,22 @@ constexpr double loose = 1e-6;
 /// rounding, far below what a vibration's phase feels.
 constexpr double sorting = 1e-11;
 
+/// M^-1/2 K M^-1/2.
+struct ScaledMatrix final : BlockSink {
+  explicit ScaledMatrix(const Scalars& mass) : mass(mass), matrix(Eigen::MatrixXd::Zero(3 * mass.size(), 3 * mass.size())) {}
+  void add(int p, int q, const Mat3& block) override {
+    const int n = int(mass.size());
+    const double scale = p == q ? mass[p] : std::sqrt(mass[p] * mass[q]);
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) {
+        matrix(p + a * n, q + b * n) += block(a, b) / scale;
+        if (p != q) matrix(q + b * n, p + a * n) += block(a, b) / scale;
+      }
+  }
+  const Scalars& mass;
+  Eigen::MatrixXd matrix;
+};
+
 }  // namespace
 
 void Modes::make(const Body& body, const Points& rest) {
@@ -41,21 +57,9 @@ void Modes::make(const Body& body, const Points& rest) {
     excursion.resize(n, 0);
     return;
   }
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(unknowns, unknowns);
-  for (const Springs::Row& springs : body.springs.rows())
-    for (int lane = 0; lane < springs.lanes(); ++lane) {
-      if (springs.stiffness[lane] == 0) continue;
-      const int p = springs.begin + lane, q = p + springs.offset;
-      const Vec3 along = (row(arms, q) - row(arms, p)).normalized();
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) {
-          const double k = springs.stiffness[lane] * along[a] * along[b], between = k / std::sqrt(body.mass[p] * body.mass[q]);
-          matrix(p + a * n, p + b * n) += k / body.mass[p];
-          matrix(q + a * n, q + b * n) += k / body.mass[q];
-          matrix(p + a * n, q + b * n) -= between;
-          matrix(q + a * n, p + b * n) -= between;
-        }
-    }
+  ScaledMatrix by_mass(body.mass);
+  for (const auto& each : body.energies) each->add_blocks(rest, {}, by_mass);
+  Eigen::MatrixXd& matrix = by_mass.matrix;
   const Scalars rate = body.damping / body.mass;
   const double fastest = rate.maxCoeff();
   if (fastest > rate.minCoeff()) {

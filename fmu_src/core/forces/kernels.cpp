@@ -188,21 +188,6 @@ INNER bool behind(int points, const double* x, const double plane_normal[3], dou
   return (any | block) != 0;
 }
 
-INNER void stiffness_products(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In u0, In v0, In w0, In u1, In v1, In w1, In k, In l,
-                              Out sx, Out sy, Out sz) {
-  for (int p = 0; p < lanes; ++p) {
-    const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
-    const double ux = u1[p] - u0[p], uy = v1[p] - v0[p], uz = w1[p] - w0[p];
-    const double r2 = dx * dx + dy * dy + dz * dz + smallest_square;
-    const double stretched = 1.0 - l[p] / std::sqrt(r2);
-    const double e = stretched > 0.0 ? stretched : 0.0;
-    const double along = (1.0 - e) * ((dx * ux + dy * uy + dz * uz) / r2);
-    sx[p] = k[p] * (along * dx + e * ux);
-    sy[p] = k[p] * (along * dy + e * uy);
-    sz[p] = k[p] * (along * dz + e * uz);
-  }
-}
-
 /// f += the springs' forces on their first ends, which lie in the scratch, -= on their second ends.
 INNER void give_both_ends(const SpringRow& springs, int points, const double* scratch, double* f) {
   const int lanes = springs.lanes;
@@ -210,15 +195,6 @@ INNER void give_both_ends(const SpringRow& springs, int points, const double* sc
   double *first = f + springs.begin, *second = first + springs.offset;
   add(lanes, sx, sy, sz, first, first + points, first + 2 * points);
   subtract(lanes, sx, sy, sz, second, second + points, second + 2 * points);
-}
-
-INNER void subtract_stiffness_product(const SpringRow& springs, int points, const double* x, const double* u, double* f, double* scratch) {
-  const int lanes = springs.lanes, offset = springs.offset;
-  const double *a = x + springs.begin, *b = a + offset, *ua = u + springs.begin, *ub = ua + offset;
-  double *sx = scratch, *sy = scratch + lanes, *sz = scratch + 2 * lanes;
-  stiffness_products(lanes, a, a + points, a + 2 * points, b, b + points, b + 2 * points, ua, ua + points, ua + 2 * points, ub, ub + points,
-                     ub + 2 * points, springs.stiffness, springs.rest_length, sx, sy, sz);
-  give_both_ends(springs, points, scratch, f);
 }
 
 /// Least 1 - l/r that counts: keeps the matrix of a spring without length finite.
@@ -256,22 +232,28 @@ INNER void add_spring_matrices(const SpringRow& springs, const double* dashpot, 
     }
 }
 
-INNER void spring_products(int lanes, In x0, In y0, In z0, In x1, In y1, In z1, In xx, In yy, In zz, In xy, In xz, In yz, Out sx, Out sy,
-                           Out sz) {
+INNER void spring_products(int lanes, double softening, double per_time, In x0, In y0, In z0, In x1, In y1, In z1, In u0, In v0, In w0,
+                           In u1, In v1, In w1, In k, In l, In dashpot, Out sx, Out sy, Out sz) {
   for (int p = 0; p < lanes; ++p) {
     const double dx = x1[p] - x0[p], dy = y1[p] - y0[p], dz = z1[p] - z0[p];
-    sx[p] = xx[p] * dx + xy[p] * dy + xz[p] * dz;
-    sy[p] = xy[p] * dx + yy[p] * dy + yz[p] * dz;
-    sz[p] = xz[p] * dx + yz[p] * dy + zz[p] * dz;
+    const double ux = u1[p] - u0[p], uy = v1[p] - v0[p], uz = w1[p] - w0[p];
+    const double r2 = dx * dx + dy * dy + dz * dz + smallest_square;
+    const double stretched = 1.0 - l[p] / std::sqrt(r2), finite = stretched > least_stretch ? stretched : least_stretch;
+    const double e = finite > 0 ? finite : softening * finite, ke = k[p] * e;
+    const double along = (k[p] * (1.0 - e) + per_time * dashpot[p]) * ((dx * ux + dy * uy + dz * uz) / r2);
+    sx[p] = along * dx + ke * ux;
+    sy[p] = along * dy + ke * uy;
+    sz[p] = along * dz + ke * uz;
   }
 }
 
-INNER void subtract_spring_products(const SpringRow& springs, int points, const double* block, const double* u, double* f,
-                                    double* scratch) {
-  const int lanes = springs.lanes;
-  const double *a = u + springs.begin, *b = a + springs.offset;
-  spring_products(lanes, a, a + points, a + 2 * points, b, b + points, b + 2 * points, block, block + lanes, block + 2 * lanes,
-                  block + 3 * lanes, block + 4 * lanes, block + 5 * lanes, scratch, scratch + lanes, scratch + 2 * lanes);
+INNER void subtract_spring_products(const SpringRow& springs, const double* dashpot, int points, const double* x, double softening,
+                                    double per_time, const double* u, double* f, double* scratch) {
+  const int lanes = springs.lanes, offset = springs.offset;
+  const double *a = x + springs.begin, *b = a + offset, *ua = u + springs.begin, *ub = ua + offset;
+  spring_products(lanes, softening, per_time, a, a + points, a + 2 * points, b, b + points, b + 2 * points, ua, ua + points,
+                  ua + 2 * points, ub, ub + points, ub + 2 * points, springs.stiffness, springs.rest_length, dashpot, scratch,
+                  scratch + lanes, scratch + 2 * lanes);
   give_both_ends(springs, points, scratch, f);
 }
 
@@ -289,7 +271,6 @@ decltype(largest_weighted) largest_weighted = chosen<loops::largest_weighted<2>,
 decltype(gaps) gaps = chosen<loops::gaps>();
 decltype(behind) behind = chosen<loops::behind<2>, loops::behind<4>, loops::behind<8>>();
 decltype(largest_change) largest_change = chosen<loops::largest_change<2>, loops::largest_change<4>, loops::largest_change<8>>();
-decltype(subtract_stiffness_product) subtract_stiffness_product = chosen<loops::subtract_stiffness_product>();
 decltype(add_spring_matrices) add_spring_matrices = chosen<loops::add_spring_matrices>();
 decltype(subtract_spring_products) subtract_spring_products = chosen<loops::subtract_spring_products>();
 

@@ -50,18 +50,13 @@ extern bool (*const behind)(int points, const double* x, const double normal[3],
 /// Largest squared change of the spring vectors of one direction between two states, [m2]; NaN if any is NaN or infinite.
 extern double (*const largest_change)(const SpringRow& springs, int points, const double* x, const double* y);
 
-/// f += forces that springs would exert if their ends moved by u and their stiffness matrix were the bound of `add_stiffness_bounds`:
-/// f -= K u. x, u, f: (3 * points); scratch: (3 * lanes).
-extern void (*const subtract_stiffness_product)(const SpringRow& springs, int points, const double* x, const double* u, double* f,
-                                                double* scratch);
-
 /// The springs' Hessians and their dashpots' matrices, k (u u^T + e (I - u u^T)) + per_time c u u^T with e = 1 - l/r, of which negative
 /// ones count for `softening` of theirs, as xx yy zz xy xz yz: block (6 * lanes). sums += them at both ends, (6 * points). dashpot: c
 /// (lanes).
 extern void (*const add_spring_matrices)(const SpringRow& springs, const double* dashpot, int points, const double* x, double softening,
                                          double per_time, double* block, double* sums);
-/// f -= these matrices times u. u, f: (3 * points); scratch: (3 * lanes).
-extern void (*const subtract_spring_products)(const SpringRow& springs, int points, const double* block, const double* u, double* f,
-                                              double* scratch);
+/// f -= these matrices times u. x, u, f: (3 * points); scratch: (3 * lanes).
+extern void (*const subtract_spring_products)(const SpringRow& springs, const double* dashpot, int points, const double* x,
+                                              double softening, double per_time, const double* u, double* f, double* scratch);
 
 }  // namespace softffd::kernels

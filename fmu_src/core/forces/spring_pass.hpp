@@ -29,6 +29,7 @@
 #include <optional>
 #include <vector>
 
+#include "forces/fused_pass.hpp"
 #include "forces/kernels.hpp"
 #include "forces/spring_ends.hpp"
 #include "forces/spring_kinds.hpp"
@@ -37,21 +38,10 @@
 
 namespace softffd {
 
-/// Kicks by the forces at x, one after the other, then a drift: v <- a v + b (f + outside) for each kick; x <- x + h v. What is the same
-/// number for all points need not be read for each of them, which is a third of what a step of a large lattice reads and writes.
-struct Stage {
-  struct Kick {
-    const double *a, *b;  ///< (points)
-    bool even = false;    ///< a and b are each the same for all points
-  };
-  std::array<Kick, 2> kicks;
-  int count;                  ///< of kicks
-  double h;                   ///< [s]
-  bool even_outside = false;  ///< the outside forces are the same on all points
-};
-
 struct SpringPass {
-  static constexpr int lanes = SpringKinds::lanes;
+  static constexpr int lanes = FusedPass::lanes;
+  static_assert(lanes == SpringKinds::lanes);
+  using Between = FusedPass::Between;
   using Offsets = std::array<std::ptrdiff_t, directions.size()>;
   using Rows = std::array<kernels::SpringRow, directions.size()>;
 
@@ -76,12 +66,6 @@ struct SpringPass {
   /// per length.
   void add_dashpot_force(const double* x, const double* v, double drift, double* f) const;
 
-  /// What is kept of the moment between two kicks.
-  struct Between {
-    const Count* until = nullptr;  ///< of blocks of points for which this is not less than `now`; null: of none
-    Count now = 0;
-    double* force = nullptr;  ///< the forces at x (3 * points)
-  };
   /// The stage from positions x and velocities `before`, to positions `next` and velocities v; outside forces [N]; all (3 * points).
   /// `before` and v may be the same; of blocks that are kept those after the first kick go to `before`.
   void advance(const Stage& stage, const double* outside, const double* x, double* before, double* v, double* next,

@@ -71,7 +71,7 @@ double Springs::Row::overridden(int lane, double value, const std::vector<Spring
 }
 
 Springs::Springs(const Lattice& lattice, Topology topology, std::shared_ptr<Team> team)
-    : lattice_(lattice), pass_(lattice, std::move(team)), scratch_(6 * lattice.points()) {
+    : lattice_(lattice), pass_(lattice, std::move(team)), block_(6 * lattice.points()), sums_(6 * lattice.points()) {
   const Points rest = rest_positions(lattice);
   for (const Direction& direction : directions) rows_.push_back(make_row(lattice, topology, direction, rest));
 }
@@ -147,6 +147,135 @@ double Springs::energy(const Points& x) const {
       energy += 0.5 * row.stiffness[p] * stretch * stretch;
     }
   return energy;
+}
+
+void Springs::add_force(const Points& x, Points& f) const {
+  pass_.force(x.data(), sums_.data());
+  f += Eigen::Map<const Points>(sums_.data(), f.rows(), 3);
+}
+
+void Springs::add_blocks(const Points& x, const Linearisation& of, BlockSink& sink) const {
+  const int n = int(x.rows());
+  const auto block = [](const Scalars& from, int stride, int lane, double sign) {
+    Mat3 made;
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) made(a, b) = sign * from[component[a][b] * stride + lane];
+    return made;
+  };
+  sums_.setZero();
+  for (const Row& row : rows_) {
+    kernels::add_spring_matrices(row.view(), dashpots_of(row), n, x.data(), of.softening, dashpots() ? of.per_time : 0, block_.data(),
+                                 sums_.data());
+    for (int lane = 0, p = row.begin; lane < row.lanes(); ++lane, ++p)
+      if (row.stiffness[lane] > 0) sink.add(p, p + row.offset, block(block_, row.lanes(), lane, -1));
+  }
+  for (int p = 0; p < n; ++p) sink.add(p, p, block(sums_, n, p, 1));
+}
+
+void Springs::subtract_product(const Points& x, const Linearisation& of, const Points& u, Points& f) const {
+  for (const Row& row : rows_)
+    kernels::subtract_spring_products(row.view(), dashpots_of(row), int(x.rows()), x.data(), of.softening, dashpots() ? of.per_time : 0,
+                                      u.data(), f.data(), block_.data());
+}
+
+double Springs::largest_stiffness() const {
+  double largest = 0;
+  for (const Row& row : rows_) largest = std::max(largest, kernels::largest(row.stiffness.size(), row.stiffness.data()));
+  return largest;
+}
+
+double Springs::total_stiffness() const {
+  double total = 0;
+  for (const Row& row : rows_) total += row.stiffness.sum();
+  return total;
+}
+
+void Springs::add_any_bounds(const Scalars& mass, const std::vector<bool>& pinned, AnyBounds& bounds) const {
+  const auto weight = [&](double k, int here, int there) {  // a pinned end is infinitely heavy
+    if (pinned[here]) return 0.0;
+    return pinned[there] ? k : k * (1 + std::sqrt(mass[here] / mass[there]));
+  };
+  for (std::size_t d = 0; d < rows_.size(); ++d) {
+    const Row& row = rows_[d];
+    first_[d].resize(row.lanes());
+    second_[d].resize(row.lanes());
+    for (int lane = 0; lane < row.lanes(); ++lane) {
+      const int p = row.begin + lane, q = p + row.offset;
+      const double k = row.stiffness[lane];
+      first_[d][lane] = weight(k, p, q);
+      second_[d][lane] = weight(k, q, p);
+      bounds.weighted[p] += first_[d][lane];
+      bounds.weighted[q] += second_[d][lane];
+      bounds.plain[p] += pinned[p] ? 0 : 2 * k;
+      bounds.plain[q] += pinned[q] ? 0 : 2 * k;
+    }
+  }
+}
+
+bool Springs::add_bounds(const Points& x, const Scalars&, const std::vector<bool>&, Scalars& sums) const {
+  for (std::size_t d = 0; d < rows_.size(); ++d)
+    kernels::add_stiffness_bounds(rows_[d].view(), int(x.rows()), x.data(), first_[d].data(), second_[d].data(), sums.data(),
+                                  block_.data());
+  return false;
+}
+
+bool Springs::has_deformed(const Points& x, const Points& x0) const {
+  for (const Row& row : rows_) {
+    if (row.direction.kind() != SpringKind::edge) break;
+    const double limit = deformation * row.rest_length[0];
+    if (!(kernels::largest_change(row.view(), int(x.rows()), x.data(), x0.data()) <= limit * limit)) return true;
+  }
+  return false;
+}
+
+double Springs::swing(const Points& x, const Points& v, const Swing& by) const {
+  double most = 0, sum = 0;  // the sum shows what is not finite
+  const auto consider = [&](double size) {
+    most = std::max(most, size);
+    sum += size;
+  };
+  for (const Row& springs : rows_)
+    for (int lane = 0; lane < springs.lanes(); ++lane) {
+      if (springs.stiffness[lane] == 0) continue;
+      const int p = springs.begin + lane, q = p + springs.offset;
+      const double time_scale = std::min(by.time_scale[p], by.time_scale[q]);
+      if (time_scale >= by.slowest) continue;
+      const Vec3 d = row(x, q) - row(x, p), w = row(v, q) - row(v, p);
+      const double r = d.norm(), time = by.reach(time_scale);
+      if (by.with_extension) consider(std::abs(r - springs.rest_length[lane]));
+      if (r == 0) continue;
+      consider(std::abs(d.dot(w)) / r * time);
+      consider(w.squaredNorm() / r * time * time);
+    }
+  return std::isfinite(sum) ? most : std::numeric_limits<double>::infinity();
+}
+
+bool Springs::undecided(const Points& x, const Points& v, const std::vector<bool>& pinned) const {
+  for (const Row& springs : rows_)
+    for (int lane = 0; lane < springs.lanes(); ++lane) {
+      const int p = springs.begin + lane, q = p + springs.offset;
+      const bool apart = row(x, p) != row(x, q) || row(v, p) != row(v, q);
+      if (!apart && springs.stiffness[lane] > 0 && !(pinned[p] && pinned[q])) return true;
+    }
+  return false;
+}
+
+double Springs::dashpot_power(const Points& x, const Points& v) const {
+  double power = 0;
+  if (!dashpots()) return power;
+  for (const Row& row : rows_)
+    for (int lane = 0; lane < row.lanes(); ++lane) {
+      if (row.dashpot[lane] == 0) continue;
+      const int p = row.begin + lane, q = p + row.offset;
+      double along = 0, squared = kernels::smallest_square;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double d = x(q, axis) - x(p, axis);
+        along += d * (v(q, axis) - v(p, axis));
+        squared += d * d;
+      }
+      power += row.dashpot[lane] * along * along / squared;
+    }
+  return power;
 }
 
 int Springs::count() const {

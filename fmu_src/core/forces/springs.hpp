@@ -8,6 +8,7 @@
 #pragma once
 #include <vector>
 
+#include "forces/energy.hpp"
 #include "forces/kernels.hpp"
 #include "forces/spring_pass.hpp"
 #include "model/lattice.hpp"
@@ -31,7 +32,7 @@ struct SpringOverride {
   double value;                ///< >= 0, stiffness [N/m] or time of the dashpots [s]
 };
 
-class Springs {
+class Springs final : public Energy, public FusedPass {
  public:
   /// The forces are worked out by this team; null: by the thread that asks for them.
   Springs(const Lattice& lattice, Topology topology, std::shared_ptr<Team> team = nullptr);
@@ -48,35 +49,42 @@ class Springs {
   /// so that homogeneous strains have the solid's energy; springs that several cells share have the sum. None is < 0 while
   /// a^2 / b^2 + a^2 / c^2 <= 3 for each side a. Their dashpots are the same sum, each part times its cell's time [s], >= 0 (cells).
   void set_modulus(const Scalars& modulus, const Scalars& time);
-  /// Whether there are any dashpots.
-  bool dashpots() const { return longest_time_ > 0; }
-  /// Largest ratio of a dashpot to its spring [s].
-  double longest_time() const { return longest_time_; }
-  /// The smallest, of all springs [s].
-  double shortest_time() const { return shortest_time_; }
+  double longest_time() const override { return longest_time_; }
+  double shortest_time() const override { return shortest_time_; }
 
-  /// f = spring forces on the points at x [N], (points, 3).
-  void force(const Points& x, Points& f) const { pass_.force(x.data(), f.data()); }
-  /// A stage by these forces and the outside ones [N] from x and v to the positions `next`, all (points, 3).
-  void advance(const Stage& stage, const Points& outside, const Points& x, Points& v, Points& next) const {
-    pass_.advance(stage, outside.data(), x.data(), v.data(), v.data(), next.data(), {});
-  }
-  /// The same from velocities `before` to v.
+  double energy(const Points& x) const override;
+  void add_force(const Points& x, Points& f) const override;
+  void set_force(const Points& x, Points& f) const override { pass_.force(x.data(), f.data()); }
+  const FusedPass* fused() const override { return this; }
+  using FusedPass::advance;
   void advance(const Stage& stage, const Points& outside, const Points& x, Points& before, Points& v, Points& next,
-               const SpringPass::Between& between) const {
+               const Between& between) const override {
     pass_.advance(stage, outside.data(), x.data(), before.data(), v.data(), next.data(), between);
   }
-  /// f -= C(x) v: what the dashpots exert on points at x that move with v, c ((v_b - v_a).u) u on the first point of a spring along the
-  /// unit vector u, the opposite on the second. All (points, 3). A motion as a rigid body is not braked. With a drift [s] they go by the
-  /// mean rate of their springs while all points go straight on for that time, or have come straight for it (negative): a spring that
-  /// turns by the angle a grows by a^2 / 2 of its length on that way.
-  void add_dashpot_force(const Points& x, const Points& v, Points& f, double drift = 0) const { add_dashpot_force(x, v, f.data(), drift); }
-  void add_dashpot_force(const Points& x, const Points& v, double* f, double drift = 0) const {
-    if (dashpots()) pass_.add_dashpot_force(x.data(), v.data(), drift, f);
+  /// The second derivatives are one matrix a spring, to which its dashpot adds c per_time u u^T,
+  ///
+  ///      k (u u^T + e (I - u u^T)),  e = 1 - l/r,      u: unit vector along the spring, r its length, l its rest length.
+  ///
+  /// A compressed spring has e < 0, which softens it across and may make the sum indefinite: of this the linearisation takes its share.
+  /// With none each matrix is the nearest positive semidefinite one, with which Newton's method converges slowly under compression. At
+  /// r = 0, where there is no direction, there is nothing then.
+  void add_blocks(const Points& x, const Linearisation& of, BlockSink& sink) const override;
+  void subtract_product(const Points& x, const Linearisation& of, const Points& u, Points& f) const override;
+  double largest_stiffness() const override;
+  double total_stiffness() const override;
+  void add_any_bounds(const Scalars& mass, const std::vector<bool>& pinned, AnyBounds& bounds) const override;
+  bool add_bounds(const Points& x, const Scalars& mass, const std::vector<bool>& pinned, Scalars& sums) const override;
+  bool has_deformed(const Points& x, const Points& x0) const override;
+  /// By the springs' extension, its rate, and what turning adds to it.
+  double swing(const Points& x, const Points& v, const Swing& by) const override;
+  /// Springs without length would push their ends apart, if rounding gave them a direction.
+  bool undecided(const Points& x, const Points& v, const std::vector<bool>& pinned) const override;
+  /// c ((v_b - v_a).u) u on the first point of a spring along the unit vector u, the opposite on the second. On a drift a spring that turns
+  /// by the angle a grows by a^2 / 2 of its length.
+  void add_dashpot_force(const Points& x, const Points& v, Points& f, double drift = 0) const override {
+    if (dashpots()) pass_.add_dashpot_force(x.data(), v.data(), drift, f.data());
   }
-  /// That shares what the body has much of; null: nobody.
-  /// Elastic energy at x [J].
-  double energy(const Points& x) const;
+  double dashpot_power(const Points& x, const Points& v) const override;
   /// Number of springs; a doubled segment counts twice.
   int count() const;
 
@@ -93,18 +101,24 @@ class Springs {
     kernels::SpringRow view() const { return {begin, lanes(), offset, stiffness.data(), rest_length.data()}; }
   };
   const std::vector<Row>& rows() const { return rows_; }
-  /// (6 * points), overwritten by every kernel call; the second half by those of bounds alone.
-  double* scratch() const { return scratch_.data(); }
 
  private:
+  /// Change of an edge's vector relative to its rest length from which on the stability bound is computed anew [1]. Smaller: more bounds to
+  /// compute; larger: the bound of a state that has gone. By experience the distance that chosen steps keep from the bound covers it.
+  static constexpr double deformation = 0.2;
+
   void dashpots_changed();
   SpringPass::Rows views() const;
+  /// c where there are dashpots; else any numbers, as many.
+  const double* dashpots_of(const Row& row) const { return (dashpots() ? row.dashpot : row.stiffness).data(); }
 
   Lattice lattice_;
   std::vector<Row> rows_;
   SpringPass pass_;
   double longest_time_ = 0, shortest_time_ = 0;
-  mutable Scalars scratch_;
+  /// k (1 + sqrt(mass ratio)) of each row's lanes, as seen from either end, of the masses that bounds were last asked for.
+  mutable std::array<Scalars, directions.size()> first_, second_;
+  mutable Scalars block_, sums_;  ///< (6 * points): of the springs of a row, lane by lane; of all at a point
 };
 
 }  // namespace softffd

@@ -13,7 +13,7 @@
 ///
 /// C_ij = d2J/dx_i dx_j, a skew matrix of norm r_ij / V0 for i /= j and 0 for i = j, for V0 J is a determinant of three differences,
 /// linear in each point. The first part is positive semidefinite, and it is the stiffness that implicit methods take
-/// (matrix/volume_hessian.hpp). For the
+/// (add_blocks). For the
 /// stability bound (stability.hpp) both are bounded, u being displacements of the points and m their masses: with
 ///
 ///      2 |p| |q| <= t |p|^2 + |q|^2 / t,     t = sqrt(m_i / m_j),
@@ -28,13 +28,16 @@
 /// with pinned points j, which do not move, left out of the sums and none for a pinned i. Nothing bounds the Hessian in every
 /// configuration: phi'' grows with the depth of the fold and g with the cell's faces.
 #pragma once
+#include <array>
+#include <limits>
 #include <vector>
 
 #include "forces/cells.hpp"
+#include "forces/energy.hpp"
 
 namespace softffd {
 
-class Volume {
+class Volume final : public Energy {
  public:
   /// Relative volume J0 from which on a corner resists.
   static constexpr double threshold = 0.5;
@@ -42,25 +45,41 @@ class Volume {
   /// kappa > 0 [Pa].
   Volume(const Lattice& lattice, double kappa);
 
-  /// f += forces on the points at x [N], (points, 3).
-  void add_force(const Points& x, Points& f) const;
-  /// Energy at x [J].
-  double energy(const Points& x) const;
-  /// sums += the blocks S_p above at x [N/m], as xx yy zz xy xz yz, each (points). Returns whether there was anything to add.
-  bool add_bounds(const Points& x, const Scalars& mass, const std::vector<bool>& pinned, Scalars& sums) const;
+  double energy(const Points& x) const override;
+  void add_force(const Points& x, Points& f) const override;
+  /// Of the Hessian the part that is positive semidefinite: A phi'' g g^T of every corner that resists.
+  void add_blocks(const Points& x, const Linearisation& of, BlockSink& sink) const override;
+  void subtract_product(const Points& x, const Linearisation& of, const Points& u, Points& f) const override;
+  void add_any_bounds(const Scalars&, const std::vector<bool>&, AnyBounds& bounds) const override { bounds.exist = false; }
+  bool add_bounds(const Points& x, const Scalars& mass, const std::vector<bool>& pinned, Scalars& sums) const override;
+  /// By the edges of the cells.
+  bool has_deformed(const Points& x, const Points& x0) const override;
+  /// Nothing: where corners resist, the springs beside it show what moves.
+  double swing(const Points&, const Points&, const Swing&) const override { return 0; }
+  /// It leaves internal damping to the others.
+  double shortest_time() const override { return std::numeric_limits<double>::infinity(); }
+
+ private:
+  /// Change of an edge's vector relative to its length at rest from which on the stability bound is computed anew [1]: the stiffness grows
+  /// fast once a corner begins to fold.
+  static constexpr double deformation = 0.05;
 
   /// Calls visit(corner, A phi'' [J]) for every corner that resists. Returns whether there was any.
   template <class Visit>
   bool visit_crushed(const Points& x, Visit visit) const {
     return cells_.visit_below(threshold, x, [&](const Cells::Corner& corner) { visit(corner, second(threshold - corner.volume)); });
   }
-
- private:
   double second(double missing) const { return scale_ * 2 * missing / threshold; }
 
   Cells cells_;
   double scale_;        ///< A [J]
   double rest_volume_;  ///< V0 [m3]
+  struct Edges {
+    int offset;
+    double length;  ///< [m]
+    Scalars exist;  ///< (lanes) 1 or 0
+  };
+  std::array<Edges, 3> edges_;  ///< by axis, lane p from point p to p + offset
 };
 
 }  // namespace softffd

@@ -10,11 +10,6 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Change of an edge's vector relative to its rest length from which on the stability bound is computed anew [1]. Smaller: more bounds to
-/// compute; larger: the bound of a state that has gone. By experience the distance that chosen steps keep from the bound covers it.
-constexpr double deformation = 0.2;
-/// The same with a volume stiffness, which grows fast once a corner begins to fold: there no bound holds in every configuration [1].
-constexpr double deformation_with_volume = 0.05;
 /// Vibrations of a run, its length times omega, from which on it is long: rkn12 takes a millionth of a vibration's energy per step near the
 /// end of its stability interval, which adds up [rad]. The factor by which its steps are shorter then is in its row of traits.cpp.
 constexpr double long_run = 1e5;
@@ -45,17 +40,9 @@ double bound(const Job& job) {
 }
 
 bool deformed_since_bound(const Job& job) {
-  const Body& body = job.model.body;
-  const Points &x = job.run.path.motion.x, &bound_x = *job.run.course.bound_x;
-  const double relative = body.volume ? thresholds::deformation_with_volume : thresholds::deformation;
-  for (const Springs::Row& row : body.springs.rows()) {
-    if (row.direction.kind() != SpringKind::edge) break;
-    kernels::SpringRow edges = row.view();
-    if (body.volume) edges.stiffness = row.multiplicity.data();  // edges without stiffness count too
-    const double limit = relative * row.rest_length[0];
-    if (!(kernels::largest_change(edges, body.points(), x.data(), bound_x.data()) <= limit * limit)) return true;
-  }
-  return false;
+  const auto& energies = job.model.body.energies;
+  return std::any_of(energies.begin(), energies.end(),
+                     [&](const auto& each) { return each->has_deformed(job.run.path.motion.x, *job.run.course.bound_x); });
 }
 
 double step_limit(const Job& job, Method method, bool given) {

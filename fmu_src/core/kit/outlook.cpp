@@ -67,7 +67,7 @@ bool squeezed(const Job& job, const State& state) {
 
 /// In which internal damping takes a vibration of this period to 1 / e, or what creeps [s]; infinite without.
 double decay_time(const Job& job, double period) {
-  const double time = job.model.body.springs.shortest_time();
+  const double time = job.model.body.shortest_time();
   constexpr double two_pi = 6.283185307179586;
   return time > 0 ? std::max(2 * power(period / two_pi, 2) / time, time) : infinity;
 }

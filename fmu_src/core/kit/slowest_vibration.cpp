@@ -13,12 +13,7 @@ constexpr int iterations = 3;
 }  // namespace
 
 SlowestVibration::Room::Room(const Lattice& lattice)
-    : rest(rest_positions(lattice)),
-      mode(lattice.points(), 3),
-      force(lattice.points(), 3),
-      diagonal(lattice.points()),
-      sums(6 * lattice.points()),
-      matrix(lattice) {}
+    : rest(rest_positions(lattice)), mode(lattice.points(), 3), force(lattice.points(), 3), diagonal(lattice.points()), matrix(lattice) {}
 
 double SlowestVibration::memory(const Body& body, double longest) {
   if (version_ != body.version || longest_ != longest) memory_ = find(body, longest);
@@ -29,10 +24,10 @@ double SlowestVibration::memory(const Body& body, double longest) {
 
 double SlowestVibration::find(const Body& body, double longest) {
   if (!room_) room_ = std::make_unique<Room>(lattice_);
-  auto& [rest, mode, force, diagonal, sums, matrix] = *room_;
+  auto& [rest, mode, force, diagonal, matrix] = *room_;
   const double slight = 1 / (longest * longest);  // what is slower lasts longer
   diagonal = slight * body.mass;
-  assemble(body, rest, diagonal, sums, matrix);
+  assemble(body, rest, {}, diagonal, matrix);
   matrix.factor();
   double memory = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -47,7 +42,7 @@ double SlowestVibration::find(const Body& body, double longest) {
       squared = std::max(0.0, (mode * force).sum() / kinetic - slight);
       mode /= std::sqrt(kinetic);
     }
-    const double power = (body.damping * mode.square().rowwise().sum()).sum() + dashpot_power(body.springs, rest, mode), rate = 0.5 * power;
+    const double power = (body.damping * mode.square().rowwise().sum()).sum() + body.dashpot_power(rest, mode), rate = 0.5 * power;
     if (!(rate * longest > 1 && squared * longest > 2 * rate)) return longest;
     memory = std::max({memory, 1 / rate, 2 * rate / squared});
   }

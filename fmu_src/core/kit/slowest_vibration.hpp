@@ -20,7 +20,7 @@ class SlowestVibration {
   struct Room {
     explicit Room(const Lattice& lattice);
     Points rest, mode, force;
-    Scalars diagonal, sums;
+    Scalars diagonal;
     LatticeMatrix matrix;
   };
   double find(const Body& body, double longest);

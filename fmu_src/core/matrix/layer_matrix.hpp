@@ -19,7 +19,7 @@
 #include <memory>
 #include <vector>
 
-#include "matrix/blocks.hpp"
+#include "forces/blocks.hpp"
 #include "model/lattice.hpp"
 
 namespace softffd {

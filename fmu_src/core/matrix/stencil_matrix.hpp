@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-#include "matrix/blocks.hpp"
+#include "forces/blocks.hpp"
 #include "model/lattice.hpp"
 
 namespace softffd {

@@ -84,7 +84,7 @@ Outcome Bm4::advance(const Model& model, const Drive& drive, const Span& span, R
   const Equations equations{model.body, drive};
   prepare(model.body, span.h);
   ledger_.open(equations, drive.watch);
-  if (!ledger_.recording() && !drive.ramped && !model.body.volume)
+  if (!ledger_.recording() && !drive.ramped && model.body.fused())
     glide(equations, span, run.path.motion);
   else
     for (Count i = 0; i < span.steps; ++i) step(equations, span.time(i), span.h, run.path.motion, run.path.exchange);
@@ -101,7 +101,7 @@ void Bm4::glide(const Equations& equations, const Span& span, State& state) {
   for (Count n = 1; n < last; ++n) {
     const int i = int(n % drifts);
     const Stage::Kick kick = kicks_[order[i]].kick();
-    body.springs.advance({{kick, kick}, i == 0 ? 2 : 1, drift_shares[i] * h_, around.even}, around.force, state.x, state.v, next_);
+    body.fused()->advance({{kick, kick}, i == 0 ? 2 : 1, drift_shares[i] * h_, around.even}, around.force, state.x, state.v, next_);
     state.x.swap(next_);
   }
   body.internal_force(state.x, state.spring);

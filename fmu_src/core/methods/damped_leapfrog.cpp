@@ -161,7 +161,7 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
 
 void DampedLeapfrog::prepare_kick(const StepView& view, const State& state, double drift) {
   inner_ = state.spring;
-  view.body.springs.add_dashpot_force(state.x, rates_, inner_, drift);
+  view.body.add_dashpot_force(state.x, rates_, inner_, drift);
 }
 
 /// The forces that hold points are the contact's: their work is none of the kick's.

@@ -67,10 +67,10 @@ Leapfrog::Leapfrog(int points, int planes)
       next_(points, 3),
       force_(points, 3),
       closed_(points, 3),
-      keep_until_((points + SpringPass::lanes - 1) / SpringPass::lanes, -1) {}
+      keep_until_((points + FusedPass::lanes - 1) / FusedPass::lanes, -1) {}
 
 Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
-  if (model.body.springs.dashpots()) {
+  if (model.body.dashpots()) {
     if (!damped_) damped_ = std::make_unique<DampedLeapfrog>(model.body.points(), int(drive.planes.size()));
     return damped_->advance(model, drive, span, run);
   }
@@ -80,7 +80,7 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
   const Count before = impacts();
   kicks_.prepare(model.body, span.h);
   if (drive.ramped) drive.force_at(span.time(0), force_);
-  const bool free = drive.planes.empty() && drive.pins.empty() && !model.body.volume;
+  const bool free = drive.planes.empty() && drive.pins.empty() && model.body.fused();
   Outcome outcome{.work = double(span.steps) * traits(Method::leapfrog).work};
   if (free && !booked(model.body, drive)) {
     glide(model.body, drive, span, run.path.motion);
@@ -107,7 +107,7 @@ void Leapfrog::glide(const Body& body, const Drive& around, const Span& span, St
   state.x.swap(next_);
   for (Count i = 1; i < span.steps; ++i) {
     if (around.ramped) around.force_at(span.time(i), force_);
-    body.springs.advance(stage, force, state.x, state.v, next_);
+    body.fused()->advance(stage, force, state.x, state.v, next_);
     state.x.swap(next_);
   }
   body.internal_force(state.x, state.spring);
@@ -117,7 +117,7 @@ void Leapfrog::glide(const Body& body, const Drive& around, const Span& span, St
 
 StepStatus Leapfrog::run_steps(const Body& body, const Drive& around, const Span& span, Path& path) {
   State& state = path.motion;
-  const bool at_once = around.pins.empty() && !body.volume && !booked(body, around);
+  const bool at_once = around.pins.empty() && body.fused() && !booked(body, around);
   const Points& force = around.ramped ? force_ : around.force;
   const auto view = [&](Count i) {
     return StepView{body, kicks_, around, state.spring, force, state.x, span.time(i), span.time(i + 1), span.h};
@@ -209,8 +209,8 @@ StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, 
   }
   if (last.around.ramped) last.around.force_at(last.t1, force_);
   before_.swap(state.v);
-  last.body.springs.advance(kicks_.stage(last.around.even), last.force, state.x, before_, state.v, next_,
-                            {any_until_ < step_ ? nullptr : keep_until_.data(), step_, state.spring.data()});
+  last.body.fused()->advance(kicks_.stage(last.around.even), last.force, state.x, before_, state.v, next_,
+                             {any_until_ < step_ ? nullptr : keep_until_.data(), step_, state.spring.data()});
   StepStatus status = surface_ ? StepStatus::ok : contact_.close_and_go_on(last, before_, next_, path.exchange);
   if (status != StepStatus::ok) return status;
   find(next, path);
@@ -228,7 +228,7 @@ void Leapfrog::recall(const StepView& last, State& state) {
   closed_ = before_;
   kicks_.close(state.spring, last.force, closed_);
   for (int p = 0; p < closed_.rows(); ++p)
-    if (keep_until_[p / SpringPass::lanes] < step_) set_row(before_, p, row(closed_, p));
+    if (keep_until_[p / FusedPass::lanes] < step_) set_row(before_, p, row(closed_, p));
 }
 
 }  // namespace softffd

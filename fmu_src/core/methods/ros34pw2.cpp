@@ -55,11 +55,7 @@ void combine(const Points& base, double scale, const Row& w, const std::array<Po
 }  // namespace
 
 Ros34pw2::Ros34pw2(const Lattice& lattice, int pins)
-    : OneStep(Method::ros34pw2, lattice.points(), pins, 3),
-      matrix_(lattice),
-      implicit_(lattice),
-      diagonal_(lattice.points()),
-      sums_(6 * lattice.points()) {
+    : OneStep(Method::ros34pw2, lattice.points(), pins, 3), matrix_(lattice), implicit_(lattice), diagonal_(lattice.points()) {
   const int n = lattice.points();
   for (MarkedPoints* points : {&factored.x, &held_.x}) points->change().setZero(n, 3);
   for (Points* points : {&mass_, &damping_, &free_, &stage_x_, &stage_v_, &spring_, &outside_, &p_, &q_, &zero_, &pin_velocity_,
@@ -78,7 +74,7 @@ void Ros34pw2::factorize(const Body& body) {
       damping_(p, axis) = free_(p, axis) * body.damping[p];
     }
   diagonal_ = body.mass / (g * g) + body.damping / g;
-  assemble(body, *factored.x, diagonal_, sums_, matrix_, 1 / g);
+  assemble(body, *factored.x, {.per_time = 1 / g}, diagonal_, matrix_);
   matrix_.factor();
   held_ = factored;
   version_ = body.version;
@@ -100,7 +96,7 @@ bool Ros34pw2::pins_move(const Equations& equations, double t, double h) {
   pin_velocity_.setZero();
   equations.place_pins(t, stage_x_, pin_velocity_);
   const Body& body = equations.body;
-  const bool dashpots = body.springs.dashpots();
+  const bool dashpots = body.dashpots();
   if (dashpots) {
     pin_acceleration_.setZero();
     equations.place_pins(t + h, stage_x_, pin_acceleration_);
@@ -108,8 +104,9 @@ bool Ros34pw2::pins_move(const Equations& equations, double t, double h) {
   }
   const auto zero = [](const Points& points) { return kernels::largest(points.size(), points.data()) == 0; };
   if (zero(pin_velocity_) && zero(pin_acceleration_)) return false;
-  stiffness_force(body, *factored.x, pin_velocity_, pin_rate_);
-  if (dashpots) body.springs.add_dashpot_force(*factored.x, pin_acceleration_, pin_rate_);
+  pin_rate_.setZero();
+  body.subtract_product(*factored.x, {}, pin_velocity_, pin_rate_);
+  if (dashpots) body.add_dashpot_force(*factored.x, pin_acceleration_, pin_rate_);
   return true;
 }
 
@@ -124,7 +121,7 @@ double Ros34pw2::kept(double y) {
 Outcome Ros34pw2::attempt_in(const Equations& equations, double t, double h, Run& run) {
   return with_factor_of(run, false, [&] {
     const Body& body = equations.body;
-    torques_ = body.springs.dashpots() && equations.around.pins.empty();
+    torques_ = body.dashpots() && equations.around.pins.empty();
     const State& motion = run.path.motion;
     const double error = attempt(equations, t, h, motion);
     if (torques_) turn_by_torques(body, motion);
@@ -177,7 +174,7 @@ double Ros34pw2::attempt(const Equations& equations, double t, double h, const S
     if (moving) x_i += ahead * pin_rate_;
     x_i = free_ * x_i + mass_ * (q_ + (stage_v_ + p_) * (1 / g));
     if (body.damped) x_i += damping_ * p_;
-    if (body.springs.dashpots()) add_dashpots(body, x_i);
+    if (body.dashpots()) add_dashpots(body, x_i);
     solutions_ += matrix_.solve(x_i);
     v_[i] = free_ * (x_i * (1 / g) - stage_v_ - p_);
     if (recording) record_stage(equations, h * b[i], at, ahead, i);
@@ -195,9 +192,9 @@ double Ros34pw2::attempt(const Equations& equations, double t, double h, const S
 /// What they add to the right at the stage at hand.
 void Ros34pw2::add_dashpots(const Body& body, Points& right) {
   correction_.setZero();
-  body.springs.add_dashpot_force(stage_x_, stage_v_, correction_);
+  body.add_dashpot_force(stage_x_, stage_v_, correction_);
   outside_ = -free_ * (stage_v_ + p_);
-  body.springs.add_dashpot_force(*factored.x, outside_, correction_);
+  body.add_dashpot_force(*factored.x, outside_, correction_);
   right += free_ * correction_;
 }
 
@@ -206,11 +203,12 @@ void Ros34pw2::add_dashpots(const Body& body, Points& right) {
 void Ros34pw2::record_stage(const Equations& equations, double weight, double at, double ahead, int i) {
   if (!equations.around.pins.empty()) {
     outside_ = x_[i] + ahead * pin_velocity_;
-    stiffness_force(equations.body, *factored.x, outside_, correction_);
-    if (equations.body.springs.dashpots()) {
-      equations.body.springs.add_dashpot_force(stage_x_, stage_v_, correction_);
+    correction_.setZero();
+    equations.body.subtract_product(*factored.x, {}, outside_, correction_);
+    if (equations.body.dashpots()) {
+      equations.body.add_dashpot_force(stage_x_, stage_v_, correction_);
       outside_ = v_[i] + ahead * pin_acceleration_;
-      equations.body.springs.add_dashpot_force(*factored.x, outside_, correction_);
+      equations.body.add_dashpot_force(*factored.x, outside_, correction_);
     }
     spring_ += correction_;
   }

@@ -88,7 +88,7 @@ class Ros34pw2 final : public OneStep {
   Vec3 given_ = Vec3::Zero();     ///< by them to the angular momentum about the centre, in the last attempt [kg m2/s]
   double solutions_ = 0;          ///< of the last attempt, as LatticeMatrix counts them
   Points mass_, damping_, free_;  ///< per coordinate [kg], [N s/m], 1; 0 where pinned
-  Scalars diagonal_, sums_;
+  Scalars diagonal_;
   std::array<Points, stages> x_, v_;  ///< U, pinned points 0
   Points stage_x_, stage_v_, spring_, outside_, p_, q_, zero_;
   Points pin_velocity_, pin_acceleration_;  ///< 0 where free [m/s], and without dashpots [m/s2]

@@ -45,7 +45,7 @@ const Traits& traits(Method method) { return rows[std::size_t(method)]; }
 
 double step_work(const Body& body, Method method, double h) {
   const double work = traits(method).work;
-  return method == Method::leapfrog && body.springs.dashpots() ? work + 2 * DampedKick::products(body, 0.5 * h) : work;
+  return method == Method::leapfrog && body.dashpots() ? work + 2 * DampedKick::products(body, 0.5 * h) : work;
 }
 
 ImplicitWork::ImplicitWork(const Lattice& lattice) {

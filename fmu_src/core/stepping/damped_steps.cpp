@@ -148,7 +148,7 @@ DampedSteps::Step DampedSteps::take(const Call& call, double until, bool again) 
 double DampedSteps::passed_over(const Call& call, double h, double lost) const {
   const Job& job = call.job;
   const double energy = lost - job.model.noise;
-  if (!(energy > 0) || h < std::max(call.limit, 0.5 * use::passed_over * job.model.body.springs.shortest_time())) return 0;
+  if (!(energy > 0) || h < std::max(call.limit, 0.5 * use::passed_over * job.model.body.shortest_time())) return 0;
   if (!job.drive.pins.empty() || job.drive.planes.empty()) return amplitude(job.model, energy, h);
   const double pressing = pressed_since(job, start_.exchange.planes) / h;
   const double moves = ahead(job).along_normal * std::sqrt(2 * energy / job.model.body.mass.sum());

@@ -44,7 +44,7 @@ void book_impact(const Job& job, const State& begin) {
   double squared = 0;
   for (int i = 0; i < begin.spring.size(); ++i) squared += body.inverse_mass[i] * begin.spring.data()[i] * begin.spring.data()[i];
   const double frequency = elastic > 0 ? std::sqrt(squared / (2 * elastic)) : 0;
-  if (frequency * body.springs.shortest_time() > use::creeping) return;  // nothing vibrates
+  if (frequency * body.shortest_time() > use::creeping) return;  // nothing vibrates
   book_unknown_phase(job, begin, elastic + kinetic_deformation(body, begin), frequency, job.run.path.stiff.total_error());
 }
 
@@ -132,7 +132,7 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
   Course& course = job.run.course;
   ContactSteps& contact = course.contact;
   const Body& body = job.model.body;
-  const double share = body.samples ? use::surface_tolerance : body.springs.dashpots() ? use::damped_tolerance : use::forecast_tolerance;
+  const double share = body.samples ? use::surface_tolerance : body.dashpots() ? use::damped_tolerance : use::forecast_tolerance;
   const double allowed = share * job.request.tolerance * power(job.request.step_factor, 2);
   const double least = use::least_doubled * stretch.limit;
   const bool at_limit = stretch.at_limit();

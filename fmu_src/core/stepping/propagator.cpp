@@ -53,7 +53,7 @@ Facts Propagator::facts(const Job& job, double H) const {
   facts.counted = counted_units(job.request, H) > 0;
   facts.length = job.request.horizon / H;
   facts.damped = job.model.body.damped;
-  facts.dashpots = job.model.body.springs.dashpots();
+  facts.dashpots = job.model.body.dashpots();
   facts.obstacles = !job.drive.planes.empty();
   facts.surface = facts.obstacles && job.model.body.samples;
   facts.pins = !job.drive.pins.empty();
@@ -130,7 +130,7 @@ StepStatus Propagator::run_raced(const Job& job, double end) {
     const Method method = course.method = course.race.winner;
     course.reason = course.race.reason;
     if (motion.time == end) break;  // a trial took it there
-    const bool creeps = !job.drive.pins.empty() && job.model.body.springs.dashpots() && job.request.method == Method::automatic;
+    const bool creeps = !job.drive.pins.empty() && job.model.body.dashpots() && job.request.method == Method::automatic;
     if (creeps && !is_implicit(method) && left / step_limit(job, Method::leapfrog, false) > use::stiff_damping) {
       course.reason = Reason::quiet_stiffness;
       return damped_.of(lattice_, job.run).run(integrators_, job, end, nullptr);

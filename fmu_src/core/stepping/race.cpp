@@ -64,13 +64,12 @@ void Race::run(Integrators& integrators, Calibrator& calibrator, const Job& job,
     if (!leapfrog_is_enough(contest)) {
       contest.adaptive = body.damped ? Method::dop853 : Method::rkn12;
       const double least = H / step_limit(job, contest.adaptive, false) * traits(contest.adaptive).work;  // by internal damping much
-      if (!body.springs.dashpots() || least < contest.leapfrog)
-        contest.adaptive_work = controlled_work(integrators, job, contest.adaptive, H);
-      if (!body.springs.dashpots()) {
+      if (!body.dashpots() || least < contest.leapfrog) contest.adaptive_work = controlled_work(integrators, job, contest.adaptive, H);
+      if (!body.dashpots()) {
         calibrate(Method::bm4, use::race_rounds_bm4);
         contest.bm4 = fixed_work(job, Method::bm4, H);
       }
-      if (may_pay && body.springs.dashpots()) try_implicit(integrators, job, H, settle(contest).work, contest);
+      if (may_pay && body.dashpots()) try_implicit(integrators, job, H, settle(contest).work, contest);
       if (settle(contest).method == Method::leapfrog) calibrate(Method::leapfrog, use::race_rounds_left);
     }
   }
@@ -105,7 +104,7 @@ void Race::try_implicit(Integrators& integrators, const Job& job, double H, doub
 bool Race::fast_modes_are_quiet(Integrators& integrators, const Job& job, Method method, double H) {
   const ImplicitWork& implicit = integrators.implicit_work();
   State& motion = job.run.path.motion;
-  const bool creeps = job.model.body.springs.shortest_time() * bound(job) >= use::creeping && job.model.body.springs.dashpots();
+  const bool creeps = job.model.body.shortest_time() * bound(job) >= use::creeping && job.model.body.dashpots();
   const double longest = creeps ? step_limit(job, method, false) : infinity;  // no step of it turns the body further
   const double way = std::min({H, use::calibration_window / bound(job), longest}), begin = motion.time;
   const Method fine = creeps ? method : Method::leapfrog;

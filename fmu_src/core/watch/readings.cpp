@@ -58,13 +58,9 @@ double Readings::damped_spin() const {
 bool Readings::undecided() const {
   const State& motion = now.path.motion;
   if (motion.spring.isZero(0)) return false;
-  for (const Springs::Row& springs : model.body.springs.rows())
-    for (int lane = 0; lane < springs.lanes(); ++lane) {
-      const int p = springs.begin + lane, q = p + springs.offset;
-      const bool apart = row(motion.x, p) != row(motion.x, q) || row(motion.v, p) != row(motion.v, q);
-      if (!apart && springs.stiffness[lane] > 0 && !(model.body.pinned[p] && model.body.pinned[q])) return true;
-    }
-  return false;
+  const auto& energies = model.body.energies;
+  return std::any_of(energies.begin(), energies.end(),
+                     [&](const auto& each) { return each->undecided(motion.x, motion.v, model.body.pinned); });
 }
 
 Vibration Readings::set_off(double kink, Points& scratch, Points& more) const {
@@ -84,8 +80,8 @@ Vibration Readings::set_off(double kink, Points& scratch, Points& more) const {
 }
 
 double Readings::remaining(double t, double omega) const {
-  const double along_springs = 0.5 * model.body.springs.shortest_time() * omega * omega;
-  const double rate = 0.5 * (model.body.damping / model.body.mass).minCoeff() + (model.body.springs.dashpots() ? along_springs : 0.0);
+  const double along_springs = 0.5 * model.body.shortest_time() * omega * omega;
+  const double rate = 0.5 * (model.body.damping / model.body.mass).minCoeff() + (model.body.dashpots() ? along_springs : 0.0);
   double growth = 1 + rate * t / 1024;  // exp without the C library, to the power of 1024
   for (int i = 0; i < 10; ++i) growth *= growth;
   return 1 / growth;

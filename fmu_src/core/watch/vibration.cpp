@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "matrix/stiffness_matrix.hpp"
 #include "model/arithmetic.hpp"
 #include "model/rigid_motion.hpp"
 
@@ -28,43 +27,21 @@ Vec3 mean_acceleration(const Equations& equations, const State& state) {
   return force / body.mass.sum();
 }
 
-/// Time in which a velocity is turned round, or internal damping has taken it: then it moves points no further [s].
-double reach(const Body& body, double time_scale) {
-  const double damping = body.springs.shortest_time() / time_scale;  // twice the damping ratio
-  return times * time_scale / std::max(1.0, body.springs.dashpots() ? damping : 0.0);
-}
-
 double size(const Equations& equations, const State& state, const Scalars& time_scale, bool with_extension, double slowest,
             const Vec3& whole) {
   const Body& body = equations.body;
-  const double* inner = state.spring.data();
-  if (body.springs.dashpots()) {
-    double* forces = body.springs.scratch() + state.x.size();
-    std::copy_n(inner, state.x.size(), forces);
-    body.springs.add_dashpot_force(state.x, state.v, forces);
-    inner = forces;
-  }
+  const Points& inner = equations.inner(state.x, state.v, state.spring, body.scratch);
+  const Swing by{time_scale, slowest, times, body.dashpots() ? body.shortest_time() : 0, with_extension};
   double amplitude = 0, sum = 0;  // of what is compared
   const auto consider = [&](double size) {
     amplitude = std::max(amplitude, size);
     sum += size;
   };
-  for (const Springs::Row& springs : body.springs.rows())
-    for (int lane = 0; lane < springs.lanes(); ++lane) {
-      if (springs.stiffness[lane] == 0) continue;
-      const int p = springs.begin + lane, q = p + springs.offset;
-      if (std::min(time_scale[p], time_scale[q]) >= slowest) continue;
-      const Vec3 d = row(state.x, q) - row(state.x, p), w = row(state.v, q) - row(state.v, p);
-      const double r = d.norm(), time = reach(body, std::min(time_scale[p], time_scale[q]));
-      if (with_extension) consider(std::abs(r - springs.rest_length[lane]));
-      if (r == 0) continue;
-      consider(std::abs(d.dot(w)) / r * time);
-      consider(w.squaredNorm() / r * time * time);
-    }
+  for (const auto& each : body.energies) consider(each->swing(state.x, state.v, by));
   for (int i = 0; i < time_scale.size(); ++i) {
     if (time_scale[i] >= slowest) continue;
-    const double time = reach(body, time_scale[i]);
-    const double a = body.inverse_mass[i] * (inner[i] + outside_less_damping(equations, state, i));
+    const double time = by.reach(time_scale[i]);
+    const double a = body.inverse_mass[i] * (inner.data()[i] + outside_less_damping(equations, state, i));
     if (body.inverse_mass[i] > 0) consider(std::abs(a - whole[i / body.points()]) * time * time);
   }
   return std::isfinite(sum) ? 2 * amplitude : std::numeric_limits<double>::infinity();
@@ -84,7 +61,8 @@ void subtract(const Body& body, const RigidMotion& rigid, const Points& x, Point
 
 /// Angular frequency of a vibration of shape u, by Rayleigh's quotient [rad/s].
 double frequency(const Body& body, const Points& x, const Points& u, Points& f) {
-  stiffness_force(body, x, u, f);
+  f.setZero();
+  body.subtract_product(x, {}, u, f);
   const double inertia = (body.mass * u.square().rowwise().sum()).sum();
   return inertia > 0 ? std::sqrt(std::max(0.0, -(u * f).sum() / inertia)) : 0;
 }

@@ -62,7 +62,7 @@ Flown run(const Thrown& s, OneStep& method, double duration, int steps, bool wat
     r.state.x.swap(method.x);
     r.state.v.swap(method.v);
     r.state.time += h;
-    s.body.springs.force(r.state.x, r.state.spring);
+    s.body.internal_force(r.state.x, r.state.spring);
   }
   return r;
 }
@@ -165,7 +165,7 @@ TEST(one_factor_serves_many_steps_however_the_body_turns) {
 TEST(vibrations_end_and_the_rotation_stays) {
   Thrown s = turning(1e6);
   for (int p = 0; p < s.body.points(); ++p) s.start.x(p, 0) += 1e-5 * std::cos(7.0 * p);
-  s.body.springs.force(s.start.x, s.start.spring);
+  s.body.internal_force(s.start.x, s.start.spring);
   const Flown few = fly(s, 0.1, 10), many = fly(s, 10, 1000);
   const double vibration = s.body.elastic_energy(s.start.x);
   CHECK_NEAR(few.exchange.dissipated, vibration, 0.5 * vibration);

@@ -23,7 +23,7 @@ struct Crumpled {
     kick.prepare(body(), t);
     Points v = none();
     Points inner = force;
-    body().springs.add_dashpot_force(x, v0, inner);
+    body().add_dashpot_force(x, v0, inner);
     kick.apply(body(), x, inner, none(), v0, v);
     return v;
   }
@@ -50,7 +50,7 @@ TEST(a_balance_of_forces_and_damping_stays) {
   const Crumpled c(0.05, true);
   const Points v0 = c.scene.start.v;
   Points force = c.none();
-  c.body().springs.add_dashpot_force(c.x, v0, force);
+  c.body().add_dashpot_force(c.x, v0, force);
   force = -force;
   for (int axis = 0; axis < 3; ++axis) force.col(axis) += c.body().damping * v0.col(axis);
   CHECK_NEAR(distance(c.kicked(0.3, force, v0), v0), 0.0, 1e-12);  // rounding of forces of 100 N on 0.1 kg, in some 50 products
@@ -80,7 +80,7 @@ TEST(of_a_motion_it_leaves_the_exponential_or_at_most_the_inverse_of_the_kicks_r
     const Crumpled c(time);
     const Points root = c.body().mass.sqrt().replicate(1, 3);
     const Eigen::MatrixXd rates = matrix_of(c.body().points(), [&](const Points& u, Points& f) {
-      c.body().springs.add_dashpot_force(c.x, u / root, f);
+      c.body().add_dashpot_force(c.x, u / root, f);
       f /= -root;
     });
     const Eigen::MatrixXd left =
@@ -118,7 +118,7 @@ TEST(what_it_says_it_took_is_missing) {
   kick.prepare(c.body(), 1e-3);
   Points v = c.none();
   Points inner = c.none();
-  c.body().springs.add_dashpot_force(c.x, c.scene.start.v, inner);
+  c.body().add_dashpot_force(c.x, c.scene.start.v, inner);
   kick.apply(c.body(), c.x, inner, c.none(), c.scene.start.v, v);
   const double lost = kinetic(c.body(), c.scene.start.v) - kinetic(c.body(), v);
   CHECK_NEAR(kick.loss(c.body(), c.none(), c.none(), c.scene.start.v, v, false) / lost, 1.0, 1e-12);

@@ -59,7 +59,7 @@ struct Kicked {
 
   Points forces(const Springs& springs) const {
     Points f(points, 3);
-    springs.force(x, f);
+    springs.set_force(x, f);
     return f;
   }
   Points kicked(const Points& v, const Points& f, const Scalars& keep, const Scalars& gain) const {
@@ -77,7 +77,7 @@ TEST(forces_are_the_springs_sums_to_the_last_bit_and_what_was_no_number_once_is_
     const Springs springs = springs_of(k.lattice, Topology::paper, 2);
     CHECK((k.forces(springs) == summed(listed(springs), k.x)).all());
     Points f(k.points, 3);
-    springs.force(Points::Constant(k.points, 3, std::nan("")), f);
+    springs.set_force(Points::Constant(k.points, 3, std::nan("")), f);
     CHECK(f.isNaN().any() && (k.forces(springs) == summed(listed(springs), k.x)).all());
   }
 }
@@ -125,7 +125,7 @@ TEST(a_team_gives_the_bits_of_one_thread) {
       const Springs springs = springs_of(k.lattice, Topology::paper, 3, members > 1 ? std::make_shared<Team>(members) : nullptr);
       for (int again = 0; again < 3; ++again) {
         Points g = k.none, w = k.v0, after = k.none;
-        springs.force(k.x, g);
+        springs.set_force(k.x, g);
         springs.advance({{k.first, k.second}, 2, 0.3}, k.outside, k.x, w, after);
         if (members == 1) f = g, v = w, next = after;
         CHECK((g == f).all() && (w == v).all() && (after == next).all());

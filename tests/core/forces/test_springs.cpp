@@ -29,7 +29,7 @@ TEST(the_rest_lattice_has_no_force_at_all) {
   const Lattice lattice{{4, 5, 3}, {0.1, 0.2, 0.3}, {1, 2, 0.7}};
   const Springs springs = make(lattice);
   Points f(lattice.points(), 3);
-  springs.force(rest_positions(lattice), f);
+  springs.set_force(rest_positions(lattice), f);
   CHECK((f == 0).all());
 }
 
@@ -38,11 +38,11 @@ TEST(force_is_minus_the_gradient_of_the_energy_and_adds_up_to_nothing) {
   const Springs springs = make(lattice, Topology::paper);
   const Points x = crumpled(lattice);
   Points f(x.rows(), 3);
-  springs.force(x, f);
+  springs.set_force(x, f);
   const Points slope = gradient(x, [&](const Points& at) { return springs.energy(at); });
   CHECK_NEAR(distance(f, -slope), 0.0, 1e-5);  // differences of energies of some 100 J
   for (int a = 0; a < 3; ++a) CHECK_NEAR(f.col(a).sum(), 0.0, 1e-10);
-  springs.force(Points::Zero(x.rows(), 3), f);  // all at one place
+  springs.set_force(Points::Zero(x.rows(), 3), f);  // all at one place
   CHECK((f == 0).all());
 }
 

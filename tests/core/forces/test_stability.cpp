@@ -41,7 +41,7 @@ TEST(one_light_point_is_bounded_sharply) {
 TEST(springs_that_share_no_point_are_bounded_exactly_in_any_direction) {
   const Lattice lattice{.counts = {2, 2, 2}, .size = {1, 2, 0.5}};
   Body body = even_body(lattice);
-  body.springs.set_stiffness({0, 0, 50}, {});  // the four diagonals of the box
+  springs_of(body).set_stiffness({0, 0, 50}, {});  // the four diagonals of the box
   const Points x = rest_positions(lattice);
   Stability stability(body.points());
   stability.prepare(body);

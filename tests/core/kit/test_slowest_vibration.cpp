@@ -4,7 +4,6 @@
 
 #include "bodies.hpp"
 #include "check.hpp"
-#include "matrix/stiffness_matrix.hpp"
 
 using namespace softffd;
 
@@ -13,7 +12,7 @@ namespace {
 /// A bar held at its left end, of 1 kg and springs of 1e4 N/m with internal damping tau [s].
 Body bar(const Lattice& lattice, double tau) {
   Body body = even_body(lattice, 1e4);
-  body.springs.set_dashpots(tau);
+  springs_of(body).set_dashpots(tau);
   for (int p = 0; p < lattice.points(); ++p) body.pinned[p] = p % lattice.counts[0] == 0;
   return body;
 }
@@ -27,7 +26,8 @@ double slowest(const Lattice& lattice, const Body& body) {
   for (int i = 0; i < 3 * n; ++i) {
     unit.setZero();
     unit.data()[i] = body.pinned[i % n] ? 0 : 1;
-    stiffness_force(body, rest, unit, force);
+    force.setZero();
+    body.subtract_product(rest, {}, unit, force);
     for (int j = 0; j < 3 * n; ++j) stiffness(j, i) = body.pinned[j % n] ? 0 : -force.data()[j];
     if (body.pinned[i % n]) stiffness(i, i) = 1e12;
   }

@@ -23,11 +23,10 @@ struct Stiff {
     for (int i = 0; i < x.size(); ++i) x(i) += 0.01 * std::sin(3.0 * i * i), b(i) = std::sin(7.0 * i * i) + 0.5;
   }
   void assemble() {
-    Scalars sums(6 * body.points());
-    softffd::assemble(body, x, diagonal, sums, matrix);
+    softffd::assemble(body, x, {}, diagonal, matrix);
     factor.clear();
     for (int p = 0; p < body.points(); ++p) factor.set_block(p, p, matrix.block(p, p));
-    for (const Springs::Row& row : body.springs.rows())
+    for (const Springs::Row& row : springs_of(body).rows())
       for (int lane = 0; lane < row.lanes(); ++lane) {
         const int p = row.begin + lane, q = p + row.offset;
         if (row.multiplicity[lane] > 0) factor.set_block(p, q, matrix.block(p, q));
@@ -74,7 +73,7 @@ TEST(a_soft_body_with_a_stiff_layer_is_solved_for_too) {
   Stiff s(solved_lattices[0], 1e2);
   std::vector<bool> bottom(s.body.points(), false);
   std::fill_n(bottom.begin(), 81, true);
-  s.body.springs.set_stiffness({1e4, 1e4, 1e4}, {{bottom, 1e9}});
+  springs_of(s.body).set_stiffness({1e4, 1e4, 1e4}, {{bottom, 1e9}});
   s.assemble();
   CHECK(s.difference() < 1e-6);
   CHECK(s.work <= 5);

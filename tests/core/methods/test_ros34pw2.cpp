@@ -86,7 +86,7 @@ TEST(a_body_carried_along_steadily_feels_nothing) {
   s.around.pins[0].velocity = velocity;
   const Points rest = rest_positions(s.lattice);
   s.start.v = velocity.transpose().array().replicate(rest.rows(), 1);
-  s.body.springs.set_stiffness({1e9, 1e9, 1e9}, {});
+  springs_of(s.body).set_stiffness({1e9, 1e9, 1e9}, {});
   start_at(s, rest, Points(s.start.v));
   Ros34pw2 method(s.lattice, 2);
   const Result r = run(method, s, 5);
@@ -132,7 +132,7 @@ TEST(a_stiff_body_follows_an_accelerating_pin) {
 TEST(a_step_keeps_of_a_vibration_what_it_says) {
   const Lattice lattice{{2, 2, 2}};
   Scene s{lattice, even_body(lattice, 0, 8), no_forces(8), {}, 0};
-  s.body.springs.set_stiffness({1e3, 0, 0}, {});
+  springs_of(s.body).set_stiffness({1e3, 0, 0}, {});
   set_rates(s.body);
   const double omega = std::sqrt(2 * 1e3);  // of two points at the ends of a spring
   Points x = rest_positions(lattice);
@@ -164,7 +164,7 @@ TEST(an_undamped_spin_drifts_and_less_with_finer_steps) {
 TEST(a_state_without_numbers_has_an_error_without_a_number) {
   Scene s = soft();
   s.start.x(3, 1) = std::nan("");
-  s.body.springs.force(s.start.x, s.start.spring);
+  s.body.internal_force(s.start.x, s.start.spring);
   Ros34pw2 method(s.lattice, 0);
   const double error = method.attempt({s.body, s.around}, 0, 0.01, s.start);
   CHECK(!(error <= 1e300));

@@ -72,7 +72,7 @@ TEST(a_changed_body_gets_its_own_factor) {
   const Equations equations{s.body, s.around};
   method.attempt(equations, 0, h, s.start);
   const Points before = method.x;
-  s.body.springs.set_stiffness({300, 200, 100}, {});
+  springs_of(s.body).set_stiffness({300, 200, 100}, {});
   start_at(s, Points(s.start.x), Points(s.start.v));
   ++s.body.version;
   method.attempt(equations, 0, h, s.start);

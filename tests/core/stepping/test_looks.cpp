@@ -13,7 +13,7 @@ namespace {
 /// A soft body that flies apart: within a second it doubles.
 struct Bursting : Bench {
   Bursting() {
-    model.body.springs.set_stiffness({1, 1, 1}, {});
+    springs_of(model.body).set_stiffness({1, 1, 1}, {});
     model.renew();
     run.path.motion.x = rest_positions(lattice);
     run.path.motion.v = 3 * run.path.motion.x;

@@ -3,16 +3,21 @@
 #include <cmath>
 
 #include "body/body.hpp"
+#include "forces/springs.hpp"
+#include "forces/volume.hpp"
 #include "model/drive.hpp"
 #include "model/state.hpp"
 
 namespace softffd {
 
+inline Springs& springs_of(const Body& body) { return static_cast<Springs&>(*body.energies.front()); }
+
 /// Free and undamped: mass [kg] in equal parts, all springs of one stiffness [N/m].
 inline Body even_body(const Lattice& lattice, double stiffness = 0, double mass = 1, Topology topology = Topology::distinct) {
   const int n = lattice.points();
-  Body body{Springs(lattice, topology), Scalars::Constant(n, mass / n), Scalars::Zero(n), std::vector<bool>(n, false)};
-  body.springs.set_stiffness({stiffness, stiffness, stiffness}, {});
+  Body body{.energies = {}, .mass = Scalars::Constant(n, mass / n), .damping = Scalars::Zero(n), .pinned = std::vector<bool>(n, false)};
+  body.energies.push_back(std::make_shared<Springs>(lattice, topology));
+  springs_of(body).set_stiffness({stiffness, stiffness, stiffness}, {});
   return body;
 }
 

@@ -119,9 +119,9 @@ struct Oscillator {
 inline Scene scene(const Oscillator& o, double duration) {
   const Lattice lattice{{2, 2, 2}};
   Scene s{lattice, even_body(lattice, 0, 8 * o.m), no_forces(8), {}, duration};
-  s.body.springs.set_stiffness({o.k, 0, 0}, {});
+  springs_of(s.body).set_stiffness({o.k, 0, 0}, {});
   s.body.damping.setConstant(o.d);
-  s.body.springs.set_dashpots(o.tau);
+  springs_of(s.body).set_dashpots(o.tau);
   set_rates(s.body);
   s.around.ramped = o.g != 0;
   Points x = rest_positions(lattice), v = Points::Zero(8, 3);

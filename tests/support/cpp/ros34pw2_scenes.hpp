@@ -24,7 +24,7 @@ struct Scene {
 inline void set_rates(Body& body) {
   const int n = body.points();
   body.inverse_mass = body.damping_rate = Scalars::Zero(3 * n);
-  body.damped = (body.damping > 0).any() || body.springs.dashpots();
+  body.damped = (body.damping > 0).any() || body.dashpots();
   for (int i = 0; i < 3 * n; ++i)
     if (!body.pinned[i % n]) {
       body.inverse_mass[i] = 1 / body.mass[i % n];
@@ -32,7 +32,7 @@ inline void set_rates(Body& body) {
     }
   Stability stability(n);
   stability.prepare(body);
-  body.fastest_damping = body.damping_rate.maxCoeff() + body.springs.longest_time() * std::pow(stability.any_frequency(), 2);
+  body.fastest_damping = body.damping_rate.maxCoeff() + body.longest_time() * std::pow(stability.any_frequency(), 2);
 }
 
 inline void start_at(Scene& scene, const Points& x, const Points& v) {
@@ -40,7 +40,7 @@ inline void start_at(Scene& scene, const Points& x, const Points& v) {
   scene.start.v = v;
   Equations{scene.body, scene.around}.place_pins(0, scene.start.x, scene.start.v);
   scene.start.spring.resize(x.rows(), 3);
-  scene.body.springs.force(scene.start.x, scene.start.spring);
+  scene.body.internal_force(scene.start.x, scene.start.spring);
 }
 
 /// Soft, stretched and moving, so that every term counts: forces that ramp, masses and (where asked) damping that differ from point to
@@ -48,7 +48,7 @@ inline void start_at(Scene& scene, const Points& x, const Points& v) {
 inline Scene soft(bool damped = false, bool ramped = false, const Lattice& lattice = {{3, 4, 2}}) {
   const int n = lattice.points();
   Scene s{lattice, even_body(lattice), no_forces(n), {}, 0.5};
-  s.body.springs.set_stiffness({30, 20, 10}, {});
+  springs_of(s.body).set_stiffness({30, 20, 10}, {});
   Points x = rest_positions(lattice), v(n, 3);
   x.col(0) *= 1.1;
   s.around.ramped = ramped;
@@ -68,7 +68,7 @@ inline Scene soft(bool damped = false, bool ramped = false, const Lattice& latti
 
 /// The scene with dashpots along its springs [s].
 inline Scene with_dashpots(Scene s, double time) {
-  s.body.springs.set_dashpots(time);
+  springs_of(s.body).set_dashpots(time);
   set_rates(s.body);
   return s;
 }
@@ -103,7 +103,7 @@ inline void accept(OneStep& method, const Scene& s, double h, Result& r) {
   r.state.x.swap(method.x);
   r.state.v.swap(method.v);
   r.state.time += h;
-  s.body.springs.force(r.state.x, r.state.spring);
+  s.body.internal_force(r.state.x, r.state.spring);
 }
 
 inline Result begin(const Scene& s) {
@@ -207,7 +207,7 @@ struct Conserved {
 };
 
 inline Conserved conserved(const Scene& s, const State& state) {
-  Conserved c{s.body.springs.energy(state.x), Vec3::Zero()};
+  Conserved c{s.body.elastic_energy(state.x), Vec3::Zero()};
   for (int p = 0; p < s.body.points(); ++p) {
     c.energy += 0.5 * s.body.mass[p] * row(state.v, p).squaredNorm();
     c.angular += s.body.mass[p] * row(state.x, p).cross(row(state.v, p));
@@ -218,7 +218,7 @@ inline Conserved conserved(const Scene& s, const State& state) {
 /// The block with k = 1e5 N/m and without damping, set spinning at 20 rad/s about its middle out of its rest shape; one turn.
 inline Scene spin() {
   Scene s = stiff();
-  s.body.springs.set_stiffness({1e5, 1e5, 1e5}, {});
+  springs_of(s.body).set_stiffness({1e5, 1e5, 1e5}, {});
   s.body.damping.setZero();
   set_rates(s.body);
   s.around = no_forces(64);

@@ -54,11 +54,7 @@ ImplicitStage::ImplicitStage(const Lattice& lattice, int planes, const Samples* 
 }
 
 StepStatus ImplicitStage::solve(const Step& step) {
-  if (largest_stiffness_ < 0) {
-    largest_stiffness_ = 0;
-    for (const Springs::Row& row : step.equations.body.springs.rows())
-      largest_stiffness_ = std::max(largest_stiffness_, kernels::largest(row.stiffness.size(), row.stiffness.data()));
-  }
+  if (largest_stiffness_ < 0) largest_stiffness_ = step.equations.body.largest_stiffness();
   StepStatus status = open(step);
   if (status == StepStatus::ok) status = iterate(step);
   if (status != StepStatus::ok) return status;
@@ -100,7 +96,7 @@ StepStatus ImplicitStage::open(const Step& step) {
   noise_ = roundings * rounding * (largest_stiffness_ * extent_ + inertia + force_scale_);
   slight_ = slight_share * body.mass.minCoeff() / (step.h * step.h);
   scratch_ = force_;
-  if (step.along && body.springs.dashpots()) body.springs.add_dashpot_force(step.from.x, *step.along, scratch_);
+  if (step.along && body.dashpots()) body.add_dashpot_force(step.from.x, *step.along, scratch_);
   touches_->guess(step, scratch_, x);
   if (step.same_matrix && std::abs(step.h - matrix_h_) <= same_length * step.h)
     touches_->keep(slight_);
@@ -155,9 +151,9 @@ void ImplicitStage::find_residual(const Step& step, bool first) {
   for (int axis = 0; axis < 3; ++axis)
     residual_.col(axis) = force_.col(axis) + spring.col(axis) - (body.mass * per_h) * (u_.col(axis) * per_h - step.from.v.col(axis)) -
                           (body.damping * per_h) * u_.col(axis);
-  if (body.springs.dashpots()) {
+  if (body.dashpots()) {
     scratch_ = per_h * u_;
-    body.springs.add_dashpot_force(x, scratch_, residual_);
+    body.add_dashpot_force(x, scratch_, residual_);
   }
   touches_->find_friction(step, u_, first, largest_stiffness_, slight_);
 }
@@ -282,7 +278,7 @@ bool ImplicitStage::strikes(const Step& step) const {
 double ImplicitStage::lost_power(const Step& step) const {
   const Body& body = step.equations.body;
   double power = (body.damping * v.square().rowwise().sum()).sum();
-  if (body.springs.dashpots()) power += dashpot_power(body.springs, x, v);
+  power += body.dashpot_power(x, v);
   for (const Reaction& each : reactions_)
     power -= each.force.dot(tangential(each.normal, touches_->value(each, v) - material_velocity(step, each)));
   return power;

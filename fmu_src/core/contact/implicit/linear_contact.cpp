@@ -62,7 +62,7 @@ bool LinearContact::solve_with_touches(const StepProblem& problem, ContactSet& c
     }
     solve_free_part(problem, contacts);
     if (std::isfinite(kernels::largest(change.size(), change.data()))) break;
-    if (!matrix_.soften(problem)) return false;
+    if (!matrix_.soften()) return false;
     stale_ = true;
   }
   matrix_.forces_of(problem, change, reaction);

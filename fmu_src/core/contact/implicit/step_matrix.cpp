@@ -1,7 +1,5 @@
 #include "contact/implicit/step_matrix.hpp"
 
-#include "matrix/volume_hessian.hpp"
-
 namespace softffd {
 
 namespace {
@@ -11,23 +9,21 @@ constexpr double less_softening = 0.25;
 
 }  // namespace
 
-StepMatrix::StepMatrix(const Lattice& lattice) : hessian_(lattice.points()), matrix_(lattice) { x_.setZero(lattice.points(), 3); }
+StepMatrix::StepMatrix(const Lattice& lattice) : matrix_(lattice) { x_.setZero(lattice.points(), 3); }
 
-void StepMatrix::linearise(const StepProblem& problem, double softening) {
-  softening_ = softening;
+void StepMatrix::linearise(const StepProblem& problem) {
+  linearised_ = {.softening = 1, .per_time = 1 / problem.h};
   x_ = problem.x;
-  hessian_.compute(problem.body.springs, x_, softening, 1 / problem.h);
 }
 
-bool StepMatrix::soften(const StepProblem& problem) {
-  if (softening_ == 0) return false;
-  linearise(problem, softening_ - less_softening);
+bool StepMatrix::soften() {
+  if (linearised_.softening == 0) return false;
+  linearised_.softening -= less_softening;
   return true;
 }
 
 LatticeMatrix& StepMatrix::assemble(const StepProblem& problem) {
-  hessian_.fill(problem.body, problem.diagonal, matrix_);
-  if (problem.body.volume) add_stiffness(*problem.body.volume, x_, problem.body.pinned, matrix_);
+  softffd::assemble(problem.body, x_, linearised_, problem.diagonal, matrix_);
   return matrix_;
 }
 
@@ -38,8 +34,7 @@ void StepMatrix::factor() {
 
 void StepMatrix::forces_of(const StepProblem& problem, const Points& u, Points& f) const {
   f.setZero();
-  hessian_.subtract_product(problem.body.springs, u, f);
-  if (problem.body.volume) subtract_stiffness_product(*problem.body.volume, x_, u, f);
+  problem.body.subtract_product(x_, linearised_, u, f);
   for (int axis = 0; axis < 3; ++axis) f.col(axis) = problem.diagonal * u.col(axis) - f.col(axis);
 }
 

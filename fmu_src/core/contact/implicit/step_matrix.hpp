@@ -1,7 +1,7 @@
 /// The equations of an implicit step, linearised at a state: A = K + diagonal, K being the second derivatives of springs, dashpots and
 /// volume stiffness; and solutions with A. Less and less of what makes K indefinite is taken until A has a factor.
 #pragma once
-#include "matrix/spring_hessian.hpp"
+#include "matrix/stiffness_matrix.hpp"
 
 namespace softffd {
 
@@ -34,9 +34,9 @@ class StepMatrix {
   explicit StepMatrix(const Lattice& lattice);
 
   /// K at problem.x, with all that makes it indefinite.
-  void linearise(const StepProblem& problem) { linearise(problem, 1); }
+  void linearise(const StepProblem& problem);
   /// The same with less of it. Returns false if there is no less.
-  bool soften(const StepProblem& problem);
+  bool soften();
   /// A, whose blocks may be changed before it is factored.
   LatticeMatrix& assemble(const StepProblem& problem);
   void factor();
@@ -49,12 +49,9 @@ class StepMatrix {
   double solutions() const { return solutions_; }  ///< as LatticeMatrix counts them
 
  private:
-  void linearise(const StepProblem& problem, double softening);
-
-  SpringHessian hessian_;
   LatticeMatrix matrix_;
-  Points x_;              ///< that K was made at
-  double softening_ = 1;  ///< of compressed springs, as SpringHessian has it
+  Points x_;                  ///< that K is made at
+  Linearisation linearised_;  ///< and how
   Count factorizations_ = 0;
   double solutions_ = 0;
 };

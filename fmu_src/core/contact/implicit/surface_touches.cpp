@@ -189,7 +189,7 @@ bool SurfaceTouches::solve_free(const StepProblem& problem) {
       if (problem.body.pinned[p]) set_row(free_, p, Vec3::Zero());
     matrix_.solve(free_);
     if (std::isfinite(kernels::largest(free_.size(), free_.data()))) return true;
-    if (!matrix_.soften(problem)) return false;
+    if (!matrix_.soften()) return false;
     stale_ = true;
   }
 }

@@ -139,7 +139,7 @@ TEST(it_converges_to_the_explicit_contact_with_first_order_and_so_with_internal_
   for (const double dashpots : {0.0, 0.003}) {
     FallingBox scene(1e3, 1);
     scene.damp(0.5);
-    scene.body.springs.set_dashpots(dashpots);
+    springs_of(scene.body).set_dashpots(dashpots);
     scene.around.planes[0].friction = 0.3;
     scene.state.x.col(2) += 0.01;
     scene.throw_at({0.5, 0, 0}, Vec3::Zero());

@@ -37,9 +37,7 @@ struct Setting {
 
   /// A of the free points, dense, axis by axis.
   Eigen::MatrixXd matrix() const {
-    SpringHessian hessian(n);
-    hessian.compute(body.springs, x, 1);
-    Eigen::MatrixXd a = -matrix_of(n, [&](const Points& u, Points& f) { hessian.subtract_product(body.springs, u, f); });
+    Eigen::MatrixXd a = -matrix_of(n, [&](const Points& along, Points& f) { body.subtract_product(x, {.softening = 1}, along, f); });
     a.diagonal() += diagonal.replicate(3, 1).matrix();
     return a;
   }

@@ -7,7 +7,7 @@ namespace {
 /// A box with internal damping on the ground, or above it.
 FallingBox damped(double k, double tau, double friction) {
   FallingBox scene(k, 1);
-  scene.body.springs.set_dashpots(tau);
+  springs_of(scene.body).set_dashpots(tau);
   scene.body.damped = true;
   scene.around.planes[0].friction = friction;
   return scene;

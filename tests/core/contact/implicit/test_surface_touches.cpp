@@ -201,8 +201,8 @@ TEST(steps_with_samples_converge_to_the_explicit_ones_with_first_order) {
 TEST(internal_damping_and_volume_stiffness_are_in_the_matrix_as_with_control_points) {
   for (const double k : {1e5, 1e9}) {
     FallingBox scene = sphere(k, 1);
-    scene.body.springs.set_dashpots(1e-3);
-    scene.body.volume.emplace(scene.lattice, k);
+    springs_of(scene.body).set_dashpots(1e-3);
+    scene.body.energies.push_back(std::make_shared<Volume>(scene.lattice, k));
     scene.around.planes[0].friction = 0.4;
     scene.damp(0.3);
     scene.state.x.col(2) -= scene.least_gap(0);
