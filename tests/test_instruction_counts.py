@@ -20,7 +20,7 @@ def counts_of(program, instructions):
 
 
 @pytest.mark.parametrize("instructions", instruction_counts.SETS)
-@pytest.mark.short("avx2")
+@pytest.mark.full
 def test_nothing_takes_more_instructions_than_it_did(program, instructions):
     compiler, counts = counts_of(program, instructions)
     try:
