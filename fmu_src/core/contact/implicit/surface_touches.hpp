@@ -13,8 +13,8 @@
 /// What sticks ends the step where its plane's material has taken it, so that nothing creeps. Forces of the step before are where the next
 /// one begins to look: at rest they are the solution. They belong to the state.
 #pragma once
+#include "contact/coulomb_rows.hpp"
 #include "contact/feasible.hpp"
-#include "contact/implicit/coulomb_rows.hpp"
 #include "contact/implicit/implicit_touches.hpp"
 #include "contact/implicit/step_delassus.hpp"
 #include "contact/surface/dual_active_set.hpp"
@@ -89,8 +89,8 @@ class SurfaceTouches final : public ImplicitTouches {
   SampleSearch search_;
   StepMatrix matrix_;
   DualActiveSetIn<StepDelassus> set_;
-  CoulombRows rows_;
-  CoulombRows::Problem coulomb_;
+  CoulombRows<Eigen::Matrix3d> rows_;
+  CoulombRows<Eigen::Matrix3d>::Problem coulomb_;
   std::vector<Force> forces_, before_, active_;  ///< of the rows, sorted; before: at the linearisation
   std::vector<SurfaceRow> start_;                ///< rows that are loaded already
   std::vector<double> loads_;                    ///< theirs [N]

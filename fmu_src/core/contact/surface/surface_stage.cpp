@@ -7,6 +7,18 @@
 
 namespace softffd {
 
+namespace {
+
+/// Turns of all forces together and normal forces alone; of the largest displacement that these forces undo, what they may leave [1].
+constexpr int most_turns = 30;
+constexpr double balanced = 1e-13;
+/// Rows that lose their normal force to friction one after the other, at most: each round has lost one.
+constexpr int most_settlings = 1000;
+/// Of its limit, friction from which on a row slid, and by which it may go on.
+constexpr double slid = 1 - 1e-9, slides_on = 2;
+
+}  // namespace
+
 void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction, const std::vector<int>& samples) {
   if (normals.size() != normals_.size()) set_.delassus().set_rows({});  // their planes may not be there
   heights.resize(normals.size());
@@ -23,27 +35,14 @@ void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vecto
 StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
   begin_ = heights;
   missed_ = 0;
+  added_ = false;
   set_.delassus().set_rows(rows);
-  if (const StepStatus status = set_.solve(candidates, heights, tolerance); status != StepStatus::ok) return status;
-  before_.swap(share);
-  share.assign(set_.active().size(), Vec3::Zero());
-  for (std::size_t t = 0, u = 0; t < share.size(); ++t) {
-    while (u < rows.size() && rows[u] < set_.active()[t]) ++u;
-    if (u < rows.size() && rows[u] == set_.active()[t]) share[t] = before_[u];
-  }
-  rows = set_.active();
   p_.assign(rows.size(), Vec3::Zero());
-  if (rubs()) {
-    slip_of_ = &slip;
-    if (parallel())
-      missed_ = rub(true);
-    else if (const StepStatus status = take_turns(tolerance); status != StepStatus::ok)
-      return status;
-    for (std::size_t t = 0; t < rows.size(); ++t) {
-      const double limit = friction_[rows[t].plane] * set_.forces()[t];
-      share[t] = limit > 0 ? Vec3(p_[t] / limit) : Vec3::Zero();
-    }
-  }
+  const bool rubs = std::ranges::any_of(friction_, [](double each) { return each > 0; });
+  if (const StepStatus status = rubs ? balance(tolerance, slip) : settle(tolerance); status != StepStatus::ok) return status;
+  share.assign(rows.size(), Vec3::Zero());
+  for (std::size_t t = 0; t < rows.size(); ++t)
+    if (limit(t) > 0) share[t] = p_[t] / limit(t);
   find_forces();
   find_move();
   return StepStatus::ok;
@@ -79,35 +78,81 @@ bool SurfaceStage::hold(const std::vector<Vec3>& away) {
   return true;
 }
 
-bool SurfaceStage::rubs() const {
-  return std::any_of(rows.begin(), rows.end(), [&](const SurfaceRow& row) { return friction_[row.plane] > 0; });
-}
-
-/// Can friction bring no sample nearer to a plane?
-bool SurfaceStage::parallel() const {
-  const auto same = [&](int p, int q) { return std::abs(set_.delassus().cosine(p, q)) == 1; };
-  return std::all_of(candidates.begin(), candidates.end(),
-                     [&](const Candidate& candidate) { return same(rows[0].plane, candidate.row.plane); });
-}
-
-/// Friction at the normal forces at hand. Returns by what share of the slip its law is missed.
-double SurfaceStage::rub(bool parallel) {
-  limits_.clear();
-  slips_.clear();
-  for (std::size_t t = 0; t < rows.size(); ++t) {
-    const int plane = rows[t].plane;
-    limits_.push_back(friction_[plane] * set_.forces()[t]);
-    const Vec3 slip = (*slip_of_)(rows[t]);
-    slips_.push_back(tangential(normals_[plane], parallel ? slip : Vec3(slip + moved_by_normals(int(t)))));
-    p_[t] = limits_[t] * share[t];
+/// All forces of the rows at hand together; then the normal forces beside this friction, so that no sample is behind a plane, and again
+/// where that takes other rows.
+StepStatus SurfaceStage::balance(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
+  force_.assign(rows.size(), Vec3::Zero());
+  for (int turn = 0; turn < most_turns; ++turn) {
+    state_law(slip, turn == 0);
+    const double left = law_rows_.solve(law_, force_);
+    missed_ = left > law_.exact ? left / largest_free_ : 0;
+    for (std::size_t t = 0; t < rows.size(); ++t) p_[t] = tangential(normals_[rows[t].plane], force_[t]);
+    const std::vector<SurfaceRow> before = rows;
+    if (const StepStatus status = settle(tolerance); status != StepStatus::ok) return status;
+    if (std::includes(before.begin(), before.end(), rows.begin(), rows.end())) break;
+    find_forces();
   }
-  return disks_.solve({set_.delassus(), normals_, parallel, limits_, slips_}, p_);
+  double excess = 0, largest = 0;
+  for (std::size_t t = 0; t < rows.size(); ++t) {
+    excess = std::max(excess, p_[t].norm() - limit(t));
+    largest = std::max(largest, set_.forces()[t]);
+  }
+  if (largest > 0) missed_ = std::max(missed_, excess / largest);
+  return StepStatus::ok;
 }
 
-Vec3 SurfaceStage::moved_by_normals(int t) const {
-  Vec3 moved = Vec3::Zero();
-  for (std::size_t u = 0; u < rows.size(); ++u) moved += set_.delassus()(t, int(u)) * set_.forces()[u] * normals_[rows[u].plane];
-  return moved;
+/// At the forces at hand, none at first.
+void SurfaceStage::state_law(const std::function<Vec3(const SurfaceRow&)>& slip, bool first) {
+  const Delassus& g = set_.delassus();
+  const int n = int(rows.size());
+  law_.normals.resize(n);
+  law_.friction.resize(n);
+  law_.g.resize(std::size_t(n) * n);
+  law_.u.resize(n);
+  law_.aims.clear();
+  largest_free_ = 0;
+  auto at = candidates.begin();
+  for (int t = 0; t < n; ++t) {
+    const auto [plane, sample] = rows[t];
+    while (at->row < rows[t]) ++at;
+    const Vec3& normal = law_.normals[t] = normals_[plane];
+    law_.friction[t] = friction_[plane];
+    const double gap = begin_[plane].at(g.samples(), sample) - at->bound;
+    law_.u[t] = gap * normal + tangential(normal, slip(rows[t]));
+    largest_free_ = std::max(largest_free_, law_.u[t].norm());
+    for (int u = 0; u <= t; ++u) law_.g[t * n + u] = law_.g[u * n + t] = g(t, u);
+    // what stuck sticks, and what slid slides on
+    if (first) law_.aims.push_back(normal + law_.friction[t] * (share[t].norm() < slid ? 1 : slides_on) * share[t]);
+  }
+  for (int t = 0; t < n && !first; ++t)
+    for (int u = 0; u < n; ++u) law_.u[t] += law_.g[t * n + u] * force_[u];
+  law_.exact = balanced * largest_free_;
+}
+
+/// The normal forces at this friction, which only active rows have.
+StepStatus SurfaceStage::settle(double tolerance) {
+  for (int round = 0; round < most_settlings; ++round) {
+    heights = begin_;
+    set_.delassus().push(p_, move_);
+    raise(move_);
+    if (const StepStatus status = set_.solve(candidates, heights, tolerance); status != StepStatus::ok) return status;
+    added_ = added_ || set_.added();
+    if (set_.active() == rows) break;
+    const std::vector<SurfaceRow> before = rows;
+    const std::vector<Vec3> p = p_;
+    rows = set_.active();
+    p_.assign(rows.size(), Vec3::Zero());
+    bool lost = false;
+    for (std::size_t u = 0, t = 0; u < before.size(); ++u) {
+      while (t < rows.size() && rows[t] < before[u]) ++t;
+      if (t < rows.size() && rows[t] == before[u])
+        p_[t] = p[u];
+      else
+        lost = true;
+    }
+    if (!lost) break;
+  }
+  return StepStatus::ok;
 }
 
 void SurfaceStage::find_forces() {

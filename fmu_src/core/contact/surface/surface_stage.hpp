@@ -1,18 +1,16 @@
 /// One stage of a step in contact: what obstacles do to the samples at the end of the drift, or to their velocities after the closing kick.
 ///
 /// y0 is where the body would be without them, y where it is with the forces f_s = l_s n_q + p_s of the active rows,
-/// y = y0 + sum_s W_s f_s / m. Normal forces are those of DualActiveSet, friction |p_s| <= mu_q l_s that of DiskFriction.
-///
-/// On one plane, and on parallel ones, friction moves no sample nearer to a plane: the normal forces come first, then the friction, and
-/// both are exact. Planes of different directions need both at once: they take turns (Acary, Cadoux, Lemarechal & Malick 2011) until y
-/// rests; normal forces are always last, so that no sample is behind a plane, whatever friction has come to.
+/// y = y0 + sum_s W_s f_s / m. All forces of the rows that were active come first (coulomb_rows.hpp), from what stuck and what slid; then
+/// the normal forces beside their friction (dual_active_set.hpp), so that no sample is behind a plane, whatever friction has come to.
+/// Where that makes other rows active, both again.
 ///
 /// In nearly every step of lasting contact the rows at hand do, and all of them stick. Then G f undoes gaps and slips at once: three right
 /// sides for one factor. That is `hold`, to be tried before `solve`; what other samples do then is for the caller to look at.
 #pragma once
 #include <functional>
 
-#include "contact/surface/disk_friction.hpp"
+#include "contact/coulomb_rows.hpp"
 #include "contact/surface/dual_active_set.hpp"
 #include "contact/surface/surface_loops.hpp"
 
@@ -44,7 +42,7 @@ class SurfaceStage {
   /// slip: of a row at y0, beyond where it would be if it stuck. On success rows and share are those that are active now.
   StepStatus solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
   const Vec3& force(int t) const { return force_[t]; }  ///< of an active row
-  bool added() const { return set_.added(); }           ///< a row to those that were active before
+  bool added() const { return added_; }                 ///< a row to those that were active before
   double pinned_violation() const { return set_.pinned_violation(); }
   double compliance(int t) const { return set_.delassus()(t, t); }
   const Points& move() const { return move_; }                  ///< y - y0
@@ -53,40 +51,29 @@ class SurfaceStage {
   void give(double a, Points& v, Points* x = nullptr) const {
     kernels::move_points(int(v.rows()), range(), move_.data(), a, v.data(), x ? x->data() : nullptr);
   }
-  /// By how much Coulomb's law has been missed: a share of the slip on parallel planes, of the largest force on others.
+  /// By how much Coulomb's law has been missed: of the largest force its excess, or of the largest slip what is left of it, if more.
   double missed() const { return missed_; }
 
  private:
-  bool rubs() const;
-  bool parallel() const;
-  double rub(bool parallel);
-  Vec3 moved_by_normals(int t) const;
+  double limit(std::size_t t) const { return friction_[rows[t].plane] * set_.forces()[t]; }
+  StepStatus balance(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
+  void state_law(const std::function<Vec3(const SurfaceRow&)>& slip, bool first);
+  StepStatus settle(double tolerance);
   void find_forces();
   void find_move();
   void raise(const Points& move);
-  // turning_friction.cpp
-  StepStatus take_turns(double tolerance);
-  StepStatus alternate(double tolerance, bool& rests);
-  StepStatus balance(double tolerance, bool& rests);
-  bool sweep(std::vector<double>& normal);
-  StepStatus settle(double tolerance);
-  void carry(const std::vector<SurfaceRow>& from);
-  double change();
 
   DualActiveSet set_;
-  DiskFriction disks_;
   std::vector<Vec3> normals_;
   std::vector<double> friction_;
   std::vector<Heights> begin_;  ///< of y0
   std::vector<Vec3> force_, p_;
-  std::vector<Vec3> whole_slip_;  ///< of the active rows at y0, along normals too
-  std::vector<double> wanted_;    ///< of the active rows: bound less height at y0
-  Points move_, last_move_;       ///< y - y0 by the forces, and at the end of the turn before
-  Points rubbed_;                 ///< by friction alone
-  const std::function<Vec3(const SurfaceRow&)>* slip_of_ = nullptr;
-  std::vector<double> limits_;
-  std::vector<Vec3> slips_, before_;
+  CoulombRows<double> law_rows_;
+  CoulombRows<double>::Problem law_;
+  Points move_;                  ///< y - y0 by the forces
   std::vector<double> columns_;  ///< (rows, three and one that is not used)
+  bool added_ = false;
+  double largest_free_ = 0;  ///< gap or slip of the rows at y0
   double missed_ = 0;
 };
 

@@ -1,0 +1,216 @@
+#include "contact/coulomb_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/elimination.hpp"
+#include "machine/instructions.hpp"
+#include "model/plane.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// Newton's steps at a time; then so many sweeps, doubled each round.
+constexpr int most_newton = 15, first_sweeps = 4, most_rounds = 8;
+/// Share of a row's own compliance that keeps equations of rows that depend on each other solvable.
+constexpr double regular = 1e-11;
+
+using Mat3 = Eigen::Matrix3d;
+
+double mean(double block) { return block; }
+double mean(const Mat3& block) { return block.trace() / 3; }
+double transposed(double block) { return block; }
+Mat3 transposed(const Mat3& block) { return block.transpose(); }
+double inverse(double block) { return 1 / block; }
+Mat3 inverse(const Mat3& block) { return block.inverse(); }
+void add_to_diagonal(double& block, double own) { block += own; }
+void add_to_diagonal(Mat3& block, double own) { block.diagonal().array() += own; }
+
+/// Onto what the law allows.
+INNER Vec3 allowed(const Vec3& normal, double friction, const Vec3& aim) {
+  const double load = std::max(0.0, normal.dot(aim)), limit = friction * load;
+  const Vec3 across = tangential(normal, aim);
+  const double square = across.squaredNorm();
+  return load * normal + (square <= limit * limit ? 1 : limit / std::sqrt(square)) * across;
+}
+
+}  // namespace
+
+template <class Block>
+double CoulombRows<Block>::solve(const Problem& problem, std::vector<Vec3>& force) {
+  const int n = int(force.size());
+  own_.resize(n);
+  for (int s = 0; s < n; ++s) own_[s] = mean(problem.g[s * n + s]);
+  start_ = force;
+  u_ = problem.u;
+  double best = look(problem, force);
+  best_ = force;
+  if (!problem.aims.empty()) aims_ = problem.aims;
+  const auto keep = [&] {
+    find_displacements(problem, force);
+    const double now = look(problem, force);
+    if (!(now < best)) return;
+    best = now;
+    best_ = force;
+  };
+  for (int round = 0, sweeps = first_sweeps; round < most_rounds && best > problem.exact; ++round, sweeps *= 2) {
+    for (int i = 0; i < most_newton && best > problem.exact && newton_step(problem, force); ++i) keep();
+    if (best <= problem.exact) break;
+    force = best_;
+    for (int i = 0; i < sweeps; ++i) sweep(problem, force);
+    keep();
+  }
+  force = best_;
+  return best;
+}
+
+template <class Block>
+void CoulombRows<Block>::find_displacements(const Problem& problem, const std::vector<Vec3>& force) {
+  const int n = int(force.size());
+  u_ = problem.u;
+  for (int t = 0; t < n; ++t) {
+    const Vec3 more = force[t] - start_[t];
+    const Block* moved = &problem.g[t * n];
+    for (int s = 0; s < n; ++s) u_[s] += transposed(moved[s]) * more;
+  }
+}
+
+/// Where forces aim at these displacements. Returns by how much the law is missed.
+template <class Block>
+double CoulombRows<Block>::look(const Problem& problem, const std::vector<Vec3>& force) {
+  const int n = int(force.size());
+  aims_.resize(n);
+  double worst = 0;
+  for (int s = 0; s < n; ++s) {
+    aims_[s] = force[s] - u_[s] / own_[s];
+    worst = std::max(worst, own_[s] * (force[s] - allowed(problem.normals[s], problem.friction[s], aims_[s])).norm());
+  }
+  return worst;
+}
+
+/// From forces that were looked at.
+template <class Block>
+bool CoulombRows<Block>::newton_step(const Problem& problem, std::vector<Vec3>& force) {
+  ++iterations_;
+  sort(problem);
+  const int n = int(force.size()), m = int(touching_.size()), sticking = int(sticking_.size());
+  g_.resize(std::size_t(m) * m);
+  change_.resize(m);
+  for (int i = 0; i < m; ++i) {
+    const int s = touching_[i];
+    const Block* row = &problem.g[s * n];
+    change_[i] = -u_[s];
+    for (int j = i; j < m; ++j) g_[i * m + j] = row[touching_[j]];
+    if (i < sticking) add_to_diagonal(g_[i * m + i], regular * own_[s]);
+  }
+  let_go(problem, force);
+  eliminate_sticking();
+  if (!solve_sliding(problem, force)) return false;
+  for (int i = sticking - 1; i >= 0; --i) {
+    for (int j = i + 1; j < m; ++j) change_[i] -= g_[i * m + j] * change_[j];
+    change_[i] = (g_[i * m + i] * change_[i]).eval();
+  }
+  for (int i = 0; i < m; ++i) force[touching_[i]] += change_[i];
+  return true;
+}
+
+/// Rows by where they aim.
+template <class Block>
+void CoulombRows<Block>::sort(const Problem& problem) {
+  for (auto* each : {&sticking_, &rest_, &touching_}) each->clear();
+  sliding_.clear();
+  for (int s = 0; s < int(aims_.size()); ++s) {
+    const Vec3& normal = problem.normals[s];
+    const Vec3 across = tangential(normal, aims_[s]);
+    const double friction = problem.friction[s], limit = friction * normal.dot(aims_[s]), size = across.norm();
+    const bool open = normal.dot(aims_[s]) <= 0;
+    if (!open && friction > 0 && size <= limit) {
+      sticking_.push_back(s);
+      continue;
+    }
+    rest_.push_back(s);
+    if (open) continue;
+    touching_.push_back(s);
+    const Vec3 aim = size > 0 ? Vec3(across / size) : Vec3(Vec3::Zero());
+    sliding_.push_back({normal + friction * aim, normal.cross(aim), size > 0 ? limit / size : 0});
+  }
+  touching_.insert(touching_.begin(), sticking_.begin(), sticking_.end());
+}
+
+/// Of forces what open rows have, and sliding ones neither along their aim nor across it.
+template <class Block>
+void CoulombRows<Block>::let_go(const Problem& problem, std::vector<Vec3>& force) {
+  const int n = int(force.size());
+  auto slides = sliding_.begin();
+  for (const int s : rest_) {
+    Vec3 gone = force[s];
+    if (problem.normals[s].dot(aims_[s]) > 0) {
+      gone -= problem.normals[s].dot(force[s]) * slides->along + slides->across.dot(force[s]) * slides->across;
+      ++slides;
+    }
+    force[s] -= gone;
+    for (std::size_t i = 0; i < touching_.size(); ++i) change_[i] += problem.g[touching_[i] * n + s] * gone;
+  }
+}
+
+/// Leaves in the place of their pivots the inverse ones, and of the rows that slide what these move each other by while the others stick.
+template <class Block>
+void CoulombRows<Block>::eliminate_sticking() {
+  const int m = int(touching_.size()), sticking = int(sticking_.size());
+  for (int i = 0; i < sticking; ++i) {
+    Block* row = &g_[i * m];
+    row[i] = inverse(row[i]);
+    for (int r = i + 1; r < m; ++r) {
+      const Block factor = transposed(Block(row[i] * row[r]));
+      Block* other = &g_[r * m];
+      for (int j = r; j < m; ++j) other[j] -= factor * row[j];
+      change_[r] -= factor * change_[i];
+    }
+  }
+}
+
+/// What is left to undo of their displacements becomes the change of their forces.
+template <class Block>
+bool CoulombRows<Block>::solve_sliding(const Problem& problem, const std::vector<Vec3>& force) {
+  const int m = int(touching_.size()), first = int(sticking_.size()), k = m - first, size = 2 * k;
+  if (k == 0) return true;
+  slopes_.resize(std::size_t(size) * size);
+  right_.resize(size);
+  for (int i = 0; i < k; ++i) {
+    const int at = first + i, s = touching_[at];
+    const Sliding& own = sliding_[i];
+    const Vec3 &normal = problem.normals[s], turned = own.turn / own_[s] * own.across;
+    double *top = &slopes_[std::size_t(2 * i) * size], *below = top + size;
+    for (int j = 0; j < k; ++j) {
+      const Block block = i <= j ? g_[at * m + first + j] : transposed(g_[(first + j) * m + at]);
+      const Vec3 along = block * sliding_[j].along, across = block * sliding_[j].across;
+      top[2 * j] = normal.dot(along);
+      top[2 * j + 1] = normal.dot(across);
+      below[2 * j] = turned.dot(along);
+      below[2 * j + 1] = turned.dot(across);
+    }
+    top[2 * i] += regular * own_[s];
+    below[2 * i + 1] += 1 - own.turn;
+    right_[2 * i] = normal.dot(change_[at]);
+    right_[2 * i + 1] = turned.dot(change_[at]) - (1 - own.turn) * own.across.dot(force[s]);
+  }
+  if (!eliminate(size, slopes_, right_)) return false;
+  for (int i = 0; i < k; ++i) change_[first + i] = right_[2 * i] * sliding_[i].along + right_[2 * i + 1] * sliding_[i].across;
+  return true;
+}
+
+template <class Block>
+void CoulombRows<Block>::sweep(const Problem& problem, std::vector<Vec3>& force) {
+  const int n = int(force.size());
+  for (int s = 0; s < n; ++s) {
+    Vec3 u = problem.u[s];
+    for (int t = 0; t < n; ++t) u += problem.g[s * n + t] * (force[t] - start_[t]);
+    force[s] = allowed(problem.normals[s], problem.friction[s], force[s] - u / own_[s]);
+  }
+}
+
+template class CoulombRows<double>;
+template class CoulombRows<Mat3>;
+
+}  // namespace softffd
