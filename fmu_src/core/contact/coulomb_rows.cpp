@@ -18,6 +18,11 @@ constexpr double regular = 1e-11;
 
 using Mat3 = Eigen::Matrix3d;
 
+/// Operations of a row, of a pair of rows, of blocks where sticking rows are eliminated, and of a pair of rows that slide.
+constexpr double own_work = 100, row_work = 16, sliding_work = 40;
+template <class Block>
+constexpr double block_work = std::is_same_v<Block, Mat3> ? 50 : 2;
+
 double mean(double block) { return block; }
 double mean(const Mat3& block) { return block.trace() / 3; }
 double transposed(double block) { return block; }
@@ -38,7 +43,7 @@ INNER Vec3 allowed(const Vec3& normal, double friction, const Vec3& aim) {
 }  // namespace
 
 template <class Block>
-double CoulombRows<Block>::solve(const Problem& problem, std::vector<Vec3>& force) {
+double CoulombRows<Block>::solve(const Problem& problem, Operations& operations, std::vector<Vec3>& force) {
   const int n = int(force.size());
   own_.resize(n);
   for (int s = 0; s < n; ++s) own_[s] = mean(problem.g[s * n + s]);
@@ -54,10 +59,11 @@ double CoulombRows<Block>::solve(const Problem& problem, std::vector<Vec3>& forc
     best = now;
     best_ = force;
   };
-  for (int round = 0, sweeps = first_sweeps; round < most_rounds && best > problem.exact; ++round, sweeps *= 2) {
-    for (int i = 0; i < most_newton && best > problem.exact && newton_step(problem, force); ++i) keep();
+  for (int round = 0, sweeps = first_sweeps; round < most_rounds && best > problem.exact && !operations.spent(); ++round, sweeps *= 2) {
+    for (int i = 0; i < most_newton && best > problem.exact && newton_step(problem, operations, force); ++i) keep();
     if (best <= problem.exact) break;
     force = best_;
+    operations.spend(row_work * sweeps * n * n);
     for (int i = 0; i < sweeps; ++i) sweep(problem, force);
     keep();
   }
@@ -91,9 +97,11 @@ double CoulombRows<Block>::look(const Problem& problem, const std::vector<Vec3>&
 
 /// From forces that were looked at.
 template <class Block>
-bool CoulombRows<Block>::newton_step(const Problem& problem, std::vector<Vec3>& force) {
+bool CoulombRows<Block>::newton_step(const Problem& problem, Operations& operations, std::vector<Vec3>& force) {
   ++iterations_;
   sort(problem);
+  operations.spend(newton_work());
+  if (operations.spent()) return false;
   const int n = int(force.size()), m = int(touching_.size()), sticking = int(sticking_.size());
   g_.resize(std::size_t(m) * m);
   change_.resize(m);
@@ -113,6 +121,13 @@ bool CoulombRows<Block>::newton_step(const Problem& problem, std::vector<Vec3>& 
   }
   for (int i = 0; i < m; ++i) force[touching_[i]] += change_[i];
   return true;
+}
+
+template <class Block>
+double CoulombRows<Block>::newton_work() const {
+  const double n = double(aims_.size()), m = double(touching_.size()), k = double(sliding_.size());
+  const double eliminated = (m * m * m - k * k * k) / 6, sliding = 8 * k * k * k / 3;
+  return own_work * n + row_work * n * n + block_work<Block> * eliminated + sliding_work * k * k + sliding;
 }
 
 /// Rows by where they aim.

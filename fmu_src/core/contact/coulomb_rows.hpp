@@ -17,6 +17,7 @@
 #pragma once
 #include <vector>
 
+#include "contact/operations.hpp"
 #include "model/types.hpp"
 
 namespace softffd {
@@ -34,8 +35,8 @@ class CoulombRows {
     double exact;                  ///< what may be left [m]
   };
 
-  /// force: where to begin, becomes the solution [N]. Returns by how much the law is missed [m].
-  double solve(const Problem& problem, std::vector<Vec3>& force);
+  /// force: where to begin, becomes the solution [N]. Returns by how much the law is missed [m], more where the operations are spent.
+  double solve(const Problem& problem, Operations& operations, std::vector<Vec3>& force);
   Count iterations() const { return iterations_; }
 
  private:
@@ -46,7 +47,8 @@ class CoulombRows {
   };
   void find_displacements(const Problem& problem, const std::vector<Vec3>& force);
   double look(const Problem& problem, const std::vector<Vec3>& force);
-  bool newton_step(const Problem& problem, std::vector<Vec3>& force);
+  double newton_work() const;
+  bool newton_step(const Problem& problem, Operations& operations, std::vector<Vec3>& force);
   void sort(const Problem& problem);
   void let_go(const Problem& problem, std::vector<Vec3>& force);
   void eliminate_sticking();

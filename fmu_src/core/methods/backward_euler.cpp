@@ -11,6 +11,8 @@ Outcome BackwardEuler::advance(Method method, const Model& model, const Drive& d
   const auto most = [](double work, double each) { return Count(std::max(1.0, std::min(work, 0x1p53) / each)); };
   contact_.most_factorizations = most(std::min(span.most_work, span.budget), implicit_.factor);
   contact_.most_solutions = most(span.budget, implicit_.solution);
+  const double in_evaluation = Operations::in_evaluation(model.body.points());
+  contact_.most_operations = span.budget * in_evaluation;
   for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i) {
     const Count made = contact_.factorizations();
     const double solved = contact_.solutions();
@@ -26,7 +28,7 @@ Outcome BackwardEuler::advance(Method method, const Model& model, const Drive& d
     outcome.bend = std::max(outcome.bend, contact_.bend());
     const double work = double(contact_.factorizations() - made) * implicit_.factor;
     outcome.work += std::max(traits(method).work, work);
-    outcome.spent += work + (contact_.solutions() - solved) * implicit_.solution;
+    outcome.spent += work + (contact_.solutions() - solved) * implicit_.solution + contact_.operations() / in_evaluation;
   }
   return outcome;
 }

@@ -69,15 +69,15 @@ Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Sp
   const Count before = impacts();
   masses_.prepare(model.body, span.h);
   kick_.prepare(model.body, 0.5 * span.h);
+  Outcome outcome{.work = double(span.steps) * step_work(model.body, Method::leapfrog, span.h)};
   if (surface_) {
     surface_->begin(model.body, masses_, drive, span.time(0), span.h);
-    surface_->allow(span.budget);
+    surface_->allow(span.budget - outcome.work);
     surface_->look(drive, span.time(0), run.path.motion.x);
   } else {
     contact_.begin(drive, span.time(0), span.h);
   }
   resolved_ = 0.5 * span.h * model.body.fastest_damping <= explicit_kick;
-  Outcome outcome{.work = double(span.steps) * step_work(model.body, Method::leapfrog, span.h)};
   for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i) outcome.status = step(model.body, drive, span, i, run.path);
   outcome.impacts = impacts() - before;
   if (surface_) outcome.spent = outcome.work + surface_->work();

@@ -88,7 +88,7 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
   }
   if (surface_) {
     surface_->begin(model.body, kicks_, drive, span.time(0), span.h);
-    surface_->allow(span.budget);
+    surface_->allow(span.budget - outcome.work);
   } else {
     contact_.begin(drive, span.time(0), span.h);
   }

@@ -10,6 +10,8 @@ namespace {
 
 using Mat3 = Eigen::Matrix3d;
 
+Operations operations;
+
 /// How far a force at one arm moves another: of a rigid body; or as masses do that have no direction.
 template <class Block>
 Block moved(const Vec3& a, const Vec3& b, double soft) {
@@ -51,7 +53,7 @@ bool keeps_the_law(const typename CoulombRows<Block>::Problem& made) {
   const int rows = int(made.u.size());
   std::vector<Vec3> force(rows, Vec3::Zero());
   CoulombRows<Block> solver;
-  if (solver.solve(made, force) > 1e-13) return false;
+  if (solver.solve(made, operations, force) > 1e-13) return false;
   const std::vector<Vec3> u = displacements<Block>(made, force);
   for (int s = 0; s < rows; ++s) {
     const Vec3 &normal = made.normals[s], across = tangential(normal, force[s]), slip = tangential(normal, u[s]);
@@ -88,9 +90,9 @@ TEST(where_rows_aim_to_begin_with_is_no_matter_to_the_solution) {
     auto made = problem<double>(random, 1 + n % 8, 1e-5, 0.4);
     std::vector<Vec3> force(made.u.size(), Vec3::Zero()), other = force;
     CoulombRows<double> solver;
-    CHECK(solver.solve(made, force) <= 1e-15);
+    CHECK(solver.solve(made, operations, force) <= 1e-15);
     for (const Vec3& normal : made.normals) made.aims.push_back(normal + random.vector(0.6));
-    CHECK(solver.solve(made, other) <= 1e-15);
+    CHECK(solver.solve(made, operations, other) <= 1e-15);
     for (std::size_t s = 0; s < force.size(); ++s) CHECK((force[s] - other[s]).norm() <= 1e-8 * force[s].norm() + 1e-9);
   }
 }
@@ -100,13 +102,13 @@ TEST(what_is_the_solution_already_stays_so) {
   const auto made = problem<Mat3>(random, 5, 1e-6, 0.4);
   std::vector<Vec3> force(5, Vec3::Zero());
   CoulombRows<Mat3> solver;
-  CHECK(solver.solve(made, force) <= 1e-13);
+  CHECK(solver.solve(made, operations, force) <= 1e-13);
   auto again = made;
   again.u = displacements<Mat3>(made, force);
   again.exact = 1e-13;
   const std::vector<Vec3> before = force;
   const Count taken = solver.iterations();
-  solver.solve(again, force);
+  solver.solve(again, operations, force);
   CHECK(solver.iterations() == taken);
   for (int s = 0; s < 5; ++s) CHECK(force[s] == before[s]);
 }

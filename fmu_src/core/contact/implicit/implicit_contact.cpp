@@ -32,7 +32,7 @@ ImplicitContact::ImplicitContact(const Lattice& lattice, int planes, int pins, c
 }
 
 void ImplicitContact::begin_call() {
-  stage_.limit(factorizations() + most_factorizations, solutions() + double(most_solutions));
+  stage_.limit(factorizations() + most_factorizations, solutions() + double(most_solutions), most_operations);
   given_ = 0;
   slip_ = {};
 }

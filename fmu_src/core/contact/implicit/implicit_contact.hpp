@@ -34,6 +34,7 @@ class ImplicitContact {
   /// is no such way, it is done by backward Euler. span.again: the matrix of the step before may serve.
   StepStatus advance_sdirk2(const Equations& equations, double t, double h, const Span& span, bool watch, State& state, Exchange& exchange);
   Count most_factorizations = 100'000, most_solutions = Count{1} << 53;
+  double most_operations = std::numeric_limits<double>::infinity();
   /// Energy that obstacles and pins gave the body in the last call, friction included, points moving along obstacles with the mean of their
   /// velocities before and after [J].
   double given() const { return given_; }
@@ -56,6 +57,7 @@ class ImplicitContact {
   Count iterations() const { return stage_.iterations(); }
   Count factorizations() const { return stage_.factorizations(); }
   double solutions() const { return stage_.solutions(); }
+  double operations() const { return stage_.operations(); }  ///< of the last call
 
  private:
   using Step = ImplicitStage::Step;

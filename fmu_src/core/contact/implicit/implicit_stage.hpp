@@ -35,8 +35,11 @@ class ImplicitStage {
   /// Solves the step; step.from.spring being the internal forces at step.from.x. not_finite: there was no solution, or not with the
   /// factors and solutions up to those limits.
   StepStatus solve(const Step& step);
-  void limit(Count factorizations, double solutions) { last_factorization_ = factorizations, last_solution_ = solutions; }
-  bool spent() const { return factorizations() >= last_factorization_ || solutions() >= last_solution_; }
+  void limit(Count factorizations, double solutions, double operations) {
+    last_factorization_ = factorizations, last_solution_ = solutions;
+    touches_->operations().allow(operations);
+  }
+  bool spent() const { return factorizations() >= last_factorization_ || solutions() >= last_solution_ || touches_->operations().spent(); }
 
   /// At the end of the step, exactly in front of the planes; spring: the internal forces there.
   Points x, v, spring;
@@ -64,6 +67,7 @@ class ImplicitStage {
 
   Count iterations() const { return iterations_; }
   Count factorizations() const { return touches_->matrix().factorizations(); }
+  double operations() const { return touches_->operations().done(); }  ///< since the limit
   double solutions() const { return touches_->matrix().solutions(); }  ///< as LatticeMatrix counts them
 
  private:

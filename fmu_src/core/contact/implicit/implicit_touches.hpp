@@ -13,6 +13,7 @@
 
 #include "body/equations.hpp"
 #include "contact/implicit/step_matrix.hpp"
+#include "contact/operations.hpp"
 #include "model/state.hpp"
 
 namespace softffd {
@@ -60,6 +61,8 @@ class ImplicitTouches {
   virtual StepStatus solve(const StepProblem& problem, bool cautious) = 0;
   virtual StepSolution& solution() = 0;
   virtual const StepMatrix& matrix() const = 0;
+  /// Those of samples' contact, beside factors and solutions; of control points next to none.
+  virtual Operations& operations() { return none_; }
   /// f += forces of the touches [N].
   virtual void add_forces(Points& f) const = 0;
   virtual double largest_load() const = 0;
@@ -70,6 +73,9 @@ class ImplicitTouches {
   /// The value of each control point, (points, 3), where this reaction acts.
   virtual Vec3 value(const Reaction& reaction, const Points& values) const = 0;
   virtual void hold(State& state) const = 0;
+
+ private:
+  Operations none_;
 };
 
 }  // namespace softffd

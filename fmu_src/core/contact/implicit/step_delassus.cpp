@@ -4,6 +4,13 @@
 
 namespace softffd {
 
+namespace {
+
+/// Operations for an element, which is looked up by its samples.
+constexpr double element_work = 50;
+
+}  // namespace
+
 void StepDelassus::set_planes(const std::vector<Vec3>& normals) {
   normals_ = normals;
   rows_.clear();
@@ -26,6 +33,7 @@ void StepDelassus::set_rows(const std::vector<SurfaceRow>& rows) {
 }
 
 void StepDelassus::factor(int from) {
+  operations_.spend(0.5 * double(size()) * (size() - from) * (size() + 2 * element_work));
   factor_.factor(
       size(), from, [&](int i, int j) { return element(rows_[i], rows_[j]); }, [&](int i) { return element(rows_[i], rows_[i]); });
 }
@@ -57,6 +65,7 @@ const StepDelassus::Response& StepDelassus::response(int s) {
       if (body_->pinned[p]) set_row(moved, p, Vec3::Zero());
     matrix_->solve(moved);
   }
+  operations_.spend(3 * Operations::of_place * double(responses_.size()));
   for (const auto& other : responses_) {
     Eigen::Matrix3d block;
     for (int axis = 0; axis < 3; ++axis) block.col(axis) = samples_->at(other->sample, made.moved[axis]);
@@ -67,9 +76,11 @@ const StepDelassus::Response& StepDelassus::response(int s) {
   return made;
 }
 
-void StepDelassus::add(const Response& response, const Vec3& f, Points& u) {
+void StepDelassus::add_response(int s, const Vec3& f, Points& u) {
+  const Response& moved_by = response(s);
+  operations_.spend(3 * double(u.size()));
   for (int axis = 0; axis < 3; ++axis)
-    if (f[axis] != 0) u += f[axis] * response.moved[axis];
+    if (f[axis] != 0) u += f[axis] * moved_by.moved[axis];
 }
 
 void StepDelassus::spread(int s, const Vec3& f, Points& forces) const {
@@ -86,6 +97,7 @@ void StepDelassus::prepare(SurfaceRow row, Column& column) {
 }
 
 void StepDelassus::project(Column& column) {
+  operations_.spend(double(size()) * (element_work + 3 * size()));
   column.half.resize(size());
   for (int t = 0; t < size(); ++t) column.half[t] = element(column.row, rows_[t]);
   factor_.project(column);
@@ -111,6 +123,7 @@ void StepDelassus::sort() {
 void StepDelassus::raise(const std::vector<double>& forces, const std::vector<Heights>& begin, std::vector<Heights>& heights) {
   move_.setZero(body_->points(), 3);
   for (std::size_t t = 0; t < forces.size(); ++t) add_response(rows_[t].sample, forces[t] * normals_[rows_[t].plane], move_);
+  operations_.spend(3 * double(begin.size()) * body_->points());
   heights = begin;
   for (std::size_t q = 0; q < heights.size(); ++q) heights[q].raise(*samples_, {0, body_->points()}, move_, normals_[q]);
 }

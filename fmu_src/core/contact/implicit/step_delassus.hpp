@@ -36,13 +36,19 @@ class StepDelassus {
   void append(const Column& column);
   void drop(int row, Column* column = nullptr);
   void sort();
-  void solve(double* b) const { factor_.solve(b); }
+  void solve(double* b) const {
+    operations_.spend(3.0 * size() * size());
+    factor_.solve(b);
+  }
   void raise(const std::vector<double>& forces, const std::vector<Heights>& begin, std::vector<Heights>& heights);
+
+  /// As Delassus, those of the matrix's solutions apart.
+  Operations& operations() const { return operations_; }
 
   /// G of two samples [m/N].
   Eigen::Matrix3d operator()(int s, int t);
   /// u += Z_s f [m].
-  void add_response(int s, const Vec3& f, Points& u) { add(response(s), f, u); }
+  void add_response(int s, const Vec3& f, Points& u);
   /// f_i += W_si f [N].
   void spread(int s, const Vec3& f, Points& forces) const;
 
@@ -53,7 +59,6 @@ class StepDelassus {
     std::vector<Eigen::Matrix3d> compliance;  ///< with the samples of the responses before, and its own
   };
   const Response& response(int s);
-  static void add(const Response& response, const Vec3& f, Points& u);
   Eigen::Matrix3d compliance(int i, int j) const;
   double element(const SurfaceRow& a, const SurfaceRow& b);
   void factor(int from);
@@ -68,6 +73,7 @@ class StepDelassus {
   RowFactor factor_;
   Points move_;
   mutable std::vector<double> weights_;
+  mutable Operations operations_;
 };
 
 }  // namespace softffd

@@ -195,7 +195,7 @@ bool SurfaceTouches::solve_free(const StepProblem& problem) {
 }
 
 StepStatus SurfaceTouches::find_forces(const StepProblem& problem) {
-  for (int turn = 0; turn < most_turns; ++turn) {
+  for (int turn = 0; turn < most_turns && !operations().spent(); ++turn) {
     bool lost = false;
     if (const StepStatus status = press(problem, lost); status != StepStatus::ok) return status;
     const bool found = rubs() ? rub(problem) : !lost;
@@ -267,6 +267,7 @@ bool SurfaceTouches::rubs() const {
 bool SurfaceTouches::rub(const StepProblem& problem) {
   StepDelassus& g = set_.delassus();
   const int n = int(forces_.size());
+  g.operations().spend(n * (4 * Operations::of_place + 20.0 * n));
   coulomb_.normals.clear();
   coulomb_.friction.clear();
   coulomb_.g.clear();
@@ -280,7 +281,7 @@ bool SurfaceTouches::rub(const StepProblem& problem) {
     for (int t = 0; t < n; ++t) coulomb_.g.push_back(g(each.row.sample, forces_[t].row.sample));
   }
   coulomb_.exact = exact_roundings * rounding / position_slack * problem.slack + doubt_;
-  const double missed = rows_.solve(coulomb_, force);
+  const double missed = rows_.solve(coulomb_, g.operations(), force);
   for (int t = 0; t < n; ++t) forces_[t].force = force[t];
   find_move(forces_);
   find_heights(problem);
@@ -292,6 +293,7 @@ bool SurfaceTouches::rub(const StepProblem& problem) {
 bool SurfaceTouches::in_front(double slack) {
   const bool covered = all_covered();
   list_candidates();
+  operations().spend(Operations::of_value * double(candidates_.size()));
   return covered && std::all_of(candidates_.begin(), candidates_.end(), [&](const Candidate& each) {
            const int s = each.row.sample;
            return heights_[each.row.plane].at(samples_, s) >= -2 * slack - doubt_ || set_.delassus()(s, s).isZero(0);  // all of it pinned
@@ -327,6 +329,7 @@ void SurfaceTouches::find_move(const std::vector<Force>& forces) {
 /// Above the planes, moved.
 void SurfaceTouches::find_heights(const StepProblem& problem) {
   heights_.resize(planes_.size());
+  operations().spend(6.0 * flat_ * double(move_.rows()) + 2 * Operations::of_place * double(planes_.size() - flat_));
   for (int q = 0; q < int(planes_.size()); ++q) {
     const HalfSpace& plane = planes_[q];
     heights_[q].sample = q < flat_ ? -1 : tangents_.found()[q - flat_].sample;
@@ -359,6 +362,7 @@ bool SurfaceTouches::all_covered() {
   for (int q = 0; q < flat_; ++q)
     if (!search_.covers(q, heights_[q].of_points)) {
       search_.look(q, heights_[q].of_points, move_.abs().maxCoeff());
+      operations().spend(Operations::of_value * samples_.count());
       covered = false;
     }
   return covered;

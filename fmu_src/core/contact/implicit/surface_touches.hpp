@@ -39,6 +39,7 @@ class SurfaceTouches final : public ImplicitTouches {
   StepStatus solve(const StepProblem& problem, bool cautious) override;
   StepSolution& solution() override { return solution_; }
   const StepMatrix& matrix() const override { return matrix_; }
+  Operations& operations() override { return set_.delassus().operations(); }
   void add_forces(Points& f) const override;
   double largest_load() const override;
   void keep_in_front(const Body&, Points&) const override {}  // to rounding they are

@@ -13,6 +13,8 @@ namespace {
 /// Cosines so near to 1 or -1 are those of parallel planes; up to so many planes have a table of them.
 constexpr double aligned = 1 - 1e-15;
 constexpr int few = 64;
+/// Operations for the weights of a row, and for a number of a triangular solution, each of which waits for the one before it.
+constexpr double weights_work = 256, solution_work = 3;
 
 }  // namespace
 
@@ -57,6 +59,7 @@ void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
   if (sorted_ && rows == rows_) return;
   rows_ = rows;
   const int n = size(), width = samples_->support();
+  operations_.spend(n * (weights_work + 0.5 * n * width));
   over_mass_.resize(std::size_t(n) * width);
   for (int s = 0; s < n; ++s) samples_->weights(rows_[s].sample, inverse_, &over_mass_[std::size_t(s) * width]);
   range_ = {int(inverse_.size()), 0};
@@ -84,7 +87,7 @@ double Delassus::element(const SurfaceRow& a, const double* of_a, const SurfaceR
 
 /// The rows of L from here on.
 void Delassus::factor(int from) {
-  spend(0.5 * double(size()) * size() * (size() - from));
+  operations_.spend(0.5 * double(size()) * size() * (size() - from));
   factor_.factor(
       size(), from, [&](int i, int j) { return cosine(rows_[i].plane, rows_[j].plane) * g_[start(i) + j]; },
       [&](int i) { return g_[start(i) + i]; });
@@ -95,7 +98,7 @@ void Delassus::raise(const std::vector<double>& forces, const std::vector<Height
   heights = begin;
   if (rows_.empty()) return;
   const int one = rows_[0].plane, points = int(inverse_.size());
-  spend(double(begin.size()) * points);
+  operations_.spend(double(begin.size() + rows_.size()) * points);
   if (std::ranges::all_of(rows_, [&](const SurfaceRow& row) { return row.plane == one; })) {
     field_.setZero(points);
     for (std::size_t t = 0; t < forces.size(); ++t) push(int(t), forces[t], field_.data());
@@ -113,11 +116,12 @@ void Delassus::raise(const std::vector<double>& forces, const std::vector<Height
   for (std::size_t t = 0; t < forces.size(); ++t) pushes_.push_back(forces[t] * normals_[rows_[t].plane]);
   push(pushes_, move_);
   for (std::size_t q = 0; q < heights.size(); ++q) heights[q].raise(*samples_, range_, move_, normals_[q]);
-  spend(3 * double(begin.size()) * points);
+  operations_.spend(3 * double(begin.size()) * points);
 }
 
 void Delassus::push(const std::vector<Vec3>& forces, Points& move) const {
   const int points = int(inverse_.size());
+  operations_.spend(3.0 * size() * samples_->support());
   move.resize(points, 3);
   const bool dense = size() > 0 && samples_->support() == points;  // the weights of all points, in their order
   if (!dense || range_ != PointRange{0, points}) move.setZero();
@@ -127,6 +131,7 @@ void Delassus::push(const std::vector<Vec3>& forces, Points& move) const {
 
 void Delassus::prepare(SurfaceRow row, Column& column) const {
   column.row = row;
+  operations_.spend(weights_work + double(size()) * samples_->support());
   column.over_mass.resize(samples_->support());
   samples_->weights(row.sample, inverse_, column.over_mass.data());
   column.own = samples_->product(row.sample, row.sample, column.over_mass.data());
@@ -136,6 +141,7 @@ void Delassus::prepare(SurfaceRow row, Column& column) const {
 }
 
 void Delassus::project(Column& column) const {
+  operations_.spend(solution_work * size() * size());
   column.half.resize(size());
   for (int t = 0; t < size(); ++t) column.half[t] = cosine(column.row.plane, rows_[t].plane) * column.g[t];
   factor_.project(column);

@@ -8,8 +8,7 @@
 /// A = L L' is kept factored. Rows are appended and dropped one at a time; sorted rows, by plane and sample, have the same bits however
 /// they were come by.
 #pragma once
-#include <limits>
-
+#include "contact/operations.hpp"
 #include "contact/surface/row_factor.hpp"
 #include "model/samples.hpp"
 
@@ -64,7 +63,10 @@ class Delassus {
   void sort();
 
   /// b becomes A^-1 b.
-  void solve(double* b) const { factor_.solve(b); }
+  void solve(double* b) const {
+    operations_.spend(3.0 * size() * size());
+    factor_.solve(b);
+  }
   /// The same with `together` columns, b (size, together) row by row.
   static constexpr int together = RowFactor::together;
   void solve_together(double* b) const { factor_.solve_together(b); }
@@ -74,11 +76,8 @@ class Delassus {
   void push(int s, double f, double* values) const { samples_->add(rows_[s].sample, f, over_mass(s), values); }
   /// Points that rows move, and perhaps others; all where not all points count at a sample.
   PointRange range() const { return range_; }
-  /// Operations on numbers from here on, of which there may be so many: a solver that has spent them gives up.
-  void allow(double most) { done_ = 0, most_ = most; }
-  void spend(double operations) const { done_ += operations; }
-  double done() const { return done_; }
-  bool spent() const { return !(done_ <= most_); }
+  /// Those of its rows, and of who solves for them.
+  Operations& operations() const { return operations_; }
   /// What these forces of all rows move the body by, to (points, 3).
   void push(const std::vector<Vec3>& forces, Points& move) const;
 
@@ -102,8 +101,7 @@ class Delassus {
   Scalars field_;             ///< of the forces of one plane's rows, along its normal
   std::vector<Vec3> pushes_;  ///< of rows of several planes
   Points move_;               ///< by them
-  mutable double done_ = 0;
-  double most_ = std::numeric_limits<double>::infinity();
+  mutable Operations operations_;
   bool sorted_ = true;
 };
 

@@ -17,18 +17,6 @@ constexpr double no_response = 1e-12;
 constexpr std::size_t looked_at = 32;
 /// Rows that are added, and dropped for one of them, at most.
 constexpr int most_additions = 1000, most_drops = 300;
-/// Operations to look at a candidate.
-constexpr double look_work = 50;
-
-/// Has a metric that counts its work spent what it may?
-template <class Metric>
-bool spent(const Metric& metric, double more = 0) {
-  if constexpr (requires { metric.spent(); }) {
-    metric.spend(more);
-    return metric.spent();
-  }
-  return false;
-}
 
 }  // namespace
 
@@ -61,7 +49,8 @@ StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, st
   else
     spread();
   for (int round = 0; round < most_additions; ++round) {
-    if (spent(delassus_, look_work * double(candidates.size()))) return StepStatus::not_finite;
+    delassus_.operations().spend(Operations::of_value * double(candidates.size()));
+    if (delassus_.operations().spent()) return StepStatus::not_finite;
     const int chosen = most_violated(candidates, tolerance);
     added_ = round > 0;
     if (chosen < 0) {
@@ -180,7 +169,7 @@ StepStatus DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates
     return StepStatus::ok;
   }
   double gap = candidate.gap, force = 0;
-  for (int drops = 0; drops <= most_drops && !spent(delassus_); ++drops) {
+  for (int drops = 0; drops <= most_drops && !delassus_.operations().spent(); ++drops) {
     double unload = infinity;
     int first = -1;
     for (int t = 0; t < int(forces_.size()); ++t)

@@ -13,8 +13,6 @@ namespace {
 constexpr int most_looks = 20;
 /// Share of what contact does to the kinetic energy that is rounding.
 constexpr double no_gain = 1e-10;
-/// Operations on numbers in the time of an evaluation of the spring forces of 64 points.
-constexpr double operations = 2500;
 /// Of its limit, friction that a step begins to look at.
 constexpr double most_share = 2;
 
@@ -58,7 +56,7 @@ SurfaceContact::SurfaceContact(const Body& body, int planes)
       still_(planes, 0),
       at_hand_(samples_),
       behind_(body.points() / 8 + 1) {
-  patience_ = std::min(1.0, 64.0 / body.points());
+  in_evaluation_ = Operations::in_evaluation(body.points());
 }
 
 void SurfaceContact::set_planes() {
@@ -101,6 +99,12 @@ bool SurfaceContact::find_heights(const Points& x1) {
   return behind;
 }
 
+/// Lists the samples near a plane.
+void SurfaceContact::search(int q, const Scalars& heights, double way) {
+  search_.look(q, heights, way);
+  found_ += Operations::of_value * samples_.count();
+}
+
 double SurfaceContact::slack_of_rows() const {
   double far = length_;
   for (const HalfSpace& plane : end_) far = std::max(far, length_ + std::abs(plane.offset));
@@ -111,7 +115,7 @@ double SurfaceContact::slack_of_rows() const {
 StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip) {
   free_ = drift_.heights;
   for (int q = 0; q < flat_; ++q)
-    if (!search_.covers(q, free_[q].of_points)) search_.look(q, free_[q].of_points, way);
+    if (!search_.covers(q, free_[q].of_points)) search(q, free_[q].of_points, way);
   const double tolerance = slack_of_rows();
   if (fit_known(rows, friction, tolerance, slip)) return StepStatus::ok;
   for (int looks = 0; looks < most_looks; ++looks) {
@@ -126,7 +130,7 @@ StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& fri
     bool covered = true;
     for (int q = 0; q < flat_; ++q)
       if (!search_.covers(q, drift_.heights[q].of_points)) {
-        search_.look(q, drift_.heights[q].of_points, way);
+        search(q, drift_.heights[q].of_points, way);
         covered = false;
       }
     if (covered) return drift_.pinned_violation() > pin_slack * length_ ? StepStatus::pin_behind_plane : StepStatus::ok;
@@ -193,10 +197,10 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
 void SurfaceContact::allow(double most) {
   most_ = most;
   found_ = 0;
-  for (SurfaceStage* stage : {&drift_, &close_}) stage->allow(most / patience_ * operations);
+  for (SurfaceStage* stage : {&drift_, &close_}) stage->operations().allow(most * in_evaluation_);
 }
 
-double SurfaceContact::work() const { return patience_ / operations * (found_ + drift_.done() + close_.done()); }
+double SurfaceContact::work() const { return (found_ + drift_.operations().done() + close_.operations().done()) / in_evaluation_; }
 
 /// The drift's stage, until no other samples may have come to a solid by it.
 StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {

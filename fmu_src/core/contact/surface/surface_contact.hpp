@@ -80,6 +80,7 @@ class SurfaceContact {
   void set_planes();
   void move_planes(const StepView& step);
   bool find_heights(const Points& x1);
+  void search(int q, const Scalars& heights, double way);
   double slack_of_rows() const;
   StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
   StepStatus stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows);
@@ -146,9 +147,9 @@ class SurfaceContact {
   Count version_ = -1;
   double h_ = -1;
   Count impacts_ = 0;
-  double found_ = 0;  ///< operations to find tangents
+  double found_ = 0;  ///< operations to find samples and tangents
   double most_ = std::numeric_limits<double>::infinity();
-  double patience_ = 1;
+  double in_evaluation_ = 1;  ///< operations
 };
 
 }  // namespace softffd

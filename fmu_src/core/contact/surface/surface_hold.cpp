@@ -64,7 +64,7 @@ bool SurfaceContact::list_held(double h, const Points& v) {
   const int own = rows.front().plane;
   bool alone = true;
   for (int q = 0; q < flat_; ++q) {
-    if (!search_.covers(q, drift_.heights[q].of_points)) search_.look(q, drift_.heights[q].of_points, h * largest_speed(v));
+    if (!search_.covers(q, drift_.heights[q].of_points)) search(q, drift_.heights[q].of_points, h * largest_speed(v));
     alone = alone && (q == own || search_.near(q).empty());
   }
   at_hand_.at(drift_.heights[own].of_points, gaps_);

@@ -60,7 +60,7 @@ void SurfaceContact::look(const Drive& around, double time, const Points& x) {
 const std::vector<int>& SurfaceContact::near(int q, const Points& x) {
   Heights& heights = drift_.heights[q];
   heights.find(samples_, x, end_[q].normal, end_[q].offset);
-  if (!search_.covers(q, heights.of_points)) search_.look(q, heights.of_points, 0);
+  if (!search_.covers(q, heights.of_points)) search(q, heights.of_points, 0);
   return search_.near(q);
 }
 
@@ -69,7 +69,7 @@ bool SurfaceContact::gaps_at(const Drive& around, double time, const Points& x, 
   if (solids_) find_tangents(around, time, time, x, way);
   if (!find_heights(x)) return false;
   for (int q = 0; q < flat_; ++q) {
-    if (!search_.covers(q, drift_.heights[q].of_points)) search_.look(q, drift_.heights[q].of_points, 0);
+    if (!search_.covers(q, drift_.heights[q].of_points)) search(q, drift_.heights[q].of_points, 0);
     for (const int s : search_.near(q)) deepest = std::min(deepest, drift_.heights[q].at(samples_, s));
   }
   for (int q = flat_; q < int(end_.size()); ++q)

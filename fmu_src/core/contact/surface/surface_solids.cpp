@@ -8,8 +8,8 @@ namespace softffd {
 
 namespace {
 
-/// Operations on numbers to find a tangent, and through a step for its plane's height of a control point.
-constexpr double tangent_work = 200, plane_work = 10;
+/// Operations on numbers to find a tangent, and through a step for the height of its sample.
+constexpr double tangent_work = 1500;
 
 }  // namespace
 
@@ -60,7 +60,7 @@ void SurfaceContact::find_tangents(const Drive& around, double t0, double t1, co
   for (const Candidate& candidate : lasting_) lasting.push_back({number(candidate.row), candidate});
   tangents_.find(around, t0, t1, x0, way);
   resize(flat_ + tangents_.found().size());
-  found_ += double(tangents_.found().size()) * (tangent_work + plane_work);
+  found_ += double(tangents_.found().size()) * tangent_work;
   int q = flat_;
   for (const Tangent& each : tangents_.found()) {
     start_[q] = each.start;

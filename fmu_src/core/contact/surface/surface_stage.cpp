@@ -84,7 +84,7 @@ StepStatus SurfaceStage::balance(double tolerance, const std::function<Vec3(cons
   force_.assign(rows.size(), Vec3::Zero());
   for (int turn = 0; turn < most_turns; ++turn) {
     state_law(slip, turn == 0);
-    const double left = law_rows_.solve(law_, force_);
+    const double left = law_rows_.solve(law_, operations(), force_);
     missed_ = left > law_.exact ? left / largest_free_ : 0;
     for (std::size_t t = 0; t < rows.size(); ++t) p_[t] = tangential(normals_[rows[t].plane], force_[t]);
     const std::vector<SurfaceRow> before = rows;
@@ -127,6 +127,7 @@ void SurfaceStage::state_law(const std::function<Vec3(const SurfaceRow&)>& slip,
   for (int t = 0; t < n && !first; ++t)
     for (int u = 0; u < n; ++u) law_.u[t] += law_.g[t * n + u] * force_[u];
   law_.exact = balanced * largest_free_;
+  operations().spend(n * (Operations::of_value + Operations::of_place + 10.0 * n));
 }
 
 /// The normal forces at this friction, which only active rows have.
@@ -135,6 +136,7 @@ StepStatus SurfaceStage::settle(double tolerance) {
     heights = begin_;
     set_.delassus().push(p_, move_);
     raise(move_);
+    if (operations().spent()) return StepStatus::not_finite;
     if (const StepStatus status = set_.solve(candidates, heights, tolerance); status != StepStatus::ok) return status;
     added_ = added_ || set_.added();
     if (set_.active() == rows) break;
@@ -164,6 +166,7 @@ void SurfaceStage::find_move() { set_.delassus().push(force_, move_); }
 
 /// The heights by this motion.
 void SurfaceStage::raise(const Points& move) {
+  operations().spend(4 * double(heights.size()) * double(move.rows()));
   for (std::size_t q = 0; q < heights.size(); ++q) heights[q].raise(set_.delassus().samples(), range(), move, normals_[q]);
 }
 

@@ -25,9 +25,7 @@ class SurfaceStage {
   /// Inverse masses of the control points (points), 0 of pinned ones.
   void set_masses(const Scalars& inverse) { set_.delassus().set_masses(inverse); }
 
-  /// What may be done from here on, and has been, as of Delassus.
-  void allow(double most) { set_.delassus().allow(most); }
-  double done() const { return set_.delassus().done(); }
+  Operations& operations() const { return set_.delassus().operations(); }
 
   /// To be filled before `solve`: heights of y0 above the planes, which become those of y, and rows that must be kept, sorted.
   std::vector<Heights> heights;

@@ -161,3 +161,22 @@ TEST(steps_of_backward_euler_alone_are_implicit_ones) {
   CHECK(body.readings().method() == Method::backward_euler);
   CHECK_NEAR(body.readings().plane_reaction(0).z(), -9.81, 1e-9);
 }
+
+TEST(forces_of_faces_in_a_corner_are_in_the_work_of_a_call_and_end_it) {
+  const auto in_corner = [](double most_work) {
+    SoftBody body = cube(3, 2e3, 4);
+    body.settings.planes[0] = {.point = {0.05, 0, 0}, .normal = Vec3::UnitX(), .friction = 0.4};
+    body.settings.planes[1] = {.point = {0, 0.05, 0}, .normal = Vec3::UnitY(), .friction = 0.4};
+    body.settings.planes[2].friction = 0.4;
+    body.settings.gravity = {-3, -4, -9.81};
+    body.settings.step = 1e-3;
+    body.settings.most_work = most_work;
+    body.initialize(0);
+    return body;
+  };
+  SoftBody body = in_corner(1e6), other = in_corner(2'000);
+  CHECK(body.advance(0.1) == StepStatus::ok);
+  CHECK(body.work_done() > 50 * 100);  // 100 steps, which are one each without contact
+  CHECK(other.advance(0.1) == StepStatus::too_much_work);
+  CHECK(other.work_done() < 1.3 * 2'000);
+}
