@@ -66,6 +66,7 @@ Run empty_run(const Definition& definition) {
   run.centres.resize(definition.planes, Vec3::Zero());
   State& motion = run.path.motion;
   for (Points* points : {&motion.x, &motion.v, &motion.spring}) points->setZero(n, 3);
+  if (definition.planes > 0) run.course.neighbour.x = run.course.neighbour.v = Points::Zero(n, 3);
   for (MarkedPoints* points : {&motion.previous, &run.course.bound_x, &run.course.factored.x, &run.outside}) points->change().setZero(n, 3);
   motion.holds.assign(definition.planes, Points::Zero(n, 3));
   if (definition.samples && definition.planes > 0) {
@@ -253,7 +254,11 @@ StepStatus SoftBody::initialize(double t0) {
   for (Points& forces : motion.holds) forces.setZero();
   motion.held_rows.forget();
   MarkedPoints bound_x = std::move(now_.course.bound_x), factored_x = std::move(now_.course.factored.x);
+  Neighbour neighbour = std::move(now_.course.neighbour);
+  neighbour.forget();
+  neighbour.off = {};
   now_.course = {};
+  now_.course.neighbour = std::move(neighbour);
   now_.course.bound_x = std::move(bound_x);
   now_.course.factored.x = std::move(factored_x);
   now_.path.clock = {.origin = t0};

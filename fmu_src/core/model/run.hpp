@@ -59,14 +59,12 @@ struct ContactSteps {
 };
 static_assert(visits_every_field<ContactSteps>);
 
-/// By how much places may be off, of errors of the speed that grow as time goes.
+/// By how much places may be off, as time goes.
 struct Drift {
   double place = 0, speed = 0;  ///< at this time [m, m/s]
   double time = 0;              ///< [s]
 
   double at(double now) const { return place + speed * std::max(now - time, 0.0); }
-  /// Errors of their own are not alike.
-  void add(double now, double more_speed) { *this = {at(now), std::hypot(speed, more_speed), now}; }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
@@ -74,6 +72,28 @@ struct Drift {
   }
 };
 static_assert(visits_every_field<Drift>);
+
+/// The motion of a body that began a landing as far off as this one may be: by what they differ the error is known that landings make of
+/// errors (stepping/landings.hpp). Empty without obstacles.
+struct Neighbour {
+  Points x, v;           ///< while it takes the path's steps, its own; else by what it differed when it last did [m, m/s]
+  bool follows = false;  ///< takes them
+  double impact = 0;     ///< time of the path's last one [s]
+  Drift off{};           ///< it from the path
+
+  /// What it was off stands, and it no longer goes on from there.
+  void forget() {
+    x.setZero();
+    v.setZero();
+    follows = false;
+  }
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.x, s.v, s.follows, s.impact, s.off);
+  }
+};
+static_assert(visits_every_field<Neighbour>);
 
 /// Where a stiff body stands with the obstacles (impacts/impacts.hpp).
 enum class Phase {
@@ -180,7 +200,7 @@ struct Course {
   Count rejected = 0;
   Count factors = 0;         ///< matrices factored
   double contact_error = 0;  ///< of explicit steps beside obstacles, at the end of the run [m]
-  Drift contact_drift{};     ///< as far as it has come
+  Neighbour neighbour{};
 
   Calibration& calibration(Method which) { return calibrations[std::size_t(which)]; }
   double& controlled_step(Method which) { return controlled[std::size_t(which)]; }
@@ -197,7 +217,7 @@ struct Course {
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.bound_x, s.bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.method, s.reason, s.race, s.work,
-                  s.usual, s.rejected, s.factors, s.contact_error, s.contact_drift);
+                  s.usual, s.rejected, s.factors, s.contact_error, s.neighbour);
   }
 };
 static_assert(visits_every_field<Course>);

@@ -37,23 +37,11 @@ namespace {
 
 namespace use = thresholds;
 
-/// Books what the unknown phase of an impact of control points may add.
-void book_impact(const Job& job, const State& begin) {
-  const Body& body = job.model.body;
-  const double elastic = body.elastic_energy(begin.x);
-  double squared = 0;
-  for (int i = 0; i < begin.spring.size(); ++i) squared += body.inverse_mass[i] * begin.spring.data()[i] * begin.spring.data()[i];
-  const double frequency = elastic > 0 ? std::sqrt(squared / (2 * elastic)) : 0;
-  if (frequency * body.shortest_time() > use::creeping) return;  // nothing vibrates
-  book_unknown_phase(job, begin, elastic + kinetic_deformation(body, begin), frequency, job.run.path.stiff.total_error());
-}
-
 /// What a stretch leaves at the end of the run [m], and goes there from now on.
 void book_error(const Job& job, double left_over) {
   Course& course = job.run.course;
   double& sum = course.contact_error;
   sum = job.model.body.samples ? sum + left_over : std::hypot(sum, left_over);  // rolling errs the same way again and again
-  course.contact_drift.add(job.run.path.motion.time, left_over / left_of_run(job));
 }
 
 /// Whether the next stretches may be run once, after one that was run twice at the largest stable step with this error.
@@ -100,33 +88,6 @@ StepStatus DoubledSteps::run(Integrators& integrators, const Job& job, double en
   return StepStatus::ok;
 }
 
-/// Books what the error of the places at an impact may add, where the stretch that has been run began off all obstacles. Of a surface by a
-/// run of it from as far off.
-void DoubledSteps::book_landing(Integrators& integrators, const Job& job, double h, Count steps) {
-  const Body& body = job.model.body;
-  const State& begin = start_.motion;
-  if (!off_obstacles(body, job.drive, begin.time, begin.x, touching * body.length)) return;
-  if (!body.samples) return book_impact(job, begin);
-  Path& path = job.run.path;
-  Drift& drift = job.run.course.contact_drift;
-  const double known = std::hypot(path.stiff.error, drift.at(begin.time));
-  const double off = std::max(known, use::least_error * job.request.tolerance);
-  const Vec3 normal = nearest_obstacle(job, begin).obstacle.normal;
-  Trial run(path, shifted_);
-  assign(path, start_);
-  for (int axis = 0; axis < 3; ++axis) path.motion.x.col(axis) += off * normal[axis];
-  if (integrators.take(job, Method::leapfrog, {begin.time, 0, h, steps}).status != StepStatus::ok) return;
-  double squares = 0;
-  for (int i = 0; i < path.motion.v.size(); ++i)
-    squares += body.mass[i % body.points()] * power(path.motion.v.data()[i] - shifted_.motion.v.data()[i], 2);
-  run.back();
-  run.keep();
-  const double speed = std::sqrt(squares / body.mass.sum());
-  drift.add(path.motion.time, speed);
-  StiffContact& stiff = path.stiff;
-  stiff.unknown = std::hypot(stiff.unknown, speed * outlook(job, path.motion).along_plane);
-}
-
 StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, Stretch stretch, Count& taken) {
   Path& path = job.run.path;
   Course& course = job.run.course;
@@ -156,8 +117,8 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
         --(impact ? contact.impact : contact.free);
         taken += steps;
         path.motion.time = next;
-        if (impact) book_landing(integrators, job, part, steps);
         book_error(job, contact.left_over);
+        landings_.follow(integrators, job, start_.motion, part, steps, impact);
         trial.keep();
         return StepStatus::ok;
       }
@@ -175,19 +136,19 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
     if (error <= use::too_much * allowed || last) {
       const double left_over = outcome_of(job, coarse_, path.motion, outlook(job, path.motion)) / 3;
-      book_error(job, left_over);
+      if (!course.neighbour.follows) book_error(job, left_over);
       contact.left_over = 4 * left_over;
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;
       const double trusted = contact.free_next > 1 ? use::trusted : use::trusted_at_first;
       const bool good = at_limit && tries == 0 && 4 * worst <= trusted * allowed;  // 4: of the coarser run
       const bool impact = coarse.impacts + fine.impacts > 0;
-      if (impact) book_landing(integrators, job, 0.5 * part, 2 * steps);
       learn_trust(contact, impact, good, allowed, worst);
       contact.h = std::max(part * std::clamp(factor_after(allowed, worst), use::next_shrink, use::next_growth), least);
       path.clock = {begin, 0.5 * part, 0};
       taken += 2 * steps;
       path.motion.time = next;
+      landings_.follow(integrators, job, start_.motion, part, steps, impact);
       trial.keep();
       return StepStatus::ok;
     }

@@ -3,12 +3,13 @@
 /// experience says that the largest stable step is accurate enough, stretches are run once.
 #pragma once
 #include "kit/integrators.hpp"
+#include "stepping/landings.hpp"
 
 namespace softffd {
 
 class DoubledSteps {
  public:
-  explicit DoubledSteps(const Run& run) : start_(run.path), shifted_(run.path), coarse_(run.path.motion) {}
+  explicit DoubledSteps(const Run& run) : start_(run.path), landings_(run), coarse_(run.path.motion) {}
   StepStatus run(Integrators& integrators, const Job& job, double end);
 
  private:
@@ -20,8 +21,8 @@ class DoubledSteps {
     bool at_limit() const { return h == limit; }
   };
   StepStatus run_stretch(Integrators& integrators, const Job& job, Stretch stretch, Count& taken);
-  void book_landing(Integrators& integrators, const Job& job, double h, Count steps);
-  Path start_, shifted_;
+  Path start_;
+  Landings landings_;
   State coarse_;
 };
 

@@ -1,0 +1,133 @@
+#include "stepping/landings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/reach.hpp"
+#include "contact/tolerances.hpp"
+#include "flight/attitude.hpp"
+#include "kit/limits.hpp"
+#include "kit/outlook.hpp"
+#include "kit/thresholds.hpp"
+#include "kit/trial.hpp"
+#include "model/arithmetic.hpp"
+#include "model/rigid_motion.hpp"
+
+namespace softffd {
+
+namespace {
+
+namespace use = thresholds;
+
+bool off_obstacles(const Job& job, double time, const Points& x) {
+  return off_obstacles(job.model.body, job.drive, time, x, touching * job.model.body.length);
+}
+
+Vec3 mean(const Scalars& mass, const Points& x) { return (x.colwise() * mass).colwise().sum().matrix().transpose() / mass.sum(); }
+
+void add(const Vec3& shift, Points& x) {
+  for (int axis = 0; axis < 3; ++axis) x.col(axis) += shift[axis];
+}
+
+/// Moves what the bodies differ by on to the end of a flight. The rigid part turns with the body, and its place along the normal, where it
+/// decides when the body lands.
+void fly_on(const Body& body, const State& begin, const RigidMotion& rigid, const Vec3& normal, Neighbour& neighbour) {
+  const double time = begin.time - neighbour.off.time;
+  const RigidMotion apart = rigid_motion(body.mass, begin.x, neighbour.v);
+  const Eigen::Matrix3d turn = rotation_by(time * rigid.spin);
+  for (int p = 0; p < body.points(); ++p) {
+    const Vec3 way = time * (apart.velocity + apart.spin.cross(row(begin.x, p) - apart.centre));
+    set_row(neighbour.x, p, turn * row(neighbour.x, p) + way);
+    set_row(neighbour.v, p, turn * row(neighbour.v, p));
+  }
+  const Vec3 whole = mean(body.mass, neighbour.x);
+  add(std::copysign(whole.norm(), whole.dot(normal)) * normal - whole, neighbour.x);
+}
+
+/// Moves vibrations on in their phase until a place is off by so much [m], though not by more than they are large.
+void shift_phase(const Body& body, const State& begin, const RigidMotion& rigid, double most, Points& x) {
+  double squares = 0, fastest = 0;
+  for (int i = 0; i < begin.spring.size(); ++i) squares += body.inverse_mass[i] * power(begin.spring.data()[i], 2);
+  const auto own = [&](int p) {
+    return body.pinned[p] ? Vec3(Vec3::Zero()) : Vec3(row(begin.v, p) - rigid.velocity - rigid.spin.cross(row(begin.x, p) - rigid.centre));
+  };
+  for (int p = 0; p < body.points(); ++p) fastest = std::max(fastest, own(p).norm());
+  if (!(squares > 0 && fastest > 0)) return;
+  const double time = std::min(most / fastest, std::sqrt(2 * body.elastic_energy(begin.x) / squares));
+  for (int p = 0; p < body.points(); ++p) set_row(x, p, row(x, p) + time * own(p));
+}
+
+/// A landing begins: the neighbour goes on from beside the path.
+void set_beside(const Job& job, const State& begin) {
+  const Body& body = job.model.body;
+  Neighbour& neighbour = job.run.course.neighbour;
+  const RigidMotion rigid = rigid_motion(body.mass, begin.x, begin.v);
+  if (job.drive.pins.empty()) fly_on(body, begin, rigid, nearest_obstacle(job, begin).obstacle.normal, neighbour);
+  const double least = use::least_error * job.request.tolerance;
+  if (neighbour.x.abs().maxCoeff() < least) shift_phase(body, begin, rigid, least, neighbour.x);
+  State beside = begin;
+  beside.x += neighbour.x;
+  const NearestObstacle nearest = nearest_obstacle(job, beside);
+  if (nearest.gap < 0 && job.drive.pins.empty()) add(-nearest.gap * nearest.obstacle.normal, beside.x);
+  neighbour.x = beside.x;
+  neighbour.v += begin.v;
+  neighbour.follows = true;
+}
+
+/// Speed at which a body that stays on its obstacle goes on to be off along it [m/s], and how far until friction has stopped it [m].
+Drift sliding_apart(const Job& job, const Vec3& velocity) {
+  const State& motion = job.run.path.motion;
+  const Outlook ahead = outlook(job, motion);
+  const NearestObstacle nearest = nearest_obstacle(job, motion);
+  const RigidMotion rigid = rigid_motion(job.model.body.mass, motion.x, motion.v);
+  const double speed = tangential(ahead.normal, velocity).norm(), grip = nearest.plane->friction * ahead.pressing;
+  if (ahead.slides_on || !(grip > 0)) return {.speed = speed};
+  return {.place = speed * tangential(ahead.normal, rigid.velocity - nearest.obstacle.material_velocity(rigid.centre)).norm() / grip};
+}
+
+}  // namespace
+
+void Landings::follow(Integrators& integrators, const Job& job, const State& begin, double h, Count steps, bool impact) {
+  Path& path = job.run.path;
+  Neighbour& neighbour = job.run.course.neighbour;
+  if (neighbour.follows && neighbour.off.time != begin.time) neighbour.forget();  // other steps came between
+  if (!neighbour.follows) {
+    if (!impact || !off_obstacles(job, begin.time, begin.x)) return;
+    set_beside(job, begin);
+  }
+  if (impact) neighbour.impact = path.motion.time;
+  Trial trial(path, path_);
+  path.motion.x = neighbour.x;
+  path.motion.v = neighbour.v;
+  path.motion.time = begin.time;
+  job.model.body.internal_force(path.motion.x, path.motion.spring);
+  const Outcome outcome = integrators.take(job, Method::leapfrog, {begin.time, 0, h, steps});
+  neighbour.x = path.motion.x;
+  neighbour.v = path.motion.v;
+  trial.back();
+  trial.keep();
+  const Points& x = path.motion.x;
+  const double place = (neighbour.x - x).abs().maxCoeff();
+  if (outcome.status != StepStatus::ok || !std::isfinite(place)) return neighbour.forget();
+  neighbour.off = {place, 0, path.motion.time};
+  const bool flies = off_obstacles(job, path.motion.time, x) && off_obstacles(job, path.motion.time, neighbour.x);
+  if (flies || path.motion.time - neighbour.impact > use::impact_length * step_limit(job, Method::leapfrog, false)) part(job, flies);
+}
+
+/// They no longer take the same steps: what they differ by is kept.
+void Landings::part(const Job& job, bool flies) {
+  const Body& body = job.model.body;
+  const State& motion = job.run.path.motion;
+  Neighbour& neighbour = job.run.course.neighbour;
+  neighbour.x -= motion.x;
+  neighbour.v -= motion.v;
+  neighbour.follows = false;
+  if (!job.drive.pins.empty()) return;
+  const RigidMotion apart = rigid_motion(body.mass, motion.x, neighbour.v);
+  const Drift slides = flies ? Drift{.speed = apart.velocity.norm() + radius_about(apart.centre, motion.x) * apart.spin.norm()}
+                             : sliding_apart(job, apart.velocity);
+  neighbour.off.place += slides.place;
+  neighbour.off.speed = slides.speed;
+}
+
+}  // namespace softffd

@@ -1,0 +1,26 @@
+/// What landings make of errors, by a neighbour of the motion: where a body lands, a second one begins as far off as this one may be, and
+/// takes its steps, the coarser ones where it is run twice, until both are off all obstacles or the impact is over.
+///
+///      landing              contact                    flight                        next landing
+///      places off by d  ->  steps of both bodies   ->  what they differ by, kept  -> d: that, moved on with its rigid part
+///
+/// A landing later or earlier by itself is no error that grows: what follows is the same, only later. What grows is that the vibrations, or
+/// the attitude, are others when the body lands; and what one contact adds, the next may take away. Runs tell that, a product of factors
+/// does not. What a flight errs by is not known: vibrations are taken to be off by a share of the tolerance.
+#pragma once
+#include "kit/integrators.hpp"
+
+namespace softffd {
+
+class Landings {
+ public:
+  explicit Landings(const Run& run) : path_(run.path) {}
+  /// The path has come from begin by so many steps, or twice as many, in contact or not. impact: something came onto an obstacle.
+  void follow(Integrators& integrators, const Job& job, const State& begin, double h, Count steps, bool impact);
+
+ private:
+  void part(const Job& job, bool flies);
+  Path path_;
+};
+
+}  // namespace softffd
