@@ -106,7 +106,12 @@ StepStatus DampedSteps::run(Integrators& integrators, const Job& job, double end
     }
     const Count parts = divisions(left, std::min(record.h, left) * job.request.step_factor);
     const double until = parts == 1 ? end : motion.time + left / double(parts);
+    const Count constraints = record.constraints;
     if (const StepStatus status = step(call, until); status != StepStatus::ok) return status;
+    if (others && motion.time == until) {
+      const Span span{start_.motion.time, 0, until - start_.motion.time, 1, infinity, infinity, use::solved * call.tolerance()};
+      others->landings().follow(integrators, job, start_.motion, Method::sdirk2, span, record.constraints > constraints);
+    }
     if (!first || motion.time == begin) continue;
     const double h = motion.time - begin;
     record.opening = course.rejected > rejected ? h : opens ? std::min(record.h, use::opening_growth * h) : 0;

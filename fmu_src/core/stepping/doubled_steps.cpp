@@ -118,7 +118,7 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
         taken += steps;
         path.motion.time = next;
         book_error(job, contact.left_over);
-        landings_.follow(integrators, job, start_.motion, part, steps, impact);
+        landings_.follow(integrators, job, start_.motion, Method::leapfrog, {begin, 0, part, steps}, impact);
         trial.keep();
         return StepStatus::ok;
       }
@@ -148,7 +148,7 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
       path.clock = {begin, 0.5 * part, 0};
       taken += 2 * steps;
       path.motion.time = next;
-      landings_.follow(integrators, job, start_.motion, part, steps, impact);
+      landings_.follow(integrators, job, start_.motion, Method::leapfrog, {begin, 0, part, steps}, impact);
       trial.keep();
       return StepStatus::ok;
     }

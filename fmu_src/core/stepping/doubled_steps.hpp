@@ -11,6 +11,7 @@ class DoubledSteps {
  public:
   explicit DoubledSteps(const Run& run) : start_(run.path), landings_(run), coarse_(run.path.motion) {}
   StepStatus run(Integrators& integrators, const Job& job, double end);
+  Landings& landings() { return landings_; }
 
  private:
   /// The next stretch of what is left.

@@ -87,7 +87,7 @@ Drift sliding_apart(const Job& job, const Vec3& velocity) {
 
 }  // namespace
 
-void Landings::follow(Integrators& integrators, const Job& job, const State& begin, double h, Count steps, bool impact) {
+void Landings::follow(Integrators& integrators, const Job& job, const State& begin, Method method, const Span& span, bool impact) {
   Path& path = job.run.path;
   Neighbour& neighbour = job.run.course.neighbour;
   if (neighbour.follows && neighbour.off.time != begin.time) neighbour.forget();  // other steps came between
@@ -101,7 +101,7 @@ void Landings::follow(Integrators& integrators, const Job& job, const State& beg
   path.motion.v = neighbour.v;
   path.motion.time = begin.time;
   job.model.body.internal_force(path.motion.x, path.motion.spring);
-  const Outcome outcome = integrators.take(job, Method::leapfrog, {begin.time, 0, h, steps});
+  const Outcome outcome = integrators.take(job, method, span);
   neighbour.x = path.motion.x;
   neighbour.v = path.motion.v;
   trial.back();

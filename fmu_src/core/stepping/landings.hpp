@@ -15,8 +15,8 @@ namespace softffd {
 class Landings {
  public:
   explicit Landings(const Run& run) : path_(run.path) {}
-  /// The path has come from begin by so many steps, or twice as many, in contact or not. impact: something came onto an obstacle.
-  void follow(Integrators& integrators, const Job& job, const State& begin, double h, Count steps, bool impact);
+  /// The path has come from begin by these steps, or by twice as many. impact: something came onto an obstacle.
+  void follow(Integrators& integrators, const Job& job, const State& begin, Method method, const Span& span, bool impact);
 
  private:
   void part(const Job& job, bool flies);
