@@ -21,6 +21,8 @@ constexpr double look_steps = 24, longest_window = 64;
 constexpr Count least_looks = 4;
 /// Steps that nothing can be touched for when a window ends in a flight.
 constexpr double worth_flying = 40;
+/// Steps for which an impact is run with half the step: a contact takes 48 to 120 whatever the stiffness.
+constexpr double impact_length = 240;
 /// Steps of windows that are run once where flights come before and after, in the largest stable ones [1]: leapfrog keeps another energy
 /// than the modes do, so that each change from one to the other multiplies a vibration's energy by (2 - a)^2 / (4 (1 - a)) on average, with
 /// a = (omega h / 2)^2: 1.10 for the fastest at the largest step, 1.0002 at a quarter of it.

@@ -46,8 +46,6 @@ inline constexpr double window_safety = 0.8, window_shrink = 0.1;
 inline constexpr double rebound_share = 0.1;
 /// Share of the tolerance that positions are taken to err by at least.
 inline constexpr double least_error = 0.1;
-/// Steps for which an impact lasts at most: a contact takes 48 to 120 whatever the stiffness.
-inline constexpr double impact_length = 240;
 /// Steps of the first implicit step, which takes up what is left of velocities.
 inline constexpr double settling_steps = 200;
 /// Bounds of the change of a step at rest, the last after a loss of energy, which is an impact within the step.

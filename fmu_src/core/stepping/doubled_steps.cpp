@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/reach.hpp"
-#include "contact/tolerances.hpp"
 #include "kit/limits.hpp"
 #include "kit/outlook.hpp"
 #include "kit/thresholds.hpp"

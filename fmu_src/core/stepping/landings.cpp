@@ -6,7 +6,6 @@
 #include "contact/reach.hpp"
 #include "contact/tolerances.hpp"
 #include "flight/attitude.hpp"
-#include "kit/limits.hpp"
 #include "kit/outlook.hpp"
 #include "kit/thresholds.hpp"
 #include "kit/trial.hpp"
@@ -79,7 +78,7 @@ void set_beside(const Job& job, const State& begin) {
   neighbour.follows = true;
 }
 
-/// Speed at which a body that stays on its obstacle goes on to be off along it [m/s], and how far until friction has stopped it [m].
+/// What is left of a difference of velocities where the body stays on its obstacle: along it, until friction has stopped the body.
 Drift sliding_apart(const Job& job, const Vec3& velocity) {
   const State& motion = job.run.path.motion;
   const Outlook ahead = outlook(job, motion);
@@ -116,7 +115,7 @@ void Landings::follow(Integrators& integrators, const Job& job, const State& beg
   if (outcome.status != StepStatus::ok || !std::isfinite(place)) return neighbour.forget();
   neighbour.off = {place, 0, path.motion.time};
   const bool flies = off_obstacles(job, path.motion.time, x) && off_obstacles(job, path.motion.time, neighbour.x);
-  if (flies || path.motion.time - neighbour.impact > use::impact_length * step_limit(job, Method::leapfrog, false)) part(job, flies);
+  if (flies || path.motion.time - neighbour.impact > slowest_period(job)) part(job, flies);
 }
 
 /// They no longer take the same steps: what they differ by is kept.
@@ -129,10 +128,15 @@ void Landings::part(const Job& job, bool flies) {
   neighbour.follows = false;
   if (!job.drive.pins.empty()) return;
   const RigidMotion apart = rigid_motion(body.mass, motion.x, neighbour.v);
-  const Drift slides = flies ? Drift{.speed = apart.velocity.norm() + radius_about(apart.centre, motion.x) * apart.spin.norm()}
-                             : sliding_apart(job, apart.velocity);
+  if (flies) {
+    neighbour.off.speed = apart.velocity.norm() + radius_about(apart.centre, motion.x) * apart.spin.norm();
+    return;
+  }
+  const Drift slides = sliding_apart(job, apart.velocity);
   neighbour.off.place += slides.place;
   neighbour.off.speed = slides.speed;
+  for (int p = 0; p < body.points(); ++p)
+    set_row(neighbour.v, p, row(neighbour.v, p) - apart.velocity - apart.spin.cross(row(motion.x, p) - apart.centre));
 }
 
 }  // namespace softffd

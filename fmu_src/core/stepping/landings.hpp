@@ -1,5 +1,6 @@
 /// What landings make of errors, by a neighbour of the motion: where a body lands, a second one begins as far off as this one may be, and
-/// takes its steps, the coarser ones where it is run twice, until both are off all obstacles or the impact is over.
+/// takes its steps, the coarser ones where it is run twice, until both are off all obstacles, or stay on one for as long as the slowest
+/// vibration takes.
 ///
 ///      landing              contact                    flight                        next landing
 ///      places off by d  ->  steps of both bodies   ->  what they differ by, kept  -> d: that, moved on with its rigid part
