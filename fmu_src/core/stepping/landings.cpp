@@ -16,8 +16,8 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Of the neighbour for one of the path where a body lands [1].
-constexpr Count landing_steps = 8;
+/// Of the neighbour for one of the path at an impact [1].
+constexpr Count impact_steps = 8;
 
 }  // namespace thresholds
 
@@ -64,10 +64,10 @@ void shift_phase(const Body& body, const State& begin, const RigidMotion& rigid,
 }
 
 /// The same time in steps that are out of phase with the path's: what comes onto an obstacle in which step is then not the same by
-/// accident. At a landing they are many times shorter: what comes within a step is taken to come at once, and which place comes first
+/// accident. At an impact they are many times shorter: what comes within a step is taken to come at once, and which place comes first
 /// decides.
-Span out_of_phase(const Span& span, bool lands) {
-  const Count steps = (lands ? use::landing_steps : 1) * span.steps + 1;
+Span out_of_phase(const Span& span, bool impact) {
+  const Count steps = (impact ? use::impact_steps : 1) * span.steps + 1;
   return {span.origin, 0, span.h * double(span.steps) / double(steps), steps};
 }
 
@@ -105,8 +105,7 @@ void Landings::follow(Integrators& integrators, const Job& job, const State& beg
   Path& path = job.run.path;
   Neighbour& neighbour = job.run.course.neighbour;
   if (neighbour.follows && neighbour.off.time != begin.time) neighbour.forget();  // other steps came between
-  const bool lands = !neighbour.follows;
-  if (lands) {
+  if (!neighbour.follows) {
     if (!impact || !off_obstacles(job, begin.time, begin.x)) return;
     set_beside(job, begin);
   }
@@ -116,7 +115,7 @@ void Landings::follow(Integrators& integrators, const Job& job, const State& beg
   path.motion.v = neighbour.v;
   path.motion.time = begin.time;
   job.model.body.internal_force(path.motion.x, path.motion.spring);
-  const Outcome outcome = integrators.take(job, method, method == Method::leapfrog ? out_of_phase(span, lands) : span);
+  const Outcome outcome = integrators.take(job, method, method == Method::leapfrog ? out_of_phase(span, impact) : span);
   neighbour.x = path.motion.x;
   neighbour.v = path.motion.v;
   trial.back();
