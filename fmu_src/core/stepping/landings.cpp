@@ -71,16 +71,16 @@ Span out_of_phase(const Span& span, bool impact) {
   return {span.origin, 0, span.h * double(span.steps) / double(steps), steps};
 }
 
-/// A landing begins: the neighbour goes on from beside the path.
-void set_beside(const Job& job, const State& begin) {
+/// A landing begins: the neighbour goes on from beside the path. beside: scratch.
+void set_beside(const Job& job, const State& begin, State& beside) {
   const Body& body = job.model.body;
   Neighbour& neighbour = job.run.course.neighbour;
   const RigidMotion rigid = rigid_motion(body.mass, begin.x, begin.v);
   if (job.drive.pins.empty()) fly_on(body, begin, rigid, nearest_obstacle(job, begin).obstacle.normal, neighbour);
   const double least = use::least_error * job.request.tolerance;
   if (neighbour.x.abs().maxCoeff() < least) shift_phase(body, begin, rigid, least, neighbour.x);
-  State beside = begin;
-  beside.x += neighbour.x;
+  beside.time = begin.time;
+  beside.x = begin.x + neighbour.x;
   const NearestObstacle nearest = nearest_obstacle(job, beside);
   if (nearest.gap < 0 && job.drive.pins.empty()) add(-nearest.gap * nearest.obstacle.normal, beside.x);
   neighbour.x = beside.x;
@@ -107,7 +107,7 @@ void Landings::follow(Integrators& integrators, const Job& job, const State& beg
   if (neighbour.follows && neighbour.off.time != begin.time) neighbour.forget();  // other steps came between
   if (!neighbour.follows) {
     if (!impact || !off_obstacles(job, begin.time, begin.x)) return;
-    set_beside(job, begin);
+    set_beside(job, begin, path_.motion);
   }
   if (impact) neighbour.impact = path.motion.time;
   Trial trial(path, path_);
