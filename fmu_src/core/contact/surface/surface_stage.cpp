@@ -39,7 +39,10 @@ StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const 
   set_.delassus().set_rows(rows);
   p_.assign(rows.size(), Vec3::Zero());
   const bool rubs = std::ranges::any_of(friction_, [](double each) { return each > 0; });
-  if (const StepStatus status = rubs ? balance(tolerance, slip) : settle(tolerance); status != StepStatus::ok) return status;
+  const bool at_once = rubs && !parallel();
+  before_ = rows;
+  if (const StepStatus status = at_once ? balance(tolerance, slip) : settle(tolerance); status != StepStatus::ok) return status;
+  if (rubs && !at_once) rub(slip);
   share.assign(rows.size(), Vec3::Zero());
   for (std::size_t t = 0; t < rows.size(); ++t)
     if (limit(t) > 0) share[t] = p_[t] / limit(t);
@@ -76,6 +79,25 @@ bool SurfaceStage::hold(const std::vector<Vec3>& away) {
   find_move();
   raise(move_);
   return true;
+}
+
+/// Can friction bring no sample nearer to a plane?
+bool SurfaceStage::parallel() const {
+  return std::ranges::all_of(
+      candidates, [&](const Candidate& each) { return std::abs(set_.delassus().cosine(candidates[0].row.plane, each.row.plane)) == 1; });
+}
+
+/// Friction at the normal forces at hand, looked for first where it was.
+void SurfaceStage::rub(const std::function<Vec3(const SurfaceRow&)>& slip) {
+  limits_.clear();
+  slips_.clear();
+  for (std::size_t t = 0, u = 0; t < rows.size(); ++t) {
+    limits_.push_back(limit(t));
+    slips_.push_back(tangential(normals_[rows[t].plane], slip(rows[t])));
+    while (u < before_.size() && before_[u] < rows[t]) ++u;
+    if (u < before_.size() && before_[u] == rows[t]) p_[t] = limits_[t] * share[u];
+  }
+  missed_ = disks_.solve({set_.delassus(), normals_, limits_, slips_}, p_);
 }
 
 /// All forces of the rows at hand together; then the normal forces beside this friction, so that no sample is behind a plane, and again
@@ -150,7 +172,7 @@ StepStatus SurfaceStage::settle(double tolerance) {
       if (t < rows.size() && rows[t] == before[u])
         p_[t] = p[u];
       else
-        lost = true;
+        lost = lost || !p[u].isZero(0);
     }
     if (!lost) break;
   }

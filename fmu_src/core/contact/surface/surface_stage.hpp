@@ -1,8 +1,13 @@
 /// One stage of a step in contact: what obstacles do to the samples at the end of the drift, or to their velocities after the closing kick.
 ///
 /// y0 is where the body would be without them, y where it is with the forces f_s = l_s n_q + p_s of the active rows,
-/// y = y0 + sum_s W_s f_s / m. All forces of the rows that were active come first (coulomb_rows.hpp), from what stuck and what slid; then
-/// the normal forces beside their friction (dual_active_set.hpp), so that no sample is behind a plane, whatever friction has come to.
+/// y = y0 + sum_s W_s f_s / m.
+///
+/// On one plane, and on parallel ones, friction moves no sample nearer to a plane: the normal forces come first (dual_active_set.hpp), then
+/// the friction (disk_friction.hpp): measured, 0.65 of the time that all forces together take where most rows slide.
+///
+/// Planes of different directions need both at once: all forces of the rows that were active come first (coulomb_rows.hpp), from what
+/// stuck and what slid; then the normal forces beside their friction, so that no sample is behind a plane, whatever friction has come to.
 /// Where that makes other rows active, both again.
 ///
 /// In nearly every step of lasting contact the rows at hand do, and all of them stick. Then G f undoes gaps and slips at once: three right
@@ -11,6 +16,7 @@
 #include <functional>
 
 #include "contact/coulomb_rows.hpp"
+#include "contact/surface/disk_friction.hpp"
 #include "contact/surface/dual_active_set.hpp"
 #include "contact/surface/surface_loops.hpp"
 
@@ -54,6 +60,8 @@ class SurfaceStage {
 
  private:
   double limit(std::size_t t) const { return friction_[rows[t].plane] * set_.forces()[t]; }
+  bool parallel() const;
+  void rub(const std::function<Vec3(const SurfaceRow&)>& slip);
   StepStatus balance(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
   void state_law(const std::function<Vec3(const SurfaceRow&)>& slip, bool first);
   StepStatus settle(double tolerance);
@@ -66,6 +74,10 @@ class SurfaceStage {
   std::vector<double> friction_;
   std::vector<Heights> begin_;  ///< of y0
   std::vector<Vec3> force_, p_;
+  DiskFriction disks_;
+  std::vector<double> limits_;
+  std::vector<Vec3> slips_;
+  std::vector<SurfaceRow> before_;  ///< rows at the beginning
   CoulombRows<double> law_rows_;
   CoulombRows<double>::Problem law_;
   Points move_;                  ///< y - y0 by the forces
