@@ -355,7 +355,7 @@ StepStatus SoftBody::advance(double H) {
   divided_ = 1;
   const bool changed = material_waits();
   const Material in_effect = material_;
-  Trial trial(now_, before_);
+  Snapshot snapshot(now_, before_);
   if (changed) refresh_model();
   const bool automatic = settings.step == 0;
   const double usual = automatic ? now_.energy.step_factor : 1;
@@ -365,7 +365,7 @@ StepStatus SoftBody::advance(double H) {
     const StepStatus ran = advance_from_here(H, step_factor, changed, stand_ins);
     if (ran != StepStatus::beside_solid) return ran;
     stand_ins = false;
-    trial.back();
+    snapshot.rollback();
     now_.energy = begun;
     return advance_from_here(H, step_factor, changed, stand_ins);
   };
@@ -376,12 +376,12 @@ StepStatus SoftBody::advance(double H) {
   came_ = now_.path.motion.time - before_.path.motion.time;
   const bool astray = status == StepStatus::too_much_work && now_.course.work > before_.course.work;  // not from the start
   if (status == StepStatus::not_finite || astray)
-    status = retry_divided(now_, trial, most, usual, status, divided_, attempt);
+    status = retry_divided(now_, snapshot, most, usual, status, divided_, attempt);
   else if (status == StepStatus::ok && automatic && !now_.energy.hopeless && readings().gains_energy())
-    status = retry_gained(now_, trial, budget, most, account_at_start(before_, model_, drive_, changed), attempt);
+    status = retry_gained(now_, snapshot, budget, most, account_at_start(before_, model_, drive_, changed), attempt);
   work_done_ = most - budget.left();
   if (status == StepStatus::ok) {
-    trial.keep();
+    snapshot.commit();
     return status;
   }
   if (changed) {  // outputs are again those of the material before

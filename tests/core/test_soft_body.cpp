@@ -56,7 +56,7 @@ TEST(too_much_work_is_refused_at_once_and_larger_lattices_may_do_less_in_a_call)
       if (given) body.settings.step = h;
       CHECK(body.advance(4 * h) == StepStatus::ok);
       CHECK(body.advance(100'000 * h) == StepStatus::too_much_work);  // a 64th of 5 million is 78,125
-      CHECK(body.run().course.work < 4e3);                            // a race
+      CHECK(body.run().course.work < 4e3);                            // trial runs
     }
 }
 

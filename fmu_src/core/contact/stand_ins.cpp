@@ -1,6 +1,6 @@
 #include "contact/stand_ins.hpp"
 
-#include "contact/reach.hpp"
+#include "contact/broad_phase.hpp"
 #include "contact/surface/tangents.hpp"
 #include "model/rigid_motion.hpp"
 

@@ -8,21 +8,21 @@
 
 namespace softffd {
 
-ContactEvent event_of(const Job& job, const Slip& slip, double pressing, const Path& from, double slight) {
-  const State& motion = job.run.path.motion;
+ContactEvent event_of(const StepContext& context, const Slip& slip, double pressing, const Path& from, double slight) {
+  const State& motion = context.run.path.motion;
   const double h = motion.time - from.motion.time;
-  if (!job.drive.pins.empty() || (slip.stopped == 0 && !job.drive.ramped)) return {};
-  const Outlook ahead = outlook_of_stiff(job, motion);
+  if (!context.drive.pins.empty() || (slip.stopped == 0 && !context.drive.ramped)) return {};
+  const Outlook ahead = outlook_of_stiff(context, motion);
   const double along = std::max(ahead.along_plane, h);
   ContactEvent event{0, slip.load > 0 ? 2 * slip.stopped / slip.load * along : 0};
-  if (!job.drive.ramped) return event;
+  if (!context.drive.ramped) return event;
   Vec3 rate = Vec3::Zero();  // of the outside forces [N/s]
   for (int axis = 0; axis < 3; ++axis)
     for (int p = 0; p < motion.x.rows(); ++p) {
       const Eigen::Index i = p + axis * motion.x.rows();
-      rate[axis] += (job.drive.ramp(i, motion.time) - job.drive.ramp(i, from.motion.time)) / h;
+      rate[axis] += (context.drive.ramp(i, motion.time) - context.drive.ramp(i, from.motion.time)) / h;
     }
-  const double mass = job.model.body.mass.sum();
+  const double mass = context.model.body.mass.sum();
   const auto consider = [&](double grows, double spare, double speed, double length) {  // [N/s], [N], [m/s], [s]
     if (!(grows > 0)) return;
     const double when = spare > 0 ? 0.5 * h + spare / grows : 0.5 * h - speed * mass / (grows * h);
@@ -36,11 +36,11 @@ ContactEvent event_of(const Job& job, const Slip& slip, double pressing, const P
     const double grows = coefficient * rate.dot(ahead.normal) - rate.dot(slip.friction) / rubs;
     consider(grows, slip.loosened > 0 ? 0 : slip.spare, slip.loosened / slip.load, along);
   }
-  const Body& body = job.model.body;
+  const Body& body = context.model.body;
   const RigidMotion begin = rigid_motion(body.mass, from.motion.x, from.motion.v), end = rigid_motion(body.mass, motion.x, motion.v);
   if (from.stiff.pressing > 0)
     consider(rate.dot(ahead.normal), pressing, (end.velocity - begin.velocity).dot(ahead.normal), std::max(ahead.along_normal, h));
-  const HalfSpace obstacle = nearest_obstacle(job, motion).obstacle;
+  const HalfSpace obstacle = nearest_obstacle(context, motion).obstacle;
   const double radius = radius_about(end.centre, motion.x);
   const auto speed = [&](const RigidMotion& rigid) {
     return (rigid.velocity - obstacle.material_velocity(rigid.centre)).norm() + radius * (rigid.spin - obstacle.spin).norm();

@@ -10,7 +10,7 @@ class Flights {
   Flights(const Lattice& lattice, const Run& run) : flight_(lattice), before_(run.path) {}
 
   /// Can the body's motion be carried by its modes now? They are made where the material is new.
-  bool rings_about_rest(const Job& job);
+  bool rings_about_rest(const StepContext& context);
   /// A flight until something could be touched, where an impact begins, or the end; a contact begins at once where there can be none.
   /// rings: the motion has just been taken apart by `rings_about_rest`.
   StepStatus fly(const Beside& at, bool rings);
@@ -18,7 +18,7 @@ class Flights {
   bool can_fly(const Beside& at, double least, double until);
   /// What the vibrations of two states of this moment differ by will do at the next impact [m]. gain: how many times a difference of
   /// positions grows there, by the phase that the vibrations will have.
-  double echo(const Beside& at, const State& other, const Outlook& ahead, double& gain);
+  double phase_error(const Beside& at, const State& other, const Outlook& ahead, double& gain);
   bool has_modes(const Body& body) { return flight_.possible(body); }
 
  private:

@@ -27,9 +27,9 @@ class Impacts {
       : flights_(lattice, run), windows_(run), rest_(run), before_(run.path.motion), start_(run.path) {}
 
   /// Can the body's motion be carried by its modes now? They are made where the material is new.
-  bool rings_about_rest(const Job& job) { return flights_.rings_about_rest(job); }
+  bool rings_about_rest(const StepContext& context) { return flights_.rings_about_rest(context); }
   /// From the run's time to `end`. rings: `rings_about_rest` has just said so.
-  StepStatus run(Integrators& integrators, const Job& job, double end, bool rings);
+  StepStatus run(Integrators& integrators, const StepContext& context, double end, bool rings);
 
  private:
   StepStatus pass_over(const Beside& at);

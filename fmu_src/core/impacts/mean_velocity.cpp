@@ -25,10 +25,10 @@ struct Across {
   std::array<Vec3, 3> normals;
   int count = 0;
 
-  Across(const Job& job, const Exchange& before) {
-    for (std::size_t q = 0; q < job.drive.planes.size() && count < 3; ++q) {
-      if (job.run.path.exchange.planes[q].force == before.planes[q].force) continue;
-      const Vec3 normal = along(job.drive.planes[q].at(job.run.path.motion.time).normal);
+  Across(const StepContext& context, const Exchange& before) {
+    for (std::size_t q = 0; q < context.drive.planes.size() && count < 3; ++q) {
+      if (context.run.path.exchange.planes[q].force == before.planes[q].force) continue;
+      const Vec3 normal = along(context.drive.planes[q].at(context.run.path.motion.time).normal);
       if (normal.norm() > same_plane) normals[count++] = normal.normalized();
     }
   }
@@ -42,10 +42,10 @@ struct Across {
 
 }  // namespace
 
-void follow_mean_velocity(const Job& job, const Path& before, double h, bool along) {
-  const Body& body = job.model.body;
+void follow_mean_velocity(const StepContext& context, const Path& before, double h, bool along) {
+  const Body& body = context.model.body;
   const State& from = before.motion;
-  State& motion = job.run.path.motion;
+  State& motion = context.run.path.motion;
   const RigidMotion begin = rigid_motion(body.mass, from.x, from.v), end = rigid_motion(body.mass, motion.x, motion.v);
   Eigen::Matrix3d turned = Eigen::Matrix3d::Zero();
   for (int p = 0; p < body.points(); ++p)
@@ -54,7 +54,7 @@ void follow_mean_velocity(const Job& job, const Path& before, double h, bool alo
   Eigen::Matrix3d correction = wanted * actual.transpose();
   Vec3 centre = begin.centre + 0.5 * h * (begin.velocity + end.velocity);
   if (along) {
-    const Across across(job, before.exchange);
+    const Across across(context, before.exchange);
     if (across.count == 0) return;
     correction = rotation_by(across.about(small_turn(correction)));
     centre = end.centre + across.along(centre - end.centre);

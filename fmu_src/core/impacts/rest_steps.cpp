@@ -8,8 +8,8 @@
 #include "impacts/contact_events.hpp"
 #include "impacts/mean_velocity.hpp"
 #include "impacts/windows.hpp"
+#include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
-#include "kit/trial.hpp"
 #include "model/arithmetic.hpp"
 
 namespace softffd {
@@ -41,10 +41,10 @@ namespace {
 namespace use = thresholds;
 
 /// Acceleration of the obstacle next to a body that no pin holds [m/s2].
-Vec3 obstacle_acceleration(const Job& job, const State& state) {
-  const auto& planes = job.drive.planes;
+Vec3 obstacle_acceleration(const StepContext& context, const State& state) {
+  const auto& planes = context.drive.planes;
   const bool steady = std::all_of(planes.begin(), planes.end(), [](const Plane& plane) { return plane.acceleration.isZero(0); });
-  return steady || !job.drive.pins.empty() ? Vec3(Vec3::Zero()) : nearest_obstacle(job, state).plane->acceleration;
+  return steady || !context.drive.pins.empty() ? Vec3(Vec3::Zero()) : nearest_obstacle(context, state).plane->acceleration;
 }
 
 }  // namespace
@@ -55,17 +55,17 @@ RestSteps::RestSteps(const Run& run) : start_(run.path), before_(run.path), coar
 }
 
 StepStatus RestSteps::run(const Beside& at) {
-  const Job& job = at.job;
-  StiffContact& stiff = job.run.path.stiff;
-  job.run.course.method = Method::backward_euler;
-  job.run.course.reason = Reason::stiff_contact;
-  job.run.energy.kinetic_elastic = -1;
-  if (job.drive.pins.empty() && off_obstacles(job, use::lifted)) {
+  const StepContext& context = at.context;
+  StiffContact& stiff = context.run.path.stiff;
+  context.run.course.method = Method::backward_euler;
+  context.run.course.reason = Reason::stiff_contact;
+  context.run.energy.kinetic_elastic = -1;
+  if (context.drive.pins.empty() && off_obstacles(context, use::lifted)) {
     stiff.begin(Phase::flight);
     return StepStatus::ok;
   }
   if (stiff.settling) return settle(at);
-  const double time = job.run.path.motion.time, left = at.end - time;
+  const double time = context.run.path.motion.time, left = at.end - time;
   const double wanted = stiff.step > 0 ? std::min(stiff.step, left) : left;
   if (wanted < left && doubted(at, wanted)) return StepStatus::ok;
   const Count parts = divisions(left, wanted);
@@ -76,7 +76,7 @@ StepStatus RestSteps::run(const Beside& at) {
 
 /// Whether steps of h do not pay: back to windows, to listen for longer.
 bool RestSteps::doubted(const Beside& at, double h) {
-  StiffContact& stiff = at.job.run.path.stiff;
+  StiffContact& stiff = at.context.run.path.stiff;
   if (h >= use::worth_resting * at.limit) return false;
   const Count doubts = std::min(stiff.doubts + 1, use::most_doubts);
   stiff.begin(Phase::contact);
@@ -87,35 +87,35 @@ bool RestSteps::doubted(const Beside& at, double h) {
 /// The first step takes up what velocities are left; with h and with two of h / 2. Windows go on where a contact's state changes within it,
 /// or where the two differ: a body that turns is not at rest.
 StepStatus RestSteps::settle(const Beside& at) {
-  const Job& job = at.job;
-  Path& path = job.run.path;
+  const StepContext& context = at.context;
+  Path& path = context.run.path;
   StiffContact& stiff = path.stiff;
   const double time = path.motion.time, h = std::min(at.end - time, use::settling_steps * at.limit);
-  const double end = h < at.end - time ? time + h : at.end, most = use::event_share * allowed(job, h);
-  Trial trial(path, start_);
+  const double end = h < at.end - time ? time + h : at.end, most = use::event_share * allowed(context, h);
+  Snapshot snapshot(path, start_);
   Step taken = step(at, end, true);
-  const bool steady = taken.status == StepStatus::ok && event_of(job, taken.slip, taken.pressing, start_, most).error <= most;
+  const bool steady = taken.status == StepStatus::ok && event_of(context, taken.slip, taken.pressing, start_, most).error <= most;
   if (steady) {
     std::swap(coarse_, path);
-    trial.back();
+    snapshot.rollback();
     double lost = 0;
     for (const double until : {time + 0.5 * h, end}) {
       if (taken.status == StepStatus::ok) taken = step(at, until, true);
       lost += taken.lost;
     }
-    if (taken.status == StepStatus::ok && lost <= use::settling_loss * allowed_loss(job, stiff.pressing)) {
-      const double error = outcome_of(job, coarse_.motion, path.motion, outlook_of_stiff(job, path.motion));
-      if (error <= use::settling_share * job.request.tolerance) {
+    if (taken.status == StepStatus::ok && lost <= use::settling_loss * allowed_loss(context, stiff.pressing)) {
+      const double error = outcome_of(context, coarse_.motion, path.motion, outlook_of_stiff(context, path.motion));
+      if (error <= use::settling_share * context.request.tolerance) {
         stiff.error += error;
         stiff.settling = false;
         stiff.step = use::rest_growth * h;
-        trial.keep();
+        snapshot.commit();
         return StepStatus::ok;
       }
     }
   }
-  trial.back();
-  trial.keep();
+  snapshot.rollback();
+  snapshot.commit();
   if (taken.status == StepStatus::ok && !steady)
     stiff.begin(Phase::contact);
   else
@@ -124,35 +124,35 @@ StepStatus RestSteps::settle(const Beside& at) {
 }
 
 /// Whether the body turns over its obstacle: no step of that is like the one before.
-bool RestSteps::tips(const Job& job) const {
-  if (!job.drive.pins.empty()) return false;
-  const State& motion = job.run.path.motion;
-  const HalfSpace obstacle = nearest_obstacle(job, motion).obstacle;
-  const RigidMotion rigid = rigid_motion(job.model.body.mass, motion.x, motion.v);
+bool RestSteps::tips(const StepContext& context) const {
+  if (!context.drive.pins.empty()) return false;
+  const State& motion = context.run.path.motion;
+  const HalfSpace obstacle = nearest_obstacle(context, motion).obstacle;
+  const RigidMotion rigid = rigid_motion(context.model.body.mass, motion.x, motion.v);
   const double speed = radius_about(rigid.centre, motion.x) * tangential(obstacle.normal, rigid.spin - obstacle.spin).norm();
-  return speed * left_of_run(job) > use::rest_share * job.request.tolerance;
+  return speed * left_of_run(context) > use::rest_share * context.request.tolerance;
 }
 
 /// Error of a step of h that may be left at the end of the run [m].
-double RestSteps::allowed(const Job& job, double h) const {
-  const double tolerance = job.request.tolerance * power(job.request.step_factor, 2);
-  return std::min(use::rest_share, use::rest_rate * h / left_of_run(job)) * tolerance;
+double RestSteps::allowed(const StepContext& context, double h) const {
+  const double tolerance = context.request.tolerance * power(context.request.step_factor, 2);
+  return std::min(use::rest_share, use::rest_rate * h / left_of_run(context)) * tolerance;
 }
 
 /// To the end, unless energy is lost or a contact's state changes: then nothing is trusted any more.
 bool RestSteps::step_once(const Beside& at) {
-  Path& path = at.job.run.path;
+  Path& path = at.context.run.path;
   StiffContact& stiff = path.stiff;
   {
-    const double most = use::event_share * allowed(at.job, at.end - path.motion.time);
-    Trial trial(path, start_);
+    const double most = use::event_share * allowed(at.context, at.end - path.motion.time);
+    Snapshot snapshot(path, start_);
     const Step taken = step(at, at.end);
     const bool steady =
-        taken.status == StepStatus::ok && !tips(at.job) && event_of(at.job, taken.slip, taken.pressing, start_, most).error <= most;
-    if (steady && std::abs(taken.lost) < allowed_loss(at.job, taken.pressing)) {
+        taken.status == StepStatus::ok && !tips(at.context) && event_of(at.context, taken.slip, taken.pressing, start_, most).error <= most;
+    if (steady && std::abs(taken.lost) < allowed_loss(at.context, taken.pressing)) {
       --stiff.rest_trust;
       stiff.pressing = taken.pressing;
-      trial.keep();
+      snapshot.commit();
       return true;
     }
   }
@@ -163,14 +163,14 @@ bool RestSteps::step_once(const Beside& at) {
 
 /// The first step, no longer than to where an event lies that matters: next becomes its end. The path goes on from there.
 RestSteps::Step RestSteps::step_before_event(const Beside& at, double& next, double allowed, ContactEvent& event) {
-  Path& path = at.job.run.path;
+  Path& path = at.context.run.path;
   const double time = path.motion.time, whole = next - time;
   double length = whole, free = 0;  // free: without an event
   for (int tries = 0;; ++tries) {
     next = length == whole ? next : time + length;
     const Step taken = step(at, next);
     if (taken.status != StepStatus::ok) return taken;
-    event = event_of(at.job, taken.slip, taken.pressing, start_, allowed);
+    event = event_of(at.context, taken.slip, taken.pressing, start_, allowed);
     const bool last = length == free || tries == use::most_event_tries || length <= at.limit;
     if (event.error > allowed && !last) {
       const double shorter = event.at > 0 ? std::clamp(event.at, length * use::event_shrink, 0.9 * length) : length * use::event_shrink;
@@ -179,7 +179,7 @@ RestSteps::Step RestSteps::step_before_event(const Beside& at, double& next, dou
       const Slip& slip = taken.slip;
       const double slows = slip.before - slip.along;
       if (last || length == whole || free > 0 || !(slows > 0)) return taken;
-      const double before = slip.before / slip.load * std::max(outlook_of_stiff(at.job, path.motion).along_plane, whole);
+      const double before = slip.before / slip.load * std::max(outlook_of_stiff(at.context, path.motion).along_plane, whole);
       const double short_of = std::min(use::event_shrink, allowed / (2 * before));
       const double longer = std::min(length * slip.before / slows * (1 - short_of), whole);
       if (!(longer > 2 * length)) return taken;
@@ -191,27 +191,27 @@ RestSteps::Step RestSteps::step_before_event(const Beside& at, double& next, dou
 }
 
 StepStatus RestSteps::step_twice(const Beside& at, double next) {
-  const Job& job = at.job;
-  Path& path = job.run.path;
+  const StepContext& context = at.context;
+  Path& path = context.run.path;
   StiffContact& stiff = path.stiff;
   const double time = path.motion.time, wanted = next;
-  Trial trial(path, start_);
+  Snapshot snapshot(path, start_);
   ContactEvent event;
-  Step taken = step_before_event(at, next, use::event_share * allowed(job, next - time), event);
+  Step taken = step_before_event(at, next, use::event_share * allowed(context, next - time), event);
   const double h = next - time;
   const bool cut = next != wanted;
   double error = infinity, lost = 0;
   if (taken.status == StepStatus::ok) {
     std::swap(coarse_, path);
-    trial.back();
+    snapshot.rollback();
     for (const double until : {time + 0.5 * h, next}) {
       if (taken.status == StepStatus::ok) taken = step(at, until);
       lost += taken.lost;
     }
-    if (taken.status == StepStatus::ok) error = outcome_of(job, coarse_.motion, path.motion, outlook_of_stiff(job, path.motion));
+    if (taken.status == StepStatus::ok) error = outcome_of(context, coarse_.motion, path.motion, outlook_of_stiff(context, path.motion));
   }
-  const double most = allowed(job, h), factor = error > 0 ? use::window_safety * std::sqrt(most / error) : use::rest_growth;
-  const bool quiet = std::abs(lost) < allowed_loss(job, taken.pressing);
+  const double most = allowed(context, h), factor = error > 0 ? use::window_safety * std::sqrt(most / error) : use::rest_growth;
+  const bool quiet = std::abs(lost) < allowed_loss(context, taken.pressing);
   if (error <= most && quiet) {
     const bool easy = next == at.end && error < use::easy_rest * most;
     if (easy) std::swap(path, coarse_);  // a step as those that are trusted: others would set off what is at rest
@@ -222,12 +222,12 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
     if (!cut) stiff.step = factor < 1 ? longer : std::max(stiff.step, longer);  // the call may have ended before the step wanted
     stiff.rest_trust = easy ? stiff.next_rest_trust : 0;
     stiff.next_rest_trust = easy ? std::min(2 * stiff.next_rest_trust, use::longest_rest_trust) : 1;
-    trial.keep();
+    snapshot.commit();
     return StepStatus::ok;
   }
-  job.run.course.rejected += 2;
-  trial.back();
-  trial.keep();
+  context.run.course.rejected += 2;
+  snapshot.rollback();
+  snapshot.commit();
   stiff.step = h * std::clamp(std::isfinite(error) ? factor : 0, use::window_shrink, quiet ? 0.5 : use::loss_shrink);
   doubted(at, stiff.step);
   return StepStatus::ok;
@@ -235,39 +235,39 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
 
 /// A step of backward Euler, its rigid motion by the mean velocity. settling: along the obstacles alone.
 RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
-  const Job& job = at.job;
-  Path& path = job.run.path;
+  const StepContext& context = at.context;
+  Path& path = context.run.path;
   before_ = path;
   const State& from = before_.motion;
   const double h = until - from.time;
   path.clock = {from.time, h, 0};
   const double most = std::max(use::least_implicit_work, use::doubled_work * h / at.limit);
   const Span span{from.time, 0, h, 1, most};
-  const Vec3 faster = obstacle_acceleration(job, from);
-  const Outcome outcome = faster.isZero(0) ? at.integrators.take(job, Method::backward_euler, span) : take_in_frame(at, faster, span);
-  job.run.course.work += outcome.work;
+  const Vec3 faster = obstacle_acceleration(context, from);
+  const Outcome outcome = faster.isZero(0) ? at.integrators.take(context, Method::backward_euler, span) : take_in_frame(at, faster, span);
+  context.run.course.work += outcome.work;
   Step taken{.status = outcome.status, .slip = outcome.slip};
   if (taken.status != StepStatus::ok) return taken;
   path.motion.time = until;
   ++path.steps;
-  taken.pressing = pressed_since(job, before_.exchange.planes) / h;
-  if (!job.drive.pins.empty()) return taken;
+  taken.pressing = pressed_since(context, before_.exchange.planes) / h;
+  if (!context.drive.pins.empty()) return taken;
   x_ = path.motion.x;
-  const bool along = settling || job.model.body.samples;  // what rings, and a surface that rolls over its samples, has no mean turn
-  follow_mean_velocity(job, before_, h, along);
-  if (!along && !keep_in_front(job)) taken.status = StepStatus::not_finite;
-  job.model.body.internal_force(path.motion.x, path.motion.spring);
-  taken.lost = energy_lost(job, from, outcome.given);
-  if (job.drive.watch) book_energies(job, from, x_, before_.exchange);
+  const bool along = settling || context.model.body.samples;  // what rings, and a surface that rolls over its samples, has no mean turn
+  follow_mean_velocity(context, before_, h, along);
+  if (!along && !keep_in_front(context)) taken.status = StepStatus::not_finite;
+  context.model.body.internal_force(path.motion.x, path.motion.spring);
+  taken.lost = energy_lost(context, from, outcome.given);
+  if (context.drive.watch) book_energies(context, from, x_, before_.exchange);
   return taken;
 }
 
 /// A step as an observer sees it who has this acceleration from the begin of the drive on: beside an obstacle that moves so, everything
 /// keeps its speed while it sticks, as backward Euler takes it to. Work of obstacles is given as seen from outside.
 Outcome RestSteps::take_in_frame(const Beside& at, const Vec3& acceleration, const Span& span) {
-  const Job& job = at.job;
-  Path& path = job.run.path;
-  drive_ = job.drive;
+  const StepContext& context = at.context;
+  Path& path = context.run.path;
+  drive_ = context.drive;
   for (Plane& plane : drive_.planes) {
     const double age = drive_.since - plane.since;
     plane.point -= 0.5 * age * age * acceleration;
@@ -281,30 +281,30 @@ Outcome RestSteps::take_in_frame(const Beside& at, const Vec3& acceleration, con
       path.motion.v.col(axis) += sign * age * acceleration[axis];
     }
   };
-  for (int axis = 0; axis < 3; ++axis) drive_.force.col(axis) -= job.model.body.mass * acceleration[axis];
+  for (int axis = 0; axis < 3; ++axis) drive_.force.col(axis) -= context.model.body.mass * acceleration[axis];
   see(-1, span.origin);
-  Outcome outcome = at.integrators.take({job.model, drive_, job.request, job.run}, Method::backward_euler, span);
+  Outcome outcome = at.integrators.take({context.model, drive_, context.request, context.run}, Method::backward_euler, span);
   see(1, span.origin + span.h);
   Vec3 impulse = Vec3::Zero();
   for (std::size_t q = 0; q < drive_.planes.size(); ++q) impulse -= path.exchange.planes[q].force - before_.exchange.planes[q].force;
   const double more = (span.origin + 0.5 * span.h - drive_.since) * impulse.dot(acceleration);
   outcome.given += more;
-  if (job.drive.watch) path.exchange.work += more;
-  if (job.drive.watch && job.drive.ramped) {
+  if (context.drive.watch) path.exchange.work += more;
+  if (context.drive.watch && context.drive.ramped) {
     const double age = span.origin - drive_.since, way = 0.5 * span.h * (2 * age + span.h);
     for (Eigen::Index i = 0; i < path.motion.x.size(); ++i)
-      path.exchange.work += way * acceleration[i / path.motion.x.rows()] * job.drive.ramp(i, span.origin + 0.5 * span.h);
+      path.exchange.work += way * acceleration[i / path.motion.x.rows()] * context.drive.ramp(i, span.origin + 0.5 * span.h);
   }
   return outcome;
 }
 
 /// Brings the body as a whole back onto the obstacles that it touched before it was moved, and off those that it was moved behind.
-bool RestSteps::keep_in_front(const Job& job) {
-  Path& path = job.run.path;
+bool RestSteps::keep_in_front(const StepContext& context) {
+  Path& path = context.run.path;
   State& motion = path.motion;
   for (int round = 0; round < 3; ++round)
-    for (std::size_t q = 0; q < job.drive.planes.size(); ++q) {
-      const HalfSpace obstacle = job.drive.planes[q].at(motion.time);
+    for (std::size_t q = 0; q < context.drive.planes.size(); ++q) {
+      const HalfSpace obstacle = context.drive.planes[q].at(motion.time);
       double least = infinity;
       for (int p = 0; p < motion.x.rows(); ++p) least = std::min(least, obstacle.gap(row(motion.x, p)));
       const bool touched = path.exchange.planes[q].force != before_.exchange.planes[q].force;
@@ -312,14 +312,14 @@ bool RestSteps::keep_in_front(const Job& job) {
         for (int axis = 0; axis < 3; ++axis) motion.x.col(axis) -= least * obstacle.normal[axis];
     }
   obstacles_.clear();
-  for (const Plane& plane : job.drive.planes) obstacles_.push_back(plane.at(motion.time));
+  for (const Plane& plane : context.drive.planes) obstacles_.push_back(plane.at(motion.time));
   for (int p = 0; p < motion.x.rows(); ++p) {
     Vec3 here = row(motion.x, p);
     for (const HalfSpace& obstacle : obstacles_)
-      if (std::abs(obstacle.gap(here)) < use::snapped * job.model.body.length) here -= obstacle.gap(here) * obstacle.normal;
+      if (std::abs(obstacle.gap(here)) < use::snapped * context.model.body.length) here -= obstacle.gap(here) * obstacle.normal;
     push_out(obstacles_, here);
     for (const HalfSpace& obstacle : obstacles_)
-      if (obstacle.gap(here) < -position_slack * (job.model.body.length + here.norm())) return false;
+      if (obstacle.gap(here) < -position_slack * (context.model.body.length + here.norm())) return false;
     set_row(motion.x, p, here);
   }
   return true;

@@ -23,15 +23,15 @@ class RestSteps {
     Slip slip{};
   };
   StepStatus settle(const Beside& at);
-  double allowed(const Job& job, double h) const;
-  bool tips(const Job& job) const;
+  double allowed(const StepContext& context, double h) const;
+  bool tips(const StepContext& context) const;
   bool step_once(const Beside& at);
   StepStatus step_twice(const Beside& at, double next);
   bool doubted(const Beside& at, double h);
   Step step(const Beside& at, double until, bool settling = false);
   Step step_before_event(const Beside& at, double& next, double allowed, ContactEvent& event);
   Outcome take_in_frame(const Beside& at, const Vec3& acceleration, const Span& span);
-  bool keep_in_front(const Job& job);
+  bool keep_in_front(const StepContext& context);
 
   Path start_, before_, coarse_;
   std::vector<HalfSpace> obstacles_;

@@ -5,8 +5,8 @@
 
 #include "contact/tolerances.hpp"
 #include "flight/attitude.hpp"
+#include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
-#include "kit/trial.hpp"
 #include "model/arithmetic.hpp"
 #include "watch/vibration.hpp"
 
@@ -49,59 +49,59 @@ namespace {
 namespace use = thresholds;
 
 /// How loud the vibrations are: their kinetic energy [J], of a pinned body, which nothing has to press on, their size [m].
-double loudness(const Job& job) {
-  const State& motion = job.run.path.motion;
-  if (job.drive.pins.empty()) return kinetic_deformation(job.model.body, motion);
-  return present_vibration(job.equations(), motion, job.model.time_scale, infinity);
+double loudness(const StepContext& context) {
+  const State& motion = context.run.path.motion;
+  if (context.drive.pins.empty()) return kinetic_deformation(context.model.body, motion);
+  return present_vibration(context.equations(), motion, context.model.time_scale, infinity);
 }
 
 /// Whether they cannot move the body by what matters, pressed on as it was while it was listened to.
-bool quiet(const Job& job) {
-  const StiffContact& stiff = job.run.path.stiff;
-  if (!job.drive.pins.empty()) return stiff.loudest <= use::quiet * job.request.tolerance;
-  return stiff.impulse > 0 && 2 * stiff.loudest <= allowed_loss(job, stiff.impulse / stiff.listened);
+bool quiet(const StepContext& context) {
+  const StiffContact& stiff = context.run.path.stiff;
+  if (!context.drive.pins.empty()) return stiff.loudest <= use::quiet * context.request.tolerance;
+  return stiff.impulse > 0 && 2 * stiff.loudest <= allowed_loss(context, stiff.impulse / stiff.listened);
 }
 
 /// Moves and turns the body in the direction in which it has gone astray, by so much at its outermost point [m], and along the obstacle's
 /// normal so that it comes there as soon as without.
-void put_aside(const Job& job, double way) {
-  State& motion = job.run.path.motion;
-  const StiffContact& stiff = job.run.path.stiff;
-  const Body& body = job.model.body;
+void displace(const StepContext& context, double way) {
+  State& motion = context.run.path.motion;
+  const StiffContact& stiff = context.run.path.stiff;
+  const Body& body = context.model.body;
   const RigidMotion rigid = rigid_motion(body.mass, motion.x, motion.v);
-  const double gap = nearest_obstacle(job, motion).gap;
-  const double radius = radius_about(rigid.centre, motion.x), size = stiff.astray.norm() + radius * stiff.astray_spin.norm();
+  const double gap = nearest_obstacle(context, motion).gap;
+  const double radius = radius_about(rigid.centre, motion.x), size = stiff.error_velocity.norm() + radius * stiff.error_spin.norm();
   const double most = use::most_aside * radius, share = std::clamp(way, -most, most) / size;
-  const Eigen::Matrix3d turn = rotation_by(share * stiff.astray_spin);
+  const Eigen::Matrix3d turn = rotation_by(share * stiff.error_spin);
   for (int p = 0; p < body.points(); ++p) {
-    set_row(motion.x, p, rigid.centre + share * stiff.astray + turn * (row(motion.x, p) - rigid.centre));
+    set_row(motion.x, p, rigid.centre + share * stiff.error_velocity + turn * (row(motion.x, p) - rigid.centre));
     set_row(motion.v, p, rigid.velocity + turn * (row(motion.v, p) - rigid.velocity));
   }
-  const NearestObstacle now = nearest_obstacle(job, motion);
+  const NearestObstacle now = nearest_obstacle(context, motion);
   const double nearer = gap - now.gap;
   for (int axis = 0; axis < 3; ++axis) motion.x.col(axis) += nearer * now.obstacle.normal[axis];
   body.internal_force(motion.x, motion.spring);
 }
 
 /// The rigid motions of two states differ by this.
-void set_astray(const Body& body, const State& one, const State& other, StiffContact& stiff) {
+void set_error_direction(const Body& body, const State& one, const State& other, StiffContact& stiff) {
   const RigidMotion a = rigid_motion(body.mass, one.x, one.v), b = rigid_motion(body.mass, other.x, other.v);
-  stiff.astray = a.velocity - b.velocity;
-  stiff.astray_spin = a.spin - b.spin;
+  stiff.error_velocity = a.velocity - b.velocity;
+  stiff.error_spin = a.spin - b.spin;
 }
 
 }  // namespace
 
-double allowed_loss(const Job& job, double pressing) {
-  return job.drive.pins.empty() ? use::quiet_energy * pressing * job.request.tolerance : infinity;
+double allowed_loss(const StepContext& context, double pressing) {
+  return context.drive.pins.empty() ? use::quiet_energy * pressing * context.request.tolerance : infinity;
 }
 
 StepStatus Windows::run(const Beside& at, Flights& flights) {
-  const Job& job = at.job;
-  Path& path = job.run.path;
-  Course& course = job.run.course;
+  const StepContext& context = at.context;
+  Path& path = context.run.path;
+  Course& course = context.run.course;
   StiffContact& stiff = path.stiff;
-  const double tolerance = job.request.tolerance * power(job.request.step_factor, 2);
+  const double tolerance = context.request.tolerance * power(context.request.step_factor, 2);
   const double begun = path.motion.time, until = std::min(at.end, begun + use::longest_window * use::look_steps * at.limit);
   const bool fresh = stiff.phase == Phase::impact;
   const Phase after = fresh && begun - stiff.since < use::impact_length * at.limit ? Phase::impact : Phase::contact;
@@ -109,17 +109,18 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
   course.method = Method::leapfrog;
   course.reason = Reason::impact;
   stiff.phase = after;
-  const bool lost = stiff.total_error() > use::lost * tolerance, flown = job.drive.pins.empty() && flights.has_modes(job.model.body);
-  if (lost || (!fresh && stiff.trust > 0 && !off_obstacles(job, touching))) {
+  const bool lost = stiff.total_error() > use::lost * tolerance,
+             flown = context.drive.pins.empty() && flights.has_modes(context.model.body);
+  if (lost || (!fresh && stiff.trust > 0 && !off_obstacles(context, touching))) {
     if (!lost) --stiff.trust, stiff.error += stiff.trusted_error;
     if (fresh) start_ = path;
     const double h = lost && flown ? use::after_flight * at.limit : at.limit;
     const StepStatus status = listen(at, flights, h, until, true);
     stiff.settling = stiff.phase == Phase::rest;
-    if (fresh && status == StepStatus::ok) feel(at, flights);
+    if (fresh && status == StepStatus::ok) run_sensitivity(at, flights);
     return status;
   }
-  Trial trial(path, start_);
+  Snapshot snapshot(path, start_);
   double h = fresh ? 0.5 * at.limit : at.limit;
   StepStatus status = listen(at, flights, h, until, true);
   for (int tries = 0;; ++tries) {
@@ -127,15 +128,15 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     const Phase next = path.stiff.phase;
     const double reached = path.motion.time;
     std::swap(coarse_, path);
-    const bool rings = (fresh || next == Phase::flight) && job.drive.pins.empty() && flights.has_modes(job.model.body);
-    trial.back();
+    const bool rings = (fresh || next == Phase::flight) && context.drive.pins.empty() && flights.has_modes(context.model.body);
+    snapshot.rollback();
     const Count taken = path.steps;
     status = listen(at, flights, 0.5 * h, reached, false);
     if (status != StepStatus::ok) return status;
-    if (fresh && job.drive.pins.empty()) set_astray(job.model.body, coarse_.motion, path.motion, path.stiff);
-    const Outlook ahead = outlook(job, path.motion);
-    double error = outcome_of(job, coarse_.motion, path.motion, ahead) / 3, gain = 0;
-    if (rings) error = std::max(error, flights.echo(at, coarse_.motion, ahead, gain));
+    if (fresh && context.drive.pins.empty()) set_error_direction(context.model.body, coarse_.motion, path.motion, path.stiff);
+    const Outlook ahead = outlook(context, path.motion);
+    double error = outcome_of(context, coarse_.motion, path.motion, ahead) / 3, gain = 0;
+    if (rings) error = std::max(error, flights.phase_error(at, coarse_.motion, ahead, gain));
     const double exact = use::window_share * tolerance / (1 + gain);
     const double known = fresh && stiff.unknown > use::hopeless * tolerance ? use::share_of_known * stiff.unknown : 0;
     const double allowed = std::max(stiff.total_error() > exact ? use::window_share * tolerance : exact, known);
@@ -148,8 +149,8 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
       stiff.settling = next == Phase::rest;
       stiff.trust = easy ? stiff.next_trust : 0;
       stiff.next_trust = easy ? std::min(2 * stiff.next_trust, use::longest_window_trust) : 1;
-      trial.keep();
-      if (fresh) feel(at, flights);
+      snapshot.commit();
+      if (fresh) run_sensitivity(at, flights);
       return StepStatus::ok;
     }
     course.rejected += path.steps - taken;
@@ -158,7 +159,7 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     if (smaller == 0.5 * h) {  // the finer run is the next coarse one
       path.stiff.phase = next;
     } else {
-      trial.back();
+      snapshot.rollback();
       status = listen(at, flights, smaller, until, true);
     }
     h = smaller;
@@ -166,24 +167,24 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
 }
 
 /// What the impact makes of the error so far: the window again, begun that far astray.
-void Windows::feel(const Beside& at, Flights& flights) {
-  const Job& job = at.job;
-  Path& path = job.run.path;
+void Windows::run_sensitivity(const Beside& at, Flights& flights) {
+  const StepContext& context = at.context;
+  Path& path = context.run.path;
   const double before = start_.stiff.stated_error(), reached = path.motion.time;
-  const bool astray = !start_.stiff.astray.isZero(0) || !start_.stiff.astray_spin.isZero(0);
-  if (!astray || before <= use::least_error * job.request.tolerance) return;
-  const Outlook ahead = outlook(job, path.motion);
+  const bool astray = !start_.stiff.error_velocity.isZero(0) || !start_.stiff.error_spin.isZero(0);
+  if (!astray || before <= use::least_error * context.request.tolerance) return;
+  const Outlook ahead = outlook(context, path.motion);
   accepted_ = path;
   double after = before;
   for (const double way : {before, -before}) {
     path = start_;
-    put_aside(job, way);
+    displace(context, way);
     const StepStatus status = listen(at, flights, at.limit, reached, false);
-    job.run.course.rejected += path.steps - start_.steps;
-    const double outcome = status == StepStatus::ok ? outcome_of(job, path.motion, accepted_.motion, ahead) : after;
+    context.run.course.rejected += path.steps - start_.steps;
+    const double outcome = status == StepStatus::ok ? outcome_of(context, path.motion, accepted_.motion, ahead) : after;
     if (!(outcome > after)) continue;
     after = outcome;
-    set_astray(job.model.body, path.motion, accepted_.motion, accepted_.stiff);
+    set_error_direction(context.model.body, path.motion, accepted_.motion, accepted_.stiff);
   }
   std::swap(path, accepted_);
   path.stiff.grown = std::sqrt(power(path.stiff.grown, 2) + power(after - before, 2));
@@ -191,8 +192,8 @@ void Windows::feel(const Beside& at, Flights& flights) {
 
 /// Explicit steps of h, with looks at the same times whatever h is: until the phase changes, if that is to be decided here, or `until`.
 StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double until, bool decide) {
-  const Job& job = at.job;
-  Path& path = job.run.path;
+  const StepContext& context = at.context;
+  Path& path = context.run.path;
   State& motion = path.motion;
   StiffContact& stiff = path.stiff;
   const double stretch = use::look_steps * at.limit;
@@ -206,20 +207,20 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
     const Count contacts = path.exchange.contacts_resolved;
     for (Count i = 0; i < steps; i += quarter) {
       const Span span{begun, i, path.clock.h, std::min(quarter, steps - i)};
-      const Outcome outcome = at.integrators.take(job, Method::leapfrog, span);
-      job.run.course.work += outcome.work;
+      const Outcome outcome = at.integrators.take(context, Method::leapfrog, span);
+      context.run.course.work += outcome.work;
       path.steps += span.steps;
       if (outcome.status != StepStatus::ok) return outcome.status;
       motion.time = i + quarter >= steps ? (last ? until : begun + length) : span.time(span.steps);
-      stiff.loudest = std::max(stiff.loudest, loudness(job));
+      stiff.loudest = std::max(stiff.loudest, loudness(context));
     }
-    stiff.impulse += pressed_since(job, pushed_);
+    stiff.impulse += pressed_since(context, pushed_);
     stiff.listened += length;
     ++stiff.looks;
     const bool touched = path.exchange.contacts_resolved != contacts;
-    const double period = slowest_period(job);
+    const double period = slowest_period(context);
     const bool heard = double(stiff.looks) >= std::max(double(use::least_looks << stiff.doubts), period / stretch);
-    const bool rests = heard && (touched || !job.drive.pins.empty()) && quiet(job);
+    const bool rests = heard && (touched || !context.drive.pins.empty()) && quiet(context);
     if (heard) {
       stiff.pressing = stiff.impulse / stiff.listened;
       stiff.looks = 0;
@@ -234,7 +235,7 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
       return StepStatus::ok;
     }
     if (motion.time >= until) continue;
-    if (!touched && off_obstacles(job, touching) && flights.can_fly(at, use::worth_flying * at.limit, until)) {
+    if (!touched && off_obstacles(context, touching) && flights.can_fly(at, use::worth_flying * at.limit, until)) {
       stiff.phase = Phase::flight;
       return StepStatus::ok;
     }

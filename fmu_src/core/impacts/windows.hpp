@@ -10,7 +10,7 @@
 namespace softffd {
 
 /// Energy that may be damped away of a body that is pressed on with this force [J].
-double allowed_loss(const Job& job, double pressing);
+double allowed_loss(const StepContext& context, double pressing);
 
 class Windows {
  public:
@@ -19,7 +19,7 @@ class Windows {
   StepStatus run(const Beside& at, Flights& flights);
 
  private:
-  void feel(const Beside& at, Flights& flights);
+  void run_sensitivity(const Beside& at, Flights& flights);
   StepStatus listen(const Beside& at, Flights& flights, double h, double until, bool decide);
 
   Path start_, coarse_, accepted_;

@@ -4,6 +4,6 @@
 
 namespace softffd {
 
-StepStatus run_implicit(Integrators& integrators, const Job& job, Method method, double end);
+StepStatus run_implicit(Integrators& integrators, const StepContext& context, Method method, double end);
 
 }  // namespace softffd

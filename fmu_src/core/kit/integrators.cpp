@@ -18,15 +18,15 @@ namespace softffd {
 namespace {
 
 /// Whether a number tells the body's points apart there: further away rounding is larger than the body.
-bool tells_apart(const Job& job) {
-  const Points& x = job.run.path.motion.x;
-  return rounding * kernels::largest(x.size(), x.data()) <= job.model.body.length;  // not where one is no number
+bool tells_apart(const StepContext& context) {
+  const Points& x = context.run.path.motion.x;
+  return rounding * kernels::largest(x.size(), x.data()) <= context.model.body.length;  // not where one is no number
 }
 
 }  // namespace
 
 Integrators::Integrators(const Lattice& lattice, int planes, int pins, const Samples* samples)
-    : lattice_(lattice), planes_(planes), pins_(pins), samples_(samples), implicit_work_(lattice), reach_(lattice.points()) {}
+    : lattice_(lattice), planes_(planes), pins_(pins), samples_(samples), implicit_work_(lattice), broad_phase_(lattice.points()) {}
 
 std::unique_ptr<Integrator> Integrators::make(Method method) {
   const int points = lattice_.points();
@@ -52,40 +52,40 @@ Count Integrators::factorizations() const {
   return sum;
 }
 
-Outcome Integrators::take(const Job& job, Method method, const Span& span) {
+Outcome Integrators::take(const StepContext& context, Method method, const Span& span) {
   Outcome outcome{.status = StepStatus::too_much_work};
   if (budget_.spent()) return outcome;
-  const Count& contacts = job.run.path.exchange.contacts_resolved;
+  const Count& contacts = context.run.path.exchange.contacts_resolved;
   const Count before = contacts;
-  outcome = take_span(job, method, {span.origin, span.first, span.h, span.steps, span.most_work, budget_.left(), span.way, span.again});
+  outcome = take_span(context, method, {span.origin, span.first, span.h, span.steps, span.most_work, budget_.left(), span.way, span.again});
   budget_.spend(std::max(outcome.work, outcome.spent) +
-                double(contacts - before) * thresholds::contact_work * thresholds::patience(job.model.body.points()));
-  if (outcome.status == StepStatus::ok && !tells_apart(job)) outcome.status = StepStatus::not_finite;
+                double(contacts - before) * thresholds::contact_work * thresholds::patience(context.model.body.points()));
+  if (outcome.status == StepStatus::ok && !tells_apart(context)) outcome.status = StepStatus::not_finite;
   if (outcome.status == StepStatus::not_finite && budget_.spent()) outcome.status = StepStatus::too_much_work;
   return outcome;
 }
 
-Outcome Integrators::take_span(const Job& job, Method method, const Span& span) {
+Outcome Integrators::take_span(const StepContext& context, Method method, const Span& span) {
   Integrator& integrator = (*this)[method];
-  if (job.drive.planes.empty() || resolves_contact(method)) return integrator.advance(job.model, job.drive, span, job.run);
-  const State& motion = job.run.path.motion;
+  if (context.drive.planes.empty() || resolves_contact(method)) return integrator.advance(context.model, context.drive, span, context.run);
+  const State& motion = context.run.path.motion;
   Outcome total;
   for (Count i = 0; i < span.steps && total.status == StepStatus::ok; ++i) {
     x0_ = motion.x;
     v0_ = motion.v;
-    const Outcome step = integrator.advance(job.model, job.drive, {span.origin, span.first + i, span.h, 1}, job.run);
+    const Outcome step = integrator.advance(context.model, context.drive, {span.origin, span.first + i, span.h, 1}, context.run);
     total.work += step.work;
     total.error = worse(total.error, step.error);
-    if (passes(job, method, span.time(i), span.h, x0_, v0_, motion.x, motion.v)) total.status = StepStatus::contact_ahead;
+    if (passes(context, method, span.time(i), span.h, x0_, v0_, motion.x, motion.v)) total.status = StepStatus::contact_ahead;
   }
-  if (!traits(method).error_control()) total.work = double(span.steps) * step_work(job.model.body, method, span.h);
+  if (!traits(method).error_control()) total.work = double(span.steps) * step_work(context.model.body, method, span.h);
   return total;
 }
 
-bool Integrators::passes(const Job& job, Method method, double t, double h, const Points& x0, const Points& v0, const Points& x,
+bool Integrators::passes(const StepContext& context, Method method, double t, double h, const Points& x0, const Points& v0, const Points& x,
                          const Points& v) {
-  if (traits(method).turning == Turning::in_frame) return !off_obstacles(job.drive, t + h, x, touching * job.model.body.length);
-  return reach_.passed(job.drive, t, t + h, x0, v0, x, v);
+  if (traits(method).turning == Turning::in_frame) return !off_obstacles(context.drive, t + h, x, touching * context.model.body.length);
+  return broad_phase_.passed(context.drive, t, t + h, x0, v0, x, v);
 }
 
 }  // namespace softffd

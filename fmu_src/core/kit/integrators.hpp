@@ -4,9 +4,9 @@
 #include <array>
 #include <memory>
 
-#include "contact/reach.hpp"
+#include "contact/broad_phase.hpp"
 #include "kit/budget.hpp"
-#include "kit/job.hpp"
+#include "kit/step_context.hpp"
 #include "methods/one_step.hpp"
 #include "methods/traits.hpp"
 
@@ -31,24 +31,25 @@ class Integrators {
 
   /// Internal steps of the run. contact_ahead: one went behind an obstacle. not_finite: a number is not, or the body is so far away that
   /// rounding is larger than it. too_much_work: nothing is left of the budget.
-  Outcome take(const Job& job, Method method, const Span& span);
+  Outcome take(const StepContext& context, Method method, const Span& span);
   /// Does a step of length h from (t, x0, v0) to (x, v) go behind an obstacle? In the body's frame the end decides, as it does for the
   /// implicit contact step, which would take over.
-  bool passes(const Job& job, Method method, double t, double h, const Points& x0, const Points& v0, const Points& x, const Points& v);
-  Reach& reach() { return reach_; }
+  bool passes(const StepContext& context, Method method, double t, double h, const Points& x0, const Points& v0, const Points& x,
+              const Points& v);
+  BroadPhase& broad_phase() { return broad_phase_; }
   /// Of the call; what is not taken by `take` is booked by who takes it.
   Budget& budget() { return budget_; }
 
  private:
   std::unique_ptr<Integrator> make(Method method);
-  Outcome take_span(const Job& job, Method method, const Span& span);
+  Outcome take_span(const StepContext& context, Method method, const Span& span);
 
   Lattice lattice_;
   int planes_, pins_;
   const Samples* samples_;
   std::array<std::unique_ptr<Integrator>, method_count> all_;
   ImplicitWork implicit_work_;
-  Reach reach_;
+  BroadPhase broad_phase_;
   Budget budget_;
   Points x0_, v0_;
 };

@@ -30,48 +30,48 @@ double spin(const Model& model, const Points& x, const Points& v) { return rigid
 
 }  // namespace
 
-double bound(const Job& job) {
-  Course& course = job.run.course;
-  if (course.bound < 0 || deformed_since_bound(job)) {
-    course.bound = job.model.stability.frequency(job.model.body, job.run.path.motion.x);
-    course.bound_x.change() = job.run.path.motion.x;
+double bound(const StepContext& context) {
+  Course& course = context.run.course;
+  if (course.bound < 0 || deformed_since_bound(context)) {
+    course.bound = context.model.stability.frequency(context.model.body, context.run.path.motion.x);
+    course.bound_x.change() = context.run.path.motion.x;
   }
   return course.bound;
 }
 
-bool deformed_since_bound(const Job& job) {
-  const auto& energies = job.model.body.energies;
+bool deformed_since_bound(const StepContext& context) {
+  const auto& energies = context.model.body.energies;
   return std::any_of(energies.begin(), energies.end(),
-                     [&](const auto& each) { return each->has_deformed(job.run.path.motion.x, *job.run.course.bound_x); });
+                     [&](const auto& each) { return each->has_deformed(context.run.path.motion.x, *context.run.course.bound_x); });
 }
 
-double step_limit(const Job& job, Method method, bool given) {
+double step_limit(const StepContext& context, Method method, bool given) {
   double limit = infinity;
   const Traits& t = traits(method);
-  const State& motion = job.run.path.motion;
-  if (job.model.stability.elastic()) limit = (given ? t.given : t.automatic) * 2 / bound(job);
-  if (!given && t.long_run < 1 && job.request.horizon * bound(job) > thresholds::long_run) limit *= t.long_run;
-  if (t.damping < infinity) limit = std::min(limit, t.damping / job.model.body.fastest_damping);
-  if (!given && t.turning == Turning::straight) limit = tighter(limit, turning_limit(job, motion.x, motion.v));
+  const State& motion = context.run.path.motion;
+  if (context.model.stability.elastic()) limit = (given ? t.given : t.automatic) * 2 / bound(context);
+  if (!given && t.long_run < 1 && context.request.horizon * bound(context) > thresholds::long_run) limit *= t.long_run;
+  if (t.damping < infinity) limit = std::min(limit, t.damping / context.model.body.fastest_damping);
+  if (!given && t.turning == Turning::straight) limit = tighter(limit, turning_limit(context, motion.x, motion.v));
   if (!given && t.turning == Turning::in_frame)
-    limit = tighter(thresholds::stiffest / bound(job), thresholds::frame_angle / spin(job.model, motion.x, motion.v));
-  return limit * job.request.step_factor;
+    limit = tighter(thresholds::stiffest / bound(context), thresholds::frame_angle / spin(context.model, motion.x, motion.v));
+  return limit * context.request.step_factor;
 }
 
-double turning_limit(const Job& job, const Points& x, const Points& v) {
-  double fastest = spin(job.model, x, v);
-  for (const Pin& pin : job.drive.pins) fastest = worse(fastest, pin.at(job.run.path.motion.time).spin.norm());
-  return tighter(thresholds::stiffest / bound(job),
-                 tighter(std::sqrt(thresholds::straight_turn / (bound(job) * fastest)), thresholds::straight_angle / fastest));
+double turning_limit(const StepContext& context, const Points& x, const Points& v) {
+  double fastest = spin(context.model, x, v);
+  for (const Pin& pin : context.drive.pins) fastest = worse(fastest, pin.at(context.run.path.motion.time).spin.norm());
+  return tighter(thresholds::stiffest / bound(context),
+                 tighter(std::sqrt(thresholds::straight_turn / (bound(context) * fastest)), thresholds::straight_angle / fastest));
 }
 
-double growing(const Job& job, const State& a, const State& b, double stretch) {
-  const Scalars &time_scale = job.model.time_scale, &memory = job.model.memory;
+double growing(const StepContext& context, const State& a, const State& b, double stretch) {
+  const Scalars &time_scale = context.model.time_scale, &memory = context.model.memory;
   double error = 0;
   for (int i = 0; i < memory.size(); ++i) {
     const double dx = std::abs(a.x.data()[i] - b.x.data()[i]), dv = std::abs(a.v.data()[i] - b.v.data()[i]) * time_scale[i];
     if (!(dx < infinity && dv < infinity)) return infinity;
-    error = std::max(error, std::max(dx, dv) * std::max(1.0, std::min(job.request.horizon, memory[i]) / stretch));
+    error = std::max(error, std::max(dx, dv) * std::max(1.0, std::min(context.request.horizon, memory[i]) / stretch));
   }
   return error;
 }

@@ -1,22 +1,22 @@
 /// How long an internal step may be at a state: by stability, by damping, by the turning of the body. And what a difference between two
 /// runs will have grown to at the end.
 #pragma once
-#include "kit/job.hpp"
+#include "kit/step_context.hpp"
 #include "methods/traits.hpp"
 
 namespace softffd {
 
 /// Upper bound of omega at the present state [rad/s]; computed anew only when the body has deformed since (run.course.bound).
-double bound(const Job& job);
-bool deformed_since_bound(const Job& job);
+double bound(const StepContext& context);
+bool deformed_since_bound(const StepContext& context);
 /// Largest step of a method [s]: that a user may give, or that is chosen.
-double step_limit(const Job& job, Method method, bool given);
+double step_limit(const StepContext& context, Method method, bool given);
 /// Longest implicit step of a body that turns as (x, v) does [s]. A step takes points along straight lines; what that stretches the springs
 /// throws them back with (omega h) times the speed of turning, so that the energy of the rotation errs by about (omega h spin h)^2. Where
 /// pins turn, the forces on them do.
-double turning_limit(const Job& job, const Points& x, const Points& v);
+double turning_limit(const StepContext& context, const Points& x, const Points& v);
 /// What states a and b, after the same stretch of time [s] from one state, will differ by at the end of the run, if the difference keeps
 /// growing until damping forgets it [m]; infinite where one is not finite.
-double growing(const Job& job, const State& a, const State& b, double stretch);
+double growing(const StepContext& context, const State& a, const State& b, double stretch);
 
 }  // namespace softffd

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/reach.hpp"
+#include "contact/broad_phase.hpp"
 #include "contact/surface/tangents.hpp"
 #include "contact/tolerances.hpp"
 #include "kit/thresholds.hpp"
@@ -40,22 +40,23 @@ namespace use = thresholds;
 constexpr double standstill = 1e-9;
 
 /// Acceleration that the outside forces give the whole body [m/s2].
-Vec3 whole_acceleration(const Job& job) {
-  const double t = job.run.path.motion.time;
+Vec3 whole_acceleration(const StepContext& context) {
+  const double t = context.run.path.motion.time;
   Vec3 sum = Vec3::Zero();
   for (int axis = 0; axis < 3; ++axis) {
-    sum[axis] = job.drive.force.col(axis).sum();
-    if (job.drive.ramped)
-      for (Eigen::Index p = 0; p < job.drive.force.rows(); ++p) sum[axis] += job.drive.ramp(p + axis * job.drive.force.rows(), t);
+    sum[axis] = context.drive.force.col(axis).sum();
+    if (context.drive.ramped)
+      for (Eigen::Index p = 0; p < context.drive.force.rows(); ++p)
+        sum[axis] += context.drive.ramp(p + axis * context.drive.force.rows(), t);
   }
-  return sum / job.model.body.mass.sum();
+  return sum / context.model.body.mass.sum();
 }
 
 /// Whether obstacles hold the body from two sides.
-bool squeezed(const Job& job, const State& state) {
-  const double touch = touching * job.model.body.length;
-  const auto touches = [&](const HalfSpace& obstacle) { return least_gap(job.model.body, obstacle, state.x) <= touch; };
-  const auto& planes = job.drive.planes;
+bool squeezed(const StepContext& context, const State& state) {
+  const double touch = touching * context.model.body.length;
+  const auto touches = [&](const HalfSpace& obstacle) { return least_gap(context.model.body, obstacle, state.x) <= touch; };
+  const auto& planes = context.drive.planes;
   const Vec3 middle = state.x.colwise().mean().matrix().transpose();
   for (std::size_t a = 0; a < planes.size(); ++a)
     for (std::size_t b = a + 1; b < planes.size(); ++b) {
@@ -66,14 +67,16 @@ bool squeezed(const Job& job, const State& state) {
 }
 
 /// In which internal damping takes a vibration of this period to 1 / e, or what creeps [s]; infinite without.
-double decay_time(const Job& job, double period) {
-  const double time = job.model.body.shortest_time();
+double decay_time(const StepContext& context, double period) {
+  const double time = context.model.body.shortest_time();
   constexpr double two_pi = 6.283185307179586;
   return time > 0 ? std::max(2 * power(period / two_pi, 2) / time, time) : infinity;
 }
 
 /// For how long a velocity of the body in contact lasts, its slowest vibration having this period [s]: internal damping takes it sooner.
-double ringing_time(const Job& job, double period) { return std::min(use::memory_periods * period, period + decay_time(job, period)); }
+double ringing_time(const StepContext& context, double period) {
+  return std::min(use::memory_periods * period, period + decay_time(context, period));
+}
 
 /// Calls visit(place) for all that may touch: control points, or the surface's samples.
 template <class Visit>
@@ -87,12 +90,12 @@ void visit_places(const Body& body, const Points& x, Visit visit) {
 
 /// Whether the body falls over: what touches lies on one side of where the outside force through the centre meets the obstacle. It turns
 /// about what touches until another place comes down; differences of two such motions grow as its speed does, from rest exponentially.
-void look_for_fall(const Job& job, const State& state, Outlook& ahead) {
-  const Body& body = job.model.body;
+void look_for_fall(const StepContext& context, const State& state, Outlook& ahead) {
+  const Body& body = context.model.body;
   const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
-  const auto [plane, obstacle, gap] = nearest_obstacle(job, state);
+  const auto [plane, obstacle, gap] = nearest_obstacle(context, state);
   const double snug = use::snug * body.length, height = obstacle.gap(motion.centre);
-  Vec3 pull = tangential(ahead.normal, whole_acceleration(job) - plane->acceleration);
+  Vec3 pull = tangential(ahead.normal, whole_acceleration(context) - plane->acceleration);
   const double most = plane->friction * ahead.pressing;
   if (pull.norm() > most) pull *= most / pull.norm();
   const Vec3 aim = motion.centre + height / ahead.pressing * pull;
@@ -133,37 +136,37 @@ void look_for_fall(const Job& job, const State& state, Outlook& ahead) {
 
 }  // namespace
 
-double left_of_run(const Job& job) {
-  const double horizon = job.request.horizon, time = job.run.path.motion.time;
+double left_of_run(const StepContext& context) {
+  const double horizon = context.request.horizon, time = context.run.path.motion.time;
   return time < horizon ? std::max(horizon - time, use::least_left * horizon) : horizon;
 }
 
 /// The uniform lattice's lowest frequency goes with one over its points along the longest side.
-double slowest_period(const Job& job) {
-  const int n = job.model.body.points();
+double slowest_period(const StepContext& context) {
+  const int n = context.model.body.points();
   double longest = 0;
   for (int i = 0; i < 3 * n; ++i)
-    if (!job.model.body.pinned[i % n]) longest = std::max(longest, job.model.time_scale[i]);
-  return std::min(use::period_per_time_scale * longest, left_of_run(job));
+    if (!context.model.body.pinned[i % n]) longest = std::max(longest, context.model.time_scale[i]);
+  return std::min(use::period_per_time_scale * longest, left_of_run(context));
 }
 
-NearestObstacle nearest_obstacle(const Job& job, const State& state) {
+NearestObstacle nearest_obstacle(const StepContext& context, const State& state) {
   NearestObstacle nearest;
-  for (const Plane& plane : job.drive.planes) {
-    const Facing here = facing(job.model.body, plane, state.time, state.x);
+  for (const Plane& plane : context.drive.planes) {
+    const Facing here = facing(context.model.body, plane, state.time, state.x);
     if (!nearest.plane || !(here.gap >= nearest.gap)) nearest = {&plane, here.obstacle, here.gap};
   }
   return nearest;
 }
 
-double pressed_since(const Job& job, const std::vector<Impulse>& before) {
-  const std::vector<Impulse>& now = job.run.path.exchange.planes;
+double pressed_since(const StepContext& context, const std::vector<Impulse>& before) {
+  const std::vector<Impulse>& now = context.run.path.exchange.planes;
   double most = 0;
   for (std::size_t q = 0; q < now.size(); ++q) {
-    const Plane& obstacle = job.drive.planes[q];
+    const Plane& obstacle = context.drive.planes[q];
     const Vec3 force = now[q].force - before[q].force;
-    most = std::max(
-        most, std::abs(obstacle.solid() ? now[q].pressed - before[q].pressed : force.dot(obstacle.at(job.run.path.motion.time).normal)));
+    most = std::max(most, std::abs(obstacle.solid() ? now[q].pressed - before[q].pressed
+                                                    : force.dot(obstacle.at(context.run.path.motion.time).normal)));
   }
   return most;
 }
@@ -178,62 +181,62 @@ double kinetic_deformation(const Body& body, const State& state) {
   return energy;
 }
 
-double approach_speed(const Job& job, const State& state, const RigidMotion& rigid, double radius) {
-  const HalfSpace obstacle = nearest_obstacle(job, state).obstacle;
+double approach_speed(const StepContext& context, const State& state, const RigidMotion& rigid, double radius) {
+  const HalfSpace obstacle = nearest_obstacle(context, state).obstacle;
   const Vec3 velocity = rigid.velocity - obstacle.material_velocity(rigid.centre);
   return std::abs(velocity.dot(obstacle.normal)) + use::turning_share * radius * (rigid.spin - obstacle.spin).norm() + standstill;
 }
 
-Outlook outlook(const Job& job, const State& state) {
-  const auto [plane, obstacle, gap] = nearest_obstacle(job, state);
-  const Vec3 pushed = plane->acceleration - whole_acceleration(job);
-  const double left = left_of_run(job), pressing = pushed.dot(obstacle.normal);
+Outlook outlook(const StepContext& context, const State& state) {
+  const auto [plane, obstacle, gap] = nearest_obstacle(context, state);
+  const Vec3 pushed = plane->acceleration - whole_acceleration(context);
+  const double left = left_of_run(context), pressing = pushed.dot(obstacle.normal);
   Outlook ahead{obstacle.normal, left, left, left, pressing};
-  if (!job.drive.pins.empty()) return ahead;
-  if (squeezed(job, state)) {
-    ahead.along_normal = std::min(left, ringing_time(job, slowest_period(job)));
+  if (!context.drive.pins.empty()) return ahead;
+  if (squeezed(context, state)) {
+    ahead.along_normal = std::min(left, ringing_time(context, slowest_period(context)));
     if (plane->friction > 0) ahead.along_plane = ahead.along_normal;
     return ahead;
   }
   if (!(pressing > 0)) return ahead;
   ahead.slides_on = tangential(obstacle.normal, pushed).norm() >= plane->friction * pressing;
-  const Body& body = job.model.body;
+  const Body& body = context.model.body;
   const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
-  const double radius = radius_about(motion.centre, state.x), period = slowest_period(job);
+  const double radius = radius_about(motion.centre, state.x), period = slowest_period(context);
   const Vec3 velocity = motion.velocity - obstacle.material_velocity(motion.centre), spin = motion.spin - obstacle.spin;
   const double across = std::abs(velocity.dot(obstacle.normal)) + radius * tangential(obstacle.normal, spin).norm() +
                         std::sqrt(4 * kinetic_deformation(body, state) / motion.mass);
   const double along = tangential(obstacle.normal, velocity).norm() + radius * spin.norm();
-  ahead.along_normal = std::min(left, std::max(ringing_time(job, period), 4 * across / pressing));
+  ahead.along_normal = std::min(left, std::max(ringing_time(context, period), 4 * across / pressing));
   const double sliding = plane->friction > 0 ? 2 * along / (plane->friction * pressing) : infinity;
   ahead.along_plane = std::min(left, std::max(ahead.along_normal, sliding));
   return ahead;
 }
 
-Outlook outlook_of_stiff(const Job& job, const State& state) {
-  Outlook ahead = outlook(job, state);
-  if (job.drive.pins.empty() && ahead.pressing > 0) look_for_fall(job, state, ahead);
+Outlook outlook_of_stiff(const StepContext& context, const State& state) {
+  Outlook ahead = outlook(context, state);
+  if (context.drive.pins.empty() && ahead.pressing > 0) look_for_fall(context, state, ahead);
   return ahead;
 }
 
 /// A position error e shifts the touch by e / v, the phase of the vibration by omega e / v, and the rebound by a share of its velocity.
-void book_unknown_phase(const Job& job, const State& state, double energy, double frequency, double known) {
-  StiffContact& stiff = job.run.path.stiff;
-  const RigidMotion rigid = rigid_motion(job.model.body.mass, state.x, state.v);
-  const double error = std::max(known, use::least_error * job.request.tolerance);
-  const double phase = std::min(1.0, frequency * error / approach_speed(job, state, rigid, radius_about(rigid.centre, state.x)));
-  const double share = job.model.body.samples ? use::struck_share : use::rebound_share;
-  const double added = share * std::sqrt(2 * energy / rigid.mass) * phase * outlook(job, state).along_plane;
+void book_unknown_phase(const StepContext& context, const State& state, double energy, double frequency, double known) {
+  StiffContact& stiff = context.run.path.stiff;
+  const RigidMotion rigid = rigid_motion(context.model.body.mass, state.x, state.v);
+  const double error = std::max(known, use::least_error * context.request.tolerance);
+  const double phase = std::min(1.0, frequency * error / approach_speed(context, state, rigid, radius_about(rigid.centre, state.x)));
+  const double share = context.model.body.samples ? use::struck_share : use::rebound_share;
+  const double added = share * std::sqrt(2 * energy / rigid.mass) * phase * outlook(context, state).along_plane;
   stiff.unknown = std::sqrt(power(stiff.unknown, 2) + power(added, 2));
 }
 
-double outcome_of(const Job& job, const State& a, const State& b, const Outlook& ahead) {
-  const Body& body = job.model.body;
+double outcome_of(const StepContext& context, const State& a, const State& b, const Outlook& ahead) {
+  const Body& body = context.model.body;
   double error = 0;
   for (int i = 0; i < a.x.size(); ++i)
-    if (job.model.memory[i] > 0) error = worse(error, std::abs(a.x.data()[i] - b.x.data()[i]));
-  if (!job.drive.pins.empty()) {
-    for (int i = 0; i < a.v.size(); ++i) error = std::max(error, std::abs(a.v.data()[i] - b.v.data()[i]) * job.model.time_scale[i]);
+    if (context.model.memory[i] > 0) error = worse(error, std::abs(a.x.data()[i] - b.x.data()[i]));
+  if (!context.drive.pins.empty()) {
+    for (int i = 0; i < a.v.size(); ++i) error = std::max(error, std::abs(a.v.data()[i] - b.v.data()[i]) * context.model.time_scale[i]);
     return std::isnan(error) ? infinity : error;
   }
   const RigidMotion of_a = rigid_motion(body.mass, a.x, a.v), of_b = rigid_motion(body.mass, b.x, b.v);

@@ -2,7 +2,7 @@
 #pragma once
 #include <limits>
 
-#include "kit/job.hpp"
+#include "kit/step_context.hpp"
 #include "model/rigid_motion.hpp"
 
 namespace softffd {
@@ -21,31 +21,31 @@ struct Outlook {
 };
 
 /// Of the run, over which errors add up [s].
-double left_of_run(const Job& job);
+double left_of_run(const StepContext& context);
 /// Of the slowest vibration, about [s].
-double slowest_period(const Job& job);
+double slowest_period(const StepContext& context);
 /// The obstacle that a point, or sample, is nearest to, or furthest behind. The drive has planes.
 struct NearestObstacle {
   const Plane* plane = nullptr;
   HalfSpace obstacle;                                    ///< now
   double gap = std::numeric_limits<double>::infinity();  ///< [m]
 };
-NearestObstacle nearest_obstacle(const Job& job, const State& state);
+NearestObstacle nearest_obstacle(const StepContext& context, const State& state);
 /// What any obstacle has been pressed by most since these impulses on them, along its normals [N s].
-double pressed_since(const Job& job, const std::vector<Impulse>& before);
+double pressed_since(const StepContext& context, const std::vector<Impulse>& before);
 /// Kinetic energy of the motion that is not rigid [J].
 double kinetic_deformation(const Body& body, const State& state);
 /// Speed at which a body comes to the nearest obstacle, with what its turning adds [m/s]. radius: of its outermost point [m].
-double approach_speed(const Job& job, const State& state, const RigidMotion& rigid, double radius);
+double approach_speed(const StepContext& context, const State& state, const RigidMotion& rigid, double radius);
 
 /// The drive has planes.
-Outlook outlook(const Job& job, const State& state);
+Outlook outlook(const StepContext& context, const State& state);
 /// The same of a stiff body, which may fall over.
-Outlook outlook_of_stiff(const Job& job, const State& state);
+Outlook outlook_of_stiff(const StepContext& context, const State& state);
 /// An impact begins: books what the phase of the vibrations that the body brings, of this energy [J] and frequency [rad/s], not being known
 /// may add to the error. Each impact has a phase of its own. known: error of the places at the impact [m].
-void book_unknown_phase(const Job& job, const State& state, double energy, double frequency, double known);
+void book_unknown_phase(const StepContext& context, const State& state, double energy, double frequency, double known);
 /// What two states will differ by at the end of the run [m]; infinite where one is not finite.
-double outcome_of(const Job& job, const State& a, const State& b, const Outlook& ahead);
+double outcome_of(const StepContext& context, const State& a, const State& b, const Outlook& ahead);
 
 }  // namespace softffd

@@ -1,8 +1,8 @@
 /// Thresholds of the choice of method and step that several files read, with their unit, what they trade, and what they rest on. One with
 /// a single reader stands beside that one, in `namespace thresholds` too.
 ///
-/// "Work" is counted in evaluations of the spring forces, about a microsecond each on 4 x 4 x 4. Races and calibrations are trials of a
-/// short stretch whose result is taken back. "Measured" means error against processor time on free vibration, slow loads on stiff bodies,
+/// "Work" is counted in evaluations of the spring forces, about a microsecond each on 4 x 4 x 4. Trial runs and calibrations are trials of
+/// a short stretch whose result is taken back. "Measured" means error against processor time on free vibration, slow loads on stiff bodies,
 /// a stiff layer, a light corner, a spinning body and a dropped one; "by experience" on these and on the stability survey's cases.
 #pragma once
 #include "model/types.hpp"
@@ -63,14 +63,14 @@ inline constexpr double forecast_tolerance = 1.5;
 
 // ---- calibration of fixed steps ----
 
-/// Stretch of a calibration in units of 1 / omega [1]: six periods of the fastest vibrations. Measured in races.
+/// Stretch of a calibration in units of 1 / omega [1]: six periods of the fastest vibrations. Measured in trial runs.
 inline constexpr double calibration_window = 40;
 /// Work between two trials of any kind at least: less is not worth being precise about.
 inline constexpr double shortest_pause = 100;
 /// A communication step shorter than this fraction of those of late is no measure for the others [1].
 inline constexpr double sliver = 0.2;
 
-// ---- races ----
+// ---- trial runs ----
 
 /// H omega / 2 from which on implicit steps are worth a trial [1]: measured, 10 gave no gain.
 inline constexpr double stiff = 25;

@@ -74,8 +74,8 @@ Team::~Team() {
   for (std::thread& helper : *helpers_) helper.join();
 }
 
-void Team::run(const Job& job) {
-  job_ = job;
+void Team::run(const StepContext& context) {
+  job_ = context;
   left_.store(members(), std::memory_order_relaxed);
   const unsigned round = round_.load(std::memory_order_relaxed) + 1;
   round_.store(round, std::memory_order_release);
@@ -84,7 +84,7 @@ void Team::run(const Job& job) {
   while (const int left = left_.load(std::memory_order_acquire)) await_change(left_, left);
 }
 
-/// A helper that comes late to a round finds all its pieces begun, and does not look at the job.
+/// A helper that comes late to a round finds all its pieces begun, and does not look at the context.
 void Team::take_pieces(int own, unsigned round) {
   for (int n = 0; n < members(); ++n) {
     const int piece = (own + n) % members();

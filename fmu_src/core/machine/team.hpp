@@ -33,19 +33,19 @@ class Team {
 
  private:
   static constexpr int cache_line = 64;
-  struct Job {
+  struct StepContext {
     void (*act)(const void* of, int piece);
     const void* of;
   };
   struct alignas(cache_line) Piece {
     std::atomic<unsigned> round{0};  ///< in which it was begun last
   };
-  void run(const Job& job);
+  void run(const StepContext& context);
   void take_pieces(int own, unsigned round);
   void help(int own);
 
   std::vector<Piece> pieces_;
-  Job job_{};
+  StepContext job_{};
   alignas(cache_line) std::atomic<unsigned> round_{0};
   alignas(cache_line) std::atomic<int> left_{0};  ///< pieces of the round that have not ended
   std::atomic<bool> over_{false};

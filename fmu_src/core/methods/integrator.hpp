@@ -25,7 +25,7 @@ class Integrator {
   virtual ~Integrator() = default;
 
   /// Takes the motion through the span, and adds to the run's exchange what goes to the outside; `run.path.motion.time`, clock and counts
-  /// are the caller's, who also books the work. Unless the status is ok motion and exchange are spoilt: a Trial takes them back.
+  /// are the caller's, who also books the work. Unless the status is ok motion and exchange are spoilt: a Snapshot takes them back.
   virtual Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) = 0;
   /// Number of matrices factored so far.
   virtual Count factorizations() const { return 0; }

@@ -146,7 +146,7 @@ StepStatus Leapfrog::open(const StepView& view, Path& path) {
   if (!around.planes.empty()) {
     if (surface_ && surface_->spent()) return StepStatus::not_finite;
     find(view, path);
-    if (const StepStatus status = meet(view, path); status != StepStatus::ok) return status;
+    if (const StepStatus status = position_stage(view, path); status != StepStatus::ok) return status;
   }
   if (around.watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (view.t0 + view.t1), next_ - state.x);
   state.x.swap(next_);
@@ -192,7 +192,7 @@ void Leapfrog::each_found(const See& see) {
 /// Were the points found in the step before too, and what lies between is kept of their blocks for so many steps more?
 bool Leapfrog::lasts(Count steps) const { return !surface_ && contact_.same() && any_until_ >= step_ + steps; }
 
-StepStatus Leapfrog::meet(const StepView& view, Path& path) {
+StepStatus Leapfrog::position_stage(const StepView& view, Path& path) {
   ++step_;
   if (!lasts(keep_for / 2)) each_found([&](Count& until) { until = any_until_ = step_ + keep_for; });
   return surface_ ? surface_->drift(view, before_, path.motion.v, next_, path.surface, path.exchange)
@@ -217,7 +217,7 @@ StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, 
   bool kept = true;
   if (!lasts(0)) each_found([&](Count until) { kept = kept && until >= step_; });
   if (!kept) recall(last, state);
-  status = meet(next, path);
+  status = position_stage(next, path);
   state.x.swap(next_);
   return status;
 }

@@ -23,7 +23,7 @@ class Leapfrog final : public Integrator {
   template <class See>
   void each_found(const See& see);
   bool lasts(Count steps) const;
-  StepStatus meet(const StepView& view, Path& path);
+  StepStatus position_stage(const StepView& view, Path& path);
   void recall(const StepView& last, State& state);
 
   HalfKicks kicks_;

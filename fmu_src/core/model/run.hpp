@@ -117,12 +117,12 @@ struct StiffContact {
   Count trust = 0;           ///< windows that may be run once
   Count next_trust = 1;      ///< how many after the next success
   double trusted_error = 0;  ///< of one, as of the last that was run twice [m]
-  Count rest_trust = 0, next_rest_trust = 1;               ///< the same for steps at rest
-  double step = 0;                                         ///< at rest [s]; 0: none yet
-  double error = 0;                                        ///< that steps have left, at the end of the run [m]
-  double unknown = 0;                                      ///< that the vibrations' unknown phases at impacts may have added [m]
-  double grown = 0;                                        ///< by what impacts may have made of either, where the body lands otherwise [m]
-  Vec3 astray = Vec3::Zero(), astray_spin = Vec3::Zero();  ///< by which the last impact's runs differed [m/s, rad/s]
+  Count rest_trust = 0, next_rest_trust = 1;  ///< the same for steps at rest
+  double step = 0;                            ///< at rest [s]; 0: none yet
+  double error = 0;                           ///< that steps have left, at the end of the run [m]
+  double unknown = 0;                         ///< that the vibrations' unknown phases at impacts may have added [m]
+  double grown = 0;                           ///< by what impacts may have made of either, where the body lands otherwise [m]
+  Vec3 error_velocity = Vec3::Zero(), error_spin = Vec3::Zero();  ///< by which the last impact's runs differed [m/s, rad/s]
 
   /// What steps go by.
   double total_error() const { return error + unknown; }
@@ -135,25 +135,25 @@ struct StiffContact {
              .error = error,
              .unknown = unknown,
              .grown = grown,
-             .astray = astray,
-             .astray_spin = astray_spin};
+             .error_velocity = error_velocity,
+             .error_spin = error_spin};
   }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.phase, s.settling, s.looks, s.impulse, s.listened, s.loudest, s.pressing, s.since, s.doubts, s.trust, s.next_trust,
-                  s.trusted_error, s.rest_trust, s.next_rest_trust, s.step, s.error, s.unknown, s.grown, s.astray, s.astray_spin);
+                  s.trusted_error, s.rest_trust, s.next_rest_trust, s.step, s.error, s.unknown, s.grown, s.error_velocity, s.error_spin);
   }
 };
 static_assert(visits_every_field<StiffContact>);
 
-/// What races between methods have shown, and when the next one is due, in work done by then.
-struct RaceRecord {
+/// What trial runs between methods have shown, and when the next one is due, in work done by then.
+struct TrialRecord {
   Method winner = Method::automatic;  ///< automatic: none yet
   Reason reason = Reason::least_work;
   double due = 0;       ///< work at which the next one is due
   double soon = 0;      ///< the same after a jolt
-  double pause = 1;     ///< its distance, in multiples of a race's own work
+  double pause = 1;     ///< its distance, in multiples of the trial runs' own work
   double window = 0;    ///< communication step of the last one [s]
   double forecast = 0;  ///< work that the winner should need for what is left of the communication step
 
@@ -162,7 +162,7 @@ struct RaceRecord {
     return fields(s.winner, s.reason, s.due, s.soon, s.pause, s.window, s.forecast);
   }
 };
-static_assert(visits_every_field<RaceRecord>);
+static_assert(visits_every_field<TrialRecord>);
 
 /// Implicit steps of second order of a damped body beside obstacles (stepping/damped_steps.hpp).
 struct DampedRecord {
@@ -194,7 +194,7 @@ struct Course {
   Factored factored{};
   Method method = Method::automatic;  ///< that took the last communication step
   Reason reason = Reason::asked;
-  RaceRecord race{};
+  TrialRecord trials{};
   double work = 0;   ///< done since the start, in evaluations of the spring forces
   double usual = 0;  ///< length of communication steps of late [s]
   Count rejected = 0;
@@ -211,12 +211,12 @@ struct Course {
     contact = {};
     damped = {.force = damped.force};
     factored.h = 0;
-    race.winner = Method::automatic;
+    trials.winner = Method::automatic;
   }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.bound_x, s.bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.method, s.reason, s.race, s.work,
+    return fields(s.bound_x, s.bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.method, s.reason, s.trials, s.work,
                   s.usual, s.rejected, s.factors, s.contact_error, s.neighbour);
   }
 };

@@ -1,8 +1,8 @@
 /// Samples of the object's own surface: points of the body by which obstacles are met, where the control points of the lattice are not it.
 ///
 /// A sample s is at the place X_s at rest and at Q_s(x) = sum_i W_si x_i of the deformed body. The weights are products of one factor per
-/// axis, are not negative, sum to one and reproduce places: sum_i W_si X_i = X_s. Heights above a plane are therefore linear too: the gap
-/// of a sample is Q_s of the gaps of the control points, at least the smallest of them.
+/// axis, are not negative, sum to one and reproduce places: sum_i W_si X_i = X_s. GapFunction above a plane are therefore linear too: the
+/// gap of a sample is Q_s of the gaps of the control points, at least the smallest of them.
 #pragma once
 #include <array>
 #include <vector>

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "kit/limits.hpp"
+#include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
-#include "kit/trial.hpp"
 #include "model/arithmetic.hpp"
 #include "watch/vibration.hpp"
 
@@ -39,36 +39,36 @@ double next_factor(double allowed, double error, int order) {
 
 }  // namespace
 
-bool Calibrator::due(const Job& job, Method method, double H, bool jolt) const {
-  const Course& course = job.run.course;
-  const Calibration& calibration = job.run.course.calibration(method);
+bool Calibrator::due(const StepContext& context, Method method, double H, bool jolt) const {
+  const Course& course = context.run.course;
+  const Calibration& calibration = context.run.course.calibration(method);
   if (calibration.h == 0) return true;
   if (H < use::sliver * course.usual) return false;
-  const double window = job.model.stability.any_frequency() > 0 ? std::min(H, use::calibration_window / bound(job)) : H;
+  const double window = context.model.stability.any_frequency() > 0 ? std::min(H, use::calibration_window / bound(context)) : H;
   return course.work >= (jolt ? calibration.soon : calibration.due) || use::sliver * window > calibration.window;
 }
 
-double Calibrator::calibrate(Integrators& integrators, const Job& job, Method method, double H, int rounds) {
+double Calibrator::calibrate(Integrators& integrators, const StepContext& context, Method method, double H, int rounds) {
   const Traits& t = traits(method);
-  Calibration& calibration = job.run.course.calibration(method);
-  const double window = job.model.stability.elastic() ? std::min(H, use::calibration_window / bound(job)) : H;
-  const double allowed = use::forecast_tolerance * job.request.tolerance;
+  Calibration& calibration = context.run.course.calibration(method);
+  const double window = context.model.stability.elastic() ? std::min(H, use::calibration_window / bound(context)) : H;
+  const double allowed = use::forecast_tolerance * context.request.tolerance;
   const double pairs = power(2, t.order), c = pairs / (pairs - 1);
   const Count most = method == Method::bm4 ? use::calibration_steps_bm4 : use::calibration_steps;
-  const bool harmless = vibration(job.equations(), job.run.path.motion, job.model.time_scale) <= allowed;
-  double h = std::min({H, step_limit(job, method, false), calibration.h > 0 ? calibration.h : infinity}), work = 0;
+  const bool harmless = vibration(context.equations(), context.run.path.motion, context.model.time_scale) <= allowed;
+  double h = std::min({H, step_limit(context, method, false), calibration.h > 0 ? calibration.h : infinity}), work = 0;
   for (int round = 0; round < rounds && !harmless; ++round) {
     const Count steps = std::min(divisions(window, h), most);
     h = std::min(h, window / double(steps));
-    const std::optional<double> error = trial_error(integrators, job, method, h, steps);
-    work += 3 * double(steps) * step_work(job.model.body, method, h);
+    const std::optional<double> error = trial_error(integrators, context, method, h, steps);
+    work += 3 * double(steps) * step_work(context.model.body, method, h);
     const double factor = error ? next_factor(allowed, c * *error, t.order) : 1;
     calibration.h = h * factor;
     if (factor > use::calibrated) break;
     h = calibration.h;
   }
   if (harmless) calibration.h = infinity;
-  const double done = job.run.course.work;
+  const double done = context.run.course.work;
   calibration.window = window;
   calibration.soon = done + std::max(use::calibration_pause_after_jolt * work, use::shortest_pause);
   calibration.due = done + std::max(use::calibration_pause * work, use::shortest_pause);
@@ -76,18 +76,18 @@ double Calibrator::calibrate(Integrators& integrators, const Job& job, Method me
 }
 
 /// What h and h / 2 will differ by at the end of the run; infinite if one of them fails, nothing if one comes upon an obstacle.
-std::optional<double> Calibrator::trial_error(Integrators& integrators, const Job& job, Method method, double h, Count steps) {
-  Path& path = job.run.path;
-  Trial trial(path, start_);
+std::optional<double> Calibrator::trial_error(Integrators& integrators, const StepContext& context, Method method, double h, Count steps) {
+  Path& path = context.run.path;
+  Snapshot snapshot(path, start_);
   const double begin = path.motion.time;
-  StepStatus status = integrators.take(job, method, {begin, 0, h, steps}).status;
+  StepStatus status = integrators.take(context, method, {begin, 0, h, steps}).status;
   if (status == StepStatus::ok) {
     std::swap(coarse_, path.motion);
-    trial.back();
-    status = integrators.take(job, method, {begin, 0, h / 2, 2 * steps}).status;
+    snapshot.rollback();
+    status = integrators.take(context, method, {begin, 0, h / 2, 2 * steps}).status;
   }
   if (status == StepStatus::contact_ahead) return {};
-  return status == StepStatus::ok ? growing(job, coarse_, path.motion, double(steps) * h) : infinity;
+  return status == StepStatus::ok ? growing(context, coarse_, path.motion, double(steps) * h) : infinity;
 }
 
 }  // namespace softffd

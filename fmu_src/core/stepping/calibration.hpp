@@ -16,12 +16,12 @@ class Calibrator {
   explicit Calibrator(const Run& run) : start_(run.path), coarse_(run.path.motion) {}
 
   /// Is there a new calibration to be made for what is left [s] of the communication step?
-  bool due(const Job& job, Method method, double H, bool jolt) const;
+  bool due(const StepContext& context, Method method, double H, bool jolt) const;
   /// Sets run.course.calibration(method); returns the work.
-  double calibrate(Integrators& integrators, const Job& job, Method method, double H, int rounds);
+  double calibrate(Integrators& integrators, const StepContext& context, Method method, double H, int rounds);
 
  private:
-  std::optional<double> trial_error(Integrators& integrators, const Job& job, Method method, double h, Count steps);
+  std::optional<double> trial_error(Integrators& integrators, const StepContext& context, Method method, double h, Count steps);
   Path start_;
   State coarse_;
 };

@@ -38,11 +38,11 @@ namespace use = thresholds;
 /// What one step of length h may err by [m]: errors add up until damping forgets them.
 class Allowance {
  public:
-  Allowance(const Job& job, const Traits& traits)
+  Allowance(const StepContext& context, const Traits& traits)
       : traits_(traits),
-        forgets_(std::min(job.request.horizon, job.model.longest_memory)),
-        rounding_(use::rounding * std::max(job.model.body.length, largest(job.run.path.motion.x))),
-        tolerance_(job.request.tolerance * power(job.request.step_factor, traits.order)) {}
+        forgets_(std::min(context.request.horizon, context.model.longest_memory)),
+        rounding_(use::rounding * std::max(context.model.body.length, largest(context.run.path.motion.x))),
+        tolerance_(context.request.tolerance * power(context.request.step_factor, traits.order)) {}
   double operator()(double h) const {
     return std::max(rounding_, std::min(traits_.tolerance_step, traits_.tolerance_sum * h / forgets_) * tolerance_);
   }
@@ -74,21 +74,21 @@ struct Controller {
 
 }  // namespace
 
-StepStatus run_controlled(Integrators& integrators, const Job& job, Method method, double end, double pause_at) {
-  Run& run = job.run;
+StepStatus run_controlled(Integrators& integrators, const StepContext& context, Method method, double end, double pause_at) {
+  Run& run = context.run;
   State& motion = run.path.motion;
   Course& course = run.course;
   OneStep& integrator = integrators.one_step(method);
   const Traits& t = traits(method);
-  const Allowance allowed(job, t);
+  const Allowance allowed(context, t);
   const Controller controller;
   double& h = course.controlled_step(method);
-  const bool planes = !job.drive.planes.empty(), straight = t.turning == Turning::straight, in_frame = t.turning == Turning::in_frame;
+  const bool planes = !context.drive.planes.empty(), straight = t.turning == Turning::straight, in_frame = t.turning == Turning::in_frame;
   const double least = use::shortest_step * std::max(std::abs(end), end - motion.time);
-  double limit = step_limit(job, method, false);
+  double limit = step_limit(context, method, false);
   // In the frame the first step is as long as may be: short ones would follow the vibrations that it is to pass over.
-  const bool short_first = job.model.stability.elastic() && !in_frame;
-  if (!(h > 0)) h = job.request.step_factor * std::min(end - motion.time, short_first ? use::first_step / bound(job) : infinity);
+  const bool short_first = context.model.stability.elastic() && !in_frame;
+  if (!(h > 0)) h = context.request.step_factor * std::min(end - motion.time, short_first ? use::first_step / bound(context) : infinity);
   run.path.clock = {motion.time, h, 0};
   Budget& budget = integrators.budget();
   for (Count tries = 1; motion.time < end; ++tries) {
@@ -97,12 +97,12 @@ StepStatus run_controlled(Integrators& integrators, const Job& job, Method metho
     const Count ahead = divisions(left, tighter(h, limit));  // equal parts, so that no sliver is left at the end
     const double step = ahead == 1 ? left : left / double(ahead);
     if (!(step > least)) return StepStatus::not_finite;
-    const Outcome offered = integrator.offer(job.model, job.drive, motion.time, step, run);
+    const Outcome offered = integrator.offer(context.model, context.drive, motion.time, step, run);
     course.work += offered.work;
     budget.spend(offered.work);
     const double ratio = offered.error / allowed(step);
-    const bool turned = straight && step > use::turned_too_far * turning_limit(job, integrator.x, integrator.v);
-    if (straight) limit = step_limit(job, method, false);
+    const bool turned = straight && step > use::turned_too_far * turning_limit(context, integrator.x, integrator.v);
+    if (straight) limit = step_limit(context, method, false);
     const double factor = controller.factor(ratio, turned, integrator.exponent);
     if (!(ratio <= 1) || turned) {
       ++course.rejected;
@@ -113,14 +113,14 @@ StepStatus run_controlled(Integrators& integrators, const Job& job, Method metho
       continue;
     }
     h = controller.after_success(h, step, factor, t.solves);
-    if (planes && integrators.passes(job, method, motion.time, step, motion.x, motion.v, integrator.x, integrator.v))
+    if (planes && integrators.passes(context, method, motion.time, step, motion.x, motion.v, integrator.x, integrator.v))
       return StepStatus::contact_ahead;
-    integrator.keep(job.model, run);
+    integrator.keep(context.model, run);
     ++run.path.steps;
     run.path.clock.h = step;
     motion.time = ahead == 1 ? end : motion.time + step;
     if (course.work >= pause_at) return StepStatus::ok;
-    if (tries % use::look_every == 0 && deformed_since_bound(job)) limit = step_limit(job, method, false);
+    if (tries % use::look_every == 0 && deformed_since_bound(context)) limit = step_limit(context, method, false);
   }
   return StepStatus::ok;
 }

@@ -5,6 +5,6 @@
 namespace softffd {
 
 /// From the present time to `end`, or to the first step after `pause_at` [work].
-StepStatus run_controlled(Integrators& integrators, const Job& job, Method method, double end, double pause_at);
+StepStatus run_controlled(Integrators& integrators, const StepContext& context, Method method, double end, double pause_at);
 
 }  // namespace softffd

@@ -5,8 +5,8 @@
 
 #include "kit/limits.hpp"
 #include "kit/outlook.hpp"
+#include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
-#include "kit/trial.hpp"
 #include "model/arithmetic.hpp"
 #include "watch/vibration.hpp"
 
@@ -46,10 +46,10 @@ namespace {
 namespace use = thresholds;
 
 /// A difference of velocities lasts without obstacles, and along one on which friction does not hold the body.
-Outlook ahead(const Job& job) {
-  const double left = left_of_run(job);
-  if (job.drive.planes.empty()) return {Vec3::UnitZ(), left, left, left, 0};
-  Outlook ahead = outlook_of_stiff(job, job.run.path.motion);
+Outlook ahead(const StepContext& context) {
+  const double left = left_of_run(context);
+  if (context.drive.planes.empty()) return {Vec3::UnitZ(), left, left, left, 0};
+  Outlook ahead = outlook_of_stiff(context, context.run.path.motion);
   if (ahead.slides_on) ahead.along_plane = left;
   return ahead;
 }
@@ -58,38 +58,38 @@ Outlook ahead(const Job& job) {
 
 struct DampedSteps::Call {
   Integrators& integrators;
-  const Job& job;
+  const StepContext& context;
   double begin, end;  ///< of the communication step [s]
   double limit;       ///< largest stable explicit step [s]
   double memory;      ///< until an error of now is forgotten [s]
-  DoubledSteps* others;
+  StepDoubling* others;
 
   /// Shortest step that costs no more than the explicit ones in its place [s].
   double worth() const {
-    const double known = job.run.course.damped.rate,
-                 forecast = use::doubled_work * step_work(job.model.body, Method::leapfrog, limit) / limit;
+    const double known = context.run.course.damped.rate,
+                 forecast = use::doubled_work * step_work(context.model.body, Method::leapfrog, limit) / limit;
     const ImplicitWork& work = integrators.implicit_work();
     return use::damped_runs * (work.factor + use::damped_solutions * work.solution) / (known > 0 ? known : forecast);
   }
-  double tolerance() const { return job.request.tolerance * power(job.request.step_factor, 2); }
+  double tolerance() const { return context.request.tolerance * power(context.request.step_factor, 2); }
   double allowed(double h) const {
-    const double rounding =
-        use::rounding * std::max(job.model.body.length, kernels::largest(job.run.path.motion.x.size(), job.run.path.motion.x.data()));
-    const double spent = job.run.path.stiff.error / job.request.tolerance;
+    const double rounding = use::rounding * std::max(context.model.body.length,
+                                                     kernels::largest(context.run.path.motion.x.size(), context.run.path.motion.x.data()));
+    const double spent = context.run.path.stiff.error / context.request.tolerance;
     const double of_rest = use::damped_share * std::max(0.0, use::damped_sum - spent);
     return std::max(rounding, std::min(use::damped_most, std::max(of_rest, use::damped_rate * h / memory)) * tolerance());
   }
 };
 
-StepStatus DampedSteps::run(Integrators& integrators, const Job& job, double end, DoubledSteps* others) {
-  Course& course = job.run.course;
+StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context, double end, StepDoubling* others) {
+  Course& course = context.run.course;
   DampedRecord& record = course.damped;
-  const State& motion = job.run.path.motion;
+  const State& motion = context.run.path.motion;
   const double begin = motion.time;
   const Count rejected = course.rejected;
   bool opens = false;  // the first step is no longer than that of the communication step before
   while (motion.time < end) {
-    const Call call{integrators, job, begin, end, step_limit(job, Method::leapfrog, false), memory(job), others};
+    const Call call{integrators, context, begin, end, step_limit(context, Method::leapfrog, false), memory(context), others};
     course.method = Method::sdirk2;
     const double left = end - motion.time;
     if (integrators.budget().spent()) return StepStatus::too_much_work;
@@ -104,13 +104,13 @@ StepStatus DampedSteps::run(Integrators& integrators, const Job& job, double end
       record.h = record.opening;
       record.trust = 0;
     }
-    const Count parts = divisions(left, std::min(record.h, left) * job.request.step_factor);
+    const Count parts = divisions(left, std::min(record.h, left) * context.request.step_factor);
     const double until = parts == 1 ? end : motion.time + left / double(parts);
     const Count constraints = record.constraints;
     if (const StepStatus status = step(call, until); status != StepStatus::ok) return status;
     if (others && motion.time == until) {
       const Span span{start_.motion.time, 0, until - start_.motion.time, 1, infinity, infinity, use::solved * call.tolerance()};
-      others->landings().follow(integrators, job, start_.motion, Method::sdirk2, span, record.constraints > constraints);
+      others->landings().follow(integrators, context, start_.motion, Method::sdirk2, span, record.constraints > constraints);
     }
     if (!first || motion.time == begin) continue;
     const double h = motion.time - begin;
@@ -120,27 +120,27 @@ StepStatus DampedSteps::run(Integrators& integrators, const Job& job, double end
 }
 
 /// Until an error of now is forgotten [s]: pins take a body back to where its slowest vibration dies away.
-double DampedSteps::memory(const Job& job) {
-  const double longest = std::min(job.request.horizon, job.model.longest_memory);
-  return job.drive.pins.empty() ? longest : slowest_.memory(job.model.body, longest);
+double DampedSteps::memory(const StepContext& context) {
+  const double longest = std::min(context.request.horizon, context.model.longest_memory);
+  return context.drive.pins.empty() ? longest : slowest_.memory(context.model.body, longest);
 }
 
 /// What is left of the error after h.
 void DampedSteps::forget(const Call& call, double h) {
-  if (!call.job.drive.pins.empty()) call.job.run.path.stiff.error *= std::max(0.0, 1 - h / call.memory);
+  if (!call.context.drive.pins.empty()) call.context.run.path.stiff.error *= std::max(0.0, 1 - h / call.memory);
 }
 
 /// again: the step before was as long.
 DampedSteps::Step DampedSteps::take(const Call& call, double until, bool again) {
-  const Job& job = call.job;
-  Path& path = job.run.path;
+  const StepContext& context = call.context;
+  Path& path = context.run.path;
   const double h = until - path.motion.time;
   path.clock = {path.motion.time, h, 0};
   const double most = std::max(use::least_implicit_work, use::doubled_work * h / call.limit);
-  job.run.energy.kinetic_elastic = -1;  // implicit steps have a guard of their own
+  context.run.energy.kinetic_elastic = -1;  // implicit steps have a guard of their own
   const Outcome outcome =
-      call.integrators.take(job, Method::sdirk2, {path.motion.time, 0, h, 1, most, infinity, use::solved * call.tolerance(), again});
-  job.run.course.work += outcome.work;
+      call.integrators.take(context, Method::sdirk2, {path.motion.time, 0, h, 1, most, infinity, use::solved * call.tolerance(), again});
+  context.run.course.work += outcome.work;
   path.motion.time = until;
   ++path.steps;
   const Slip& slip = outcome.slip;
@@ -151,20 +151,20 @@ DampedSteps::Step DampedSteps::take(const Call& call, double until, bool again) 
 /// What energy that steps of h have taken from vibrations will have been able to move the body by [m]: it cannot lift what is pressed on
 /// with a force F further than energy / F. None where internal damping takes it in a step, or the step follows all of them.
 double DampedSteps::passed_over(const Call& call, double h, double lost) const {
-  const Job& job = call.job;
-  const double energy = lost - job.model.noise;
-  if (!(energy > 0) || h < std::max(call.limit, 0.5 * use::passed_over * job.model.body.shortest_time())) return 0;
-  if (!job.drive.pins.empty() || job.drive.planes.empty()) return amplitude(job.model, energy, h);
-  const double pressing = pressed_since(job, start_.exchange.planes) / h;
-  const double moves = ahead(job).along_normal * std::sqrt(2 * energy / job.model.body.mass.sum());
+  const StepContext& context = call.context;
+  const double energy = lost - context.model.noise;
+  if (!(energy > 0) || h < std::max(call.limit, 0.5 * use::passed_over * context.model.body.shortest_time())) return 0;
+  if (!context.drive.pins.empty() || context.drive.planes.empty()) return amplitude(context.model, energy, h);
+  const double pressing = pressed_since(context, start_.exchange.planes) / h;
+  const double moves = ahead(context).along_normal * std::sqrt(2 * energy / context.model.body.mass.sum());
   return pressing > 0 ? std::min(moves, energy / pressing) : moves;
 }
 
 /// On obstacles and pins: what the impulses of the two runs differ by at most, in what may be left [1], and the largest force so far [N].
 DampedSteps::Forces DampedSteps::compare_forces(const Call& call) const {
-  const Exchange &begin = start_.exchange, &one = coarse_.exchange, &other = call.job.run.path.exchange;
-  const double h = call.job.run.path.motion.time - start_.motion.time;
-  double largest = call.job.run.course.damped.force, difference = 0;
+  const Exchange &begin = start_.exchange, &one = coarse_.exchange, &other = call.context.run.path.exchange;
+  const double h = call.context.run.path.motion.time - start_.motion.time;
+  double largest = call.context.run.course.damped.force, difference = 0;
   const auto compare = [&](const std::vector<Impulse>& from, const std::vector<Impulse>& a, const std::vector<Impulse>& b) {
     for (std::size_t q = 0; q < a.size(); ++q) {
       largest = std::max(largest, (b[q].force - from[q].force).norm() / h);
@@ -173,17 +173,18 @@ DampedSteps::Forces DampedSteps::compare_forces(const Call& call) const {
   };
   compare(begin.planes, one.planes, other.planes);
   compare(begin.pins, one.pins, other.pins);
-  const double of_tolerance = power(bound(call.job), 2) * call.job.model.body.mass.minCoeff() * use::moving_force * call.tolerance();
+  const double of_tolerance =
+      power(bound(call.context), 2) * call.context.model.body.mass.minCoeff() * use::moving_force * call.tolerance();
   return {difference / ((call.end - call.begin) * std::max(use::force_share * largest, of_tolerance)), largest};
 }
 
 /// To `until`: once if the error is small enough that goes with how the velocities bend, by the last step that was run twice; else with two
 /// steps of half the length beside.
 StepStatus DampedSteps::step(const Call& call, double until) {
-  Run& run = call.job.run;
+  Run& run = call.context.run;
   DampedRecord& record = run.course.damped;
   const double h = until - run.path.motion.time, allowed = call.allowed(h);
-  Trial trial(run.path, start_);
+  Snapshot snapshot(run.path, start_);
   const Step coarse = take(call, until);
   if (record.trust > 0) {
     const double error = record.share * coarse.bend + passed_over(call, h, coarse.lost);
@@ -194,7 +195,7 @@ StepStatus DampedSteps::step(const Call& call, double until) {
       if (error > 0)
         record.h = std::max(h * std::clamp(use::window_safety * std::sqrt(allowed / error), use::next_shrink, use::rest_growth),
                             until == call.end ? record.h : h * use::next_shrink);
-      trial.keep();
+      snapshot.commit();
       return StepStatus::ok;
     }
     ++run.course.rejected;
@@ -204,14 +205,14 @@ StepStatus DampedSteps::step(const Call& call, double until) {
   Judged judged{.error = infinity, .ratio = infinity};
   if (coarse.status == StepStatus::ok) {
     std::swap(coarse_, run.path);
-    trial.back();
+    snapshot.rollback();
     judged = run_halves(call, until, allowed, coarse);
   }
   const bool last = h <= use::least_doubled * call.limit || (!call.others && h <= use::shortest_damped * call.limit);
   if (last && !(judged.error < infinity)) return StepStatus::not_finite;
   if (judged.ratio <= 1 || last) {
     accept(call, h, allowed, coarse.bend, judged);
-    trial.keep();
+    snapshot.commit();
     return StepStatus::ok;
   }
   run.course.rejected += 3;
@@ -223,21 +224,21 @@ StepStatus DampedSteps::step(const Call& call, double until) {
 
 /// The two steps of half the length, beside the whole one in coarse_.
 DampedSteps::Judged DampedSteps::run_halves(const Call& call, double until, double allowed, const Step& coarse) {
-  const Job& job = call.job;
-  Path& path = job.run.path;
+  const StepContext& context = call.context;
+  Path& path = context.run.path;
   const double begin = path.motion.time, h = until - begin;
   const Step first = take(call, begin + 0.5 * h);
   if (first.status != StepStatus::ok) return {.error = infinity, .ratio = infinity};
   const Step second = take(call, until, true);
   if (second.status != StepStatus::ok) return {.error = infinity, .ratio = infinity};
-  const Count before = job.run.course.damped.constraints;
+  const Count before = context.run.course.damped.constraints;
   Judged judged{.constraints = second.constraints};
   judged.steady = !coarse.turned && !first.turned && !second.turned && (before == 0 || before == first.constraints) &&
                   first.constraints == second.constraints && second.constraints == coarse.constraints;
   const double order = judged.steady ? 1.0 / 3 : 1;
   const Forces forces = compare_forces(call);
   judged.force = forces.largest;
-  judged.error = order * outcome_of(job, coarse_.motion, path.motion, ahead(job));
+  judged.error = order * outcome_of(context, coarse_.motion, path.motion, ahead(context));
   judged.ratio = std::max(judged.error / allowed, order * forces.difference);
   judged.over = passed_over(call, h, first.lost + second.lost);
   judged.steady = judged.steady && judged.over <= judged.ratio * allowed;
@@ -253,7 +254,7 @@ double DampedSteps::Judged::growth() const {
 
 /// The halves count. bend: of the whole step.
 void DampedSteps::accept(const Call& call, double h, double allowed, double bend, const Judged& judged) {
-  Run& run = call.job.run;
+  Run& run = call.context.run;
   DampedRecord& record = run.course.damped;
   forget(call, h);
   run.path.stiff.error += judged.error;
@@ -272,14 +273,14 @@ void DampedSteps::accept(const Call& call, double h, double allowed, double bend
 
 /// Explicit steps for a while, longer each time that implicit ones do not pay again.
 StepStatus DampedSteps::take_explicit(const Call& call) {
-  const Job& job = call.job;
-  DampedRecord& record = job.run.course.damped;
-  const double begin = job.run.path.motion.time, length = double(Count{1} << record.doubts) * use::damped_turn * call.worth();
+  const StepContext& context = call.context;
+  DampedRecord& record = context.run.course.damped;
+  const double begin = context.run.path.motion.time, length = double(Count{1} << record.doubts) * use::damped_turn * call.worth();
   const double until = begin + length < call.end ? begin + length : call.end;
-  job.run.course.method = Method::leapfrog;
-  const double before = job.run.course.work;
-  const StepStatus status = call.others->run(call.integrators, job, until);
-  record.rate = (job.run.course.work - before) / (until - begin);
+  context.run.course.method = Method::leapfrog;
+  const double before = context.run.course.work;
+  const StepStatus status = call.others->run(call.integrators, context, until);
+  record.rate = (context.run.course.work - before) / (until - begin);
   record.doubts = std::min(record.doubts + 1, use::most_damped_doubts);
   record.h = use::first_damped * call.worth();
   record.constraints = 0;

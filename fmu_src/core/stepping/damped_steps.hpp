@@ -11,7 +11,7 @@
 /// longer than the one before had to be.
 #pragma once
 #include "kit/slowest_vibration.hpp"
-#include "stepping/doubled_steps.hpp"
+#include "stepping/step_doubling.hpp"
 
 namespace softffd {
 
@@ -19,7 +19,7 @@ class DampedSteps {
  public:
   DampedSteps(const Lattice& lattice, const Run& run) : slowest_(lattice), start_(run.path), coarse_(run.path) {}
   /// others: explicit ones, for where implicit ones do not pay; null: never.
-  StepStatus run(Integrators& integrators, const Job& job, double end, DoubledSteps* others);
+  StepStatus run(Integrators& integrators, const StepContext& context, double end, StepDoubling* others);
 
  private:
   struct Call;
@@ -52,7 +52,7 @@ class DampedSteps {
   double passed_over(const Call& call, double h, double lost) const;
   StepStatus take_explicit(const Call& call);
 
-  double memory(const Job& job);
+  double memory(const StepContext& context);
 
   SlowestVibration slowest_;
   Path start_, coarse_;

@@ -33,32 +33,32 @@ void refine(Clock& clock, Count times) {
 /// Divides the given step as stability asks for at the present state. What a look says of a divided step holds from the next unit on, or at
 /// once if it must be finer. A step that has to be divided gets the distance from the limit that automatic ones keep; close to it every
 /// vibration would change the division, and feed itself by that.
-StepStatus divide_unit(const Budget& budget, const Job& job, Method method) {
-  Clock& clock = job.run.path.clock;
-  const double unit = job.request.step, wanted = unit * job.request.step_factor;
+StepStatus divide_unit(const Budget& budget, const StepContext& context, Method method) {
+  Clock& clock = context.run.path.clock;
+  const double unit = context.request.step, wanted = unit * context.request.step_factor;
   const Count into = clock.unit == unit ? clock.count % clock.parts : 0;
-  const double limit = tighter(wanted, step_limit(job, method, true));
-  const bool again = job.request.step_factor < 1;  // without a result so far: as divided as it must be, anew at every unit
-  const double target = limit < wanted && !again ? tighter(limit, step_limit(job, method, false)) : limit;
-  const double work = unit / target * step_work(job.model.body, method, target);
+  const double limit = tighter(wanted, step_limit(context, method, true));
+  const bool again = context.request.step_factor < 1;  // without a result so far: as divided as it must be, anew at every unit
+  const double target = limit < wanted && !again ? tighter(limit, step_limit(context, method, false)) : limit;
+  const double work = unit / target * step_work(context.model.body, method, target);
   if (!budget.covers(work)) return refusal(work);
   const bool too_long = divisions(clock.h, limit) > 1;
   if (into == 0 && (clock.unit != unit || too_long || again || target > use::regrowth * clock.h)) {
     const Count parts = divisions(unit, target);
-    clock = {job.run.path.motion.time, unit / double(parts), 0, unit, parts};
+    clock = {context.run.path.motion.time, unit / double(parts), 0, unit, parts};
   } else if (too_long) {
     refine(clock, divisions(clock.h, target));
   }
   return StepStatus::ok;
 }
 
-StepStatus run_stretch(Integrators& integrators, const Job& job, Method method, Count steps) {
-  Path& path = job.run.path;
+StepStatus run_stretch(Integrators& integrators, const StepContext& context, Method method, Count steps) {
+  Path& path = context.run.path;
   const Span span{path.clock.origin, path.clock.count, path.clock.h, steps};
   path.clock.count += steps;
   path.steps += steps;
-  const Outcome outcome = integrators.take(job, method, span);
-  job.run.course.work += outcome.work;
+  const Outcome outcome = integrators.take(context, method, span);
+  context.run.course.work += outcome.work;
   return outcome.status;
 }
 
@@ -70,20 +70,21 @@ Count counted_units(const Request& request, double H) {
 }
 
 /// Looks are counted, so that they fall on the same moments however the time is cut.
-StepStatus run_counted(Integrators& integrators, const Job& job, Method method, Count units) {
-  Clock& clock = job.run.path.clock;
+StepStatus run_counted(Integrators& integrators, const StepContext& context, Method method, Count units) {
+  Clock& clock = context.run.path.clock;
   const Budget& budget = integrators.budget();
   while (units > 0) {
-    const bool other = clock.unit != job.request.step;
+    const bool other = clock.unit != context.request.step;
     const bool begins_divided = !other && clock.parts > 1 && clock.count % clock.parts == 0;
-    if (other || job.run.course.bound < 0 || clock.count % use::look_every == 0 || begins_divided || job.request.step_factor < 1)
-      if (const StepStatus status = divide_unit(budget, job, method); status != StepStatus::ok) return status;
-    if (!budget.covers(double(units) * double(clock.parts) * step_work(job.model.body, method, clock.h))) return StepStatus::too_much_work;
+    if (other || context.run.course.bound < 0 || clock.count % use::look_every == 0 || begins_divided || context.request.step_factor < 1)
+      if (const StepStatus status = divide_unit(budget, context, method); status != StepStatus::ok) return status;
+    if (!budget.covers(double(units) * double(clock.parts) * step_work(context.model.body, method, clock.h)))
+      return StepStatus::too_much_work;
     const Count left = clock.parts > 1 ? clock.parts - clock.count % clock.parts : units;
     const Count ahead = std::min(left, use::look_every - clock.count % use::look_every);
-    const StepStatus status = run_stretch(integrators, job, method, ahead);
+    const StepStatus status = run_stretch(integrators, context, method, ahead);
     if (status != StepStatus::ok) return status;
-    job.run.path.motion.time = clock.time();
+    context.run.path.motion.time = clock.time();
     if (clock.parts == 1)
       units -= ahead;
     else if (clock.count % clock.parts == 0)
@@ -92,20 +93,21 @@ StepStatus run_counted(Integrators& integrators, const Job& job, Method method, 
   return StepStatus::ok;
 }
 
-StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const Job& job, Method method, double end, double pause_at) {
-  State& motion = job.run.path.motion;
-  Clock& clock = job.run.path.clock;
-  const Request& request = job.request;
+StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const StepContext& context, Method method, double end,
+                      double pause_at) {
+  State& motion = context.run.path.motion;
+  Clock& clock = context.run.path.clock;
+  const Request& request = context.request;
   const bool given = request.step > 0;
-  const bool stable_only = method == Method::central_difference && !job.drive.planes.empty();  // its contact does not converge
-  Calibration& calibration = job.run.course.calibration(method);
+  const bool stable_only = method == Method::central_difference && !context.drive.planes.empty();  // its contact does not converge
+  Calibration& calibration = context.run.course.calibration(method);
   Count steps = 0;
   while (true) {
     if (stable_only)
       calibration.h = infinity;
-    else if (!given && calibrator.due(job, method, end - motion.time, request.jolt && steps == 0))
-      calibrator.calibrate(integrators, job, method, end - motion.time, use::calibration_rounds);
-    const double limit = tighter(step_limit(job, method, given), request.step_factor * (given ? request.step : calibration.h));
+    else if (!given && calibrator.due(context, method, end - motion.time, request.jolt && steps == 0))
+      calibrator.calibrate(integrators, context, method, end - motion.time, use::calibration_rounds);
+    const double limit = tighter(step_limit(context, method, given), request.step_factor * (given ? request.step : calibration.h));
     if (steps == 0 || !(clock.h <= limit) || limit > use::regrowth * clock.h) {
       const double left = end - motion.time;
       const double work = left / limit * traits(method).work;
@@ -114,11 +116,11 @@ StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const Jo
       clock = {motion.time, left / double(steps), 0};
     }
     const Count ahead = std::min(steps, use::look_every);
-    const StepStatus status = run_stretch(integrators, job, method, ahead);
+    const StepStatus status = run_stretch(integrators, context, method, ahead);
     if (status != StepStatus::ok) return status;
     steps -= ahead;
     motion.time = steps == 0 ? end : clock.time();
-    if (steps == 0 || job.run.course.work >= pause_at) return StepStatus::ok;
+    if (steps == 0 || context.run.course.work >= pause_at) return StepStatus::ok;
   }
 }
 

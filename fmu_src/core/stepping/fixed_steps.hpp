@@ -8,8 +8,9 @@ namespace softffd {
 /// The given steps in a communication step, if they fit it without a rest and can be counted; else 0.
 Count counted_units(const Request& request, double H);
 /// So many given steps, each divided where stability asks for it.
-StepStatus run_counted(Integrators& integrators, const Job& job, Method method, Count units);
+StepStatus run_counted(Integrators& integrators, const StepContext& context, Method method, Count units);
 /// From the present time to `end`, or to the first look after `pause_at` [work].
-StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const Job& job, Method method, double end, double pause_at);
+StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const StepContext& context, Method method, double end,
+                      double pause_at);
 
 }  // namespace softffd

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/reach.hpp"
+#include "contact/broad_phase.hpp"
 #include "contact/tolerances.hpp"
 #include "flight/attitude.hpp"
 #include "kit/outlook.hpp"
+#include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
-#include "kit/trial.hpp"
 #include "model/arithmetic.hpp"
 #include "model/rigid_motion.hpp"
 
@@ -25,8 +25,8 @@ namespace {
 
 namespace use = thresholds;
 
-bool off_obstacles(const Job& job, double time, const Points& x) {
-  return off_obstacles(job.model.body, job.drive, time, x, touching * job.model.body.length);
+bool off_obstacles(const StepContext& context, double time, const Points& x) {
+  return off_obstacles(context.model.body, context.drive, time, x, touching * context.model.body.length);
 }
 
 Vec3 mean(const Scalars& mass, const Points& x) { return (x.colwise() * mass).colwise().sum().matrix().transpose() / mass.sum(); }
@@ -72,28 +72,28 @@ Span out_of_phase(const Span& span, bool impact) {
 }
 
 /// A landing begins: the neighbour goes on from beside the path. beside: scratch.
-void set_beside(const Job& job, const State& begin, State& beside) {
-  const Body& body = job.model.body;
-  Neighbour& neighbour = job.run.course.neighbour;
+void set_beside(const StepContext& context, const State& begin, State& beside) {
+  const Body& body = context.model.body;
+  Neighbour& neighbour = context.run.course.neighbour;
   const RigidMotion rigid = rigid_motion(body.mass, begin.x, begin.v);
-  if (job.drive.pins.empty()) fly_on(body, begin, rigid, nearest_obstacle(job, begin).obstacle.normal, neighbour);
-  const double least = use::least_error * job.request.tolerance;
+  if (context.drive.pins.empty()) fly_on(body, begin, rigid, nearest_obstacle(context, begin).obstacle.normal, neighbour);
+  const double least = use::least_error * context.request.tolerance;
   if (neighbour.x.abs().maxCoeff() < least) shift_phase(body, begin, rigid, least, neighbour.x);
   beside.time = begin.time;
   beside.x = begin.x + neighbour.x;
-  const NearestObstacle nearest = nearest_obstacle(job, beside);
-  if (nearest.gap < 0 && job.drive.pins.empty()) add(-nearest.gap * nearest.obstacle.normal, beside.x);
+  const NearestObstacle nearest = nearest_obstacle(context, beside);
+  if (nearest.gap < 0 && context.drive.pins.empty()) add(-nearest.gap * nearest.obstacle.normal, beside.x);
   neighbour.x = beside.x;
   neighbour.v += begin.v;
   neighbour.follows = true;
 }
 
 /// What is left of a difference of velocities where the body stays on its obstacle: along it, until friction has stopped the body.
-Drift sliding_apart(const Job& job, const Vec3& velocity) {
-  const State& motion = job.run.path.motion;
-  const Outlook ahead = outlook(job, motion);
-  const NearestObstacle nearest = nearest_obstacle(job, motion);
-  const RigidMotion rigid = rigid_motion(job.model.body.mass, motion.x, motion.v);
+Drift sliding_apart(const StepContext& context, const Vec3& velocity) {
+  const State& motion = context.run.path.motion;
+  const Outlook ahead = outlook(context, motion);
+  const NearestObstacle nearest = nearest_obstacle(context, motion);
+  const RigidMotion rigid = rigid_motion(context.model.body.mass, motion.x, motion.v);
   const double speed = tangential(ahead.normal, velocity).norm(), grip = nearest.plane->friction * ahead.pressing;
   if (ahead.slides_on || !(grip > 0)) return {.speed = speed};
   return {.place = speed * tangential(ahead.normal, rigid.velocity - nearest.obstacle.material_velocity(rigid.centre)).norm() / grip};
@@ -101,48 +101,49 @@ Drift sliding_apart(const Job& job, const Vec3& velocity) {
 
 }  // namespace
 
-void Landings::follow(Integrators& integrators, const Job& job, const State& begin, Method method, const Span& span, bool impact) {
-  Path& path = job.run.path;
-  Neighbour& neighbour = job.run.course.neighbour;
+void Landings::follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span,
+                      bool impact) {
+  Path& path = context.run.path;
+  Neighbour& neighbour = context.run.course.neighbour;
   if (neighbour.follows && neighbour.off.time != begin.time) neighbour.forget();  // other steps came between
   if (!neighbour.follows) {
-    if (!impact || !off_obstacles(job, begin.time, begin.x)) return;
-    set_beside(job, begin, path_.motion);
+    if (!impact || !off_obstacles(context, begin.time, begin.x)) return;
+    set_beside(context, begin, path_.motion);
   }
   if (impact) neighbour.impact = path.motion.time;
-  Trial trial(path, path_);
+  Snapshot snapshot(path, path_);
   path.motion.x = neighbour.x;
   path.motion.v = neighbour.v;
   path.motion.time = begin.time;
-  job.model.body.internal_force(path.motion.x, path.motion.spring);
-  const Outcome outcome = integrators.take(job, method, method == Method::leapfrog ? out_of_phase(span, impact) : span);
+  context.model.body.internal_force(path.motion.x, path.motion.spring);
+  const Outcome outcome = integrators.take(context, method, method == Method::leapfrog ? out_of_phase(span, impact) : span);
   neighbour.x = path.motion.x;
   neighbour.v = path.motion.v;
-  trial.back();
-  trial.keep();
+  snapshot.rollback();
+  snapshot.commit();
   const Points& x = path.motion.x;
   const double place = (neighbour.x - x).abs().maxCoeff();
   if (outcome.status != StepStatus::ok || !std::isfinite(place)) return neighbour.forget();
   neighbour.off = {place, 0, path.motion.time};
-  const bool flies = off_obstacles(job, path.motion.time, x) && off_obstacles(job, path.motion.time, neighbour.x);
-  if (flies || path.motion.time - neighbour.impact > slowest_period(job)) part(job, flies);
+  const bool flies = off_obstacles(context, path.motion.time, x) && off_obstacles(context, path.motion.time, neighbour.x);
+  if (flies || path.motion.time - neighbour.impact > slowest_period(context)) part(context, flies);
 }
 
 /// They no longer take the same steps: what they differ by is kept.
-void Landings::part(const Job& job, bool flies) {
-  const Body& body = job.model.body;
-  const State& motion = job.run.path.motion;
-  Neighbour& neighbour = job.run.course.neighbour;
+void Landings::part(const StepContext& context, bool flies) {
+  const Body& body = context.model.body;
+  const State& motion = context.run.path.motion;
+  Neighbour& neighbour = context.run.course.neighbour;
   neighbour.x -= motion.x;
   neighbour.v -= motion.v;
   neighbour.follows = false;
-  if (!job.drive.pins.empty()) return;
+  if (!context.drive.pins.empty()) return;
   const RigidMotion apart = rigid_motion(body.mass, motion.x, neighbour.v);
   if (flies) {
     neighbour.off.speed = apart.velocity.norm() + radius_about(apart.centre, motion.x) * apart.spin.norm();
     return;
   }
-  const Drift slides = sliding_apart(job, apart.velocity);
+  const Drift slides = sliding_apart(context, apart.velocity);
   neighbour.off.place += slides.place;
   neighbour.off.speed = slides.speed;
   for (int p = 0; p < body.points(); ++p)

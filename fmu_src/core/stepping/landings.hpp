@@ -17,10 +17,10 @@ class Landings {
  public:
   explicit Landings(const Run& run) : path_(run.path) {}
   /// The path has come from begin by these steps, or by twice as many. impact: something came onto an obstacle.
-  void follow(Integrators& integrators, const Job& job, const State& begin, Method method, const Span& span, bool impact);
+  void follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span, bool impact);
 
  private:
-  void part(const Job& job, bool flies);
+  void part(const StepContext& context, bool flies);
   Path path_;
 };
 

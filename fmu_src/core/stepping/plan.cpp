@@ -8,7 +8,7 @@ namespace softffd {
 
 namespace thresholds {
 
-/// A challenger has to need this much less work than the last winner [1]: measured without it winners changed up to 27 times in a run.
+/// A candidate has to need this much less work than the last winner [1]: measured without it winners changed up to 27 times in a run.
 constexpr double challenge = 1.2;
 /// H omega / 2 from which on implicit steps are worth a trial for a body that turns freely, whose frame takes work too [1]. By experience.
 constexpr double stiff_turning = 100;
@@ -45,16 +45,16 @@ bool chosen(Method method) { return method == Method::automatic || method == Met
 Plan wanting(Want want) { return {.want = want}; }
 
 /// No obstacle is in the way, or the method knows them.
-Plan plan_free(const Facts& facts, const Asked& asked, Retreat retreat) {
+Plan plan_free(const Facts& facts, const Asked& asked, Rollback rollback) {
   const bool automatic = chosen(asked.method);
   const Method method = automatic ? Method::leapfrog : asked.method;
   const Reason reason = automatic && facts.given_step ? Reason::given_step : asked.reason;
   const bool controlled = traits(method).error_control() && !facts.given_step;
   const Steps steps = facts.counted                    ? Steps::counted
-                      : automatic && !facts.given_step ? Steps::raced
+                      : automatic && !facts.given_step ? Steps::by_trials
                       : controlled                     ? Steps::controlled
                                                        : Steps::fitted;
-  return {.method = method, .steps = steps, .reason = reason, .retreat = retreat};
+  return {.method = method, .steps = steps, .reason = reason, .rollback = rollback};
 }
 
 /// Whether explicit steps are so many that a stiff body's impacts, flights and rests are taken on their own.
@@ -95,7 +95,7 @@ Plan plan(const Facts& facts) {
     return {.method = wanted.method, .steps = Steps::implicit, .reason = wanted.reason};
   if (wanted.method == Method::sdirk2)
     return {.method = wanted.method, .steps = facts.given_step ? Steps::implicit : Steps::damped, .reason = wanted.reason};
-  if (!facts.obstacles || wanted.method == Method::central_difference) return plan_free(facts, wanted, Retreat::never);
+  if (!facts.obstacles || wanted.method == Method::central_difference) return plan_free(facts, wanted, Rollback::never);
   if (facts.came_upon_obstacle) return plan_contact(facts, wanted);
   const bool in_frame = wanted.method == Method::floating_frame;  // decides by the end of its steps
   if (in_frame && !facts.clear) return wanting(Want::clear);
@@ -108,7 +108,7 @@ Plan plan(const Facts& facts) {
     if (stiff(facts) && !facts.rings) return wanting(Want::rings);
     if (stiff(facts) && *facts.rings) return impacts(true);
   }
-  return plan_free(facts, wanted, wanted.method == Method::leapfrog ? Retreat::never : Retreat::from_obstacle);
+  return plan_free(facts, wanted, wanted.method == Method::leapfrog ? Rollback::never : Rollback::from_obstacle);
 }
 
 bool plans_every_given_step(const Facts& facts) { return facts.obstacles && facts.counted && !resolves_contact(asked(facts).method); }
@@ -123,25 +123,25 @@ bool implicit_may_win(double work, double leapfrog_least) { return !(work > use:
 bool too_loud(double vibration, double tolerance) { return !(vibration <= use::loud * tolerance); }
 bool quiet(double difference, double tolerance) { return difference <= use::quiet * tolerance; }
 
-Contest::Contest() : implicit_work(infinity), leapfrog(infinity), adaptive_work(infinity), bm4(infinity) {}
+Candidates::Candidates() : implicit_work(infinity), leapfrog(infinity), adaptive_work(infinity), bm4(infinity) {}
 
-bool leapfrog_is_enough(const Contest& contest) { return !(contest.leapfrog > use::enough * contest.least); }
+bool leapfrog_is_enough(const Candidates& candidates) { return !(candidates.leapfrog > use::enough * candidates.least); }
 
-/// An implicit candidate wins by having done it within its budget. Among the others a challenger needs clearly less work than the last
-/// race's winner.
-Winner settle(const Contest& contest) {
-  if (contest.implicit_work < infinity)
-    return {contest.implicit, contest.implicit_work,
-            contest.implicit == Method::floating_frame ? Reason::free_flight : Reason::quiet_stiffness};
-  Winner winner{Method::leapfrog, contest.leapfrog, Reason::stability};
-  if (leapfrog_is_enough(contest)) return winner;
+/// An implicit candidate wins by having done it within its budget. Among the others a candidate needs clearly less work than the last
+/// trial runs' winner.
+Winner settle(const Candidates& candidates) {
+  if (candidates.implicit_work < infinity)
+    return {candidates.implicit, candidates.implicit_work,
+            candidates.implicit == Method::floating_frame ? Reason::free_flight : Reason::quiet_stiffness};
+  Winner winner{Method::leapfrog, candidates.leapfrog, Reason::stability};
+  if (leapfrog_is_enough(candidates)) return winner;
   winner.reason = Reason::least_work;
-  const auto handicapped = [&](Method method, double work) { return method == contest.before ? work : use::challenge * work; };
+  const auto handicapped = [&](Method method, double work) { return method == candidates.before ? work : use::challenge * work; };
   const auto consider = [&](Method method, double work) {
     if (handicapped(method, work) < handicapped(winner.method, winner.work)) winner = {method, work, Reason::least_work};
   };
-  consider(contest.adaptive, contest.adaptive_work);
-  consider(Method::bm4, contest.bm4);
+  consider(candidates.adaptive, candidates.adaptive_work);
+  consider(Method::bm4, candidates.bm4);
   return winner;
 }
 

@@ -39,17 +39,17 @@ enum class Steps {
   implicit,    ///< implicit ones as they are given, or one for each stretch
   damped,      ///< SDIRK2 under error control, explicit ones where those do not pay
   impacts,     ///< flights, explicit steps through impacts, implicit ones at rest
-  raced        ///< by the method that a race finds, fitted or controlled
+  by_trials    ///< by the method that trial runs find, fitted or controlled
 };
 /// What sends a stretch back to its beginning, to be planned again.
-enum class Retreat { never, from_obstacle };
+enum class Rollback { never, from_obstacle };
 
 struct Plan {
   Want want = Want::nothing;  ///< the fact that is missing; nothing: the rest is the plan
   Method method = Method::automatic;
   Steps steps = Steps::fitted;
   Reason reason = Reason::asked;
-  Retreat retreat = Retreat::never;
+  Rollback rollback = Rollback::never;
   bool rings = false;  ///< of impacts: the motion has just been found to be carried by the body's modes
 };
 
@@ -58,7 +58,7 @@ Plan plan(const Facts& facts);
 /// Does every given step decide for itself whether an obstacle is within reach? So that cutting the time changes nothing.
 bool plans_every_given_step(const Facts& facts);
 
-// ---- races: which method needs the least work for what is left of a communication step ----
+// ---- trial runs: which method needs the least work for what is left of a communication step ----
 
 /// Is it worth trying implicit steps at all? H_omega: length in units of 1 / omega, the bound.
 bool implicit_may_pay(double H_omega);
@@ -72,8 +72,8 @@ bool too_loud(double vibration, double tolerance);
 bool quiet(double difference, double tolerance);
 
 /// Work of the candidates, as found so far; infinite where one is out of the question.
-struct Contest {
-  Method before = Method::automatic;  ///< the last race's winner
+struct Candidates {
+  Method before = Method::automatic;  ///< the last trial runs' winner
   double least = 0;                   ///< leapfrog's at its stability limit
   Method implicit = Method::automatic;
   double implicit_work;
@@ -81,15 +81,15 @@ struct Contest {
   Method adaptive = Method::automatic;
   double adaptive_work;
   double bm4;
-  Contest();
+  Candidates();
 };
 struct Winner {
   Method method;
   double work;
   Reason reason;
 };
-Winner settle(const Contest& contest);
+Winner settle(const Candidates& candidates);
 /// Is leapfrog at its stability limit, or nearly, accurate enough?
-bool leapfrog_is_enough(const Contest& contest);
+bool leapfrog_is_enough(const Candidates& candidates);
 
 }  // namespace softffd

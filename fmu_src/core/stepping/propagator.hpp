@@ -8,7 +8,7 @@
 #include "stepping/damped_steps.hpp"
 #include "stepping/lazy.hpp"
 #include "stepping/plan.hpp"
-#include "stepping/race.hpp"
+#include "stepping/trial_runs.hpp"
 
 namespace softffd {
 
@@ -18,26 +18,26 @@ class Propagator {
   Propagator(const Lattice& lattice, int planes, int pins, const Samples* samples = nullptr)
       : lattice_(lattice), integrators_(lattice, planes, pins, samples) {}
   /// From the run's time to H later. On failure the run is spoilt and the caller restores it.
-  StepStatus advance(const Job& job, double H);
+  StepStatus advance(const StepContext& context, double H);
   Budget& budget() { return integrators_.budget(); }
   /// Number of matrices factored since the start: none unless implicit steps are tried.
   Count factorizations() const { return integrators_.factorizations(); }
 
  private:
-  Facts facts(const Job& job, double H) const;
-  void find(Want want, const Job& job, double H, Facts& facts);
-  StepStatus advance_planned(const Job& job, double H);
-  bool retreats(const Job& job, const Plan& plan, StepStatus status, Facts& facts);
-  StepStatus carry_out(const Job& job, const Plan& plan, double H);
-  StepStatus run_raced(const Job& job, double end);
+  Facts facts(const StepContext& context, double H) const;
+  void find(Want want, const StepContext& context, double H, Facts& facts);
+  StepStatus advance_planned(const StepContext& context, double H);
+  bool rolls_back(const StepContext& context, const Plan& plan, StepStatus status, Facts& facts);
+  StepStatus carry_out(const StepContext& context, const Plan& plan, double H);
+  StepStatus run_by_trials(const StepContext& context, double end);
 
   Lattice lattice_;
   Integrators integrators_;
   Lazy<Calibrator> calibrator_;
-  Lazy<DoubledSteps> doubled_;
+  Lazy<StepDoubling> step_doubling_;
   Lazy<DampedSteps> damped_;
   Lazy<Impacts> impacts_;
-  Lazy<Race> race_;
+  Lazy<TrialRuns> trial_runs_;
   Path start_;  ///< of a stretch that may have to be gone back to
 };
 

@@ -2,8 +2,8 @@
 /// step from the run as it is, with that factor of the usual internal step; the trial goes back to its beginning.
 #pragma once
 #include "kit/budget.hpp"
+#include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
-#include "kit/trial.hpp"
 #include "model/run.hpp"
 
 namespace softffd {
@@ -21,14 +21,14 @@ inline constexpr double mended = 0.25;
 /// The state went astray: tries smaller internal steps, as long as what all trials have taken is less than half of `most`, the call's work.
 /// divided: by how much.
 template <class Attempt>
-StepStatus retry_divided(Run& run, Trial<Run>& trial, double most, double step_factor, StepStatus failure, double& divided,
+StepStatus retry_divided(Run& run, Snapshot<Run>& snapshot, double most, double step_factor, StepStatus failure, double& divided,
                          Attempt&& attempt) {
-  const double begun = trial.before().course.work;
+  const double begun = snapshot.before().course.work;
   double work = run.course.work - begun;
   for (int halvings = 0; halvings < thresholds::most_halvings && 2 * work <= most; ++halvings) {
     step_factor /= 2;
     divided *= 2;
-    trial.back();
+    snapshot.rollback();
     const StepStatus status = attempt(step_factor);
     if (status != StepStatus::not_finite && status != StepStatus::too_much_work) return status;
     work += run.course.work - begun;
@@ -40,9 +40,9 @@ StepStatus retry_divided(Run& run, Trial<Run>& trial, double most, double step_f
 /// help the step stands. at_start: the energy account at the beginning, as a look there shows it. most: the call's work, of which as much
 /// is kept as the first attempt took.
 template <class Attempt>
-StepStatus retry_gained(Run& run, Trial<Run>& trial, Budget& budget, double most, EnergyAccount at_start, Attempt&& attempt) {
-  const EnergyAccount& before = trial.before().energy;
-  const double gained = run.energy.gained, gained_before = at_start.gained, begun = trial.before().course.work;
+StepStatus retry_gained(Run& run, Snapshot<Run>& snapshot, Budget& budget, double most, EnergyAccount at_start, Attempt&& attempt) {
+  const EnergyAccount& before = snapshot.before().energy;
+  const double gained = run.energy.gained, gained_before = at_start.gained, begun = snapshot.before().course.work;
   double work = run.course.work - begun, step_factor = before.step_factor;
   at_start.gained = at_start.due = 0;
   Budget::Reserve again(budget, (most - budget.left()) / (1 - thresholds::passing_over));
@@ -50,7 +50,7 @@ StepStatus retry_gained(Run& run, Trial<Run>& trial, Budget& budget, double most
   while (step_factor > thresholds::least_step_factor && 2 * work <= most && !budget.spent()) {
     tried = true;
     step_factor /= 2;
-    trial.back();
+    snapshot.rollback();
     run.energy = at_start;
     if (attempt(step_factor) != StepStatus::ok) break;
     work += run.course.work - begun;
@@ -59,7 +59,7 @@ StepStatus retry_gained(Run& run, Trial<Run>& trial, Budget& budget, double most
     if (mended || gained_before > (1 - thresholds::mended) * gained) return StepStatus::ok;
   }
   again.release();
-  if (tried) trial.back();
+  if (tried) snapshot.rollback();
   run.energy.hopeless = true;
   return tried ? attempt(before.step_factor) : StepStatus::ok;
 }

@@ -39,7 +39,7 @@ class Logger {
   std::string escaped(std::string_view message) const;
 
   Host host_;
-  std::string_view doubled_;
+  std::string_view step_doubling_;
   std::vector<bool> enabled_;
 };
 

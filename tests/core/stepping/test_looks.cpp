@@ -51,12 +51,12 @@ TEST(the_bound_is_that_of_a_state_whose_edges_differ_by_no_more_than_a_fifth) {
   for (double stretch : {1.15, 1.25, 1.9}) {
     Bench b;
     b.run.path.motion.x = rest_positions(b.lattice);
-    const double before = bound(b.job());
-    CHECK(!deformed_since_bound(b.job()));
+    const double before = bound(b.context());
+    CHECK(!deformed_since_bound(b.context()));
     b.run.path.motion.x.col(0) *= stretch;
     const double fresh = b.model.stability.frequency(b.model.body, b.run.path.motion.x);
     CHECK(fresh != before);
-    CHECK(bound(b.job()) == (stretch > 1.2 ? fresh : before));
+    CHECK(bound(b.context()) == (stretch > 1.2 ? fresh : before));
   }
 }
 
@@ -66,8 +66,8 @@ TEST(runs_of_any_length_renew_the_bound_of_a_body_that_deforms) {
     Bursting given, fitted;
     given.request.step = fitted.request.step = h;
     Calibrator calibrator(fitted.run);
-    CHECK(run_counted(given.integrators, given.job(), method, 100) == StepStatus::ok);
-    CHECK(run_fitted(fitted.integrators, calibrator, fitted.job(), method, 1, INFINITY) == StepStatus::ok);
+    CHECK(run_counted(given.integrators, given.context(), method, 100) == StepStatus::ok);
+    CHECK(run_fitted(fitted.integrators, calibrator, fitted.context(), method, 1, INFINITY) == StepStatus::ok);
     for (const Bursting* b : {&given, &fitted}) {
       CHECK(Bursting::side(b->run.path.motion.x) > 1.5);
       CHECK(b->since_bound() < 0.2 + 8 * 3 * h);
@@ -75,7 +75,7 @@ TEST(runs_of_any_length_renew_the_bound_of_a_body_that_deforms) {
   }
   Bursting controlled;
   controlled.request.tolerance = 1e-12;
-  CHECK(run_controlled(controlled.integrators, controlled.job(), Method::dop853, 1, INFINITY) == StepStatus::ok);
+  CHECK(run_controlled(controlled.integrators, controlled.context(), Method::dop853, 1, INFINITY) == StepStatus::ok);
   CHECK(Bursting::side(controlled.run.path.motion.x) > 1.5);
   CHECK(controlled.since_bound() < 0.2 + 8 * 3 * h);
 }

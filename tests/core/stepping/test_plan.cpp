@@ -17,7 +17,7 @@ struct Planned {
   Method method;  ///< automatic: that which was asked for
   Steps steps;
   Reason reason = Reason::asked;
-  Retreat retreat = Retreat::never;
+  Rollback rollback = Rollback::never;
   bool rings = false;
 };
 
@@ -29,7 +29,7 @@ void require(const std::vector<Planned>& table) {
       facts.asked = asked;
       const Plan p = plan(facts);
       const bool right = p.want == Want::nothing && p.method == (row.method == Method::automatic ? asked : row.method) &&
-                         p.steps == row.steps && p.reason == row.reason && p.retreat == row.retreat && p.rings == row.rings;
+                         p.steps == row.steps && p.reason == row.reason && p.rollback == row.rollback && p.rings == row.rings;
       if (!right) std::printf("  row %zu, asked for method %d\n", i + 1, int(asked));
       CHECK(right);
     }
@@ -50,7 +50,7 @@ TEST(without_obstacles_everybody_gets_what_was_asked_for_unless_damping_forbids_
       {{backward_euler}, {.given_step = true}, automatic, Steps::implicit},
       {{sdirk2}, {}, automatic, Steps::damped},
       {{sdirk2}, {.given_step = true, .counted = true}, automatic, Steps::implicit},
-      {{automatic, backward_euler}, {}, leapfrog, Steps::raced},
+      {{automatic, backward_euler}, {}, leapfrog, Steps::by_trials},
       {{automatic}, {.given_step = true}, leapfrog, Steps::fitted, Reason::given_step},
       {{automatic}, {.given_step = true, .counted = true}, leapfrog, Steps::counted, Reason::given_step},
       {{bm4, rkn12, ros34pw2}, {.given_step = true, .counted = true}, automatic, Steps::counted},  // given steps are not controlled
@@ -69,9 +69,9 @@ TEST(obstacles_out_of_reach_change_nothing_but_that_the_way_back_is_kept) {
   met.came_upon_obstacle = true;
   require({
       {{leapfrog}, near, automatic, Steps::fitted},
-      {{bm4}, near, automatic, Steps::fitted, Reason::asked, Retreat::from_obstacle},
-      {{automatic}, near, leapfrog, Steps::raced, Reason::asked, Retreat::from_obstacle},
-      {{floating_frame}, near, automatic, Steps::controlled, Reason::asked, Retreat::from_obstacle},
+      {{bm4}, near, automatic, Steps::fitted, Reason::asked, Rollback::from_obstacle},
+      {{automatic}, near, leapfrog, Steps::by_trials, Reason::asked, Rollback::from_obstacle},
+      {{floating_frame}, near, automatic, Steps::controlled, Reason::asked, Rollback::from_obstacle},
       {{central_difference}, {.obstacles = true}, automatic, Steps::fitted},  // as published, it does not look for them
       {{dop853}, met, leapfrog, Steps::doubled, Reason::contact},             // then it is planned as within reach
   });
@@ -123,11 +123,11 @@ TEST(out_of_reach_the_modes_carry_a_stiff_body_if_they_can) {
   dull.rings = false;
   pinned.pins = true;  // which is known without a look at its modes, as is what is soft
   require({
-      {{automatic}, rings, backward_euler, Steps::impacts, Reason::stiff_contact, Retreat::never, true},
-      {{automatic}, dull, leapfrog, Steps::raced, Reason::asked, Retreat::from_obstacle},
-      {{automatic}, pinned, leapfrog, Steps::raced, Reason::asked, Retreat::from_obstacle},
-      {{ros34pw2}, beside(false, 1e4), automatic, Steps::controlled, Reason::asked, Retreat::from_obstacle},
-      {{automatic}, beside(false, 10), leapfrog, Steps::raced, Reason::asked, Retreat::from_obstacle},
+      {{automatic}, rings, backward_euler, Steps::impacts, Reason::stiff_contact, Rollback::never, true},
+      {{automatic}, dull, leapfrog, Steps::by_trials, Reason::asked, Rollback::from_obstacle},
+      {{automatic}, pinned, leapfrog, Steps::by_trials, Reason::asked, Rollback::from_obstacle},
+      {{ros34pw2}, beside(false, 1e4), automatic, Steps::controlled, Reason::asked, Rollback::from_obstacle},
+      {{automatic}, beside(false, 10), leapfrog, Steps::by_trials, Reason::asked, Rollback::from_obstacle},
   });
 }
 
@@ -150,12 +150,12 @@ TEST(every_plan_ends) {
       Facts facts{
           .asked = method, .given_step = bit(0), .counted = bit(0) && bit(1), .damped = bit(2), .obstacles = bit(3), .pins = bit(4)};
       int rounds = 0;
-      for (Plan p = plan(facts); p.want != Want::nothing || p.retreat != Retreat::never; p = plan(facts)) {
+      for (Plan p = plan(facts); p.want != Want::nothing || p.rollback != Rollback::never; p = plan(facts)) {
         if (p.want == Want::clear) facts.clear = bit(5);
         if (p.want == Want::within_reach) facts.within_reach = bit(6);
         if (p.want == Want::rings) facts.rings = bit(5);
         if (p.want == Want::stiffness) facts.stiffness = bit(7) ? 1e4 : 1;
-        if (p.want == Want::nothing && p.retreat == Retreat::from_obstacle) facts.came_upon_obstacle = true;
+        if (p.want == Want::nothing && p.rollback == Rollback::from_obstacle) facts.came_upon_obstacle = true;
         if (++rounds > 8) break;
       }
       CHECK(rounds <= 8);
@@ -182,25 +182,25 @@ TEST(implicit_steps_are_tried_where_stable_steps_are_many) {
 }
 
 TEST(races_are_won_by_an_implicit_candidate_that_did_it_by_leapfrog_at_its_limit_or_by_clearly_less_work) {
-  const auto wins = [](const Contest& contest, Method method, Reason reason) {
-    return settle(contest).method == method && settle(contest).reason == reason;
+  const auto wins = [](const Candidates& candidates, Method method, Reason reason) {
+    return settle(candidates).method == method && settle(candidates).reason == reason;
   };
-  Contest contest;
-  contest.least = contest.leapfrog = 100;
-  contest.implicit = Method::ros34pw2;
-  CHECK(settle(contest).method == Method::leapfrog);
-  contest.implicit_work = 70;
-  CHECK(wins(contest, Method::ros34pw2, Reason::quiet_stiffness));
-  contest.implicit = Method::floating_frame;
-  CHECK(wins(contest, Method::floating_frame, Reason::free_flight) && settle(contest).work == 70);
+  Candidates candidates;
+  candidates.least = candidates.leapfrog = 100;
+  candidates.implicit = Method::ros34pw2;
+  CHECK(settle(candidates).method == Method::leapfrog);
+  candidates.implicit_work = 70;
+  CHECK(wins(candidates, Method::ros34pw2, Reason::quiet_stiffness));
+  candidates.implicit = Method::floating_frame;
+  CHECK(wins(candidates, Method::floating_frame, Reason::free_flight) && settle(candidates).work == 70);
 
-  Contest limit;
+  Candidates limit;
   limit.least = 100;
   limit.leapfrog = 170;
   limit.bm4 = 1;
   CHECK(leapfrog_is_enough(limit) && wins(limit, Method::leapfrog, Reason::stability));
 
-  Contest other;
+  Candidates other;
   other.least = 100;
   other.leapfrog = 1000;
   other.adaptive = Method::rkn12;

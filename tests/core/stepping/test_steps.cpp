@@ -17,7 +17,7 @@ constexpr Method controlled[] = {Method::rkn12, Method::dop853, Method::ros34pw2
 Points reference() {
   Bench b;
   b.request.step = 1e-4;
-  CHECK(run_counted(b.integrators, b.job(), Method::rkn12, 1000) == StepStatus::ok);
+  CHECK(run_counted(b.integrators, b.context(), Method::rkn12, 1000) == StepStatus::ok);
   return b.run.path.motion.x;
 }
 
@@ -30,7 +30,7 @@ TEST(given_steps_of_every_method_have_its_order) {
     for (Count steps : {50, 100}) {
       Bench b;
       b.request.step = 0.1 / double(steps);
-      CHECK(run_counted(b.integrators, b.job(), method, steps) == StepStatus::ok);
+      CHECK(run_counted(b.integrators, b.context(), method, steps) == StepStatus::ok);
       CHECK(b.run.path.steps == steps && b.run.path.clock.count == steps);
       errors.push_back(distance(b.run.path.motion.x, exact));
     }
@@ -47,12 +47,12 @@ TEST(fitted_and_controlled_steps_keep_the_tolerance_and_end_where_they_should) {
   for (Method method : fixed_methods) {
     Bench b;
     Calibrator calibrator(b.run);
-    CHECK(run_fitted(b.integrators, calibrator, b.job(), method, 0.1, INFINITY) == StepStatus::ok);
+    CHECK(run_fitted(b.integrators, calibrator, b.context(), method, 0.1, INFINITY) == StepStatus::ok);
     keeps(b);
   }
   for (Method method : controlled) {
     Bench b;
-    CHECK(run_controlled(b.integrators, b.job(), method, 0.1, INFINITY) == StepStatus::ok);
+    CHECK(run_controlled(b.integrators, b.context(), method, 0.1, INFINITY) == StepStatus::ok);
     keeps(b);
     CHECK(b.run.course.controlled_step(method) > 0);
   }
@@ -62,14 +62,14 @@ TEST(a_step_is_kept_only_if_its_error_is_allowed) {
   for (Method method : controlled) {
     const Traits& t = traits(method);
     Bench probe;
-    const double h = 0.5 * std::min(step_limit(probe.job(), method, false), 4 * step_limit(probe.job(), Method::leapfrog, false));
+    const double h = 0.5 * std::min(step_limit(probe.context(), method, false), 4 * step_limit(probe.context(), Method::leapfrog, false));
     const double error = probe.integrators.one_step(method).offer(probe.model, probe.drive, 0, h, probe.run).error;
     const double share = std::min(t.tolerance_step, t.tolerance_sum * h);  // of the tolerance, in a run of a second
     for (double ratio : {0.5, 2.0, 10.0}) {
       Bench b;
       b.request.tolerance = error / (ratio * share);
       b.run.course.controlled_step(method) = h;
-      CHECK(run_controlled(b.integrators, b.job(), method, h, 0) == StepStatus::ok);
+      CHECK(run_controlled(b.integrators, b.context(), method, h, 0) == StepStatus::ok);
       CHECK(b.run.path.steps == 1 && b.run.path.clock.h == b.run.path.motion.time);
       CHECK((b.run.course.rejected > 0) == (ratio > 1));
       CHECK((b.run.path.clock.h < h) == (ratio > 1));
@@ -84,7 +84,7 @@ TEST(a_step_is_kept_only_if_its_error_is_allowed) {
 TEST(a_pause_comes_after_the_work_is_spent) {
   for (Method method : controlled) {
     Bench b;
-    CHECK(run_controlled(b.integrators, b.job(), method, 0.1, 30) == StepStatus::ok);
+    CHECK(run_controlled(b.integrators, b.context(), method, 0.1, 30) == StepStatus::ok);
     CHECK(b.run.path.motion.time > 0 && b.run.path.motion.time < 0.1 && b.run.course.work >= 30);
   }
 }
@@ -93,10 +93,10 @@ TEST(a_calibration_takes_its_trial_back) {
   Bench b;
   Calibrator calibrator(b.run);
   const Points x = b.run.path.motion.x;
-  CHECK(calibrator.due(b.job(), Method::leapfrog, 0.1, false));
-  CHECK(calibrator.calibrate(b.integrators, b.job(), Method::leapfrog, 0.1, 4) > 0);
+  CHECK(calibrator.due(b.context(), Method::leapfrog, 0.1, false));
+  CHECK(calibrator.calibrate(b.integrators, b.context(), Method::leapfrog, 0.1, 4) > 0);
   CHECK((b.run.path.motion.x == x).all() && b.run.path.steps == 0 && b.run.path.motion.time == 0);
-  CHECK(!calibrator.due(b.job(), Method::leapfrog, 0.1, false));
+  CHECK(!calibrator.due(b.context(), Method::leapfrog, 0.1, false));
   CHECK(b.run.course.calibration(Method::leapfrog).h > 0);
 }
 
@@ -104,38 +104,38 @@ TEST(a_race_finds_a_method_and_leaves_the_body_where_it_was) {
   Bench b;
   b.request.tolerance = 1e-9;
   Calibrator calibrator(b.run);
-  Race race(b.run);
+  TrialRuns trials(b.run);
   const Points x = b.run.path.motion.x;
-  CHECK(Race::due(b.job(), 0.1));
-  race.run(b.integrators, calibrator, b.job(), 0.1);
+  CHECK(TrialRuns::due(b.context(), 0.1));
+  trials.run(b.integrators, calibrator, b.context(), 0.1);
   CHECK((b.run.path.motion.x == x).all() && b.run.path.motion.time == 0);
-  CHECK(b.run.course.race.winner == Method::rkn12 && b.run.course.race.reason == Reason::least_work);
-  CHECK(!Race::due(b.job(), 0.1));
+  CHECK(b.run.course.trials.winner == Method::rkn12 && b.run.course.trials.reason == Reason::least_work);
+  CHECK(!TrialRuns::due(b.context(), 0.1));
 }
 
 TEST(limits_follow_the_methods_rows) {
   Bench b;
-  const double h = step_limit(b.job(), Method::leapfrog, false), omega = bound(b.job());
+  const double h = step_limit(b.context(), Method::leapfrog, false), omega = bound(b.context());
   CHECK_NEAR(h * omega / 2, traits(Method::leapfrog).automatic, 1e-14);
-  CHECK_NEAR(step_limit(b.job(), Method::bm4, true) * omega / 2, traits(Method::bm4).given, 1e-14);
+  CHECK_NEAR(step_limit(b.context(), Method::bm4, true) * omega / 2, traits(Method::bm4).given, 1e-14);
   b.request.step_factor = 0.5;
-  CHECK_NEAR(step_limit(b.job(), Method::leapfrog, false), h / 2, 1e-14 * h);
+  CHECK_NEAR(step_limit(b.context(), Method::leapfrog, false), h / 2, 1e-14 * h);
   b.request.step_factor = 1;
   b.request.horizon = 1e9;
-  CHECK_NEAR(step_limit(b.job(), Method::rkn12, false) * omega / 2, 0.56 * traits(Method::rkn12).automatic, 1e-14);
+  CHECK_NEAR(step_limit(b.context(), Method::rkn12, false) * omega / 2, 0.56 * traits(Method::rkn12).automatic, 1e-14);
 }
 
 TEST(a_new_version_of_the_material_is_met_by_every_method) {
   for (Method method : {Method::leapfrog, Method::bm4, Method::rkn12, Method::dop853, Method::ros34pw2}) {
     Bench one, other;
     const Span span{0, 0, 1e-3, 5};
-    one.integrators.take(one.job(), method, span);
+    one.integrators.take(one.context(), method, span);
     for (Bench* b : {&one, &other}) {
       b->model.body.mass *= 3;
       b->model.body.damping.setConstant(0.2);
       b->model.renew();
       b->run = Bench().run;
-      b->integrators.take(b->job(), method, span);
+      b->integrators.take(b->context(), method, span);
     }
     CHECK((one.run.path.motion.x == other.run.path.motion.x).all());
   }
@@ -148,7 +148,7 @@ TEST(the_propagator_ends_every_communication_step_on_time) {
     Propagator propagator(b.lattice, 0, 0);
     for (int i = 1; i <= 3; ++i) {
       const double end = b.run.path.motion.time + 0.03;
-      CHECK(propagator.advance(b.job(), 0.03) == StepStatus::ok);
+      CHECK(propagator.advance(b.context(), 0.03) == StepStatus::ok);
       CHECK(b.run.path.motion.time == end);
     }
   }

@@ -1,5 +1,5 @@
 /// Many threads, each with its own instances and states, logging on: the bits of a run alone, and (with
-/// -fsanitize=thread) no data race.
+/// -fsanitize=thread) no data trial runs.
 #include <atomic>
 #include <thread>
 

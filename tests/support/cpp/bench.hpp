@@ -26,7 +26,7 @@ struct Bench {
     for (MarkedPoints* points : {&motion.previous, &run.course.bound_x, &run.course.factored.x}) points->change().setZero(n, 3);
     model.body.internal_force(motion.x, motion.spring);
   }
-  Job job() { return {model, drive, request, run}; }
+  StepContext context() { return {model, drive, request, run}; }
 };
 
 }  // namespace softffd

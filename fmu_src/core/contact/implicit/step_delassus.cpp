@@ -120,12 +120,13 @@ void StepDelassus::sort() {
   set_rows(rows);
 }
 
-void StepDelassus::raise(const std::vector<double>& forces, const std::vector<Heights>& begin, std::vector<Heights>& heights) {
+void StepDelassus::apply_impulses(const std::vector<double>& forces, const std::vector<GapFunction>& begin,
+                                  std::vector<GapFunction>& gaps) {
   move_.setZero(body_->points(), 3);
   for (std::size_t t = 0; t < forces.size(); ++t) add_response(rows_[t].sample, forces[t] * normals_[rows_[t].plane], move_);
   operations_.spend(3 * double(begin.size()) * body_->points());
-  heights = begin;
-  for (std::size_t q = 0; q < heights.size(); ++q) heights[q].raise(*samples_, {0, body_->points()}, move_, normals_[q]);
+  gaps = begin;
+  for (std::size_t q = 0; q < gaps.size(); ++q) gaps[q].add_motion(*samples_, {0, body_->points()}, move_, normals_[q]);
 }
 
 }  // namespace softffd

@@ -40,7 +40,7 @@ class StepDelassus {
     operations_.spend(3.0 * size() * size());
     factor_.solve(b);
   }
-  void raise(const std::vector<double>& forces, const std::vector<Heights>& begin, std::vector<Heights>& heights);
+  void apply_impulses(const std::vector<double>& forces, const std::vector<GapFunction>& begin, std::vector<GapFunction>& gaps);
 
   /// As Delassus, those of the matrix's solutions apart.
   Operations& operations() const { return operations_; }

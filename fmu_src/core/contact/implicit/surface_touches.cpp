@@ -215,7 +215,7 @@ StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
     if (looks == 0) all_covered();
     list_candidates();
     set_.delassus().set_rows(start_);
-    if (const StepStatus status = set_.solve(candidates_, heights_, problem.slack, loads_); status != StepStatus::ok) return status;
+    if (const StepStatus status = set_.solve(candidates_, gap_functions_, problem.slack, loads_); status != StepStatus::ok) return status;
     if (set_.pinned_violation() > pin_slack * length_) return StepStatus::pin_behind_plane;
     lost = take_loads() || lost;
     find_move(forces_);
@@ -288,7 +288,7 @@ bool SurfaceTouches::rub(const StepProblem& problem) {
   return missed <= problem.slack + doubt_ && in_front(problem.slack);
 }
 
-/// Are the samples in front of the planes at the heights at hand, as far as their lists and rounding let know? Looks for them anew where
+/// Are the samples in front of the planes at the gaps at hand, as far as their lists and rounding let know? Looks for them anew where
 /// the lists do not do.
 bool SurfaceTouches::in_front(double slack) {
   const bool covered = all_covered();
@@ -296,7 +296,8 @@ bool SurfaceTouches::in_front(double slack) {
   operations().spend(Operations::of_value * double(candidates_.size()));
   return covered && std::all_of(candidates_.begin(), candidates_.end(), [&](const Candidate& each) {
            const int s = each.row.sample;
-           return heights_[each.row.plane].at(samples_, s) >= -2 * slack - doubt_ || set_.delassus()(s, s).isZero(0);  // all of it pinned
+           return gap_functions_[each.row.plane].at(samples_, s) >= -2 * slack - doubt_ ||
+                  set_.delassus()(s, s).isZero(0);  // all of it pinned
          });
 }
 
@@ -328,18 +329,18 @@ void SurfaceTouches::find_move(const std::vector<Force>& forces) {
 
 /// Above the planes, moved.
 void SurfaceTouches::find_heights(const StepProblem& problem) {
-  heights_.resize(planes_.size());
+  gap_functions_.resize(planes_.size());
   operations().spend(6.0 * flat_ * double(move_.rows()) + 2 * Operations::of_place * double(planes_.size() - flat_));
   for (int q = 0; q < int(planes_.size()); ++q) {
     const HalfSpace& plane = planes_[q];
-    heights_[q].sample = q < flat_ ? -1 : tangents_.found()[q - flat_].sample;
-    if (const int s = heights_[q].sample; s >= 0) {
-      heights_[q].of_sample = plane.gap(samples_.at(s, problem.x)) + plane.normal.dot(samples_.at(s, move_));
+    gap_functions_[q].sample = q < flat_ ? -1 : tangents_.found()[q - flat_].sample;
+    if (const int s = gap_functions_[q].sample; s >= 0) {
+      gap_functions_[q].of_sample = plane.gap(samples_.at(s, problem.x)) + plane.normal.dot(samples_.at(s, move_));
       continue;
     }
-    Scalars& heights = heights_[q].of_points;
-    heights = Scalars::Constant(move_.rows(), -plane.offset);
-    for (int axis = 0; axis < 3; ++axis) heights += plane.normal[axis] * (problem.x.col(axis) + move_.col(axis));
+    Scalars& gaps = gap_functions_[q].of_points;
+    gaps = Scalars::Constant(move_.rows(), -plane.offset);
+    for (int axis = 0; axis < 3; ++axis) gaps += plane.normal[axis] * (problem.x.col(axis) + move_.col(axis));
   }
 }
 
@@ -348,7 +349,7 @@ void SurfaceTouches::list_candidates() {
   candidates_.clear();
   for (int q = 0; q < flat_; ++q)
     for (const int s : search_.near(q)) candidates_.push_back({.row = {q, s}});
-  for (int q = flat_; q < int(planes_.size()); ++q) candidates_.push_back({.row = {q, heights_[q].sample}});
+  for (int q = flat_; q < int(planes_.size()); ++q) candidates_.push_back({.row = {q, gap_functions_[q].sample}});
   const std::size_t near = candidates_.size();
   for (const SurfaceRow& row : start_)
     if (!std::binary_search(candidates_.begin(), candidates_.begin() + near, Candidate{.row = row}, by_row))
@@ -360,8 +361,8 @@ void SurfaceTouches::list_candidates() {
 bool SurfaceTouches::all_covered() {
   bool covered = true;
   for (int q = 0; q < flat_; ++q)
-    if (!search_.covers(q, heights_[q].of_points)) {
-      search_.look(q, heights_[q].of_points, move_.abs().maxCoeff());
+    if (!search_.covers(q, gap_functions_[q].of_points)) {
+      search_.look(q, gap_functions_[q].of_points, move_.abs().maxCoeff());
       operations().spend(Operations::of_value * samples_.count());
       covered = false;
     }

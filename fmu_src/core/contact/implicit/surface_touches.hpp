@@ -97,7 +97,7 @@ class SurfaceTouches final : public ImplicitTouches {
   std::vector<double> loads_;                    ///< theirs [N]
   StepSolution solution_;
   Points free_, move_;  ///< dx with the forces before; with those at hand [m]
-  std::vector<Heights> heights_;
+  std::vector<GapFunction> gap_functions_;
   std::vector<Candidate> candidates_;
   FeasibleSet feasible_;
   double doubt_ = 0;  ///< rounding of move_ [m]

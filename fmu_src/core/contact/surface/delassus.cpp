@@ -18,17 +18,17 @@ constexpr double weights_work = 256, solution_work = 3;
 
 }  // namespace
 
-bool Heights::find(const Samples& samples, const Points& x, const Vec3& normal, double offset) {
+bool GapFunction::find(const Samples& samples, const Points& x, const Vec3& normal, double offset) {
   if (sample < 0) return kernels::gaps(int(x.rows()), x.data(), normal.data(), offset, of_points.data());
   of_sample = normal.dot(samples.at(sample, x)) - offset;
   return of_sample < 0;
 }
 
-void Heights::raise(const Samples& samples, PointRange range, const Points& move, const Vec3& normal) {
+void GapFunction::add_motion(const Samples& samples, PointRange range, const Points& move, const Vec3& normal) {
   if (sample >= 0)
     of_sample += normal.dot(samples.at(sample, move));
   else
-    kernels::raise(int(move.rows()), range, normal.data(), move.data(), of_points.data());
+    kernels::add_motion(int(move.rows()), range, normal.data(), move.data(), of_points.data());
 }
 
 double Delassus::between(int p, int q) const {
@@ -94,28 +94,28 @@ void Delassus::factor(int from) {
 }
 
 /// Rows of one plane move the points along its normal alone.
-void Delassus::raise(const std::vector<double>& forces, const std::vector<Heights>& begin, std::vector<Heights>& heights) {
-  heights = begin;
+void Delassus::apply_impulses(const std::vector<double>& forces, const std::vector<GapFunction>& begin, std::vector<GapFunction>& gaps) {
+  gaps = begin;
   if (rows_.empty()) return;
   const int one = rows_[0].plane, points = int(inverse_.size());
   operations_.spend(double(begin.size() + rows_.size()) * points);
   if (std::ranges::all_of(rows_, [&](const SurfaceRow& row) { return row.plane == one; })) {
     field_.setZero(points);
     for (std::size_t t = 0; t < forces.size(); ++t) push(int(t), forces[t], field_.data());
-    for (std::size_t q = 0; q < heights.size(); ++q) {
+    for (std::size_t q = 0; q < gaps.size(); ++q) {
       const double along = cosine(int(q), one);
       if (along == 0) continue;
-      if (heights[q].sample >= 0)
-        heights[q].of_sample += along * samples_->at(heights[q].sample, field_.data());
+      if (gaps[q].sample >= 0)
+        gaps[q].of_sample += along * samples_->at(gaps[q].sample, field_.data());
       else
-        heights[q].of_points += along * field_;
+        gaps[q].of_points += along * field_;
     }
     return;
   }
   pushes_.clear();
   for (std::size_t t = 0; t < forces.size(); ++t) pushes_.push_back(forces[t] * normals_[rows_[t].plane]);
   push(pushes_, move_);
-  for (std::size_t q = 0; q < heights.size(); ++q) heights[q].raise(*samples_, range_, move_, normals_[q]);
+  for (std::size_t q = 0; q < gaps.size(); ++q) gaps[q].add_motion(*samples_, range_, move_, normals_[q]);
   operations_.spend(3 * double(begin.size()) * points);
 }
 

@@ -19,8 +19,8 @@ struct SurfaceRow {
   auto operator<=>(const SurfaceRow&) const = default;
 };
 
-/// Heights above a plane, which are linear in those of the control points.
-struct Heights {
+/// GapFunction above a plane, which are linear in those of the control points.
+struct GapFunction {
   Scalars of_points;  ///< (points); none where the plane is of one sample alone, as a solid's tangent is:
   int sample = -1;
   double of_sample = 0;
@@ -29,7 +29,7 @@ struct Heights {
   /// Of these positions above a plane, or of velocities along its normal. Returns whether any is below 0.
   bool find(const Samples& samples, const Points& x, const Vec3& normal, double offset);
   /// By this motion of the control points in the range.
-  void raise(const Samples& samples, PointRange range, const Points& move, const Vec3& normal);
+  void add_motion(const Samples& samples, PointRange range, const Points& move, const Vec3& normal);
 };
 
 class Delassus {
@@ -70,8 +70,8 @@ class Delassus {
   /// The same with `together` columns, b (size, together) row by row.
   static constexpr int together = RowFactor::together;
   void solve_together(double* b) const { factor_.solve_together(b); }
-  /// heights = begin, moved by these forces of the rows along their normals.
-  void raise(const std::vector<double>& forces, const std::vector<Heights>& begin, std::vector<Heights>& heights);
+  /// gaps = begin, moved by these forces of the rows along their normals.
+  void apply_impulses(const std::vector<double>& forces, const std::vector<GapFunction>& begin, std::vector<GapFunction>& gaps);
   /// values_i += f W_si / m_i for row s.
   void push(int s, double f, double* values) const { samples_->add(rows_[s].sample, f, over_mass(s), values); }
   /// Points that rows move, and perhaps others; all where not all points count at a sample.

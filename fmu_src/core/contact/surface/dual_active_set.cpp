@@ -21,13 +21,13 @@ constexpr int most_additions = 1000, most_drops = 300;
 }  // namespace
 
 template <class Metric>
-StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, std::vector<Heights>& heights, double tolerance,
+StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, std::vector<GapFunction>& gaps, double tolerance,
                                           const std::vector<double>& known) {
-  heights_ = &heights;
+  gap_functions_ = &gaps;
   pinned_ = 0;
   hot_.clear();
   at_hand_.assign(candidates.size(), 0);
-  begin_ = heights;
+  begin_ = gaps;
   bounds_.clear();
   std::size_t c = 0;
   for (const SurfaceRow& row : active()) {
@@ -45,7 +45,7 @@ StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, st
       if (at_hand_[i] == 1 && !(t < active().size() && active()[t] == candidates[i].row && ++t)) at_hand_[i] = 0;
   }
   if (active().empty())
-    heights = begin_;
+    gaps = begin_;
   else
     spread();
   for (int round = 0; round < most_additions; ++round) {
@@ -78,12 +78,12 @@ void DualActiveSetIn<Metric>::warm() {
   }
 }
 
-/// Heights of the forces at hand.
+/// GapFunction of the forces at hand.
 template <class Metric>
 void DualActiveSetIn<Metric>::spread() {
   scratch_ = forces_;
   for (std::size_t t = 0; t < forces_.size(); ++t) scratch_[t] -= known_[t];
-  delassus_.raise(scratch_, begin_, *heights_);
+  delassus_.apply_impulses(scratch_, begin_, *gap_functions_);
 }
 
 /// The row is active no more, and its part in y0 is taken out.
@@ -93,7 +93,7 @@ void DualActiveSetIn<Metric>::leave(int row, typename Metric::Column* column) {
   if (part != 0) {
     scratch_.assign(known_.size(), 0.0);
     scratch_[row] = -part;
-    delassus_.raise(scratch_, begin_, begin_);
+    delassus_.apply_impulses(scratch_, begin_, begin_);
   }
   for (auto* each : {&forces_, &known_, &bounds_, &wanted_}) each->erase(each->begin() + row);
   delassus_.drop(row, column);
@@ -135,7 +135,7 @@ int DualActiveSetIn<Metric>::most_violated(std::vector<Candidate>& candidates, d
   double least = -tolerance;
   const auto look = [&](int c) {
     Candidate& candidate = candidates[c];
-    candidate.gap = height(candidate.row, *heights_) - candidate.bound;
+    candidate.gap = height(candidate.row, *gap_functions_) - candidate.bound;
     return candidate.gap;
   };
   for (const int c : hot_) {

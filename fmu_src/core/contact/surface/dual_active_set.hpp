@@ -3,11 +3,11 @@
 ///
 /// Strictly convex, so y is one; solved exactly by the dual active set of Goldfarb & Idnani (1983), from the rows that were active before:
 ///
-///      the rows' forces l >= 0 move heights by l A; rows at hand are met exactly, the most violated other one is added:
+///      the rows' forces l >= 0 move gaps by l A; rows at hand are met exactly, the most violated other one is added:
 ///      t1: how far its force can grow before that of a row at hand is 0, which is dropped then
 ///      t2: how far until it is met itself, where it is appended
 ///
-/// Everything is done in heights above each plane, h_q = n_q . y - c_q at the control points: the rows' forces move them by scalar fields.
+/// Everything is done in gaps above each plane, h_q = n_q . y - c_q at the control points: the rows' forces move them by scalar fields.
 /// Crowded samples make A nearly singular, without harm: l >= 0 cannot cancel, and a Cholesky solution is backward stable. Which of them
 /// carry the plane's force is not unique then; y and the planes' forces are.
 #pragma once
@@ -37,10 +37,10 @@ class DualActiveSetIn {
   /// Largest violation of a row that nothing free could mend, for all its points are pinned.
   double pinned_violation() const { return pinned_; }
 
-  /// heights: (planes) of y0, become those of y. candidates: sorted by row; the active ones must be among them. known: forces of the active
+  /// gaps: (planes) of y0, become those of y. candidates: sorted by row; the active ones must be among them. known: forces of the active
   /// rows that y0 has already, so that large forces that hold each other lose no digits; none: zero. Not finite: not found in so many
   /// steps.
-  StepStatus solve(std::vector<Candidate>& candidates, std::vector<Heights>& heights, double tolerance,
+  StepStatus solve(std::vector<Candidate>& candidates, std::vector<GapFunction>& gaps, double tolerance,
                    const std::vector<double>& known = {});
 
  private:
@@ -54,16 +54,16 @@ class DualActiveSetIn {
   int most_violated(std::vector<Candidate>& candidates, double tolerance);
   StepStatus add(const std::vector<Candidate>& candidates, int chosen);
   void renew_forces();
-  double height(const SurfaceRow& row, const std::vector<Heights>& heights) const {
-    return heights[row.plane].at(delassus_.samples(), row.sample);
+  double height(const SurfaceRow& row, const std::vector<GapFunction>& gaps) const {
+    return gaps[row.plane].at(delassus_.samples(), row.sample);
   }
 
   Metric delassus_;
   typename Metric::Column column_;
   std::vector<double> forces_, known_, bounds_, wanted_;  ///< of the active rows: l, its part in y0, b, b less height at y0
   std::vector<double> scratch_;
-  std::vector<Heights> begin_;  ///< of y0
-  std::vector<Heights>* heights_ = nullptr;
+  std::vector<GapFunction> begin_;  ///< of y0
+  std::vector<GapFunction>* gap_functions_ = nullptr;
   std::vector<int> hot_;       ///< candidates that were violated most at the last full look
   std::vector<char> at_hand_;  ///< candidates: 1 active, 2 pinned
   std::vector<std::pair<double, int>> violated_;

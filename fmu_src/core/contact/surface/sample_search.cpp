@@ -25,36 +25,36 @@ SampleSearch::SampleSearch(const Samples& samples, int planes, double length)
   }
 }
 
-bool SampleSearch::covers(int q, const Scalars& heights) {
+bool SampleSearch::covers(int q, const Scalars& gaps) {
   Known& known = planes_[q];
   const double touch = touching * length_;
-  if (known.heights.size() == 0) known.heights = heights;
-  const kernels::Descent way = kernels::descent(heights.size(), known.heights.data(), heights.data());
+  if (known.gaps.size() == 0) known.gaps = gaps;
+  const kernels::Descent way = kernels::descent(gaps.size(), known.gaps.data(), gaps.data());
   known.away = way.least > touch;
   return known.away || (known.reserve > 0 && way.most < known.reserve - 2 * touch);
 }
 
 bool SampleSearch::is_long(int q) const { return near(q).size() > long_list; }
 
-bool SampleSearch::in_front(int q, const Scalars& heights, double slack) const {
-  return planes_[q].away || (heights + planes_[q].idle).minCoeff() >= -slack;
+bool SampleSearch::in_front(int q, const Scalars& gaps, double slack) const {
+  return planes_[q].away || (gaps + planes_[q].idle).minCoeff() >= -slack;
 }
 
-void SampleSearch::look(int q, const Scalars& heights, double way) {
+void SampleSearch::look(int q, const Scalars& gaps, double way) {
   Known& known = planes_[q];
   ++searches_;
   const double steps = known.near.size() > long_list ? steps_of_long_list : steps_ahead;
   known.reserve = std::clamp(steps * way, least_reserve * length_, most_reserve * length_);
-  known.heights = heights;
+  known.gaps = gaps;
   Vec3 slope;  // axes of a lattice are independent of each other
-  for (int a = 0; a < 3; ++a) slope[a] = ((rest_.col(a) - middle_[a]) * heights).sum() / squares_[a];
-  const double base = heights.mean() - slope.dot(middle_);
-  left_ = heights - base - slope[0] * rest_.col(0) - slope[1] * rest_.col(1) - slope[2] * rest_.col(2);
+  for (int a = 0; a < 3; ++a) slope[a] = ((rest_.col(a) - middle_[a]) * gaps).sum() / squares_[a];
+  const double base = gaps.mean() - slope.dot(middle_);
+  left_ = gaps - base - slope[0] * rest_.col(0) - slope[1] * rest_.col(1) - slope[2] * rest_.col(2);
   const double bound = known.reserve * (1 + 1e-9) - left_.minCoeff() - base;
   known.near.clear();
   for (int s = 0; s < samples_.count(); ++s)
-    if (slope.dot(samples_.place(s)) < bound && samples_.at(s, heights.data()) < known.reserve) known.near.push_back(s);
-  known.idle = Scalars::Constant(heights.size(), std::numeric_limits<double>::infinity());
+    if (slope.dot(samples_.place(s)) < bound && samples_.at(s, gaps.data()) < known.reserve) known.near.push_back(s);
+  known.idle = Scalars::Constant(gaps.size(), std::numeric_limits<double>::infinity());
   for (const int s : known.near) samples_.mark(s, 0.0, known.idle.data());
 }
 

@@ -4,7 +4,7 @@
 ///      since the last search no sample has come nearer than the control point that came most, so that its list still holds every
 ///      sample behind the plane while that is less than the `reserve` the search was made with;
 ///      a search fits h_i by an affine function a + b . X_i and a rest r_i; a + b . X_s + min r is a lower bound of the height of s, nearly
-///      the height itself of a body that only turns and shears: few heights are weighed.
+///      the height itself of a body that only turns and shears: few gaps are weighed.
 ///
 /// What is in a list beyond that changes no result, so it does not matter when a search was made.
 #pragma once
@@ -16,16 +16,16 @@ class SampleSearch {
  public:
   SampleSearch(const Samples& samples, int planes, double length);
 
-  /// Does the list of plane q hold every sample that is behind it, or touches it, at these heights of the control points (points)?
-  bool covers(int q, const Scalars& heights);
+  /// Does the list of plane q hold every sample that is behind it, or touches it, at these gaps of the control points (points)?
+  bool covers(int q, const Scalars& gaps);
   /// Makes the list anew. way: how far a point may come nearer in a step [m].
-  void look(int q, const Scalars& heights, double way);
+  void look(int q, const Scalars& gaps, double way);
   /// In ascending order.
   const std::vector<int>& near(int q) const { return planes_[q].away ? none_ : planes_[q].near; }
   /// Are there so many that a look at each is to be avoided?
   bool is_long(int q) const;
-  /// Is none of them further behind than this, because no control point is that counts for any of them? [m] heights: in any unit.
-  bool in_front(int q, const Scalars& heights, double slack) const;
+  /// Is none of them further behind than this, because no control point is that counts for any of them? [m] gaps: in any unit.
+  bool in_front(int q, const Scalars& gaps, double slack) const;
   /// Numbers of the searches so far.
   Count searches() const { return searches_; }
 
@@ -33,7 +33,7 @@ class SampleSearch {
   struct Known {
     bool away = true;     ///< nothing is near
     double reserve = -1;  ///< [m]; negative: no search yet
-    Scalars heights;      ///< at the search
+    Scalars gaps;         ///< at the search
     Scalars idle;         ///< (points) infinite for those that count for none of these:
     std::vector<int> near;
   };

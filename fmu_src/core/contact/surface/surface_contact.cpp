@@ -92,16 +92,16 @@ void SurfaceContact::move_planes(const StepView& step) {
   if (moved) set_planes();
 }
 
-/// Heights above the planes; returns whether a control point is behind one, or the sample of a tangent.
+/// GapFunction above the planes; returns whether a control point is behind one, or the sample of a tangent.
 bool SurfaceContact::find_heights(const Points& x1) {
   bool behind = false;
-  for (std::size_t q = 0; q < end_.size(); ++q) behind = drift_.heights[q].find(samples_, x1, end_[q].normal, end_[q].offset) || behind;
+  for (std::size_t q = 0; q < end_.size(); ++q) behind = drift_.gaps[q].find(samples_, x1, end_[q].normal, end_[q].offset) || behind;
   return behind;
 }
 
 /// Lists the samples near a plane.
-void SurfaceContact::search(int q, const Scalars& heights, double way) {
-  search_.look(q, heights, way);
+void SurfaceContact::search(int q, const Scalars& gaps, double way) {
+  search_.look(q, gaps, way);
   found_ += Operations::of_value * samples_.count();
 }
 
@@ -113,13 +113,13 @@ double SurfaceContact::slack_of_rows() const {
 
 /// Solves for the samples near the planes, and again if it has brought others there. rows: of the state; way: by which a point moves [m].
 StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip) {
-  free_ = drift_.heights;
+  free_ = drift_.gaps;
   for (int q = 0; q < flat_; ++q)
     if (!search_.covers(q, free_[q].of_points)) search(q, free_[q].of_points, way);
   const double tolerance = slack_of_rows();
   if (fit_known(rows, friction, tolerance, slip)) return StepStatus::ok;
   for (int looks = 0; looks < most_looks; ++looks) {
-    drift_.heights = free_;
+    drift_.gaps = free_;
     drift_.candidates.clear();
     for (int q = 0; q < flat_; ++q)
       for (const int s : search_.near(q)) drift_.candidates.push_back({.row = {q, s}});
@@ -129,8 +129,8 @@ StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& fri
     if (const StepStatus status = drift_.solve(tolerance, slip); status != StepStatus::ok) return status;
     bool covered = true;
     for (int q = 0; q < flat_; ++q)
-      if (!search_.covers(q, drift_.heights[q].of_points)) {
-        search(q, drift_.heights[q].of_points, way);
+      if (!search_.covers(q, drift_.gaps[q].of_points)) {
+        search(q, drift_.gaps[q].of_points, way);
         covered = false;
       }
     if (covered) return drift_.pinned_violation() > pin_slack * length_ ? StepStatus::pin_behind_plane : StepStatus::ok;
@@ -153,7 +153,7 @@ void SurfaceContact::find(const StepView& step, const Points& x1, const SurfaceR
   move_planes(step);
   if (solids_) find_tangents(step.around, step.t0, step.t1, step.x0, longest_way(step.x0, x1));
   bool any = rows.drift[0] >= 0 || near_ || int(end_.size()) > flat_;
-  for (int q = 0; q < flat_ && !any; ++q)  // costs less than heights
+  for (int q = 0; q < flat_ && !any; ++q)  // costs less than gaps
     any = kernels::behind(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, behind_.data());
   near_ = (any && find_heights(x1)) || rows.drift[0] >= 0;
 }
@@ -164,7 +164,8 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   places_known_ = false;
   if (near_) {
     places_known_ = hold_drift(step, v, x1, rows);
-    if (const StepStatus status = places_known_ ? StepStatus::ok : meet(step, v, x1, rows); status != StepStatus::ok) return status;
+    if (const StepStatus status = places_known_ ? StepStatus::ok : position_stage(step, v, x1, rows); status != StepStatus::ok)
+      return status;
     if (!drift_.rows.empty()) {
       drift_.give(1 / step.h, v, &x1);
       exchange.contacts_resolved += Count(drift_.rows.size());
@@ -203,7 +204,7 @@ void SurfaceContact::allow(double most) {
 double SurfaceContact::work() const { return (found_ + drift_.operations().done() + close_.operations().done()) / in_evaluation_; }
 
 /// The drift's stage, until no other samples may have come to a solid by it.
-StepStatus SurfaceContact::meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
+StepStatus SurfaceContact::position_stage(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
   StepStatus status = meet_near(step, v, x1, rows);
   for (int looks = 0; solids_ && status == StepStatus::ok; ++looks) {
     const double whole = longest_way(step.x0, x1 + drift_.move());
@@ -237,7 +238,7 @@ StepStatus SurfaceContact::meet_near(const StepView& step, const Points& v, cons
       const Vec3 free = samples_.at(row.sample, x1);
       return Vec3(free - aim(step, free, row, at_once));
     };
-    if (at_once) drift_.heights = free_;
+    if (at_once) drift_.gaps = free_;
     if (const StepStatus status = fit(rows.drift, rows.drift_friction, way, std::ref(slip_of)); status != StepStatus::ok) return status;
     if (!arrives_ || !gains(step, x1)) break;
   }
@@ -322,7 +323,7 @@ StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, c
     candidate.bound = plane.normal.dot(turns ? plane.material_velocity(samples_.at(candidate.row.sample, x1)) : plane.velocity);
     fastest = std::max(fastest, std::abs(candidate.bound));
   }
-  for (std::size_t q = 0; q < end_.size(); ++q) close_.heights[q].find(samples_, v, end_[q].normal, 0);
+  for (std::size_t q = 0; q < end_.size(); ++q) close_.gaps[q].find(samples_, v, end_[q].normal, 0);
   load(rows.close, rows.close_friction, close_);
   const auto slip_of = [&](const SurfaceRow& row) {
     const HalfSpace& plane = end_[row.plane];

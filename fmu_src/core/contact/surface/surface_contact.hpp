@@ -80,12 +80,12 @@ class SurfaceContact {
   void set_planes();
   void move_planes(const StepView& step);
   bool find_heights(const Points& x1);
-  void search(int q, const Scalars& heights, double way);
+  void search(int q, const Scalars& gaps, double way);
   double slack_of_rows() const;
   StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
   StepStatus stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows);
   StepStatus find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v, const SurfaceRows& rows);
-  StepStatus meet(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
+  StepStatus position_stage(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   StepStatus meet_near(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
   bool gains(const StepView& step, const Points& x1) const;
@@ -125,7 +125,7 @@ class SurfaceContact {
   std::vector<char> still_;
   std::vector<SolidPose> poses_;  ///< at the end of the step; none: no half-space stands for a solid
   std::vector<Vec3> normals_;
-  std::vector<Heights> free_;        ///< heights before a stage
+  std::vector<GapFunction> free_;    ///< gaps before a stage
   std::vector<Candidate> touching_;  ///< after the last drift; or of these those that were active before it,
   int known_ = -1;                   ///< where a long list of this plane alone has no other that matters
   std::vector<Candidate>
@@ -134,7 +134,7 @@ class SurfaceContact {
   double slack_ = 0;    ///< of the last closing [m/s]
   SampleRows at_hand_;  ///< the rows that may hold, and of these:
   std::vector<Vec3> begin_, away_;     ///< where they are at t0, or how fast they move; how far from where they are to be
-  std::vector<double> gaps_, bounds_;  ///< heights after a stage, and what they are to be
+  std::vector<double> gaps_, bounds_;  ///< gaps after a stage, and what they are to be
   std::vector<Vec3> places_;           ///< of the rows of a stage at t1
   bool places_known_ = false;          ///< they are those of the drift's rows
   Scalars weights_;                    ///< of a sample

@@ -64,13 +64,13 @@ bool SurfaceContact::list_held(double h, const Points& v) {
   const int own = rows.front().plane;
   bool alone = true;
   for (int q = 0; q < flat_; ++q) {
-    if (!search_.covers(q, drift_.heights[q].of_points)) search(q, drift_.heights[q].of_points, h * largest_speed(v));
+    if (!search_.covers(q, drift_.gaps[q].of_points)) search(q, drift_.gaps[q].of_points, h * largest_speed(v));
     alone = alone && (q == own || search_.near(q).empty());
   }
-  at_hand_.at(drift_.heights[own].of_points, gaps_);
+  at_hand_.at(drift_.gaps[own].of_points, gaps_);
   for (const double gap : gaps_)
     if (!(std::abs(gap) <= slack)) return false;
-  if (alone && !holds_ && search_.is_long(own) && search_.in_front(own, drift_.heights[own].of_points, 0.5 * slack)) {
+  if (alone && !holds_ && search_.is_long(own) && search_.in_front(own, drift_.gaps[own].of_points, 0.5 * slack)) {
     for (std::size_t t = 0; t < rows.size(); ++t) touching_.push_back({.row = rows[t], .gap = gaps_[t]});
     known_ = own;
     return true;
@@ -79,7 +79,7 @@ bool SurfaceContact::list_held(double h, const Points& v) {
   for (int q = 0; q < flat_; ++q)
     for (const int s : search_.near(q)) {
       const bool row = found < rows.size() && rows[found] == SurfaceRow{q, s};
-      const double gap = row ? gaps_[found++] : drift_.heights[q].at(samples_, s);
+      const double gap = row ? gaps_[found++] : drift_.gaps[q].at(samples_, s);
       if (!(gap >= -slack)) return false;
       if (gap <= touching * length_) touching_.push_back({.row = {q, s}, .gap = gap});
     }
@@ -96,9 +96,9 @@ bool SurfaceContact::hold_close(const StepView& step, const Points& v, const std
   at_hand_.set(rows);
   if (!places_known_) at_hand_.at(step.x0, places_);
   at_hand_.at(v, begin_);
-  double fastest = std::sqrt(kernels::speeds(step.body.points(), plane.normal.data(), v.data(), close_.heights[own].of_points.data()));
+  double fastest = std::sqrt(kernels::speeds(step.body.points(), plane.normal.data(), v.data(), close_.gaps[own].of_points.data()));
   for (int q = 0; q < int(end_.size()); ++q)
-    if (q != own) close_.heights[q].find(samples_, v, end_[q].normal, 0);
+    if (q != own) close_.gaps[q].find(samples_, v, end_[q].normal, 0);
   away_.resize(rows.size());
   bounds_.resize(rows.size());
   for (std::size_t t = 0; t < rows.size(); ++t) {
@@ -109,11 +109,11 @@ bool SurfaceContact::hold_close(const StepView& step, const Points& v, const std
   }
   slack_ = row_slack * fastest;
   if (!close_.hold(away_)) return false;
-  at_hand_.at(close_.heights[own].of_points, gaps_);
+  at_hand_.at(close_.gaps[own].of_points, gaps_);
   for (std::size_t t = 0; t < rows.size(); ++t)
     if (!(std::abs(gaps_[t] - bounds_[t]) <= slack_)) return false;
   const double slack = velocity_slack * fastest;
-  if (known_ >= 0 && !turns && search_.in_front(known_, close_.heights[known_].of_points, 0.5 * slack - plane.normal.dot(plane.velocity)))
+  if (known_ >= 0 && !turns && search_.in_front(known_, close_.gaps[known_].of_points, 0.5 * slack - plane.normal.dot(plane.velocity)))
     return true;
   if (known_ >= 0) list_touching();
   for (std::size_t c = 0, t = 0; c < candidates.size(); ++c) {
@@ -123,7 +123,7 @@ bool SurfaceContact::hold_close(const StepView& step, const Points& v, const std
     const HalfSpace& its = end_[row.plane];
     const bool its_turns = !its.spin.isZero(0);
     const double bound = its.normal.dot(its_turns ? its.material_velocity(samples_.at(row.sample, step.x0)) : its.velocity);
-    if (!(close_.heights[row.plane].at(samples_, row.sample) >= bound - slack)) return false;
+    if (!(close_.gaps[row.plane].at(samples_, row.sample) >= bound - slack)) return false;
   }
   return true;
 }
@@ -147,8 +147,8 @@ bool SurfaceContact::fit_known(const std::vector<Count>& rows, const Points& fri
   if (drift_.candidates.empty()) return false;
   load(rows, friction, drift_);
   if (drift_.solve(tolerance, slip) != StepStatus::ok || drift_.added() || drift_.rows.empty()) return false;
-  const Scalars& heights = drift_.heights[near].of_points;
-  if (!search_.covers(near, heights) || !search_.in_front(near, heights, 0.5 * tolerance)) return false;
+  const Scalars& gaps = drift_.gaps[near].of_points;
+  if (!search_.covers(near, gaps) || !search_.in_front(near, gaps, 0.5 * tolerance)) return false;
   known_ = near;
   return true;
 }
@@ -157,7 +157,7 @@ bool SurfaceContact::fit_known(const std::vector<Count>& rows, const Points& fri
 void SurfaceContact::list_touching() {
   touching_.clear();
   for (const int s : search_.near(known_)) {
-    const double gap = drift_.heights[known_].at(samples_, s);
+    const double gap = drift_.gaps[known_].at(samples_, s);
     if (gap <= touching * length_) touching_.push_back({.row = {known_, s}, .gap = gap});
   }
   known_ = -1;
@@ -173,11 +173,11 @@ bool SurfaceContact::find_stop_of_known(const StepView& step, const Points& v, c
   for (std::size_t t = 0; t < rows.close.size() && rows.close[t] >= 0; ++t) {
     const SurfaceRow row = row_of(rows.close[t]);
     if (row.plane == known_ && std::binary_search(list.begin(), list.end(), row.sample) &&
-        drift_.heights[known_].at(samples_, row.sample) <= touching * length_)
+        drift_.gaps[known_].at(samples_, row.sample) <= touching * length_)
       known.push_back({.row = row});
   }
   return find_stop(known, step, v, rows) == StepStatus::ok && !close_.added() &&
-         search_.in_front(known_, close_.heights[known_].of_points, 0.5 * slack_ - plane.normal.dot(plane.velocity));
+         search_.in_front(known_, close_.gaps[known_].of_points, 0.5 * slack_ - plane.normal.dot(plane.velocity));
 }
 
 }  // namespace softffd

@@ -49,31 +49,31 @@ void SurfaceContact::look(const Drive& around, double time, const Points& x) {
   touching_.clear();
   for (int q = 0; q < flat_; ++q)
     for (const int s : near(q, x))
-      if (drift_.heights[q].at(samples_, s) <= touching * length_) touching_.push_back({.row = {q, s}});
+      if (drift_.gaps[q].at(samples_, s) <= touching * length_) touching_.push_back({.row = {q, s}});
   if (solids_) find_tangents(around, time, time, x, 0);
   for (int q = flat_; q < int(end_.size()); ++q) touching_.push_back({.row = {q, tangents_.found()[q - flat_].sample}});
   lasting_ = touching_;
   holds_ = true;
 }
 
-/// Samples near plane q where it is now, all that touch it among them; their heights are those of drift_.
+/// Samples near plane q where it is now, all that touch it among them; their gaps are those of drift_.
 const std::vector<int>& SurfaceContact::near(int q, const Points& x) {
-  Heights& heights = drift_.heights[q];
-  heights.find(samples_, x, end_[q].normal, end_[q].offset);
-  if (!search_.covers(q, heights.of_points)) search(q, heights.of_points, 0);
+  GapFunction& gaps = drift_.gaps[q];
+  gaps.find(samples_, x, end_[q].normal, end_[q].offset);
+  if (!search_.covers(q, gaps.of_points)) search(q, gaps.of_points, 0);
   return search_.near(q);
 }
 
-/// Tangents, and heights above the planes; deepest: of the samples [m]. Returns whether any control point is behind one.
+/// Tangents, and gaps above the planes; deepest: of the samples [m]. Returns whether any control point is behind one.
 bool SurfaceContact::gaps_at(const Drive& around, double time, const Points& x, double way, double& deepest) {
   if (solids_) find_tangents(around, time, time, x, way);
   if (!find_heights(x)) return false;
   for (int q = 0; q < flat_; ++q) {
-    if (!search_.covers(q, drift_.heights[q].of_points)) search(q, drift_.heights[q].of_points, 0);
-    for (const int s : search_.near(q)) deepest = std::min(deepest, drift_.heights[q].at(samples_, s));
+    if (!search_.covers(q, drift_.gaps[q].of_points)) search(q, drift_.gaps[q].of_points, 0);
+    for (const int s : search_.near(q)) deepest = std::min(deepest, drift_.gaps[q].at(samples_, s));
   }
   for (int q = flat_; q < int(end_.size()); ++q)
-    deepest = std::min(deepest, drift_.heights[q].at(samples_, tangents_.found()[q - flat_].sample));
+    deepest = std::min(deepest, drift_.gaps[q].at(samples_, tangents_.found()[q - flat_].sample));
   return true;
 }
 
@@ -82,8 +82,8 @@ void SurfaceContact::shift(Points& x) const {
   std::vector<Constraint> constraints;
   for (std::size_t q = 0; q < end_.size(); ++q) {
     const bool flat = int(q) < flat_;
-    double least = drift_.heights[q].at(samples_, flat ? 0 : drift_.heights[q].sample);
-    for (int s = 1; flat && s < samples_.count(); ++s) least = std::min(least, drift_.heights[q].at(samples_, s));
+    double least = drift_.gaps[q].at(samples_, flat ? 0 : drift_.gaps[q].sample);
+    for (int s = 1; flat && s < samples_.count(); ++s) least = std::min(least, drift_.gaps[q].at(samples_, s));
     constraints.push_back({.normal = end_[q].normal, .bound = -least});
   }
   FeasibleSet feasible(int(end_.size()));
@@ -98,7 +98,7 @@ void SurfaceContact::count(const Drive& around, double time, const Points& x, st
   if (solids_) tangents_.find(around, time, time, x, 0);
   for (const Tangent& each : tangents_.found()) ++contacts[each.obstacle];
   for (int q = 0; q < flat_; ++q) {
-    for (const int s : near(q, x)) contacts[q] += drift_.heights[q].at(samples_, s) <= touching * length_;
+    for (const int s : near(q, x)) contacts[q] += drift_.gaps[q].at(samples_, s) <= touching * length_;
   }
 }
 

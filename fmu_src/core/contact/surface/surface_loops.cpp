@@ -88,11 +88,11 @@ INNER void row_sums(int points, PointRange range, int rows, const double* w, con
 }
 
 template <int n>
-INNER void raise(int points, PointRange range, const double normal[3], const double* move, double* heights) {
+INNER void add_motion(int points, PointRange range, const double normal[3], const double* move, double* gaps) {
   const double nx = normal[0], ny = normal[1], nz = normal[2];
   each_register<n>(range, [&]<int m>(int i, Register<m>) INLINED {
     const Triple<m> by = load<m>(move + i, points);
-    store<m>(heights + i, load<m>(heights + i) + (nx * by.x + ny * by.y + nz * by.z));
+    store<m>(gaps + i, load<m>(gaps + i) + (nx * by.x + ny * by.y + nz * by.z));
   });
 }
 
@@ -132,14 +132,14 @@ INNER double speeds(int points, const double normal[3], const double* v, double*
 }
 
 template <int n>
-INNER Descent descent(std::size_t count, const double* before, const double* heights) {
+INNER Descent descent(std::size_t count, const double* before, const double* gaps) {
   constexpr int registers = side_by_side / n;
   Lanes<n> least[registers], rise[registers], none[registers]{};
   for (int r = 0; r < registers; ++r) least[r] = rise[r] = std::numeric_limits<double>::infinity() + none[r];
   for (std::size_t i = 0; i < count; i += side_by_side)
     for (int r = 0; r < registers; ++r) {
       const std::size_t at = std::min(i, count - side_by_side) + r * n;  // the last ones overlap
-      const Lanes<n> height = load<n>(heights + at), risen = height - load<n>(before + at);
+      const Lanes<n> height = load<n>(gaps + at), risen = height - load<n>(before + at);
       least[r] = height < least[r] ? height : least[r];
       rise[r] = risen < rise[r] ? risen : rise[r];
       none[r] += 0.0 * height;
@@ -180,7 +180,7 @@ INNER double energy_taken(int points, PointRange range, const double* m0, double
 decltype(weighted_sums) weighted_sums = chosen<loops::weighted_sums<2>, loops::weighted_sums<4>, loops::weighted_sums<8>>();
 decltype(row_places) row_places = chosen<loops::row_sums<2, 3>, loops::row_sums<4, 3>, loops::row_sums<8, 3>>();
 decltype(row_values) row_values = chosen<loops::row_sums<2, 1>, loops::row_sums<4, 1>, loops::row_sums<8, 1>>();
-decltype(raise) raise = chosen<loops::raise<2>, loops::raise<4>, loops::raise<8>>();
+decltype(add_motion) add_motion = chosen<loops::add_motion<2>, loops::add_motion<4>, loops::add_motion<8>>();
 decltype(move_points) move_points = chosen<loops::move_points<2>, loops::move_points<4>, loops::move_points<8>>();
 decltype(speeds) speeds = chosen<loops::speeds<2>, loops::speeds<4>, loops::speeds<8>>();
 decltype(descent) descent = chosen<loops::descent<2>, loops::descent<4>, loops::descent<8>>();

@@ -13,8 +13,8 @@ extern void (*const weighted_sums)(int points, PointRange range, int rows, const
 extern void (*const row_places)(int points, PointRange range, int rows, const double* w, const double* x, double* places);
 extern void (*const row_values)(int points, PointRange range, int rows, const double* w, const double* values, double* sums);
 
-/// heights (points) += normal . move, (3 * points), of these points.
-extern void (*const raise)(int points, PointRange range, const double normal[3], const double* move, double* heights);
+/// gaps (points) += normal . move, (3 * points), of these points.
+extern void (*const add_motion)(int points, PointRange range, const double normal[3], const double* move, double* gaps);
 
 /// v += a move and, where there is an x, x += move of these points; (3 * points) all.
 extern void (*const move_points)(int points, PointRange range, const double* move, double a, double* v, double* x);
@@ -22,11 +22,11 @@ extern void (*const move_points)(int points, PointRange range, const double* mov
 /// speeds_p = normal . v_p (points). Returns the largest |v_p|^2; NaN if any is NaN or infinite.
 extern double (*const speeds)(int points, const double normal[3], const double* v, double* speeds);
 
-/// The least of n >= 8 heights, and by how much any has come down at most; NaN if any is NaN or infinite.
+/// The least of n >= 8 gaps, and by how much any has come down at most; NaN if any is NaN or infinite.
 struct Descent {
   double least, most;
 };
-extern Descent (*const descent)(std::size_t n, const double* before, const double* heights);
+extern Descent (*const descent)(std::size_t n, const double* before, const double* gaps);
 
 /// The energy that velocity changes a u at the beginning of a step and w at its end take [J], of points that move with v0 and v1 there:
 /// -sum (m0 a u + m1 w) (v0 + v1) / 2 over these points. Masses (points), all else (3 * points).

@@ -21,11 +21,11 @@ constexpr double slid = 1 - 1e-9, slides_on = 2;
 
 void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction, const std::vector<int>& samples) {
   if (normals.size() != normals_.size()) set_.delassus().set_rows({});  // their planes may not be there
-  heights.resize(normals.size());
+  gaps.resize(normals.size());
   const int points = set_.delassus().samples().lattice().points();
   for (std::size_t q = 0; q < normals.size(); ++q) {
-    heights[q].sample = samples[q];
-    if (heights[q].of_points.size() == 0 && samples[q] < 0) heights[q].of_points.setZero(points);
+    gaps[q].sample = samples[q];
+    if (gaps[q].of_points.size() == 0 && samples[q] < 0) gaps[q].of_points.setZero(points);
   }
   normals_ = normals;
   friction_ = friction;
@@ -33,7 +33,7 @@ void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vecto
 }
 
 StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
-  begin_ = heights;
+  begin_ = gaps;
   missed_ = 0;
   added_ = false;
   set_.delassus().set_rows(rows);
@@ -77,7 +77,7 @@ bool SurfaceStage::hold(const std::vector<Vec3>& away) {
     share[t] = limit > 0 ? Vec3(1 / limit * rubbed) : Vec3(Vec3::Zero());
   }
   find_move();
-  raise(move_);
+  add_motion(move_);
   return true;
 }
 
@@ -155,11 +155,11 @@ void SurfaceStage::state_law(const std::function<Vec3(const SurfaceRow&)>& slip,
 /// The normal forces at this friction, which only active rows have.
 StepStatus SurfaceStage::settle(double tolerance) {
   for (int round = 0; round < most_settlings; ++round) {
-    heights = begin_;
+    gaps = begin_;
     set_.delassus().push(p_, move_);
-    raise(move_);
+    add_motion(move_);
     if (operations().spent()) return StepStatus::not_finite;
-    if (const StepStatus status = set_.solve(candidates, heights, tolerance); status != StepStatus::ok) return status;
+    if (const StepStatus status = set_.solve(candidates, gaps, tolerance); status != StepStatus::ok) return status;
     added_ = added_ || set_.added();
     if (set_.active() == rows) break;
     const std::vector<SurfaceRow> before = rows;
@@ -186,10 +186,10 @@ void SurfaceStage::find_forces() {
 
 void SurfaceStage::find_move() { set_.delassus().push(force_, move_); }
 
-/// The heights by this motion.
-void SurfaceStage::raise(const Points& move) {
-  operations().spend(4 * double(heights.size()) * double(move.rows()));
-  for (std::size_t q = 0; q < heights.size(); ++q) heights[q].raise(set_.delassus().samples(), range(), move, normals_[q]);
+/// The gaps by this motion.
+void SurfaceStage::add_motion(const Points& move) {
+  operations().spend(4 * double(gaps.size()) * double(move.rows()));
+  for (std::size_t q = 0; q < gaps.size(); ++q) gaps[q].add_motion(set_.delassus().samples(), range(), move, normals_[q]);
 }
 
 }  // namespace softffd

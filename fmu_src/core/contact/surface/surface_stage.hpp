@@ -33,15 +33,15 @@ class SurfaceStage {
 
   Operations& operations() const { return set_.delassus().operations(); }
 
-  /// To be filled before `solve`: heights of y0 above the planes, which become those of y, and rows that must be kept, sorted.
-  std::vector<Heights> heights;
+  /// To be filled before `solve`: gaps of y0 above the planes, which become those of y, and rows that must be kept, sorted.
+  std::vector<GapFunction> gaps;
   std::vector<Candidate> candidates;
   /// Rows that were active before, sorted, and where their friction is looked for first, in parts of its limit.
   std::vector<SurfaceRow> rows;
   std::vector<Vec3> share;
 
   /// Do the rows at hand, all of one plane, push it and stick? away: how far each is from where it is to be at y0, along its normal and,
-  /// where there is friction, across. On success heights of all planes are those of y.
+  /// where there is friction, across. On success gaps of all planes are those of y.
   bool hold(const std::vector<Vec3>& away);
   /// slip: of a row at y0, beyond where it would be if it stuck. On success rows and share are those that are active now.
   StepStatus solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
@@ -67,12 +67,12 @@ class SurfaceStage {
   StepStatus settle(double tolerance);
   void find_forces();
   void find_move();
-  void raise(const Points& move);
+  void add_motion(const Points& move);
 
   DualActiveSet set_;
   std::vector<Vec3> normals_;
   std::vector<double> friction_;
-  std::vector<Heights> begin_;  ///< of y0
+  std::vector<GapFunction> begin_;  ///< of y0
   std::vector<Vec3> force_, p_;
   DiskFriction disks_;
   std::vector<double> limits_;

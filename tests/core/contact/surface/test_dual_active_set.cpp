@@ -9,13 +9,13 @@ using namespace softffd;
 
 namespace {
 
-/// A crushed lattice with samples all over it, planes, and heights of the samples that want mending.
+/// A crushed lattice with samples all over it, planes, and gaps of the samples that want mending.
 struct Problem {
   Lattice lattice;
   Samples samples;
   Scalars inverse_mass;
   std::vector<Vec3> normals;
-  std::vector<Heights> heights;
+  std::vector<GapFunction> gaps;
   std::vector<Candidate> candidates;
 };
 
@@ -38,7 +38,7 @@ Problem random_problem(Random& random, int count, int planes, bool crowded, Basi
     problem.normals.push_back(Vec3(random(-0.4, 0.4), random(-0.4, 0.4) + (q == 1), 1 - (q == 2)).normalized());
     Scalars h(lattice.points());
     for (int p = 0; p < lattice.points(); ++p) h[p] = problem.normals[q].dot(row(x, p)) - 0.4 + random(-0.4, 0.4);
-    problem.heights.push_back({h});
+    problem.gaps.push_back({h});
     for (int s = 0; s < count; ++s) problem.candidates.push_back({{q, s}, random(-0.05, 0.05)});
   }
   return problem;
@@ -51,24 +51,24 @@ DualActiveSet solver_of(const Problem& problem) {
   return solver;
 }
 
-/// Everything that makes the heights the one solution of the convex problem: no row violated, forces that push, at rows that are met.
-void check_optimal(const Problem& problem, const DualActiveSet& solver, const std::vector<Heights>& heights) {
-  for (const Candidate& c : problem.candidates) CHECK(heights[c.row.plane].at(problem.samples, c.row.sample) - c.bound >= -4e-15);
+/// Everything that makes the gaps the one solution of the convex problem: no row violated, forces that push, at rows that are met.
+void check_optimal(const Problem& problem, const DualActiveSet& solver, const std::vector<GapFunction>& gaps) {
+  for (const Candidate& c : problem.candidates) CHECK(gaps[c.row.plane].at(problem.samples, c.row.sample) - c.bound >= -4e-15);
   for (std::size_t t = 0; t < solver.active().size(); ++t) {
     const SurfaceRow row = solver.active()[t];
     const auto c = std::find_if(problem.candidates.begin(), problem.candidates.end(), [&](const Candidate& c) { return c.row == row; });
     CHECK(solver.forces()[t] >= 0);
-    CHECK_NEAR(heights[row.plane].at(problem.samples, row.sample), c->bound, 4e-15);
+    CHECK_NEAR(gaps[row.plane].at(problem.samples, row.sample), c->bound, 4e-15);
   }
   CHECK(std::is_sorted(solver.active().begin(), solver.active().end()));
-  for (int q = 0; q < int(problem.normals.size()); ++q) {  // heights are those of the forces
-    Scalars h = problem.heights[q].of_points;
+  for (int q = 0; q < int(problem.normals.size()); ++q) {  // gaps are those of the forces
+    Scalars h = problem.gaps[q].of_points;
     for (std::size_t t = 0; t < solver.active().size(); ++t) {
       const double f = solver.forces()[t] * problem.normals[q].dot(problem.normals[solver.active()[t].plane]);
       const Embedding at = embed(Basis::bezier, problem.lattice, problem.samples.place(solver.active()[t].sample));
       for (std::size_t i = 0; i < at.points.size(); ++i) h[at.points[i]] += f * at.weights[i] * problem.inverse_mass[at.points[i]];
     }
-    CHECK((h - heights[q].of_points).abs().maxCoeff() < 1e-12 * (1 + h.abs().maxCoeff()));
+    CHECK((h - gaps[q].of_points).abs().maxCoeff() < 1e-12 * (1 + h.abs().maxCoeff()));
   }
 }
 
@@ -80,12 +80,12 @@ TEST(random_crowded_problems_are_solved_exactly_also_where_rows_that_depend_on_e
     const bool started = i >= 400;
     Problem problem = started ? random_problem(random, 80, 1, i % 2 == 1) : random_problem(random, 4 + i % 60, 1 + i % 3, i % 2 == 1);
     DualActiveSet solver = solver_of(problem);
-    std::vector<SurfaceRow> all;  // more than points have heights: no start, and nothing changes
+    std::vector<SurfaceRow> all;  // more than points have gaps: no start, and nothing changes
     for (const Candidate& candidate : problem.candidates) all.push_back(candidate.row);
     if (started) solver.delassus().set_rows(all);
-    std::vector<Heights> heights = problem.heights;
-    CHECK(solver.solve(problem.candidates, heights, 1e-15) == StepStatus::ok);
-    check_optimal(problem, solver, heights);
+    std::vector<GapFunction> gaps = problem.gaps;
+    CHECK(solver.solve(problem.candidates, gaps, 1e-15) == StepStatus::ok);
+    check_optimal(problem, solver, gaps);
   }
 }
 
@@ -94,14 +94,14 @@ TEST(rows_that_were_active_before_lead_to_the_same_solution) {
   for (int i = 0; i < 40; ++i) {
     Problem problem = random_problem(random, 40, 1 + i % 2, false);
     DualActiveSet cold = solver_of(problem), warm = cold;
-    std::vector<Heights> a = problem.heights, b = a;
+    std::vector<GapFunction> a = problem.gaps, b = a;
     cold.solve(problem.candidates, a, 1e-15);
     std::vector<SurfaceRow> before;
     for (std::size_t c = 0; c < problem.candidates.size(); c += 9) before.push_back(problem.candidates[c].row);
     warm.delassus().set_rows(before);
     CHECK(warm.solve(problem.candidates, b, 1e-15) == StepStatus::ok);
     for (std::size_t q = 0; q < a.size(); ++q) CHECK((a[q].of_points - b[q].of_points).abs().maxCoeff() < 1e-12);
-    std::vector<Heights> c = problem.heights;
+    std::vector<GapFunction> c = problem.gaps;
     warm.delassus().set_rows(cold.active());
     warm.solve(problem.candidates, c, 1e-15);
     for (std::size_t q = 0; q < a.size(); ++q) CHECK((a[q].of_points == c[q].of_points).all());
@@ -113,17 +113,17 @@ TEST(planes_of_one_sample_each_lead_to_the_solution_of_planes_of_all) {
   for (int i = 0; i < 100; ++i) {
     Problem problem = random_problem(random, 4 + i % 30, 1 + i % 3, false);
     std::vector<Vec3> normals;  // a plane for each row
-    std::vector<Heights> each;
+    std::vector<GapFunction> each;
     std::vector<Candidate> candidates;
     for (const Candidate& candidate : problem.candidates) {
       const auto [plane, sample] = candidate.row;
       candidates.push_back({{int(normals.size()), sample}, candidate.bound});
       normals.push_back(problem.normals[plane]);
-      each.push_back({{}, sample, problem.heights[plane].at(problem.samples, sample)});
+      each.push_back({{}, sample, problem.gaps[plane].at(problem.samples, sample)});
     }
     DualActiveSet of_all = solver_of(problem), of_each = solver_of(problem);
     of_each.delassus().set_normals(normals);
-    CHECK(of_all.solve(problem.candidates, problem.heights, 1e-15) == StepStatus::ok);
+    CHECK(of_all.solve(problem.candidates, problem.gaps, 1e-15) == StepStatus::ok);
     CHECK(of_each.solve(candidates, each, 1e-15) == StepStatus::ok);
     for (std::size_t c = 0; c < candidates.size(); ++c) CHECK_NEAR(candidates[c].gap, problem.candidates[c].gap, 1e-12);
   }
@@ -132,11 +132,11 @@ TEST(planes_of_one_sample_each_lead_to_the_solution_of_planes_of_all) {
 TEST(plates_without_room_between_are_found_out_and_a_sample_of_pinned_points_is_reported_and_not_moved) {
   const Samples middle(Basis::bezier, {}, {{0.5, 0.5, 0.5}});
   Problem plates{{}, middle, Scalars::Ones(64), {{0, 0, 1}, {0, 0, -1}}, {}, {{{0, 0}}, {{1, 0}}}};
-  plates.heights = {{Scalars::Constant(64, -0.1)}, {Scalars::Constant(64, 0.05)}};
-  CHECK(solver_of(plates).solve(plates.candidates, plates.heights, 1e-15) == StepStatus::impossible_planes);
+  plates.gaps = {{Scalars::Constant(64, -0.1)}, {Scalars::Constant(64, 0.05)}};
+  CHECK(solver_of(plates).solve(plates.candidates, plates.gaps, 1e-15) == StepStatus::impossible_planes);
   Problem pinned{{}, middle, Scalars::Zero(64), {{0, 0, 1}}, {{Scalars::Constant(64, -0.1)}}, {{{0, 0}}}};
   DualActiveSet solver = solver_of(pinned);
-  CHECK(solver.solve(pinned.candidates, pinned.heights, 1e-15) == StepStatus::ok);
+  CHECK(solver.solve(pinned.candidates, pinned.gaps, 1e-15) == StepStatus::ok);
   CHECK_NEAR(solver.pinned_violation(), 0.1, 1e-15);
   CHECK(solver.active().empty());
 }

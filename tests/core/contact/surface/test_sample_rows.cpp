@@ -22,13 +22,13 @@ TEST(many_rows_at_once_are_each_sample_by_itself) {
         Points x(lattice.points(), 3);
         for (Eigen::Index i = 0; i < x.size(); ++i) x(i) = random(-1, 1);
         std::vector<Vec3> at;
-        std::vector<double> heights;
+        std::vector<double> gaps;
         together.at(x, at);
-        together.at(Scalars(x.col(2)), heights);
+        together.at(Scalars(x.col(2)), gaps);
         for (int s = 0; s < count; ++s) {
           const Vec3 wanted = samples.at(s, x);
           CHECK((at[s] - wanted).norm() < 1e-14);
-          CHECK_NEAR(heights[s], wanted.z(), 1e-14);
+          CHECK_NEAR(gaps[s], wanted.z(), 1e-14);
         }
       }
 }

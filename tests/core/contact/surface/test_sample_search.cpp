@@ -18,14 +18,14 @@ TEST(the_list_holds_every_sample_behind_a_plane_and_searches_are_rare) {
   for (int step = 0; step < 2000; ++step) {
     for (Eigen::Index i = 0; i < x.size(); ++i) x(i) += random(-1e-4, 1e-4);
     const Vec3 normal = Vec3(std::sin(1e-3 * step), 0.3, 1).normalized();
-    Scalars heights(64);
-    for (int p = 0; p < 64; ++p) heights[p] = normal.dot(row(x, p)) - 0.35 + 0.1 * std::sin(2e-3 * step);
-    if (!search.covers(0, heights)) search.look(0, heights, 1e-4);
-    CHECK(search.covers(0, heights));
+    Scalars gaps(64);
+    for (int p = 0; p < 64; ++p) gaps[p] = normal.dot(row(x, p)) - 0.35 + 0.1 * std::sin(2e-3 * step);
+    if (!search.covers(0, gaps)) search.look(0, gaps, 1e-4);
+    CHECK(search.covers(0, gaps));
     const std::vector<int>& near = search.near(0);
     CHECK(std::is_sorted(near.begin(), near.end()));
     for (int s = 0; s < samples.count(); ++s)
-      if (samples.at(s, heights.data()) < 0) {
+      if (samples.at(s, gaps.data()) < 0) {
         ++behind;
         CHECK(std::binary_search(near.begin(), near.end(), s));
       }

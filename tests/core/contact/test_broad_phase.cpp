@@ -1,4 +1,4 @@
-#include "contact/reach.hpp"
+#include "contact/broad_phase.hpp"
 
 #include "bodies.hpp"
 #include "check.hpp"
@@ -75,7 +75,7 @@ struct Flight {
 template <class Sees, class Hard>
 std::pair<int, int> count(bool steady, Sees&& sees, Hard&& hard) {
   Random random;
-  Reach reach(8);
+  BroadPhase reach(8);
   int met = 0, seen = 0;
   for (int trial = 0; trial < 3000; ++trial) {
     const Flight flight(random, trial, steady);
@@ -87,10 +87,10 @@ std::pair<int, int> count(bool steady, Sees&& sees, Hard&& hard) {
   return {met, seen};
 }
 
-bool may_touch(Reach& reach, const Flight& flight) { return reach.may_touch({flight.body, flight.around}, flight.state, H); }
+bool may_touch(BroadPhase& reach, const Flight& flight) { return reach.may_touch({flight.body, flight.around}, flight.state, H); }
 
 /// What starts behind a plane counts as seen.
-bool passed(Reach& reach, const Flight& flight) {
+bool passed(BroadPhase& reach, const Flight& flight) {
   return flight.least_gap(0) < 0 || reach.passed(flight.around, 0, H, flight.x(0), flight.v(0), flight.x(H), flight.v(H));
 }
 bool only_in_between(const Flight& flight) { return flight.least_gap(0) >= 0 && flight.least_gap(H) >= 0; }
@@ -113,7 +113,7 @@ namespace {
 
 /// A point that goes to and fro along z, and what a plane at z = depth sees of a step from t0 on.
 bool swing_passes(double amplitude, double omega, double t0, double h, double depth) {
-  Reach reach(1);
+  BroadPhase reach(1);
   const auto at = [&](double t, bool rate) {
     Points now = Points::Zero(1, 3);
     now(2) = amplitude * (rate ? omega * std::cos(omega * t) : std::sin(omega * t));

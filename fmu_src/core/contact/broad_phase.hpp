@@ -26,9 +26,9 @@ bool off_obstacles(const Body& body, const Drive& around, double t, const Points
 /// How far a point may go within H, at its present speed and under the outside forces [m]: a forecast.
 double forecast_way(const Equations& equations, const State& state, double H);
 
-class Reach {
+class BroadPhase {
  public:
-  explicit Reach(int points) : gap_(points), middle_(points, 3) {}
+  explicit BroadPhase(int points) : gap_(points), middle_(points, 3) {}
   /// Could a point come to an obstacle within H, by that forecast? The obstacles' own motion is bounded.
   bool may_touch(const Equations& equations, const State& state, double H);
   /// Is a point behind an obstacle at t1, or could one have been in between, going by the gaps and speeds at both ends and by the cubic

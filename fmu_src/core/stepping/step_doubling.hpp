@@ -7,10 +7,10 @@
 
 namespace softffd {
 
-class DoubledSteps {
+class StepDoubling {
  public:
-  explicit DoubledSteps(const Run& run) : start_(run.path), landings_(run), coarse_(run.path.motion) {}
-  StepStatus run(Integrators& integrators, const Job& job, double end);
+  explicit StepDoubling(const Run& run) : start_(run.path), landings_(run), coarse_(run.path.motion) {}
+  StepStatus run(Integrators& integrators, const StepContext& context, double end);
   Landings& landings() { return landings_; }
 
  private:
@@ -21,7 +21,7 @@ class DoubledSteps {
     bool first;       ///< in it
     bool at_limit() const { return h == limit; }
   };
-  StepStatus run_stretch(Integrators& integrators, const Job& job, Stretch stretch, Count& taken);
+  StepStatus run_stretch(Integrators& integrators, const StepContext& context, Stretch stretch, Count& taken);
   Path start_;
   Landings landings_;
   State coarse_;

@@ -1,4 +1,4 @@
-#include "contact/reach.hpp"
+#include "contact/broad_phase.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -75,12 +75,12 @@ double forecast_way(const Equations& equations, const State& state, double H) {
   return H * (largest_speed(state.v) + 0.5 * H * std::sqrt(3.0) * acceleration);
 }
 
-double Reach::least_gap(const HalfSpace& obstacle, const Points& x) {
+double BroadPhase::least_gap(const HalfSpace& obstacle, const Points& x) {
   kernels::gaps(int(x.rows()), x.data(), obstacle.normal.data(), obstacle.offset, gap_.data());
   return gap_.minCoeff<Eigen::PropagateNaN>();
 }
 
-bool Reach::may_touch(const Equations& equations, const State& state, double H) {
+bool BroadPhase::may_touch(const Equations& equations, const State& state, double H) {
   const Drive& around = equations.around;
   const double way = forecast_way(equations, state, H);
   return std::any_of(around.planes.begin(), around.planes.end(), [&](const Plane& plane) {
@@ -92,7 +92,7 @@ bool Reach::may_touch(const Equations& equations, const State& state, double H) 
   });
 }
 
-bool Reach::passed(const Drive& around, double t0, double t1, const Points& x0, const Points& v0, const Points& x1, const Points& v1) {
+bool BroadPhase::passed(const Drive& around, double t0, double t1, const Points& x0, const Points& v0, const Points& x1, const Points& v1) {
   const double h = t1 - t0;
   middle_ = 1.5 * (x1 - x0) - 0.25 * h * (v0 + v1);  // of the cubic through both ends: h times the velocity
   const double way = worse(speed_margin * h * worse(largest_speed(v0), largest_speed(v1)), largest_speed(middle_));

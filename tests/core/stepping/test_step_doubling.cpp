@@ -1,5 +1,5 @@
 /// Stretches that are run twice, on a lattice that vibrates: what the two runs differ by decides.
-#include "stepping/doubled_steps.hpp"
+#include "stepping/step_doubling.hpp"
 
 #include <cmath>
 #include <limits>
@@ -18,7 +18,7 @@ constexpr Count steps = thresholds::stretch_steps;
 /// The run after so many steps of leapfrog.
 State after(double h, Count n) {
   Bench b;
-  b.integrators.take(b.job(), Method::leapfrog, {0, 0, h, n});
+  b.integrators.take(b.context(), Method::leapfrog, {0, 0, h, n});
   return b.run.path.motion;
 }
 
@@ -26,14 +26,14 @@ State after(double h, Count n) {
 
 TEST(a_stretch_whose_two_runs_differ_by_too_much_is_run_again_with_smaller_steps) {
   Bench b;
-  const double h = 0.5 * step_limit(b.job(), Method::leapfrog, false), stretch = double(steps) * h;
-  const double error = growing(b.job(), after(h, steps), after(h / 2, 2 * steps), stretch) / 3;  // of the finer run: order 2
+  const double h = 0.5 * step_limit(b.context(), Method::leapfrog, false), stretch = double(steps) * h;
+  const double error = growing(b.context(), after(h, steps), after(h / 2, 2 * steps), stretch) / 3;  // of the finer run: order 2
   for (double ratio : {0.5, 2.0, 8.0, 30.0}) {
     Bench each(1);
     each.request.tolerance = error / (ratio * thresholds::forecast_tolerance);
     each.run.course.contact.h = h;
-    DoubledSteps doubled(each.run);
-    CHECK(doubled.run(each.integrators, each.job(), stretch) == StepStatus::ok);
+    StepDoubling doubled(each.run);
+    CHECK(doubled.run(each.integrators, each.context(), stretch) == StepStatus::ok);
     const bool again = ratio > thresholds::too_much;
     CHECK((each.run.course.rejected > 0) == again);
     CHECK((each.run.path.clock.h < 0.4999 * h) == again);
@@ -43,13 +43,13 @@ TEST(a_stretch_whose_two_runs_differ_by_too_much_is_run_again_with_smaller_steps
 
 TEST(what_a_stretch_errs_by_is_counted) {
   Bench b(1);
-  const double h = 0.5 * step_limit(b.job(), Method::leapfrog, false), stretch = double(steps) * h;
+  const double h = 0.5 * step_limit(b.context(), Method::leapfrog, false), stretch = double(steps) * h;
   b.request.tolerance = 1;
   b.run.course.contact.h = h;
-  DoubledSteps doubled(b.run);
-  CHECK(doubled.run(b.integrators, b.job(), stretch) == StepStatus::ok);
+  StepDoubling doubled(b.run);
+  CHECK(doubled.run(b.integrators, b.context(), stretch) == StepStatus::ok);
   Bench exact;
-  exact.integrators.take(exact.job(), Method::leapfrog, {0, 0, h / 256, 256 * steps});
+  exact.integrators.take(exact.context(), Method::leapfrog, {0, 0, h / 256, 256 * steps});
   const double error = (b.run.path.motion.x - exact.run.path.motion.x).abs().maxCoeff();
   CHECK(b.run.path.steps == 2 * steps);
   CHECK(error > 0 && std::abs(b.run.course.contact_error / error - 1) < 0.3);
@@ -57,14 +57,14 @@ TEST(what_a_stretch_errs_by_is_counted) {
 
 TEST(a_stretch_that_is_run_once_counts_as_the_coarser_run_before) {
   Bench b(1);
-  const double limit = step_limit(b.job(), Method::leapfrog, false);
+  const double limit = step_limit(b.context(), Method::leapfrog, false);
   b.request.tolerance = 1;
-  DoubledSteps doubled(b.run);
-  CHECK(doubled.run(b.integrators, b.job(), double(steps) * limit) == StepStatus::ok);
+  StepDoubling doubled(b.run);
+  CHECK(doubled.run(b.integrators, b.context(), double(steps) * limit) == StepStatus::ok);
   const double once = b.run.course.contact_error;
   const Count taken = b.run.path.steps;
   CHECK(once > 0 && b.run.course.contact.free > 0);
-  CHECK(doubled.run(b.integrators, b.job(), double(2 * steps) * limit) == StepStatus::ok);
+  CHECK(doubled.run(b.integrators, b.context(), double(2 * steps) * limit) == StepStatus::ok);
   CHECK(b.run.path.steps - taken == steps);
   CHECK_NEAR(b.run.course.contact_error, std::sqrt(17) * once, 1e-12);
 }
@@ -72,13 +72,13 @@ TEST(a_stretch_that_is_run_once_counts_as_the_coarser_run_before) {
 TEST(a_stretch_without_a_finite_result_is_none) {
   Bench b(1);
   b.run.path.motion.v(13, 1) = std::numeric_limits<double>::quiet_NaN();
-  DoubledSteps doubled(b.run);
-  CHECK(doubled.run(b.integrators, b.job(), 0.1) == StepStatus::not_finite);
+  StepDoubling doubled(b.run);
+  CHECK(doubled.run(b.integrators, b.context(), 0.1) == StepStatus::not_finite);
 }
 
 TEST(the_error_of_a_stretch_is_that_of_its_finer_run) {
   Bench b;
-  const double h = 0.5 * step_limit(b.job(), Method::leapfrog, false), stretch = double(steps) * h;
+  const double h = 0.5 * step_limit(b.context(), Method::leapfrog, false), stretch = double(steps) * h;
   const State coarse = after(h, steps), fine = after(h / 2, 2 * steps), exact = after(h / 16, 16 * steps);
-  CHECK_NEAR(growing(b.job(), coarse, fine, stretch) / 3 / growing(b.job(), fine, exact, stretch), 1, 0.15);
+  CHECK_NEAR(growing(b.context(), coarse, fine, stretch) / 3 / growing(b.context(), fine, exact, stretch), 1, 0.15);
 }

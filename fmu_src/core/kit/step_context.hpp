@@ -18,7 +18,7 @@ struct Request {
   double step_factor = 1;   ///< of the internal step that would be taken otherwise
 };
 
-struct Job {
+struct StepContext {
   const Model& model;
   const Drive& drive;
   const Request& request;

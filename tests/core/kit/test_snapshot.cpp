@@ -1,4 +1,4 @@
-#include "kit/trial.hpp"
+#include "kit/snapshot.hpp"
 
 #include "check.hpp"
 #include "model/run.hpp"
@@ -20,11 +20,11 @@ TEST(a_trial_goes_back_by_itself_and_allocates_nothing_where_the_buffer_has_the_
   Run run = at(1), buffer = run;
   const double* place = buffer.path.motion.x.data();
   {
-    Trial trial(run, buffer);
+    Snapshot snapshot(run, buffer);
     run.path.motion.time = 2;
     run.path.motion.x.setConstant(2);
     run.course.work = 5;
-    CHECK(trial.before().path.motion.time == 1 && buffer.path.motion.x.data() == place);
+    CHECK(snapshot.before().path.motion.time == 1 && buffer.path.motion.x.data() == place);
   }
   CHECK(run.path.motion.time == 1 && run.path.motion.x(3, 2) == 1 && run.course.work == 0);
 }
@@ -33,12 +33,12 @@ TEST(going_back_once_more_leaves_the_trial_open_and_what_is_kept_stays) {
   for (const bool kept : {false, true}) {
     Run run = at(1), buffer;
     {
-      Trial trial(run, buffer);
+      Snapshot snapshot(run, buffer);
       run.path.motion.time = 2;
-      trial.back();
+      snapshot.rollback();
       CHECK(run.path.motion.time == 1);
       run.path.motion.time = 3;
-      if (kept) trial.keep();
+      if (kept) snapshot.commit();
     }
     CHECK(run.path.motion.time == (kept ? 3 : 1));
   }
@@ -48,7 +48,7 @@ TEST(a_trial_of_the_path_keeps_what_was_learnt) {
   Run run = at(1);
   Path buffer;
   {
-    Trial trial(run.path, buffer);
+    Snapshot snapshot(run.path, buffer);
     run.path.motion.time = 2;
     run.path.steps = 7;
     run.course.work = 5;

@@ -1,12 +1,12 @@
-#include "stepping/doubled_steps.hpp"
+#include "stepping/step_doubling.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "kit/limits.hpp"
 #include "kit/outlook.hpp"
+#include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
-#include "kit/trial.hpp"
 #include "model/arithmetic.hpp"
 
 namespace softffd {
@@ -36,10 +36,10 @@ namespace {
 namespace use = thresholds;
 
 /// What a stretch leaves at the end of the run [m], and goes there from now on.
-void book_error(const Job& job, double left_over) {
-  Course& course = job.run.course;
+void book_error(const StepContext& context, double left_over) {
+  Course& course = context.run.course;
   double& sum = course.contact_error;
-  sum = job.model.body.samples ? sum + left_over : std::hypot(sum, left_over);  // rolling errs the same way again and again
+  sum = context.model.body.samples ? sum + left_over : std::hypot(sum, left_over);  // rolling errs the same way again and again
 }
 
 /// Whether the next stretches may be run once, after one that was run twice at the largest stable step with this error.
@@ -70,35 +70,35 @@ double of_late(ContactSteps& contact, double error, double h, Count steps) {
 
 }  // namespace
 
-StepStatus DoubledSteps::run(Integrators& integrators, const Job& job, double end) {
-  const State& motion = job.run.path.motion;
+StepStatus StepDoubling::run(Integrators& integrators, const StepContext& context, double end) {
+  const State& motion = context.run.path.motion;
   const double begin = motion.time;
   Count taken = 0;
   while (motion.time < end) {
-    const double limit = step_limit(job, Method::leapfrog, false), left = end - motion.time, known = job.run.course.contact.h;
+    const double limit = step_limit(context, Method::leapfrog, false), left = end - motion.time, known = context.run.course.contact.h;
     const double h = known > 0 ? tighter(known, limit) : limit;
-    const double work = left / limit * step_work(job.model.body, Method::leapfrog, limit);
+    const double work = left / limit * step_work(context.model.body, Method::leapfrog, limit);
     if (!integrators.budget().covers(work)) return refusal(work);
-    const StepStatus status = run_stretch(integrators, job, {limit, h, end, motion.time == begin}, taken);
+    const StepStatus status = run_stretch(integrators, context, {limit, h, end, motion.time == begin}, taken);
     if (status != StepStatus::ok) return status;
   }
-  job.run.path.steps += taken;
+  context.run.path.steps += taken;
   return StepStatus::ok;
 }
 
-StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, Stretch stretch, Count& taken) {
-  Path& path = job.run.path;
-  Course& course = job.run.course;
+StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext& context, Stretch stretch, Count& taken) {
+  Path& path = context.run.path;
+  Course& course = context.run.course;
   ContactSteps& contact = course.contact;
-  const Body& body = job.model.body;
+  const Body& body = context.model.body;
   const double share = body.samples ? use::surface_tolerance : body.dashpots() ? use::damped_tolerance : use::forecast_tolerance;
-  const double allowed = share * job.request.tolerance * power(job.request.step_factor, 2);
+  const double allowed = share * context.request.tolerance * power(context.request.step_factor, 2);
   const double least = use::least_doubled * stretch.limit;
   const bool at_limit = stretch.at_limit();
-  Trial trial(path, start_);
+  Snapshot snapshot(path, start_);
   const double begin = path.motion.time, left = stretch.end - begin;
   const auto run = [&](double h, Count steps) {
-    const Outcome outcome = integrators.take(job, Method::leapfrog, {begin, 0, h, steps});
+    const Outcome outcome = integrators.take(context, Method::leapfrog, {begin, 0, h, steps});
     course.work += outcome.work;
     return outcome;
   };
@@ -115,26 +115,26 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
         --(impact ? contact.impact : contact.free);
         taken += steps;
         path.motion.time = next;
-        book_error(job, contact.left_over);
-        landings_.follow(integrators, job, start_.motion, Method::leapfrog, {begin, 0, part, steps}, impact);
-        trial.keep();
+        book_error(context, contact.left_over);
+        landings_.follow(integrators, context, start_.motion, Method::leapfrog, {begin, 0, part, steps}, impact);
+        snapshot.commit();
         return StepStatus::ok;
       }
       course.rejected += steps;
-      trial.back();
+      snapshot.rollback();
     }
     const Outcome coarse = run(part, steps);
     if (coarse.status != StepStatus::ok) return coarse.status;
     std::swap(coarse_, path.motion);
-    trial.back();
+    snapshot.rollback();
     const Outcome fine = run(0.5 * part, 2 * steps);
     if (fine.status != StepStatus::ok) return fine.status;
-    const double error = growing(job, coarse_, path.motion, double(steps) * part) / 3;
+    const double error = growing(context, coarse_, path.motion, double(steps) * part) / 3;
     const bool last = part <= least || tries == use::most_reruns;
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
     if (error <= use::too_much * allowed || last) {
-      const double left_over = outcome_of(job, coarse_, path.motion, outlook(job, path.motion)) / 3;
-      if (!course.neighbour.follows) book_error(job, left_over);
+      const double left_over = outcome_of(context, coarse_, path.motion, outlook(context, path.motion)) / 3;
+      if (!course.neighbour.follows) book_error(context, left_over);
       contact.left_over = 4 * left_over;
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;
@@ -146,12 +146,12 @@ StepStatus DoubledSteps::run_stretch(Integrators& integrators, const Job& job, S
       path.clock = {begin, 0.5 * part, 0};
       taken += 2 * steps;
       path.motion.time = next;
-      landings_.follow(integrators, job, start_.motion, Method::leapfrog, {begin, 0, part, steps}, impact);
-      trial.keep();
+      landings_.follow(integrators, context, start_.motion, Method::leapfrog, {begin, 0, part, steps}, impact);
+      snapshot.commit();
       return StepStatus::ok;
     }
     course.rejected += 2 * steps;
-    trial.back();
+    snapshot.rollback();
     h = std::max(part * std::clamp(factor_after(allowed, error), use::rerun_shrink, use::rerun_growth), least);
   }
 }

@@ -1,0 +1,29 @@
+/// A snapshot of a Run, or of its Path alone, to try what follows: goes back to it by itself unless that is committed. The buffer is the
+/// caller's, so that nothing is allocated, and holds the snapshot until the next one.
+#pragma once
+#include "model/visit.hpp"
+
+namespace softffd {
+
+template <class Part>
+class [[nodiscard]] Snapshot {
+ public:
+  Snapshot(Part& part, Part& buffer) : part_(part), before_(buffer) { assign(before_, part_); }
+  ~Snapshot() {
+    if (open_) rollback();
+  }
+  Snapshot(const Snapshot&) = delete;
+  Snapshot& operator=(const Snapshot&) = delete;
+
+  /// What follows stays.
+  void commit() { open_ = false; }
+  /// To try once more.
+  void rollback() { assign(part_, before_); }
+  const Part& before() const { return before_; }
+
+ private:
+  Part &part_, &before_;
+  bool open_ = true;
+};
+
+}  // namespace softffd

@@ -1,0 +1,167 @@
+#include "stepping/trial_runs.hpp"
+
+#include <algorithm>
+
+#include "kit/limits.hpp"
+#include "kit/snapshot.hpp"
+#include "kit/thresholds.hpp"
+#include "methods/ros34pw2.hpp"
+#include "model/arithmetic.hpp"
+#include "stepping/controlled_steps.hpp"
+#include "watch/vibration.hpp"
+
+namespace softffd {
+
+namespace thresholds {
+
+/// Rounds of a calibration in trial runs: the first of leapfrog, of bm4, the others of leapfrog.
+constexpr int trial_rounds = 1, trial_rounds_bm4 = 2, trial_rounds_left = 3;
+/// Work between two trial runs, in multiples of the trial runs' own, and its limit while the winner stays [1]; after a jolt. Measured
+/// before the pause was bound to their work: trial runs took 5 to 30 % of a run of a second. Now a tenth at most, and less while the winner
+/// stays.
+constexpr double trial_pause = 10, longest_trial_pause = 160, trial_pause_after_jolt = 3;
+/// Work that a trial of implicit steps may take.
+constexpr double longest_trial = 20'000;
+/// By how many steps in the place of one implicit one it is seen that the fastest mode creeps.
+constexpr Count creep_parts = 16;
+/// Vibrations with time scales above this many implicit steps are resolved by their error control [1]. By experience.
+constexpr double resolved = 8;
+/// Stretch of the trial of a method with error control in units of 1 / omega [1]: some steps, until it has found their size.
+constexpr double controlled_window = 30;
+
+}  // namespace thresholds
+
+namespace {
+
+namespace use = thresholds;
+
+double fixed_work(const StepContext& context, Method method, double H) {
+  const double h = tighter(step_limit(context, method, false), context.run.course.calibration(method).h);
+  return double(divisions(H, h)) * step_work(context.model.body, method, h);
+}
+
+}  // namespace
+
+bool TrialRuns::due(const StepContext& context, double H) {
+  const Course& course = context.run.course;
+  const bool due = course.work >= (context.request.jolt ? course.trials.soon : course.trials.due) && H >= use::sliver * course.usual;
+  return course.trials.winner == Method::automatic || due || use::sliver * H > course.trials.window;
+}
+
+void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const StepContext& context, double H) {
+  const auto calibrate = [&](Method method, int rounds) { spent_ += calibrator.calibrate(integrators, context, method, H, rounds); };
+  const Body& body = context.model.body;
+  spent_ = 0;
+  Candidates candidates;
+  candidates.before = context.run.course.trials.winner;
+  const double longest = step_limit(context, Method::leapfrog, false), each = step_work(body, Method::leapfrog, longest);
+  candidates.least = std::max(1.0, H / longest) * each;
+  const double slower = each / traits(Method::leapfrog).work;  // by internal damping, which implicit steps hardly feel
+  const bool may_pay = context.model.stability.elastic() && implicit_may_pay(slower * H * bound(context));
+  if (may_pay) try_implicit(integrators, context, H, candidates.least, candidates);
+  if (!(candidates.implicit_work < infinity)) {
+    calibrate(Method::leapfrog, use::trial_rounds);
+    candidates.leapfrog = fixed_work(context, Method::leapfrog, H);
+    if (!leapfrog_is_enough(candidates)) {
+      candidates.adaptive = body.damped ? Method::dop853 : Method::rkn12;
+      const double least =
+          H / step_limit(context, candidates.adaptive, false) * traits(candidates.adaptive).work;  // by internal damping much
+      if (!body.dashpots() || least < candidates.leapfrog)
+        candidates.adaptive_work = controlled_work(integrators, context, candidates.adaptive, H);
+      if (!body.dashpots()) {
+        calibrate(Method::bm4, use::trial_rounds_bm4);
+        candidates.bm4 = fixed_work(context, Method::bm4, H);
+      }
+      if (may_pay && body.dashpots()) try_implicit(integrators, context, H, settle(candidates).work, candidates);
+      if (settle(candidates).method == Method::leapfrog) calibrate(Method::leapfrog, use::trial_rounds_left);
+    }
+  }
+  const Winner winner = settle(candidates);
+  TrialRecord& record = context.run.course.trials;
+  const double work = context.run.course.work;
+  record.winner = winner.method;
+  record.reason = winner.reason;
+  record.forecast = winner.work;
+  record.window = H;
+  record.pause = winner.method == candidates.before ? std::min(2 * record.pause, use::longest_trial_pause) : use::trial_pause;
+  record.soon = work + std::max(use::trial_pause_after_jolt * spent_, use::shortest_pause);
+  record.due = work + std::max(record.pause * spent_, use::shortest_pause);
+}
+
+/// Without touching a matrix first: could implicit steps pay, and is there nothing that vibrates by more than they may ignore? others: the
+/// work of the others. First that of leapfrog at its stability limit, of which strong internal damping leaves little accuracy: where the
+/// tolerance asks for much more, the trial runs come back with that.
+void TrialRuns::try_implicit(Integrators& integrators, const StepContext& context, double H, double others, Candidates& candidates) {
+  const State& motion = context.run.path.motion;
+  candidates.implicit = implicit_method(!context.drive.pins.empty(), H * bound(context), turning_limit(context, motion.x, motion.v) < H);
+  const double step_work = integrators.implicit_work().step;
+  if (!implicit_may_win(H / step_limit(context, candidates.implicit, false) * step_work, others)) return;
+  const double shortest = H * step_work / (use::implicit_gain * others);  // step that would still pay
+  if (too_loud(present_vibration(context.equations(), motion, context.model.time_scale, use::resolved * shortest),
+               context.request.tolerance))
+    return;
+  const double budget = std::min(use::implicit_gain * others, use::longest_trial);
+  candidates.implicit_work = implicit_work(integrators, context, candidates.implicit, H, budget);
+}
+
+/// Does one implicit step agree with explicit ones that resolve everything? Error estimates of implicit steps do not see what they damp.
+/// Where internal damping leaves fast modes no vibration, shorter implicit ones do: explicit ones err there themselves.
+bool TrialRuns::fast_modes_are_quiet(Integrators& integrators, const StepContext& context, Method method, double H) {
+  const ImplicitWork& implicit = integrators.implicit_work();
+  State& motion = context.run.path.motion;
+  const bool creeps = context.model.body.shortest_time() * bound(context) >= use::creeping && context.model.body.dashpots();
+  const double longest = creeps ? step_limit(context, method, false) : infinity;  // no step of it turns the body further
+  const double way = std::min({H, use::calibration_window / bound(context), longest}), begin = motion.time;
+  const Method fine = creeps ? method : Method::leapfrog;
+  const Count steps = creeps ? use::creep_parts : divisions(way, step_limit(context, Method::leapfrog, false));
+  const double each = creeps ? implicit.step : step_work(context.model.body, fine, way / double(steps));
+  spent_ += double(steps) * each + implicit.step + implicit.factor;
+  Snapshot snapshot(context.run, start_);
+  if (integrators.take(context, fine, {begin, 0, way / double(steps), steps}).status != StepStatus::ok) return false;
+  std::swap(fine_, motion);
+  snapshot.rollback();
+  OneStep& step = integrators.one_step(method);
+  integrators.budget().spend(step.offer(context.model, context.drive, begin, way, context.run).work);
+  fine_.x -= step.x;
+  fine_.v -= step.v;
+  const std::size_t n = fine_.x.size();
+  const double by_velocity = kernels::largest_weighted(n, context.model.time_scale.data(), fine_.v.data());
+  return quiet(worse(kernels::largest(n, fine_.x.data()), by_velocity), context.request.tolerance);
+}
+
+/// Work of an implicit method for H, by doing it; infinite beyond the budget, or where fast modes that it would damp are at work.
+double TrialRuns::implicit_work(Integrators& integrators, const StepContext& context, Method method, double H, double budget) {
+  if (!fast_modes_are_quiet(integrators, context, method, H)) return infinity;
+  Run& run = context.run;
+  Snapshot snapshot(run, start_);
+  const Run& before = snapshot.before();
+  const double end = run.path.motion.time + H;
+  const StepStatus status = run_controlled(integrators, context, method, end, run.course.work + budget);
+  const double work = run.course.work - before.course.work;
+  spent_ += work;
+  if (status != StepStatus::ok || run.path.motion.time < end) return infinity;
+  const double passed_over = use::resolved * run.course.controlled_step(method);
+  if (too_loud(present_vibration(context.equations(), before.path.motion, context.model.time_scale, passed_over),
+               context.request.tolerance))
+    return infinity;
+  snapshot.commit();
+  // a factor is kept for later communication steps
+  const double made = double(run.course.factors - before.course.factors), used = std::max(1.0, double(run.path.steps - before.path.steps));
+  return work - integrators.implicit_work().factor * std::max(0.0, made - used / double(Ros34pw2::most_uses));
+}
+
+double TrialRuns::controlled_work(Integrators& integrators, const StepContext& context, Method method, double H) {
+  const double window = std::min(H, use::controlled_window / bound(context));
+  double h = 0;
+  {
+    Snapshot snapshot(context.run, start_);
+    const StepStatus status = run_controlled(integrators, context, method, context.run.path.motion.time + window, infinity);
+    spent_ += context.run.course.work - snapshot.before().course.work;
+    if (status != StepStatus::ok) return infinity;
+    h = context.run.course.controlled_step(method);
+  }
+  context.run.course.controlled_step(method) = h;
+  return double(divisions(H, tighter(h, step_limit(context, method, false)))) * traits(method).work;
+}
+
+}  // namespace softffd

@@ -1,0 +1,30 @@
+/// Trial runs: each candidate that could win is tried on a short stretch, or on the communication step itself, and what that took is
+/// written to run.course.trials. Its facts are the works; plan.hpp decides. All trials are taken back, but for implicit steps that win:
+/// they have done what is left of the communication step already.
+#pragma once
+#include "kit/integrators.hpp"
+#include "stepping/calibration.hpp"
+#include "stepping/plan.hpp"
+
+namespace softffd {
+
+class TrialRuns {
+ public:
+  explicit TrialRuns(const Run& run) : start_(run), fine_(run.path.motion) {}
+
+  /// Are trial runs due for what is left [s] of the communication step?
+  static bool due(const StepContext& context, double H);
+  void run(Integrators& integrators, Calibrator& calibrator, const StepContext& context, double H);
+
+ private:
+  void try_implicit(Integrators& integrators, const StepContext& context, double H, double others, Candidates& candidates);
+  bool fast_modes_are_quiet(Integrators& integrators, const StepContext& context, Method method, double H);
+  double implicit_work(Integrators& integrators, const StepContext& context, Method method, double H, double budget);
+  double controlled_work(Integrators& integrators, const StepContext& context, Method method, double H);
+
+  Run start_;
+  State fine_;
+  double spent_ = 0;  ///< work of those at hand
+};
+
+}  // namespace softffd
