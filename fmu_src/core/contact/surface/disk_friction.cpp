@@ -14,7 +14,7 @@ namespace {
 constexpr double exact = 1e-13;
 /// By how much a sweep must lower what is left for another one to follow at once.
 constexpr double falling = 4;
-/// Operations of a pair of rows in a sweep.
+/// Operations of a pair of rows in a sweep, in a look, and in Newton's equations.
 constexpr double sweep_work = 10;
 /// Newton's steps at a time; then so many sweeps, doubled each round.
 constexpr int most_newton = 12, fewest_sweeps = 4, most_sweeps = 128, most_newton_rounds = 12;
@@ -132,6 +132,7 @@ Vec3 DiskFriction::slip_at(const Disks& disks, const std::vector<Vec3>& p, int t
 
 /// By how much the law is missed at p, in slip.
 double DiskFriction::look(const Disks& disks, const std::vector<Vec3>& p) {
+  disks.rows.operations().spend(sweep_work * double(free_.size()) * double(free_.size()));
   double worst = 0;
   slips_.resize(p.size());
   for (const int t : free_) {
@@ -174,7 +175,7 @@ bool DiskFriction::newton_step(const Disks& disks, std::vector<Vec3>& p) {
     }
   }
   const int n = int(unknowns_.size());
-  disks.rows.operations().spend(double(n) * n * n / 3);
+  disks.rows.operations().spend(double(n) * n * (n / 3.0 + sweep_work));
   if (disks.rows.operations().spent()) return false;
   slopes_.resize(std::size_t(n) * n);
   right_.resize(n);
