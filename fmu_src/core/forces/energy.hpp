@@ -2,6 +2,7 @@
 /// (body/body.hpp), and all that integrates, bounds or linearises asks the list: a new energy is one class. It may not change where the
 /// body moves as a whole, nor may its dashpots brake that: balances of momentum and flights rest on it.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "forces/blocks.hpp"
