@@ -90,7 +90,8 @@ CASES = [
     *(thrown("small", on, 1e8, H, **UPHILL | {"degrees": 20.0, "stop": 0.6}) for on in ("surface", "rails") for H in (0.02, 0.1)),
     *(thrown("cube", "plane", k, H, degrees=20.0, friction=0.45, speed=-2.0, stop=1.0) for k in (1e5, 1e9) for H in (0.01, 0.2)),
     *(thrown("small", "plane", 1e8, 0.1, degrees=d, friction=0.4, speed=0.0, stop=1.0) for d in (21.5, 22.2)),
-    *(thrown("small", "disk", 1e6, 0.05, degrees=d, friction=0.4, speed=0.0, stop=0.5, internal_damping=1e-4) for d in (21.0, 23.0)),
+    # of 1e7 N/m: at 1e6 what vibrates at the start carries it 14 tolerances further than a rigid one, by explicit and implicit steps alike
+    *(thrown("small", "disk", 1e7, 0.05, degrees=d, friction=0.4, speed=0.0, stop=0.5, internal_damping=1e-4) for d in (21.0, 23.0)),
     *(
         thrown("small", on, 1e5, 0.02, **UPHILL | {"degrees": 25.0, "stop": 0.5}, kilograms=0.05, internal_damping=1e-3)
         for on in ("plane", "surface", "box")
