@@ -8,7 +8,5 @@ using Mat3 = Eigen::Matrix3d;
 
 /// Where entry (a, b) of a symmetric block stands among its six components xx yy zz xy xz yz.
 inline constexpr int component[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-/// And the other way round: (a, b) of each component.
-inline constexpr int axes[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
 
 }  // namespace softffd

@@ -80,7 +80,7 @@ class Energy {
   virtual bool undecided(const Points&, const Points&, const std::vector<bool>&) const { return false; }
 
   /// Whether it has dashpots; the smallest and the largest ratio of a dashpot to its stiffness [s].
-  virtual bool dashpots() const { return longest_time() > 0; }
+  bool dashpots() const { return longest_time() > 0; }
   virtual double shortest_time() const { return 0; }
   virtual double longest_time() const { return 0; }
   /// f -= C(x) v: what the dashpots exert on points at x that move with v, all (points, 3). A motion as a rigid body is not braked. With a
