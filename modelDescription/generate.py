@@ -36,10 +36,12 @@ struct FamilyInfo {
   std::string_view unit;
   double min;    ///< least value allowed
   double above;  ///< exclusive lower bound
+  double max;    ///< greatest value allowed
   bool material;  ///< masses, springs or damping depend on it
 };
 
 inline constexpr double no_bound = -std::numeric_limits<double>::infinity();
+inline constexpr double no_limit = -no_bound;
 """
 
 
@@ -47,8 +49,8 @@ def enum(name: str, rows: list[tuple[str, int]]) -> str:
     return f"enum class {name} : std::uint8_t {{ " + ", ".join(f"{key} = {value}" for key, value in rows) + " };\n"
 
 
-def bound(family: dict, key: str) -> str:
-    return repr(float(family[key])) if key in family else "no_bound"
+def bound(family: dict, key: str, absent: str = "no_bound") -> str:
+    return repr(float(family[key])) if isinstance(family.get(key), int | float) else absent
 
 
 def row(family: dict) -> str:
@@ -56,7 +58,7 @@ def row(family: dict) -> str:
         f"Family::{family['key']}", f'"{family["name"]}"', f"Part::{family['part']}",
         f'"{family.get("pose", "")}"', f'"{family.get("components", "")}"',
         f"Type::{family.get('type', 'Real')}", f"Causality::{family['causality']}", f"Variability::{family['variability']}",
-        f'"{family.get("unit", "")}"', bound(family, "min"), bound(family, "above"), "true" if family.get("material") else "false",
+        f'"{family.get("unit", "")}"', bound(family, "min"), bound(family, "above"), bound(family, "max", "no_limit"), "true" if family.get("material") else "false",
     ]  # fmt: skip
     return "    {" + ", ".join(fields) + "},\n"
 

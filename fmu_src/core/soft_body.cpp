@@ -6,9 +6,11 @@
 #include <utility>
 
 #include "contact/stand_ins.hpp"
+#include "forces/solid.hpp"
 #include "forces/volume.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
+#include "model/lobatto.hpp"
 #include "model/rigid_motion.hpp"
 #include "stepping/retry.hpp"
 
@@ -36,7 +38,10 @@ std::vector<bool> pinned_points(const Definition& definition) {
 Body make_body(const Definition& definition) {
   const int n = definition.lattice.points();
   Body body{.energies = {}, .mass = {}, .damping = {}, .pinned = pinned_points(definition)};
-  body.energies.push_back(std::make_shared<Springs>(definition.lattice, definition.topology, definition.team));
+  if (definition.solid())
+    body.energies.push_back(std::make_shared<Solid>(definition.lattice));
+  else
+    body.energies.push_back(std::make_shared<Springs>(definition.lattice, definition.topology, definition.team));
   if (definition.volume_stiffness > 0) body.energies.push_back(std::make_shared<Volume>(definition.lattice, definition.volume_stiffness));
   body.mass = Eigen::Map<const Scalars>(definition.mass.data(), n);
   body.weight = body.mass;
@@ -143,6 +148,12 @@ SoftBody::SoftBody(Definition definition)
   for (std::size_t a = 0; a < pin_origins_.size(); ++a) settings.pins[a].position = pin_origins_[a];
 }
 
+const Points& SoftBody::control_points(const Points& values) const {
+  if (!definition_.solid()) return values;
+  lobatto::to_control_points(definition_.lattice, values, shown_);
+  return shown_;
+}
+
 /// The model of the settings' material.
 void SoftBody::refresh_model() {
   const int n = definition_.lattice.points();
@@ -154,11 +165,13 @@ void SoftBody::refresh_model() {
   for (const Region& region : definition_.regions)
     if (region.damping)
       for (int p : region.points) body.damping[p] = *region.damping;
-  Springs& springs = static_cast<Springs&>(*body.energies.front());
-  if (definition_.of_modulus)
-    regions_.set_modulus(settings.modulus, settings.internal_damping, springs);
+  Energy& energy = *body.energies.front();
+  if (definition_.solid())
+    static_cast<Solid&>(energy).set_material(settings.modulus, settings.poissons_ratio, settings.internal_damping);
+  else if (definition_.of_modulus)
+    regions_.set_modulus(settings.modulus, settings.internal_damping, static_cast<Springs&>(energy));
   else
-    regions_.set_stiffness(settings.stiffness, settings.internal_damping, springs);
+    regions_.set_stiffness(settings.stiffness, settings.internal_damping, static_cast<Springs&>(energy));
   body.weight = body.mass;
   if (!definition_.weight.empty()) {
     const Eigen::Map<const Scalars> given(definition_.weight.data(), n);

@@ -20,10 +20,11 @@ struct PinDefinition {
 struct Definition {
   Lattice lattice;
   Topology topology = Topology::distinct;
-  bool of_modulus = false;      ///< springs by the material's modulus, of the topology `distinct`, in place of its stiffness
-  std::vector<double> mass;     ///< per control point, > 0 [kg]
-  std::vector<double> weight;   ///< what gravity pulls at, >= 0 [kg]; empty: the mass
-  std::vector<Region> regions;  ///< later ones win
+  bool of_modulus = false;  ///< springs by the material's modulus, of the topology `distinct`, in place of its stiffness
+  bool solid() const { return lattice.lobatto; }  ///< finite elements by the modulus and Poisson's ratio, in place of springs
+  std::vector<double> mass;                       ///< per control point, or node of a solid, > 0 [kg]
+  std::vector<double> weight;                     ///< what gravity pulls at, >= 0 [kg]; empty: the mass
+  std::vector<Region> regions;                    ///< later ones win
   std::vector<PinDefinition> pins;
   int planes = 0;
   bool solids = false;                                            ///< the last of these are
@@ -45,6 +46,7 @@ struct Material {
   double mass = 1;  ///< total [kg]
   Stiffness stiffness;
   double modulus = 0;           ///< Young's [Pa]
+  double poissons_ratio = 0;    ///< of a solid [1]
   double damping = 0;           ///< per control point [N s/m]
   double internal_damping = 0;  ///< of springs: their dashpots by their stiffness [s]
   bool operator==(const Material&) const = default;
@@ -81,6 +83,9 @@ class SoftBody {
   StepStatus advance(double H);
 
   const State& state() const { return now_.path.motion; }
+  /// Control points, where the state has the nodes of a solid, as they are and move [m], [m/s]. Until the next call of either, or step.
+  const Points& positions() const { return control_points(now_.path.motion.x); }
+  const Points& velocities() const { return control_points(now_.path.motion.v); }
   /// A snapshot to read or copy.
   const Run& run() const { return now_; }
   /// Continues from a snapshot of the same definition. `settings` must be those of the snapshot's moment: the start time and all values
@@ -102,6 +107,7 @@ class SoftBody {
   Count factorizations() const { return propagator_.factorizations(); }
 
  private:
+  const Points& control_points(const Points& values) const;
   void refresh_model();
   StepStatus refresh_drive();
   void refresh_forces();
@@ -137,6 +143,7 @@ class SoftBody {
   double work_done_ = 0;   ///< of the last call
   double came_ = 0;        ///< by which the last call's first attempt moved the time [s]
   Material material_;      ///< of the settings, what is in effect
+  mutable Points shown_;   ///< control points that were asked for
   double start_time_ = 0;  ///< [s]
   bool moved_ = false;     ///< pins or planes moved points at once when the last communication step began
 };

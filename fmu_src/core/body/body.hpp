@@ -16,7 +16,8 @@ struct Body {
   Scalars damping;                                ///< (points) [N s/m], >= 0
   std::vector<bool> pinned;                       ///< (points) moved by a pin, not by forces
   bool damped = false;                            ///< any damping > 0, of points or along springs
-  double fastest_damping = 0;                     ///< rate at which damping changes velocities, at most [1/s]
+  double fastest_drag = 0;                        ///< the largest rate at which the points' damping changes velocities,
+  double fastest_damping = 0;                     ///< and all damping of a body at rest [1/s]
   Scalars weight{};                               ///< (points) [kg], what gravity pulls at
   Scalars inverse_mass{};                         ///< (3 * points), axis by axis; 0 where pinned [1/kg]
   Scalars damping_rate{};                         ///< (3 * points), damping / mass; 0 where pinned [1/s]
@@ -58,6 +59,19 @@ struct Body {
     double longest = 0;
     for (const auto& each : energies) longest = std::max(longest, each->longest_time());
     return longest;
+  }
+  /// Bound of the rate at which damping changes velocities of points at x [1/s].
+  double damping_rate_at(const Points& x) const {
+    double rate = fastest_damping;
+    for (const auto& each : energies) rate = std::max(rate, fastest_drag + each->dashpot_rate(x, mass, pinned));
+    return rate;
+  }
+  bool has_deformed(const Points& x, const Points& x0) const {
+    return std::any_of(energies.begin(), energies.end(), [&](const auto& each) { return each->has_deformed(x, x0); });
+  }
+  /// Whether only points that are corners of one cell pull at each other: implicit methods and modes have room for no other matrices.
+  bool couples_neighbours_alone() const {
+    return std::all_of(energies.begin(), energies.end(), [](const auto& each) { return each->couples_neighbours_alone(); });
   }
   /// f -= what the dashpots exert on points at x that move with v [N] (Energy::add_dashpot_force).
   void add_dashpot_force(const Points& x, const Points& v, Points& f, double drift = 0) const {

@@ -45,23 +45,23 @@ DampedKick::DampedKick(int points) {
 }
 
 /// So many that at most 1 / z is left: fitted to what trying all z finds for 2 to 200 products.
-int DampedKick::products(const Body& body, double t) {
-  const double reach = t * body.fastest_damping;
+int DampedKick::products(double reach) {
   if (reach <= 1.3) return 2;
   const double digits = std::log(reach), wanted = 0.5 + std::sqrt(reach * digits * (1.25 + 0.055 * digits));
   return int(std::ceil(std::clamp(wanted, 3.0, double(most_products))));
 }
 
-void DampedKick::prepare(const Body& body, double t) {
-  if (t == t_ && body.version == version_) return;
+void DampedKick::prepare(const Body& body, double t, double rate) {
+  if (t == t_ && rate == rate_ && body.version == version_) return;
+  rate_ = rate;
   t_ = t;
   version_ = body.version;
   pinned_.clear();
   for (int p = 0; p < body.points(); ++p)
     if (body.pinned[p]) pinned_.push_back(p);
   scale_ = -t / body.mass;
-  reach_ = t * body.fastest_damping;
-  interpolate(products(body, t) - 2, reach_, shares_);
+  reach_ = t * rate_;
+  interpolate(products(reach_) - 2, reach_, shares_);
 }
 
 void DampedKick::hold_pins(const Points& v0, Points& v) const {

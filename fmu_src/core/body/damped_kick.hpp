@@ -29,8 +29,8 @@ namespace softffd {
 class DampedKick {
  public:
   explicit DampedKick(int points);
-  /// For kicks of length t.
-  void prepare(const Body& body, double t);
+  /// For kicks of length t, where damping changes velocities at this rate at most [1/s].
+  void prepare(const Body& body, double t, double rate);
   /// v <- velocities after the kick from v0 at positions x; forces at its beginning [N]: of springs and dashpots, from outside. All
   /// (points, 3).
   void apply(const Body& body, const Points& x, const Points& inner, const Points& outside, const Points& v0, Points& v);
@@ -40,15 +40,17 @@ class DampedKick {
   double loss(const Body& body, const Points& spring, const Points& outside, const Points& v0, const Points& v, bool drifted);
   int products() const { return int(shares_.size()) + 1; }
   /// For a kick of length t of this body; of a kick the work is about so many evaluations of the spring forces.
-  static int products(const Body& body, double t);
+  static int products(const Body& body, double t) { return products(t * body.fastest_damping); }
 
  private:
+  static int products(double reach);
   void hold_pins(const Points& v0, Points& v) const;
   /// out = t A v, with the pinned points of v at rest, which this makes them.
   void multiply(const Body& body, const Points& x, Points& v, Points& out) const;
 
   double t_ = -1;
   Count version_ = -1;          ///< of the body
+  double rate_ = 0;             ///< the fastest [1/s]
   double reach_ = 0;            ///< t times the fastest rate
   std::vector<double> shares_;  ///< of psi's polynomial, of Chebyshev's T_0, T_1 ... of 1 - 2 t A / reach
   std::vector<int> pinned_;

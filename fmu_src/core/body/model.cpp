@@ -31,7 +31,7 @@ void Model::renew() {
   for (const auto& each : body.energies) noise += 0.5 * each->total_stiffness() * power(slight * body.length, 2);
   stability.prepare(body);
   stability.time_scales(body, time_scale);
-  body.fastest_damping = body.damping_rate.maxCoeff();
+  body.fastest_damping = body.fastest_drag = body.damping_rate.maxCoeff();
   if (body.dashpots()) body.fastest_damping += body.longest_time() * power(stability.any_frequency(), 2);
   for (int i = 0; i < 3 * n; ++i) memory[i] = body.damping_rate[i] > 0 ? 2 / body.damping_rate[i] : std::numeric_limits<double>::infinity();
   longest_memory = memory.maxCoeff();

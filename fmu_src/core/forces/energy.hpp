@@ -58,6 +58,8 @@ class Energy {
     add_force(x, f);
   }
 
+  /// Whether only points that are corners of one cell pull at each other, for which LatticeMatrix has room.
+  virtual bool couples_neighbours_alone() const { return true; }
   /// The matrix of the linearisation at x, block by block.
   virtual void add_blocks(const Points& x, const Linearisation& of, BlockSink& sink) const = 0;
   /// f -= the same matrix times u [N]; u [m], (points, 3).
@@ -89,6 +91,9 @@ class Energy {
   virtual void add_dashpot_force(const Points&, const Points&, Points&, double = 0) const {}
   /// What the dashpots take of points at x that move with v [W].
   virtual double dashpot_power(const Points&, const Points&) const { return 0; }
+  /// Bound of the rate at which the dashpots change velocities at x [1/s]. 0 where longest_time() times the largest squared frequency in
+  /// any configuration is one.
+  virtual double dashpot_rate(const Points&, const Scalars&, const std::vector<bool>&) const { return 0; }
 
   /// A pass that also moves the points, if there is one; it knows no dashpots.
   virtual const FusedPass* fused() const { return nullptr; }

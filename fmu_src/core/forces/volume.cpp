@@ -2,24 +2,11 @@
 
 #include <cmath>
 
-#include "forces/kernels.hpp"
-
 namespace softffd {
 
-Volume::Volume(const Lattice& lattice, double kappa) : cells_(lattice), rest_volume_(1) {
+Volume::Volume(const Lattice& lattice, double kappa) : cells_(lattice), rest_volume_(1), edges_(lattice) {
   for (int axis = 0; axis < 3; ++axis) rest_volume_ *= lattice.size[axis] / (lattice.counts[axis] - 1);
   scale_ = kappa * rest_volume_ / 8;
-  const auto& n = lattice.counts;
-  for (int axis = 0; axis < 3; ++axis) {
-    Edges& edges = edges_[axis];
-    edges.offset = directions[axis].offset(lattice);
-    edges.length = lattice.cell()[axis];
-    edges.exist = Scalars::Zero(lattice.points() - edges.offset);
-    for (int k = 0; k < n[2]; ++k)
-      for (int j = 0; j < n[1]; ++j)
-        for (int i = 0; i < n[0]; ++i)
-          if (directions[axis].within(lattice, i, j, k)) edges.exist[lattice.index(i, j, k)] = 1;
-  }
 }
 
 void Volume::add_force(const Points& x, Points& f) const { cells_.add_squares(threshold, scale_ / threshold, x, f); }
@@ -48,15 +35,6 @@ void Volume::subtract_product(const Points& x, const Linearisation&, const Point
     const double factor = second * change;
     for (int i = 0; i < 4; ++i) f.row(corner.points[i]) -= factor * corner.gradient[i].array().transpose();
   });
-}
-
-bool Volume::has_deformed(const Points& x, const Points& x0) const {
-  for (const Edges& each : edges_) {
-    const kernels::SpringRow edges{0, int(each.exist.size()), each.offset, each.exist.data(), nullptr};
-    const double limit = deformation * each.length;
-    if (!(kernels::largest_change(edges, int(x.rows()), x.data(), x0.data()) <= limit * limit)) return true;
-  }
-  return false;
 }
 
 bool Volume::add_bounds(const Points& x, const Scalars& mass, const std::vector<bool>& pinned, Scalars& sums) const {

@@ -28,12 +28,12 @@
 /// with pinned points j, which do not move, left out of the sums and none for a pinned i. Nothing bounds the Hessian in every
 /// configuration: phi'' grows with the depth of the fold and g with the cell's faces.
 #pragma once
-#include <array>
 #include <limits>
 #include <vector>
 
 #include "forces/cells.hpp"
 #include "forces/energy.hpp"
+#include "forces/lattice_edges.hpp"
 
 namespace softffd {
 
@@ -53,7 +53,7 @@ class Volume final : public Energy {
   void add_any_bounds(const Scalars&, const std::vector<bool>&, AnyBounds& bounds) const override { bounds.exist = false; }
   bool add_bounds(const Points& x, const Scalars& mass, const std::vector<bool>& pinned, Scalars& sums) const override;
   /// By the edges of the cells.
-  bool has_deformed(const Points& x, const Points& x0) const override;
+  bool has_deformed(const Points& x, const Points& x0) const override { return edges_.changed(x, x0, deformation); }
   /// Nothing: where corners resist, the springs beside it show what moves.
   double swing(const Points&, const Points&, const Swing&) const override { return 0; }
   /// It leaves internal damping to the others.
@@ -74,12 +74,7 @@ class Volume final : public Energy {
   Cells cells_;
   double scale_;        ///< A [J]
   double rest_volume_;  ///< V0 [m3]
-  struct Edges {
-    int offset;
-    double length;  ///< [m]
-    Scalars exist;  ///< (lanes) 1 or 0
-  };
-  std::array<Edges, 3> edges_;  ///< by axis, lane p from point p to p + offset
+  LatticeEdges edges_;
 };
 
 }  // namespace softffd

@@ -33,16 +33,21 @@ double spin(const Model& model, const Points& x, const Points& v) { return rigid
 double bound(const StepContext& context) {
   Course& course = context.run.course;
   if (course.bound < 0 || deformed_since_bound(context)) {
-    course.bound = context.model.stability.frequency(context.model.body, context.run.path.motion.x);
+    const Body& body = context.model.body;
+    course.bound = context.model.stability.frequency(body, context.run.path.motion.x);
+    course.damping_bound = body.damping_rate_at(context.run.path.motion.x);
     course.bound_x.change() = context.run.path.motion.x;
   }
   return course.bound;
 }
 
+double damping_bound(const StepContext& context) {
+  bound(context);  // both are renewed at the same moments
+  return context.run.course.damping_bound;
+}
+
 bool deformed_since_bound(const StepContext& context) {
-  const auto& energies = context.model.body.energies;
-  return std::any_of(energies.begin(), energies.end(),
-                     [&](const auto& each) { return each->has_deformed(context.run.path.motion.x, *context.run.course.bound_x); });
+  return context.model.body.has_deformed(context.run.path.motion.x, *context.run.course.bound_x);
 }
 
 double step_limit(const StepContext& context, Method method, bool given) {
@@ -51,7 +56,7 @@ double step_limit(const StepContext& context, Method method, bool given) {
   const State& motion = context.run.path.motion;
   if (context.model.stability.elastic()) limit = (given ? t.given : t.automatic) * 2 / bound(context);
   if (!given && t.long_run < 1 && context.request.horizon * bound(context) > thresholds::long_run) limit *= t.long_run;
-  if (t.damping < infinity) limit = std::min(limit, t.damping / context.model.body.fastest_damping);
+  if (t.damping < infinity) limit = std::min(limit, t.damping / damping_bound(context));
   if (!given && t.turning == Turning::straight) limit = tighter(limit, turning_limit(context, motion.x, motion.v));
   if (!given && t.turning == Turning::in_frame)
     limit = tighter(thresholds::stiffest / bound(context), thresholds::frame_angle / spin(context.model, motion.x, motion.v));

@@ -8,6 +8,8 @@ namespace softffd {
 
 /// Upper bound of omega at the present state [rad/s]; computed anew only when the body has deformed since (run.course.bound).
 double bound(const StepContext& context);
+/// Of the rate of damping [1/s], renewed with it.
+double damping_bound(const StepContext& context);
 bool deformed_since_bound(const StepContext& context);
 /// Largest step of a method [s]: that a user may give, or that is chosen.
 double step_limit(const StepContext& context, Method method, bool given);

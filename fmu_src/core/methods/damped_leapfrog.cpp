@@ -68,7 +68,8 @@ Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Sp
     surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
   const Count before = impacts();
   masses_.prepare(model.body, span.h);
-  kick_.prepare(model.body, 0.5 * span.h);
+  const double rate = run.course.damping_bound;
+  kick_.prepare(model.body, 0.5 * span.h, rate < 0 ? model.body.fastest_damping : rate);
   Outcome outcome{.work = double(span.steps) * step_work(model.body, Method::leapfrog, span.h)};
   if (surface_) {
     surface_->begin(model.body, masses_, drive, span.time(0), span.h);

@@ -1,10 +1,12 @@
 #include "model/basis.hpp"
 
 #include "model/basis_formulas.hpp"
+#include "model/lobatto.hpp"
 
 namespace softffd {
 
 Scalars weights(Basis basis, double t, int n) {
+  if (basis == Basis::patches) return lobatto::interpolation(t, n);
   Scalars weights = Scalars::Zero(n);
   if (basis == Basis::bezier || n <= 4) {
     formulas::bernstein<1>(&t, n, reinterpret_cast<double (*)[1]>(weights.data()));

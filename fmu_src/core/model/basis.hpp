@@ -10,6 +10,9 @@
 ///      X(s) = sum N_i(s) c_i       is (s + 1) / (n - 1) in the middle, and three times as steep as that at the ends,
 ///
 /// so that a place t takes the weights at the parameter s with X(s) = t. With up to four control points both are the same.
+///
+/// Patches: Bezier volumes of four control points an axis side by side, of a body of finite elements. Its points in the core are the nodes
+/// of the patches (lobatto.hpp), and so the weights are those of nodes, which may be negative: -1/8 along an axis at least.
 #pragma once
 #include <vector>
 
@@ -17,7 +20,7 @@
 
 namespace softffd {
 
-enum class Basis { bezier, bspline };
+enum class Basis { bezier, bspline, patches };
 
 /// Weights of the n >= 1 control points of an axis at the place t. Returns (n).
 Scalars weights(Basis basis, double t, int n);

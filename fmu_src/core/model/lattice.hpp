@@ -20,6 +20,7 @@ struct Lattice {
   std::array<int, 3> counts{4, 4, 4};  ///< control points per axis, 2 to most_points
   Vec3 origin = Vec3::Zero();          ///< lower corner of the box [m]
   Vec3 size = Vec3::Ones();            ///< sides of the box, > 0 [m]
+  bool lobatto = false;                ///< points of a body of finite elements, at unequal distances (lobatto.hpp)
 
   int points() const { return counts[0] * counts[1] * counts[2]; }
   int index(int i, int j, int k) const { return i + counts[0] * (j + counts[1] * k); }

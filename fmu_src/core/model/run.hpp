@@ -187,6 +187,7 @@ static_assert(visits_every_field<DampedRecord>);
 struct Course {
   MarkedPoints bound_x;                                  ///< configuration that `bound` belongs to
   double bound = -1;                                     ///< bound of omega [rad/s]; negative: none yet
+  double damping_bound = -1;                             ///< of the rate of damping there [1/s]; negative: none yet
   std::array<Calibration, method_count> calibrations{};  ///< of the methods of fixed steps
   std::array<double, method_count> controlled{};         ///< steps of the methods with error control [s]; 0: none yet
   ContactSteps contact{};
@@ -206,7 +207,7 @@ struct Course {
   double& controlled_step(Method which) { return controlled[std::size_t(which)]; }
   /// What was learnt of another material does not hold; what it has cost does.
   void forget_material() {
-    bound = -1;
+    bound = damping_bound = -1;
     calibrations = {};
     contact = {};
     damped = {.force = damped.force};
@@ -216,8 +217,8 @@ struct Course {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.bound_x, s.bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.method, s.reason, s.trials, s.work,
-                  s.usual, s.rejected, s.factors, s.contact_error, s.neighbour);
+    return fields(s.bound_x, s.bound, s.damping_bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.method, s.reason,
+                  s.trials, s.work, s.usual, s.rejected, s.factors, s.contact_error, s.neighbour);
   }
 };
 static_assert(visits_every_field<Course>);

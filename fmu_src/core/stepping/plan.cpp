@@ -65,7 +65,7 @@ bool stiff(const Facts& facts) {
 }
 
 bool may_be_stiff(const Facts& facts, const Asked& asked) {
-  return (chosen(asked.method) || is_implicit(asked.method)) && !facts.given_step;
+  return !facts.explicit_alone && (chosen(asked.method) || is_implicit(asked.method)) && !facts.given_step;
 }
 
 Plan impacts(bool rings) {
@@ -76,7 +76,7 @@ Plan impacts(bool rings) {
 /// of a flight know no internal damping, so that nothing would see the echo of an impact.
 Plan plan_contact(const Facts& facts, const Asked& asked) {
   const bool own = asked.method == Method::automatic || is_implicit(asked.method);
-  if (facts.dashpots && own && !facts.given_step)
+  if (facts.dashpots && own && !facts.given_step && !facts.explicit_alone)
     return {.method = Method::sdirk2, .steps = Steps::damped, .reason = Reason::damped_contact};
   if (!facts.stiffness) return wanting(Want::stiffness);
   if (may_be_stiff(facts, asked) && stiff(facts)) {

@@ -23,6 +23,7 @@ struct Facts {
   bool obstacles = false;              ///< the scene has planes
   bool surface = false;                ///< which samples of the surface meet
   bool pins = false;                   ///< the scene has pins
+  bool explicit_alone = false;         ///< implicit methods and modes have no matrices for the body
   std::optional<bool> clear{};         ///< no point is on an obstacle now
   std::optional<bool> within_reach{};  ///< a point could come to an obstacle, by forecast
   std::optional<double> stiffness{};   ///< largest stable leapfrog steps in the stretch

@@ -57,6 +57,7 @@ Facts Propagator::facts(const StepContext& context, double H) const {
   facts.obstacles = !context.drive.planes.empty();
   facts.surface = facts.obstacles && context.model.body.samples;
   facts.pins = !context.drive.pins.empty();
+  facts.explicit_alone = !context.model.body.couples_neighbours_alone();
   if (facts.obstacles && context.drive.planes.back().solid()) {  // near, and round: flights and rests know planes alone
     facts.clear = false;
     facts.within_reach = true;
@@ -131,7 +132,9 @@ StepStatus Propagator::run_by_trials(const StepContext& context, double end) {
     const Method method = course.method = course.trials.winner;
     course.reason = course.trials.reason;
     if (motion.time == end) break;  // a trial took it there
-    const bool creeps = !context.drive.pins.empty() && context.model.body.dashpots() && context.request.method == Method::automatic;
+    const Body& body = context.model.body;
+    const bool creeps =
+        !context.drive.pins.empty() && body.dashpots() && context.request.method == Method::automatic && body.couples_neighbours_alone();
     if (creeps && !is_implicit(method) && left / step_limit(context, Method::leapfrog, false) > use::stiff_damping) {
       course.reason = Reason::quiet_stiffness;
       return damped_.of(lattice_, context.run).run(integrators_, context, end, nullptr);

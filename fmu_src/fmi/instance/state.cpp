@@ -8,13 +8,14 @@ namespace softffd::fmi {
 
 /// What of the settings had taken effect; values set since then may still wait for the next step.
 struct InEffect {
-  double mass, edge, face, body, modulus, damping, internal_damping;
+  double mass, edge, face, body, modulus, poissons_ratio, damping, internal_damping;
   Vec3 gravity;
 };
 
 template <class Archive>
 void pass(Archive& archive, InEffect& s) {
-  for (double* value : {&s.mass, &s.edge, &s.face, &s.body, &s.modulus, &s.damping, &s.internal_damping}) archive.number(*value);
+  for (double* value : {&s.mass, &s.edge, &s.face, &s.body, &s.modulus, &s.poissons_ratio, &s.damping, &s.internal_damping})
+    archive.number(*value);
   archive.numbers(s.gravity.data(), 3);
 }
 
@@ -66,8 +67,8 @@ namespace {
 
 bool sound(const InEffect& s) {
   const auto weight = [](double value) { return std::isfinite(value) && value >= 0; };
-  return weight(s.mass) && s.mass > 0 && weight(s.edge) && weight(s.face) && weight(s.body) && weight(s.modulus) && weight(s.damping) &&
-         weight(s.internal_damping) && s.gravity.allFinite();
+  return weight(s.mass) && s.mass > 0 && weight(s.edge) && weight(s.face) && weight(s.body) && weight(s.modulus) &&
+         weight(s.poissons_ratio) && s.poissons_ratio < 0.5 && weight(s.damping) && weight(s.internal_damping) && s.gravity.allFinite();
 }
 
 bool sound(const Place& place) {
@@ -120,8 +121,8 @@ Whole Instance::whole() const {
   return {.place = {phase, values.changed || waits, values.material_changed || waits, values.rated, times_},
           .values = values,
           .last_step = variables_.last_step(),
-          .in_effect = {material.mass, springs.edge, springs.face, springs.body, material.modulus, material.damping,
-                        material.internal_damping, body_.settings.gravity},
+          .in_effect = {material.mass, springs.edge, springs.face, springs.body, material.modulus, material.poissons_ratio,
+                        material.damping, material.internal_damping, body_.settings.gravity},
           .run = body_.run(),
           .memory = error_estimate_ ? std::optional(error_estimate_->memory()) : std::nullopt};
 }
@@ -154,6 +155,7 @@ void Instance::load_state(const Bytes& bytes) {
   s.mass = before.mass;
   s.stiffness = {before.edge, before.face, before.body};
   s.modulus = before.modulus;
+  s.poissons_ratio = before.poissons_ratio;
   s.damping = before.damping;
   s.internal_damping = before.internal_damping;
   s.gravity = before.gravity;

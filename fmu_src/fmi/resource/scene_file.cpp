@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "methods/traits.hpp"
+#include "model/lobatto.hpp"
 #include "resource/checksum.hpp"
 #include "variable_table.hpp"
 
@@ -21,6 +22,8 @@ namespace {
 
 /// By how much of a side rounding may take a sample out of the box.
 constexpr double outside = 1e-9;
+/// Of a solid: beyond it explicit steps are eleven times those of springs and more.
+constexpr double most_poissons_ratio = 0.495;
 
 /// The words of one record, taken one by one.
 class Record {
@@ -194,6 +197,15 @@ void read_initial(Record& r, SceneFile& s) {
 void read_stiffness(Record& r, SceneFile& s) {
   for (double* k : {&s.stiffness.edge, &s.stiffness.face, &s.stiffness.body}) *k = r.at_least(0);
 }
+/// The body is a solid, whose points are the nodes of patches.
+void read_poissons_ratio(Record& r, SceneFile& s) {
+  s.poissons_ratio = r.at_least(0);
+  if (!(*s.poissons_ratio <= most_poissons_ratio)) r.fail("Poisson's ratio is above its largest value");
+}
+void read_basis(Record& r, SceneFile& s) {
+  s.basis = r.choice<Basis>({{"bezier", Basis::bezier}, {"bspline", Basis::bspline}, {"patches", Basis::patches}});
+  s.definition.lattice.lobatto = s.basis == Basis::patches;
+}
 void read_modulus(Record& r, SceneFile& s) {
   s.modulus = r.positive();
   s.definition.of_modulus = true;
@@ -209,11 +221,12 @@ constexpr Reader readers[] = {
      [](Record& r, SceneFile& s) {
        s.definition.topology = r.choice<Topology>({{"distinct", Topology::distinct}, {"paper", Topology::paper}});
      }},
-    {"basis", [](Record& r, SceneFile& s) { s.basis = r.choice<Basis>({{"bezier", Basis::bezier}, {"bspline", Basis::bspline}}); }},
+    {"basis", read_basis},
     {"mass", read_mass},
     {"weight", read_weight},
     {"stiffness", read_stiffness},
     {"youngs_modulus", read_modulus},
+    {"poissons_ratio", read_poissons_ratio},
     {"damping", [](Record& r, SceneFile& s) { s.damping = r.at_least(0); }},
     {"internal_damping", [](Record& r, SceneFile& s) { s.internal_damping = r.at_least(0); }},
     {"volume_stiffness", [](Record& r, SceneFile& s) { s.definition.volume_stiffness = r.positive(); }},
@@ -270,11 +283,37 @@ std::string_view checked_body(std::string_view text) {
   return body;
 }
 
+void check_solid(const SceneFile& s) {
+  const auto refuse = [](const std::string& what) { throw SceneFileError("resources/scene.txt: " + what); };
+  const bool solid = s.definition.solid();
+  if (solid != s.poissons_ratio.has_value()) refuse("a solid, which has patches, has Poisson's ratio, and springs have neither");
+  if (!solid) return;
+  if (!s.modulus) refuse("a solid without youngs_modulus");
+  for (const int n : s.definition.lattice.counts)
+    if (!lobatto::whole(n)) refuse("a solid has 3 e + 1 points along each axis");
+  if (s.definition.volume_stiffness > 0) refuse("a solid has no volume_stiffness");
+  for (const Region& region : s.definition.regions)
+    if (!region.damping) refuse("a region of a solid has damping alone");
+  if (!takes_solids(Method(s.method - 1))) refuse("the method does not support solids; wanted auto, leapfrog, bm4, rkn12 or dop853");
+}
+
 void check_complete(const SceneFile& s) {
   if (s.guid.empty()) throw SceneFileError("resources/scene.txt: the guid is missing");
   if (s.definition.mass.empty()) throw SceneFileError("resources/scene.txt: the masses are missing");
   if (s.modulus && s.definition.topology != Topology::distinct)
     throw SceneFileError("resources/scene.txt: springs of a modulus are of the topology distinct");
+  check_solid(s);
+}
+
+/// Equally; of a solid by the nodes' parts of the volume, which on a face makes a uniform traction.
+void share_loads(SceneFile& s) {
+  Scalars shares = Scalars::Ones(count(s));
+  if (s.definition.solid()) shares = lobatto::volume_shares(s.definition.lattice);
+  for (SceneFile::Load& load : s.loads) {
+    double sum = 0;
+    for (const int p : load.points) sum += shares[p];
+    for (const int p : load.points) load.shares.push_back(shares[p] / sum);
+  }
 }
 
 /// Planes are to meet these samples of the surface.
@@ -314,6 +353,7 @@ SceneFile parse_scene(std::string_view text) {
     if (record.more()) record.fail("more values than the record takes");
   }
   check_complete(scene);
+  share_loads(scene);
   take_samples(scene);
   return scene;
 }

@@ -38,6 +38,7 @@ struct SceneFile {
   struct Load {
     std::string name;
     std::vector<int> points;
+    std::vector<double> shares;  ///< of the load, (points): their sum is 1
   };
   struct Probe {
     std::string name;
@@ -46,8 +47,9 @@ struct SceneFile {
 
   std::string guid;
   Definition definition;
-  Stiffness stiffness;            ///< of a scene without modulus
-  std::optional<double> modulus;  ///< Young's [Pa]
+  Stiffness stiffness;                   ///< of a scene without modulus
+  std::optional<double> modulus;         ///< Young's [Pa]
+  std::optional<double> poissons_ratio;  ///< of a solid [1]
   std::optional<double> damping;
   std::optional<double> internal_damping;  ///< [s]
   std::optional<Vec3> gravity;

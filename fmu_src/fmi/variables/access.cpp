@@ -37,7 +37,8 @@ Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) 
 /// Whether there is such a method, and the scene can be run by it.
 bool Variables::method_fits(double value) const {
   if (!(value >= 1 && value <= method_count)) return false;
-  return !scene_.definition.samples || meets_surface(Method(int(value) - 1));
+  const Method method = Method(int(value) - 1);
+  return (!scene_.definition.samples || meets_surface(method)) && (!scene_.definition.solid() || takes_solids(method));
 }
 
 void Variables::check_method(double method) const {
@@ -46,7 +47,10 @@ void Variables::check_method(double method) const {
   for (int value = 1; value <= method_count; ++value)
     if (method_fits(value)) wanted.append(wanted.empty() ? "" : ", ").append(std::to_string(value) + " ").append(methods[value - 1]);
   throw CallError(std::string(families[row_of(Family::solver_method)].name) + ": wanted one of " + wanted +
-                  (scene_.definition.samples ? " (contact is of the surface)" : "") + ", got " + shortest(method));
+                  (scene_.definition.solid()   ? " (the body is a solid)"
+                   : scene_.definition.samples ? " (contact is of the surface)"
+                                               : "") +
+                  ", got " + shortest(method));
 }
 
 void Variables::check_settable(Phase phase, fmi2ValueReference reference, const FamilyInfo& info, double value) const {
@@ -60,6 +64,7 @@ void Variables::check_settable(Phase phase, fmi2ValueReference reference, const 
   if (!std::isfinite(value)) throw CallError(name(reference) + ": wanted a finite number, got " + shortest(value));
   if (info.family == Family::solver_method) check_method(value);
   if (value < info.min) throw wanted(">= " + shortest(info.min));
+  if (value > info.max) throw wanted("<= " + shortest(info.max));
   if (value <= info.above) throw wanted("> " + shortest(info.above));
 }
 

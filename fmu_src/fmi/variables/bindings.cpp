@@ -73,6 +73,7 @@ constexpr PartBinding part_bindings[] = {
     {Part::always, [](const SceneFile&) { return one_if(true); }},
     {Part::stiffness, [](const SceneFile& s) { return one_if(!s.modulus); }},
     {Part::modulus, [](const SceneFile& s) { return one_if(s.modulus.has_value()); }},
+    {Part::solid, [](const SceneFile& s) { return one_if(s.poissons_ratio.has_value()); }},
     {Part::damping, [](const SceneFile& s) { return one_if(s.damping.has_value()); }},
     {Part::internal_damping, [](const SceneFile& s) { return one_if(s.internal_damping.has_value()); }},
     {Part::gravity, [](const SceneFile& s) { return one_if(s.gravity.has_value()); }},
@@ -145,6 +146,7 @@ constexpr std::array<Binding, family_count> bindings{
     setting(Family::stiffness_face, [](Settings& s, int) { return &s.stiffness.face; }),
     setting(Family::stiffness_body, [](Settings& s, int) { return &s.stiffness.body; }),
     setting(Family::youngs_modulus, [](Settings& s, int) { return &s.modulus; }),
+    setting(Family::poissons_ratio, [](Settings& s, int) { return &s.poissons_ratio; }),
     setting(Family::damping, [](Settings& s, int) { return &s.damping; }),
     setting(Family::internal_damping, [](Settings& s, int) { return &s.internal_damping; }),
     setting(Family::gravity, [](Settings& s, int) { return s.gravity.data(); }),
@@ -153,9 +155,9 @@ constexpr std::array<Binding, family_count> bindings{
     setting(Family::solver_tolerance, [](Settings& s, int) { return &s.tolerance; }),
     setting(Family::solver_step, [](Settings& s, int) { return &s.step; }),
     field(
-        Family::position, [](const SoftBody& body) -> const Points& { return body.state().x; },
-        [](const Observed& o, int p, int axis) { return o.body.state().v(p, axis); }),
-    field(Family::velocity, [](const SoftBody& body) -> const Points& { return body.state().v; }),
+        Family::position, [](const SoftBody& body) -> const Points& { return body.positions(); },
+        [](const Observed& o, int p, int axis) { return o.body.velocities()(p, axis); }),
+    field(Family::velocity, [](const SoftBody& body) -> const Points& { return body.velocities(); }),
     output(
         Family::probe, [](const Observed& o, int n, int axis) { return o.probes[n](o.body.state().x.col(axis)); },
         [](const Observed& o, int n, int axis) { return o.probes[n](o.body.state().v.col(axis)); }),

@@ -1,5 +1,7 @@
 #include "variables/variables.hpp"
 
+#include "model/lobatto.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -40,6 +42,7 @@ void set_starts(const SceneFile& scene, Settings& settings) {
   settings.mass = std::accumulate(scene.definition.mass.begin(), scene.definition.mass.end(), 0.0);
   settings.stiffness = scene.stiffness;
   settings.modulus = scene.modulus.value_or(0);
+  settings.poissons_ratio = scene.poissons_ratio.value_or(0);
   settings.damping = scene.damping.value_or(0);
   settings.internal_damping = scene.internal_damping.value_or(0);
   settings.gravity = scene.gravity.value_or(Vec3::Zero());
@@ -146,14 +149,16 @@ void Variables::set_tolerance(double tolerance) {
   values_.changed = true;
 }
 
-/// Forces of points and loads, or their rates, on the control points.
+/// Forces of points and loads, or their rates, on the control points, or on the nodes of a solid.
 void Variables::spread(const Table& table, Points& force) const {
   force.setZero();
   const auto& points = members(Part::forces);
   for (std::size_t n = 0; n < points.size(); ++n) force.row(points[n]) += vector(table, Family::force, n).array().transpose();
-  for (std::size_t n = 0; n < scene_.loads.size(); ++n)
-    for (int p : scene_.loads[n].points)
-      force.row(p) += vector(table, Family::load, n).array().transpose() / double(scene_.loads[n].points.size());
+  if (scene_.definition.solid() && !points.empty()) lobatto::to_nodes(scene_.definition.lattice, force);
+  for (std::size_t n = 0; n < scene_.loads.size(); ++n) {
+    const auto& [name, points, shares] = scene_.loads[n];
+    for (std::size_t i = 0; i < points.size(); ++i) force.row(points[i]) += shares[i] * vector(table, Family::load, n).array().transpose();
+  }
 }
 
 /// The rate of a pose, where one is given, is the velocity; components that are no inputs keep theirs.
@@ -220,7 +225,7 @@ void Variables::forget_rates() {
 bool Variables::sound(const Values& values) const {
   for (std::size_t row = 0; row < family_count; ++row)
     for (double v : values.numbers[row])
-      if (!(std::isfinite(v) && v >= families[row].min && v > families[row].above)) return false;
+      if (!(std::isfinite(v) && v >= families[row].min && v <= families[row].max && v > families[row].above)) return false;
   return method_fits(values.numbers[row_of(Family::solver_method)][0]);
 }
 

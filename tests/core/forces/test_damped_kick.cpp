@@ -20,7 +20,7 @@ struct Crumpled {
 
   Points kicked(double t, const Points& force, const Points& v0) const {
     DampedKick kick(body().points());
-    kick.prepare(body(), t);
+    kick.prepare(body(), t, body().fastest_damping);
     Points v = none();
     Points inner = force;
     body().add_dashpot_force(x, v0, inner);
@@ -68,7 +68,7 @@ TEST(strong_damping_costs_little_more_than_its_square_root) {
   const auto products = [](double time) {
     const Crumpled c(time);
     DampedKick kick(c.body().points());
-    kick.prepare(c.body(), 0.02);
+    kick.prepare(c.body(), 0.02, c.body().fastest_damping);
     return kick.products();
   };
   CHECK(products(1e-6) == 2);
@@ -115,7 +115,7 @@ TEST(momentum_and_angular_momentum_are_the_outside_forces_and_rigid_motion_is_no
 TEST(what_it_says_it_took_is_missing) {
   const Crumpled c(0.002, true);
   DampedKick kick(c.body().points());
-  kick.prepare(c.body(), 1e-3);
+  kick.prepare(c.body(), 1e-3, c.body().fastest_damping);
   Points v = c.none();
   Points inner = c.none();
   c.body().add_dashpot_force(c.x, c.scene.start.v, inner);

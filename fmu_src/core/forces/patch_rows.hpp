@@ -1,0 +1,196 @@
+/// A patch of 4 x 4 x 4 nodes in registers: rows of four numbers along x, sixteen of them, (j, k) being number j + 4 k. Lanes mix by
+/// broadcasts alone, and sums have one order: the bits are the same for any width of register. Included by the files of vectorised loops
+/// alone.
+#pragma once
+#include "forces/solid_kernels.hpp"
+#include "machine/lanes.hpp"
+#include "model/lobatto.hpp"
+
+namespace softffd::kernels::patch {
+
+/// Four numbers in registers of n.
+template <int n>
+struct Four {
+  Lanes<n> part[4 / n];
+};
+
+template <int n, class F>
+INNER Four<n> each_part(F&& f) {
+  Four<n> result;
+  for (int i = 0; i < 4 / n; ++i) result.part[i] = f(i);
+  return result;
+}
+template <int n>
+INNER Four<n> operator+(const Four<n>& a, const Four<n>& b) {
+  return each_part<n>([&](int i) INLINED { return a.part[i] + b.part[i]; });
+}
+template <int n>
+INNER Four<n> operator-(const Four<n>& a, const Four<n>& b) {
+  return each_part<n>([&](int i) INLINED { return a.part[i] - b.part[i]; });
+}
+template <int n>
+INNER Four<n> operator*(const Four<n>& a, const Four<n>& b) {
+  return each_part<n>([&](int i) INLINED { return a.part[i] * b.part[i]; });
+}
+template <int n>
+INNER Four<n> operator/(const Four<n>& a, const Four<n>& b) {
+  return each_part<n>([&](int i) INLINED { return a.part[i] / b.part[i]; });
+}
+template <int n>
+INNER Four<n> operator*(double a, const Four<n>& b) {
+  return each_part<n>([&](int i) INLINED { return a * b.part[i]; });
+}
+template <int n>
+INNER Four<n> operator-(const Four<n>& a, double b) {
+  return each_part<n>([&](int i) INLINED { return a.part[i] - b; });
+}
+template <int n>
+INNER Four<n> operator+(const Four<n>& a, double b) {
+  return each_part<n>([&](int i) INLINED { return a.part[i] + b; });
+}
+template <int n>
+INNER Four<n> operator-(double a, const Four<n>& b) {
+  return each_part<n>([&](int i) INLINED { return a - b.part[i]; });
+}
+template <int n>
+INNER Four<n> larger(const Four<n>& a, double b) {
+  return each_part<n>([&](int i) INLINED { return a.part[i] > b ? a.part[i] : Lanes<n>{} + b; });
+}
+template <int n>
+INNER Four<n> larger(const Four<n>& a, const Four<n>& b) {
+  return each_part<n>([&](int i) INLINED { return a.part[i] > b.part[i] ? a.part[i] : b.part[i]; });
+}
+template <int n>
+INNER Four<n> root(const Four<n>& a) {
+  return each_part<n>([&](int i) INLINED { return square_root<n>(a.part[i]); });
+}
+template <int n>
+INNER double number(const Four<n>& a, int i) {
+  return a.part[i / n][i % n];
+}
+template <int n>
+INNER Four<n> load_four(const double* from) {
+  return each_part<n>([&](int i) INLINED { return load<n>(from + n * i); });
+}
+template <int n>
+INNER void store_four(double* to, const Four<n>& a) {
+  for (int i = 0; i < 4 / n; ++i) store<n>(to + n * i, a.part[i]);
+}
+template <int n>
+INNER double sum_of(const Four<n>& a) {
+  return (number(a, 0) + number(a, 1)) + (number(a, 2) + number(a, 3));
+}
+template <int n>
+INNER double largest_of(const Four<n>& a) {
+  double most = number(a, 0);
+  for (int i = 1; i < 4; ++i) most = number(a, i) > most ? number(a, i) : most;
+  return most;
+}
+
+constexpr int rows = 16;
+template <int n>
+using Rows = Four<n>[rows];
+
+/// Derivatives of a field along the three axes; F[0] along x.
+template <int n>
+INNER void derive(const SolidBody& body, const double* from, Rows<n>* F) {
+  const PatchShape& shape = body.shape;
+  Rows<n> u;
+  for (int r = 0; r < rows; ++r) u[r] = load_four<n>(from + (r & 3) * body.line + (r >> 2) * body.layer);
+  Four<n> along[4];
+  for (int s = 0; s < 4; ++s) along[s] = load_four<n>(shape.along[s]);
+  for (int r = 0; r < rows; ++r)
+    F[0][r] = (number(u[r], 0) * along[0] + number(u[r], 1) * along[1]) + (number(u[r], 2) * along[2] + number(u[r], 3) * along[3]);
+  for (int k = 0; k < 4; ++k)
+    for (int j = 0; j < 4; ++j) {
+      const double *y = shape.across[0][j], *z = shape.across[1][k];
+      F[1][j + 4 * k] = (y[0] * u[4 * k] + y[1] * u[4 * k + 1]) + (y[2] * u[4 * k + 2] + y[3] * u[4 * k + 3]);
+      F[2][j + 4 * k] = (z[0] * u[j] + z[1] * u[j + 4]) + (z[2] * u[j + 8] + z[3] * u[j + 12]);
+    }
+}
+
+/// to -= the transposed derivatives of what stands at the nodes.
+template <int n>
+INNER void subtract_divergence(const SolidBody& body, const Rows<n>* P, double* to) {
+  const PatchShape& shape = body.shape;
+  Four<n> back[4];
+  for (int i = 0; i < 4; ++i) back[i] = load_four<n>(shape.back[i]);
+  const auto &y = shape.across[0], &z = shape.across[1];
+  const Rows<n>&X = P[0], &Y = P[1], &Z = P[2];
+  for (int k = 0; k < 4; ++k)
+    for (int j = 0; j < 4; ++j) {
+      const Four<n>& a = X[j + 4 * k];
+      const Four<n> x = (number(a, 0) * back[0] + number(a, 1) * back[1]) + (number(a, 2) * back[2] + number(a, 3) * back[3]);
+      const Four<n> of_y = (y[0][j] * Y[4 * k] + y[1][j] * Y[4 * k + 1]) + (y[2][j] * Y[4 * k + 2] + y[3][j] * Y[4 * k + 3]);
+      const Four<n> of_z = (z[0][k] * Z[j] + z[1][k] * Z[j + 4]) + (z[2][k] * Z[j + 8] + z[3][k] * Z[j + 12]);
+      double* at = to + j * body.line + k * body.layer;
+      store_four<n>(at, load_four<n>(at) - (x + (of_y + of_z)));
+    }
+}
+
+/// t = Pi q: the orthogonal projection in the sum over the weights onto the products of linear functions of the axes. Moments of z and y
+/// first, one sum along x, and back.
+template <int n>
+INNER void project(const PatchShape& shape, const Rows<n>& q, Rows<n>& t) {
+  constexpr double mean[2] = {lobatto::weights[0], lobatto::weights[1]};
+  constexpr double inner = 1 / lobatto::root5, square = 1.0 / 3;  // of the nodes on [-1, 1]: the place of the second, the sum of w x^2
+  constexpr double slope[2] = {mean[0] / square, mean[1] * inner / square};
+  constexpr double at[4] = {-1, -inner, inner, 1};
+  Four<n> column[4], a[2][4];
+  for (int s = 0; s < 4; ++s) column[s] = load_four<n>(shape.projector[s]);
+  for (int j = 0; j < 4; ++j) {
+    a[0][j] = mean[0] * (q[j] + q[12 + j]) + mean[1] * (q[4 + j] + q[8 + j]);
+    a[1][j] = slope[0] * (q[12 + j] - q[j]) + slope[1] * (q[8 + j] - q[4 + j]);
+  }
+  for (auto& v : a) {
+    Four<n> moments[2] = {mean[0] * (v[0] + v[3]) + mean[1] * (v[1] + v[2]), slope[0] * (v[3] - v[0]) + slope[1] * (v[2] - v[1])};
+    for (Four<n>& m : moments)
+      m = (number(m, 0) * column[0] + number(m, 1) * column[1]) + (number(m, 2) * column[2] + number(m, 3) * column[3]);
+    for (int j = 0; j < 4; ++j) v[j] = moments[0] + at[j] * moments[1];
+  }
+  for (int k = 0; k < 4; ++k)
+    for (int j = 0; j < 4; ++j) t[j + 4 * k] = a[0][j] + at[k] * a[1][j];
+}
+
+/// A 3 x 3 matrix of each node of a row: component c along axis a is entry 3 c + a.
+template <int n>
+struct Nine {
+  Four<n> m[9];
+  INLINED const Four<n>& operator()(int c, int a) const { return m[3 * c + a]; }
+};
+template <int n>
+INNER Nine<n> row_of(const Rows<n>* F, int r) {
+  Nine<n> f;
+  for (int i = 0; i < 9; ++i) f.m[i] = F[i][r];
+  return f;
+}
+/// Cofactors: their sum of products with F is three times the determinant.
+template <int n>
+INNER Nine<n> cofactors(const Nine<n>& f) {
+  const Four<n>* m = f.m;
+  return {{m[4] * m[8] - m[5] * m[7], m[5] * m[6] - m[3] * m[8], m[3] * m[7] - m[4] * m[6],  //
+           m[7] * m[2] - m[8] * m[1], m[8] * m[0] - m[6] * m[2], m[6] * m[1] - m[7] * m[0],  //
+           m[1] * m[5] - m[2] * m[4], m[2] * m[3] - m[0] * m[5], m[0] * m[4] - m[1] * m[3]}};
+}
+/// What the cofactors change by where F does by g.
+template <int n>
+INNER Nine<n> cofactors(const Nine<n>& f, const Nine<n>& g) {
+  const Four<n>*m = f.m, *d = g.m;
+  const auto pair = [&](int a, int b, int c, int e) INLINED { return (d[a] * m[b] + m[a] * d[b]) - (d[c] * m[e] + m[c] * d[e]); };
+  return {{pair(4, 8, 5, 7), pair(5, 6, 3, 8), pair(3, 7, 4, 6),  //
+           pair(7, 2, 8, 1), pair(8, 0, 6, 2), pair(6, 1, 7, 0),  //
+           pair(1, 5, 2, 4), pair(2, 3, 0, 5), pair(0, 4, 1, 3)}};
+}
+template <int n>
+INNER Four<n> dot(const Nine<n>& a, const Nine<n>& b) {
+  Four<n> sum = a.m[0] * b.m[0];
+  for (int i = 1; i < 9; ++i) sum = sum + a.m[i] * b.m[i];
+  return sum;
+}
+template <int n>
+INNER Four<n> determinant(const Nine<n>& f) {
+  const Four<n>* m = f.m;
+  return m[0] * (m[4] * m[8] - m[5] * m[7]) + m[1] * (m[5] * m[6] - m[3] * m[8]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
+}
+
+}  // namespace softffd::kernels::patch

@@ -1,0 +1,168 @@
+#include "forces/solid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/arithmetic.hpp"
+#include "model/lobatto.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// Of a line of four nodes of length 1: the largest eigenvalue of the squared derivative, 42 + sqrt 1044, and of the mean one.
+constexpr double steepest = 74.310988842807021, divergent = 60;
+
+kernels::PatchShape shape_of(const std::array<double, 3>& sides) {
+  kernels::PatchShape shape;
+  for (int i = 0; i < 4; ++i)
+    for (int s = 0; s < 4; ++s) {
+      const double d = lobatto::derivative[i][s];
+      shape.along[s][i] = shape.back[i][s] = d / sides[0];
+      shape.across[0][i][s] = d / sides[1];
+      shape.across[1][i][s] = d / sides[2];
+      const double x_i = 2 * lobatto::places[i] - 1, x_s = 2 * lobatto::places[s] - 1;
+      shape.projector[s][i] = lobatto::weights[s] * (1 + 3 * x_i * x_s);
+    }
+  const auto& w = lobatto::weights;
+  for (int r = 0; r < 16; ++r)
+    for (int i = 0; i < 4; ++i) shape.weight[r][i] = w[i] * w[r % 4] * w[r / 4] * (sides[0] * sides[1] * sides[2]);
+  return shape;
+}
+
+}  // namespace
+
+Solid::Solid(const Lattice& lattice)
+    : lattice_(lattice), edges_(lattice), rest_(rest_positions(lattice)), volume_(lobatto::volume_shares(lattice) * lattice.size.prod()) {
+  std::array<double, 3> sides;
+  double squares = 0;
+  for (int a = 0; a < 3; ++a) {
+    body_.patches[a] = lobatto::patches(lattice.counts[a]);
+    sides[a] = lattice.size[a] / body_.patches[a];
+    squares += 1 / (sides[a] * sides[a]);
+  }
+  body_.points = lattice.points();
+  body_.line = lattice.counts[0];
+  body_.layer = lattice.counts[0] * lattice.counts[1];
+  body_.shape = shape_of(sides);
+  gradient_ = steepest * squares;
+  divergence_ = divergent * squares;
+  bounds_.resize(std::size_t(body_.patches[0]) * body_.patches[1] * body_.patches[2]);
+}
+
+void Solid::set_material(double modulus, double ratio, double time) {
+  body_.mu = modulus / (2 * (1 + ratio));
+  body_.lambda = modulus * ratio / ((1 + ratio) * (1 - 2 * ratio));
+  time_ = time;
+}
+
+void Solid::subtract_product(const Points& x, const Linearisation& of, const Points& u, Points& f) const {
+  kernels::subtract_tangent(body_, of.per_time * time_, x.data(), u.data(), f.data());
+}
+
+/// Column by column: a patch's product takes no longer than its part of a dense matrix.
+void Solid::add_blocks(const Points& x, const Linearisation& of, BlockSink& sink) const {
+  kernels::SolidBody one = body_;
+  one.patches = {1, 1, 1};
+  Points unit = Points::Zero(x.rows(), 3), column[3] = {unit, unit, unit};
+  const auto node = [&](int i) { return i % 4 + int(body_.line) * (i / 4 % 4) + int(body_.layer) * (i / 16); };
+  for (int patch = 0; patch < int(bounds_.size()); ++patch) {
+    const int at = first_node(patch);
+    for (int s = 0; s < 64; ++s) {
+      const int q = at + node(s);
+      for (int axis = 0; axis < 3; ++axis) {
+        for (int i = 0; i < 64; ++i) column[axis].row(at + node(i)) = 0;
+        unit(q, axis) = 1;
+        kernels::subtract_tangent(one, of.per_time * time_, x.data() + at, unit.data() + at, column[axis].data() + at);
+        unit(q, axis) = 0;
+      }
+      for (int i = s; i < 64; ++i) {
+        const int p = at + node(i);
+        Mat3 block;
+        for (int axis = 0; axis < 3; ++axis) block.col(axis) = -row(column[axis], p);
+        sink.add(p, q, p == q ? Mat3(0.5 * (block + block.transpose())) : block);
+      }
+    }
+  }
+}
+
+double Solid::largest_stiffness() const { return (2 * body_.mu + body_.lambda) * gradient_ * volume_.maxCoeff(); }
+double Solid::total_stiffness() const { return (2 * body_.mu + body_.lambda) * gradient_ * volume_.sum(); }
+
+int Solid::first_node(int patch) const {
+  const auto& n = body_.patches;
+  return 3 * lattice_.index(patch % n[0], patch / n[0] % n[1], patch / n[0] / n[1]);
+}
+
+/// Of its nodes that move, the least mass by volume [kg/m3].
+double Solid::density(int patch, const Scalars& mass, const std::vector<bool>& pinned) const {
+  double least = infinity;
+  for (int k = 0; k < 4; ++k)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 4; ++i)
+        if (const int p = first_node(patch) + lattice_.index(i, j, k); !pinned[p]) least = std::min(least, mass[p] / volume_[p]);
+  return least;
+}
+
+template <class Squared>
+double Solid::largest(const Points& x, const Scalars& mass, const std::vector<bool>& pinned, const Squared& squared) const {
+  kernels::bound_patches(body_, x.data(), bounds_.data());
+  double most = 0;
+  for (std::size_t patch = 0; patch < bounds_.size(); ++patch)
+    most = std::max(most, squared(bounds_[patch]) / density(int(patch), mass, pinned));
+  return most;
+}
+
+double Solid::squared_frequency(const kernels::PatchBounds& bounds) const {
+  const double volume = std::sqrt(gradient_ * bounds.unevenness) + std::sqrt(divergence_ * bounds.mean);
+  return gradient_ * bounds.curvature + body_.lambda * (volume * volume);
+}
+
+/// At rest, which tells time scales.
+void Solid::add_any_bounds(const Scalars& mass, const std::vector<bool>& pinned, AnyBounds& bounds) const {
+  const double squared = largest(rest_, mass, pinned, [&](const auto& patch) { return squared_frequency(patch); });
+  for (Scalars* each : {&bounds.weighted, &bounds.plain}) *each += squared * mass;
+  bounds.exist = false;
+}
+
+bool Solid::add_bounds(const Points& x, const Scalars& mass, const std::vector<bool>& pinned, Scalars& sums) const {
+  const double squared = largest(x, mass, pinned, [&](const auto& patch) { return squared_frequency(patch); });
+  for (int axis = 0; axis < 3; ++axis) sums.segment(axis * mass.size(), mass.size()) += squared * mass;
+  return true;
+}
+
+double Solid::dashpot_rate(const Points& x, const Scalars& mass, const std::vector<bool>& pinned) const {
+  return time_ * largest(x, mass, pinned, [&](const auto& patch) {
+           const double volume = std::sqrt(gradient_ * patch.of_stretch) + std::sqrt(divergence_ * patch.average);
+           return 2 * body_.mu * gradient_ * patch.stretch + body_.lambda * (volume * volume);
+         });
+}
+
+double Solid::swing(const Points& x, const Points& v, const Swing& by) const {
+  double most = 0, sum = 0;  // the sum shows what is not finite
+  const auto consider = [&](double size) {
+    most = std::max(most, size);
+    sum += size;
+  };
+  edges_.visit([&](int p, int q) {
+    const double time_scale = std::min(by.time_scale[p], by.time_scale[q]);
+    if (time_scale >= by.slowest) return;
+    const Vec3 d = row(x, q) - row(x, p), w = row(v, q) - row(v, p);
+    const double r = d.norm(), time = by.reach(time_scale);
+    if (by.with_extension) consider(std::abs(r - (row(rest_, q) - row(rest_, p)).norm()));
+    if (r == 0) return;
+    consider(std::abs(d.dot(w)) / r * time);
+    consider(w.squaredNorm() / r * time * time);
+  });
+  return std::isfinite(sum) ? most : infinity;
+}
+
+void Solid::add_dashpot_force(const Points& x, const Points& v, Points& f, double drift) const {
+  if (time_ > 0) kernels::subtract_viscous(body_, time_, drift, x.data(), v.data(), f.data());
+}
+
+double Solid::dashpot_power(const Points& x, const Points& v) const {
+  return time_ > 0 ? time_ * kernels::viscous_power(body_, x.data(), v.data()) : 0;
+}
+
+}  // namespace softffd

@@ -1,0 +1,90 @@
+/// The body as finite element: a solid of patches of 4 x 4 x 4 nodes (model/lobatto.hpp), whose deformation in each patch is the cubic
+/// Bezier volume of its control points. Stable neo-Hookean (Smith, de Goes and Kim 2018, without their last term), the volume's part
+/// projected onto the products of linear functions in each patch, so that nothing locks as Poisson's ratio nears 1/2 (Maday and Patera
+/// 1989):
+///
+///      sum over nodes of w (mu/2 (I - 3) - mu q + mu/2 q^2) + lambda/2 sum of w (Pi q)^2 + lambda/(3 J0) sum of w max(0, J0 - J)^3,
+///
+///      F = dx/dX,  I = |F|^2,  J = det F,  q = J - 1,  mu = E / 2(1 + nu),  lambda = E nu / (1 + nu)(1 - 2 nu),  J0 = 0.3,
+///
+/// w being the weights of the quadrature at the nodes. For small strains this is mu e:e + lambda/2 (tr e)^2: Young's modulus and Poisson's
+/// ratio are exact. The last term acts where a node has lost 70 % of its volume: the projection alone would let it turn inside out.
+///
+/// Internal damping is Kelvin and Voigt's: the second Piola-Kirchhoff stress time (2 mu E' + lambda Pi(tr E') 1) of the rate E' of Green's
+/// strain. It is `time` times the stiffness at rest, and takes nothing of rigid motions.
+///
+/// Bound of the frequency, patch by patch, for K = sum of K_e and M = sum of M_e. With H the gradient of a displacement u, c = cof F, c0
+/// its mean, s = dpsi/dJ and k the coefficient of (c:H)^2 at a node, a patch's part is
+///
+///      u'Ku = sum of w (mu |H|^2 + k (c:H)^2 + s H:(dc/dF):H) + lambda sum of w (Pi c:H)^2
+///          <= (L max alpha + lambda (sqrt(L max |c - c0|^2) + sqrt(D |c0|_2^2))^2) sum of w |u|^2.
+///
+/// alpha is the largest eigenvalue of mu 1 + k c c' + s dc/dF, bounded by its invariants: in the principal axes of F it is mu plus that of
+/// k c c' + s M with M_ij = sigma_k, or mu + |s| sigma. L and D are the largest eigenvalues of sum w |H|^2 and of sum w (Pi div u)^2 in the
+/// metric of w: of sides a, b, c
+///
+///      L = (42 + sqrt 1044) (1/a^2 + 1/b^2 + 1/c^2),      D = 60 (1/a^2 + 1/b^2 + 1/c^2),
+///
+/// and c0:H = div(c0'u). A patch whose nodes have r times the volume's weight as mass, r being least of all that move, has the squared
+/// frequency 1/r times that. The same with F in place of c bounds the dashpots. No bound holds in every configuration.
+#pragma once
+#include <limits>
+#include <vector>
+
+#include "forces/energy.hpp"
+#include "forces/lattice_edges.hpp"
+#include "forces/solid_kernels.hpp"
+
+namespace softffd {
+
+class Solid final : public Energy {
+ public:
+  /// Of whole patches.
+  explicit Solid(const Lattice& lattice);
+
+  /// Young's modulus > 0 [Pa], Poisson's ratio from 0 to below 1/2 [1], time of the internal damping >= 0 [s].
+  void set_material(double modulus, double ratio, double time);
+
+  double energy(const Points& x) const override { return kernels::solid_energy(body_, x.data()); }
+  void add_force(const Points& x, Points& f) const override { kernels::subtract_elastic(body_, x.data(), f.data()); }
+  bool couples_neighbours_alone() const override { return false; }
+  /// All that it knows, whatever the softening.
+  void add_blocks(const Points& x, const Linearisation& of, BlockSink& sink) const override;
+  void subtract_product(const Points& x, const Linearisation& of, const Points& u, Points& f) const override;
+  double largest_stiffness() const override;
+  double total_stiffness() const override;
+
+  void add_any_bounds(const Scalars& mass, const std::vector<bool>& pinned, AnyBounds& bounds) const override;
+  bool add_bounds(const Points& x, const Scalars& mass, const std::vector<bool>& pinned, Scalars& sums) const override;
+  bool has_deformed(const Points& x, const Points& x0) const override { return edges_.changed(x, x0, deformation); }
+  double swing(const Points& x, const Points& v, const Swing& by) const override;
+
+  double shortest_time() const override { return time_; }
+  double longest_time() const override { return time_; }
+  void add_dashpot_force(const Points& x, const Points& v, Points& f, double drift = 0) const override;
+  double dashpot_power(const Points& x, const Points& v) const override;
+  double dashpot_rate(const Points& x, const Scalars& mass, const std::vector<bool>& pinned) const override;
+
+ private:
+  /// Change of the way between neighbours relative to its length at rest from which on bounds are computed anew [1].
+  static constexpr double deformation = 0.05;
+
+  /// The largest of what `squared` makes of a patch's bounds, each over the least density of its nodes that move.
+  template <class Squared>
+  double largest(const Points& x, const Scalars& mass, const std::vector<bool>& pinned, const Squared& squared) const;
+  double density(int patch, const Scalars& mass, const std::vector<bool>& pinned) const;
+  /// The node of a patch with the lowest number.
+  int first_node(int patch) const;
+  double squared_frequency(const kernels::PatchBounds& bounds) const;
+
+  Lattice lattice_;
+  kernels::SolidBody body_;
+  LatticeEdges edges_;
+  Points rest_;
+  Scalars volume_;                ///< (points) the sum of w [m3]
+  double gradient_, divergence_;  ///< L, D [1/m2]
+  double time_ = 0;               ///< of the internal damping [s]
+  mutable std::vector<kernels::PatchBounds> bounds_;
+};
+
+}  // namespace softffd

@@ -1,0 +1,277 @@
+#include "forces/solid_kernels.hpp"
+
+#include "forces/patch_rows.hpp"
+
+namespace softffd::kernels {
+
+namespace patch {
+namespace {
+
+/// Calls patch(offset of its first node) for all, x fastest.
+template <class Patch>
+INNER void each_patch(const SolidBody& body, Patch&& patch) {
+  for (int k = 0; k < body.patches[2]; ++k)
+    for (int j = 0; j < body.patches[1]; ++j)
+      for (int i = 0; i < body.patches[0]; ++i) patch(3 * (i + j * body.line + k * body.layer));
+}
+
+template <int n>
+INNER void gradients(const SolidBody& body, const double* field, Rows<n>* F) {
+  for (int c = 0; c < 3; ++c) derive<n>(body, field + c * body.points, F + 3 * c);
+}
+
+/// J - 1 at the nodes, and its projection.
+template <int n>
+INNER void volumes(const SolidBody& body, const Rows<n>* F, Rows<n>& q, Rows<n>& t) {
+  for (int r = 0; r < rows; ++r) q[r] = determinant(row_of<n>(F, r)) - 1.0;
+  project<n>(body.shape, q, t);
+}
+
+template <int n>
+struct Pressure {
+  Four<n> missing;  ///< J0 - J, or 0
+  Four<n> p;        ///< derivative of the energy's density by J, at a node [Pa]
+};
+template <int n>
+INNER Pressure<n> pressure(const SolidBody& body, const Four<n>& q, const Four<n>& t) {
+  const Four<n> missing = larger((least_volume - 1) - q, 0.0);
+  return {missing, body.mu * (q - 1.0) + body.lambda * t - (body.lambda / least_volume) * (missing * missing)};
+}
+
+/// Twice the rate of Green's strain: xx yy zz doubled, xy xz yz; and the rate of its trace.
+template <int n>
+struct StrainRate {
+  Four<n> s[6];
+  Four<n> trace;
+};
+constexpr int first[6] = {0, 1, 2, 0, 0, 1}, second[6] = {0, 1, 2, 1, 2, 2};
+template <int n>
+INNER StrainRate<n> strain_rate(const Nine<n>& f, const Nine<n>& g, double drift) {
+  StrainRate<n> rate;
+  const auto along = [](const Nine<n>& a, int i, const Nine<n>& b, int j)
+                         INLINED { return (a(0, i) * b(0, j) + a(1, i) * b(1, j)) + a(2, i) * b(2, j); };
+  for (int e = 0; e < 6; ++e) {
+    const int i = first[e], j = second[e];
+    rate.s[e] = (along(f, i, g, j) + along(g, i, f, j)) + drift * along(g, i, g, j);
+  }
+  rate.trace = 0.5 * ((rate.s[0] + rate.s[1]) + rate.s[2]);
+  return rate;
+}
+
+/// G <- F S, S = time (2 mu dE/dt + lambda Pi (tr dE/dt) 1).
+template <int n>
+INNER void viscous_stress(const SolidBody& body, double time, double drift, const Rows<n>* F, Rows<n>* G) {
+  Rows<n> trace, t;
+  for (int r = 0; r < rows; ++r) {
+    const StrainRate<n> rate = strain_rate(row_of<n>(F, r), row_of<n>(G, r), drift);
+    for (int e = 0; e < 6; ++e) G[e][r] = (time * body.mu) * rate.s[e];
+    trace[r] = rate.trace;
+  }
+  project<n>(body.shape, trace, t);
+  for (int r = 0; r < rows; ++r) {
+    const Nine<n> f = row_of<n>(F, r);
+    const Four<n> of_trace = (time * body.lambda) * t[r];
+    Four<n> s[6];
+    for (int e = 0; e < 6; ++e) s[e] = e < 3 ? G[e][r] + of_trace : G[e][r];
+    constexpr int entry[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+    for (int c = 0; c < 3; ++c)
+      for (int a = 0; a < 3; ++a) G[3 * c + a][r] = (f(c, 0) * s[entry[0][a]] + f(c, 1) * s[entry[1][a]]) + f(c, 2) * s[entry[2][a]];
+  }
+}
+
+template <int n>
+INNER void weigh(const SolidBody& body, Rows<n>* P) {
+  for (int r = 0; r < rows; ++r) {
+    const Four<n> w = load_four<n>(body.shape.weight[r]);
+    for (int i = 0; i < 9; ++i) P[i][r] = w * P[i][r];
+  }
+}
+
+template <int n>
+INNER void subtract_divergences(const SolidBody& body, const Rows<n>* P, double* f) {
+  for (int c = 0; c < 3; ++c) subtract_divergence<n>(body, P + 3 * c, f + c * body.points);
+}
+
+template <int n>
+INNER void elastic(const SolidBody& body, const double* x, double* f) {
+  each_patch(body, [&](std::ptrdiff_t at) INLINED {
+    Rows<n> F[9], q, t;
+    gradients<n>(body, x + at, F);
+    volumes<n>(body, F, q, t);
+    for (int r = 0; r < rows; ++r) {
+      const Nine<n> here = row_of<n>(F, r), c = cofactors(here);
+      const Four<n> w = load_four<n>(body.shape.weight[r]), mu = body.mu * w, p = w * pressure<n>(body, q[r], t[r]).p;
+      for (int i = 0; i < 9; ++i) F[i][r] = mu * here.m[i] + p * c.m[i];
+    }
+    subtract_divergences<n>(body, F, f + at);
+  });
+}
+
+template <int n>
+INNER void viscous(const SolidBody& body, double time, double drift, const double* x, const double* v, double* f) {
+  each_patch(body, [&](std::ptrdiff_t at) INLINED {
+    Rows<n> F[9], G[9];
+    gradients<n>(body, x + at, F);
+    gradients<n>(body, v + at, G);
+    viscous_stress<n>(body, time, drift, F, G);
+    weigh<n>(body, G);
+    subtract_divergences<n>(body, G, f + at);
+  });
+}
+
+template <int n>
+INNER void tangent(const SolidBody& body, double per_time, const double* x, const double* u, double* f) {
+  each_patch(body, [&](std::ptrdiff_t at) INLINED {
+    Rows<n> F[9], G[9], q, t, change, of_change;
+    gradients<n>(body, x + at, F);
+    gradients<n>(body, u + at, G);
+    volumes<n>(body, F, q, t);
+    for (int r = 0; r < rows; ++r) change[r] = dot(cofactors(row_of<n>(F, r)), row_of<n>(G, r));
+    project<n>(body.shape, change, of_change);
+    Rows<n> V[9];
+    for (int i = 0; i < 9; ++i)
+      for (int r = 0; r < rows; ++r) V[i][r] = G[i][r];
+    if (per_time > 0) viscous_stress<n>(body, per_time, 0, F, V);
+    for (int r = 0; r < rows; ++r) {
+      const Nine<n> here = row_of<n>(F, r), g = row_of<n>(G, r), c = cofactors(here), dc = cofactors(here, g);
+      const Pressure<n> now = pressure<n>(body, q[r], t[r]);
+      const Four<n> dp = body.mu * change[r] + body.lambda * of_change[r] + (2 * body.lambda / least_volume) * (now.missing * change[r]);
+      for (int i = 0; i < 9; ++i) {
+        const Four<n> all = (body.mu * g.m[i] + dp * c.m[i]) + now.p * dc.m[i];
+        G[i][r] = per_time > 0 ? all + V[i][r] : all;
+      }
+    }
+    weigh<n>(body, G);
+    subtract_divergences<n>(body, G, f + at);
+  });
+}
+
+template <int n>
+INNER double energy(const SolidBody& body, const double* x) {
+  double total = 0;
+  each_patch(body, [&](std::ptrdiff_t at) INLINED {
+    Rows<n> F[9], q, t;
+    gradients<n>(body, x + at, F);
+    volumes<n>(body, F, q, t);
+    Four<n> sum{};
+    for (int r = 0; r < rows; ++r) {
+      const Nine<n> here = row_of<n>(F, r);
+      const Four<n> missing = pressure<n>(body, q[r], t[r]).missing;
+      const Four<n> shape = 0.5 * (dot(here, here) - 3.0) - q[r] + 0.5 * (q[r] * q[r]);
+      const Four<n> volume = 0.5 * (q[r] * t[r]) + (1 / (3 * least_volume)) * (missing * missing * missing);
+      sum = sum + load_four<n>(body.shape.weight[r]) * (body.mu * shape + body.lambda * volume);
+    }
+    total += sum_of(sum);
+  });
+  return total;
+}
+
+template <int n>
+INNER double power(const SolidBody& body, const double* x, const double* v) {
+  double total = 0;
+  each_patch(body, [&](std::ptrdiff_t at) INLINED {
+    Rows<n> F[9], G[9], squares, trace, t;
+    gradients<n>(body, x + at, F);
+    gradients<n>(body, v + at, G);
+    for (int r = 0; r < rows; ++r) {
+      const StrainRate<n> rate = strain_rate(row_of<n>(F, r), row_of<n>(G, r), 0);
+      const Four<n>* s = rate.s;
+      squares[r] = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) + 2.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]);
+      trace[r] = rate.trace;
+    }
+    project<n>(body.shape, trace, t);
+    Four<n> sum{};
+    for (int r = 0; r < rows; ++r)
+      sum = sum + load_four<n>(body.shape.weight[r]) * ((0.5 * body.mu) * squares[r] + body.lambda * (trace[r] * t[r]));
+    total += sum_of(sum);
+  });
+  return total;
+}
+
+INNER double larger(double a, double b) { return a > b ? a : b; }
+INNER double root(double a) { return std::sqrt(a); }
+
+/// The largest eigenvalue of a symmetric 3 x 3 matrix by its trace, the sum of its principal minors and its determinant, or a little more:
+/// from the bound by the first two, which is exact where the two smaller ones agree, Newton's method comes down to it.
+template <class Number>
+INNER Number top(const Number& trace, const Number& minors, const Number& determinant) {
+  Number value = (1.0 / 3) * trace + root(larger((4.0 / 9) * (trace * trace) - (4.0 / 3) * minors, 0.0));
+  for (int step = 0; step < 3; ++step) {
+    const Number above = ((value - trace) * value + minors) * value - determinant, slope = (3.0 * value - 2.0 * trace) * value + minors;
+    value = value - larger(above, 0.0) / larger(slope, 1e-300);
+  }
+  return value;
+}
+
+/// The square of a matrix's largest singular value.
+INNER double norm(const double (&m)[9]) {
+  double s[3][3];
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) s[a][b] = m[a] * m[b] + m[3 + a] * m[3 + b] + m[6 + a] * m[6 + b];
+  const double xy = s[0][0] * s[1][1] - s[0][1] * s[0][1], xz = s[0][0] * s[2][2] - s[0][2] * s[0][2],
+               yz = s[1][1] * s[2][2] - s[1][2] * s[1][2];
+  const double all = m[0] * (m[4] * m[8] - m[5] * m[7]) + m[1] * (m[5] * m[6] - m[3] * m[8]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
+  return top(s[0][0] + s[1][1] + s[2][2], xy + xz + yz, all * all);
+}
+
+/// The mean over the quadrature, and the largest squared distance from it at a node.
+template <int n>
+INNER double spread(const SolidBody& body, const Rows<n>* M, double (&mean)[9]) {
+  double volume = 0;
+  for (int r = 0; r < rows; ++r) volume += sum_of(load_four<n>(body.shape.weight[r]));
+  for (int i = 0; i < 9; ++i) {
+    Four<n> sum{};
+    for (int r = 0; r < rows; ++r) sum = sum + load_four<n>(body.shape.weight[r]) * M[i][r];
+    mean[i] = sum_of(sum) / volume;
+  }
+  Four<n> most{};
+  for (int r = 0; r < rows; ++r) {
+    Four<n> square{};
+    for (int i = 0; i < 9; ++i) square = square + (M[i][r] - mean[i]) * (M[i][r] - mean[i]);
+    most = larger(most, square);
+  }
+  return largest_of(most);
+}
+
+template <int n>
+INNER void bounds(const SolidBody& body, const double* x, PatchBounds* each) {
+  each_patch(body, [&](std::ptrdiff_t at) INLINED {
+    Rows<n> F[9], q, t;
+    gradients<n>(body, x + at, F);
+    volumes<n>(body, F, q, t);
+    double mean[9];
+    each->of_stretch = spread<n>(body, F, mean);
+    each->average = norm(mean);
+    Four<n> curvature{}, stretch{};
+    for (int r = 0; r < rows; ++r) {
+      const Nine<n> here = row_of<n>(F, r), c = cofactors(here);
+      const Pressure<n> now = pressure<n>(body, q[r], t[r]);
+      const Four<n> k = (2 * body.lambda / least_volume) * now.missing + body.mu, s = now.p;
+      const Four<n> lengths = dot(here, here), areas = dot(c, c);
+      const Four<n> volume = q[r] + 1.0, longest = top(lengths, areas, volume * volume);
+      // k c c' + s M: the part that changes the principal stretches
+      const Four<n> minors = -1.0 * (2.0 * ((k * s) * (volume * lengths)) + s * s * lengths);
+      const Four<n> scaling = top(k * areas, minors, (s * s) * (volume * (2.0 * s + 3.0 * (k * volume))));
+      curvature = larger(curvature, larger(scaling, root((s * s) * longest)) + body.mu);
+      stretch = larger(stretch, longest);
+      for (int i = 0; i < 9; ++i) F[i][r] = c.m[i];
+    }
+    each->curvature = largest_of(curvature);
+    each->stretch = largest_of(stretch);
+    each->unevenness = spread<n>(body, F, mean);
+    each->mean = norm(mean);
+    ++each;
+  });
+}
+
+}  // namespace
+}  // namespace patch
+
+decltype(subtract_elastic) subtract_elastic = chosen<patch::elastic<2>, patch::elastic<4>>();
+decltype(subtract_viscous) subtract_viscous = chosen<patch::viscous<2>, patch::viscous<4>>();
+decltype(subtract_tangent) subtract_tangent = chosen<patch::tangent<2>, patch::tangent<4>>();
+decltype(solid_energy) solid_energy = chosen<patch::energy<2>, patch::energy<4>>();
+decltype(viscous_power) viscous_power = chosen<patch::power<2>, patch::power<4>>();
+decltype(bound_patches) bound_patches = chosen<patch::bounds<2>, patch::bounds<4>>();
+
+}  // namespace softffd::kernels

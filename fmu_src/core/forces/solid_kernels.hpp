@@ -1,0 +1,48 @@
+/// The loops of the solid's energy over its patches: plain arrays, chosen for the machine's instructions (machine/instructions.hpp).
+#pragma once
+#include <array>
+#include <cstddef>
+
+namespace softffd::kernels {
+
+/// J0: relative volume below which a node resists on its own, which the projection would not see.
+inline constexpr double least_volume = 0.3;
+
+/// What is the same for all patches of a body: derivatives along the axes, and the weights of the quadrature.
+struct PatchShape {
+  double along[4][4];      ///< d/dx of a row, [s][i]: of node i by the number at node s [1/m]
+  double back[4][4];       ///< the same transposed
+  double across[2][4][4];  ///< d/dy and d/dz, [i][s]
+  double weight[16][4];    ///< w, row j + 4 k [m3]
+  double projector[4][4];  ///< Pi along x: [s][i]
+};
+
+struct SolidBody {
+  std::array<int, 3> patches;          ///< along the axes
+  std::ptrdiff_t points = 0;           ///< from one coordinate to the next, in numbers
+  std::ptrdiff_t line = 0, layer = 0;  ///< from one y, one z to the next
+  PatchShape shape;
+  double mu = 0, lambda = 0;  ///< Lame's constants [Pa]
+};
+
+/// f -= the energy's gradient at x. All (3 * points).
+extern void (*const subtract_elastic)(const SolidBody& body, const double* x, double* f);
+/// f -= what viscosity of this time [s] exerts at velocities v; drift: forces/energy.hpp.
+extern void (*const subtract_viscous)(const SolidBody& body, double time, double drift, const double* x, const double* v, double* f);
+/// f -= (second derivatives at x + per_time times the viscosity's matrix) u.
+extern void (*const subtract_tangent)(const SolidBody& body, double per_time, const double* x, const double* u, double* f);
+/// [J], and of viscosity of one second [W s].
+extern double (*const solid_energy)(const SolidBody& body, const double* x);
+extern double (*const viscous_power)(const SolidBody& body, const double* x, const double* v);
+
+/// What bounds the matrices of a patch (solid.hpp).
+struct PatchBounds {
+  double curvature;            ///< the largest alpha [Pa]
+  double unevenness, mean;     ///< of the cofactors c: the largest |c - c0|^2, and |c0|_2^2
+  double stretch;              ///< the largest |F|_2^2,
+  double of_stretch, average;  ///< and the largest |F - F0|^2, |F0|_2^2
+};
+/// bounds: (patches), x fastest.
+extern void (*const bound_patches)(const SolidBody& body, const double* x, PatchBounds* bounds);
+
+}  // namespace softffd::kernels

@@ -1,0 +1,257 @@
+/// The finite element against closed forms, and against references of other programs: end deflections and frequencies of a cube of side 1,
+/// Young's modulus 1 and density 1 by hp-refined grids to six digits.
+#include "forces/solid.hpp"
+
+#include "bodies.hpp"
+#include "body/model.hpp"
+#include "check.hpp"
+#include "derivatives.hpp"
+#include "matrix/stiffness_matrix.hpp"
+#include "model/lobatto.hpp"
+
+using namespace softffd;
+
+namespace {
+
+Lattice cube(int n) { return {.counts = {n, n, n}, .lobatto = true}; }
+const Lattice long_box{.counts = {7, 4, 4}, .size = {2, 0.7, 1.1}, .lobatto = true};
+
+/// Of density 1.
+Body solid_body(const Lattice& lattice, double ratio = 0.25, double modulus = 1, double time = 0) {
+  const int n = lattice.points();
+  Body body{.energies = {},
+            .mass = lobatto::volume_shares(lattice) * lattice.size.prod(),
+            .damping = Scalars::Zero(n),
+            .pinned = std::vector<bool>(n, false)};
+  auto solid = std::make_shared<Solid>(lattice);
+  solid->set_material(modulus, ratio, time);
+  body.energies.push_back(solid);
+  body.length = lattice.largest_side();
+  return body;
+}
+
+/// The rest shape with F = diag(s, t, t) and a shear of x by z.
+Points homogeneous(const Lattice& lattice, double s, double t, double shear = 0) {
+  Points x = rest_positions(lattice);
+  const Scalars z = x.col(2);
+  x.col(0) = s * x.col(0) + shear * z;
+  x.col(1) *= t;
+  x.col(2) *= t;
+  return x;
+}
+
+Eigen::MatrixXd products(const Body& body, const Points& x, double per_time = 0) {
+  return -matrix_of(body.points(), [&](const Points& u, Points& f) { body.subtract_product(x, {.per_time = per_time}, u, f); });
+}
+
+/// Frequencies of the body at rest [rad/s], the least first.
+Eigen::VectorXd frequencies(const Body& body, const Lattice& lattice) {
+  Eigen::MatrixXd k = products(body, rest_positions(lattice));
+  for (int i = 0; i < k.rows(); ++i)
+    for (int j = 0; j < k.cols(); ++j) k(i, j) /= std::sqrt(body.mass[i % body.points()] * body.mass[j % body.points()]);
+  return dense::eigenvalues(0.5 * (k + k.transpose())).cwiseMax(0).cwiseSqrt();
+}
+
+/// Mean deflection of the end of a cube that is clamped at x = 0, along axis, under a total force of 1: on its end, or over its volume.
+double deflection(int n, double ratio, int axis, bool weight) {
+  const Lattice lattice = cube(n);
+  const Body body = solid_body(lattice, ratio);
+  const Points rest = rest_positions(lattice);
+  const Scalars volume = lobatto::volume_shares(lattice), end = (rest.col(0) > 1 - 1e-12).select(volume, 0.0).eval();
+  std::vector<int> free;
+  for (int p = 0; p < lattice.points(); ++p)
+    if (rest(p, 0) > 1e-12) free.push_back(p);
+  const int count = int(free.size());
+  const Eigen::MatrixXd k = products(body, rest);
+  Eigen::MatrixXd inside(3 * count, 3 * count);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(3 * count);
+  const auto index = [&](int i) { return free[i % count] + i / count * lattice.points(); };
+  for (int i = 0; i < 3 * count; ++i)
+    for (int j = 0; j < 3 * count; ++j) inside(i, j) = k(index(i), index(j));
+  for (int i = 0; i < count; ++i) force[i + axis * count] = weight ? volume[free[i]] : end[free[i]] / end.sum();
+  const Eigen::VectorXd u = dense::solve(inside, force);
+  double mean = 0;
+  for (int i = 0; i < count; ++i) mean += end[free[i]] / end.sum() * u[i + axis * count];
+  return mean;
+}
+
+}  // namespace
+
+TEST(at_rest_and_after_a_rigid_motion_a_solid_has_no_forces) {
+  const Body body = solid_body(long_box, 0.45, 1e4, 1e-2);
+  Points x = rest_positions(long_box), f = x;
+  body.internal_force(x, f);
+  CHECK(f.abs().maxCoeff() < 1e-15 * 1e4 * 10);
+  Eigen::Matrix3d turn = (Eigen::AngleAxisd(0.8, Vec3(1, 2, -1).normalized())).toRotationMatrix();
+  for (int p = 0; p < x.rows(); ++p) set_row(x, p, Vec3(turn * row(x, p) + Vec3(3, -1, 2)));
+  body.internal_force(x, f);
+  CHECK(f.abs().maxCoeff() < 1e-13 * 1e4);
+  Points v = x;
+  for (int p = 0; p < x.rows(); ++p) set_row(v, p, Vec3(Vec3(1, -2, 0.5).cross(row(x, p)) + Vec3(1, 2, 3)));
+  f.setZero();
+  body.add_dashpot_force(x, v, f);
+  CHECK(f.abs().maxCoeff() < 1e-10);
+}
+
+TEST(forces_are_the_slope_of_the_energy_and_products_those_of_the_forces) {
+  for (const double amplitude : {0.02, 0.25}) {  // some nodes are crushed and turned inside out
+    const Body body = solid_body(long_box, 0.4, 10);
+    const Points x = scattered(long_box, amplitude);
+    Points f = x;
+    body.internal_force(x, f);
+    const Points slope = gradient(x, [&](const Points& at) { return body.elastic_energy(at); });
+    CHECK(distance(f, -slope) < 1e-7 * f.abs().maxCoeff() + 1e-7);
+    const Eigen::MatrixXd exact = stiffness_by_differences(x, [&](const Points& at, Points& g) { body.internal_force(at, g); });
+    const Eigen::MatrixXd k = products(body, x);
+    CHECK(largest(exact - k) < 1e-6 * largest(k));
+    CHECK(largest(k - k.transpose()) < 1e-12 * largest(k));
+  }
+}
+
+TEST(blocks_are_the_products_matrix) {
+  struct Dense : BlockSink {
+    Eigen::MatrixXd k = Eigen::MatrixXd::Zero(3 * 112, 3 * 112);
+    void add(int p, int q, const Mat3& block) override {
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) {
+          k(p + 112 * a, q + 112 * b) += block(a, b);
+          if (p != q) k(q + 112 * b, p + 112 * a) += block(a, b);
+        }
+    }
+  } sink;
+  const Body body = solid_body(long_box, 0.4, 10, 0.02);
+  const Points x = scattered(long_box, 0.05);
+  body.energies.front()->add_blocks(x, {.per_time = 30}, sink);
+  const Eigen::MatrixXd k = products(body, x, 30);
+  CHECK(largest(sink.k - k) < 1e-12 * largest(k));
+}
+
+TEST(stretch_and_shear_have_their_closed_forms) {
+  // uniaxial stress: sides t from mu t + (mu (J - 2) + lambda (J - 1)) s t = 0, J = s t^2; P = mu s + (..) t^2
+  struct Case {
+    double ratio, s, stress;
+  };
+  for (const Case& each : {Case{0.45, 0.5, -1.068965517}, Case{0.45, 2, 0.599137931}}) {
+    const Body body = solid_body(long_box, each.ratio);
+    const double mu = 1 / (2 * (1 + each.ratio)), lambda = each.ratio / ((1 + each.ratio) * (1 - 2 * each.ratio));
+    // mu + s (mu (J - 2) + lambda (J - 1)) = 0
+    const double volume = (2 * mu + lambda - mu / each.s) / (mu + lambda), side = std::sqrt(volume / each.s);
+    const Points x = homogeneous(long_box, each.s, side);
+    Points f = x;
+    body.internal_force(x, f);
+    double pull = 0, inside = 0;
+    for (int p = 0; p < x.rows(); ++p) {
+      if (p % 7 == 6) pull -= f(p, 0);
+      if (p % 7 > 0 && p % 7 < 6) inside = std::max(inside, row(f, p).norm());
+    }
+    CHECK_NEAR(pull / (0.7 * 1.1), each.stress, 1e-9);
+    CHECK(inside < 1e-14);
+  }
+  const Body body = solid_body(long_box, 0.3);
+  const double mu = 1 / 2.6, shear = 0.8;
+  const Points x = homogeneous(long_box, 1, 1, shear);
+  CHECK_NEAR(body.elastic_energy(x), 0.5 * mu * shear * shear * long_box.size.prod(), 1e-13);
+  Points f = x;
+  body.internal_force(x, f);
+  double across = 0, normal = 0;
+  for (int p = 84; p < 112; ++p) across -= f(p, 0), normal -= f(p, 2);
+  CHECK_NEAR(across / (2 * 0.7), mu * shear, 1e-13);
+  CHECK(std::abs(normal) < 1e-13);
+}
+
+TEST(a_clamped_cube_bends_as_the_solid_does) {
+  // end shear, errors of this discretisation in per cent: to a fiftieth of one
+  struct Case {
+    int n;
+    double ratio, solid, percent;
+  };
+  for (const Case& each : {Case{4, 0.25, 6.82476, -1.98}, Case{4, 0.45, 6.85048, -2.96}, Case{4, 0.49, 6.81387, -3.03},
+                           Case{7, 0.25, 6.82476, -0.37}, Case{7, 0.49, 6.81387, -0.49}})
+    CHECK_NEAR(100 * (deflection(each.n, each.ratio, 2, false) / each.solid - 1), each.percent, 0.02);
+  CHECK_NEAR(100 * (deflection(4, 0.25, 0, false) / 0.979972 - 1), -0.21, 0.02);
+  CHECK_NEAR(100 * (deflection(4, 0.25, 0, true) / 0.481808 - 1), -0.34, 0.02);
+  CHECK_NEAR(100 * (deflection(4, 0.25, 2, true) / 2.88418 - 1), -2.02, 0.02);
+}
+
+TEST(a_free_cube_vibrates_as_the_solid_does) {
+  struct Case {
+    int n;
+    double ratio, first, percent, highest;
+  };
+  for (const Case& each : {Case{4, 0.25, 1.80619, 0.26, 12.7}, Case{4, 0.49, 1.65488, 0.23, 54.8}, Case{7, 0.25, 1.80619, 0.11, 24.1}}) {
+    const Eigen::VectorXd found = frequencies(solid_body(cube(each.n), each.ratio), cube(each.n));
+    CHECK(found[5] < 1e-6);
+    CHECK_NEAR(100 * (found[6] / each.first - 1), each.percent, 0.01);
+    CHECK_NEAR(found[found.size() - 1], each.highest, 0.006 * each.highest);
+  }
+}
+
+TEST(the_bound_of_the_frequency_holds_in_every_shape_and_is_near) {
+  struct Shape {
+    Points x;
+    double most;  ///< times the truth
+  };
+  for (const double ratio : {0.25, 0.45, 0.49}) {
+    const Lattice lattice = cube(4);
+    const Points rest = rest_positions(lattice);
+    Points bent = rest, mirrored = rest, flat = rest;
+    for (int p = 0; p < 64; ++p) {
+      const double angle = 1.2 * rest(p, 0), radius = 1 / 1.2 - (rest(p, 2) - 0.5);
+      bent(p, 0) = radius * std::sin(angle);
+      bent(p, 2) = 1 / 1.2 - radius * std::cos(angle);
+    }
+    mirrored.col(0) *= -1;
+    flat.col(0) *= 1e-3;
+    const Shape shapes[] = {{rest, ratio < 0.3 ? 1.3 : 1.15},
+                            {homogeneous(lattice, 1.5, 0.85), 1.6},
+                            {homogeneous(lattice, 2, 0.72), 1.6},
+                            {homogeneous(lattice, 1, 1, 0.8), 1.6},
+                            {bent, 2.1},
+                            {homogeneous(lattice, 0.3, 1.3), 2.1},
+                            {scattered(lattice, 0.01), 1.7},
+                            {scattered(lattice, 0.1), 2.9},
+                            {mirrored, 1.8},
+                            {flat, 2}};
+    for (const Shape& shape : shapes) {
+      const Body body = solid_body(lattice, ratio, 1, 1);
+      Stability stability(64);
+      stability.prepare(body);
+      const double truth = highest_frequency(body, shape.x), bound = stability.frequency(body, shape.x);
+      CHECK(bound >= truth * (1 - 1e-6) && bound <= shape.most * truth);
+      Eigen::MatrixXd c = -matrix_of(64, [&](const Points& v, Points& f) { body.add_dashpot_force(shape.x, v, f); });
+      for (int i = 0; i < 192; ++i)
+        for (int j = 0; j < 192; ++j) c(i, j) /= std::sqrt(body.mass[i % 64] * body.mass[j % 64]);
+      const double rate = dense::eigenvalues(0.5 * (c + c.transpose())).maxCoeff();
+      CHECK(body.damping_rate_at(shape.x) >= rate * (1 - 1e-9));
+    }
+  }
+}
+
+TEST(the_bound_holds_whatever_the_masses_and_pins_of_several_patches) {
+  for (int trial = 0; trial < 6; ++trial) {
+    Body body = solid_body(long_box, 0.4, 20);
+    for (int p = 0; p < body.points(); ++p) body.mass[p] *= std::pow(10.0, 2 * scattered(7 * trial + p) - 1);
+    if (trial % 2) body.pinned[trial] = body.pinned[2 * trial] = true;
+    const Points x = scattered(long_box, 0.03 * trial, trial);
+    Stability stability(body.points());
+    stability.prepare(body);
+    CHECK(stability.frequency(body, x) >= highest_frequency(body, x) * (1 - 1e-6));
+  }
+}
+
+TEST(internal_damping_is_a_time_times_the_stiffness_at_rest) {
+  const Body body = solid_body(long_box, 0.4, 10, 0.02);
+  const Points rest = rest_positions(long_box);
+  const Eigen::MatrixXd c = -matrix_of(112, [&](const Points& v, Points& f) { body.add_dashpot_force(rest, v, f); });
+  CHECK(largest(c - 0.02 * products(body, rest)) < 1e-13 * largest(c) * 112);
+  const Points x = scattered(long_box, 0.1), v = scattered(long_box, 1, 4);
+  Points f = Points::Zero(112, 3), mean = f;
+  body.add_dashpot_force(x, v, f);
+  CHECK_NEAR(body.dashpot_power(x, v) / -(f * v).sum(), 1, 1e-12);
+  // by the mean rate of strain on the straight way from x to x + 0.3 v, which the strains at both ends give
+  body.add_dashpot_force(x, v, mean, 0.3);
+  Points back = Points::Zero(112, 3);
+  body.add_dashpot_force(x, v, back, -0.3);
+  CHECK(distance(mean + back, 2 * f) < 1e-12 * f.abs().maxCoeff());
+  CHECK(distance(mean, f) > 1e-3 * f.abs().maxCoeff());
+}
