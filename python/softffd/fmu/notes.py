@@ -110,7 +110,7 @@ def _key_of_mass(scene: Scene, point: int) -> str:
 def spin_note(scene: Scene, masses: Masses) -> str | None:
     """The velocity that a spin about the box's centre gives the centre of mass."""
     initial, box = scene.initial, scene.lattice_box
-    arm = np.average(scene.rest_positions(), axis=0, weights=masses.mass) - np.array(box.origin) - np.array(box.size) / 2
+    arm = np.average(scene.mass_positions(), axis=0, weights=masses.mass) - np.array(box.origin) - np.array(box.size) / 2
     given = np.cross(initial.angular_velocity, turned(np.array(initial.stretch) * arm, np.array(initial.rotation_vector())))
     if initial.spin_about == "mass" or np.linalg.norm(given) <= 1e-9 * np.linalg.norm(initial.angular_velocity) * max(box.size):
         return None
@@ -126,8 +126,8 @@ def pins_note(scene: Scene) -> str | None:
     if not fixed or not any(scene.initial.offset):
         return None
     return (
-        f"initial.offset moves the body by ({_listed(scene.initial.offset)}) m, and pin {', '.join(fixed)} stays at rest: the springs "
-        "between them are stretched from the start"
+        f"initial.offset moves the body by ({_listed(scene.initial.offset)}) m, and pin {', '.join(fixed)} stays at rest: the body "
+        "between them is stretched from the start"
     )
 
 

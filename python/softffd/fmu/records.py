@@ -36,8 +36,9 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
     add("counts", *lattice.points)
     add("origin", *(lattice.origin or ()))
     add("size", *(lattice.size or ()))
-    add("topology", lattice.springs)
-    add("basis", lattice.basis, when=lattice.basis != "bezier")
+    add("topology", lattice.springs, when=not scene.is_solid)
+    basis = "patches" if scene.is_solid else lattice.basis
+    add("basis", basis, when=basis != "bezier")
     add("mass", *masses.mass)
     if masses.weight is not None:
         add("weight", *masses.weight)
@@ -45,6 +46,7 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
         add("stiffness", material.stiffness.edge, material.stiffness.face, material.stiffness.body)
     else:
         add("youngs_modulus", material.youngs_modulus)
+    add("poissons_ratio", material.poissons_ratio, when=scene.is_solid)
     add("damping", material.damping, when=spring_damping_present(scene))
     add("internal_damping", material.internal_damping, when=internal_damping_present(scene))
     add("volume_stiffness", material.volume_stiffness, when=material.volume_stiffness > 0)
@@ -66,8 +68,7 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
         add("plane_inputs", *plane.input_components(), when=plane.motion == "input")
     for pin in scene.pin:
         add("pin", pin.name, pin.motion, *scene.select(pin.points))
-        if pin.origin is not None:
-            add("pin_origin", *pin.origin)
+        add("pin_origin", *scene.pin_origin(pin), when=scene.is_solid or pin.origin is not None)
         if pin.motion == "input":
             position, orientation = scene.pin_start(pin)
             add("pin_start", *position, *orientation, when=initial.rotation is not None)

@@ -1,17 +1,28 @@
-"""How many cells a lattice has along each axis: counts that follow the box, and cells that springs of a given modulus can fill."""
+"""How many cells a lattice has along each axis: counts that follow the box, and cells that springs of a modulus or a solid can have."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 MOST = 31
 """Cells along an axis."""
+PATCH = 3
+"""Cells along an axis of a solid's patch"""
 LONGEST, FLATTEST = math.sqrt(1.5), math.sqrt(2)
-"""How many times longer a cell may be in one direction than in the other two, and in two than in the third."""
+"""How many times longer a cell of springs may be in one direction than in the other two, and in two than in the third."""
+SLENDER, SLENDER_PATCH = 2.5, 4.0
+"""How many times longer a cell of a solid may be in one direction than in another; those of a single patch"""
+
+Fits = Callable[[Sequence[float], Sequence[int]], bool]
+"""Whether a body can have so many cells in a box of these sides [m]"""
 
 
-def cells_of(cells: int | None, spacing: float | None, size: Sequence[float]) -> tuple[int, ...]:
-    """Cells along each axis of a box of these sides [m] as a lattice's `cells` along the longest, else its `spacing` [m], ask for."""
-    return cubic_along(size, cells) if cells is not None else cubic(size, spacing or 0.0)
+def cells_of(cells: int | None, spacing: float | None, size: Sequence[float], step: int = 1) -> tuple[int, ...]:
+    """Cells along each axis of a box of these sides [m] as a lattice's `cells` along the longest, else its `spacing` [m], ask for.
+
+    step: of how many they are multiples.
+    """
+    groups = cubic_along(size, _nearest(cells / step)) if cells is not None else cubic(size, step * (spacing or 0.0))
+    return tuple(step * count for count in groups)
 
 
 def cubic(size: Sequence[float], spacing: float) -> tuple[int, ...]:
@@ -30,20 +41,26 @@ def _nearest(cells: float) -> int:
     return fewer if cells * cells < fewer * (fewer + 1) else fewer + 1
 
 
-def solid(size: Sequence[float], cells: Sequence[int]) -> bool:
-    """Whether springs of stiffness >= 0 make an isotropic solid of these cells: a^2 / b^2 + a^2 / c^2 <= 3 along every axis a."""
+def fit_springs(size: Sequence[float], cells: Sequence[int]) -> bool:
+    """Whether springs of stiffness >= 0 make an isotropic body of these cells: a^2 / b^2 + a^2 / c^2 <= 3 along every axis a."""
     sides = [side / max(size) / count for side, count in zip(size, cells, strict=True)]
     squares = [max(side / max(sides), 1e-100) ** 2 for side in sides]
     return all(square * sum(1 / other for other in squares) <= 4 * (1 + 1e-9) for square in squares)
 
 
-def nearest_solid(size: Sequence[float], cells: Sequence[int]) -> tuple[int, ...] | None:
-    """Cells that springs can fill, not many more or fewer than the given ones and nearly cubic; None where MOST along the longest side are
-    not enough."""
+def fit_solid(size: Sequence[float], cells: Sequence[int]) -> bool:
+    """Whether a solid of these cells is accurate."""
+    sides = [side / max(size) / count for side, count in zip(size, cells, strict=True)]
+    return max(sides) <= (SLENDER_PATCH if max(cells) == PATCH else SLENDER) * (1 + 1e-9) * min(sides)
+
+
+def nearest_fit(size: Sequence[float], cells: Sequence[int], fits: Fits, step: int = 1) -> tuple[int, ...] | None:
+    """Cells that fit, multiples of `step`, not many more or fewer than the given ones and nearly cubic; None where MOST along the longest
+    side are not enough."""
 
     def away(found: Sequence[int]) -> float:
         sides = [side / max(size) / count for side, count in zip(size, found, strict=True)]
         return sum(abs(math.log(new / old)) for new, old in zip(found, cells, strict=True)) + 1.5 * math.log(max(sides) / min(sides))
 
-    candidates = [found for longest in range(1, MOST + 1) if solid(size, found := cubic_along(size, longest))]
+    candidates = [found for most in range(step, MOST + 1, step) if fits(size, found := cells_of(most, None, size, step))]
     return min(candidates, key=away, default=None)

@@ -10,6 +10,7 @@ from softffd.lattice import point_at
 from softffd.names import Part, flat_form, mistaken, structured
 from softffd.scene.cells import MOST, cells_of
 from softffd.scene.checks_material import material_check
+from softffd.scene.checks_solid import solid_check
 from softffd.scene.draft import MEETING, Draft
 from softffd.scene.faults import Fault, KeyPath, either, path_text, toml_text
 from softffd.scene.keys import OBSTACLES, SOLIDS
@@ -22,7 +23,8 @@ ROUNDING = 1e-9
 def cross_check(draft: Draft) -> list[Fault]:
     """The problems between the sound keys of a draft. A check of a single key need not ask whether that is sound; one of others does."""
     checks = (
-        _names, _idle_inputs, _counts, _selections, _mass, _inertia, _margin, _box, _control_points, _probes, material_check, _contact,
+        _names, _idle_inputs, _counts, _selections, _mass, _inertia, _margin, _box, _control_points, _probes, material_check, solid_check,
+        _contact,
     )  # fmt: skip
     with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
         found = [fault for check in checks for fault in check(draft)]
@@ -63,9 +65,11 @@ def _counts(draft: Draft) -> Iterator[Fault]:
     elif isinstance(lattice.points, str):
         if draft.sound("lattice", "cells") and draft.sound("lattice", "spacing"):
             yield Fault(("lattice", "points"), 'wanted cells or spacing beside "cubic", got neither')
-    elif lattice.spacing is not None and draft.box and max(cells_of(None, lattice.spacing, draft.box[1])) > MOST:
-        least = max(draft.box[1]) / MOST
-        yield Fault(("lattice", "spacing"), f"wanted >= {least:.3g} m, because a side has at most {MOST} cells, got {lattice.spacing:g}")
+    elif lattice.spacing is not None and draft.box:
+        most = MOST // draft.step * draft.step
+        if max(cells_of(None, lattice.spacing, draft.box[1], draft.step)) > most:
+            wanted = f"wanted >= {max(draft.box[1]) / most:.3g} m, because a side has at most {most} cells"
+            yield Fault(("lattice", "spacing"), f"{wanted}, got {lattice.spacing:g}")
 
 
 def _selections(draft: Draft) -> Iterator[Fault]:
@@ -108,25 +112,26 @@ def _mass(draft: Draft) -> Iterator[Fault]:
         yield Fault(("mass",), f"wanted total or density, got total = {mass.total:g} and density = {mass.density:g}")
     if mass.distribution not in ("uniform", "box"):
         yield from _needs_mesh(draft, "distribution", closed=mass.distribution == "volume", instead='take "surface"')
-    if mass.distribution == "box" and mass.uniform_share > 0:
+    if mass.distribution == "box" and mass.uniform_share > 0 and draft.keys.material.model != "solid":
         text = f'wanted 0 with distribution = "box", which leaves no point without mass, got {mass.uniform_share:g}'
         yield Fault(("mass", "uniform_share"), text)
     if mass.density is not None and draft.keys.mesh is not None:
-        yield from _needs_mesh(draft, "density", closed=True, instead='give "total"')
+        section = "mass" if "density" in mass.model_fields_set else "material"
+        yield from _needs_mesh(draft, "density", closed=True, instead='give "total"', section=section)
 
 
-def _needs_mesh(draft: Draft, key: str, *, closed: bool, instead: str) -> Iterator[Fault]:
+def _needs_mesh(draft: Draft, key: str, *, closed: bool, instead: str, section: str = "mass") -> Iterator[Fault]:
     given, mesh = toml_text(getattr(draft.keys.mass, key)), draft.keys.mesh
     if mesh is None and draft.sound("mesh"):
-        yield Fault(("mass", key), f"{given} needs a {'closed ' * closed}mesh, but the scene has no [mesh]")
+        yield Fault((section, key), f"{given} needs a {'closed ' * closed}mesh, but the scene has no [mesh]")
     elif closed and mesh is not None and draft.mesh is not None and not draft.mesh.closed:
         why = f"{mesh.file.name} is open (holes in its surface, or faces turned inside out)"
-        yield Fault(("mass", key), f"{given} needs a closed mesh, but {why}; {instead} instead")
+        yield Fault((section, key), f"{given} needs a closed mesh, but {why}; {instead} instead")
 
 
 def _inertia(draft: Draft) -> Iterator[Fault]:
     """Masses that match the object's inertia are chosen for the whole lattice."""
-    if draft.keys.mass.inertia == "lumped":
+    if draft.keys.mass.inertia == "lumped" or draft.keys.material.model == "solid":
         return
     if draft.counts and min(draft.counts) < 3:
         got = f"got {toml_text(draft.counts)}"

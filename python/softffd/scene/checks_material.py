@@ -1,12 +1,12 @@
-"""The checks of a material: stiffness or modulus, what of it regions may override, and the cells that a modulus needs."""
+"""The checks of springs: stiffness or modulus, what of it regions may override, and the cells that a modulus needs."""
 
 from collections.abc import Iterator, Sequence
 
 from softffd.lattice import cells_within
-from softffd.scene.cells import FLATTEST, LONGEST, MOST, nearest_solid, solid
+from softffd.scene.cells import FLATTEST, LONGEST, MOST, Fits, fit_springs, nearest_fit
 from softffd.scene.draft import Draft
 from softffd.scene.faults import Fault, toml_text
-from softffd.scene.sections import Lattice, Stiffness
+from softffd.scene.sections import Stiffness
 from softffd.scene.selection import Ranges, Selection, flat_indices
 
 OF_CELLS = ("youngs_modulus", "internal_damping", "density")
@@ -16,21 +16,23 @@ OF_CELLS = ("youngs_modulus", "internal_damping", "density")
 def material_check(draft: Draft) -> Iterator[Fault]:
     """The problems of a draft's material, of what regions say of it, and of the lattice it needs."""
     material = draft.keys.material
-    if not draft.sound("material", "stiffness") or not draft.sound("material", "youngs_modulus"):
+    if material.model == "solid" or not all(draft.sound("material", key) for key in ("model", "stiffness", "youngs_modulus")):
         return
     of_modulus = material.youngs_modulus is not None
     if of_modulus and material.stiffness is not None:
-        got = f"stiffness = {_stiffness_text(material.stiffness)} and youngs_modulus = {material.youngs_modulus:g}"
+        got = f"stiffness = {stiffness_text(material.stiffness)} and youngs_modulus = {material.youngs_modulus:g}"
         yield Fault(("material",), f"wanted stiffness or youngs_modulus, got {got}")
         return
     if of_modulus and draft.keys.lattice.springs == "paper":
         yield Fault(("lattice", "springs"), 'wanted "distinct", as springs of a youngs_modulus are, got "paper"')
     yield from _regions(draft, of_modulus)
-    if of_modulus and draft.box and draft.counts:
-        yield from _cells(draft.keys.lattice, draft.box[1], draft.counts)
+    if of_modulus:
+        limits = f"one long side at most {LONGEST:.3g} times the other two, or two long sides at most {FLATTEST:.3g} times the third"
+        yield from cells_check(draft, fit_springs, f"nearly cubic cells, for springs of a given modulus: {limits}")
 
 
-def _stiffness_text(stiffness: Stiffness) -> str:
+def stiffness_text(stiffness: Stiffness) -> str:
+    """As one would write it in the file."""
     kinds = stiffness.model_dump()
     return f"{stiffness.edge:g}" if len(set(kinds.values())) == 1 else toml_text(kinds)
 
@@ -60,17 +62,17 @@ def _holds_a_cell(points: Selection, counts: tuple[int, int, int]) -> bool:
         return True
 
 
-def _cells(lattice: Lattice, size: Sequence[float], points: Sequence[int]) -> Iterator[Fault]:
-    counts = [count - 1 for count in points]
-    if solid(size, counts):
+def cells_check(draft: Draft, fits: Fits, wanted: str) -> Iterator[Fault]:
+    """The problem of a lattice, where it is known, whose cells do not fit, and which would."""
+    if not draft.box or not draft.counts:
+        return
+    lattice, size, counts = draft.keys.lattice, draft.box[1], [count - 1 for count in draft.counts]
+    if fits(size, counts):
         return
     key = next((each for each in ("cells", "spacing") if getattr(lattice, each) is not None), "points")
-    wanted = (
-        f"wanted nearly cubic cells, for springs of a given modulus: one long side at most {LONGEST:.3g} times the other two, "
-        f"or two long sides at most {FLATTEST:.3g} times the third; got cells of {_sides(size, counts)} m"
-    )
-    instead = f"the box is too flat or too long for nearly cubic ones, of which a side has at most {MOST}"
-    if found := nearest_solid(size, counts):
+    wanted = f"wanted {wanted}; got cells of {_sides(size, counts)} m"
+    instead = f"the box is too flat or too long for nearly cubic ones, of which a side has at most {MOST // draft.step * draft.step}"
+    if found := nearest_fit(size, counts, fits, draft.step):
         value = {"cells": max(found), "spacing": f"{max(size) / max(found):.4g}", "points": [n + 1 for n in found]}[key]
         instead = f"{key} = {value} gives {_sides(size, found)}"
     yield Fault(("lattice", key), f"{wanted}; {instead}")

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 
 from softffd.errors import MeshError
 from softffd.mesh.mesh import Mesh
-from softffd.scene.cells import MOST, cells_of
+from softffd.scene.cells import MOST, PATCH, cells_of
 from softffd.scene.faults import Fault, KeyPath, faults_of, table_in
 from softffd.scene.keys import SceneKeys
 from softffd.scene.sections import Contact, Lattice, Mass, Material, MeshFile, Stiffness
@@ -22,6 +22,8 @@ MEETING = ("auto", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_e
 """Methods that may be asked for beside contact of the surface"""
 STIFFNESS = 1e3
 """Of springs where a scene says neither stiffness nor modulus [N/m]."""
+POISSONS_RATIO = 0.45
+"""Of a solid where a scene does not say"""
 
 Triple = tuple[float, float, float]
 
@@ -58,7 +60,13 @@ class Draft:
         """Control points per axis, where their keys hold and so does the box, if they follow it."""
         lattice = self.keys.lattice
         known = all(self.sound("lattice", key) for key in ("points", "cells", "spacing")) and not isinstance(lattice.points, str)
-        return lattice.points if known and (self.box or (lattice.cells is None and lattice.spacing is None)) else None
+        follows = lattice.cells is not None or lattice.spacing is not None
+        return lattice.points if known and (not follows or (self.box and self.sound("material", "model"))) else None
+
+    @property
+    def step(self) -> int:
+        """Of how many cells the body has multiples along each axis."""
+        return _step(self.keys.material)
 
 
 def read_draft(document: Mapping[Any, Any], folder: Path) -> Draft:
@@ -118,9 +126,9 @@ def _fill_in(draft: Draft, folder: Path) -> None:
     if keys.mesh is not None and draft.sound("mesh"):
         found["mesh"] = keys.mesh.filled(file=folder / keys.mesh.file)
         _read_mesh(draft, found["mesh"])
-    found["lattice"] = _lattice(keys.lattice, draft.mesh)
+    found["lattice"] = _lattice(keys.lattice, draft.mesh, keys.material)
     found["material"] = _material(keys.material)
-    found["mass"] = _mass(keys.mass, draft.mesh, of_modulus=keys.material.youngs_modulus is not None)
+    found["mass"] = _mass(keys.mass, draft.mesh, keys.material)
     found["contact"] = _contact(keys)
     draft.keys = keys.model_copy(update=found)
 
@@ -134,9 +142,16 @@ def _read_mesh(draft: Draft, source: MeshFile) -> None:
         draft.faults.append(Fault(("mesh", "file"), " ".join(str(error).split())))
 
 
-def _lattice(lattice: Lattice, mesh: Mesh | None) -> Lattice:
+def _step(material: Material) -> int:
+    return PATCH if material.model == "solid" else 1
+
+
+def _lattice(lattice: Lattice, mesh: Mesh | None, material: Material) -> Lattice:
     """The box as given, else that of the mesh grown by the margin, else the unit box; control points as `cells` or `spacing` ask for
-    where `points` does not say how many there are."""
+    where `points` does not say how many there are; the patches of a solid."""
+    step = _step(material)
+    if material.model == "solid" and "basis" not in lattice.model_fields_set:
+        lattice = lattice.filled(basis="patches")
     lower, upper = np.array([[0.0] * 3, [1.0] * 3]) if mesh is None else mesh.bounds
     grown = lattice.margin * (upper - lower) if mesh is not None else np.zeros(3)
     origin = lattice.origin or tuple((lower - grown).tolist())
@@ -144,22 +159,29 @@ def _lattice(lattice: Lattice, mesh: Mesh | None) -> Lattice:
     boxed = lattice.filled(origin=origin, size=size)
     if (lattice.cells is None and lattice.spacing is None) or ("points" in lattice.model_fields_set and str(lattice.points) != "cubic"):
         return boxed
-    counts = tuple(min(count, MOST) + 1 for count in cells_of(lattice.cells, lattice.spacing, size))
+    counts = tuple(min(count, MOST // step * step) + 1 for count in cells_of(lattice.cells, lattice.spacing, size, step))
     return Lattice.model_construct(lattice.model_fields_set - {"points"}, **(dict(boxed) | {"points": counts}))
 
 
 def _material(material: Material) -> Material:
-    """A stiffness of all springs where neither that nor a modulus is given; no drag beside a modulus."""
+    """A stiffness of all springs where neither that nor a modulus is given; no drag beside a modulus; a solid's Poisson's ratio."""
+    if material.model == "solid" and material.poissons_ratio is None:
+        material = material.filled(poissons_ratio=POISSONS_RATIO)
     if material.youngs_modulus is not None:
         return material if "damping" in material.model_fields_set else material.filled(damping=0.0)
-    return material if material.stiffness else material.filled(stiffness=Stiffness(edge=STIFFNESS, face=STIFFNESS, body=STIFFNESS))
+    return (
+        material
+        if material.stiffness or material.model == "solid"
+        else material.filled(stiffness=Stiffness(edge=STIFFNESS, face=STIFFNESS, body=STIFFNESS))
+    )
 
 
-def _mass(mass: Mass, mesh: Mesh | None, *, of_modulus: bool) -> Mass:
-    """The total, and how it is spread."""
+def _mass(mass: Mass, mesh: Mesh | None, material: Material) -> Mass:
+    """The total or the density, and how it is spread."""
     if mass.density is None and mass.total is None:
-        mass = mass.filled(total=1.0)
-    if of_modulus and "distribution" not in mass.model_fields_set:
+        of_solid = material.model == "solid" and material.density is not None
+        mass = mass.filled(density=material.density) if of_solid else mass.filled(total=1.0)
+    if (material.model == "solid" or material.youngs_modulus is not None) and "distribution" not in mass.model_fields_set:
         mass = mass.filled(distribution="volume" if mesh is not None and mesh.closed else "box")
     if mass.distribution == "box" and "uniform_share" not in mass.model_fields_set:
         mass = mass.filled(uniform_share=0.0)  # no point of it is nearly massless

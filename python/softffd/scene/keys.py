@@ -14,10 +14,10 @@ class SceneKeys(Section):
     """The keys of a scene file, each sound by itself."""
 
     title: Text = key("Soft object", "what the scene shows, in one line: the FMU's description")
-    lattice: sections.Lattice = key(sections.Lattice(), "the volume around the object and its springs")
+    lattice: sections.Lattice = key(sections.Lattice(), "the volume around the object and its springs or patches")
     mesh: sections.MeshFile | None = key(None, "the embedded object; absent: the box alone")
     mass: sections.Mass = key(sections.Mass(), "mass and its distribution")
-    material: sections.Material = key(sections.Material(), "stiffness and damping")
+    material: sections.Material = key(sections.Material(), "springs or solid, stiffness and damping")
     region: tuple[sections.Region, ...] = key((), "local overrides; later ones win")
     environment: sections.Environment = key(sections.Environment(), "gravity")
     contact: sections.Contact = key(sections.Contact(), "the points of the object that obstacles act on")

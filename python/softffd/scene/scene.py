@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import PrivateAttr, ValidationInfo, model_validator
 
+from softffd.embedding.nodes import rest_nodes
 from softffd.errors import SceneError, SoftffdError
-from softffd.lattice import LatticeBox, rest_grid, to_flat
+from softffd.lattice import LatticeBox, to_flat
 from softffd.mesh.mesh import Mesh
 from softffd.rotation import quaternion, turned
 from softffd.scene.changes import changed
@@ -133,7 +134,7 @@ class Scene(SceneKeys):
 
     def pin_origin(self, pin: Pin) -> tuple[float, float, float]:
         """Where the frame of a pin of this scene is at rest [m]."""
-        x, y, z = pin.origin or map(float, self.rest_positions()[self.select(pin.points)].mean(axis=0))
+        x, y, z = pin.origin or map(float, self.mass_positions()[self.select(pin.points)].mean(axis=0))
         return x, y, z
 
     def pin_start(self, pin: Pin) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -147,7 +148,19 @@ class Scene(SceneKeys):
 
     def rest_positions(self) -> np.ndarray:
         """The control points at rest in flat order, (n, 3) [m]."""
-        return to_flat(rest_grid(self.lattice.points, self.lattice_box.origin, self.lattice_box.size))
+        return to_flat(self.lattice_box.rest())
+
+    @property
+    def is_solid(self) -> bool:
+        """Whether the body is of finite elements, not of springs."""
+        return self.material.model == "solid"
+
+    def mass_positions(self) -> np.ndarray:
+        """The points that have the mass and that pins hold, at rest in flat order, (n, 3) [m]: the control points, of a solid its nodes."""
+        if not self.is_solid:
+            return self.rest_positions()
+        box = self.lattice_box
+        return to_flat(rest_nodes(box.points, np.array(box.origin), np.array(box.size)))
 
 
 def load_scene(path_or_name: str | Path) -> Scene:

@@ -39,17 +39,19 @@ else:
 
 
 class Lattice(Section):
-    """The volume around the object and its springs (Xia & Wang 2009, section 1)."""
+    """The volume around the object and its springs (Xia & Wang 2009, section 1), or the patches of a solid."""
 
     points: PointsInput = quantity(
         (4, 4, 4),
         "1",
-        'control points per axis [nx, ny, nz], 2..32 each; "cubic", or absent beside `cells` or `spacing`: computed from these',
+        'control points per axis [nx, ny, nz], 2..32 each, of a solid 4, 7, .., 31, three cells for each patch; "cubic", or absent beside '
+        "`cells` or `spacing`: computed from these",
     )
     cells: Cells | None = quantity(
         None,
         "1",
-        "cells along the longest side of the box, 1..31, in place of `points`; the other sides get nearly cubic cells",
+        "cells along the longest side of the box, 1..31, in place of `points`; the other sides get nearly cubic cells, a solid whole "
+        "patches",
     )
     spacing: Number | None = quantity(None, "m", "approximate edge of the cells, in place of `points`", gt=0)
     origin: Vector | None = quantity(None, "m", "lower corner of the box; default: that of the mesh enlarged by `margin`, or [0, 0, 0]")
@@ -58,11 +60,12 @@ class Lattice(Section):
     )
     margin: Number = quantity(0.0, "1", "fraction of the size of the mesh that the box adds on every side", ge=0)
     springs: Literal["distinct", "paper"] = key(
-        "distinct", '"distinct": each spring once (468 for 4x4x4); "paper": springs on the edges of the box twice (504)'
+        "distinct", '"distinct": each spring once (468 for 4x4x4); "paper": springs on the edges of the box twice (504); a solid has none'
     )
-    basis: Literal["bezier", "bspline"] = key(
+    basis: Literal["bezier", "bspline", "patches"] = key(
         "bezier",
-        '"bezier": each control point moves the whole object; "bspline": uniform cubic, clamped: only its surroundings, for finer lattices',
+        '"bezier": each control point moves the whole object; "bspline": uniform cubic, clamped: only its surroundings, for finer lattices; '
+        '"patches", that of a solid: Bezier volumes of 3 x 3 x 3 cells side by side',
     )
 
 
@@ -90,12 +93,12 @@ class Mass(Section):
         "uniform",
         '"uniform": equal masses; "box": uniform density in the box, each cell gives an eighth of its mass to each corner; "vertices", '
         '"surface", "volume": uniform over those of the mesh; default beside `material.youngs_modulus`: "volume" with a closed mesh, '
-        'else "box"',
+        'else "box"; a solid is never "uniform"',
     )
     uniform_share: Number = quantity(
         0.1,
         "1",
-        'fraction of the mass that is distributed equally over the points, so that none is nearly massless; 0 for "box"',
+        'fraction of the mass that is distributed equally over the points, so that none is nearly massless; 0 for "box"; none of a solid',
         ge=0,
         le=1,
     )
@@ -103,7 +106,7 @@ class Mass(Section):
         "lumped",
         '"lumped": masses by the weights; their moment of inertia is too large, about twice at 4 control points per axis '
         '(`softffd build` reports it); "matched": the inertia of the object, for bodies that roll or tip; steps are two to five times '
-        "shorter",
+        "shorter; a solid has it by itself, where masses at its nodes can",
     )
 
 
@@ -136,21 +139,35 @@ else:
 
 
 class Material(Section):
-    """Springs and damping (Xia & Wang 2009, eq. (3) and (6)): a stiffness for each spring, or the modulus of a solid.
+    """Springs and damping (Xia & Wang 2009, eq. (3) and (6)): a stiffness for each spring, or a modulus; or a solid of finite elements.
     The elastic body is the whole box of the lattice, also where a mesh fills little of it: a hollow one has the stiffness of a block."""
 
+    model: Literal["springs", "solid"] = key(
+        "springs",
+        '"springs": those of the paper; "solid": finite elements of a neo-Hookean solid, with `youngs_modulus` and `poissons_ratio`; '
+        "[its page](materials.md#a-solid) says when",
+    )
     stiffness: StiffnessInput | None = quantity(
         None,
         "N/m",
-        "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }; default without `youngs_modulus`: 1e3",
+        "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }; default without `youngs_modulus`: 1e3; "
+        "none of a solid",
     )
     youngs_modulus: Number | None = quantity(
         None,
         "Pa",
-        "Young's modulus, in place of `stiffness`: the springs model an isotropic solid of Poisson's ratio 1/4, the only ratio that "
-        "springs allow, on any lattice; only edges and face diagonals have springs",
+        "Young's modulus at small strain; must be given for a solid. Of springs in place of `stiffness`: they model an isotropic body of "
+        "Poisson's ratio 1/4, the only ratio that springs allow, on any lattice; only edges and face diagonals have springs",
         gt=0,
     )
+    poissons_ratio: Number | None = quantity(
+        None,
+        "1",
+        "Poisson's ratio of a solid, 0..0.495; default 0.45; the nearer to 1/2, the shorter the steps; none of springs",
+        ge=0,
+        le=0.495,
+    )
+    density: Number | None = quantity(None, "kg/m3", "density of a solid, the same as `mass.density`; none of springs", gt=0)
     damping: Number = quantity(
         0.01,
         "N.s/m",
@@ -161,7 +178,7 @@ class Material(Section):
     internal_damping: Number = quantity(
         0.0,
         "s",
-        "stiffness-proportional (Kelvin-Voigt) damping: a dashpot along each spring, whose coefficient is the stiffness times this time; "
+        "stiffness-proportional (Kelvin-Voigt) damping: the stiffness times this time, of springs a dashpot along each; "
         "damps deformation, not rigid motion; a mode of angular frequency omega has the damping ratio omega / 2 times this time; 0: absent",
         ge=0,
     )
@@ -169,13 +186,13 @@ class Material(Section):
         0.0,
         "Pa",
         "prevents the inversion of crushed cells: acts where a corner of a cell has lost half its volume; a first value is 3 times the "
-        "stiffness divided by the edge of a cell, or youngs_modulus; 0: absent",
+        "stiffness divided by the edge of a cell, or youngs_modulus; 0: absent; none of a solid",
         ge=0,
     )
 
 
 class Region(Section):
-    """A local override; where regions overlap, the last one wins."""
+    """A local override; where regions overlap, the last one wins. Those of a solid have `mass` and `damping` alone."""
 
     points: Selection = key(..., "the control points of the region: a selection", examples=["z-"])
     stiffness: Number | None = quantity(None, "N/m", "stiffness of springs with both ends in the region", ge=0)
@@ -217,7 +234,7 @@ class Contact(Section):
 
 
 class Load(Section):
-    """A total force shared equally by its points; an input of the FMU."""
+    """A total force shared equally by its points, of a solid as a traction on their faces; an input of the FMU."""
 
     name: Name = key(..., NAME, examples=["push"])
     points: Selection = key(..., "the loaded control points: a selection of at least one", examples=["x+"])

@@ -6,7 +6,7 @@ import pytest
 from scenes import TETRAHEDRON
 from softffd.fmu.package import scene_masses
 from softffd.lattice import cells_within, shared_by_corners, to_grid
-from softffd.scene.cells import cubic, cubic_along, nearest_solid, solid
+from softffd.scene.cells import cubic, cubic_along, fit_springs, nearest_fit
 from softffd.scene.scene import scene_from
 
 CLOSED = TETRAHEDRON.replace("v 0 0 4", "v 0 0 2")
@@ -72,17 +72,17 @@ def test_a_lattice_follows_cells_or_spacing(lattice, points):
 
 @pytest.mark.parametrize("sides", [(1.0, 1.0, 1.0), (1.0, 1.0, 2**-0.5), (1.5**0.5, 1.0, 1.0), (3e-200, 3e-200, 3e-200)])
 def test_cells_up_to_the_limit_are_allowed_and_those_beyond_are_not(sides):
-    assert solid(sides, (1, 1, 1)) and solid(sides[::-1], (1, 1, 1))
+    assert fit_springs(sides, (1, 1, 1)) and fit_springs(sides[::-1], (1, 1, 1))
     longest = 1.001 * max(sides)
     beyond = [longest if side == max(sides) else side for side in sides]
-    assert solid(beyond, (1, 1, 1)) == (len(set(sides)) == 1)
+    assert fit_springs(beyond, (1, 1, 1)) == (len(set(sides)) == 1)
 
 
 def test_the_counts_named_work_for_boxes_of_any_shape():
     rng = np.random.default_rng(5)
     for size in rng.uniform(0.1, 1.0, (200, 3)):
         given = rng.integers(1, 10, 3).tolist()
-        assert solid(size, nearest_solid(size, given))
+        assert fit_springs(size, nearest_fit(size, given, fit_springs))
 
 
 def test_a_box_of_one_density_has_an_eighth_of_an_inner_points_mass_at_its_corners():

@@ -175,6 +175,7 @@ def test_the_template_with_every_key_in_force_has_only_the_problems_it_must_have
     full = template_with_every_key_in_force()
     del full["mesh"], full["lattice"]["margin"], full["mass"]["density"]
     del full["lattice"]["cells"], full["lattice"]["spacing"], full["material"]["youngs_modulus"]
+    del full["material"]["poissons_ratio"], full["material"]["density"]
     del full["region"][0]["youngs_modulus"], full["region"][0]["density"], full["contact"]["penetration"]
     del full["sphere"], full["cylinder"], full["box"]
     assert isinstance(scene_from(full), Scene)
