@@ -47,7 +47,7 @@ class LatticeBox:
     size: tuple[float, float, float]
     """Its sides [m]"""
     basis: str
-    """ "bezier" or "bspline" """
+    """ "bezier", "bspline" or "patches" """
 
     def rest(self) -> np.ndarray:
         """The control points at rest as a grid, (nx, ny, nz, 3) [m]."""

@@ -16,6 +16,7 @@ using kernels::load;
 
 constexpr int together = 32;
 constexpr int most = 32;  // control points of an axis
+enum : int { bezier, bspline, patches };
 using Step = std::ptrdiff_t;
 
 /// What counts at some points along one axis: control points from `first` on, `count` of them.
@@ -25,11 +26,21 @@ struct Axis {
   int count;
 };
 
-INNER void place(const double* t, int n, bool bspline, Axis& axis) {
+INNER void place(const double* t, int n, int basis, Axis& axis) {
   axis.count = n;
-  if (!bspline || n <= 4) {
+  if (basis == bezier || n <= 4) {
     for (int at = 0; at < together; ++at) axis.first[at] = 0;
     formulas::bernstein<together>(t, n, axis.weights);
+  } else if (basis == patches) {
+    axis.count = 4;
+    double s[together];
+    for (int at = 0; at < together; ++at) {
+      s[at] = t[at] * (n / 3);
+      const double patch = formulas::smaller(formulas::larger(formulas::rounded_down(s[at]), 0), n / 3 - 1);
+      axis.first[at] = 3 * patch;
+      s[at] -= patch;
+    }
+    formulas::bernstein<together>(s, 4, axis.weights);
   } else {
     axis.count = 4;
     double s[together];
@@ -78,10 +89,10 @@ INNER void contract_one(const Axis* axes, int at, int nx, int ny, In control, St
 }
 
 template <int n>
-INNER void deform(const double* origin, const double* size, const int* counts, int bspline, long long frames, const double* control,
+INNER void deform(const double* origin, const double* size, const int* counts, int basis, long long frames, const double* control,
                   long long points, const double* rest, long long frame, double* moved) {
   const Step line = 3 * std::max(counts[2], 4), face = counts[1] * line, whole = counts[0] * face;
-  const bool alike = !bspline || std::max({counts[0], counts[1], counts[2]}) <= 4;
+  const bool alike = basis == bezier || std::max({counts[0], counts[1], counts[2]}) <= 4;
   constexpr int few = n < 4 ? n : 4;
   Axis axes[3];
   double last[3 * together];
@@ -96,7 +107,7 @@ INNER void deform(const double* origin, const double* size, const int* counts, i
     for (int a = 0; a < 3; ++a) {
       double t[together];
       for (int at = 0; at < together; ++at) t[at] = (own[3 * at + a] - origin[a]) / size[a];
-      place(t, counts[a], bspline != 0, axes[a]);
+      place(t, counts[a], basis, axes[a]);
     }
     const int nx = axes[0].count, ny = axes[1].count, nz = axes[2].count;
     for (long long f = 0; f < frames; ++f) {
@@ -120,7 +131,7 @@ const auto deform_here = kernels::chosen<deform<2>, deform<4>, deform<8>>();
 
 }  // namespace
 
-void softffd_deform(const double* origin, const double* size, const int* counts, int bspline, long long frames, const double* control,
+void softffd_deform(const double* origin, const double* size, const int* counts, int basis, long long frames, const double* control,
                     long long points, const double* rest, long long frame, double* moved) {
-  deform_here(origin, size, counts, bspline, frames, control, points, rest, frame, moved);
+  deform_here(origin, size, counts, basis, frames, control, points, rest, frame, moved);
 }

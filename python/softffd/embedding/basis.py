@@ -17,6 +17,10 @@ control point moves only what is within two cells of it, near the ends three. Bu
 so that a place t takes the weights at the parameter s with X(s) = t. X rises all the way, its slope is
 continuous up to the second derivative, and so is that of the deformation. With four control points or fewer
 there is one span, X(s) = s, and these are the Bernstein polynomials.
+
+"patches", that of a solid: e Bezier volumes of degree 3 side by side, n = 3 e + 1, each with its four control points and the last of
+one the first of the next. Control points stand at equal distances, so that all three hold. The deformation is continuous at a joint, its
+slope is not.
 """
 
 from math import comb
@@ -31,7 +35,7 @@ def weights(t: np.ndarray, n: int, basis: str = "bezier") -> np.ndarray:
     """Return the weights of the `n` control points of an axis at each place `t`, shape (m, n).
 
     t: (m,) coordinate along the axis of the box, 0 to 1; slightly outside is evaluated as it stands.
-    n: control points on the axis, at least 1 (a lattice has 2 to 32). basis: "bezier" or "bspline".
+    n: control points on the axis, at least 1 (a lattice has 2 to 32), of "patches" 3 e + 1. basis: "bezier", "bspline" or "patches".
     """
     first, values = local_weights(t, n, basis)
     if values.shape[1] == n:
@@ -46,11 +50,15 @@ def local_weights(t: np.ndarray, n: int, basis: str = "bezier") -> tuple[np.ndar
     t = np.asarray(t, dtype=float).reshape(-1)
     if _one_span(n, basis):
         return np.zeros(t.size, dtype=np.int64), _bernstein(t, n)
-    return bsplines(parameter(t, n, basis), n)[:2]
+    s = parameter(t, n, basis)
+    if basis == "patches":
+        patch = np.clip(np.floor(s), 0, n // 3 - 1)
+        return 3 * patch.astype(np.int64), _bernstein(s - patch, 4)
+    return bsplines(s, n)[:2]
 
 
 def parameter(t: np.ndarray, n: int, basis: str) -> np.ndarray:
-    """The parameter s of each place, (m,): X(s) = t, in spans 0 .. n - 3 of B-splines, and t itself with one span.
+    """The parameter s of each place, (m,): X(s) = t, in spans 0 .. n - 3 of B-splines, in patches 0 .. e, and t itself with one span.
 
     Three cells from the ends s is known. Nearer, Newton's method starts from the same s: on the side from which the
     curvature of X makes it approach the solution without passing it.
@@ -58,6 +66,8 @@ def parameter(t: np.ndarray, n: int, basis: str) -> np.ndarray:
     t = np.asarray(t, dtype=float).reshape(-1)
     if _one_span(n, basis):
         return t
+    if basis == "patches":
+        return t * (n // 3)
     wanted = t * (n - 1)
     s = np.clip(wanted - 1, 0, n - 3)
     bent = np.flatnonzero(np.minimum(wanted, n - 1 - wanted) < 3)

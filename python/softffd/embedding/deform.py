@@ -5,7 +5,7 @@ change; the control points p_ijk move, and the object's point moves to Q(u, v, w
 
     Q(u, v, w) = sum over i, j, k of  p_ijk W_i(u) W_j(v) W_k(w)
 
-with the Bernstein polynomials for W, or B-splines (basis.py). While the control points stand on their regular
+with the Bernstein polynomials for W, B-splines, or patches of polynomials (basis.py). While the control points stand on their regular
 grid, Q(u, v, w) = X. Inside the box the weights are not negative and sum to one, so Q lies in the convex hull of
 the control points: where no control point is behind a plane, nothing of the object is. Outside the box that is
 lost and the polynomials grow fast, so a point outside is an error here, not an extrapolation.
@@ -27,7 +27,8 @@ from softffd.spelling import did_you_mean, nearest_of
 Array = NDArray[np.float64]
 Points = NDArray[np.float32] | NDArray[np.float64]
 
-BASES = ("bezier", "bspline")
+BASES = ("bezier", "bspline", "patches")
+"""By the numbers that they have in the library and on the interactive page"""
 
 OUTSIDE_ALLOWED = 1e-6
 """How far outside the box a point may lie, as a share of the side: room for a box typed with six digits."""
@@ -59,7 +60,7 @@ def deform(
     mesh: a Mesh, or its vertices (V, 3) m, in the rest configuration.
     positions: control points (nx, ny, nz, 3) m, positions[i, j, k] = p_ijk; or (T, nx, ny, nz, 3), T instants.
     origin, size: lower corner and sides (3,) m of the lattice's box at rest; default the vertices' bounding box.
-    basis: "bezier" or "bspline", as the scene's lattice.basis. For a run's own lattice `Result.deformed` knows all three.
+    basis: "bezier", "bspline" or "patches", as the scene's lattice.basis. For a run's own lattice `Result.deformed` knows all three.
     Returns (V, 3), or (T, V, 3); a vertex has the same bits whichever others, and at how many instants, are deformed with it.
     Raises MeshError where a vertex lies outside the box, ValueError for arguments of no such form.
     """
@@ -84,7 +85,7 @@ class Embedding:
 
         Raises MeshError where a vertex lies outside the box by more than OUTSIDE_ALLOWED of its side.
         """
-        self.counts, self.basis = _checked_counts(counts), _checked_basis(basis)
+        self.counts, self.basis = _checked_counts(counts), _checked_basis(basis, counts)
         self.vertices, self.origin, self.size = _in_box(vertices, origin, size)
 
     def deform(self, positions: ArrayLike) -> Array:
@@ -96,11 +97,11 @@ class Embedding:
         fill = max(0, 4 - self.counts[2])  # the library works on four along z
         control = np.ascontiguousarray(np.pad(frames, [(0, 0)] * 3 + [(0, fill), (0, 0)]) if fill else frames)
         moved = np.empty((len(frames), len(self.vertices), 3))
-        counts, spline = np.array(self.counts, dtype=np.int32), self.basis == "bspline"
+        counts, basis = np.array(self.counts, dtype=np.int32), BASES.index(self.basis)
         for part in self._parts(len(frames)):
             rest = np.ascontiguousarray(self.vertices[part], dtype=float)
             library_function("softffd_deform", None, *DEFORM)(
-                self.origin.ctypes.data, self.size.ctypes.data, counts.ctypes.data, spline, len(frames), control.ctypes.data,
+                self.origin.ctypes.data, self.size.ctypes.data, counts.ctypes.data, basis, len(frames), control.ctypes.data,
                 len(rest), rest.ctypes.data, len(self.vertices), moved.ctypes.data + part.start * rest.itemsize * 3,
             )  # fmt: skip
         return moved[0] if positions.ndim == 4 else moved
@@ -166,10 +167,13 @@ def _checked_counts(counts: Sequence[int]) -> tuple[int, int, int]:
     return x, y, z
 
 
-def _checked_basis(basis: str) -> str:
+def _checked_basis(basis: str, counts: Sequence[int]) -> str:
     if basis not in BASES:
-        wanted = " or ".join(f'"{each}"' for each in BASES)
+        *others, last = (f'"{each}"' for each in BASES)
+        wanted = f"{', '.join(others)} or {last}"
         raise ValueError(f"basis: wanted {wanted}, got {basis!r}{did_you_mean(nearest_of(str(basis), BASES))}")
+    if basis == "patches" and any(n % 3 != 1 for n in counts):
+        raise ValueError(f'lattice.points: wanted 4, 7, 10, .. or 31 along each axis of "patches", got {tuple(counts)}')
     return basis
 
 

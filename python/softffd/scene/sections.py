@@ -64,7 +64,7 @@ class Lattice(Section):
     )
     basis: Literal["bezier", "bspline", "patches"] = key(
         "bezier",
-        '"bezier": each control point moves the whole object; "bspline": uniform cubic, clamped: only its surroundings, for finer lattices; '
+        '"bezier": each control point moves the whole object; "bspline": uniform cubic, clamped: only its surroundings, for fine lattices; '
         '"patches", that of a solid: Bezier volumes of 3 x 3 x 3 cells side by side',
     )
 

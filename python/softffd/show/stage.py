@@ -73,7 +73,7 @@ class Stage:
     """A run as pictures see it.
 
     `time` (T,) [s]; `positions` (T, nx, ny, nz, 3) [m], all finite. `origin`, `size` (3,) [m]: the box in which the
-    surface is embedded; `basis`: "bezier" or "bspline". `vertices` (V, 3) [m] and `faces` (F, 3): the surface at rest;
+    surface is embedded; `basis`: that of its volume. `vertices` (V, 3) [m] and `faces` (F, 3): the surface at rest;
     `skin`: its colours. `is_cage`: the surface is the boundary of the volume itself.
     `pinned`: flat indices of attached control points. `up` (3,): unit. `centre`, `half` (3,) [m]: middle and half the
     sides of the box of all that the lattice ever covers, and of solids what is beside it.

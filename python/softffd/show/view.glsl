@@ -1,6 +1,6 @@
 // Shaders of the interactive page, one after the other; a line "//// name" begins each. The page puts "#version 300 es" before
 // them, and before every vertex shader NX, NY, NZ (control points per axis), WX, WY, WZ (those that count at a place), MOST (the
-// largest of these), SX, SY, SZ (whether an axis has B-splines) and "volume".
+// largest of these), BX, BY, BZ (basis of an axis: 0 Bezier, 1 B-splines, 2 patches) and "volume".
 
 //// volume
 precision highp float;
@@ -50,14 +50,25 @@ Axis bsplines(float s, int n) {
   return a;
 }
 
-Axis along(float t, int n, bool spline) {
-  if (spline) return bsplines(t, n);
+// Bernstein polynomials of degree 3 of the patch that s lies in, 0 to the number of patches.
+Axis patches(float s, int n) {
+  int count = n / 3, number = clamp(int(s), 0, count - 1);
+  Axis a = bernstein(s - float(number), 4);
+  a.first = 3 * number;
+  a.place = s / float(count);
+  for (int r = 0; r < 4; r++) a.d[r] *= float(count);
+  return a;
+}
+
+Axis along(float t, int n, int basis) {
+  if (basis == 1) return bsplines(t, n);
+  if (basis == 2) return patches(t, n);
   return bernstein(t, n);
 }
 
 // Q(u,v,w) of eq. (1) and the place at rest; the columns of `derivative` are Q's derivatives by this place, in units of the box.
 vec3 evaluate(vec3 u, out mat3 derivative, out vec3 place) {
-  Axis x = along(u.x, NX, SX), y = along(u.y, NY, SY), z = along(u.z, NZ, SZ);
+  Axis x = along(u.x, NX, BX), y = along(u.y, NY, BY), z = along(u.z, NZ, BZ);
   vec3 q = vec3(0);
   derivative = mat3(0);
   place = vec3(x.place, y.place, z.place);

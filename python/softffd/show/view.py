@@ -1,7 +1,7 @@
 """The interactive page of a run: one HTML file that needs nothing else.
 
 The page carries the surface at rest and the control points of every frame; its vertex shader evaluates the volume,
-so a frame costs the control points whatever the size of the mesh; of B-splines 64 of them count at a vertex.
+so a frame costs the control points whatever the size of the mesh; of B-splines or patches 64 of them count at a vertex.
 `view.html` is the page with its style; `view_drawing.js`, `view_touch.js` and `view.glsl` draw; `view.js` listens and tells.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from softffd.embedding.basis import parameter
-from softffd.embedding.deform import deform
+from softffd.embedding.deform import BASES, deform
 from softffd.files import write_text
 from softffd.lattice import to_flat
 from softffd.mesh.looks import Picture
@@ -62,7 +62,7 @@ def page_text(result: Result) -> str:
         **_colours(stage),
         **_sights(stage),
         "counts": stage.counts,
-        "splines": [stage.basis == "bspline" and n > 4 for n in stage.counts],
+        "bases": [BASES.index(stage.basis) if n > 4 else 0 for n in stage.counts],
         "time": _text(stage.time[frames], "<f8"),
         "positions": _text(to_flat(stage.positions[frames]) - stage.centre, "<f4"),
         "pinned": stage.pinned.tolist(),

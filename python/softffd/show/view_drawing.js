@@ -81,9 +81,9 @@ function middle_of_object() {
 // ---- WebGL -------------------------------------------------------------------------------------------------------
 const canvas = element("canvas");
 const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, powerPreference: "high-performance" });
-const WIDTHS = run.counts.map((n, a) => run.splines[a] ? 4 : n);
+const WIDTHS = run.counts.map((n, a) => run.bases[a] ? 4 : n);
 const HEADING = "#version 300 es\n" + ["X", "Y", "Z"].map((axis, a) =>
-  `#define N${axis} ${run.counts[a]}\n#define W${axis} ${WIDTHS[a]}\n#define S${axis} ${run.splines[a]}\n`).join("") +
+  `#define N${axis} ${run.counts[a]}\n#define W${axis} ${WIDTHS[a]}\n#define B${axis} ${run.bases[a]}\n`).join("") +
   `#define MOST ${Math.max(4, ...WIDTHS)}\n`;
 const SHADOW = 256, texels = new Float32Array(4 * POINTS);
 const SOURCES = Object.fromEntries(element("shaders").textContent.split(/^\/{4} /m).slice(1).map(text => {

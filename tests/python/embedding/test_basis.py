@@ -1,4 +1,4 @@
-"""Facts about the basis functions: Bernstein polynomials and clamped uniform cubic B-splines."""
+"""Facts about the basis functions: Bernstein polynomials, clamped uniform cubic B-splines, and patches of cubic Bernstein polynomials."""
 
 from fractions import Fraction
 from math import comb
@@ -9,13 +9,12 @@ from scipy.interpolate import BSpline
 
 from softffd.embedding.basis import bsplines, local_weights, parameter, weights
 
-BASES = ["bezier", "bspline"]
 COUNTS = [2, 3, 4, 5, 6, 7, 9, 32]
+AXES = [*((n, basis) for basis in ("bezier", "bspline") for n in COUNTS), *((n, "patches") for n in (4, 7, 10, 31))]
 T = np.linspace(0.0, 1.0, 101)
 
 
-@pytest.mark.parametrize("basis", BASES)
-@pytest.mark.parametrize("n", COUNTS)
+@pytest.mark.parametrize(("n", "basis"), AXES)
 class TestEveryBasis:
     def test_weights_sum_to_one(self, n, basis):
         np.testing.assert_allclose(weights(T, n, basis).sum(axis=1), 1.0, atol=n * 4e-16, rtol=0)
@@ -42,6 +41,22 @@ class TestEveryBasis:
     def test_a_place_just_outside_is_reproduced_too(self, n, basis):
         outside, grid = np.array([-1e-6, 1 + 1e-6]), np.arange(n) / (n - 1)
         np.testing.assert_allclose(weights(outside, n, basis) @ grid, outside, atol=n * 4e-16, rtol=0)
+
+
+def test_four_points_are_one_patch_and_its_weights_those_of_the_bezier_volume():
+    np.testing.assert_array_equal(weights(T, 4, "patches"), weights(T, 4, "bezier"))
+
+
+def test_a_patch_has_the_bezier_weights_of_its_own_points():
+    inside = T[(T > 1 / 3) & (T < 2 / 3)]
+    expected = np.zeros((len(inside), 10))
+    expected[:, 3:7] = weights(3 * inside - 1, 4)
+    np.testing.assert_allclose(weights(inside, 10, "patches"), expected, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("side", [-1e-15, 0.0, 1e-15])
+def test_at_a_joint_both_patches_give_the_same(side):
+    np.testing.assert_allclose(weights([0.5 + side], 7, "patches")[0], np.eye(7)[3], rtol=0, atol=1e-14)
 
 
 def test_cubic_weights_are_those_of_equation_2():

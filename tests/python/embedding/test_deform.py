@@ -15,6 +15,7 @@ from softffd.mesh.mesh import Mesh
 ORIGIN, SIZE = np.array([-1.0, 2.0, 0.5]), np.array([2.0, 0.7, 1.3])
 COUNTS = [(2, 2, 2), (4, 4, 4), (3, 5, 2), (32, 2, 7)]
 VOLUMES = [*((counts, "bezier") for counts in COUNTS), ((3, 5, 2), "bspline"), ((32, 4, 7), "bspline"), ((12, 12, 12), "bspline")]
+VOLUMES += [((4, 4, 4), "patches"), ((7, 4, 10), "patches"), ((31, 7, 7), "patches")]
 
 
 def rest_grid(counts):
@@ -58,12 +59,34 @@ def test_it_is_the_triple_sum_of_equation_1(counts, basis):
     np.testing.assert_allclose(deform(points, positions, origin=ORIGIN, size=SIZE, basis=basis), expected, atol=1e-13)
 
 
-@pytest.mark.parametrize(("counts", "basis"), [((4, 4, 4), "bezier"), ((9, 5, 12), "bspline")])
+@pytest.mark.parametrize(("counts", "basis"), [((4, 4, 4), "bezier"), ((9, 5, 12), "bspline"), ((7, 10, 4), "patches")])
 def test_the_object_stays_in_the_convex_hull_of_the_control_points(counts, basis):
     positions = moved_grid(counts)
     moved = deform(cloud(500), positions, origin=ORIGIN, size=SIZE, basis=basis)
     for direction in np.random.default_rng(4).normal(size=(50, 3)):
         assert (moved @ direction).max() <= (positions @ direction).max()
+
+
+def test_patches_follow_a_motion_that_is_quadratic_in_each():
+    """Of t^2 a cubic Bezier curve has the control points 0, 0, 1/3, 1: in a patch that begins at b and is L long those of
+    (b + L t)^2. A quadratic of x that has a kink at the joint is followed exactly by two patches."""
+
+    def bent(x):
+        return np.where(x < 0.5, x**2, 0.25 + 3 * (x - 0.5) - (x - 0.5) ** 2)
+
+    left = np.array([0.0, 0.0, 0.25 / 3, 0.25])
+    right = 0.25 + 1.5 * np.array([0.0, 1 / 3, 2 / 3, 1.0]) - 0.25 * np.array([0.0, 0.0, 1 / 3, 1.0])
+    positions = rest_grid((7, 4, 4))
+    positions[..., 2] += np.append(left, right[1:])[:, None, None]
+    points = cloud()
+    moved = deform(points, positions, origin=ORIGIN, size=SIZE, basis="patches")
+    wanted = points + np.outer(bent((points[:, 0] - ORIGIN[0]) / SIZE[0]), [0.0, 0.0, 1.0])
+    np.testing.assert_allclose(moved, wanted, rtol=0, atol=1e-14)
+
+
+def test_patches_want_whole_ones():
+    with pytest.raises(ValueError, match=r'lattice.points: wanted 4, 7, 10, .. or 31 along each axis of "patches", got \(4, 5, 4\)'):
+        deform(cloud(), rest_grid((4, 5, 4)), origin=ORIGIN, size=SIZE, basis="patches")
 
 
 @pytest.mark.parametrize("corner", [(0, 0, 0), (1, 0, 1), (1, 1, 1)])
@@ -195,7 +218,7 @@ def test_an_embedding_refuses_another_lattice():
 @pytest.mark.parametrize("basis", ["Bspline", "bsplin", "xyz", None])
 def test_an_unknown_basis_is_refused_with_the_choices(basis):
     near = ', did you mean "bspline"\\?' if basis in ("Bspline", "bsplin") else "$"
-    with pytest.raises(ValueError, match=f'basis: wanted "bezier" or "bspline", got {basis!r}{near}'):
+    with pytest.raises(ValueError, match=f'basis: wanted "bezier", "bspline" or "patches", got {basis!r}{near}'):
         deform(cloud(), rest_grid((4, 4, 4)), origin=ORIGIN, size=SIZE, basis=basis)
 
 

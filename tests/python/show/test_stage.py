@@ -60,16 +60,16 @@ def test_unrecorded_positions_are_refused_with_the_key_that_helps():
 
 
 def test_the_surface_follows_the_basis_of_the_lattice():
-    """One control point moved: all of a Bezier volume moves, of B-splines only what is near."""
-    result = made_up_run(counts=(9, 4, 4))
+    """One control point moved: all of a Bezier volume moves, of B-splines only what is near, of patches its own."""
+    result = made_up_run(counts=(10, 4, 4))
     moved = result.positions[0].copy()
     moved[0, 0, 0, 2] += 1.0
     reach = []
-    for basis in ("bezier", "bspline"):
+    for basis in ("bezier", "bspline", "patches"):
         stage = stage_of(replace(result, lattice=replace(result.lattice, basis=basis)))
         change = (stage.deformed(moved) - stage.deformed(result.positions[0]))[:, 2]
         reach.append(((stage.vertices[change > 1e-12] - ORIGIN) / SIZE).max(axis=0)[0])
-    assert reach[0] > 0.9 and 0.1 < reach[1] < 2 / 8
+    assert reach[0] > 0.9 and 0.1 < reach[1] < 2 / 9 and 0.25 < reach[2] < 1 / 3
 
 
 @pytest.mark.parametrize(("length", "rounded"), [(1.0, 1.0), (0.99, 0.5), (7.0, 5.0), (0.021, 0.02), (300.0, 200.0)])
