@@ -1,13 +1,17 @@
 """Moments of inertia: of the object, of its lumped masses, and masses that match the object's.
 
-Shares of the mass that follow the weights of the control points have the object's total and centre of mass, but not its inertia: a sample
-at X counts with sum W_i X_i^2 = X^2 + variance of the weights. Shares m_i that match it solve
+Shares of the mass that follow the weights of the points have the object's total and centre of mass, but not its inertia: a sample at X
+counts with sum W_i X_i^2 = X^2 + variance of the weights. Shares m_i that match it solve
 
-    minimise sum (m_i - r_i)^2 / r_i      subject to      sum m_i (1, x_i, x_i x_i^T) as of the object,      m_i >= floor,
+    minimise sum (m_i - r_i)^2 / d_i      subject to      sum m_i (1, x_i, x_i x_i^T) as of the object,      m_i >= floor_i,
 
-r_i being the lumped ones. With multipliers y of the ten moments, m_i = max(floor, r_i (1 + y . a_i)), a_i the moments of control point i;
-they are found by Newton's method on the concave dual, in which every step is a system of ten equations.
+r_i being the lumped ones, and d_i these too, or for the nodes of a solid the shares of its box. With multipliers y of the ten moments,
+m_i = max(floor_i, r_i + d_i y . a_i), a_i the moments of point i; they are found by Newton's method on the concave dual, in which every
+step is a system of ten equations. Where no masses have the second moments, these give way: with the square of their error over g added to
+the sum above, the dual loses g |y|^2 / 2, y the multipliers of the second moments, and has a maximum wherever mass and centre are possible.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +24,9 @@ from softffd.mesh.normals import area_vectors, merge_by_position
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 ROUNDS, ENOUGH = 60, 1e-13
 """Newton steps at most, and the largest error of a moment that ends them, in units of the box"""
+GIVES = (1e-5, 1e-4, 1e-3)
+"""How easily second moments give way, where they have to: the first for which Newton's method ends counts. With 1e-5 inertias are within 1 %
+of the nearest."""
 
 
 def covariance(distribution: str, mesh: Mesh | None, size: ArrayLike) -> np.ndarray:
@@ -50,17 +57,20 @@ def _of_simplices(corners: np.ndarray, content: np.ndarray, *, at_origin: bool) 
     return own / (ends * (ends + 1) * total) - np.outer(centre, centre)
 
 
-def lumped_covariance(shares: np.ndarray, size: ArrayLike) -> np.ndarray:
-    """The same of shares (nx, ny, nz) of the control points of a box with sides (3,) [m]."""
-    places = _places(shares.shape) * np.asarray(size)
+def lumped_covariance(shares: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """The same of shares (nx, ny, nz) at places (n, 3) [m]."""
     weights = shares.ravel() / shares.sum()
     places = places - weights @ places
     return np.einsum("p,px,py->xy", weights, places, places)
 
 
-def inertia_ratio(shares: np.ndarray, wanted: np.ndarray, size: ArrayLike) -> np.ndarray:
-    """How many times the inertia of an object of covariance `wanted` (3, 3) [m^2] shares have, (3,) about x, y and z."""
-    have, want = (np.trace(each) - np.diag(each) for each in (lumped_covariance(shares, size), wanted))
+def inertia_ratio(shares: np.ndarray, wanted: np.ndarray, size: ArrayLike, places: np.ndarray | None = None) -> np.ndarray:
+    """How many times the inertia of an object of covariance `wanted` (3, 3) [m^2] shares (nx, ny, nz) have, (3,) about x, y and z.
+
+    places: (n, 3) in a box of sides 1; by default those of control points.
+    """
+    at = (_places(shares.shape) if places is None else places) * np.asarray(size)
+    have, want = (np.trace(each) - np.diag(each) for each in (lumped_covariance(shares, at), wanted))
     return np.divide(have, want, out=np.ones(3), where=want > 1e-12 * np.max(np.square(size)))
 
 
@@ -69,14 +79,24 @@ def matched_shares(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray
 
     None where there are none.
     """
-    places = _places(rows.shape)
-    moments = np.stack([np.ones(len(places)), *places.T, *(places[:, a] * places[:, b] for a, b in PAIRS)])
-    near, of_object = rows.ravel() / rows.sum(), object_rows.ravel() / object_rows.sum()
-    centre = of_object @ places
-    second = wanted / np.outer(np.asarray(size), np.asarray(size)) + np.outer(centre, centre)
-    aim = np.array([1.0, *centre, *(second[a, b] for a, b in PAIRS)])
-    found = _projected(near, moments, aim, floor)
+    near, of_object, places = rows.ravel() / rows.sum(), object_rows.ravel() / object_rows.sum(), _places(rows.shape)
+    found = _projected(near, near, _moments(places), _aim(of_object @ places, wanted, size), np.full(near.shape, floor))
     return None if found is None else found.reshape(rows.shape)
+
+
+def nearest_shares(
+    rows: np.ndarray, metric: np.ndarray, places: np.ndarray, wanted: np.ndarray, size: ArrayLike, floors: Sequence[float]
+) -> np.ndarray | None:
+    """Shares (nx, ny, nz) near `rows` with their total and centre and the covariance `wanted` [m^2], or one as near to it as it goes.
+
+    metric: shares whose part `floor`, the first of `floors` that allows it, every point keeps. places: (n, 3) in a box of sides 1, about its
+    middle. None where no shares have total and centre.
+    """
+    near, scale = rows.ravel() / rows.sum(), metric.ravel() / metric.sum()
+    moments, aim = _moments(places), _aim(near @ places, wanted, size)
+    tries = [*((floor, 0.0) for floor in floors), *((floors[-1], gives) for gives in GIVES)]
+    found = (_projected(near, scale, moments, aim, floor * scale, gives) for floor, gives in tries)
+    return next((each.reshape(rows.shape) for each in found if each is not None), None)
 
 
 def require_matched(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray, size: ArrayLike, uniform_share: float) -> np.ndarray:
@@ -119,23 +139,40 @@ def _places(counts: tuple[int, ...]) -> np.ndarray:
     return rest_grid(counts, np.full(3, -0.5), np.ones(3)).reshape(-1, 3)
 
 
-def _projected(near: np.ndarray, moments: np.ndarray, aim: np.ndarray, floor: float) -> np.ndarray | None:
-    """Numbers (n,) of these moments (10, n) @ numbers = aim, none below the floor, nearest in the metric 1 / near."""
+def _moments(places: np.ndarray) -> np.ndarray:
+    """Of points at places (n, 3), (10, n)."""
+    return np.stack([np.ones(len(places)), *places.T, *(places[:, a] * places[:, b] for a, b in PAIRS)])
+
+
+def _aim(centre: np.ndarray, wanted: np.ndarray, size: ArrayLike) -> np.ndarray:
+    """Moments (10,) of a mass of 1 with this centre (3,), in a box of sides 1, and this covariance [m^2]."""
+    second = wanted / np.outer(np.asarray(size), np.asarray(size)) + np.outer(centre, centre)
+    return np.array([1.0, *centre, *(second[a, b] for a, b in PAIRS)])
+
+
+def _projected(
+    near: np.ndarray, scale: np.ndarray, moments: np.ndarray, aim: np.ndarray, floor: np.ndarray, gives: float = 0.0
+) -> np.ndarray | None:
+    """Numbers (n,) of these moments (10, n) @ numbers = aim, none below its floor (n,), nearest to `near` in the metric 1 / scale.
+
+    gives: how easily second moments give way.
+    """
+    soft = np.append(np.zeros(4), np.full(6, gives))
 
     def at(y: np.ndarray) -> tuple[np.ndarray, float]:
         """The shares of multipliers, and the dual's value."""
         push = moments.T @ y
-        shares = np.maximum(floor, near * (1 + push))
-        return shares, float(aim @ y - push @ shares + 0.5 * ((shares - near) ** 2 / near).sum())
+        shares = np.maximum(floor, scale * (near / scale + push))
+        return shares, float(aim @ y - push @ shares + 0.5 * ((shares - near) ** 2 / scale).sum() - 0.5 * soft @ y**2)
 
     y = np.zeros(len(aim))
     shares, value = at(y)
     for _ in range(ROUNDS):
-        missing = aim - moments @ shares
+        missing = aim - moments @ shares - soft * y
         if np.abs(missing).max() < ENOUGH:
             return shares
         free = shares > floor
-        curvature = (moments[:, free] * near[free]) @ moments[:, free].T
+        curvature = (moments[:, free] * scale[free]) @ moments[:, free].T + np.diag(soft)
         if np.linalg.cond(curvature) > 1e13:
             return None
         way, length = np.linalg.solve(curvature, missing), 1.0

@@ -71,22 +71,29 @@ def point_masses(
     at the lumped masses, and `uniform_share` is what every point has of the mean mass at least).
     Raises SoftffdError where the mesh does not fit, or a control point would be left without mass; a scene has checked the values.
     """
-    if density is not None:
-        total = density * (enclosed_volume(mesh) if mesh is not None else float(np.prod(np.asarray(size))))
-    assert total is not None  # one of the two
+    total = total_mass(total, density, mesh, size)
     shares = _shares(distribution, counts, origin, size, mesh, basis)
     shares /= shares.sum()
     blended = (1 - uniform_share) * shares + uniform_share / shares.size
     wanted = covariance(distribution, mesh, size)
     if inertia == "matched":
         found = require_matched(blended, shares, wanted, size, uniform_share)
-        return Masses(total * _flat(found), np.zeros(3), np.ones(3), total * _flat(shares))
+        return Masses(total * flat_shares(found), np.zeros(3), np.ones(3), total * flat_shares(shares))
     _require_all_positive(blended, uniform_share)
     shift = _centre(blended, origin, size) - _centre(shares, origin, size)
-    return Masses(total * _flat(blended), shift, inertia_ratio(blended, wanted, size))
+    return Masses(total * flat_shares(blended), shift, inertia_ratio(blended, wanted, size))
 
 
-def _flat(shares: np.ndarray) -> np.ndarray:
+def total_mass(total: float | None, density: float | None, mesh: Mesh | None, size: ArrayLike) -> float:
+    """The mass [kg] that is given, or that of a density [kg/m3] in a closed mesh, or without one in a box of `size` [m]."""
+    if density is not None:
+        total = density * (enclosed_volume(mesh) if mesh is not None else float(np.prod(np.asarray(size))))
+    assert total is not None  # one of the two
+    return total
+
+
+def flat_shares(shares: np.ndarray) -> np.ndarray:
+    """Shares (nx, ny, nz) in flat order (n,)."""
     return to_flat(shares[..., None])[:, 0]
 
 
@@ -136,10 +143,10 @@ def _shares(distribution: str, counts: tuple[int, ...], origin: ArrayLike, size:
     shares = (
         triangle_shares(corners, np.asarray(size), counts, solid=solid) if basis == "bspline" else _integrals(corners, mesh, counts, solid)
     )
-    return _outwards(shares / shares.sum(), mesh) if solid else shares
+    return outwards(shares / shares.sum(), mesh) if solid else shares
 
 
-def _outwards(shares: np.ndarray, mesh: Mesh) -> np.ndarray:
+def outwards(shares: np.ndarray, mesh: Mesh) -> np.ndarray:
     """The shares of a solid, which are positive where all its faces look the same way, out or in."""
     if shares.min() < -1e-9 / shares.size:
         raise SoftffdError(

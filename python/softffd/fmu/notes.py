@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from softffd.embedding.mass import filled_words
+from softffd.embedding.mass import filled_words, flat_shares
+from softffd.embedding.nodes import volume_shares
 from softffd.lattice import point_at
 from softffd.rotation import turned
 from softffd.scene.springs import WAYS, springs
@@ -23,6 +24,8 @@ NAME = "notes.txt"
 LIGHT, LIGHTEST, WORTH = 0.02, 0.2, 2.0
 """Of the whole mass, what light points have in all at most; of the mean one, what the lightest has at most; how many times shorter steps
 they make at least"""
+WORTH_OF_NODES = 1.5
+"""The last one of a solid's nodes"""
 
 
 def body_notes(scene: Scene, masses: Masses, samples: Samples | None) -> list[str]:
@@ -52,18 +55,22 @@ def shift_note(scene: Scene, masses: Masses) -> str | None:
 
 
 def inertia_note(scene: Scene, masses: Masses) -> str | None:
-    """How many times the object's inertia the points have; None where once, and where regions give masses of their own."""
+    """How many times the object's inertia the masses have; None where once, and where regions give masses of their own."""
     of_regions = any(region.mass is not None or region.density is not None for region in scene.region)
     least, most = masses.inertia.min(), masses.inertia.max()
     if of_regions or (least > 0.99 and most < 1.01):
         return None
     times = f"{most:.3g}" if most < 1.01 * least else f"{least:.3g} to {most:.3g}"
     whose = "box" if scene.mass.distribution in ("uniform", "box") else f"mesh ({scene.mass.distribution})"
+    if scene.is_solid:
+        return f"masses of nodes come no nearer than {times} times the inertia of the {whose}; more control points do"
     return f'lumped masses have {times} times the inertia of the {whose}; mass.inertia = "matched" corrects this, with shorter steps'
 
 
 def light_note(scene: Scene, masses: Masses) -> str | None:
     """How many times shorter explicit steps are because of the lightest points, and the key that gives those mass."""
+    if scene.is_solid:
+        return _light_node_note(scene, masses.mass)
     mass = masses.mass
     if mass.min() > LIGHTEST * mass.mean():
         return None
@@ -81,6 +88,22 @@ def light_note(scene: Scene, masses: Masses) -> str | None:
         share = f"{100 * mass[light].sum() / mass.sum():.2g} % of the mass"
         which = f"{len(light)} control points with {share} in all, such as {place} with {mass[first]:.3g} kg, make"
     return f"{which} explicit steps {times:.2g} times shorter than the others need; a larger {key} makes them longer"
+
+
+def _light_node_note(scene: Scene, mass: np.ndarray) -> str | None:
+    """How many times shorter steps can be than with the masses that the box would give: the stiffness is that of the box, so that squared
+    frequencies are greater by the largest ratio of both at most. Pinned nodes do not count."""
+    of_box = mass.sum() * flat_shares(volume_shares(scene.lattice.points))
+    ratio = of_box / mass
+    for pin in scene.pin:
+        ratio[scene.select(pin.points)] = 0.0
+    first = int(ratio.argmax())
+    if (times := float(np.sqrt(ratio[first]))) < WORTH_OF_NODES:
+        return None
+    place, key = list(point_at(first, scene.lattice.points)), _key_of_mass(scene, first)
+    instead = 'mass.distribution = "box"' if key == "mass.uniform_share" else f"a larger {key}"
+    which = f"node {place} with {mass[first]:.3g} kg, where the box has {of_box[first]:.3g} kg,"
+    return f"{which} makes explicit steps up to {times:.2g} times shorter; {instead} makes them longer"
 
 
 def _squared_frequencies(scene: Scene, mass: np.ndarray) -> np.ndarray:

@@ -8,11 +8,12 @@ from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from softffd.embedding.mass import Masses, point_masses
+from softffd.embedding.mass_solid import node_masses
 from softffd.embedding.samples import Samples, surface_samples
 from softffd.errors import SoftffdError
 from softffd.fmu.archive import write_archive
@@ -33,24 +34,21 @@ PLATFORMS3 = {"linux64": "x86_64-linux", "win64": "x86_64-windows", "darwin64": 
 """What FMI 3.0 calls the platforms, where it has another word than FMI 2.0."""
 
 
-_point_masses = lru_cache(maxsize=1)(point_masses)
+_point_masses, _node_masses = lru_cache(maxsize=1)(point_masses), lru_cache(maxsize=1)(node_masses)
 """The last ones are kept: over a fine lattice and mesh they take minutes, and an FMU, its summary and a run want the same"""
 
 
 def scene_masses(scene: Scene) -> Masses:
-    """The control points' masses (n,) [kg] and the shift of the centre of mass (3,) [m] by mass.uniform_share, overrides included."""
-    masses = _point_masses(
-        scene.mass.distribution,
-        counts=scene.lattice.points,
-        origin=scene.lattice.origin,
-        size=scene.lattice.size,
-        mesh=scene.loaded_mesh,
-        total=scene.mass.total,
-        density=scene.mass.density,
-        uniform_share=scene.mass.uniform_share,
-        basis=scene.lattice.basis,
-        inertia=scene.mass.inertia,
-    )
+    """The masses (n,) [kg] of the control points, or of a solid's nodes, and the shift of the centre of mass (3,) [m] by
+    mass.uniform_share, overrides included."""
+    lattice, given = scene.lattice, scene.mass
+    body: dict[str, Any] = {"counts": lattice.points, "origin": lattice.origin, "size": lattice.size, "mesh": scene.loaded_mesh}
+    body |= {"total": given.total, "density": given.density}
+    if scene.is_solid:
+        masses = _node_masses(given.distribution, **body)
+    else:
+        how: dict[str, Any] = {"uniform_share": given.uniform_share, "basis": lattice.basis, "inertia": given.inertia}
+        masses = _point_masses(given.distribution, **body, **how)
     mass = masses.mass.copy()
     if any(region.density is not None for region in scene.region):
         mass = _of_cells(scene, masses.mass.sum())
