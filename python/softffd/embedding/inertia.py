@@ -25,8 +25,8 @@ PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 ROUNDS, ENOUGH = 60, 1e-13
 """Newton steps at most, and the largest error of a moment that ends them, in units of the box"""
 GIVES = (1e-5, 1e-4, 1e-3)
-"""How easily second moments give way, where they have to: the first for which Newton's method ends counts. With 1e-5 inertias are within 1 %
-of the nearest."""
+"""How easily second moments give way, where they have to: the first for which Newton's method ends counts. With 1e-5 inertias are within
+1 % of the nearest."""
 
 
 def covariance(distribution: str, mesh: Mesh | None, size: ArrayLike) -> np.ndarray:
@@ -89,8 +89,8 @@ def nearest_shares(
 ) -> np.ndarray | None:
     """Shares (nx, ny, nz) near `rows` with their total and centre and the covariance `wanted` [m^2], or one as near to it as it goes.
 
-    metric: shares whose part `floor`, the first of `floors` that allows it, every point keeps. places: (n, 3) in a box of sides 1, about its
-    middle. None where no shares have total and centre.
+    metric: shares whose part `floor`, the first of `floors` that allows it, every point keeps. places: (n, 3) in a box of sides 1, about
+    its middle. None where no shares have total and centre.
     """
     near, scale = rows.ravel() / rows.sum(), metric.ravel() / metric.sum()
     moments, aim = _moments(places), _aim(near @ places, wanted, size)

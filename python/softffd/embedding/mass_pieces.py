@@ -1,8 +1,8 @@
 """Shares of the mass where the weights of an axis are one polynomial from one cut to the next: B-splines, or hat functions between nodes.
 
-Triangles are cut at the cuts of all three axes, so that on a piece the integrands of mass.py are smooth. A sample counts for the points near
-it, and for a solid for those below, whose integrals up to the sample's height are their integrals over the whole axis: such a column is
-booked at its top and summed downwards at the end.
+Triangles are cut at the cuts of all three axes, so that on a piece the integrands of mass.py are smooth. A sample counts for the points
+near it, and for a solid for those below, whose integrals up to the sample's height are their integrals over the whole axis: such a column
+is booked at its top and summed downwards at the end.
 """
 
 from collections.abc import Callable, Iterator, Sequence

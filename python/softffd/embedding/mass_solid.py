@@ -1,10 +1,10 @@
 """Masses of a solid's nodes.
 
-A box of one density gives each node the weight of the quadrature there, so that mass, centre and inertia are its own. Of an object in the box
-each part goes first to the nodes around it, by hat functions along each axis, of which no share is negative: mass and centre are the
-object's. The masses nearest to these have its inertia too (inertia.py), and at every node a part FLOORS of what the box would give: a lighter
-one makes the steps shorter, because the stiffness is that of the box. A thin object leaves no such masses, since masses at the places x_i
-and x_i+1 around an X have the variance (X - x_i) (x_i+1 - X) at least; then the inertia is as near to the object's as it goes.
+A box of one density gives each node the weight of the quadrature there, so that mass, centre and inertia are its own. Of an object in the
+box each part goes first to the nodes around it, by hat functions along each axis, of which no share is negative: mass and centre are the
+object's. The masses nearest to these have its inertia too (inertia.py), and at every node a part FLOORS of what the box would give: a
+lighter one makes the steps shorter, because the stiffness is that of the box. A thin object leaves no such masses, since masses at the
+places x_i and x_i+1 around an X have the variance (X - x_i) (x_i+1 - X) at least; then the inertia is as near to the object's as it goes.
 """
 
 import numpy as np
@@ -45,8 +45,8 @@ def node_masses(
         shares = nearest_shares(hat_shares(distribution, counts, origin, size, mesh), box, places, wanted, size, FLOORS)
     if shares is None:
         raise SoftffdError(
-            f'mass.distribution: "{distribution}" is not possible: no masses of these nodes have the object\'s centre, which is at the rim of '
-            'the box. Wanted a box that the object fills better, or "box".'
+            f'mass.distribution: "{distribution}" is not possible: no masses of these nodes have the centre of the object, which is at the '
+            'rim of the box. Wanted a box that the object fills better, or "box".'
         )
     return Masses(whole * flat_shares(shares), np.zeros(3), inertia_ratio(shares, wanted, size, places))
 
