@@ -37,7 +37,7 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
     add("origin", *(lattice.origin or ()))
     add("size", *(lattice.size or ()))
     add("topology", lattice.springs, when=not scene.is_solid)
-    basis = "patches" if scene.is_solid else lattice.basis
+    basis = scene.lattice_box.basis
     add("basis", basis, when=basis != "bezier")
     add("mass", *masses.mass)
     if masses.weight is not None:

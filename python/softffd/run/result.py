@@ -21,9 +21,8 @@ from softffd.obstacles import Obstacles
 from softffd.rotation import turned
 from softffd.run.parts import require_name
 from softffd.run.result_file import read_result, write_files
-from softffd.run.stress import cauchy_stress, deformation, gradients, green_strain
+from softffd.run.stress import deformation, green_strain, lattice_gradients, lattice_stress
 from softffd.run.tables import data_frame, dataset
-from softffd.scene.springs import cell_stiffness
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
@@ -127,20 +126,20 @@ class Result:
     def strain(self, row: int | slice = -1) -> np.ndarray:
         """Green-Lagrange strain at the centre of each cell (nx - 1, ny - 1, nz - 1, 3, 3) at a row of `time`, the last by default;
         (T, ...) for a slice. SoftffdError where positions of control points were not recorded."""
-        return green_strain(self._gradients(row, "strain"))
+        return green_strain(lattice_gradients(*self._of_lattice(row, "strain")))
 
     def stress(self, row: int | slice = -1) -> np.ndarray:
-        """Cauchy stress of the springs in each cell [Pa], of the shape of `strain`; NaN in inverted cells. Parameters are
-        those of the start. SoftffdError for a run without its scene, too."""
-        gradient = self._gradients(row, "stress")
+        """Cauchy stress at the centre of each cell [Pa], of the shape of `strain`; NaN in inverted cells. Of springs that of all in a cell,
+        of a solid that of its material there. Parameters are those of the start. SoftffdError for a run without its scene, too."""
+        positions, lattice = self._of_lattice(row, "stress")
         if self.scene is None:
-            raise SoftffdError(f"stress: wanted a run with its scene, which defines the springs{self.sceneless and f'; {self.sceneless}'}")
-        return cauchy_stress(gradient, cell_stiffness(self.scene, self.parameters), self._cell_sides())
+            raise SoftffdError(f"stress: wanted a run with its scene, which defines the material{self.sceneless and f'; {self.sceneless}'}")
+        return lattice_stress(positions, lattice, self.scene, self.parameters)
 
-    def _gradients(self, row: int | slice, who: str) -> np.ndarray:
+    def _of_lattice(self, row: int | slice, who: str) -> tuple[np.ndarray, LatticeBox]:
         if self.lattice is None or not self.has_positions:
             raise SoftffdError(f'{who}: wanted a run of an FMU of softffd with outputs.positions = "all"')
-        return gradients(self._positions_at(row, who), self._cell_sides())
+        return self._positions_at(row, who), self.lattice
 
     def _positions_at(self, row: int | slice | np.ndarray, who: str) -> np.ndarray:
         """Of a row of `time`, of a slice or of an array of rows; SoftffdError for what is none."""
@@ -148,10 +147,6 @@ class Result:
         if not (asked.dtype.kind in "iu" and (-rows <= asked).all() and (asked < rows).all()):
             raise SoftffdError(f"{who}: wanted a row of {rows}, counted from 0 or from the end, or a slice of them, got row={row!r:.70}")
         return self.positions[row]
-
-    def _cell_sides(self) -> np.ndarray:
-        assert self.lattice is not None
-        return np.array(self.lattice.size) / (np.array(self.lattice.points) - 1)
 
     def deformed(self, mesh: Mesh | np.ndarray | None = None, *, row: int | slice = -1) -> np.ndarray:
         """The deformed vertices (V, 3) [m] of a mesh in the run's lattice at a row of `time`, the last by default; (T, V, 3) for a slice.

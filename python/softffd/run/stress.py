@@ -1,16 +1,27 @@
-"""Deformation of the lattice, strain and stress of its cells: what an engineer looks at, from control points and springs.
+"""Deformation of the lattice, strain and stress of its cells: what an engineer looks at, from control points and springs or a solid.
 
-A cell's deformation gradient F at its centre is that of the mean of its four edges along each axis. Its springs, each shared equally by the
-cells around it, or of a modulus with what this cell gives it, store under F the energy
+Those of a solid are in stress_solid.py. Of springs, the deformation gradient F at the centre of a cell is that of the mean of its four
+edges along each axis. Its springs, each shared equally by the cells around it, or of a modulus with what this cell gives it, store under F
+the energy
 
     W = sum of k (|F l| - |l|)^2 / (2 V),    l a spring at rest, V the cell's volume,
 
 and the Cauchy stress is dW/dF F^T / det F: the sum of k (1 - |l| / |d|) d d^T / (V det F), d = F l.
 """
 
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from softffd.scene.springs import WAYS
+from softffd.lattice import LatticeBox
+from softffd.run.stress_solid import patch_gradients, solid_stress
+from softffd.scene.springs import WAYS, cell_stiffness
+
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
 
 
 def deformation(positions: np.ndarray, rest: np.ndarray) -> np.ndarray:
@@ -25,8 +36,27 @@ def deformation(positions: np.ndarray, rest: np.ndarray) -> np.ndarray:
     return np.linalg.norm(moved - at_rest @ (u @ vt), axis=2).max(axis=1)
 
 
+def lattice_gradients(positions: np.ndarray, lattice: LatticeBox) -> np.ndarray:
+    """F at the centres of the cells (..., nx - 1, ny - 1, nz - 1, 3, 3), of springs or a solid.
+
+    positions: of the control points (..., nx, ny, nz, 3) [m]."""
+    return patch_gradients(positions, lattice.size) if lattice.basis == "patches" else gradients(positions, _sides(lattice))
+
+
+def lattice_stress(positions: np.ndarray, lattice: LatticeBox, scene: Scene, parameters: Mapping[str, float]) -> np.ndarray:
+    """Cauchy stress (..., 3, 3) [Pa] there, of the scene's material; parameters: of the run, where they differ. NaN in inverted cells."""
+    if lattice.basis == "patches":
+        modulus, ratio = (float(parameters.get(key, getattr(scene.material, key))) for key in ("youngs_modulus", "poissons_ratio"))
+        return solid_stress(positions, lattice.size, modulus, ratio)
+    return cauchy_stress(lattice_gradients(positions, lattice), cell_stiffness(scene, parameters), _sides(lattice))
+
+
+def _sides(lattice: LatticeBox) -> np.ndarray:
+    return np.array(lattice.size) / (np.array(lattice.points) - 1)
+
+
 def gradients(positions: np.ndarray, sides: np.ndarray) -> np.ndarray:
-    """F at the centres of the cells (..., nx - 1, ny - 1, nz - 1, 3, 3).
+    """F at the centres of the cells (..., nx - 1, ny - 1, nz - 1, 3, 3) of springs.
 
     positions: (..., nx, ny, nz, 3) [m]; sides: of a cell at rest (3,) [m].
     """

@@ -115,7 +115,7 @@ class Scene(SceneKeys):
         """Counts, box at rest and basis of the lattice."""
         lattice = self.lattice
         assert lattice.origin is not None and lattice.size is not None  # filled in
-        return LatticeBox(lattice.points, lattice.origin, lattice.size, lattice.basis)
+        return LatticeBox(lattice.points, lattice.origin, lattice.size, "patches" if self.is_solid else lattice.basis)
 
     @property
     def loaded_mesh(self) -> Mesh | None:

@@ -113,7 +113,7 @@ def test_parameters_of_the_start_count():
 
 def test_what_is_missing_is_said():
     result = simulate(pulled(), stop_time=0.05)
-    with pytest.raises(SoftffdError, match="stress: wanted a run with its scene, which defines the springs; gone"):
+    with pytest.raises(SoftffdError, match="stress: wanted a run with its scene, which defines the material; gone"):
         dataclasses.replace(result, scene=None, sceneless="gone").stress()
     with pytest.raises(SoftffdError, match=r'strain: wanted a run of an FMU of softffd with outputs\.positions = "all"'):
         dataclasses.replace(result, lattice=None).strain()
