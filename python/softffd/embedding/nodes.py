@@ -9,9 +9,11 @@ control points along an axis has n nodes there, and node and control point of on
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
+from softffd.embedding.basis import weights
 from softffd.lattice import Counts
 
 PLACES = np.array([0.0, (1 - 1 / math.sqrt(5)) / 2, (1 + 1 / math.sqrt(5)) / 2, 1.0])
@@ -38,6 +40,18 @@ def rest_nodes(counts: Counts, origin: np.ndarray, size: np.ndarray) -> np.ndarr
     """The nodes at rest in a box at `origin` with sides `size` [m], as a grid (nx, ny, nz, 3) [m]."""
     axes = np.meshgrid(*(axis_nodes(count) for count in counts), indexing="ij")
     return np.asarray(origin) + np.asarray(size) * np.stack(axes, axis=-1)
+
+
+def node_positions(positions: np.ndarray) -> np.ndarray:
+    """Where the nodes are (..., nx, ny, nz, 3) [m] while the control points are at `positions`, of the same shape."""
+    return along_axes(positions, [weights(axis_nodes(n), n, "patches") for n in positions.shape[-4:-1]])
+
+
+def along_axes(grid: np.ndarray, matrices: Sequence[np.ndarray]) -> np.ndarray:
+    """A grid (..., nx, ny, nz, c) by a matrix (m, n) along each of its axes."""
+    for axis, matrix in enumerate(matrices):
+        grid = np.moveaxis(np.moveaxis(grid, axis - 4, -1) @ matrix.T, -1, axis - 4)
+    return grid
 
 
 def volume_shares(counts: Counts) -> np.ndarray:

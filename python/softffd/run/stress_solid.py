@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from softffd.embedding.basis import weights
-from softffd.embedding.nodes import PLACES, WEIGHTS
+from softffd.embedding.nodes import PLACES, WEIGHTS, along_axes
 
 CENTRES = np.array([1.0, 3.0, 5.0]) / 6
 """Of the cells along an axis of a patch"""
@@ -37,7 +37,7 @@ def solid_stress(positions: np.ndarray, size: Sequence[float], modulus: float, r
     gradient = patch_gradients(positions, size)
     change = np.linalg.det(gradient)
     at_nodes = np.linalg.det(_gradients(positions, size, PLACES))[..., None] - 1
-    projected = _contracted(at_nodes, [_blocks(_projection(), n // 3) for n in positions.shape[-4:-1]])[..., 0]
+    projected = along_axes(at_nodes, [_blocks(_projection(), n // 3) for n in positions.shape[-4:-1]])[..., 0]
     pressure = mu * (change - 2) + lame * projected - lame * np.maximum(FOLDING - change, 0) ** 2 / FOLDING
     stretched = gradient @ np.swapaxes(gradient, -1, -2)
     whole = np.where(change > 0, change, np.nan)[..., None, None]
@@ -49,7 +49,7 @@ def _gradients(positions: np.ndarray, size: Sequence[float], places: np.ndarray)
     counts = positions.shape[-4:-1]
     values = [_patches(weights(places, 4), n) for n in counts]
     slopes = [_patches(_slopes(places), n) * (n // 3 / side) for n, side in zip(counts, size, strict=True)]
-    columns = [_contracted(positions, [*values[:axis], slopes[axis], *values[axis + 1 :]]) for axis in range(3)]
+    columns = [along_axes(positions, [*values[:axis], slopes[axis], *values[axis + 1 :]]) for axis in range(3)]
     return np.stack(columns, axis=-1)
 
 
@@ -76,10 +76,3 @@ def _patches(rows: np.ndarray, n: int) -> np.ndarray:
 def _blocks(rows: np.ndarray, patches: int) -> np.ndarray:
     """The same for values that each patch has of its own."""
     return np.kron(np.eye(patches), rows)
-
-
-def _contracted(grid: np.ndarray, matrices: Sequence[np.ndarray]) -> np.ndarray:
-    """A grid (..., nx, ny, nz, c) by a matrix (m, n) along each of its axes."""
-    for axis, matrix in enumerate(matrices):
-        grid = np.moveaxis(np.moveaxis(grid, axis - 4, -1) @ matrix.T, -1, axis - 4)
-    return grid

@@ -6,8 +6,9 @@ from functools import cached_property
 import numpy as np
 
 from softffd.embedding.deform import Embedding
+from softffd.embedding.nodes import node_positions
 from softffd.errors import SoftffdError
-from softffd.lattice import index_grid, rest_grid
+from softffd.lattice import index_grid, rest_grid, to_flat
 from softffd.names import vector_names
 from softffd.obstacles import SolidShape
 from softffd.run.result import Result
@@ -124,6 +125,10 @@ class Stage:
     @cached_property
     def _embedding(self) -> Embedding:
         return Embedding(self.vertices, self.origin, self.size, self.counts, self.basis)
+
+    def contact_points(self, positions: np.ndarray) -> np.ndarray:
+        """What obstacles meet of a lattice (N, 3) [m] for control points (nx, ny, nz, 3) [m]: these, or the nodes of a solid."""
+        return to_flat(node_positions(positions) if self.basis == "patches" else positions)
 
     def deformed(self, positions: np.ndarray) -> np.ndarray:
         """The surface's vertices (V, 3) [m] for control points (nx, ny, nz, 3) [m]."""

@@ -45,11 +45,11 @@ class Touch:
         return np.stack([self.starts[there, frame], self.starts[there, frame] + ways[there]], axis=1)
 
     def places(self, frame: int) -> tuple[np.ndarray, np.ndarray]:
-        """The control points (N, 3) [m] and the surface's vertices (M, 3) [m] on obstacles in a frame."""
+        """The points of the lattice (N, 3) [m] and the surface's vertices (M, 3) [m] on obstacles in a frame."""
         stage, none = self.stage, np.empty((0, 3))
-        points = to_flat(stage.positions[frame])
-        if not self._may_touch(frame, points):
+        if not self._may_touch(frame, to_flat(stage.positions[frame])):
             return none, none  # nor is anything that is between them
+        points = stage.contact_points(stage.positions[frame])
         on_points = none if self.of == "surface" else points[self._near(frame, points)]
         if self.of == "lattice" or stage.is_cage:
             return on_points, none
@@ -58,9 +58,12 @@ class Touch:
         return on_points, vertices[np.linspace(0, len(vertices) - 1, min(len(vertices), MOST)).astype(int)]
 
     def touched(self, frame: int, obstacle: PlaneTrack | SolidTrack) -> np.ndarray:
-        """What is on one obstacle in a frame, control points or vertices of the surface, by its places at rest, (N, 3) [m]."""
+        """What is on one obstacle in a frame, points of the lattice or vertices of the surface, by its places at rest, (N, 3) [m]."""
         stage, positions = self.stage, self.stage.positions[frame]
-        places, rest = (stage.deformed(positions), stage.vertices) if self.of == "surface" else (to_flat(positions), to_flat(stage.rest))
+        if self.of == "surface":
+            places, rest = stage.deformed(positions), stage.vertices
+        else:
+            places, rest = stage.contact_points(positions), stage.contact_points(stage.rest)
         return rest[np.abs(obstacle.gap(frame, places)) <= self._limit]
 
     def _may_touch(self, frame: int, points: np.ndarray) -> bool:

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from made_up_run import ORIGIN, SIZE, made_up_run, with_mesh
+from softffd.embedding.nodes import rest_nodes
+from softffd.lattice import to_flat
 from softffd.mesh.mesh import Mesh
 from softffd.obstacles import Obstacles
 from softffd.show.skin import cage_surface
@@ -81,3 +83,18 @@ def test_a_patch_without_width_is_a_point_or_a_line():
     lifted = result.positions.copy()
     lifted[:, 1:, ..., 2] += 0.1
     assert "(ground: a point or a line" in narrow_contact(replace(result, positions=lifted))["findings"][0]
+
+
+def test_of_a_solid_its_nodes_touch():
+    """They are where the faces are, and control points need not be: one that is far behind the ground does not touch it."""
+    result = replace(made_up_run(), obstacles=Obstacles("lattice"))
+    solid = replace(result, lattice=replace(result.lattice, basis="patches"))
+    nodes = to_flat(rest_nodes((4, 4, 4), ORIGIN, SIZE))
+    low = nodes[nodes[:, 2] < nodes[:, 2].min() + 1e-9]
+    points, _ = touch_of(solid, stage_of(solid)).places(40)
+    np.testing.assert_allclose(np.sort(points[:, 0] - points[:, 0].min()), np.sort(low[:, 0] - low[:, 0].min()), atol=1e-6)
+    moved = solid.positions.copy()
+    moved[40, 1, 1, 0, 2] -= 0.01
+    stage = stage_of(replace(solid, positions=moved))
+    assert len(touch_of(solid, stage).places(40)[0]) == 12
+    np.testing.assert_allclose(stage.contact_points(stage.rest), nodes, atol=1e-14)
