@@ -144,8 +144,7 @@ class Material(Section):
 
     model: Literal["springs", "solid"] = key(
         "springs",
-        '"springs": those of the paper; "solid": finite elements of a neo-Hookean solid, with `youngs_modulus` and `poissons_ratio`; '
-        "[its page](materials.md#a-solid) says when",
+        '"springs": those of the paper; "solid": finite elements of a neo-Hookean solid, with `youngs_modulus` and `poissons_ratio`',
     )
     stiffness: StiffnessInput | None = quantity(
         None,
