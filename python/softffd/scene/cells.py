@@ -16,13 +16,13 @@ Fits = Callable[[Sequence[float], Sequence[int]], bool]
 """Whether a body can have so many cells in a box of these sides [m]"""
 
 
-def cells_of(cells: int | None, spacing: float | None, size: Sequence[float], step: int = 1) -> tuple[int, ...]:
+def cells_of(cells: int | None, spacing: float | None, size: Sequence[float], multiple: int = 1) -> tuple[int, ...]:
     """Cells along each axis of a box of these sides [m] as a lattice's `cells` along the longest, else its `spacing` [m], ask for.
 
-    step: of how many they are multiples.
+    multiple: of how many they are multiples.
     """
-    groups = cubic_along(size, _nearest(cells / step)) if cells is not None else cubic(size, step * (spacing or 0.0))
-    return tuple(step * count for count in groups)
+    groups = cubic_along(size, _nearest(cells / multiple)) if cells is not None else cubic(size, multiple * (spacing or 0.0))
+    return tuple(multiple * count for count in groups)
 
 
 def cubic(size: Sequence[float], spacing: float) -> tuple[int, ...]:
@@ -54,13 +54,15 @@ def fit_solid(size: Sequence[float], cells: Sequence[int]) -> bool:
     return max(sides) <= (SLENDER_PATCH if max(cells) == PATCH else SLENDER) * (1 + 1e-9) * min(sides)
 
 
-def nearest_fit(size: Sequence[float], cells: Sequence[int], fits: Fits, step: int = 1) -> tuple[int, ...] | None:
-    """Cells that fit, multiples of `step`, not many more or fewer than the given ones and nearly cubic; None where MOST along the longest
-    side are not enough."""
+def nearest_fit(size: Sequence[float], cells: Sequence[int], fits: Fits, multiple: int = 1) -> tuple[int, ...] | None:
+    """Cells that fit, not many more or fewer than the given ones and nearly cubic; None where MOST along the longest side are not enough.
+
+    multiple: of how many they are multiples.
+    """
 
     def away(found: Sequence[int]) -> float:
         sides = [side / max(size) / count for side, count in zip(size, found, strict=True)]
         return sum(abs(math.log(new / old)) for new, old in zip(found, cells, strict=True)) + 1.5 * math.log(max(sides) / min(sides))
 
-    candidates = [found for most in range(step, MOST + 1, step) if fits(size, found := cells_of(most, None, size, step))]
+    candidates = [found for most in range(multiple, MOST + 1, multiple) if fits(size, found := cells_of(most, None, size, multiple))]
     return min(candidates, key=away, default=None)

@@ -66,8 +66,8 @@ def _counts(draft: Draft) -> Iterator[Fault]:
         if draft.sound("lattice", "cells") and draft.sound("lattice", "spacing"):
             yield Fault(("lattice", "points"), 'wanted cells or spacing beside "cubic", got neither')
     elif lattice.spacing is not None and draft.box:
-        most = MOST // draft.step * draft.step
-        if max(cells_of(None, lattice.spacing, draft.box[1], draft.step)) > most:
+        most = MOST // draft.multiple * draft.multiple
+        if max(cells_of(None, lattice.spacing, draft.box[1], draft.multiple)) > most:
             wanted = f"wanted >= {max(draft.box[1]) / most:.3g} m, because a side has at most {most} cells"
             yield Fault(("lattice", "spacing"), f"{wanted}, got {lattice.spacing:g}")
 

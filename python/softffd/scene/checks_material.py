@@ -71,8 +71,10 @@ def cells_check(draft: Draft, fits: Fits, wanted: str) -> Iterator[Fault]:
         return
     key = next((each for each in ("cells", "spacing") if getattr(lattice, each) is not None), "points")
     wanted = f"wanted {wanted}; got cells of {_sides(size, counts)} m"
-    instead = f"the box is too flat or too long for nearly cubic ones, of which a side has at most {MOST // draft.step * draft.step}"
-    if found := nearest_fit(size, counts, fits, draft.step):
+    instead = (
+        f"the box is too flat or too long for nearly cubic ones, of which a side has at most {MOST // draft.multiple * draft.multiple}"
+    )
+    if found := nearest_fit(size, counts, fits, draft.multiple):
         value = {"cells": max(found), "spacing": f"{max(size) / max(found):.4g}", "points": [n + 1 for n in found]}[key]
         instead = f"{key} = {value} gives {_sides(size, found)}"
     yield Fault(("lattice", key), f"{wanted}; {instead}")

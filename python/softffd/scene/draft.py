@@ -64,9 +64,9 @@ class Draft:
         return lattice.points if known and (not follows or (self.box and self.sound("material", "model"))) else None
 
     @property
-    def step(self) -> int:
+    def multiple(self) -> int:
         """Of how many cells the body has multiples along each axis."""
-        return _step(self.keys.material)
+        return _multiple(self.keys.material)
 
 
 def read_draft(document: Mapping[Any, Any], folder: Path) -> Draft:
@@ -142,14 +142,14 @@ def _read_mesh(draft: Draft, source: MeshFile) -> None:
         draft.faults.append(Fault(("mesh", "file"), " ".join(str(error).split())))
 
 
-def _step(material: Material) -> int:
+def _multiple(material: Material) -> int:
     return PATCH if material.model == "solid" else 1
 
 
 def _lattice(lattice: Lattice, mesh: Mesh | None, material: Material) -> Lattice:
     """The box as given, else that of the mesh grown by the margin, else the unit box; control points as `cells` or `spacing` ask for
     where `points` does not say how many there are; the patches of a solid."""
-    step = _step(material)
+    multiple = _multiple(material)
     if material.model == "solid" and "basis" not in lattice.model_fields_set:
         lattice = lattice.filled(basis="patches")
     lower, upper = np.array([[0.0] * 3, [1.0] * 3]) if mesh is None else mesh.bounds
@@ -159,7 +159,7 @@ def _lattice(lattice: Lattice, mesh: Mesh | None, material: Material) -> Lattice
     boxed = lattice.filled(origin=origin, size=size)
     if (lattice.cells is None and lattice.spacing is None) or ("points" in lattice.model_fields_set and str(lattice.points) != "cubic"):
         return boxed
-    counts = tuple(min(count, MOST // step * step) + 1 for count in cells_of(lattice.cells, lattice.spacing, size, step))
+    counts = tuple(min(count, MOST // multiple * multiple) + 1 for count in cells_of(lattice.cells, lattice.spacing, size, multiple))
     return Lattice.model_construct(lattice.model_fields_set - {"points"}, **(dict(boxed) | {"points": counts}))
 
 

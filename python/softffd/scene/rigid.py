@@ -174,7 +174,7 @@ class Box(Solid):
 
 
 class Pin(Rigid):
-    """Control points on a rigid frame, whose axes at rest are the world's."""
+    """Control points, of a solid the nodes of their indices, on a rigid frame, whose axes at rest are the world's."""
 
     POSE = PIN_POSE
 
@@ -182,7 +182,7 @@ class Pin(Rigid):
     points: Selection = key(..., "the pinned control points: a selection of at least one", examples=["z-"])
     origin: Vector | None = quantity(
         None, "m", "origin of the frame at rest: the reference point of its position, velocity and torque; default: the centroid of "
-        "the points"
+        "the points, of a solid of the nodes"
     )  # fmt: skip
     motion: Motion = _motion()
     inputs: PinInputs = _inputs(PIN_POSE, of=" of the frame", example=': "position.z"')

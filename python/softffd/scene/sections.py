@@ -220,7 +220,8 @@ class Contact(Section):
     of: Literal["surface", "lattice"] = key(
         "lattice",
         '"surface": the vertices of the mesh, default with a mesh; "lattice": the control points, whose convex hull contains the object, '
-        'default without a mesh and with the method "central_difference", which has no contact of the surface',
+        'or the nodes of a solid, which lie on its surface; default without a mesh and with the method "central_difference", which has no '
+        "contact of the surface",
     )
     penetration: Number = quantity(
         1e-3,
