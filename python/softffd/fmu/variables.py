@@ -177,7 +177,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "always": [solver],
         "stiffness": [{f"stiffness_{kind}": getattr(stiffness, kind) for kind in ("edge", "face", "body")}] if stiffness else [],
         "modulus": when(material.youngs_modulus is not None, youngs_modulus=material.youngs_modulus),
-        "solid": when(getattr(material, "model", "springs") == "solid", poissons_ratio=getattr(material, "poissons_ratio", 0.0)),
+        "solid": when(material.model == "solid", poissons_ratio=material.poissons_ratio),
         "damping": when(spring_damping_present(scene), damping=material.damping),
         "internal_damping": when(internal_damping_present(scene), internal_damping=material.internal_damping),
         "gravity": when(gravity is not None, gravity=gravity),
