@@ -63,7 +63,8 @@ bool off_obstacles(const Drive& around, double t, const Points& x, double gap) {
 }
 
 bool off_obstacles(const Body& body, const Drive& around, double t, const Points& x, double gap) {
-  if (off_obstacles(around, t, x, gap)) return true;
+  const bool in_hull = !body.samples || !body.samples->of_nodes();
+  if (in_hull && off_obstacles(around, t, x, gap)) return true;
   const auto off = [&](const Plane& plane) { return facing(body, plane, t, x).gap > gap; };
   return body.samples && std::all_of(around.planes.begin(), around.planes.end(), off);
 }
@@ -77,7 +78,7 @@ double forecast_way(const Equations& equations, const State& state, double H) {
 
 double BroadPhase::least_gap(const HalfSpace& obstacle, const Points& x) {
   kernels::gaps(int(x.rows()), x.data(), obstacle.normal.data(), obstacle.offset, gap_.data());
-  return gap_.minCoeff<Eigen::PropagateNaN>();
+  return (samples_ ? samples_->hull(gap_, room_) : gap_).minCoeff<Eigen::PropagateNaN>();
 }
 
 bool BroadPhase::may_touch(const Equations& equations, const State& state, double H) {

@@ -28,7 +28,8 @@ double forecast_way(const Equations& equations, const State& state, double H);
 
 class BroadPhase {
  public:
-  explicit BroadPhase(int points) : gap_(points), middle_(points, 3) {}
+  /// samples: of the surface, where obstacles meet it; their hull has to stay off then.
+  explicit BroadPhase(int points, const Samples* samples = nullptr) : samples_(samples), gap_(points), middle_(points, 3) {}
   /// Could a point come to an obstacle within H, by that forecast? The obstacles' own motion is bounded.
   bool may_touch(const Equations& equations, const State& state, double H);
   /// Is a point behind an obstacle at t1, or could one have been in between, going by the gaps and speeds at both ends and by the cubic
@@ -37,7 +38,8 @@ class BroadPhase {
 
  private:
   double least_gap(const HalfSpace& obstacle, const Points& x);
-  Scalars gap_;
+  const Samples* samples_;
+  Scalars gap_, room_;
   Points middle_;
 };
 

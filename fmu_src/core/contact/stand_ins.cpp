@@ -60,7 +60,7 @@ bool may_stand(const Body& body, Plane& solid, const State& state, double H, dou
   const double own = H * way_between(solid, state.time, state.time + H, radius_about(here.point, state.x)).speed;
   const double margin = std::min(way + own, edge_share * body.length);
   const auto clear = [&](const Vec3& place) { return here.gap(place) > way + own || (flat && over_face(solid, pose, place, margin)); };
-  bool all = true;
+  bool all = !body.samples->of_nodes();
   for (int p = 0; p < state.x.rows() && all; ++p) all = clear(row(state.x, p));
   if (all) return true;
   for (int s = 0; s < body.samples->count(); ++s)

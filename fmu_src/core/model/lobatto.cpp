@@ -53,18 +53,21 @@ Scalars volume_shares(const Lattice& lattice) {
   return shares;
 }
 
-void to_control_points(const Lattice& lattice, const Points& nodes, Points& control_points) {
-  control_points = nodes;
+void to_control_points(const Lattice& lattice, double* values) {
   for (int axis = 0; axis < 3; ++axis)
     each_line(lattice, axis, [&](int first, int step) {
-      for (int patch = 0; patch < patches(lattice.counts[axis]); ++patch, first += 3 * step)
-        for (int c = 0; c < 3; ++c) {
-          double *q = &control_points(first, c), &one = q[step], &two = q[2 * step];
-          const double begin = q[0], end = q[3 * step], low = one, high = two;
-          one = near * low + far * high + (third * end - begin);
-          two = near * high + far * low + (third * begin - end);
-        }
+      double* q = values + first;
+      for (int patch = 0; patch < patches(lattice.counts[axis]); ++patch, q += 3 * step) {
+        const double begin = q[0], low = q[step], high = q[2 * step], end = q[3 * step];
+        q[step] = near * low + far * high + (third * end - begin);
+        q[2 * step] = near * high + far * low + (third * begin - end);
+      }
     });
+}
+
+void to_control_points(const Lattice& lattice, const Points& nodes, Points& control_points) {
+  control_points = nodes;
+  for (int axis = 0; axis < 3; ++axis) to_control_points(lattice, control_points.col(axis).data());
 }
 
 void to_nodes(const Lattice& lattice, Points& forces) {

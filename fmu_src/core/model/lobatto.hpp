@@ -40,7 +40,9 @@ Scalars interpolation(double t, int n);
 /// Of each node (points): its part of the box's volume, whose sum is one.
 Scalars volume_shares(const Lattice& lattice);
 
-/// q = A^-1 y, for each axis, and f_y = A^-T f_q: forces on nodes that do the work of forces on control points; (points, 3).
+/// q = A^-1 y along each axis, in place, of numbers at the nodes (points).
+void to_control_points(const Lattice& lattice, double* values);
+/// The same of places or velocities, and f_y = A^-T f_q: forces on nodes that do the work of forces on control points; (points, 3).
 void to_control_points(const Lattice& lattice, const Points& nodes, Points& control_points);
 void to_nodes(const Lattice& lattice, Points& forces);
 

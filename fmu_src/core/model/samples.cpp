@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "machine/lanes.hpp"
+#include "model/lobatto.hpp"
 
 namespace softffd {
 
@@ -73,11 +74,25 @@ Samples::Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& p
       const double share = std::clamp((place[a] - lattice.origin[a]) / lattice.size[a], 0.0, 1.0);  // outside weights would be negative
       const Scalars all = softffd::weights(basis, share, counts_[a]);
       first[a] = 0;
-      while (all[first[a]] == 0 && first[a] + width_[a] < counts_[a]) ++first[a];
+      if (of_nodes()) first[a] = 3 * std::min(int(share * lobatto::patches(counts_[a])), lobatto::patches(counts_[a]) - 1);
+      while (!of_nodes() && all[first[a]] == 0 && first[a] + width_[a] < counts_[a]) ++first[a];
       factors_.insert(factors_.end(), all.begin() + first[a], all.begin() + first[a] + width_[a]);
     }
     first_.push_back(first);
   }
+}
+
+const Scalars& Samples::hull(const Scalars& values, Scalars& room) const {
+  if (!of_nodes()) return values;
+  room = values;
+  lobatto::to_control_points(lattice_, room.data());
+  return room;
+}
+
+const Points& Samples::hull(const Points& values, Points& room) const {
+  if (!of_nodes()) return values;
+  lobatto::to_control_points(lattice_, values, room);
+  return room;
 }
 
 double Samples::at(int s, const double* values) const {
@@ -143,7 +158,7 @@ void Samples::mark(int s, double value, double* values) const {
   for (int k = 0; k < width_[2]; ++k)
     for (int j = 0; j < width_[1]; ++j)
       for (int i = 0; i < width_[0]; ++i)
-        if (x[i] * y[j] * z[k] != 0) values[i + counts_[0] * (j + counts_[1] * k)] = value;
+        if (of_nodes() || x[i] * y[j] * z[k] != 0) values[i + counts_[0] * (j + counts_[1] * k)] = value;
 }
 
 void Samples::add(int s, double factor, const double* of_s, double* values) const { add(s, &factor, of_s, values, 1, 0); }

@@ -1,8 +1,9 @@
 /// Samples of the object's own surface: points of the body by which obstacles are met, where the control points of the lattice are not it.
 ///
 /// A sample s is at the place X_s at rest and at Q_s(x) = sum_i W_si x_i of the deformed body. The weights are products of one factor per
-/// axis, are not negative, sum to one and reproduce places: sum_i W_si X_i = X_s. GapFunction above a plane are therefore linear too: the
-/// gap of a sample is Q_s of the gaps of the control points, at least the smallest of them.
+/// axis, sum to one and reproduce places: sum_i W_si X_i = X_s. Gaps above a plane are therefore linear too: the gap of a sample is Q_s of
+/// the gaps of the points, at least the smallest of them where no weight is negative. Nodes of a solid have negative ones; the gaps of its
+/// control points bound those of the samples (`hull`).
 #pragma once
 #include <array>
 #include <vector>
@@ -28,6 +29,12 @@ class Samples {
   /// Number of control points that count at a sample, those of weight 0 among them.
   int support() const { return width_[0] * width_[1] * width_[2]; }
 
+  /// Whether weights may be negative.
+  bool of_nodes() const { return lattice_.lobatto; }
+  /// Numbers of which those at the samples are means: those of the points (points), or, of nodes, of control points, in `room`.
+  const Scalars& hull(const Scalars& values, Scalars& room) const;
+  const Points& hull(const Points& values, Points& room) const;
+
   /// Q_s of a value of each control point, (points).
   double at(int s, const double* values) const;
   Vec3 at(int s, const Points& x) const;
@@ -38,7 +45,7 @@ class Samples {
   static PointRange range(const double* weights, int samples, int points);
   /// The sum of W_ti times what `weights` gives of s.
   double product(int t, int s, const double* of_s) const;
-  /// values_i = value for the points whose weight is not 0.
+  /// values_i = value for the points whose weight is not 0; of nodes for those of the sample's patch.
   void mark(int s, double value, double* values) const;
   /// values_i += factor of_s_i for the points that count at s.
   void add(int s, double factor, const double* of_s, double* values) const;

@@ -73,7 +73,7 @@ bool SurfaceTouches::possible(const Vec3& x, double slack) {
 
 /// The forces of the step before.
 void SurfaceTouches::guess(const Step& step, const Points&, const Points& x) {
-  if (flat_ < int(end_.size())) find_tangents(longest_way(step.from.x, x));
+  if (flat_ < int(end_.size())) find_tangents(tangents_.way(step.from.x, x));
   const HeldRows& held = step.from.held_rows;
   const int count = samples_.count();
   forces_.clear();
@@ -155,14 +155,14 @@ bool SurfaceTouches::tangents_stand(const StepProblem& problem) const {
 StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
   solution_.fresh = solution_.settled = false;
   const bool solids = flat_ < int(end_.size());
-  if (solids && !covered_) find_tangents(2 * longest_way(problem.x0, problem.x));
+  if (solids && !covered_) find_tangents(2 * tangents_.way(problem.x0, problem.x));
   if (solids) turn_tangents(problem);
   if (!solve_free(problem)) return StepStatus::not_finite;
   before_ = forces_;
   if (const StepStatus status = find_forces(problem); status != StepStatus::ok) return status;
   std::erase_if(forces_, [](const Force& each) { return each.force.isZero(0); });
   if (solids) {
-    covered_ = tangents_.covers(longest_way(problem.x0, problem.x + move_));
+    covered_ = tangents_.covers(tangents_.way(problem.x0, problem.x + move_));
     solution_.settled = solution_.settled && covered_ && tangents_stand(problem);
   }
   solution_.change = move_;

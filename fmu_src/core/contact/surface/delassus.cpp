@@ -19,7 +19,7 @@ constexpr double weights_work = 256, solution_work = 3;
 }  // namespace
 
 bool GapFunction::find(const Samples& samples, const Points& x, const Vec3& normal, double offset) {
-  if (sample < 0) return kernels::gaps(int(x.rows()), x.data(), normal.data(), offset, of_points.data());
+  if (sample < 0) return kernels::gaps(int(x.rows()), x.data(), normal.data(), offset, of_points.data()) || samples.of_nodes();
   of_sample = normal.dot(samples.at(sample, x)) - offset;
   return of_sample < 0;
 }

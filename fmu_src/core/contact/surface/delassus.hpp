@@ -26,7 +26,7 @@ struct GapFunction {
   double of_sample = 0;
 
   double at(const Samples& samples, int s) const { return sample < 0 ? samples.at(s, of_points.data()) : of_sample; }
-  /// Of these positions above a plane, or of velocities along its normal. Returns whether any is below 0.
+  /// Of these positions above a plane, or of velocities along its normal. Returns whether any may be below 0.
   bool find(const Samples& samples, const Points& x, const Vec3& normal, double offset);
   /// By this motion of the control points in the range.
   void add_motion(const Samples& samples, PointRange range, const Points& move, const Vec3& normal);

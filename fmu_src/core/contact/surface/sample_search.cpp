@@ -18,14 +18,17 @@ constexpr std::size_t long_list = 64;
 }  // namespace
 
 SampleSearch::SampleSearch(const Samples& samples, int planes, double length)
-    : samples_(samples), length_(length), rest_(rest_positions(samples.lattice())), planes_(planes) {
+    : samples_(samples), length_(length), planes_(planes) {
+  Points room;
+  rest_ = samples.hull(rest_positions(samples.lattice()), room);
   for (int a = 0; a < 3; ++a) {
     middle_[a] = rest_.col(a).mean();
     squares_[a] = (rest_.col(a) - middle_[a]).square().sum();
   }
 }
 
-bool SampleSearch::covers(int q, const Scalars& gaps) {
+bool SampleSearch::covers(int q, const Scalars& of_points) {
+  const Scalars& gaps = samples_.hull(of_points, room_);
   Known& known = planes_[q];
   const double touch = touching * length_;
   if (known.gaps.size() == 0) known.gaps = gaps;
@@ -36,11 +39,12 @@ bool SampleSearch::covers(int q, const Scalars& gaps) {
 
 bool SampleSearch::is_long(int q) const { return near(q).size() > long_list; }
 
-bool SampleSearch::in_front(int q, const Scalars& gaps, double slack) const {
-  return planes_[q].away || (gaps + planes_[q].idle).minCoeff() >= -slack;
+bool SampleSearch::in_front(int q, const Scalars& of_points, double slack) {
+  return planes_[q].away || (samples_.hull(of_points, room_) + planes_[q].idle).minCoeff() >= -slack;
 }
 
-void SampleSearch::look(int q, const Scalars& gaps, double way) {
+void SampleSearch::look(int q, const Scalars& of_points, double way) {
+  const Scalars& gaps = samples_.hull(of_points, room_);
   Known& known = planes_[q];
   ++searches_;
   const double steps = known.near.size() > long_list ? steps_of_long_list : steps_ahead;
@@ -53,7 +57,7 @@ void SampleSearch::look(int q, const Scalars& gaps, double way) {
   const double bound = known.reserve * (1 + 1e-9) - left_.minCoeff() - base;
   known.near.clear();
   for (int s = 0; s < samples_.count(); ++s)
-    if (slope.dot(samples_.place(s)) < bound && samples_.at(s, gaps.data()) < known.reserve) known.near.push_back(s);
+    if (slope.dot(samples_.place(s)) < bound && samples_.at(s, of_points.data()) < known.reserve) known.near.push_back(s);
   known.idle = Scalars::Constant(gaps.size(), std::numeric_limits<double>::infinity());
   for (const int s : known.near) samples_.mark(s, 0.0, known.idle.data());
 }

@@ -1,6 +1,7 @@
 /// Which samples of the surface a plane may meet: seldom looked for, never missed.
 ///
-///      a sample's height is at least the least height h_i of the control points: where that is above the plane, nothing is near;
+///      a sample's height is at least the least height h_i of the control points (Samples::hull): where that is above the plane, nothing
+///      is near;
 ///      since the last search no sample has come nearer than the control point that came most, so that its list still holds every
 ///      sample behind the plane while that is less than the `reserve` the search was made with;
 ///      a search fits h_i by an affine function a + b . X_i and a rest r_i; a + b . X_s + min r is a lower bound of the height of s, nearly
@@ -17,15 +18,15 @@ class SampleSearch {
   SampleSearch(const Samples& samples, int planes, double length);
 
   /// Does the list of plane q hold every sample that is behind it, or touches it, at these gaps of the control points (points)?
-  bool covers(int q, const Scalars& gaps);
+  bool covers(int q, const Scalars& of_points);
   /// Makes the list anew. way: how far a point may come nearer in a step [m].
-  void look(int q, const Scalars& gaps, double way);
+  void look(int q, const Scalars& of_points, double way);
   /// In ascending order.
   const std::vector<int>& near(int q) const { return planes_[q].away ? none_ : planes_[q].near; }
   /// Are there so many that a look at each is to be avoided?
   bool is_long(int q) const;
-  /// Is none of them further behind than this, because no control point is that counts for any of them? [m] gaps: in any unit.
-  bool in_front(int q, const Scalars& gaps, double slack) const;
+  /// Is none of them further behind than this, because no control point is that counts for any of them? [m] of_points: in any unit.
+  bool in_front(int q, const Scalars& of_points, double slack);
   /// Numbers of the searches so far.
   Count searches() const { return searches_; }
 
@@ -43,7 +44,7 @@ class SampleSearch {
   Vec3 middle_, squares_;  ///< of the rest positions: mean, sums of squared distances from it per axis
   std::vector<Known> planes_;
   std::vector<int> none_;
-  Scalars left_;
+  Scalars left_, room_;
   Count searches_ = 0;
 };
 

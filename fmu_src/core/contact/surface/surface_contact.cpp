@@ -151,10 +151,11 @@ Vec3 SurfaceContact::aim(const StepView& step, const Vec3& free, const SurfaceRo
 
 void SurfaceContact::find(const StepView& step, const Points& x1, const SurfaceRows& rows) {
   move_planes(step);
-  if (solids_) find_tangents(step.around, step.t0, step.t1, step.x0, longest_way(step.x0, x1));
+  if (solids_) find_tangents(step.around, step.t0, step.t1, step.x0, tangents_.way(step.x0, x1));
   bool any = rows.drift[0] >= 0 || near_ || int(end_.size()) > flat_;
+  const Points& hull = samples_.hull(x1, room_);
   for (int q = 0; q < flat_ && !any; ++q)  // costs less than gaps
-    any = kernels::behind(step.body.points(), x1.data(), end_[q].normal.data(), end_[q].offset, behind_.data());
+    any = kernels::behind(step.body.points(), hull.data(), end_[q].normal.data(), end_[q].offset, behind_.data());
   near_ = (any && find_heights(x1)) || rows.drift[0] >= 0;
 }
 
@@ -207,7 +208,7 @@ double SurfaceContact::work() const { return (found_ + drift_.operations().done(
 StepStatus SurfaceContact::position_stage(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
   StepStatus status = meet_near(step, v, x1, rows);
   for (int looks = 0; solids_ && status == StepStatus::ok; ++looks) {
-    const double whole = longest_way(step.x0, x1 + drift_.move());
+    const double whole = tangents_.way(step.x0, x1 + drift_.move());
     if (tangents_.covers(whole)) break;
     if (looks == most_looks || spent()) return StepStatus::not_finite;
     find_tangents(step.around, step.t0, step.t1, step.x0, 2 * whole);

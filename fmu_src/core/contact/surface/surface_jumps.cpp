@@ -38,7 +38,7 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
     const StepStatus status = fit(none, {}, 0, [](const SurfaceRow&) { return Vec3(Vec3::Zero()); });
     if (status != StepStatus::ok) return status;
     x += drift_.move();
-    way = std::max(way, 2 * longest_way(before, x));
+    way = std::max(way, 2 * tangents_.way(before, x));
     moved = true;
     if (!solids_ || clear()) return StepStatus::ok;  // before solids other samples may have come
   }

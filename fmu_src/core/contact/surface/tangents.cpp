@@ -13,12 +13,6 @@ namespace {
 /// A list of samples reaches so many times as far as it must, and at least this share of the box further: it is seldom made anew.
 constexpr double far_reach = 16, nearest_reserve = 1e-2;
 
-/// By how much any point's gap to a solid of this size may have become smaller.
-double way_since(const Points& x0, const SolidPose& pose0, const Points& x, const SolidPose& pose, const Plane& solid) {
-  const double turned = (solid.box() ? (pose.edges - pose0.edges).norm() : (pose.normal - pose0.normal).norm()) * solid.size();
-  return longest_way(x0, x) + (pose.point - pose0.point).norm() + turned;
-}
-
 HalfSpace half_space(const HalfSpace& pose, const Vec3& normal, double beyond) {
   return {pose.point, normal, normal.dot(pose.point) + beyond, pose.velocity, pose.spin};
 }
@@ -62,8 +56,16 @@ HalfSpace tangent(const Plane& solid, const SolidPose& pose, const Vec3& x) {
   return above >= beside ? half_space(pose, up, half) : half_space(pose, outward, solid.radius);
 }
 
-double longest_way(const Points& from, const Points& to) {
-  return std::sqrt((to - from).square().rowwise().sum().maxCoeff<Eigen::PropagateNaN>());
+double Tangents::way(const Points& from, const Points& to) {
+  move_ = to - from;
+  return std::sqrt(samples_.hull(move_, room_).square().rowwise().sum().maxCoeff<Eigen::PropagateNaN>());
+}
+
+/// By how much any sample's gap to a solid of this size may have become smaller.
+double Tangents::way_since(const Known& known, const Points& x, const SolidPose& pose, const Plane& solid) {
+  const double turned =
+      (solid.box() ? (pose.edges - known.pose.edges).norm() : (pose.normal - known.pose.normal).norm()) * solid.size();
+  return way(known.x, x) + (pose.point - known.pose.point).norm() + turned;
 }
 
 HalfSpace facing_half_space(const Plane& obstacle, double time, const Vec3& x) {
@@ -88,7 +90,7 @@ void Tangents::find(const Drive& around, double t0, double t1, const Points& x0,
     const double own = (t1 - t0) * way_between(solid, t0, t1, solid.size()).speed;
     const double reach = way + own + touching * length_;
     Known& known = known_[q];
-    const double moved = known.reserve < 0 ? 0 : way_since(known.x, known.pose, x0, start, solid);
+    const double moved = known.reserve < 0 ? 0 : way_since(known, x0, start, solid);
     if (moved + reach <= known.least) continue;
     known.reserve -= moved;
     if (!(known.reserve >= reach)) list(solid, start, x0, reach, known);
@@ -114,10 +116,10 @@ int Tangents::index(int obstacle, int sample) const {
   return at != found_.end() && at->obstacle == obstacle && at->sample == sample ? int(at - found_.begin()) : -1;
 }
 
-void Tangents::list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known) const {
+void Tangents::list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known) {
   known.reserve = far_reach * reach + nearest_reserve * length_;
   known.near.clear();
-  if (const double apart = gap_between(solid, pose, x0); apart > known.reserve) {
+  if (const double apart = gap_between(solid, pose, samples_.hull(x0, room_)); apart > known.reserve) {
     known.reserve = apart;
     return;
   }

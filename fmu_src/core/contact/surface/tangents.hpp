@@ -20,9 +20,6 @@ namespace softffd {
 /// The half-space of a solid in this pose that is closest to x, or furthest in front of it where x is inside; it moves as the solid does.
 HalfSpace tangent(const Plane& solid, const SolidPose& pose, const Vec3& x);
 
-/// By which any point has moved [m].
-double longest_way(const Points& from, const Points& to);
-
 /// How far all points are in front of the tangent that is nearest to their middle [m]: no sample is nearer to the solid.
 double gap_between(const Plane& solid, const SolidPose& pose, const Points& x);
 
@@ -45,6 +42,8 @@ class Tangents {
   const std::vector<Tangent>& found() const { return found_; }
   /// Where among them that of this sample at this obstacle is; -1: there is none.
   int index(int obstacle, int sample) const;
+  /// By which any sample can have moved [m].
+  double way(const Points& from, const Points& to);
   /// Are the tangents those of such a way too?
   bool covers(double way) const { return way <= way_; }
 
@@ -57,13 +56,15 @@ class Tangents {
     Points x;
     SolidPose pose;
   };
-  void list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known) const;
+  double way_since(const Known& known, const Points& x, const SolidPose& pose, const Plane& solid);
+  void list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known);
 
   const Samples& samples_;
   double length_;
   double way_ = 0;
   std::vector<Known> known_;  ///< of each obstacle
   std::vector<Tangent> found_;
+  Points room_, move_;
 };
 
 }  // namespace softffd
