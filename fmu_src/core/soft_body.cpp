@@ -148,10 +148,11 @@ SoftBody::SoftBody(Definition definition)
   for (std::size_t a = 0; a < pin_origins_.size(); ++a) settings.pins[a].position = pin_origins_[a];
 }
 
-const Points& SoftBody::control_points(const Points& values) const {
+const Points& SoftBody::shown(const Points& values, Shown& kept) const {
   if (!definition_.solid()) return values;
-  lobatto::to_control_points(definition_.lattice, values, shown_);
-  return shown_;
+  if (!kept.known) lobatto::to_control_points(definition_.lattice, values, kept.control_points);
+  kept.known = true;
+  return kept.control_points;
 }
 
 /// The model of the settings' material.
@@ -254,6 +255,7 @@ bool SoftBody::place_pins(bool book) {
 }
 
 StepStatus SoftBody::initialize(double t0) {
+  forget_shown();
   refresh_model();
   State& motion = now_.path.motion;
   start_time_ = motion.time = t0;
@@ -359,12 +361,14 @@ void SoftBody::look_at_planes() {
 }
 
 void SoftBody::restore(const Run& run, double start_time) {
+  forget_shown();
   refresh_model();
   start_time_ = start_time;
   now_ = run;
 }
 
 StepStatus SoftBody::advance(double H) {
+  forget_shown();
   divided_ = 1;
   const bool changed = material_waits();
   const Material in_effect = material_;

@@ -83,9 +83,9 @@ class SoftBody {
   StepStatus advance(double H);
 
   const State& state() const { return now_.path.motion; }
-  /// Control points, where the state has the nodes of a solid, as they are and move [m], [m/s]. Until the next call of either, or step.
-  const Points& positions() const { return control_points(now_.path.motion.x); }
-  const Points& velocities() const { return control_points(now_.path.motion.v); }
+  /// Control points, where the state has the nodes of a solid, as they are and move [m], [m/s]. Until the next step.
+  const Points& positions() const { return shown(now_.path.motion.x, shown_positions_); }
+  const Points& velocities() const { return shown(now_.path.motion.v, shown_velocities_); }
   /// A snapshot to read or copy.
   const Run& run() const { return now_; }
   /// Continues from a snapshot of the same definition. `settings` must be those of the snapshot's moment: the start time and all values
@@ -107,7 +107,14 @@ class SoftBody {
   Count factorizations() const { return propagator_.factorizations(); }
 
  private:
-  const Points& control_points(const Points& values) const;
+  /// What can be shown of the nodes' values, kept until the next step: outputs are read one by one.
+  struct Shown {
+    Points control_points;
+    bool known = false;
+  };
+
+  const Points& shown(const Points& values, Shown& kept) const;
+  void forget_shown() { shown_positions_.known = shown_velocities_.known = false; }
   void refresh_model();
   StepStatus refresh_drive();
   void refresh_forces();
@@ -139,11 +146,11 @@ class SoftBody {
   Points begin_;                             ///< positions at the start of the communication step, where they are not those of before
   Loads loads_{};                            ///< that drive_.force is of
   Count force_mark_ = 0;                     ///< of drive_.force
-  double divided_ = 1;     ///< by how much the last communication step's internal steps had to be divided to have a result
-  double work_done_ = 0;   ///< of the last call
-  double came_ = 0;        ///< by which the last call's first attempt moved the time [s]
-  Material material_;      ///< of the settings, what is in effect
-  mutable Points shown_;   ///< control points that were asked for
+  double divided_ = 1;    ///< by how much the last communication step's internal steps had to be divided to have a result
+  double work_done_ = 0;  ///< of the last call
+  double came_ = 0;       ///< by which the last call's first attempt moved the time [s]
+  Material material_;     ///< of the settings, what is in effect
+  mutable Shown shown_positions_, shown_velocities_;
   double start_time_ = 0;  ///< [s]
   bool moved_ = false;     ///< pins or planes moved points at once when the last communication step began
 };

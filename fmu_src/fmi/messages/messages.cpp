@@ -143,13 +143,16 @@ std::string jump_warning(const SoftBody& body, const SceneFile& scene, double ti
 }
 
 /// Inverted cells are a state of the model like any other, but seldom a wanted one.
-std::string folding_warning(const SoftBody& body, double volume_stiffness, double time) {
+std::string folding_warning(const SoftBody& body, const Definition& of, double time) {
   const int folded = body.readings().folded_cells();
   if (folded == 0) return {};
   std::string text = "at time " + number(time) + " s " + std::to_string(folded) + " of the lattice's cells " +
                      (folded == 1 ? "is" : "are") + " inverted (solver.folded_cells); ";
-  if (volume_stiffness > 0)
-    text += "[material] volume_stiffness = " + number(volume_stiffness) + " Pa in the scene restores them, and a larger value resists more";
+  if (of.solid())
+    text += "a solid comes back from it where pins and obstacles leave it room";
+  else if (of.volume_stiffness > 0)
+    text +=
+        "[material] volume_stiffness = " + number(of.volume_stiffness) + " Pa in the scene restores them, and a larger value resists more";
   else
     text +=
         "springs alone may not restore them; [material] volume_stiffness in the scene prevents inversion; a first value is 3 times the "
@@ -200,7 +203,7 @@ void Messages::report_threads() {
 
 /// Counting costs more than the other looks: where nobody listens it is left until somebody does.
 void Messages::warn_of_folding(const SoftBody& body, double time) {
-  if (logger_.on(log_warning)) once(folding, [&] { return folding_warning(body, scene_.definition.volume_stiffness, time); });
+  if (logger_.on(log_warning)) once(folding, [&] { return folding_warning(body, scene_.definition, time); });
 }
 
 /// Once, and again where it has become several times what was stated.
