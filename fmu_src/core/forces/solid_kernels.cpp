@@ -192,13 +192,15 @@ INNER double larger(double a, double b) { return a > b ? a : b; }
 INNER double root(double a) { return std::sqrt(a); }
 
 /// The largest eigenvalue of a symmetric 3 x 3 matrix by its trace, the sum of its principal minors and its determinant, or a little more:
-/// from the bound by the first two, which is exact where the two smaller ones agree, Newton's method comes down to it.
+/// from the bound by the first two, which is exact where the two smaller ones agree, Newton's method comes down to it. Where eigenvalues
+/// agree, as those of a body that turns, the slope is lost in rounding: a larger one comes down less.
 template <class Number>
 INNER Number top(const Number& trace, const Number& minors, const Number& determinant) {
+  const Number least = larger(1e-8 * (trace * trace - 2.0 * minors), 1e-300);
   Number value = (1.0 / 3) * trace + root(larger((4.0 / 9) * (trace * trace) - (4.0 / 3) * minors, 0.0));
   for (int step = 0; step < 3; ++step) {
     const Number above = ((value - trace) * value + minors) * value - determinant, slope = (3.0 * value - 2.0 * trace) * value + minors;
-    value = value - larger(above, 0.0) / larger(slope, 1e-300);
+    value = value - larger(above, 0.0) / larger(slope, least);
   }
   return value;
 }

@@ -227,6 +227,22 @@ TEST(the_bound_of_the_frequency_holds_in_every_shape_and_is_near) {
   }
 }
 
+TEST(the_bound_does_not_depend_on_how_the_body_is_turned) {
+  const Body body = solid_body(cube(4), 0.25, 1, 1);
+  const Points rest = rest_positions(cube(4));
+  Stability stability(64);
+  stability.prepare(body);
+  const double frequency = stability.frequency(body, rest), rate = body.damping_rate_at(rest);
+  for (int trial = 0; trial < 300; ++trial) {
+    const Vec3 axis(scattered(3 * trial), scattered(3 * trial + 1), scattered(3 * trial + 2));
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.02 * trial, axis.normalized()).toRotationMatrix();
+    Points x = rest;
+    for (int p = 0; p < 64; ++p) set_row(x, p, Vec3(turn * row(rest, p)));
+    CHECK_NEAR(stability.frequency(body, x), frequency, 1e-6 * frequency);
+    CHECK_NEAR(body.damping_rate_at(x), rate, 1e-6 * rate);
+  }
+}
+
 TEST(the_bound_holds_whatever_the_masses_and_pins_of_several_patches) {
   for (int trial = 0; trial < 6; ++trial) {
     Body body = solid_body(long_box, 0.4, 20);
