@@ -1,0 +1,143 @@
+"""A solid in motion through the FMU: what a free one keeps, the order of its methods, its tolerance, its vibrations and how they decay."""
+
+import numpy as np
+import pytest
+
+from readings import orders
+from softffd import simulate
+from softffd.embedding.basis import weights
+from softffd.embedding.nodes import along_axes, axis_nodes
+from softffd.lattice import to_flat, to_grid
+from solids import Patches, node_masses, node_velocities, nodes, solid
+from stepping import Stepper
+
+E = 1e4
+"""Pa; a cube of 1 m and 1 kg: its slowest vibration has 168 rad/s at Poisson's ratio .45"""
+
+
+STRETCH = [1.2, 1.2**-0.5, 1.2**-0.5]
+"""Of no change of volume"""
+
+
+def thrown(stretch=STRETCH, **keys):
+    """Let go of a stretch, turning."""
+    motion = {"stretch": stretch, "velocity": [1.0, -0.5, 2.0], "angular_velocity": [3.0, -2.0, 5.0]}
+    return solid(modulus=E, ratio=0.45, velocities="all", energy=True, **motion, **keys)
+
+
+METHODS = {"leapfrog": 1e-12, "bm4": 1e-12, "rkn12": 1e-8, "dop853": 1e-7, "auto": 1e-8}
+"""The share of the angular momentum that each may lose: kicks and drifts rounding, error control a small part of the tolerance"""
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_free_solid_keeps_momentum_angular_momentum_and_energy(method):
+    scene = thrown(method=method, stop_time=0.5, communication_step=0.01)
+    result = simulate(scene)
+    mass, x, v = node_masses(scene)[:, None], nodes(result), node_velocities(result)
+    for each, share in ((mass * v, 1e-13), (np.cross(x, mass * v), METHODS[method])):
+        total = each.sum(axis=1)
+        assert np.abs(total - total[0]).max() < share * np.abs(each).sum(axis=1).max()
+    kinetic = 0.5 * (mass * v**2).sum(axis=(1, 2))
+    assert result.outputs["energy.kinetic"] == pytest.approx(kinetic, rel=1e-12)
+    assert result.outputs["energy.elastic"] == pytest.approx(Patches(scene).energy(x), rel=1e-11)
+    total = kinetic + result.outputs["energy.elastic"]
+    assert np.abs(total / total[0] - 1).max() < 0.02
+
+
+def end(method: str, *, stretch=STRETCH, **start: float) -> np.ndarray:
+    """Of the nodes (n, 3) [m]"""
+    scene = thrown(stretch, method=method, stop_time=0.1, communication_step=0.05)
+    return nodes(simulate(scene, start_values={f"solver.{key}": value for key, value in start.items()}))[-1]
+
+
+def distance(x: np.ndarray, y: np.ndarray) -> float:
+    """Of the nodes that are farthest from each other [m]."""
+    return np.linalg.norm(x - y, axis=-1).max()
+
+
+@pytest.mark.parametrize(("method", "order", "step"), [("leapfrog", 2, 1e-4), ("bm4", 4, 2e-4)])
+def test_the_motion_has_the_methods_order(method, order, step):
+    exact = end("dop853", tolerance=1e-13)
+    errors = [distance(end(method, step=step / k), exact) for k in (1, 2, 4)]
+    assert orders(errors) == pytest.approx(order, abs=0.15), errors
+
+
+WITHIN = {"leapfrog": 5.0, "bm4": 5.0, "auto": 5.0, "rkn12": 1.0, "dop853": 1.0}
+"""Tolerances that the error of a node has at most; ten are promised"""
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
+@pytest.mark.parametrize("method", METHODS)
+def test_the_tolerance_is_kept(method, tolerance):
+    exact = end("dop853", tolerance=tolerance / 100)
+    assert distance(end(method, tolerance=tolerance), exact) < WITHIN[method] * tolerance
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_ten_tolerances_hold_where_nodes_lose_most_of_their_volume(method):
+    """Let go of a stretch that adds 8 % to the volume: nodes at the edges come to less than 0 and up to 2.8 of theirs, where the energy is
+    smooth to its second derivative alone, so that methods have no order above 3."""
+    stretch = [1.2, 0.95, 0.95]
+    exact = end("dop853", stretch=stretch, tolerance=1e-11)
+    assert distance(end(method, stretch=stretch, tolerance=1e-4), exact) < 1e-3
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_error_estimate_is_that_of_the_nodes(method):
+    scene = thrown(method=method, error_estimate=True, tolerance=1e-4, stop_time=0.1, communication_step=0.02)
+    found = simulate(scene)
+    exact = simulate(scene, start_values={"solver.method": "dop853", "solver.tolerance": 1e-11})
+    error = distance(nodes(found)[-1], nodes(exact)[-1])
+    assert 0.5 * error < found.outputs["solver.error_estimate"][-1] < 2 * error
+
+
+AMPLITUDE, TAU = 1e-6, 1e-3
+"""m: strains are linear to some 1e-6; s"""
+
+
+def to_control_points(forces: np.ndarray, counts: tuple[int, ...]) -> np.ndarray:
+    """The forces (n, 3) [N] at control points that do the same work as these at nodes."""
+    return to_flat(along_axes(to_grid(forces, counts), [weights(axis_nodes(n), n, "patches").T for n in counts]))
+
+
+@pytest.mark.parametrize("mode", [0, 2, 7], ids=["torsion", "second family", "breathing"])
+@pytest.mark.parametrize("tau", [0.0, TAU], ids=["undamped", "damped"])
+@pytest.mark.parametrize("method", ["auto", "leapfrog", "dop853"])
+def test_a_vibration_has_its_frequency_and_decays_by_tau_omega_squared_half(method, tau, mode):
+    """A constant force along a mode moves the rest shape; the vibration about it is back after a period, smaller by the decrement."""
+    scene = solid(modulus=E, ratio=0.45, internal_damping=tau, forces="all", velocities="all", tolerance=1e-10, method=method)
+    mass = node_masses(scene)
+    frequencies, shapes = Patches(scene).modes(mass)
+    omega, shape = frequencies[6 + mode], shapes[6 + mode]
+    ratio = tau * omega / 2
+    period = 2 * np.pi / omega / np.sqrt(1 - ratio**2)
+    weighted = mass[:, None] * shape
+    force = to_control_points(AMPLITUDE * omega**2 * weighted, scene.lattice.points)
+    to_nodes = [weights(axis_nodes(n), n, "patches") for n in scene.lattice.points]
+    with Stepper(scene, stop_time=3 * period) as stepper:
+
+        def along(values: np.ndarray) -> float:
+            """What nodes have of the mode, by the amplitude."""
+            moved = to_flat(along_axes(to_grid(values, scene.lattice.points), to_nodes))
+            return (weighted * moved).sum() / (weighted * shape).sum() / AMPLITUDE
+
+        rest = stepper.positions()
+        stepper.set_forces(force)
+        stepper.step(period, times=3)
+        left, speed = 1 - along(stepper.positions() - rest), along(stepper.velocities()) / omega
+    assert left == pytest.approx(np.exp(-3 * ratio * omega * period), rel=1e-4)
+    assert speed == pytest.approx(0, abs=1e-3)
+
+
+@pytest.mark.parametrize("method", ["auto", "leapfrog"])
+def test_a_thrown_and_spinning_solid_is_not_braked(method):
+    motion = {"velocity": [1.0, 2.0, 3.0], "angular_velocity": [0.3, 0.5, -0.4]}
+    scene = solid(modulus=1e6, density=100.0, internal_damping=1e-3, velocities="all", energy=True, method=method, **motion)
+    result = simulate(scene, step=0.1)
+    mass, x, v = node_masses(scene)[:, None], nodes(result), node_velocities(result)
+    momentum, spin = (mass * v).sum(axis=1), np.cross(x, mass * v).sum(axis=1)
+    assert momentum == pytest.approx(np.broadcast_to(momentum[0], momentum.shape), rel=1e-12)
+    assert np.abs(spin - spin[0]).max() < 1e-12 * np.linalg.norm(spin[0])
+    energy = result.outputs["energy.kinetic"] + result.outputs["energy.elastic"]
+    assert np.abs(energy / energy[0] - 1).max() < 1e-7
+    assert np.abs(result.outputs["energy.dissipated"]).max() < 1e-7 * energy[0]
