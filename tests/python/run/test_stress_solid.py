@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from scenes import box
+from softffd import simulate
 from softffd.lattice import LatticeBox
 from softffd.run.stress import green_strain, lattice_gradients, lattice_stress
 from softffd.run.stress_solid import solid_stress
@@ -120,3 +122,26 @@ def test_the_material_is_the_scenes_unless_the_run_had_another():
     assert found[1] == pytest.approx(solid_stress(positions[1], SIZE, 2e5, 0.45), rel=1e-15)
     harder = lattice_stress(positions, LATTICE, scene, {"youngs_modulus": 4e5, "poissons_ratio": 0.3})
     assert harder[1] == pytest.approx(solid_stress(positions[1], SIZE, 4e5, 0.3), rel=1e-15)
+
+
+def test_a_bar_carries_its_load_through_every_section():
+    """A run: sections of the first stress have the load but for what cubes of strain miss between the centres, and a quarter of the way
+    from the wall the bar is pulled as it would be alone."""
+    bar = box(
+        lattice={"points": [13, 4, 4], "size": [0.4, 0.1, 0.1]},
+        material={"model": "solid", "youngs_modulus": 1e5, "poissons_ratio": 0.3, "damping": 0.3},
+        mass={"density": 1000.0},
+        pin=[{"name": "wall", "points": "x-"}],
+        load=[{"name": "pull", "points": "x+"}],
+        solver={"method": "leapfrog"},
+        stop_time=6.0,
+        communication_step=0.1,
+    )
+    result = simulate(bar, inputs=lambda _time: {"load.pull.x": 1.0})
+    stress, gradient = result.stress(), lattice_gradients(result.positions[-1], result.lattice)
+    first = np.linalg.det(gradient)[..., None, None] * stress @ np.swapaxes(np.linalg.inv(gradient), -1, -2)
+    assert first[..., 0, 0].mean(axis=(1, 2)) * 0.01 == pytest.approx(np.ones(12), rel=0.01)
+    assert result.outputs["pin.wall.reaction.x"][-1] == pytest.approx(1.0, rel=1e-6)
+    assert stress[6:] == pytest.approx(np.broadcast_to(np.diag([100.0, 0.0, 0.0]), (6, 3, 3, 3, 3)), abs=1.0)
+    strain = result.strain()[6:, 1, 1]
+    assert strain[:, 0, 0] == pytest.approx(np.full(6, 1e-3), rel=0.01) and strain[:, 1, 1] == pytest.approx(np.full(6, -3e-4), rel=0.02)

@@ -1,4 +1,4 @@
-"""Springs of a given modulus are a solid: the deflections and the force that the documents promise, by `benchmarks/solid.py`."""
+"""Springs of a given modulus, and solids: the deflections and the force that the documents promise, by `benchmarks/solid.py`."""
 
 import importlib
 import re
@@ -29,6 +29,16 @@ def test_a_clamped_cube_deflects_as_the_table_says(solid, load, n):
     expected = table("docs/materials.md", "load")
     error = expected[load][expected["load"].index(n)]
     assert 100 * solid.error(n, load) == pytest.approx(error, rel=0.1)
+
+
+@pytest.mark.short("*-4", "*-0.49-7")
+@pytest.mark.parametrize("n", [4, 7, 10])
+@pytest.mark.parametrize("ratio", [0.25, 0.45, 0.49])
+@pytest.mark.parametrize("load", ["end pull", "own weight along", "end shear", "own weight across"])
+def test_a_clamped_solid_deflects_as_the_table_says(solid, load, ratio, n):
+    expected = table("docs/materials.md", "load, Poisson's ratio")
+    error = expected[f"{load}, {ratio:g}"][expected["load, Poisson's ratio"].index(n)]
+    assert 100 * solid.solid_error(n, load, ratio) == pytest.approx(error, abs=0.051 if abs(error) >= 1 else 0.0051)
 
 
 @pytest.mark.short("4-7")
