@@ -58,7 +58,8 @@ def row(family: dict) -> str:
         f"Family::{family['key']}", f'"{family["name"]}"', f"Part::{family['part']}",
         f'"{family.get("pose", "")}"', f'"{family.get("components", "")}"',
         f"Type::{family.get('type', 'Real')}", f"Causality::{family['causality']}", f"Variability::{family['variability']}",
-        f'"{family.get("unit", "")}"', bound(family, "min"), bound(family, "above"), bound(family, "max", "no_limit"), "true" if family.get("material") else "false",
+        f'"{family.get("unit", "")}"', bound(family, "min"), bound(family, "above"), bound(family, "max", "no_limit"),
+        "true" if family.get("material") else "false",
     ]  # fmt: skip
     return "    {" + ", ".join(fields) + "},\n"
 

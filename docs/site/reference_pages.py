@@ -36,6 +36,7 @@ PRESENT = {
     "always": "every scene",
     "stiffness": "scenes without `material.youngs_modulus`",
     "modulus": "`material.youngs_modulus`",
+    "solid": '`material.model = "solid"`',
     "damping": "`material.damping` or that of a region > 0",
     "internal_damping": "`material.internal_damping` or that of a region > 0",
     "gravity": "`environment.gravity`",

@@ -18,6 +18,7 @@ SCENE_NEEDS = {
     "pin_reactions": "[outputs] reactions = true",
     "stiffness": "[material] stiffness in place of youngs_modulus",
     "modulus": "[material] youngs_modulus in place of stiffness",
+    "solid": '[material] model = "solid"',
     "damping": "[material] damping above 0",
     "internal_damping": "[material] internal_damping above 0",
     "gravity": "[environment] gravity",

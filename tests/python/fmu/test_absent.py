@@ -20,6 +20,7 @@ CASES = {
     "plane.ground.reaction": ("[outputs] reactions = true", {"reactions": True}),
     "pin.base.torque.x": ('a [[pin]] with name = "base" and [outputs] reactions = true', {"reactions": True}),
     "youngs_modulus": ("[material] youngs_modulus in place of stiffness", {"material": {"youngs_modulus": 1e5}}),
+    "poissons_ratio": ('[material] model = "solid"', {"material": {"model": "solid", "youngs_modulus": 1e5}}),
     "damping": ("[material] damping above 0", {"damping": 0.1}),
     "internal_damping": ("[material] internal_damping above 0", {"internal_damping": 0.1}),
     "gravity": ("[environment] gravity", {"gravity": GRAVITY}),
