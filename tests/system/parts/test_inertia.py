@@ -2,23 +2,25 @@
 
 import numpy as np
 import pytest
+import trimesh
 
 from readings import imbalance, points, vector
 from scenes import GRAVITY, box
 from softffd import simulate
 from softffd.fmu.package import scene_masses
 from softffd.fmu.records import scene_records
+from softffd.scene.scene import scene_from
 
 G = -GRAVITY[2]
 TILT = 0.02
 HINGE = {"name": "hinge", "points": {"i": [2, 2], "k": [4, 4]}}
 
 
-def swinging(inertia):
+def swinging(**body):
     """A stiff cube that hangs from a hinge along y in the middle of its top, under gravity that leans."""
     return box(
-        points=[5, 5, 5], stiffness=3e5, damping=0.0, gravity=[G * np.sin(TILT), 0.0, -G * np.cos(TILT)], pin=[HINGE],
-        probe=[{"name": "centre", "at": [0.5, 0.5, 0.5]}], mass={"inertia": inertia}, outputs={"positions": "none"}, stop_time=1.6,
+        gravity=[G * np.sin(TILT), 0.0, -G * np.cos(TILT)], probe=[{"name": "centre", "at": [0.5, 0.5, 0.5]}],
+        outputs={"positions": "none"}, stop_time=1.6, **body,
     )  # fmt: skip
 
 
@@ -36,7 +38,36 @@ def period(scene):
 @pytest.mark.parametrize(("inertia", "own"), [("matched", 1 / 6), ("lumped", 1.5 / 6)])
 def test_a_body_on_a_hinge_swings_with_the_inertia_of_its_masses(inertia, own):
     """The true one is 1/6 of a cube; lumped masses of five points along an axis have 1.5 times that."""
-    assert period(swinging(inertia)) == pytest.approx(2 * np.pi * np.sqrt((own + 0.25) / (0.5 * G)), rel=2e-3)
+    springs = {"points": [5, 5, 5], "stiffness": 3e5, "damping": 0.0, "pin": [HINGE]}
+    found = period(swinging(**springs, mass={"inertia": inertia}))
+    assert found == pytest.approx(2 * np.pi * np.sqrt((own + 0.25) / (0.5 * G)), rel=2e-3)
+
+
+def test_a_solid_on_a_hinge_swings_with_the_inertia_of_its_box():
+    material = {"model": "solid", "youngs_modulus": 3e5, "poissons_ratio": 0.25}
+    hinge = {"name": "hinge", "points": {"i": [3, 3], "k": [6, 6]}}
+    found = period(swinging(points=[7, 7, 7], material=material, pin=[hinge]))
+    assert found == pytest.approx(2 * np.pi * np.sqrt((1 / 6 + 0.25) / (0.5 * G)), rel=2e-3)
+
+
+def test_a_solid_of_a_mesh_spins_with_the_energy_of_the_object(tmp_path):
+    shape = trimesh.creation.icosphere(2)
+    shape.apply_scale([0.5, 0.3, 0.4])
+    shape.apply_transform(trimesh.transformations.rotation_matrix(0.3, [1.0, 0.5, 0.2]))
+    shape.export(tmp_path / "body.obj", digits=17)
+    spin = np.array([0.3, -0.5, 0.7])
+    document = {
+        "mesh": {"file": "body.obj"},
+        "lattice": {"cells": 9},
+        "material": {"model": "solid", "youngs_modulus": 1e5},
+        "mass": {"total": 2.0},
+        "initial": {"angular_velocity": spin.tolist(), "spin_about": "mass"},
+        "outputs": {"energy": True},
+        "experiment": {"stop_time": 0.01, "communication_step": 0.01},
+    }
+    found = simulate(scene_from(document, path=tmp_path / "scene.toml"))
+    wanted = spin @ (2.0 / shape.volume * shape.moment_inertia) @ spin / 2
+    assert found.outputs["energy.kinetic"][0] == pytest.approx(wanted, rel=1e-9)
 
 
 def test_gravity_pulls_at_the_lumped_masses():
