@@ -9,6 +9,7 @@
 #include "forces/solid.hpp"
 #include "forces/volume.hpp"
 #include "kit/thresholds.hpp"
+#include "matrix/lattice_matrix.hpp"
 #include "model/arithmetic.hpp"
 #include "model/lobatto.hpp"
 #include "model/rigid_motion.hpp"
@@ -46,6 +47,7 @@ Body make_body(const Definition& definition) {
   body.mass = Eigen::Map<const Scalars>(definition.mass.data(), n);
   body.weight = body.mass;
   body.damping = Scalars::Zero(n);
+  body.explicit_alone = !LatticeMatrix::exists(definition.lattice);
   body.length = definition.lattice.largest_side();
   body.samples = definition.samples;
   return body;

@@ -15,6 +15,7 @@ struct Body {
   Scalars mass;                                   ///< (points) [kg], > 0
   Scalars damping;                                ///< (points) [N s/m], >= 0
   std::vector<bool> pinned;                       ///< (points) moved by a pin, not by forces
+  bool explicit_alone = false;                    ///< there are no matrices for its lattice (matrix/lattice_matrix.hpp)
   bool damped = false;                            ///< any damping > 0, of points or along springs
   double fastest_drag = 0;                        ///< the largest rate at which the points' damping changes velocities,
   double fastest_damping = 0;                     ///< and all damping of a body at rest [1/s]
@@ -68,10 +69,6 @@ struct Body {
   }
   bool has_deformed(const Points& x, const Points& x0) const {
     return std::any_of(energies.begin(), energies.end(), [&](const auto& each) { return each->has_deformed(x, x0); });
-  }
-  /// Whether only points that are corners of one cell pull at each other: implicit methods and modes have room for no other matrices.
-  bool couples_neighbours_alone() const {
-    return std::all_of(energies.begin(), energies.end(), [](const auto& each) { return each->couples_neighbours_alone(); });
   }
   /// f -= what the dashpots exert on points at x that move with v [N] (Energy::add_dashpot_force).
   void add_dashpot_force(const Points& x, const Points& v, Points& f, double drift = 0) const {

@@ -58,8 +58,6 @@ class Energy {
     add_force(x, f);
   }
 
-  /// Whether only points that are corners of one cell pull at each other, for which LatticeMatrix has room.
-  virtual bool couples_neighbours_alone() const { return true; }
   /// The matrix of the linearisation at x, block by block.
   virtual void add_blocks(const Points& x, const Linearisation& of, BlockSink& sink) const = 0;
   /// f -= the same matrix times u [N]; u [m], (points, 3).

@@ -37,6 +37,10 @@ INNER Four<n> operator/(const Four<n>& a, const Four<n>& b) {
   return each_part<n>([&](int i) INLINED { return a.part[i] / b.part[i]; });
 }
 template <int n>
+INNER Four<n> operator/(double a, const Four<n>& b) {
+  return each_part<n>([&](int i) INLINED { return a / b.part[i]; });
+}
+template <int n>
 INNER Four<n> operator*(double a, const Four<n>& b) {
   return each_part<n>([&](int i) INLINED { return a * b.part[i]; });
 }
@@ -59,6 +63,14 @@ INNER Four<n> larger(const Four<n>& a, double b) {
 template <int n>
 INNER Four<n> larger(const Four<n>& a, const Four<n>& b) {
   return each_part<n>([&](int i) INLINED { return a.part[i] > b.part[i] ? a.part[i] : b.part[i]; });
+}
+/// a, or the nearest number that is not larger than `most` in size.
+template <int n>
+INNER Four<n> within(const Four<n>& a, const Four<n>& most) {
+  return each_part<n>([&](int i) INLINED {
+    const Lanes<n> b = most.part[i], low = a.part[i] < -b ? -b : a.part[i];
+    return low > b ? b : low;
+  });
 }
 template <int n>
 INNER Four<n> root(const Four<n>& a) {

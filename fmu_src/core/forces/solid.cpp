@@ -57,7 +57,7 @@ void Solid::set_material(double modulus, double ratio, double time) {
 }
 
 void Solid::subtract_product(const Points& x, const Linearisation& of, const Points& u, Points& f) const {
-  kernels::subtract_tangent(body_, of.per_time * time_, x.data(), u.data(), f.data());
+  kernels::subtract_tangent(body_, of.softening, of.per_time * time_, x.data(), u.data(), f.data());
 }
 
 /// Column by column: a patch's product takes no longer than its part of a dense matrix.
@@ -73,7 +73,7 @@ void Solid::add_blocks(const Points& x, const Linearisation& of, BlockSink& sink
       for (int axis = 0; axis < 3; ++axis) {
         for (int i = 0; i < 64; ++i) column[axis].row(at + node(i)) = 0;
         unit(q, axis) = 1;
-        kernels::subtract_tangent(one, of.per_time * time_, x.data() + at, unit.data() + at, column[axis].data() + at);
+        kernels::subtract_tangent(one, of.softening, of.per_time * time_, x.data() + at, unit.data() + at, column[axis].data() + at);
         unit(q, axis) = 0;
       }
       for (int i = s; i < 64; ++i) {

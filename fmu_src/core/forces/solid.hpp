@@ -47,8 +47,6 @@ class Solid final : public Energy {
 
   double energy(const Points& x) const override { return kernels::solid_energy(body_, x.data()); }
   void add_force(const Points& x, Points& f) const override { kernels::subtract_elastic(body_, x.data(), f.data()); }
-  bool couples_neighbours_alone() const override { return false; }
-  /// All that it knows, whatever the softening.
   void add_blocks(const Points& x, const Linearisation& of, BlockSink& sink) const override;
   void subtract_product(const Points& x, const Linearisation& of, const Points& u, Points& f) const override;
   double largest_stiffness() const override;

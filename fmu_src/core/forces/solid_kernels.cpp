@@ -119,8 +119,42 @@ INNER void viscous(const SolidBody& body, double time, double drift, const doubl
   });
 }
 
+INNER double larger(double a, double b) { return a > b ? a : b; }
+INNER double root(double a) { return std::sqrt(a); }
+
+/// The largest eigenvalue of a symmetric 3 x 3 matrix by its trace, the sum of its principal minors and its determinant, or a little more:
+/// from the bound by the first two, which is exact where the two smaller ones agree, Newton's method comes down to it. Where eigenvalues
+/// agree, as those of a body that turns, the slope is lost in rounding: a larger one comes down less.
+template <class Number>
+INNER Number top(const Number& trace, const Number& minors, const Number& determinant) {
+  const Number least = larger(1e-8 * (trace * trace - 2.0 * minors), 1e-300);
+  Number value = (1.0 / 3) * trace + root(larger((4.0 / 9) * (trace * trace) - (4.0 / 3) * minors, 0.0));
+  for (int step = 0; step < 3; ++step) {
+    const Number above = ((value - trace) * value + minors) * value - determinant, slope = (3.0 * value - 2.0 * trace) * value + minors;
+    value = value - larger(above, 0.0) / larger(slope, least);
+  }
+  return value;
+}
+
+/// The square of a matrix's largest singular value.
+INNER double norm(const double (&m)[9]) {
+  double s[3][3];
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) s[a][b] = m[a] * m[b] + m[3 + a] * m[3 + b] + m[6 + a] * m[6 + b];
+  const double xy = s[0][0] * s[1][1] - s[0][1] * s[0][1], xz = s[0][0] * s[2][2] - s[0][2] * s[0][2],
+               yz = s[1][1] * s[2][2] - s[1][2] * s[1][2];
+  const double all = m[0] * (m[4] * m[8] - m[5] * m[7]) + m[1] * (m[5] * m[6] - m[3] * m[8]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
+  return top(s[0][0] + s[1][1] + s[2][2], xy + xz + yz, all * all);
+}
+
+/// Of F the same at the nodes of a row, by its cofactors and its determinant.
 template <int n>
-INNER void tangent(const SolidBody& body, double per_time, const double* x, const double* u, double* f) {
+INNER Four<n> longest_square(const Nine<n>& f, const Nine<n>& c, const Four<n>& volume) {
+  return top(dot(f, f), dot(c, c), volume * volume);
+}
+
+template <int n>
+INNER void tangent(const SolidBody& body, double softening, double per_time, const double* x, const double* u, double* f) {
   each_patch(body, [&](std::ptrdiff_t at) INLINED {
     Rows<n> F[9], G[9], q, t, change, of_change;
     gradients<n>(body, x + at, F);
@@ -135,9 +169,11 @@ INNER void tangent(const SolidBody& body, double per_time, const double* x, cons
     for (int r = 0; r < rows; ++r) {
       const Nine<n> here = row_of<n>(F, r), g = row_of<n>(G, r), c = cofactors(here), dc = cofactors(here, g);
       const Pressure<n> now = pressure<n>(body, q[r], t[r]);
+      const Four<n> kept = within(now.p, body.mu / root(longest_square(here, c, q[r] + 1.0)));
+      const Four<n> p = kept + softening * (now.p - kept);
       const Four<n> dp = body.mu * change[r] + body.lambda * of_change[r] + (2 * body.lambda / least_volume) * (now.missing * change[r]);
       for (int i = 0; i < 9; ++i) {
-        const Four<n> all = (body.mu * g.m[i] + dp * c.m[i]) + now.p * dc.m[i];
+        const Four<n> all = (body.mu * g.m[i] + dp * c.m[i]) + p * dc.m[i];
         G[i][r] = per_time > 0 ? all + V[i][r] : all;
       }
     }
@@ -188,34 +224,6 @@ INNER double power(const SolidBody& body, const double* x, const double* v) {
   return total;
 }
 
-INNER double larger(double a, double b) { return a > b ? a : b; }
-INNER double root(double a) { return std::sqrt(a); }
-
-/// The largest eigenvalue of a symmetric 3 x 3 matrix by its trace, the sum of its principal minors and its determinant, or a little more:
-/// from the bound by the first two, which is exact where the two smaller ones agree, Newton's method comes down to it. Where eigenvalues
-/// agree, as those of a body that turns, the slope is lost in rounding: a larger one comes down less.
-template <class Number>
-INNER Number top(const Number& trace, const Number& minors, const Number& determinant) {
-  const Number least = larger(1e-8 * (trace * trace - 2.0 * minors), 1e-300);
-  Number value = (1.0 / 3) * trace + root(larger((4.0 / 9) * (trace * trace) - (4.0 / 3) * minors, 0.0));
-  for (int step = 0; step < 3; ++step) {
-    const Number above = ((value - trace) * value + minors) * value - determinant, slope = (3.0 * value - 2.0 * trace) * value + minors;
-    value = value - larger(above, 0.0) / larger(slope, least);
-  }
-  return value;
-}
-
-/// The square of a matrix's largest singular value.
-INNER double norm(const double (&m)[9]) {
-  double s[3][3];
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) s[a][b] = m[a] * m[b] + m[3 + a] * m[3 + b] + m[6 + a] * m[6 + b];
-  const double xy = s[0][0] * s[1][1] - s[0][1] * s[0][1], xz = s[0][0] * s[2][2] - s[0][2] * s[0][2],
-               yz = s[1][1] * s[2][2] - s[1][2] * s[1][2];
-  const double all = m[0] * (m[4] * m[8] - m[5] * m[7]) + m[1] * (m[5] * m[6] - m[3] * m[8]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
-  return top(s[0][0] + s[1][1] + s[2][2], xy + xz + yz, all * all);
-}
-
 /// The mean over the quadrature, and the largest squared distance from it at a node.
 template <int n>
 INNER double spread(const SolidBody& body, const Rows<n>* M, double (&mean)[9]) {
@@ -250,7 +258,7 @@ INNER void bounds(const SolidBody& body, const double* x, PatchBounds* each) {
       const Pressure<n> now = pressure<n>(body, q[r], t[r]);
       const Four<n> k = (2 * body.lambda / least_volume) * now.missing + body.mu, s = now.p;
       const Four<n> lengths = dot(here, here), areas = dot(c, c);
-      const Four<n> volume = q[r] + 1.0, longest = top(lengths, areas, volume * volume);
+      const Four<n> volume = q[r] + 1.0, longest = longest_square(here, c, volume);
       // k c c' + s M: the part that changes the principal stretches
       const Four<n> minors = -1.0 * (2.0 * ((k * s) * (volume * lengths)) + s * s * lengths);
       const Four<n> scaling = top(k * areas, minors, (s * s) * (volume * (2.0 * s + 3.0 * (k * volume))));

@@ -3,7 +3,7 @@
 namespace softffd {
 
 LatticeMatrix::LatticeMatrix(const Lattice& lattice) {
-  if (LayerMatrix::points_per_layer(lattice) <= widest_factor)
+  if (lattice.lobatto || LayerMatrix::points_per_layer(lattice) <= widest_factor)
     layers_.emplace(lattice);
   else
     gradients_.emplace(lattice);

@@ -1,5 +1,5 @@
 /// Symmetric positive definite matrices of a lattice, and solutions with them: by a factor where layers are narrow (layer_matrix.hpp), by
-/// conjugate gradients where they are wide (conjugate_gradients.hpp). Blocks couple points within one cell.
+/// conjugate gradients where they are wide (conjugate_gradients.hpp). Blocks couple points within one cell, or nodes within one patch.
 #pragma once
 #include <optional>
 
@@ -19,6 +19,10 @@ class LatticeMatrix {
   ///      solution, factor [ms]       3.6            9              19             38             140
   ///      conjugate gradients         1.9            2.8            4.5            6              28
   static constexpr int widest_factor = 64;
+
+  /// Most nodes of a solid in a layer for which there is a matrix at all: conjugate gradients know no patches.
+  static constexpr int widest_solid = 320;
+  static bool exists(const Lattice& lattice) { return !lattice.lobatto || LayerMatrix::points_per_layer(lattice) <= widest_solid; }
 
   explicit LatticeMatrix(const Lattice& lattice);
 

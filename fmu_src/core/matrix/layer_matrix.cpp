@@ -17,28 +17,36 @@ int axis_with_most_points(const Lattice& lattice) {
   return n[2] >= n[0] && n[2] >= n[1] ? 2 : n[1] >= n[0] ? 1 : 0;
 }
 
+/// A patch has three planes of nodes and the first of the next.
+int planes_of_layer(const Lattice& lattice) { return lattice.lobatto ? 3 : 1; }
+
 }  // namespace
 
-int LayerMatrix::points_per_layer(const Lattice& lattice) { return lattice.points() / lattice.counts[axis_with_most_points(lattice)]; }
+int LayerMatrix::points_per_layer(const Lattice& lattice) {
+  return planes_of_layer(lattice) * (lattice.points() / lattice.counts[axis_with_most_points(lattice)]);
+}
 
 void LayerMatrix::Free::operator()(double* values) const { ::operator delete[](values, cache_line); }
 
 LayerMatrix::LayerMatrix(const Lattice& lattice)
-    : axis_(axis_with_most_points(lattice)), layers_(lattice.counts[axis_]), points_per_layer_(points_per_layer(lattice)) {
+    : axis_(axis_with_most_points(lattice)),
+      planes_per_layer_(planes_of_layer(lattice)),
+      layers_((lattice.counts[axis_] + planes_per_layer_ - 1) / planes_per_layer_),
+      points_per_layer_(points_per_layer(lattice)),
+      filled_(layers_, 0) {
   size_ = (3 * points_per_layer_ + width - 1) / width * width;
   stride_ = 2 * size_ + width;  // the spare width keeps columns of large lattices off each other's cache sets
   axis_stride_ = points_per_layer_ * stride_;
   const std::size_t unknowns = std::size_t(layers_) * size_;
   values_.reset(static_cast<double*>(::operator new[](unknowns * stride_ * sizeof(double), cache_line)));
   inverse_diagonal_ = vector_ = Scalars::Zero(unknowns);
-  std::vector<int> filled(layers_, 0);
   first_.resize(lattice.points());
   column_.resize(lattice.points());
   for (int k = 0; k < lattice.counts[2]; ++k)
     for (int j = 0; j < lattice.counts[1]; ++j)
       for (int i = 0; i < lattice.counts[0]; ++i) {
-        const int layer = axis_ == 0 ? i : axis_ == 1 ? j : k;
-        const int unknown = layer * size_ + filled[layer]++, p = lattice.index(i, j, k);
+        const int layer = (axis_ == 0 ? i : axis_ == 1 ? j : k) / planes_per_layer_;
+        const int unknown = layer * size_ + filled_[layer]++, p = lattice.index(i, j, k);
         first_[p] = unknown;
         column_[p] = unknown * stride_ - layer * size_;
       }
@@ -52,7 +60,8 @@ void LayerMatrix::clear() {
     }
   vector_.setZero();  // the padding may hold NaN of a matrix that was not positive definite
   for (int l = 0; l < layers_; ++l)
-    for (int i = 3 * points_per_layer_; i < size_; ++i) layer(l)[i * stride_ + i] = 1;
+    for (int i = 0; i < size_; ++i)
+      if (i >= 3 * points_per_layer_ || i % points_per_layer_ >= filled_[l]) layer(l)[i * stride_ + i] = 1;
 }
 
 Mat3 LayerMatrix::block(int p, int q) const {

@@ -1,9 +1,10 @@
 /// Symmetric positive definite matrices of the lattice: every point meets its neighbours within one cell, so that with the points counted
-/// layer by layer the matrix is block tridiagonal, and so is its Cholesky factor.
+/// layer by layer the matrix is block tridiagonal, and so is its Cholesky factor. Nodes of a solid meet those of their patches: a layer is
+/// three planes of them, from the beginning of a patch to before the next, and the last one plane.
 ///
 /// Layers are taken across the axis with the most points (the last of those with as many), which makes them smallest. Unknowns run layer by
 /// layer; inside a layer first the x of all its points, then y, then z, points in the order of their flat index. Each layer is padded
-/// to a multiple of eight unknowns, with ones on the diagonal. The lower triangle is stored by columns of one length; a column of layer L
+/// to one multiple of eight unknowns, with ones on the diagonal. The lower triangle is stored by columns of one length; a column of layer L
 /// holds the rows of layers L and L + 1:
 ///
 ///        layer   0   1   2   3
@@ -86,12 +87,13 @@ class LayerMatrix {
   double* layer(int layer) { return values_.get() + std::size_t(layer) * size_ * stride_; }
   int rows(int layer) const { return layer + 1 < layers_ ? 2 * size_ : size_; }
 
-  int axis_, layers_, points_per_layer_, size_;  ///< size: unknowns per layer with padding
-  std::size_t stride_, axis_stride_;             ///< between columns; between those of a point's coordinates
-  std::vector<int> first_;                       ///< (points) unknown of the x coordinate
-  std::vector<std::size_t> column_;              ///< (points) where the column of the x coordinate would have row 0
-  std::unique_ptr<double[], Free> values_;       ///< columns
-  Scalars inverse_diagonal_, vector_;            ///< (unknowns)
+  int axis_, planes_per_layer_, layers_, points_per_layer_, size_;  ///< size: unknowns per layer with padding
+  std::size_t stride_, axis_stride_;                                ///< between columns; between those of a point's coordinates
+  std::vector<int> first_;                                          ///< (points) unknown of the x coordinate
+  std::vector<int> filled_;                                         ///< points of each layer
+  std::vector<std::size_t> column_;                                 ///< (points) where the column of the x coordinate would have row 0
+  std::unique_ptr<double[], Free> values_;                          ///< columns
+  Scalars inverse_diagonal_, vector_;                               ///< (unknowns)
 };
 
 }  // namespace softffd

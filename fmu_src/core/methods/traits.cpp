@@ -43,6 +43,10 @@ static_assert(in_order());
 
 const Traits& traits(Method method) { return rows[std::size_t(method)]; }
 
+bool takes_solid(Method method, const Lattice& lattice) {
+  return method != Method::central_difference && (!is_implicit(method) || LatticeMatrix::exists(lattice));
+}
+
 double step_work(const Body& body, Method method, double h) {
   const double work = traits(method).work;
   return method == Method::leapfrog && body.dashpots() ? work + 2 * DampedKick::products(body, 0.5 * h) : work;

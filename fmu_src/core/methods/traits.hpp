@@ -36,8 +36,8 @@ inline bool is_implicit(Method method) { return traits(method).solves; }
 inline bool passes_over_vibrations(Method method) { return traits(method).passes_over_vibrations; }
 /// May it be asked for where obstacles meet samples of the surface? Leapfrog and backward Euler know them, and take over from others.
 inline bool meets_surface(Method method) { return method != Method::central_difference; }
-/// Whether a solid may be asked for beside it: implicit methods have no matrices for patches, and the central difference is as published.
-inline bool takes_solids(Method method) { return method != Method::central_difference && !is_implicit(method); }
+/// Whether a solid may be asked for beside it: the central difference is as published, and matrices are not for the widest lattices.
+bool takes_solid(Method method, const Lattice& lattice);
 
 /// Work of an implicit step without contact: of a step, of a factor and of taking a step into the body's frame; and of a solution of the
 /// linear equations with contact; by the operations they take and their measured time on 4 x 4 x 4.

@@ -1,8 +1,39 @@
 #include "model/lattice.hpp"
 
+#include <algorithm>
+
 #include "model/lobatto.hpp"
 
 namespace softffd {
+
+namespace {
+
+struct Range {
+  int begin, end;
+};
+
+/// Of an axis of n points those that an element has together with point i.
+Range coupled(int i, int n, bool lobatto) {
+  if (!lobatto) return {std::max(i - 1, 0), std::min(i + 2, n)};
+  const int patch = i / 3 * 3;  // that begins at i, or has it inside
+  return {i == patch ? std::max(i - 3, 0) : patch, std::min(patch + 4, n)};
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> coupled_points(const Lattice& lattice) {
+  const auto& n = lattice.counts;
+  std::vector<std::vector<int>> found(lattice.points());
+  for (int p = 0; p < lattice.points(); ++p) {
+    const Range x = coupled(p % n[0], n[0], lattice.lobatto), y = coupled(p / n[0] % n[1], n[1], lattice.lobatto),
+                z = coupled(p / n[0] / n[1], n[2], lattice.lobatto);
+    for (int k = z.begin; k < z.end; ++k)
+      for (int j = y.begin; j < y.end; ++j)
+        for (int i = x.begin; i < x.end; ++i)
+          if (const int q = lattice.index(i, j, k); q != p) found[p].push_back(q);
+  }
+  return found;
+}
 
 Points rest_positions(const Lattice& lattice) {
   Points rest(lattice.points(), 3);

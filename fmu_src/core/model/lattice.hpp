@@ -8,6 +8,7 @@
 ///      direction (1,1,0): offset 1 + nx     (-1,1,0): offset nx - 1    ...
 #pragma once
 #include <array>
+#include <vector>
 
 #include "model/types.hpp"
 
@@ -30,6 +31,9 @@ struct Lattice {
   Vec3 cell() const { return size.cwiseQuotient(Vec3(counts[0] - 1, counts[1] - 1, counts[2] - 1)); }
   int cells() const { return (counts[0] - 1) * (counts[1] - 1) * (counts[2] - 1); }
 };
+
+/// For every point those that its elements couple it with, (points): within one cell, or of a solid within its patches.
+std::vector<std::vector<int>> coupled_points(const Lattice& lattice);
 
 /// Rest positions X [m], (points, 3).
 Points rest_positions(const Lattice& lattice);

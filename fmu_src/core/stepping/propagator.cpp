@@ -57,7 +57,7 @@ Facts Propagator::facts(const StepContext& context, double H) const {
   facts.obstacles = !context.drive.planes.empty();
   facts.surface = facts.obstacles && context.model.body.samples;
   facts.pins = !context.drive.pins.empty();
-  facts.explicit_alone = !context.model.body.couples_neighbours_alone();
+  facts.explicit_alone = context.model.body.explicit_alone;
   if (facts.obstacles && context.drive.planes.back().solid()) {  // near, and round: flights and rests know planes alone
     facts.clear = false;
     facts.within_reach = true;
@@ -134,7 +134,7 @@ StepStatus Propagator::run_by_trials(const StepContext& context, double end) {
     if (motion.time == end) break;  // a trial took it there
     const Body& body = context.model.body;
     const bool creeps =
-        !context.drive.pins.empty() && body.dashpots() && context.request.method == Method::automatic && body.couples_neighbours_alone();
+        !context.drive.pins.empty() && body.dashpots() && context.request.method == Method::automatic && !body.explicit_alone;
     if (creeps && !is_implicit(method) && left / step_limit(context, Method::leapfrog, false) > use::stiff_damping) {
       course.reason = Reason::quiet_stiffness;
       return damped_.of(lattice_, context.run).run(integrators_, context, end, nullptr);

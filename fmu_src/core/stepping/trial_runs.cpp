@@ -57,8 +57,7 @@ void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const Step
   const double longest = step_limit(context, Method::leapfrog, false), each = step_work(body, Method::leapfrog, longest);
   candidates.least = std::max(1.0, H / longest) * each;
   const double slower = each / traits(Method::leapfrog).work;  // by internal damping, which implicit steps hardly feel
-  const bool may_pay =
-      context.model.stability.elastic() && body.couples_neighbours_alone() && implicit_may_pay(slower * H * bound(context));
+  const bool may_pay = context.model.stability.elastic() && !body.explicit_alone && implicit_may_pay(slower * H * bound(context));
   if (may_pay) try_implicit(integrators, context, H, candidates.least, candidates);
   if (!(candidates.implicit_work < infinity)) {
     calibrate(Method::leapfrog, use::trial_rounds);

@@ -294,7 +294,8 @@ void check_solid(const SceneFile& s) {
   if (s.definition.volume_stiffness > 0) refuse("a solid has no volume_stiffness");
   for (const Region& region : s.definition.regions)
     if (!region.damping) refuse("a region of a solid has damping alone");
-  if (!takes_solids(Method(s.method - 1))) refuse("the method does not support solids; wanted auto, leapfrog, bm4, rkn12 or dop853");
+  if (!takes_solid(Method(s.method - 1), s.definition.lattice))
+    refuse("the method does not support this solid; wanted auto, leapfrog, bm4, rkn12 or dop853");
 }
 
 void check_complete(const SceneFile& s) {

@@ -38,7 +38,8 @@ Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) 
 bool Variables::method_fits(double value) const {
   if (!(value >= 1 && value <= method_count)) return false;
   const Method method = Method(int(value) - 1);
-  return (!scene_.definition.samples || meets_surface(method)) && (!scene_.definition.solid() || takes_solids(method));
+  return (!scene_.definition.samples || meets_surface(method)) &&
+         (!scene_.definition.solid() || takes_solid(method, scene_.definition.lattice));
 }
 
 void Variables::check_method(double method) const {

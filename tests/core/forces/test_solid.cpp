@@ -40,8 +40,9 @@ Points homogeneous(const Lattice& lattice, double s, double t, double shear = 0)
   return x;
 }
 
-Eigen::MatrixXd products(const Body& body, const Points& x, double per_time = 0) {
-  return -matrix_of(body.points(), [&](const Points& u, Points& f) { body.subtract_product(x, {.per_time = per_time}, u, f); });
+Eigen::MatrixXd products(const Body& body, const Points& x, double per_time = 0, double softening = 1) {
+  return -matrix_of(body.points(),
+                    [&](const Points& u, Points& f) { body.subtract_product(x, {.softening = softening, .per_time = per_time}, u, f); });
 }
 
 /// Frequencies of the body at rest [rad/s], the least first.
@@ -121,9 +122,41 @@ TEST(blocks_are_the_products_matrix) {
   } sink;
   const Body body = solid_body(long_box, 0.4, 10, 0.02);
   const Points x = scattered(long_box, 0.05);
-  body.energies.front()->add_blocks(x, {.per_time = 30}, sink);
+  body.energies.front()->add_blocks(x, {.softening = 1, .per_time = 30}, sink);
   const Eigen::MatrixXd k = products(body, x, 30);
   CHECK(largest(sink.k - k) < 1e-12 * largest(k));
+}
+
+TEST(without_softening_the_matrix_is_positive_semidefinite_and_at_rest_nearly_the_whole) {
+  for (const double ratio : {0.0, 0.3, 0.49})
+    for (int trial = 0; trial < 6; ++trial) {
+      const Body body = solid_body(cube(4), ratio);
+      const Points x = trial == 0   ? homogeneous(cube(4), 0.5, 1)
+                       : trial == 1 ? homogeneous(cube(4), 1.5, 1.2)
+                                    : scattered(cube(4), 0.02 * trial, trial);
+      const Eigen::MatrixXd k = products(body, x, 0, 0);
+      CHECK(dense::eigenvalues(k).minCoeff() > -1e-13 * largest(k));
+    }
+  const Body body = solid_body(long_box, 0.4);
+  CHECK(largest(products(body, rest_positions(long_box)) - products(body, rest_positions(long_box), 0, 0)) < 1e-7);
+}
+
+TEST(a_solid_has_a_factor_whose_solutions_are_those_of_its_matrix) {
+  for (const Lattice& lattice : {cube(4), long_box, Lattice{.counts = {4, 7, 10}, .size = {1, 2, 2}, .lobatto = true}}) {
+    Body body = solid_body(lattice, 0.4, 10, 0.02);
+    body.pinned[5] = true;
+    const Points x = scattered(lattice, 0.02), wanted = scattered(lattice, 1, 3);
+    LatticeMatrix matrix(lattice);
+    assemble(body, x, {.per_time = 20}, Scalars::Constant(lattice.points(), 3), matrix);
+    Points b = 3 * wanted, product = Points::Zero(b.rows(), 3), u = wanted;
+    set_row(u, 5, Vec3::Zero());
+    body.subtract_product(x, {.per_time = 20}, u, product);
+    b -= product;
+    set_row(b, 5, row(wanted, 5));
+    matrix.factor();
+    matrix.solve(b);
+    CHECK(distance(b, wanted) < 1e-10);
+  }
 }
 
 TEST(stretch_and_shear_have_their_closed_forms) {

@@ -13,21 +13,12 @@ ContactSet::ContactSet(const Lattice& lattice, int planes)
       friction_(planes, 0.0),
       at_(lattice.points()),
       pinned_(lattice.points(), 0),
-      neighbours_(lattice.points()),
+      neighbours_(coupled_points(lattice)),
       gap_(lattice.points()),
       feasible_(planes) {
   touching_.reserve(lattice.points());
   in_matrix_.reserve(3 * lattice.points());
   constraints_.reserve(planes);
-  for (int k = 0; k < lattice.counts[2]; ++k)
-    for (int j = 0; j < lattice.counts[1]; ++j)
-      for (int i = 0; i < lattice.counts[0]; ++i)
-        for (const Direction& direction : directions) {
-          if (!direction.within(lattice, i, j, k)) continue;
-          const int p = lattice.index(i, j, k), q = p + direction.offset(lattice);
-          neighbours_[p].push_back(q);
-          neighbours_[q].push_back(p);
-        }
 }
 
 void ContactSet::open(const Body& body, const Drive& around, double t, double h, const Holds& holds, bool again) {
