@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from softffd import Simulation
-from solids import Patches, braked, face_mean, node_positions, solid
 from softffd.lattice import to_flat
+from solids import Patches, braked, face_mean, node_positions, solid
 
 SMALL = 1e-6
 """Load by modulus: strains are as small"""
@@ -36,9 +36,7 @@ END = {"name": "end", "points": "x+"}
 def clamped_cube(n: int, ratio: float, weight: list[float], internal_damping: float = 0.0):
     """Braked so that its slowest vibration, at 0.67 / s, ends within some periods."""
     drag = 0.0 if internal_damping else 1.0 / n**3
-    return solid(
-        n, ratio=ratio, internal_damping=internal_damping, damping=drag, gravity=weight, pin=[WALL], load=[END], method="leapfrog"
-    )
+    return solid(n, ratio=ratio, internal_damping=internal_damping, damping=drag, gravity=weight, pin=[WALL], load=[END], method="leapfrog")
 
 
 def deflection(scene, axis: int, force: float, time: float = 40.0) -> float:

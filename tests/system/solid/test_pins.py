@@ -77,7 +77,11 @@ def test_a_twisted_solid_twists_both_ends_alike():
     def twist(time: float) -> dict[str, float]:
         angle = 0.05 * min(time, 10.0)
         rate = 0.05 if time < 10 - 1e-9 else 0.0
-        return {"pin.hand.orientation.w": np.cos(angle / 2), "pin.hand.orientation.z": np.sin(angle / 2), "pin.hand.angular_velocity.z": rate}
+        return {
+            "pin.hand.orientation.w": np.cos(angle / 2),
+            "pin.hand.orientation.z": np.sin(angle / 2),
+            "pin.hand.angular_velocity.z": rate,
+        }
 
     result = simulate(scene, inputs=twist, stop_time=40.0, step=0.5)
     wall, hand = (vector(result, f"pin.{name}.torque")[-1] for name in ("wall", "hand"))
