@@ -1,5 +1,6 @@
 """The checks of a solid: its lattice and its methods, and keys that only springs have; and beside springs, keys that only a solid has."""
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -29,7 +30,9 @@ OF_SOLIDS = {
     ("material", "density"): "give mass.density",
 }
 """Keys that springs have not, and what they have in their place"""
-METHODS = ("auto", "leapfrog", "bm4", "rkn12", "dop853")
+METHODS, IMPLICIT = ("auto", "leapfrog", "bm4", "rkn12", "dop853"), ("ros34pw2", "backward_euler", "sdirk2")
+WIDEST = 320
+"""Of a solid for which there are matrices, the nodes of a layer: three planes across the axis with the most points"""
 SPREADS = ("box", "vertices", "surface", "volume")
 SOLID, SPRINGS = (f"material.model = {toml_text(model)}" for model in ("solid", "springs"))
 
@@ -77,10 +80,11 @@ def _words(draft: Draft) -> Iterator[Fault]:
     keys = draft.keys
     one = draft.counts and max(draft.counts) <= PATCH + 1  # patch, which is a Bezier volume
     bases = ("bezier", "patches") if one else ("patches",)
+    narrow = draft.counts and PATCH * math.prod(draft.counts) // max(draft.counts) <= WIDEST
     choices: dict[KeyPath, tuple[str, tuple[str, ...]]] = {
         ("lattice", "basis"): (keys.lattice.basis, bases),
         ("mass", "distribution"): (keys.mass.distribution, SPREADS),
-        ("solver", "method"): (keys.solver.method, METHODS),
+        ("solver", "method"): (keys.solver.method, METHODS + IMPLICIT if narrow else METHODS),
     }
     for path, (got, wanted) in choices.items():
         if got not in wanted:
