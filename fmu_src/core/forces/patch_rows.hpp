@@ -76,9 +76,12 @@ template <int n>
 INNER Four<n> root(const Four<n>& a) {
   return each_part<n>([&](int i) INLINED { return square_root<n>(a.part[i]); });
 }
+/// Of what is in memory a broadcast of it takes no shuffle.
 template <int n>
 INNER double number(const Four<n>& a, int i) {
-  return a.part[i / n][i % n];
+  double found;
+  std::memcpy(&found, reinterpret_cast<const char*>(&a) + i * sizeof found, sizeof found);
+  return found;
 }
 template <int n>
 INNER Four<n> load_four(const double* from) {
@@ -108,11 +111,13 @@ template <int n>
 INNER void derive(const SolidBody& body, const double* from, Rows<n>* F) {
   const PatchShape& shape = body.shape;
   Rows<n> u;
-  for (int r = 0; r < rows; ++r) u[r] = load_four<n>(from + (r & 3) * body.line + (r >> 2) * body.layer);
   Four<n> along[4];
   for (int s = 0; s < 4; ++s) along[s] = load_four<n>(shape.along[s]);
-  for (int r = 0; r < rows; ++r)
-    F[0][r] = (number(u[r], 0) * along[0] + number(u[r], 1) * along[1]) + (number(u[r], 2) * along[2] + number(u[r], 3) * along[3]);
+  for (int r = 0; r < rows; ++r) {
+    const double* at = from + (r & 3) * body.line + (r >> 2) * body.layer;
+    u[r] = load_four<n>(at);
+    F[0][r] = (at[0] * along[0] + at[1] * along[1]) + (at[2] * along[2] + at[3] * along[3]);
+  }
   for (int k = 0; k < 4; ++k)
     for (int j = 0; j < 4; ++j) {
       const double *y = shape.across[0][j], *z = shape.across[1][k];

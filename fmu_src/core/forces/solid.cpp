@@ -60,29 +60,19 @@ void Solid::subtract_product(const Points& x, const Linearisation& of, const Poi
   kernels::subtract_tangent(body_, of.softening, of.per_time * time_, x.data(), u.data(), f.data());
 }
 
-/// Column by column: a patch's product takes no longer than its part of a dense matrix.
 void Solid::add_blocks(const Points& x, const Linearisation& of, BlockSink& sink) const {
-  kernels::SolidBody one = body_;
-  one.patches = {1, 1, 1};
-  Points unit = Points::Zero(x.rows(), 3), column[3] = {unit, unit, unit};
-  const auto node = [&](int i) { return i % 4 + int(body_.line) * (i / 4 % 4) + int(body_.layer) * (i / 16); };
+  if (!matrix_) matrix_ = std::make_unique<kernels::PatchMatrix>();
+  const auto node = [&](int i) { return lattice_.index(i % 4, i / 4 % 4, i / 16); };
   for (int patch = 0; patch < int(bounds_.size()); ++patch) {
     const int at = first_node(patch);
-    for (int s = 0; s < 64; ++s) {
-      const int q = at + node(s);
-      for (int axis = 0; axis < 3; ++axis) {
-        for (int i = 0; i < 64; ++i) column[axis].row(at + node(i)) = 0;
-        unit(q, axis) = 1;
-        kernels::subtract_tangent(one, of.softening, of.per_time * time_, x.data() + at, unit.data() + at, column[axis].data() + at);
-        unit(q, axis) = 0;
-      }
-      for (int i = s; i < 64; ++i) {
-        const int p = at + node(i);
+    kernels::patch_matrix(body_, of.softening, of.per_time * time_, x.data() + at, *matrix_);
+    for (int p = 0; p < 64; ++p)
+      for (int q = 0; q <= p; ++q) {
         Mat3 block;
-        for (int axis = 0; axis < 3; ++axis) block.col(axis) = -row(column[axis], p);
-        sink.add(p, q, p == q ? Mat3(0.5 * (block + block.transpose())) : block);
+        for (int c = 0; c < 3; ++c)
+          for (int e = 0; e < 3; ++e) block(c, e) = matrix_->at_nodes[p][q][3 * c + e] + matrix_->projected[3 * c + e][p][q];
+        sink.add(at + node(p), at + node(q), block);
       }
-    }
   }
 }
 

@@ -28,7 +28,7 @@
 /// and c0:H = div(c0'u). A patch whose nodes have r times the volume's weight as mass, r being least of all that move, has the squared
 /// frequency 1/r times that. The same with F in place of c bounds the dashpots. No bound holds in every configuration.
 #pragma once
-#include <limits>
+#include <memory>
 #include <vector>
 
 #include "forces/energy.hpp"
@@ -83,6 +83,7 @@ class Solid final : public Energy {
   double gradient_, divergence_;  ///< L, D [1/m2]
   double time_ = 0;               ///< of the internal damping [s]
   mutable std::vector<kernels::PatchBounds> bounds_;
+  mutable std::unique_ptr<kernels::PatchMatrix> matrix_;  ///< since one was asked for
 };
 
 }  // namespace softffd

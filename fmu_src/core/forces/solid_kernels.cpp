@@ -182,6 +182,97 @@ INNER void tangent(const SolidBody& body, double softening, double per_time, con
   });
 }
 
+/// The products of linear functions that the projection is onto, at the nodes: of unit mean square.
+INNER double linear_product(int t, int i, int j, int k) {
+  constexpr double root3 = 1.7320508075688772935, inner = root3 / lobatto::root5, at[4] = {-root3, -inner, inner, root3};
+  return (t & 1 ? at[i] : 1) * (t & 2 ? at[j] : 1) * (t & 4 ? at[k] : 1);
+}
+
+/// Of a node of the quadrature: where its lines of nodes along the axes are, and their derivatives there.
+struct Lines {
+  int node[3][4];
+  double slope[3][4];
+  INLINED Lines(const PatchShape& shape, int i, int j, int k) {
+    for (int s = 0; s < 4; ++s) {
+      node[0][s] = s + 4 * j + 16 * k, node[1][s] = i + 4 * s + 16 * k, node[2][s] = i + 4 * j + 16 * s;
+      slope[0][s] = shape.along[s][i], slope[1][s] = shape.across[0][j][s], slope[2][s] = shape.across[1][k][s];
+    }
+  }
+};
+
+/// += factor sum over the linear products of v_t v_t', v_t = sum of w times the product times m : gradient.
+INNER void add_projected(const SolidBody& body, double factor, const double (&m)[9][64], double (*sums)[64][64]) {
+  double v[8][3][64] = {}, volume = 0;
+  for (int g = 0; g < 64; ++g) {
+    const int i = g & 3, j = g >> 2 & 3, k = g >> 4;
+    const double w = body.shape.weight[j + 4 * k][i];
+    const Lines lines(body.shape, i, j, k);
+    volume += w;
+    for (int t = 0; t < 8; ++t)
+      for (int a = 0; a < 3; ++a)
+        for (int s = 0; s < 4; ++s)
+          for (int c = 0; c < 3; ++c) v[t][c][lines.node[a][s]] += w * linear_product(t, i, j, k) * lines.slope[a][s] * m[3 * c + a][g];
+  }
+  for (int c = 0; c < 3; ++c)
+    for (int e = 0; e < 3; ++e)
+      for (int p = 0; p < 64; ++p)
+        for (int t = 0; t < 8; ++t) {
+          const double of_p = factor / volume * v[t][c][p];
+          double* row = sums[3 * c + e][p];
+          for (int q = 0; q <= p; ++q) row[q] += of_p * v[t][e][q];
+        }
+}
+
+template <int n>
+INNER void matrix(const SolidBody& body, double softening, double per_time, const double* x, PatchMatrix& into) {
+  Rows<n> F[9], q, t;
+  double f[9][64], c[9][64], k[64], s[64];
+  gradients<n>(body, x, F);
+  volumes<n>(body, F, q, t);
+  for (int r = 0; r < rows; ++r) {
+    const Nine<n> here = row_of<n>(F, r), of_faces = cofactors(here);
+    const Pressure<n> now = pressure<n>(body, q[r], t[r]);
+    const Four<n> kept = within(now.p, body.mu / root(longest_square(here, of_faces, q[r] + 1.0)));
+    store_four<n>(s + 4 * r, kept + softening * (now.p - kept));
+    store_four<n>(k + 4 * r, (2 * body.lambda / least_volume) * now.missing + body.mu);
+    for (int i = 0; i < 9; ++i) store_four<n>(f[i] + 4 * r, here.m[i]), store_four<n>(c[i] + 4 * r, of_faces.m[i]);
+  }
+  std::memset(&into, 0, sizeof into);
+  for (int g = 0; g < 64; ++g) {
+    const int i = g & 3, j = g >> 2 & 3, l = g >> 4;
+    const double w = body.shape.weight[j + 4 * l][i], viscous = per_time * body.mu;
+    const Lines lines(body.shape, i, j, l);
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) {
+        double block[9];
+        for (int m = 0; m < 3; ++m)
+          for (int e = 0; e < 3; ++e) {
+            double entry = k[g] * (c[3 * m + a][g] * c[3 * e + b][g]);
+            if (a == b && m == e) entry += body.mu;
+            if (a != b && m != e) {
+              const double turned = s[g] * f[3 * (3 - m - e) + 3 - a - b][g];
+              entry += ((e - m + 3) % 3 == 1) == ((b - a + 3) % 3 == 1) ? turned : -turned;
+            }
+            if (viscous > 0) {
+              entry += viscous * (f[3 * m + b][g] * f[3 * e + a][g]);
+              if (a == b)
+                entry += viscous * (f[3 * m][g] * f[3 * e][g] + f[3 * m + 1][g] * f[3 * e + 1][g] + f[3 * m + 2][g] * f[3 * e + 2][g]);
+            }
+            block[3 * m + e] = w * entry;
+          }
+        for (int u = 0; u < 4; ++u)
+          for (int v = 0; v < 4; ++v) {
+            if (lines.node[b][v] > lines.node[a][u]) continue;
+            const double slopes = lines.slope[a][u] * lines.slope[b][v];
+            double* sum = into.at_nodes[lines.node[a][u]][lines.node[b][v]];
+            for (int m = 0; m < 9; ++m) sum[m] += slopes * block[m];
+          }
+      }
+  }
+  add_projected(body, body.lambda, c, into.projected);
+  if (per_time > 0) add_projected(body, per_time * body.lambda, f, into.projected);
+}
+
 template <int n>
 INNER double energy(const SolidBody& body, const double* x) {
   double total = 0;
@@ -280,6 +371,7 @@ INNER void bounds(const SolidBody& body, const double* x, PatchBounds* each) {
 decltype(subtract_elastic) subtract_elastic = chosen<patch::elastic<2>, patch::elastic<4>>();
 decltype(subtract_viscous) subtract_viscous = chosen<patch::viscous<2>, patch::viscous<4>>();
 decltype(subtract_tangent) subtract_tangent = chosen<patch::tangent<2>, patch::tangent<4>>();
+decltype(patch_matrix) patch_matrix = chosen<patch::matrix<2>, patch::matrix<4>>();
 decltype(solid_energy) solid_energy = chosen<patch::energy<2>, patch::energy<4>>();
 decltype(viscous_power) viscous_power = chosen<patch::power<2>, patch::power<4>>();
 decltype(bound_patches) bound_patches = chosen<patch::bounds<2>, patch::bounds<4>>();

@@ -61,7 +61,7 @@ ImplicitWork::ImplicitWork(const Lattice& lattice) {
     step = 8 + 4 * solution;
     return;
   }
-  factor = 30 * per_layer * per_layer;
+  factor = 30 * per_layer * per_layer + (lattice.lobatto ? 340 : 0);  // patches' blocks: measured
   step = 8 + 15 * per_layer;
   solution = step / 2;
 }

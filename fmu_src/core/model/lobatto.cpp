@@ -9,13 +9,23 @@ namespace {
 
 constexpr double third = 1.0 / 3;
 
-/// Calls line(first, step) for every line of numbers along an axis.
-template <class Line>
-void each_line(const Lattice& lattice, int axis, const Line& line) {
+/// Calls patch(numbers of its first node, step) for the four nodes of every patch along an axis, a row of x after the other: of y and z so
+/// many lines side by side as the row is long.
+template <class Patch>
+void each_row(const Lattice& lattice, int axis, double* values, const Patch& patch) {
   const auto& n = lattice.counts;
-  const int step = axis == 0 ? 1 : axis == 1 ? n[0] : n[0] * n[1];
-  for (int p = 0; p < lattice.points(); ++p)
-    if (p / step % n[axis] == 0) line(p, step);
+  const std::ptrdiff_t step = axis == 0 ? 1 : axis == 1 ? n[0] : std::ptrdiff_t(n[0]) * n[1];
+  const int across = axis == 2 ? n[1] : n[2];
+  const std::ptrdiff_t next = axis == 2 ? n[0] : std::ptrdiff_t(n[0]) * n[1];
+  for (int j = 0; j < across; ++j)
+    for (int e = 0; e < patches(n[axis]); ++e) {
+      double* first = values + j * next + 3 * e * step;
+      if (axis > 0) {
+        for (int i = 0; i < n[0]; ++i) patch(first + i, step);
+      } else {
+        for (int k = 0; k < n[1]; ++k) patch(first + k * n[0], step);
+      }
+    }
 }
 
 }  // namespace
@@ -55,13 +65,10 @@ Scalars volume_shares(const Lattice& lattice) {
 
 void to_control_points(const Lattice& lattice, double* values) {
   for (int axis = 0; axis < 3; ++axis)
-    each_line(lattice, axis, [&](int first, int step) {
-      double* q = values + first;
-      for (int patch = 0; patch < patches(lattice.counts[axis]); ++patch, q += 3 * step) {
-        const double begin = q[0], low = q[step], high = q[2 * step], end = q[3 * step];
-        q[step] = near * low + far * high + (third * end - begin);
-        q[2 * step] = near * high + far * low + (third * begin - end);
-      }
+    each_row(lattice, axis, values, [](double* q, std::ptrdiff_t step) {
+      const double begin = q[0], low = q[step], high = q[2 * step], end = q[3 * step];
+      q[step] = near * low + far * high + (third * end - begin);
+      q[2 * step] = near * high + far * low + (third * begin - end);
     });
 }
 
@@ -71,18 +78,15 @@ void to_control_points(const Lattice& lattice, const Points& nodes, Points& cont
 }
 
 void to_nodes(const Lattice& lattice, Points& forces) {
-  for (int axis = 0; axis < 3; ++axis)
-    each_line(lattice, axis, [&](int first, int step) {
-      for (int patch = 0; patch < patches(lattice.counts[axis]); ++patch, first += 3 * step)
-        for (int c = 0; c < 3; ++c) {
-          double *f = &forces(first, c), &one = f[step], &two = f[2 * step];
-          const double low = one, high = two;
-          f[0] += third * high - low;
-          f[3 * step] += third * low - high;
-          one = near * low + far * high;
-          two = near * high + far * low;
-        }
-    });
+  for (int c = 0; c < 3; ++c)
+    for (int axis = 0; axis < 3; ++axis)
+      each_row(lattice, axis, forces.col(c).data(), [](double* f, std::ptrdiff_t step) {
+        const double low = f[step], high = f[2 * step];
+        f[0] += third * high - low;
+        f[3 * step] += third * low - high;
+        f[step] = near * low + far * high;
+        f[2 * step] = near * high + far * low;
+      });
 }
 
 }  // namespace softffd::lobatto
