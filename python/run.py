@@ -8,6 +8,7 @@
     python3 python/run.py bench               times of everything, as ratios to what one would use otherwise
     python3 python/run.py stability           stiff and extreme scenes, each judged by an exact answer or a bound
     python3 python/run.py random 200          the same of scenes drawn at random
+    python3 python/run.py benchmarks          numbers of textbooks and papers, and what comes out
     python3 python/run.py scipy SCENE ...     error against run time, with SciPy's solvers beside
     python3 python/run.py twin SCENE          an FMU of the same model in numpy
     python3 python/run.py cross-check DIR     the files of the FMI Cross-Check
@@ -36,7 +37,7 @@ PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 BUILD = ROOT / "build" / "native"
 STAMP = VENV / "softffd-built"
 BUILT_FROM = ("pyproject.toml", "CMakeLists.txt", "LICENSE", "fmu_src", "modelDescription")
-TOOLS = ("stability", "random", "scipy", "twin", "cross-check")  # of python/validation
+TOOLS = ("stability", "random", "benchmarks", "scipy", "twin", "cross-check")  # of python/validation
 LEAST_PYTHON = (3, 11)
 COMPILED = re.compile(r"^\s*\[\s*([1-9]\d*/\d+|\d+%)\]")  # ninja's words for how far it is, and those of make
 CLEAR = "\r\033[K"

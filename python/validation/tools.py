@@ -12,6 +12,7 @@ from softffd.files import require_writable
 from softffd.run.progress import ProgressLine
 from softffd.scene.scene import load_scene
 from validation.cross_check import PLACE, write_cross_check
+from validation.published.report import report_published
 from validation.stability.drawn_runs import FAMILIES
 from validation.stability.drawn_survey import report_random
 from validation.stability.results import report_stability
@@ -50,6 +51,9 @@ def parser() -> Parser:
     twin = add("twin", "Makes an FMU of a scene whose model is written once more, in numpy.")
     twin.add_argument("scene", metavar="SCENE", help="Scene file, or name of a shipped scene.")
     twin.add_argument("-o", "--output", type=Path, metavar="X.fmu", help="File to write; default: NAME_twin.fmu in this folder.")
+    published = add("benchmarks", "Runs published cases, of springs and of solids, and compares the numbers: a page and a table.")
+    published.add_argument("--only", nargs="+", default=[], metavar="NAME", help="What to run: parts of the titles of cases.")
+    published.add_argument("-o", "--output", type=Path, default=Path("softffd-published"), metavar="DIR", help=folder)
     cross_check = add("cross-check", "Makes the files of the FMI Cross-Check of the shipped scenes.")
     cross_check.add_argument("output", type=Path, metavar="DIR", help="Folder to write to; of the sources it is cross-check.")
     return whole
@@ -98,9 +102,20 @@ def _twin(options: argparse.Namespace) -> None:
     print(build_twin(scene, options.output or f"{scene.name}_twin.fmu"))
 
 
+def _benchmarks(options: argparse.Namespace) -> None:
+    require_writable(options.output)
+    with ProgressLine("running") as progress:
+        rows = report_published(options.output, options.only, note=progress.note)
+    for row in rows:
+        print(f"{100 * row.error:+8.2f} %  {row.quantity}, {row.body}")
+    print(f"kept in {options.output}: benchmarks.md, benchmarks.csv")
+
+
 def _cross_check(options: argparse.Namespace) -> None:
     for path in write_cross_check(options.output / PLACE):
         print(path)
 
 
-TOOLS = {"stability": _stability, "random": _random, "scipy": _scipy, "twin": _twin, "cross-check": _cross_check}
+TOOLS = {
+    "stability": _stability, "random": _random, "benchmarks": _benchmarks, "scipy": _scipy, "twin": _twin, "cross-check": _cross_check,
+}  # fmt: skip

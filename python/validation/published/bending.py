@@ -1,0 +1,126 @@
+"""Beams: the elastica under an end load and under its own weight, the first frequency of a clamped beam, Turek and Hron's strip."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from validation.published.cases import Body, Row
+from validation.published.runs import WALL, Course, Size, drag, scene_of, slowest_bending
+
+MODULUS, DENSITY, HEIGHT = 1e6, 1000.0, 0.01
+"""Pa, kg/m3, m, of the elasticas, whose numbers have no dimension"""
+END_LOAD = {1: (0.30172, 0.05643), 2: (0.49346, 0.16064), 10: (0.81061, 0.55500)}
+"""P L2 / (E I): deflection and shortening by the length"""
+OWN_WEIGHT = {1: (0.12347, 0.00875), 4: (0.42516, 0.10989), 10: (0.70020, 0.34365)}
+"""q L3 / (E I): the same"""
+
+
+def _beam(body: Body) -> Size:
+    """As long as its cells are cubes, if it is of springs; else 20 times its height."""
+    slenderness = 20.0 if body.model == "solid" and body.points[0] < 31 else (body.points[0] - 1) / (body.points[1] - 1)
+    return slenderness * HEIGHT, HEIGHT, HEIGHT
+
+
+def _elastica(body: Body, references: dict[int, tuple[float, float]], weight: bool) -> Iterator[Row]:
+    size = _beam(body)
+    length, inertia = size[0], HEIGHT**4 / 12
+    slowest = slowest_bending(size, MODULUS, DENSITY)
+    acting = {"environment": {"gravity": [0.0, 0.0, 0.0]}} if weight else {"load": [{"name": "end", "points": "x+"}]}
+    scene = scene_of(
+        body, size, MODULUS, DENSITY, material=drag(body, size, DENSITY, 2 * slowest), pin=[WALL], solver={"method": "leapfrog"}, **acting
+    )
+    with Course(scene) as course:
+        start, steps, seconds = course.end(), 0, 0.0
+        for load, (deflection, shortening) in references.items():
+            if weight:
+                course.sim["gravity.z"] = load * MODULUS * inertia / length**3 / (DENSITY * HEIGHT**2)
+            else:
+                course.sim["load.end.z"] = load * MODULUS * inertia / length**2
+            course.rest(lambda: float(course.end()[2] - start[2]), 1 / slowest)
+            moved = (course.end() - start) / length
+            spent = course.steps - steps, course.seconds - seconds
+            steps, seconds = course.steps, course.seconds
+            yield Row(body, f"deflection / L at {load}", deflection, float(moved[2]), *spent)
+            yield Row(body, f"shortening / L at {load}", shortening, float(-moved[0]), *spent)
+
+
+def end_load(body: Body) -> Iterator[Row]:
+    return _elastica(body, END_LOAD, weight=False)
+
+
+def own_weight(body: Body) -> Iterator[Row]:
+    return _elastica(body, OWN_WEIGHT, weight=True)
+
+
+SILICONE: Size = (0.2, 0.02, 0.02)
+"""m; 1 MPa and 1100 kg/m3"""
+PERIODS = 20
+
+
+def clamped_frequency(body: Body) -> Iterator[Row]:
+    """Let go of what a small load has bent, of which the first mode is taken."""
+    modulus, density = 1e6, 1100.0
+    slowest = slowest_bending(SILICONE, modulus, density)
+    brake = drag(body, SILICONE, density, 2 * slowest)
+    scene = scene_of(
+        body, SILICONE, modulus, density, material=brake, pin=[WALL], load=[{"name": "end", "points": "x+"}],
+        solver={"method": "leapfrog", "tolerance": 1e-6},
+    )  # fmt: skip
+    places = np.linspace(0.0, 1.0, body.points[0])
+    mode = _first_mode(places)
+    with Course(scene, {"load.end.z": 1e-4 * modulus * SILICONE[2] ** 4 / 12 / SILICONE[0] ** 2}) as course:
+
+        def of_mode() -> float:
+            return float(mode @ (course.sim.positions[..., 2].mean(axis=(1, 2)) - SILICONE[2] / 2))
+
+        course.rest(of_mode, 1 / slowest)
+        course.sim["load.end.z"], course.sim["damping"] = 0.0, 0.0
+        step = 2 * math.pi / slowest / 50
+        course_of_mode = [of_mode()]
+        for _ in range(50 * PERIODS):
+            course.step(step)
+            course_of_mode.append(of_mode())
+        found = _frequency(np.array(course_of_mode), step)
+        yield Row(body, "first frequency [Hz]", slowest / (2 * math.pi), found, course.steps, course.seconds)
+
+
+def _first_mode(x: np.ndarray) -> np.ndarray:
+    """Of a clamped beam, at places from 0 to 1."""
+    k = 1.87510406871
+    ratio = (math.cosh(k) + math.cos(k)) / (math.sinh(k) + math.sin(k))
+    found: np.ndarray = np.cosh(k * x) - np.cos(k * x) - ratio * (np.sinh(k * x) - np.sin(k * x))
+    return found
+
+
+def _frequency(values: np.ndarray, step: float) -> float:
+    """Of a vibration that is read every `step` [s], by its first and last pass through zero [Hz]."""
+    before = np.flatnonzero(values[:-1] * values[1:] < 0)
+    times = step * (before + values[before] / (values[before] - values[before + 1]))
+    return float((len(times) - 1) / 2 / (times[-1] - times[0]))
+
+
+STRIP: Size = (0.35, 0.02, 0.02)
+
+
+def strip(body: Body) -> Iterator[Row]:
+    """Let fall in its own weight; middle and amplitude of the free end's way by its extremes, as the source has them."""
+    plane_strain = 1.4e6 / (1 - 0.4**2)
+    scene = scene_of(
+        body, STRIP, plane_strain, 1000.0, pin=[WALL], environment={"gravity": [0.0, 0.0, -2.0]}, solver={"method": "leapfrog"},
+    )  # fmt: skip
+    with Course(scene) as course:
+        start, ways = course.end(), []
+        for _ in range(2000):
+            course.step(0.005)
+            ways.append(course.end() - start)
+            spent = course.steps, course.seconds
+    way = np.array(ways)
+    for axis, name, middle, amplitude in ((0, "x", -14.279e-3, 14.280e-3), (2, "y", -63.541e-3, 65.094e-3)):
+        high, low = way[:, axis].max(), way[:, axis].min()
+        yield Row(body, f"middle of u_{name} [m]", middle, (high + low) / 2, *spent)
+        yield Row(body, f"amplitude of u_{name} [m]", amplitude, (high - low) / 2, *spent)
+    moving = way[:, 2] - way[:, 2].mean()
+    yield Row(body, "frequency [Hz]", 1.0995, _frequency(moving, 0.005), *spent)
