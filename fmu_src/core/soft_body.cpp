@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "contact/stand_ins.hpp"
-#include "forces/solid.hpp"
 #include "forces/volume.hpp"
 #include "kit/thresholds.hpp"
 #include "matrix/lattice_matrix.hpp"

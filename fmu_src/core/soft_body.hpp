@@ -6,6 +6,7 @@
 #include "contact/surface/surface_contact.hpp"
 #include "forces/cells.hpp"
 #include "forces/regions.hpp"
+#include "forces/solid.hpp"
 #include "stepping/propagator.hpp"
 #include "watch/readings.hpp"
 
@@ -91,6 +92,8 @@ class SoftBody {
   /// Continues from a snapshot of the same definition. `settings` must be those of the snapshot's moment: the start time and all values
   /// that had taken effect.
   void restore(const Run& run, double start_time);
+  /// The solid that the body is; null of springs.
+  const Solid* solid() const { return definition_.solid() ? static_cast<const Solid*>(model_.body.energies.front().get()) : nullptr; }
   const Lattice& lattice() const { return definition_.lattice; }
   /// Where pin a's frame is at rest [m].
   Vec3 pin_origin(int a) const { return pin_origins_[a]; }

@@ -1,7 +1,9 @@
 #include "forces/solid.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "model/arithmetic.hpp"
 #include "model/lobatto.hpp"
@@ -30,7 +32,66 @@ kernels::PatchShape shape_of(const std::array<double, 3>& sides) {
   return shape;
 }
 
+/// l_i'(u) of the nodes' polynomials.
+double slope_of(int i, double u) {
+  double sum = 0;
+  for (int j = 0; j < lobatto::nodes; ++j) {
+    double product = j == i ? 0 : 1 / (lobatto::places[i] - lobatto::places[j]);
+    for (int k = 0; k < lobatto::nodes; ++k)
+      if (k != i && k != j) product *= (u - lobatto::places[k]) / (lobatto::places[i] - lobatto::places[k]);
+    sum += product;
+  }
+  return sum;
+}
+
 }  // namespace
+
+SolidPlace::SolidPlace(const Lattice& lattice, const Vec3& at) {
+  for (int a = 0; a < 3; ++a) {
+    const int count = lobatto::patches(lattice.counts[a]);
+    const double t = (at[a] - lattice.origin[a]) / lattice.size[a];
+    patch[a] = std::clamp(int(std::floor(t * count)), 0, count - 1);
+    const double u = t * count - patch[a];
+    const Scalars values = lobatto::interpolation(u, lobatto::nodes);
+    for (int i = 0; i < lobatto::nodes; ++i) {
+      value[a][i] = values[i];
+      slope[a][i] = slope_of(i, u) * (count / lattice.size[a]);
+    }
+    from_middle[a] = 2 * u - 1;
+  }
+}
+
+double MaterialState::von_mises() const {
+  const Mat3 shape = stress - stress.trace() / 3 * Mat3::Identity();
+  return std::sqrt(1.5 * shape.squaredNorm());
+}
+
+double MaterialState::largest_stretch() const {
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Mat3>(gradient.transpose() * gradient, Eigen::EigenvaluesOnly).eigenvalues()[2]);
+}
+
+MaterialState Solid::at(const SolidPlace& place, const Points& x) const {
+  MaterialState state{Mat3::Zero(), Mat3::Constant(std::numeric_limits<double>::quiet_NaN())};
+  const int first = 3 * lattice_.index(place.patch[0], place.patch[1], place.patch[2]);
+  double volumes[64], projected = 0;
+  kernels::patch_volumes(body_, x.data() + first, volumes);
+  for (int g = 0; g < 64; ++g) {
+    const std::array<int, 3> node{g % 4, g / 4 % 4, g / 16};
+    const Vec3 at_node = row(x, first + lattice_.index(node[0], node[1], node[2]));
+    double weight = 1;
+    for (int a = 0; a < 3; ++a) {
+      const int b = (a + 1) % 3, c = (a + 2) % 3;
+      state.gradient.col(a) += place.slope[a][node[a]] * (place.value[b][node[b]] * place.value[c][node[c]]) * at_node;
+      weight *= lobatto::weights[node[a]] * (1 + 3 * (2 * lobatto::places[node[a]] - 1) * place.from_middle[a]);
+    }
+    projected += weight * volumes[g];
+  }
+  const double volume = state.gradient.determinant(), missing = std::max(kernels::least_volume - volume, 0.0);
+  if (!(volume > 0)) return state;
+  const double pressure = body_.mu * (volume - 2) + body_.lambda * projected - body_.lambda / kernels::least_volume * missing * missing;
+  state.stress = body_.mu / volume * state.gradient * state.gradient.transpose() + pressure * Mat3::Identity();
+  return state;
+}
 
 Solid::Solid(const Lattice& lattice)
     : lattice_(lattice), edges_(lattice), rest_(rest_positions(lattice)), volume_(lobatto::volume_shares(lattice) * lattice.size.prod()) {

@@ -28,6 +28,7 @@
 /// and c0:H = div(c0'u). A patch whose nodes have r times the volume's weight as mass, r being least of all that move, has the squared
 /// frequency 1/r times that. The same with F in place of c bounds the dashpots. No bound holds in every configuration.
 #pragma once
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -36,6 +37,23 @@
 #include "forces/solid_kernels.hpp"
 
 namespace softffd {
+
+/// A place in a solid: its patch, and there the values and slopes of the nodes' polynomials along each axis.
+struct SolidPlace {
+  /// at: at rest, in the box [m].
+  SolidPlace(const Lattice& lattice, const Vec3& at);
+  std::array<int, 3> patch;
+  std::array<std::array<double, 4>, 3> value, slope;  ///< [1], [1/m]
+  Vec3 from_middle;                                   ///< of the patch, whose ends are at -1 and 1
+};
+
+/// Of the material there.
+struct MaterialState {
+  Mat3 gradient;  ///< F, of the deformation [1]
+  Mat3 stress;    ///< Cauchy's, of the energy [Pa]; no numbers where det F <= 0
+  double von_mises() const;
+  double largest_stretch() const;
+};
 
 class Solid final : public Energy {
  public:
@@ -61,6 +79,9 @@ class Solid final : public Energy {
   double longest_time() const override { return time_; }
   void add_dashpot_force(const Points& x, const Points& v, Points& f, double drift = 0) const override;
   double dashpot_power(const Points& x, const Points& v) const override;
+  /// The state of the material at a place while the nodes are at x.
+  MaterialState at(const SolidPlace& place, const Points& x) const;
+
   double dashpot_rate(const Points& x, const Scalars& mass, const std::vector<bool>& pinned) const override;
 
  private:

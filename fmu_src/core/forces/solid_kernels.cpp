@@ -274,6 +274,13 @@ INNER void matrix(const SolidBody& body, double softening, double per_time, cons
 }
 
 template <int n>
+INNER void volumes_of(const SolidBody& body, const double* x, double* volumes) {
+  Rows<n> F[9];
+  gradients<n>(body, x, F);
+  for (int r = 0; r < rows; ++r) store_four<n>(volumes + 4 * r, determinant(row_of<n>(F, r)) - 1.0);
+}
+
+template <int n>
 INNER double energy(const SolidBody& body, const double* x) {
   double total = 0;
   each_patch(body, [&](std::ptrdiff_t at) INLINED {
@@ -372,6 +379,7 @@ decltype(subtract_elastic) subtract_elastic = chosen<patch::elastic<2>, patch::e
 decltype(subtract_viscous) subtract_viscous = chosen<patch::viscous<2>, patch::viscous<4>>();
 decltype(subtract_tangent) subtract_tangent = chosen<patch::tangent<2>, patch::tangent<4>>();
 decltype(patch_matrix) patch_matrix = chosen<patch::matrix<2>, patch::matrix<4>>();
+decltype(patch_volumes) patch_volumes = chosen<patch::volumes_of<2>, patch::volumes_of<4>>();
 decltype(solid_energy) solid_energy = chosen<patch::energy<2>, patch::energy<4>>();
 decltype(viscous_power) viscous_power = chosen<patch::power<2>, patch::power<4>>();
 decltype(bound_patches) bound_patches = chosen<patch::bounds<2>, patch::bounds<4>>();

@@ -39,6 +39,8 @@ struct PatchMatrix {
   double projected[9][64][64];  ///< [3 c + e][p][q]: and the projection of the volume
 };
 extern void (*const patch_matrix)(const SolidBody& body, double softening, double per_time, const double* x, PatchMatrix& matrix);
+/// J - 1 at the nodes of one patch, whose first node is the first of x.
+extern void (*const patch_volumes)(const SolidBody& body, const double* x, double volumes[64]);
 /// [J], and of viscosity of one second [W s].
 extern double (*const solid_energy)(const SolidBody& body, const double* x);
 extern double (*const viscous_power)(const SolidBody& body, const double* x, const double* v);

@@ -187,6 +187,13 @@ void read_load(Record& r, SceneFile& s) {
   if (load.points.empty()) r.fail("a load without points");
   s.loads.push_back(load);
 }
+/// What the probe of the record before shows of a solid.
+void read_probe_outputs(Record& r, SceneFile& s) {
+  if (s.probes.empty() || !s.poissons_ratio) r.fail("there is no probe of a solid before it");
+  SceneFile::Probe& probe = s.probes.back();
+  const std::map<std::string_view, bool*> outputs{{"stress", &probe.stress}, {"von_mises", &probe.von_mises}, {"stretch", &probe.stretch}};
+  while (r.more()) *r.choice(outputs) = true;
+}
 void read_initial(Record& r, SceneFile& s) {
   Definition& d = s.definition;
   d.stretch = r.vector();
@@ -249,6 +256,7 @@ constexpr Reader readers[] = {
        const std::string name(r.word());
        s.probes.push_back({name, r.vector()});
      }},
+    {"probe_outputs", read_probe_outputs},
     {"sample", [](Record& r, SceneFile& s) { s.samples.push_back(r.vector()); }},
     {"forces", [](Record& r, SceneFile& s) { s.forces = r.points(count(s)); }},
     {"positions", [](Record& r, SceneFile& s) { s.positions = r.points(count(s)); }},

@@ -43,6 +43,7 @@ struct SceneFile {
   struct Probe {
     std::string name;
     Vec3 at;
+    bool stress = false, von_mises = false, stretch = false;  ///< of a solid: outputs
   };
 
   std::string guid;

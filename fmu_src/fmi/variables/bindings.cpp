@@ -53,6 +53,14 @@ std::string name_in(const SceneFile& s, int member) {
   return (s.*list)[member].name;
 }
 
+template <auto asked>
+std::vector<int> probes_with(const SceneFile& s) {
+  std::vector<int> members;
+  for (std::size_t n = 0; n < s.probes.size(); ++n)
+    if (s.probes[n].*asked) members.push_back(int(n));
+  return members;
+}
+
 std::string obstacle(const SceneFile& s, int member) { return s.planes[member].path(); }
 
 constexpr auto planes = &SceneFile::planes;
@@ -81,6 +89,9 @@ constexpr PartBinding part_bindings[] = {
     {Part::positions, listed<&SceneFile::positions>, nullptr, true},
     {Part::velocities, listed<&SceneFile::velocities>, nullptr, true},
     {Part::probes, all<&SceneFile::probes>, name_in<&SceneFile::probes>},
+    {Part::probe_stress, probes_with<&SceneFile::Probe::stress>, name_in<&SceneFile::probes>},
+    {Part::probe_von_mises, probes_with<&SceneFile::Probe::von_mises>, name_in<&SceneFile::probes>},
+    {Part::probe_stretch, probes_with<&SceneFile::Probe::stretch>, name_in<&SceneFile::probes>},
     {Part::plane_reactions, reacting<planes>, obstacle},
     {Part::pin_reactions, reacting<pins>, name_in<pins>},
     {Part::energy, [](const SceneFile& s) { return one_if(s.energy); }},
@@ -112,6 +123,11 @@ constexpr Binding setting(Family family, Binding::Place place, Binding::Place ra
 }
 constexpr Binding output(Family family, Binding::Output output, Binding::Output rate = nullptr) {
   return {.family = family, .is_output = true, .output = output, .rate_output = rate};
+}
+MaterialState material_at(const Observed& o, int probe) { return o.body.solid()->at(o.places[probe], o.body.state().x); }
+template <int row, int column>
+constexpr Binding stress(Family family) {
+  return output(family, [](const Observed& o, int n, int) { return material_at(o, n).stress(row, column); });
 }
 constexpr Binding field(Family family, Binding::Field field, Binding::Output rate = nullptr) {
   return {.family = family, .is_output = true, .field = field, .rate_output = rate};
@@ -161,6 +177,14 @@ constexpr std::array<Binding, family_count> bindings{
     output(
         Family::probe, [](const Observed& o, int n, int axis) { return o.probes[n](o.body.state().x.col(axis)); },
         [](const Observed& o, int n, int axis) { return o.probes[n](o.body.state().v.col(axis)); }),
+    stress<0, 0>(Family::probe_stress_xx),
+    stress<1, 1>(Family::probe_stress_yy),
+    stress<2, 2>(Family::probe_stress_zz),
+    stress<0, 1>(Family::probe_stress_xy),
+    stress<0, 2>(Family::probe_stress_xz),
+    stress<1, 2>(Family::probe_stress_yz),
+    output(Family::probe_von_mises, [](const Observed& o, int n, int) { return material_at(o, n).von_mises(); }),
+    output(Family::probe_stretch, [](const Observed& o, int n, int) { return material_at(o, n).largest_stretch(); }),
     output(Family::plane_reaction, [](const Observed& o, int q, int axis) { return o.body.readings().plane_reaction(q)[axis]; }),
     output(Family::plane_torque, [](const Observed& o, int q, int axis) { return o.body.readings().plane_torque(q)[axis]; }),
     output(Family::plane_centre, [](const Observed& o, int q, int axis) { return o.body.readings().plane_centre(q)[axis]; }),

@@ -1,6 +1,7 @@
 /// What the rows of the table of variables stand for: a part's members in the scene, a family's place in the body's settings or its output.
 #pragma once
 #include "estimate.hpp"
+#include "forces/solid.hpp"
 #include "resource/scene_file.hpp"
 #include "variable_table.hpp"
 
@@ -32,6 +33,7 @@ const PartBinding& binding_of(Part part);
 /// What outputs are read from.
 struct Observed {
   const std::vector<Embedding>& probes;
+  const std::vector<SolidPlace>& places;  ///< the same in a solid
   SoftBody& body;
   const ErrorEstimate* estimate;  ///< null where the scene has none
 };

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
-from softffd.fmu.variables import internal_damping_present, method_value, spring_damping_present
+from softffd.fmu.variables import PROBED, internal_damping_present, method_value, spring_damping_present
 from softffd.lattice import LatticeBox, Point, point_at, to_flat
 from softffd.obstacles import Obstacles, SolidShape
 
@@ -77,6 +77,8 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
         add("load", load.name, *scene.select(load.points))
     for probe in scene.probe:
         add("probe", probe.name, *probe.at)
+        shown = [word for word in PROBED if getattr(probe, word)]
+        add("probe_outputs", *shown, when=bool(shown))
     for place in samples.places if samples is not None else ():
         add("sample", *place)
     outputs = scene.outputs

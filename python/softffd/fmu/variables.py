@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 STANDARD_GRAVITY = 9.80665  # m/s2
 TOUCHING = {"lattice": "control points", "surface": "points of the surface"}  # what is counted on an obstacle
 READABLE = 20_000  # more variables than this make the descriptions slow to read in many tools
+PROBED = ("stress", "von_mises", "stretch")
+"""What a probe may ask of a solid"""
 OF_POINTS = ("forces", "positions", "velocities")  # parts whose instances are control points
 
 _LIST = re.compile(r"[^:]*: (\d+ \w+(?:, \d+ \w+)*)")
@@ -185,6 +187,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "positions": points(scene.outputs.positions),
         "velocities": points(scene.outputs.velocities),
         "probes": [{"name": probe.name} for probe in scene.probe],
+        **{f"probe_{word}": [{"name": probe.name} for probe in scene.probe if getattr(probe, word)] for word in PROBED},
         "plane_reactions": [each | {"touching": touching} for each in surfaces] if scene.outputs.reactions else [],
         "pin_reactions": [{"name": pin.name} for pin in pins] if scene.outputs.reactions else [],
         "energy": when(scene.outputs.energy),

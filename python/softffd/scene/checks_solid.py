@@ -30,6 +30,8 @@ OF_SOLIDS = {
     ("material", "density"): "give mass.density",
 }
 """Keys that springs have not, and what they have in their place"""
+OF_PROBES_OF_SOLIDS = dict.fromkeys(("stress", "von_mises", "stretch"), "Result.stress and Result.strain have those of the cells")
+"""The same of a probe"""
 METHODS, IMPLICIT = ("auto", "leapfrog", "bm4", "rkn12", "dop853"), ("ros34pw2", "backward_euler", "sdirk2")
 WIDEST = 320
 """Of a solid for which there are matrices, the nodes of a layer: three planes across the axis with the most points"""
@@ -43,14 +45,12 @@ def solid_check(draft: Draft) -> Iterator[Fault]:
         return
     if draft.keys.material.model == "springs":
         yield from _foreign(draft, OF_SOLIDS, SPRINGS)
+        yield from _foreign_in(draft, "probe", OF_PROBES_OF_SOLIDS, SPRINGS)
         if draft.keys.lattice.basis == "patches":
             yield Fault(("lattice", "basis"), f'wanted "bezier" or "bspline" beside {SPRINGS}, got "patches"; a solid has them')
         return
     yield from _foreign(draft, OF_SPRINGS, SOLID)
-    for number, region in enumerate(draft.keys.region):
-        for key, instead in OF_REGIONS_OF_SPRINGS.items():
-            if (value := getattr(region, key)) is not None:
-                yield Fault(("region", number, key), _none_beside(SOLID, value, instead))
+    yield from _foreign_in(draft, "region", OF_REGIONS_OF_SPRINGS, SOLID)
     yield from _words(draft)
     yield from _density(draft)
     yield from _lattice(draft)
@@ -62,6 +62,14 @@ def _foreign(draft: Draft, table: dict[tuple[str, str], str], model: str) -> Ite
     for (section, key), instead in table.items():
         if (value := _given(draft, section, key)) is not None:
             yield Fault((section, key), _none_beside(model, value, instead))
+
+
+def _foreign_in(draft: Draft, section: str, table: dict[str, str], model: str) -> Iterator[Fault]:
+    """The same of the entries of a list."""
+    for number, entry in enumerate(getattr(draft.keys, section)):
+        for key, instead in table.items():
+            if (value := getattr(entry, key)) not in (None, False):
+                yield Fault((section, number, key), _none_beside(model, value, instead))
 
 
 def _given(draft: Draft, section: str, key: str) -> Any:

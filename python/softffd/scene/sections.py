@@ -273,6 +273,9 @@ class Probe(Section):
 
     name: Name = key(..., NAME, examples=["nose"])
     at: Vector = quantity(..., "m", "position in the rest shape, inside the box", examples=[[0.5, 0.5, 0.5]])
+    stress: Switch = key(False, "of a solid: outputs of the Cauchy stress there, xx, yy, zz, xy, xz and yz [Pa]")
+    von_mises: Switch = key(False, "of a solid: an output of von Mises' equivalent stress there [Pa]")
+    stretch: Switch = key(False, "of a solid: an output of the largest principal stretch there")
 
 
 class Outputs(Section):

@@ -7,6 +7,7 @@
 #include "check.hpp"
 #include "derivatives.hpp"
 #include "matrix/stiffness_matrix.hpp"
+#include "model/basis.hpp"
 #include "model/lobatto.hpp"
 
 using namespace softffd;
@@ -303,4 +304,34 @@ TEST(internal_damping_is_a_time_times_the_stiffness_at_rest) {
   body.add_dashpot_force(x, v, back, -0.3);
   CHECK(distance(mean + back, 2 * f) < 1e-12 * f.abs().maxCoeff());
   CHECK(distance(mean, f) > 1e-3 * f.abs().maxCoeff());
+}
+
+TEST(stress_at_a_place_is_that_of_the_law_and_the_stretch_is_the_largest) {
+  const double ratio = 0.4, mu = 1 / (2 * (1 + ratio)), lambda = ratio / ((1 + ratio) * (1 - 2 * ratio));
+  const auto body = solid_body(long_box, ratio);
+  const Solid& solid = static_cast<const Solid&>(*body.energies.front());
+  const Points x = homogeneous(long_box, 1.2, 0.9, 0.3);
+  Mat3 f = Vec3(1.2, 0.9, 0.9).asDiagonal();
+  f(0, 2) = 0.3;
+  const double volume = f.determinant();
+  const Mat3 wanted =
+      mu / volume * f * f.transpose() + (mu * (volume - 2) + lambda * (volume - 1)) * Mat3::Identity();
+  for (const Vec3& at : {Vec3(0, 0, 0), Vec3(0.3, 0.2, 1), Vec3(1, 0.35, 0.5), Vec3(2, 0.7, 1.1)}) {
+    const MaterialState found = solid.at(SolidPlace(long_box, at), x);
+    CHECK((found.gradient - f).norm() < 1e-13);
+    CHECK((found.stress - wanted).norm() < 1e-13);
+    CHECK_NEAR(found.largest_stretch(), std::sqrt(dense::eigenvalues(f.transpose() * f).maxCoeff()), 1e-13);
+  }
+  // a bent body: of the slope of places, and pressure by the projection, as the force has it at the nodes
+  const Points bent = scattered(long_box, 0.02);
+  const Vec3 at(1.3, 0.2, 0.4), step(1e-6, 0, 0);
+  const auto place = [&](const Vec3& where) {
+    const Embedding here = embed(Basis::patches, long_box, where);
+    return Vec3(here(bent.col(0)), here(bent.col(1)), here(bent.col(2)));
+  };
+  const Vec3 slope = (place(at + step) - place(at - step)) / 2e-6;
+  CHECK((solid.at(SolidPlace(long_box, at), bent).gradient.col(0) - slope).norm() < 1e-8);
+  Points inverted = rest_positions(long_box);
+  inverted.col(0) *= -1;
+  CHECK(std::isnan(solid.at(SolidPlace(long_box, at), inverted).von_mises()));
 }
