@@ -209,7 +209,7 @@ StepStatus DampedSteps::step(const Call& call, double until) {
     judged = run_halves(call, until, allowed, coarse);
   }
   const bool last = h <= use::least_doubled * call.limit || (!call.others && h <= use::shortest_damped * call.limit);
-  if (last && !(judged.error < infinity)) return StepStatus::not_finite;
+  if (last && !(judged.error < infinity)) return call.integrators.budget().spent() ? StepStatus::too_much_work : StepStatus::not_finite;
   if (judged.ratio <= 1 || last) {
     accept(call, h, allowed, coarse.bend, judged);
     snapshot.commit();

