@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from readings import imbalance, vector
-from scenes import GRAVITY
+from scenes import GRAVITY, meshed
 from softffd import Result, simulate
 from solids import node_masses, node_velocities, nodes, solid
+from validation import shapes
 
 SIDE, G = 0.1, 9.81
 
@@ -33,6 +34,21 @@ def test_at_rest_it_presses_with_its_weight(n, ratio):
     assert vector(result, "plane.ground.reaction")[-1] == pytest.approx([0.0, 0.0, -weight], abs=1e-6 * weight)
     height = nodes(result)[-1, :, 2] @ node_masses(scene) / node_masses(scene).sum()
     assert height == pytest.approx(SIDE / 2 * (1 - weight / SIDE**2 / 1e5 * 2 / 3), abs=0.1 * SIDE * weight / SIDE**2 / 1e5)
+
+
+@pytest.mark.short("4-0.45")
+@pytest.mark.parametrize("ratio", [0.25, 0.45])
+@pytest.mark.parametrize("n", [4, 7])
+def test_on_its_surface_at_rest_it_presses_with_its_weight(n, ratio, tmp_path):
+    """25 vertices a face touch in place of the nodes."""
+    material = {"model": "solid", "youngs_modulus": 1e6, "poissons_ratio": ratio, "density": 1000.0, "internal_damping": 0.02}
+    scene = meshed(
+        tmp_path, shapes.cube(5, 0.0), points=[n] * 3, material=material, gravity=GRAVITY, plane=[{"name": "ground", "friction": 0.4}]
+    )
+    result = simulate(scene, stop_time=0.8, step=0.05)
+    weight = node_masses(scene).sum() * G
+    assert result.deformed(row=slice(None))[..., 2].min() >= -1e-12
+    assert vector(result, "plane.ground.reaction")[-1] == pytest.approx([0.0, 0.0, -weight], abs=1e-6 * weight)
 
 
 def test_thrown_along_the_ground_it_stops_where_a_rigid_one_would():
