@@ -171,11 +171,9 @@ class Drawn:
     def words(self) -> str:
         """What distinguishes it, in a line."""
         document, lattice = self.document, self.document["lattice"]
-        stiffness = document["material"]["stiffness"]
         parts = [
             " x ".join(map(str, lattice["points"])) + (f" with {self.body}" if self.body else ""),
-            "k " + "/".join(f"{stiffness[kind]:.1e}" for kind in ("edge", "face", "body")),
-            f"d {document['material']['damping']:.1e}",
+            *_material_words(document["material"]),
             *(_region_words(region) for region in document["region"]),
             *(f"{kind} {each['motion']}, mu {each['friction']:g}" for kind, each in self._obstacles()),
             *(f"pin {each['motion']}" for each in document["pin"]),
@@ -185,6 +183,14 @@ class Drawn:
             f"T {self.duration:.2f}",
         ]
         return ", ".join(parts)
+
+
+def _material_words(material: dict[str, Any]) -> list[str]:
+    if material.get("model") == "solid":
+        stiff = f"E {material['youngs_modulus']:.1e}, nu {material['poissons_ratio']:g}"
+    else:
+        stiff = "k " + "/".join(f"{material['stiffness'][kind]:.1e}" for kind in ("edge", "face", "body"))
+    return [stiff, f"d {material['damping']:.1e}"]
 
 
 def _region_words(region: dict[str, Any]) -> str:
@@ -214,7 +220,7 @@ def drawn(seed: int) -> Drawn:
     duration = sum(lengths)
     held = draws.chance(0.2)
     initial, loose = _initial(draws, stiffness / total, held)
-    damping, regions = _masses_and_damping(draws, counts, total)
+    damping, regions = masses_and_damping(draws, counts, total)
     resting = draws.chance(0.35) and not loose
     pull = _rounded(-GRAVITY * draws.direction(0.5 if resting else 0.0)) if draws.chance(0.9) else None
     planes, courses = _planes(draws, np.array(size) * initial["stretch"], resting, held, duration, moment)
@@ -261,7 +267,7 @@ def _initial(draws: Draws, rate: float, held: bool) -> tuple[dict[str, Any], boo
     return {"stretch": stretch} | ({"velocity": velocity, "angular_velocity": spin} if loose else {}), loose
 
 
-def _masses_and_damping(draws: Draws, counts: list[int], total: float) -> tuple[float, list[dict[str, Any]]]:
+def masses_and_damping(draws: Draws, counts: list[int], total: float) -> tuple[float, list[dict[str, Any]]]:
     """Damping of the points [N s/m], and regions where mass or damping is another."""
     mass = total / math.prod(counts)
     damping = {"none": 0.0, "small": mass * draws.log(1e-2, 1.0), "large": mass * draws.log(3.0, 300.0)}

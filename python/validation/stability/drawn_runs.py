@@ -25,6 +25,7 @@ import numpy as np
 from validation.guard import Lost
 from validation.stability.drawn import Drawn, drawn
 from validation.stability.drawn_bodies import drawn_damped, drawn_solids, drawn_surface
+from validation.stability.drawn_elements import drawn_elements
 from validation.stability.drive import GRAVITY, Drive, Refused, StateTouched
 from validation.stability.verdict import STATED, stated_errors
 
@@ -54,13 +55,13 @@ result that is not finite, a control point behind a plane, energy that has doubl
 state."""
 FAULTS = ("SILENT", "WRONG")
 
-FAMILIES = {"lattice": drawn, "surface": drawn_surface, "solids": drawn_solids, "damped": drawn_damped}
-"""What meets obstacles, the control points or the object's own surface, and solid ones; bodies with internal damping"""
+FAMILIES = {"lattice": drawn, "surface": drawn_surface, "solids": drawn_solids, "damped": drawn_damped, "elements": drawn_elements}
+"""What meets obstacles, the control points or the object's own surface, and solid ones; bodies with internal damping; finite elements"""
 
 
 @dataclass(frozen=True)
 class Run:
-    """One run: where the control points are at its end."""
+    """One run: where the control points, or the nodes of finite elements, are at its end."""
 
     x: np.ndarray | None  # (n, 3) [m]; None: it did not get there
     words: str = ""  # why it did not
@@ -158,7 +159,7 @@ def _followed(drive: Drive, scene: Drawn, settings: dict[str, Any], tolerance: f
     stated = stated_errors(drive, scene.duration)
     steps, elapsed = int(drive.value("solver.steps")), clock.perf_counter() - began
     methods = tuple(dict.fromkeys(method for method, _ in drive.simulation.methods()))
-    return Run(drive.x, stated=stated, warnings=warnings, methods=methods, internal_steps=steps, run_time=elapsed)
+    return Run(drive.material_points, stated=stated, warnings=warnings, methods=methods, internal_steps=steps, run_time=elapsed)
 
 
 def _broken(drive: Drive, scene: Drawn) -> str:
@@ -187,7 +188,7 @@ def _grown(drive: Drive, scale: float) -> str:
 
 
 def distance(one: Run | None, other: Run | None) -> float:
-    """The largest distance between the same control point of two runs [m]; NaN where there is one missing."""
+    """The largest distance between the same point of two runs [m]; NaN where there is one missing."""
     if one is None or other is None or one.x is None or other.x is None:
         return math.nan
     return float(np.linalg.norm(one.x - other.x, axis=1).max())

@@ -12,16 +12,18 @@ from typing import Any
 import numpy as np
 
 from softffd.embedding.deform import Embedding
+from softffd.embedding.nodes import node_positions
 from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import Block
 from softffd.fmu.component import DISCARD
 from softffd.fmu.package import scene_samples
-from softffd.lattice import all_points, to_grid
+from softffd.lattice import all_points, to_flat, to_grid
 from softffd.names import variable_names
 from softffd.run.inputs import Inputs
 from softffd.run.simulation import Simulation
 from softffd.scene.scene import Scene, scene_from
 from validation.mechanics import Body
+from validation.patches import Patches
 from validation.resolved import resolved
 from validation.shapes import Shape, write
 
@@ -82,6 +84,7 @@ class Drive:
         self.resolved = resolved(self.scene)
         self.body = Body.of(self.resolved)
         self.mass = self.body.mass
+        self._patches = Patches(self.scene) if self.scene.material.model == "solid" else None
         samples, box = scene_samples(self.scene), self.scene.lattice_box
         self._samples = None if samples is None else Embedding(samples.places, box.origin, box.size, box.points, box.basis)
         with _refusals():
@@ -148,6 +151,7 @@ class Drive:
 
     def net_force(self) -> np.ndarray:
         """Forces of the springs on the points (n, 3) [N], by numpy."""
+        assert self._patches is None
         return self.body.spring_force(self.x)
 
     def _is(self, x: np.ndarray, v: np.ndarray) -> bool:
@@ -175,9 +179,18 @@ class Drive:
         return self._v.get().reshape(-1, 3).copy()
 
     @property
+    def material_points(self) -> np.ndarray:
+        """What has the mass (n, 3) [m]: control points, or the nodes of a solid."""
+        return self._material_points(self.x)
+
+    def _material_points(self, values: np.ndarray) -> np.ndarray:
+        """What they have (n, 3), of that of control points."""
+        return values if self._patches is None else to_flat(node_positions(to_grid(values, self.scene.lattice_box.points)))
+
+    @property
     def touching(self) -> np.ndarray:
-        """What obstacles meet (n, 3) [m]: control points, or points of the surface."""
-        return self.x if self._samples is None else self._samples.deform(to_grid(self.x, self.scene.lattice_box.points))
+        """What obstacles meet (n, 3) [m]: control points, nodes of a solid, or points of the surface."""
+        return self.material_points if self._samples is None else self._samples.deform(to_grid(self.x, self.scene.lattice_box.points))
 
     def reaction(self, plane: str) -> np.ndarray:
         """Mean force of the object on a plane or pin over the last step (3,) [N]; name as in the FMU: "plane.ground"."""
@@ -195,23 +208,25 @@ class Drive:
     @property
     def centre(self) -> np.ndarray:
         """Centre of mass (3,) [m]."""
-        return self.mass @ self.x / self.mass.sum()
+        return self.mass @ self.material_points / self.mass.sum()
 
     @property
     def momentum(self) -> np.ndarray:
         """(3,) kg m/s"""
-        return self.mass @ self.v
+        return self.mass @ self._material_points(self.v)
 
     @property
     def angular_momentum(self) -> np.ndarray:
         """About the centre of mass (3,) [kg m2/s]."""
-        return self.mass @ np.cross(self.x - self.centre, self.v - self.momentum / self.mass.sum())
+        x, v = self.material_points, self._material_points(self.v)
+        return self.mass @ np.cross(x - self.centre, v - self.momentum / self.mass.sum())
 
     def energy(self) -> float:
-        """Kinetic, elastic and gravity energy of the points and springs as they are now [J], by numpy and not by the FMU's outputs."""
-        x, v = self.x, self.v
+        """Kinetic, elastic and gravity energy of the body as it is now [J], by numpy and not by the FMU's outputs."""
+        x, v = self.material_points, self._material_points(self.v)
+        elastic = self.body.elastic_energy(x) if self._patches is None else float(self._patches.energy(x))
         gravity = np.array(self.scene.environment.gravity or (0.0, 0.0, 0.0))
-        return self.body.kinetic_energy(v) + self.body.elastic_energy(x) - float(self.mass @ (x @ gravity))
+        return self.body.kinetic_energy(v) + elastic - float(self.mass @ (x @ gravity))
 
     def balance(self) -> float:
         """What the FMU's own energies miss: now, with what was dissipated and less the work, minus the start [J]."""

@@ -1,0 +1,91 @@
+"""A solid of finite elements once more, in numpy, from its formulas and not from the component: strain, energy, frequencies.
+
+Nodes are in flat order, p = i + nx (j + ny k); arrays of them are (n, 3), SI units.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from softffd.scene.scene import Scene
+
+PLACES = np.array([0.0, (1 - 1 / np.sqrt(5)) / 2, (1 + 1 / np.sqrt(5)) / 2, 1.0])
+"""Gauss-Lobatto points on an axis of a patch"""
+WEIGHTS = np.array([1.0, 5.0, 5.0, 1.0]) / 12
+"""Of the quadrature at them"""
+LEAST_VOLUME = 0.3
+"""J below which a node is pressed apart"""
+
+
+class Patches:
+    """The solid of a scene: strain, energy and frequencies of its nodes."""
+
+    def __init__(self, scene: Scene):
+        material, counts, size = scene.material, np.array(scene.lattice.points), np.array(scene.lattice_box.size)
+        self.mu = material.youngs_modulus / (2 * (1 + material.poissons_ratio))
+        self.la = 2 * self.mu * material.poissons_ratio / (1 - 2 * material.poissons_ratio)
+        along = counts // 3
+        sides = size / along
+        slope = np.array([np.polyder(np.poly1d(PLACES[np.arange(4) != s], r=True))(PLACES) for s in range(4)])
+        scale = [np.prod(PLACES[s] - PLACES[np.arange(4) != s]) for s in range(4)]
+        derivative = (slope / np.array(scale)[:, None]).T  # of the cubic that is 1 at node s, at node i
+        one, unit = derivative, np.eye(4)
+        # axes: node (k, j, i) of a patch, from node (k, j, i)
+        self.gradient = np.stack(
+            [
+                np.einsum("ad,be,cf->abcdef", *factors).reshape(64, 64) / side
+                for factors, side in zip(((unit, unit, one), (unit, one, unit), (one, unit, unit)), sides, strict=True)
+            ]
+        )  # (axis, node, node)
+        weights = np.einsum("a,b,c->abc", WEIGHTS, WEIGHTS, WEIGHTS).ravel()
+        self.weight = weights * sides.prod()
+        functions = np.stack([np.ones(4), 2 * PLACES - 1], axis=1)
+        trilinear = np.einsum("ad,be,cf->abcdef", functions, functions, functions).reshape(64, 8)
+        norms = weights @ trilinear**2
+        self.projection = trilinear / norms @ trilinear.T * weights
+        first = [(3 * i, 3 * j, 3 * k) for k in range(along[2]) for j in range(along[1]) for i in range(along[0])]
+        inner = [(i, j, k) for k in range(4) for j in range(4) for i in range(4)]
+        indices = np.array(first)[:, None] + np.array(inner)
+        self.patches = indices @ [1, counts[0], counts[0] * counts[1]]  # (patches, 64)
+
+    def strain(self, y: np.ndarray) -> np.ndarray:
+        """dx/dX at the nodes of each patch (..., patches, 64, 3, 3) of their positions y (..., n, 3) [m]."""
+        return np.einsum("agn,...pnc->...pgca", self.gradient, y[..., self.patches, :])
+
+    def volumes(self, y: np.ndarray) -> np.ndarray:
+        """J at the nodes of each patch (..., patches, 64)."""
+        return np.linalg.det(self.strain(y))
+
+    def energy(self, y: np.ndarray) -> np.ndarray:
+        """Of positions (..., n, 3) [m], (...) [J]."""
+        f = self.strain(y)
+        j = np.linalg.det(f)
+        q, less = j - 1, np.maximum(LEAST_VOLUME - j, 0)
+        projected = np.einsum("gh,...ph->...pg", self.projection, q)
+        own = self.mu / 2 * ((f**2).sum(axis=(-1, -2)) - 3) - self.mu * q + self.mu / 2 * q**2 + self.la / 3 / LEAST_VOLUME * less**3
+        return ((own + self.la / 2 * projected**2) @ self.weight).sum(axis=-1)
+
+    def stiffness(self) -> np.ndarray:
+        """At rest, of the displacements' components x of all nodes, then y, then z: (3 n, 3 n) [N/m]."""
+        n = self.patches.max() + 1
+        whole = np.zeros((3, n, 3, n))
+        w, g = self.weight, self.gradient
+        traces = self.projection.T @ np.diag(w) @ self.projection
+        for a in range(3):
+            for b in range(3):
+                part = self.mu * g[b].T @ (w[:, None] * g[a]) + self.la * g[a].T @ traces @ g[b]
+                if a == b:
+                    part = part + self.mu * sum(each.T @ (w[:, None] * each) for each in g)
+                for patch in self.patches:
+                    whole[a, patch[:, None], b, patch] += part
+        return whole.reshape(3 * n, 3 * n)
+
+    def modes(self, mass: np.ndarray, held: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Frequencies [rad/s] and shapes (modes, n, 3) about rest, largest displacement 1; held: nodes (n,) that do not move."""
+        free = np.tile(np.ones(len(mass), bool) if held is None else ~held, 3)
+        root = np.sqrt(np.tile(mass, 3))[free]
+        squares, vectors = np.linalg.eigh(self.stiffness()[np.ix_(free, free)] / np.outer(root, root))
+        shapes = np.zeros((len(squares), 3 * len(mass)))
+        shapes[:, free] = (vectors / root[:, None]).T
+        shapes = shapes.reshape(len(squares), 3, -1).transpose(0, 2, 1)
+        return np.sqrt(np.maximum(squares, 0)), shapes / np.abs(shapes).max(axis=(1, 2), keepdims=True)
