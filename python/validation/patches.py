@@ -22,6 +22,7 @@ class Patches:
 
     def __init__(self, scene: Scene):
         material, counts, size = scene.material, np.array(scene.lattice.points), np.array(scene.lattice_box.size)
+        assert material.youngs_modulus is not None and material.poissons_ratio is not None
         self.mu = material.youngs_modulus / (2 * (1 + material.poissons_ratio))
         self.la = 2 * self.mu * material.poissons_ratio / (1 - 2 * material.poissons_ratio)
         along = counts // 3
@@ -85,7 +86,7 @@ class Patches:
         free = np.tile(np.ones(len(mass), bool) if held is None else ~held, 3)
         root = np.sqrt(np.tile(mass, 3))[free]
         squares, vectors = np.linalg.eigh(self.stiffness()[np.ix_(free, free)] / np.outer(root, root))
-        shapes = np.zeros((len(squares), 3 * len(mass)))
-        shapes[:, free] = (vectors / root[:, None]).T
-        shapes = shapes.reshape(len(squares), 3, -1).transpose(0, 2, 1)
+        flat = np.zeros((len(squares), 3 * len(mass)))
+        flat[:, free] = (vectors / root[:, None]).T
+        shapes = flat.reshape(len(squares), 3, -1).transpose(0, 2, 1)
         return np.sqrt(np.maximum(squares, 0)), shapes / np.abs(shapes).max(axis=(1, 2), keepdims=True)

@@ -38,9 +38,7 @@ def parser() -> Parser:
     drawn = add("random", "Runs scenes drawn at random, in which auto is judged by tighter runs that agree.")
     drawn.add_argument("number", type=int, metavar="N", help="Number of scenes.")
     drawn.add_argument("--seed", type=int, default=1, metavar="S", help="Seed of the first scene, the next has S + 1; default: 1.")
-    drawn.add_argument(
-        "--family", choices=list(FAMILIES), default="lattice", help="What obstacles meet, or what the body is; default: lattice."
-    )
+    drawn.add_argument("--family", choices=list(FAMILIES), default="lattice", help="Of scenes; default: lattice.")
     for survey in (stability, drawn):
         survey.add_argument("-o", "--output", type=Path, default=Path("softffd-stability"), metavar="DIR", help=folder)
         survey.add_argument(
