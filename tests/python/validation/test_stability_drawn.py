@@ -13,6 +13,7 @@ from softffd.scene.scene import scene_from
 from validation.guard import Lost
 from validation.stability import drawn_survey
 from validation.stability.drawn import Course, Draws, drawn
+from validation.stability.drawn_elements import drawn_elements
 from validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, Job, Run, _grown, judge, run_jobs
 from validation.stability.drive import Drive, box
 from validation.stability.verdict import stated_error
@@ -58,12 +59,38 @@ def test_every_seed_makes_a_scene_and_they_differ_in_everything():
     assert all(0.3 <= scene.duration <= 1.05 for scene in scenes)
 
 
-def test_no_control_point_starts_behind_a_plane():
+def test_elements_differ_in_everything_of_theirs():
+    scenes = [drawn_elements(seed) for seed in range(300)]
+    materials = [scene.document["material"] for scene in scenes]
+    assert {material["model"] for material in materials} == {"solid"}
+    assert {tuple(scene.document["lattice"]["points"]) for scene in scenes} == {(4, 4, 4), (7, 4, 4), (4, 7, 4), (4, 4, 7), (7, 7, 7)}
+    assert {math.floor(math.log10(material["youngs_modulus"])) for material in materials} >= {3, 4, 5, 6}
+    ratios = [material["poissons_ratio"] for material in materials]
+    assert min(ratios) == 0 and max(ratios) == 0.49 and len(set(ratios)) > 100
+    damping = [material["internal_damping"] for material in materials]
+    assert min(damping) == 0 and min(each for each in damping if each) >= 1e-6 and max(damping) <= 1e-2
+    assert {scene.surface is None for scene in scenes} == {False, True}
+    assert all(scene.document["plane"] == [] or "sphere" not in scene.document for scene in scenes)
+
+
+@pytest.mark.parametrize("family", [drawn, drawn_elements])
+def test_nothing_starts_behind_an_obstacle(family):
     for seed in range(40):
-        scene = drawn(seed)
-        with Drive(scene.document) as drive:
-            for gaps in scene.gaps(drive.x, 0.0).values():
+        scene = family(seed)
+        with Drive(scene.document, surface=scene.surface) as drive:
+            for gaps in scene.gaps(drive.touching, 0.0).values():
                 assert gaps.min() >= -1e-12, seed
+
+
+def test_the_energy_of_elements_by_numpy_is_the_components():
+    solid = {"model": "solid", "youngs_modulus": 1e4, "poissons_ratio": 0.45}
+    thrown = {"stretch": [1.1, 0.95, 1.0], "velocity": [0.3, -0.2, 0.1], "angular_velocity": [1.0, 2.0, -1.0]}
+    with Drive({"lattice": {"points": [7, 4, 4], "size": [1.0, 0.7, 0.5]}, "material": solid, "initial": thrown}) as drive:
+        drive.step(0.03)
+        own = drive.value("energy.kinetic") + drive.value("energy.elastic")
+        assert drive.energy() == pytest.approx(own, rel=1e-11)
+        assert drive.momentum == pytest.approx(drive.start_momentum, rel=1e-10)
+        assert drive.angular_momentum == pytest.approx(drive.start_angular_momentum, rel=1e-6)
 
 
 def test_a_course_goes_on_as_the_component_moves_its_plane():
