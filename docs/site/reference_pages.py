@@ -44,6 +44,7 @@ PRESENT = {
     "positions": "each control point of `outputs.positions`",
     "velocities": "each control point of `outputs.velocities`",
     "probes": "each `[[probe]]`",
+    **{f"probe_{word}": f"each `[[probe]]` of a solid with `{word} = true`" for word in ("stress", "von_mises", "stretch")},
     "plane_reactions": "each `[[plane]]`, `[[sphere]]`, `[[cylinder]]` or `[[box]]`, `outputs.reactions`",
     "pin_reactions": "each `[[pin]]`, `outputs.reactions`",
     "energy": "`outputs.energy`",

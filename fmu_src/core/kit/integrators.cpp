@@ -26,7 +26,12 @@ bool tells_apart(const StepContext& context) {
 }  // namespace
 
 Integrators::Integrators(const Lattice& lattice, int planes, int pins, const Samples* samples)
-    : lattice_(lattice), planes_(planes), pins_(pins), samples_(samples), implicit_work_(lattice), broad_phase_(lattice.points(), samples) {}
+    : lattice_(lattice),
+      planes_(planes),
+      pins_(pins),
+      samples_(samples),
+      implicit_work_(lattice),
+      broad_phase_(lattice.points(), samples) {}
 
 std::unique_ptr<Integrator> Integrators::make(Method method) {
   const int points = lattice_.points();

@@ -314,8 +314,7 @@ TEST(stress_at_a_place_is_that_of_the_law_and_the_stretch_is_the_largest) {
   Mat3 f = Vec3(1.2, 0.9, 0.9).asDiagonal();
   f(0, 2) = 0.3;
   const double volume = f.determinant();
-  const Mat3 wanted =
-      mu / volume * f * f.transpose() + (mu * (volume - 2) + lambda * (volume - 1)) * Mat3::Identity();
+  const Mat3 wanted = mu / volume * f * f.transpose() + (mu * (volume - 2) + lambda * (volume - 1)) * Mat3::Identity();
   for (const Vec3& at : {Vec3(0, 0, 0), Vec3(0.3, 0.2, 1), Vec3(1, 0.35, 0.5), Vec3(2, 0.7, 1.1)}) {
     const MaterialState found = solid.at(SolidPlace(long_box, at), x);
     CHECK((found.gradient - f).norm() < 1e-13);

@@ -59,7 +59,8 @@ REFUSED = [
     (lattice(basis="bezier", points=[4, 7, 4]), f'lattice.basis: wanted "patches" {BESIDE}, got "bezier"'),
     (lattice(basis="bspline"), f'lattice.basis: wanted "bezier" or "patches" {BESIDE}, got "bspline"'),
     *((solid(solver={"method": word}),
-       f'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_euler" or "sdirk2" {BESIDE}, got "{word}"')
+       'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_euler" or "sdirk2" '
+       f'{BESIDE}, got "{word}"')
       for word in ("central_difference",)),
     *((solid(solver={"method": word}, lattice={"points": [13, 13, 13]}),
        f'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12" or "dop853" {BESIDE}, got "{word}"')

@@ -17,8 +17,7 @@ constexpr std::size_t long_list = 64;
 
 }  // namespace
 
-SampleSearch::SampleSearch(const Samples& samples, int planes, double length)
-    : samples_(samples), length_(length), planes_(planes) {
+SampleSearch::SampleSearch(const Samples& samples, int planes, double length) : samples_(samples), length_(length), planes_(planes) {
   Points room;
   rest_ = samples.hull(rest_positions(samples.lattice()), room);
   for (int a = 0; a < 3; ++a) {

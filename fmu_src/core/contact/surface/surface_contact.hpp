@@ -143,8 +143,8 @@ class SurfaceContact {
   bool near_ = false;                  ///< a control point is behind a plane, or a sample was on one
   std::vector<unsigned char> behind_;  ///< which
   Points room_;
-  bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
-  bool lands_ = false;                 ///< any sample does
+  bool arrives_ = false;  ///< a sample with friction comes onto its plane in this step
+  bool lands_ = false;    ///< any sample does
   Count version_ = -1;
   double h_ = -1;
   Count impacts_ = 0;

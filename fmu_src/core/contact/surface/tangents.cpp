@@ -63,8 +63,7 @@ double Tangents::way(const Points& from, const Points& to) {
 
 /// By how much any sample's gap to a solid of this size may have become smaller.
 double Tangents::way_since(const Known& known, const Points& x, const SolidPose& pose, const Plane& solid) {
-  const double turned =
-      (solid.box() ? (pose.edges - known.pose.edges).norm() : (pose.normal - known.pose.normal).norm()) * solid.size();
+  const double turned = (solid.box() ? (pose.edges - known.pose.edges).norm() : (pose.normal - known.pose.normal).norm()) * solid.size();
   return way(known.x, x) + (pose.point - known.pose.point).norm() + turned;
 }
 
