@@ -76,6 +76,8 @@ class Energy {
   virtual bool has_deformed(const Points& x, const Points& x0) const = 0;
   /// How far it moves points that are at x and move with v [m]; infinite unless all is finite.
   virtual double swing(const Points& x, const Points& v, const Swing& by) const = 0;
+  /// Number of cells that are turned inside out by what the energy knows of them beside their corners.
+  virtual int folded_cells(const Points&) const { return 0; }
   /// Whether the forces on points that lie and move alike have no direction.
   virtual bool undecided(const Points&, const Points&, const std::vector<bool>&) const { return false; }
 

@@ -189,6 +189,21 @@ double Solid::dashpot_rate(const Points& x, const Scalars& mass, const std::vect
          });
 }
 
+int Solid::folded_cells(const Points& x) const {
+  int count = 0;
+  for (int patch = 0; patch < int(bounds_.size()); ++patch) {
+    double volumes[64];
+    kernels::patch_volumes(body_, x.data() + first_node(patch), volumes);
+    for (int cell = 0; cell < 27; ++cell) {
+      const double* lower = volumes + cell % 3 + 4 * (cell / 3 % 3) + 16 * (cell / 9);
+      bool folded = false;
+      for (int corner = 0; corner < 8; ++corner) folded = folded || lower[(corner & 1) + 4 * (corner >> 1 & 1) + 16 * (corner >> 2)] <= -1;
+      count += folded;
+    }
+  }
+  return count;
+}
+
 double Solid::swing(const Points& x, const Points& v, const Swing& by) const {
   double most = 0, sum = 0;  // the sum shows what is not finite
   const auto consider = [&](double size) {

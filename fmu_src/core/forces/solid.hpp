@@ -75,6 +75,9 @@ class Solid final : public Energy {
   bool has_deformed(const Points& x, const Points& x0) const override { return edges_.changed(x, x0, deformation); }
   double swing(const Points& x, const Points& v, const Swing& by) const override;
 
+  /// Those with a node where J <= 0.
+  int folded_cells(const Points& x) const override;
+
   double shortest_time() const override { return time_; }
   double longest_time() const override { return time_; }
   void add_dashpot_force(const Points& x, const Points& v, Points& f, double drift = 0) const override;

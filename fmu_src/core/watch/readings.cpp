@@ -16,6 +16,12 @@ double Readings::gravity_energy() const {
   return energy;
 }
 
+int Readings::folded_cells() const {
+  int folded = cells.folded(now.path.motion.x);
+  for (const auto& each : model.body.energies) folded = std::max(folded, each->folded_cells(now.path.motion.x));
+  return folded;
+}
+
 double Readings::lost_energy() const { return lost(now.energy, {model.body, drive}, now); }
 
 bool Readings::rubs_undamped() const {

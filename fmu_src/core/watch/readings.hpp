@@ -55,7 +55,7 @@ struct Readings {
   /// Largest stable internal step of the current state, by bound [s]; the largest finite number if nothing resists.
   double stable_step() const { return model.stability.stable_step(model.body, now.path.motion.x); }
   /// Number of cells with a corner that is turned inside out or flat.
-  int folded_cells() const { return cells.folded(now.path.motion.x); }
+  int folded_cells() const;
 
   bool damped() const { return model.body.damped; }
   /// Has the body more energy than it was given?

@@ -32,10 +32,6 @@ def test_a_crushed_solid_comes_back(n, ratio, stretch):
         assert not any("springs" in message.text for message in sim.log)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="solver.folded_cells looks at the edges between nodes; the strain at a node may be inside out while no cell is",
-)
 def test_nodes_that_are_inside_out_are_counted():
     """A cube whose ends are held is pressed to 30 %: J comes below 0 at the held edges."""
     plate = {"name": "plate", "points": "z+", "motion": "input", "inputs": ["position.z", "velocity.z"]}
