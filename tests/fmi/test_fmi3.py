@@ -59,7 +59,7 @@ def mixed(tmp_path_factory) -> Fmu3:
     return Fmu3(MIXED, tmp_path_factory.mktemp("mixed") / "fmi3")
 
 
-@pytest.mark.short("rich", "bare", "mixed", "press", "pad", "beam", "car_ball")
+@pytest.mark.short("rich", "bare", "mixed", "press", "pad", "flat_pad", "beam", "car_ball")
 @pytest.mark.parametrize("name", [*shipped_scenes(), "rich", "bare", "mixed"])
 def test_the_description_is_valid(name, tmp_path):
     scene = {"rich": RICH, "bare": BARE, "mixed": MIXED}.get(name) or load_scene(name)

@@ -59,3 +59,21 @@ def test_the_bumper_stops_a_mass_by_its_reaction_and_keeps_two_fifths_of_its_ene
     given = run("bumper")
     assert given.inputs["plane.plate.point.z"][-1] == pytest.approx(z, abs=1e-5)
     assert STRETCH * given.outputs["plane.plate.reaction.z"].sum() == pytest.approx(MASS * (1 + v), rel=5e-3)
+
+
+def test_the_flat_pad_presses_three_times_as_hard_as_one_with_free_sides():
+    result = run("flat_pad")
+    names = ("pin.plate.reaction.x", "pin.plate.reaction.z", "probe.side.x")
+    assert within(result, 0.15, 0.2, *names) == pytest.approx([0, 4061, 0.04355], rel=1e-3, abs=1e-6)
+    assert within(result, 0.35, 0.4, *names) == pytest.approx([-771.5, 3997, 0.04538], rel=1e-3)
+    assert result.outputs["pin.base.reaction.z"][result.time > 0.19][0] == pytest.approx(-4061, rel=1e-3)
+    assert result.deformation()[-1] < 1e-6
+
+
+def test_the_flat_pad_has_the_apparent_modulus_of_a_bonded_block():
+    """Of shape factor 1: 2.935 times Young's modulus on 13 x 13 x 7 points; one patch through the height is 4 % softer, not stiffer. Gent and
+    Lindley: between 2.54 and 3, with and without the yield of the volume."""
+    strain, scene = 1e-3, load_scene("flat_pad").replace({"solver.tolerance": 1e-6})
+    pressed = simulate(scene, stop_time=0.05, inputs=lambda time: {"pin.plate.position.z": 0.02 * (1 - strain * min(50 * time, 1))})
+    modulus = pressed.outputs["pin.plate.reaction.z"][-1] / (0.08**2 * strain) / 2e6
+    assert 2.54 < modulus < 3 and modulus == pytest.approx(2.935 * 0.963, rel=5e-3)
