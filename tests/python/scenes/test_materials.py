@@ -71,8 +71,8 @@ def test_the_flat_pad_presses_three_times_as_hard_as_one_with_free_sides():
 
 
 def test_the_flat_pad_has_the_apparent_modulus_of_a_bonded_block():
-    """Of shape factor 1: 2.935 times Young's modulus on 13 x 13 x 7 points; one patch through the height is 4 % softer, not stiffer. Gent and
-    Lindley: between 2.54 and 3, with and without the yield of the volume."""
+    """Of shape factor 1: 2.935 times Young's modulus on 13 x 13 x 7 points; one patch through the height is 4 % softer. Gent and Lindley:
+    between 2.54 and 3, with and without the yield of the volume."""
     strain, scene = 1e-3, load_scene("flat_pad").replace({"solver.tolerance": 1e-6})
     pressed = simulate(scene, stop_time=0.05, inputs=lambda time: {"pin.plate.position.z": 0.02 * (1 - strain * min(50 * time, 1))})
     modulus = pressed.outputs["pin.plate.reaction.z"][-1] / (0.08**2 * strain) / 2e6
