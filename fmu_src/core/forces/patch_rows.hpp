@@ -20,6 +20,11 @@ INNER Four<n> each_part(F&& f) {
   for (int i = 0; i < 4 / n; ++i) result.part[i] = f(i);
   return result;
 }
+/// Register by register: compilers copy structures in pieces, of which processors make no whole register without a stall.
+template <int n>
+INNER void copy(const Four<n>& from, Four<n>& to) {
+  for (int i = 0; i < 4 / n; ++i) to.part[i] = from.part[i];
+}
 template <int n>
 INNER Four<n> operator+(const Four<n>& a, const Four<n>& b) {
   return each_part<n>([&](int i) INLINED { return a.part[i] + b.part[i]; });
@@ -106,6 +111,34 @@ constexpr int rows = 16;
 template <int n>
 using Rows = Four<n>[rows];
 
+/// The derivative along a line of four nodes, v = D u / a, by what is even and what is odd about its middle:
+///
+///      (v0 + v3) / 2 = -3.5 (u0 - u3) + 2.5 r (u1 - u2),     (v0 - v3) / 2 = 2.5 w,      w = (u1 + u2) - (u0 + u3),
+///      (v1 + v2) / 2 = -0.5 (u0 - u3) - 0.5 r (u1 - u2),     (v1 - v2) / 2 = 0.5 r w,    r = sqrt 5.
+template <int n>
+INNER void derive_line(const LineShape& by, const Four<n>& u0, const Four<n>& u1, const Four<n>& u2, const Four<n>& u3, Four<n>* v,
+                       int step) {
+  const Four<n> outer = u0 - u3, inner = u1 - u2, w = (u1 + u2) - (u0 + u3);
+  const Four<n> ends = by.inner_at_end * inner - by.outer_at_end * outer, middles = by.middle * outer + by.root * inner;
+  const Four<n> at_end = by.even * w, at_middle = by.root * w;
+  v[0] = ends + at_end;
+  v[step] = at_middle - middles;
+  v[2 * step] = -1.0 * (at_middle + middles);
+  v[3 * step] = ends - at_end;
+}
+
+/// += the transposed of it: f = D' p / a.
+template <int n>
+INNER void add_transposed_line(const LineShape& by, const Four<n>* p, Four<n>* f, int step) {
+  const Four<n> ends = p[0] + p[3 * step], middles = p[step] + p[2 * step];
+  const Four<n> w = by.even * (p[0] - p[3 * step]) + by.root * (p[step] - p[2 * step]);
+  const Four<n> outer = by.outer_at_end * ends + by.middle * middles, inner = by.inner_at_end * ends - by.root * middles;
+  f[0] = f[0] - (w + outer);
+  f[step] = f[step] + (w + inner);
+  f[2 * step] = f[2 * step] + (w - inner);
+  f[3 * step] = f[3 * step] - (w - outer);
+}
+
 /// Derivatives of a field along the three axes; F[0] along x.
 template <int n>
 INNER void derive(const SolidBody& body, const double* from, Rows<n>* F) {
@@ -118,12 +151,8 @@ INNER void derive(const SolidBody& body, const double* from, Rows<n>* F) {
     u[r] = load_four<n>(at);
     F[0][r] = (at[0] * along[0] + at[1] * along[1]) + (at[2] * along[2] + at[3] * along[3]);
   }
-  for (int k = 0; k < 4; ++k)
-    for (int j = 0; j < 4; ++j) {
-      const double *y = shape.across[0][j], *z = shape.across[1][k];
-      F[1][j + 4 * k] = (y[0] * u[4 * k] + y[1] * u[4 * k + 1]) + (y[2] * u[4 * k + 2] + y[3] * u[4 * k + 3]);
-      F[2][j + 4 * k] = (z[0] * u[j] + z[1] * u[j + 4]) + (z[2] * u[j + 8] + z[3] * u[j + 12]);
-    }
+  for (int k = 0; k < rows; k += 4) derive_line<n>(shape.y, u[k], u[k + 1], u[k + 2], u[k + 3], F[1] + k, 1);
+  for (int j = 0; j < 4; ++j) derive_line<n>(shape.z, u[j], u[j + 4], u[j + 8], u[j + 12], F[2] + j, 4);
 }
 
 /// to -= the transposed derivatives of what stands at the nodes.
@@ -132,17 +161,17 @@ INNER void subtract_divergence(const SolidBody& body, const Rows<n>* P, double* 
   const PatchShape& shape = body.shape;
   Four<n> back[4];
   for (int i = 0; i < 4; ++i) back[i] = load_four<n>(shape.back[i]);
-  const auto &y = shape.across[0], &z = shape.across[1];
-  const Rows<n>&X = P[0], &Y = P[1], &Z = P[2];
-  for (int k = 0; k < 4; ++k)
-    for (int j = 0; j < 4; ++j) {
-      const Four<n>& a = X[j + 4 * k];
-      const Four<n> x = (number(a, 0) * back[0] + number(a, 1) * back[1]) + (number(a, 2) * back[2] + number(a, 3) * back[3]);
-      const Four<n> of_y = (y[0][j] * Y[4 * k] + y[1][j] * Y[4 * k + 1]) + (y[2][j] * Y[4 * k + 2] + y[3][j] * Y[4 * k + 3]);
-      const Four<n> of_z = (z[0][k] * Z[j] + z[1][k] * Z[j + 4]) + (z[2][k] * Z[j + 8] + z[3][k] * Z[j + 12]);
-      double* at = to + j * body.line + k * body.layer;
-      store_four<n>(at, load_four<n>(at) - (x + (of_y + of_z)));
-    }
+  Rows<n> sums;
+  for (int r = 0; r < rows; ++r) {
+    const Four<n>& a = P[0][r];
+    sums[r] = (number(a, 0) * back[0] + number(a, 1) * back[1]) + (number(a, 2) * back[2] + number(a, 3) * back[3]);
+  }
+  for (int k = 0; k < rows; k += 4) add_transposed_line<n>(shape.y, P[1] + k, sums + k, 1);
+  for (int j = 0; j < 4; ++j) add_transposed_line<n>(shape.z, P[2] + j, sums + j, 4);
+  for (int r = 0; r < rows; ++r) {
+    double* at = to + (r & 3) * body.line + (r >> 2) * body.layer;
+    store_four<n>(at, load_four<n>(at) - sums[r]);
+  }
 }
 
 /// t = Pi q: the orthogonal projection in the sum over the weights onto the products of linear functions of the axes. Moments of z and y
@@ -178,7 +207,7 @@ struct Nine {
 template <int n>
 INNER Nine<n> row_of(const Rows<n>* F, int r) {
   Nine<n> f;
-  for (int i = 0; i < 9; ++i) f.m[i] = F[i][r];
+  for (int i = 0; i < 9; ++i) copy(F[i][r], f.m[i]);
   return f;
 }
 /// Cofactors: their sum of products with F is three times the determinant.

@@ -16,7 +16,7 @@ namespace {
 constexpr double steepest = 74.310988842807021, divergent = 60;
 
 kernels::PatchShape shape_of(const std::array<double, 3>& sides) {
-  kernels::PatchShape shape;
+  kernels::PatchShape shape{.y = kernels::LineShape(sides[1]), .z = kernels::LineShape(sides[2])};
   for (int i = 0; i < 4; ++i)
     for (int s = 0; s < 4; ++s) {
       const double d = lobatto::derivative[i][s];

@@ -72,7 +72,8 @@ INNER void viscous_stress(const SolidBody& body, double time, double drift, cons
     const Nine<n> f = row_of<n>(F, r);
     const Four<n> of_trace = (time * body.lambda) * t[r];
     Four<n> s[6];
-    for (int e = 0; e < 6; ++e) s[e] = e < 3 ? G[e][r] + of_trace : G[e][r];
+    for (int e = 0; e < 3; ++e) s[e] = G[e][r] + of_trace;
+    for (int e = 3; e < 6; ++e) copy(G[e][r], s[e]);
     constexpr int entry[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
     for (int c = 0; c < 3; ++c)
       for (int a = 0; a < 3; ++a) G[3 * c + a][r] = (f(c, 0) * s[entry[0][a]] + f(c, 1) * s[entry[1][a]]) + f(c, 2) * s[entry[2][a]];
@@ -164,7 +165,7 @@ INNER void tangent(const SolidBody& body, double softening, double per_time, con
     project<n>(body.shape, change, of_change);
     Rows<n> V[9];
     for (int i = 0; i < 9; ++i)
-      for (int r = 0; r < rows; ++r) V[i][r] = G[i][r];
+      for (int r = 0; r < rows; ++r) copy(G[i][r], V[i][r]);
     if (per_time > 0) viscous_stress<n>(body, per_time, 0, F, V);
     for (int r = 0; r < rows; ++r) {
       const Nine<n> here = row_of<n>(F, r), g = row_of<n>(G, r), c = cofactors(here), dc = cofactors(here, g);
@@ -362,7 +363,7 @@ INNER void bounds(const SolidBody& body, const double* x, PatchBounds* each) {
       const Four<n> scaling = top(k * areas, minors, (s * s) * (volume * (2.0 * s + 3.0 * (k * volume))));
       curvature = larger(curvature, larger(scaling, root((s * s) * longest)) + body.mu);
       stretch = larger(stretch, longest);
-      for (int i = 0; i < 9; ++i) F[i][r] = c.m[i];
+      for (int i = 0; i < 9; ++i) copy(c.m[i], F[i][r]);
     }
     each->curvature = largest_of(curvature);
     each->stretch = largest_of(stretch);

@@ -3,16 +3,31 @@
 #include <array>
 #include <cstddef>
 
+#include "model/lobatto.hpp"
+
 namespace softffd::kernels {
 
 /// J0: relative volume below which a node resists on its own, which the projection would not see.
 inline constexpr double least_volume = 0.3;
+
+/// Of the derivative along a line of nodes, what multiplies sums and differences of them [1/m] (patch_rows.hpp).
+struct LineShape {
+  double outer_at_end, inner_at_end, middle, root, even;
+  /// side: of the patch [m].
+  constexpr explicit LineShape(double side = 1)
+      : outer_at_end(3.5 / side),
+        inner_at_end(2.5 * lobatto::root5 / side),
+        middle(0.5 / side),
+        root(0.5 * lobatto::root5 / side),
+        even(2.5 / side) {}
+};
 
 /// What is the same for all patches of a body: derivatives along the axes, and the weights of the quadrature.
 struct PatchShape {
   double along[4][4];      ///< d/dx of a row, [s][i]: of node i by the number at node s [1/m]
   double back[4][4];       ///< the same transposed
   double across[2][4][4];  ///< d/dy and d/dz, [i][s]
+  LineShape y, z;
   double weight[16][4];    ///< w, row j + 4 k [m3]
   double projector[4][4];  ///< Pi along x: [s][i]
 };
