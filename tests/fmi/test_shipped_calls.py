@@ -28,7 +28,7 @@ def shipped(request, tmp_path_factory) -> Fmu:
 
 
 class Lawful:
-    """A host that makes only calls that the standard allows where its instance stands, with values near the starts."""
+    """A host that makes only calls that the standard allows where its instance stands, with values near the starts and within their bounds."""
 
     def __init__(self, fmu: Fmu, generator: random.Random):
         self.fmu, self.random = fmu, generator
@@ -50,7 +50,7 @@ class Lawful:
     def near(self, variable) -> float:
         start = float(variable.start)
         if variable.causality == "parameter":
-            return start * self.random.uniform(0.9, 1.1)
+            return min(start * self.random.uniform(0.9, 1.1), float(variable.max or math.inf))
         return start + 0.01 * float(variable.nominal or 1.0) * self.random.uniform(-1.0, 1.0)
 
     def _set(self, variables) -> None:
