@@ -47,7 +47,7 @@ def front_picture(records: Records) -> bytes:
     axes.set_xscale("log")
     _label_times(axes)
     axes.set_xlabel("CPU time of the run")
-    axes.set_ylabel("largest error / largest side of the box")
+    axes.set_ylabel(records.ruler)
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), frameon=False, fontsize=10.5, labelspacing=0.8)
     return png_of(figure)
 
@@ -85,7 +85,7 @@ def _label_times(axes: Axes) -> None:
 def _dress_errors(axes: Axes, records: Records) -> None:
     axes.set_yscale("log")
     shown = [run.error for run in records.runs if run.error > 0]
-    axes.set_ylim(max(SMALLEST, min([1e-9, *shown]) / 4), LARGEST)
+    axes.set_ylim(max(SMALLEST, min([records.least, *shown]) / 4), LARGEST)
     axes.yaxis.set_major_locator(LogLocator(numticks=20))
     axes.grid(color="#e3e7ed", linewidth=0.8)
     for level in LEVELS:

@@ -51,12 +51,17 @@ class Record:
     steps: int | None = None
     rejected: int | None = None
     errors: np.ndarray | None = field(default=None, repr=False)
-    """(T,) largest distance of a control point from the reference at each communication point, relative to the box's largest side"""
+    """(T,) largest distance of a control point from the reference at each communication point, relative to the box's largest side; where
+    lattices are compared the largest error of each kind of output, relative to the largest change of that kind"""
     failure: str | None = None
+    lattice: tuple[int, ...] = ()
+    """Control points along each axis, where lattices are compared and not methods"""
 
     @property
     def name(self) -> str:
-        """The method, with its origin if it is no softffd method: "leapfrog", "SciPy DOP853"."""
+        """The method, with its origin if it is no softffd method: "leapfrog", "SciPy DOP853"; or the lattice: "7 x 4 x 4"."""
+        if self.lattice:
+            return " x ".join(map(str, self.lattice))
         return self.setting.method if self.origin == "softffd" else f"SciPy {self.setting.method}"
 
     @property
@@ -84,6 +89,10 @@ class Records:
     """Methods that were not run, and why"""
     complete: bool = False
     """Not interrupted"""
+    ruler: str = "largest error / largest side of the box"
+    """What an error is relative to, in words"""
+    least: float = 1e-9
+    """Pictures show errors down to this at least"""
 
     def names(self, origin: str | None = None) -> list[str]:
         """The methods that were run, in order of appearance."""

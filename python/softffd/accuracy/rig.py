@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time as clock
 from dataclasses import dataclass
 from itertools import pairwise
@@ -49,7 +50,7 @@ class Run:
     """One setting, run once or several times."""
 
     positions: np.ndarray
-    """(T, n, 3) m at the communication points, control points in flat order"""
+    """(T, n, 3) m at the communication points, control points in flat order; (T, w) of watched outputs"""
     cpu_time: float
     """Of the loop over the communication steps, smallest of the repeats [s]"""
     repeats: int
@@ -74,11 +75,14 @@ class _Course(Drive):
 class Rig:
     """Use as a context manager. Inputs come from the CSV beside the scene, cubic between the communication points."""
 
-    def __init__(self, scene: Scene, *, step: float | None = None):
-        """step: communication step [s], > 0, the scene's own by default. Raises FmuError, and SoftffdError as `package_fmu` does."""
+    def __init__(self, scene: Scene, *, step: float | None = None, watched: str = ""):
+        """step: communication step [s], > 0, the scene's own by default; watched: pattern of outputs that runs keep for positions.
+
+        Raises FmuError, and SoftffdError as `package_fmu` does.
+        """
         self.communication_step = positive("communication step", step, scene.experiment.communication_step)
         self.stop_time = scene.experiment.stop_time
-        self.scene = scene
+        self.scene, self._watched = scene, watched
         self.side = max(scene.lattice_box.size)
         self.dashpots = internal_damping_present(scene)
         self.damped = spring_damping_present(scene) or self.dashpots
@@ -96,11 +100,14 @@ class Rig:
             raise
 
     def _open(self) -> None:
-        simulation = self._simulation = Simulation(_observed(self.scene))
+        simulation = self._simulation = Simulation(self.scene if self._watched else _observed(self.scene))
         self.methods = list(simulation.variables["solver.method"].items or {})
         component, names = simulation.component, variable_names("position", all_points(self.scene.lattice.points))
-        driven, positions = self._source.driven(component), [component.variable(name) for name in names]
-        self._drive = _Course(simulation, self.times, self.communication_step, driven, positions, single=bool(driven))
+        if self._watched:
+            names = [name for name in simulation.variables if re.search(self._watched, name)]
+        self.names = names
+        driven, kept = self._source.driven(component), [component.variable(name) for name in names]
+        self._drive = _Course(simulation, self.times, self.communication_step, driven, kept, single=bool(driven))
         self.input_values = self._drive.input_rows[:-1]
         self.input_values[:] = self._source.rows(self.times)
         self._drive.rates, self._drive.moving = self.input_rates, component.block(self.driven_names)
@@ -139,8 +146,8 @@ class Rig:
         elapsed = clock.process_time() - began
         _, rows = self._drive.outputs["Real"]
         if not np.isfinite(rows).all():
-            raise FmuError("the positions are not finite")
-        return rows.reshape(len(rows), -1, 3).copy(), elapsed
+            raise FmuError("the outputs are not finite" if self._watched else "the positions are not finite")
+        return rows.reshape((len(rows), -1) if self._watched else (len(rows), -1, 3)).copy(), elapsed
 
     def _rejected(self) -> int | None:
         name = "solver.rejected"

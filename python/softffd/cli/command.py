@@ -160,10 +160,14 @@ def _ssp(options: argparse.Namespace) -> None:
 
 def _accuracy(options: argparse.Namespace) -> None:
     from softffd.accuracy.command import report_accuracy
+    from softffd.accuracy.space_report import report_space
 
+    if options.space and not options.scenes:
+        raise SoftffdError("softffd accuracy --space: wanted a SCENE; those of the standard set are of springs that belong to one lattice")
     require_writable(options.output)
+    report = report_space if options.space else report_accuracy
     with ProgressLine("measuring") as progress:
-        report_accuracy(options.scenes, options.output, step=options.step, quick=options.quick, note=progress.note, say=progress.say)
+        report(options.scenes, options.output, step=options.step, quick=options.quick, note=progress.note, say=progress.say)
     print(f"kept in {options.output}: report.html, accuracy.csv, accuracy.json, a picture of each scene")
 
 

@@ -1,0 +1,184 @@
+"""Error against run time over lattices and tolerances: a scene on finer and finer lattices, against the continuum that they tend to.
+
+The lattice k has 3 k c + 1 points along an axis, where c are the cells of the scene's own lattice by their greatest common divisor: whole
+patches of a solid, and the same lattices for springs. If an output's error is C k^-p, three lattices in a row say p, and Richardson's
+extrapolation the continuum's answer. Outputs that all lattices have are compared: probes, the scene's own and 27 on its box (corners and
+middles), reactions, energies. An error is the largest over a kind of outputs and all communication points, relative to the largest change
+of that kind.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from softffd.accuracy.records import Record, Records
+from softffd.accuracy.reference import Reference
+from softffd.accuracy.rig import Rig, Setting
+from softffd.errors import FmuError, SceneError
+from softffd.run.progress import Note, silent
+from softffd.scene.scene import Scene
+
+KINDS = {"places": r"^probe\.\w+\.[xyz]$", "reactions": r"\.reaction\.[xyz]$", "energies": r"^energy\.\w+$"}
+"""Kinds of outputs that are compared, and their names."""
+
+MOST_LATTICES, MOST_POINTS = 4, 31
+FINER = (1.0, 0.1, 0.01)
+"""Tolerances of the runs on a lattice, by that of the scene."""
+
+BUDGET, QUICK_BUDGET = 60.0, 4.0
+"""Lattices end at a run of more CPU time [s]."""
+
+ORDERS = (0.3, 8.0)
+"""Orders that are believed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Continuum:
+    """What the lattices tend to, of one kind of outputs."""
+
+    course: np.ndarray
+    """(T, w)"""
+    order: float
+    """As measured; NaN where the lattices do not tend to anything yet, or are only two: then `course` is the finest lattice's"""
+    uncertainty: float
+    """Relative to the largest change"""
+    change: float
+    """Largest change of an output since the start"""
+
+    def error(self, course: np.ndarray) -> float:
+        """Largest difference, relative to the largest change."""
+        return float(np.abs(course - self.course).max()) / self.change
+
+
+def continuum(courses: Sequence[np.ndarray]) -> Continuum:
+    """Of the lattices 1, 2, .. m in this order, m >= 2, each (T, w). The uncertainty is all that is extrapolated beyond the finest lattice;
+    where there is no order, the difference of the last two lattices."""
+    finest = courses[-1]
+    order, course = _extrapolated(courses)
+    change = float(np.abs(finest - finest[0]).max())
+    return Continuum(course, order, float(np.abs(course - (courses[-2] if math.isnan(order) else finest)).max()) / change, change)
+
+
+def _extrapolated(courses: Sequence[np.ndarray]) -> tuple[float, np.ndarray]:
+    """The order by the last three lattices and Richardson's extrapolation of the last two; NaN and the last one without an order."""
+    k, finest = len(courses), courses[-1]
+    if k < 3:
+        return math.nan, finest
+    coarse, fine = (float(np.abs(courses[n] - courses[n - 1]).max()) for n in (k - 2, k - 1))
+
+    def excess(order: float) -> float:
+        """Of the ratio of differences that this order makes, which grows with it, over the measured one."""
+        return ((k - 2) ** -order - (k - 1) ** -order) * fine - ((k - 1) ** -order - k**-order) * coarse
+
+    low, high = ORDERS
+    if not excess(low) < 0 < excess(high):
+        return math.nan, finest
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if excess(middle) < 0 else (low, middle)
+    return low, finest + (finest - courses[-2]) / ((k / (k - 1)) ** low - 1)
+
+
+def lattices(scene: Scene) -> list[tuple[int, ...]]:
+    """Points along each axis of the lattices 1, 2, .. m. Raises SceneError where there are not two, or keys belong to one lattice."""
+    keys = _of_one_lattice(scene)
+    cells = [points - 1 for points in scene.lattice.points]
+    all_points = (tuple(3 * k * cell // math.gcd(*cells) + 1 for cell in cells) for k in range(1, MOST_LATTICES + 1))
+    found = [points for points in all_points if max(points) <= MOST_POINTS]
+    if len(found) < 2:
+        keys.append(f"lattice.points: wanted cells with a larger common divisor along the axes, got {list(scene.lattice.points)}")
+    if keys:
+        raise SceneError(f"{scene.name}, over lattices", keys)
+    return found
+
+
+def _of_one_lattice(scene: Scene) -> list[str]:
+    """What a scene says of single points or springs, a line each."""
+    wrong = [] if scene.material.youngs_modulus else ["material.stiffness: belongs to one lattice; wanted material.youngs_modulus"]
+    selections = {f"pin.{pin.name}.points": pin.points for pin in scene.pin} | {
+        f"load.{load.name}.points": load.points for load in scene.load
+    }
+    wrong += [
+        f"{key}: points by their numbers belong to one lattice; wanted a face" for key, of in selections.items() if not isinstance(of, str)
+    ]
+    if scene.inputs.forces != "none":
+        wrong.append("inputs.forces: belong to one lattice; wanted loads")
+    return wrong + ["region: belongs to one lattice; wanted none"] * bool(scene.region)
+
+
+def on_lattice(scene: Scene, points: Sequence[int]) -> Scene:
+    """The scene on another lattice, with probes on its box; viscous drag has the same sum over the points."""
+    given, box = scene.keys_given(), scene.lattice_box
+    grid = product((0.0, 0.5, 1.0), repeat=3)
+    places = [[float(o + s * share) for o, s, share in zip(box.origin, box.size, at, strict=True)] for at in grid]
+    lattice = {key: value for key, value in given.get("lattice", {}).items() if key not in ("cells", "spacing")}
+    changes: dict[str, Any] = {
+        "lattice": lattice | {"points": list(points)},
+        "probe": [*given.get("probe", []), *({"name": f"on_box_{n}", "at": at} for n, at in enumerate(places))],
+        "outputs.positions": "none",
+        "outputs.velocities": "none",
+        "outputs.solver": True,
+        "solver.error_estimate": False,
+    }
+    if scene.material.damping:
+        changes["material.damping"] = scene.material.damping * math.prod(scene.lattice.points) / math.prod(points)
+    return scene.replace(changes)
+
+
+def measure_space(
+    scene: Scene, *, step: float | None = None, quick: bool = False, note: Note = silent
+) -> tuple[Records, Mapping[str, Continuum]]:
+    """Runs a scene on its lattices at its tolerance, a tenth and a hundredth of it; records and what each kind of outputs tends to.
+
+    step: communication step [s], the scene's own by default; quick: fewer lattices. Raises SceneError as `lattices`, FmuError where fewer
+    than two lattices can be run.
+    """
+    runs: list[tuple[Record, np.ndarray | None]] = []
+    finest: list[np.ndarray] = []
+    for points in lattices(scene):
+        with Rig(on_lattice(scene, points), step=step, watched="|".join(KINDS.values())) as rig:
+            made = list(_runs(rig, points, scene, QUICK_BUDGET if quick else BUDGET, note))
+        runs += made
+        finest += [course for _, course in made if course is not None][-1:]
+        if any(course is None for _, course in made):
+            break
+    if len(finest) < 2:
+        raise FmuError(f"{scene.name}: wanted runs on two lattices, got {len(finest)}: {runs[-1][0].failure}")
+    kinds = {kind: [n for n, name in enumerate(rig.names) if re.search(pattern, name)] for kind, pattern in KINDS.items()}
+    found = {
+        kind: continuum([course[:, which] for course in finest])
+        for kind, which in kinds.items()
+        if np.ptp(finest[-1][:, which], axis=0).any()
+    }
+    records = Records(
+        scene.name, scene.title, rig.communication_step, rig.stop_time, rig.times, len(scene.rest_positions()), scene.solver.tolerance,
+        ruler="largest error / largest change", least=1e-3, complete=True,
+    )  # fmt: skip
+    uncertainty = max(each.uncertainty for each in found.values())
+    records.reference = Reference(
+        np.empty((0, 0, 3)), uncertainty, "Richardson's extrapolation over the lattices", "its last change", False
+    )
+    for record, course in runs:
+        errors = None if course is None else np.array([each.error(course[:, kinds[kind]]) for kind, each in found.items()])
+        records.runs.append(replace(record, errors=errors))
+    return records, found
+
+
+def _runs(rig: Rig, points: tuple[int, ...], scene: Scene, budget: float, note: Note) -> Iterator[tuple[Record, np.ndarray | None]]:
+    """One for each of FINER with its outputs, until one fails or takes too long."""
+    for share in FINER:
+        setting = Setting(scene.solver.method, tolerance=share * scene.solver.tolerance)
+        note(f"{scene.name}: {' x '.join(map(str, points))} points, {setting}")
+        try:
+            run = rig.run(setting, repeats=3, most=budget)
+        except FmuError as error:
+            yield Record(setting, failure=str(error), lattice=points), None
+            return
+        yield Record(setting, "softffd", run.cpu_time, run.repeats, run.steps, run.rejected, lattice=points), run.positions

@@ -1,0 +1,107 @@
+"""Error over lattices: orders and limits of made-up courses, lattices of a scene, what belongs to one, a clamped cube, the files."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenes import box
+from softffd import SceneError, load_scene
+from softffd.accuracy.space import continuum, lattices, measure_space, on_lattice
+from softffd.cli.command import main
+
+CUBE = """
+title = "A clamped cube bends under a small weight"
+[lattice]
+points = [4, 4, 4]
+[mass]
+density = 1000.0
+[material]
+{material}
+youngs_modulus = 1e5
+internal_damping = 0.02
+[environment]
+gravity = [0.0, 0.0, -0.01]
+[[pin]]
+name = "wall"
+points = "x-"
+[experiment]
+stop_time = 0.6
+communication_step = 0.1
+"""
+SOLID, SPRINGS = 'model = "solid"\npoissons_ratio = 0.25', 'model = "springs"'
+
+
+@pytest.mark.parametrize("order", [1.0, 2.0, 3.5])
+@pytest.mark.parametrize("count", [3, 4])
+def test_lattices_of_one_power_tell_it_and_their_limit(order, count):
+    limit, error = np.sin(np.linspace(0.0, 1.0, 5))[:, None] * [1.0, 2.0], np.linspace(0.0, 0.1, 5)[:, None] * [1.0, -1.0]
+    found = continuum([limit + error * k**-order for k in range(1, count + 1)])
+    assert found.order == pytest.approx(order, abs=1e-6) and found.course == pytest.approx(limit, abs=1e-9)
+    assert found.error(limit + 0.02) == pytest.approx(0.02 / found.change)
+
+
+def test_lattices_that_tend_to_nothing_have_no_order():
+    courses = [np.array([[0.0], [height]]) for height in (1.0, 1.1, 1.3)]
+    found = continuum(courses)
+    assert math.isnan(found.order) and found.course is courses[-1] and found.uncertainty == pytest.approx(0.2 / 1.3)
+    assert continuum(courses[:2]).uncertainty == pytest.approx(0.1 / 1.1)
+
+
+def test_lattices_have_whole_patches_in_the_proportions_of_the_scene():
+    def of(points):
+        return lattices(box(points=points, material={"youngs_modulus": 1e5}, size=[float(n - 1) for n in points]))
+
+    assert of([5, 3, 3]) == [(7, 4, 4), (13, 7, 7), (19, 10, 10), (25, 13, 13)]
+    assert of([11, 3, 3]) == [(16, 4, 4), (31, 7, 7)]
+    with pytest.raises(SceneError, match="common divisor"):
+        of([12, 5, 4])
+
+
+def test_what_belongs_to_one_lattice_is_named():
+    force = {"name": "push", "points": [[0, 0, 0]]}
+    with pytest.raises(SceneError) as refused:
+        lattices(box(stiffness=1e3, load=[force], region=[{"points": "x-", "mass": 1.0}], forces=[[1, 1, 1]]))
+    assert [line.split(":")[0] for line in refused.value.problems] == ["material.stiffness", "load.push.points", "inputs.forces", "region"]
+
+
+def test_drag_has_the_same_sum_on_every_lattice():
+    scene = box(material={"youngs_modulus": 1e5, "damping": 0.7})
+    assert on_lattice(scene, (7, 7, 7)).material.damping * 7**3 == pytest.approx(0.7 * 4**3)
+
+
+def test_springs_and_solids_tend_to_the_same_displacement_at_a_quarter(tmp_path):
+    """Of places and reactions of a clamped cube under small strain, within the uncertainties of both; solids of 7 points are three times as
+    near to it as springs of 7."""
+    found, errors = {}, {}
+    for name, material in {"solid": SOLID, "springs": SPRINGS}.items():
+        file = tmp_path / f"{name}.toml"
+        file.write_text(CUBE.format(material=material))
+        records, found[name] = measure_space(load_scene(file), quick=True)
+        errors[name] = {run.lattice[0]: run.error for run in records.runs}
+        assert all(run.failure is None for run in records.runs) and len(records.runs) == 12
+    for kind in ("places", "reactions"):
+        solid, springs = found["solid"][kind], found["springs"][kind]
+        assert solid.error(springs.course) < solid.uncertainty + springs.uncertainty < 0.03
+    assert errors["solid"][7] < errors["springs"][7] / 3
+
+
+def test_the_command_keeps_table_document_picture_and_page(folder, capsys):
+    Path("cube.toml").write_text(CUBE.format(material=SOLID).replace("stop_time = 0.6", "stop_time = 0.1"))
+    assert main(["accuracy", "cube.toml", "--space", "--quick", "-o", "out"]) == 0
+    said = capsys.readouterr().out
+    assert "places: order" in said and "error 1e-1: " in said and "points, tolerance" in said
+    (scene,) = json.loads(Path("out/accuracy.json").read_text())["scenes"]
+    assert scene["continuum"]["places"]["uncertainty"] > 0 and {run["points_x"] for run in scene["runs"]} == {4, 7, 10, 13}
+    page = Path("out/report.html").read_text()
+    assert "points = [4, 4, 4]" in page or "points = [7, 7, 7]" in page
+    assert page.count("data:image/png;base64,") == 1 and "{{" not in page
+    assert Path("out/cube.png").read_bytes().startswith(b"\x89PNG")
+    assert len(Path("out/accuracy.csv").read_text().splitlines()) == 1 + len(scene["runs"])
+
+
+def test_the_standard_set_is_not_compared_over_lattices(capsys):
+    assert main(["accuracy", "--space"]) == 1
+    assert "wanted a SCENE" in capsys.readouterr().err
