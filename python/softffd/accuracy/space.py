@@ -32,7 +32,7 @@ MOST_LATTICES, MOST_POINTS = 4, 31
 FINER = (1.0, 0.1, 0.01)
 """Tolerances of the runs on a lattice, by that of the scene."""
 
-BUDGET, QUICK_BUDGET = 60.0, 4.0
+BUDGET, QUICK_BUDGET = 200.0, 4.0
 """Lattices end at a run of more CPU time [s]."""
 
 ORDERS = (0.3, 8.0)
