@@ -41,7 +41,7 @@ def test_the_beam_rings_down_by_its_damping_ratio_about_its_bent_shape():
     assert np.polyfit(np.arange(9), np.log(left), 1)[0] == pytest.approx(-np.pi * 0.053, rel=0.03)
 
 
-def test_the_bumper_stops_a_mass_by_its_reaction_and_keeps_two_fifths_of_its_energy():
+def test_the_bumper_stops_a_mass_by_its_reaction_and_keeps_a_third_of_its_energy():
     scene = load_scene("bumper")
     z, v, force, course = 0.1, -1.0, 0.0, []
     with Simulation(scene) as sim:
@@ -54,7 +54,7 @@ def test_the_bumper_stops_a_mass_by_its_reaction_and_keeps_two_fifths_of_its_ene
             course.append((z, force))
         lost = sim["energy.dissipated"]
     lowest, strongest = np.min(course, axis=0)[0], np.max(course, axis=0)[1]
-    assert (lowest, strongest, v, lost) == pytest.approx((0.0838, 232, 0.778, 0.986), rel=5e-3)
+    assert (lowest, strongest, v, lost) == pytest.approx((0.0846, 269.5, 0.806, 0.875), rel=5e-3)
     assert lost == pytest.approx(MASS / 2 * (1 - v**2), abs=5e-3)
     given = run("bumper")
     assert given.inputs["plane.plate.point.z"][-1] == pytest.approx(z, abs=1e-5)
