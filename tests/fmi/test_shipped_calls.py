@@ -28,7 +28,7 @@ def shipped(request, tmp_path_factory) -> Fmu:
 
 
 class Lawful:
-    """A host that makes only calls that the standard allows where its instance stands, with values near the starts, within their bounds."""
+    """A host that makes only calls that the standard allows where its instance stands, with values near the starts and within bounds."""
 
     def __init__(self, fmu: Fmu, generator: random.Random):
         self.fmu, self.random = fmu, generator

@@ -76,11 +76,11 @@ Variables::Variables(const SceneFile& scene, Settings& settings) : scene_(scene)
     if (info.causality == Causality::output) continue;
     for (int index = 0; index < count(row); ++index) {
       const Variable each = variable(row, index);
-      starts_.numbers[row].push_back(bindings[row].place ? bindings[row].place(settings, member(each))[each.component()] : 0.0);
+      starts_[row].push_back(bindings[row].place ? bindings[row].place(settings, member(each))[each.component()] : 0.0);
     }
-    for (int order = 1; order <= highest_order_of(info.family); ++order) starts_.rates[order - 1][row].resize(starts_.numbers[row].size());
+    for (int order = 1; order <= highest_order_of(info.family); ++order) values_.rates[order - 1][row].resize(starts_[row].size());
   }
-  starts_.numbers[row_of(Family::solver_method)] = {double(scene.method)};
+  starts_[row_of(Family::solver_method)] = {double(scene.method)};
   int most = 0;
   for (std::size_t row = 0; row < family_count; ++row) most += count(row);
   for (Meant* last : {&last_set_[0], &last_set_[1], &last_got_[0], &last_got_[1]}) last->reserve(most);
@@ -91,7 +91,11 @@ Variables::Variables(const SceneFile& scene, Settings& settings) : scene_(scene)
 }
 
 void Variables::reset() {
-  values_ = starts_;
+  values_.numbers = starts_;
+  for (Table& order : values_.rates)
+    for (auto& list : order) std::fill(list.begin(), list.end(), 0.0);
+  values_.changed = values_.material_changed = true;
+  values_.rated = false;
   for (auto& list : begun_) std::fill(list.begin(), list.end(), 0.0);
   last_ = {.before = begun_};
   seen_ = begun_;

@@ -132,7 +132,8 @@ class Variables {
   std::vector<Vec3> pin_origins_;             ///< at rest [m]
   std::vector<std::size_t> differenced_;      ///< the rows of `begun_` and `seen_` that have any
   std::array<Meant, 2> last_set_, last_got_;  ///< by type
-  Values starts_, values_;
+  Table starts_;
+  Values values_;
   LastStep last_;
   Table begun_;  ///< those outputs at the start of a communication step that is not done yet
   Table seen_;   ///< those of this moment that were read; the others are no numbers

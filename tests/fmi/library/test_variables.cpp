@@ -231,6 +231,31 @@ TEST(a_modulus_takes_the_place_of_stiffness_and_reaches_the_settings) {
   CHECK(refusal([&] { variables.set(stepping, Type::Real, &reference, 1, &none); }) == "youngs_modulus: wanted > 0 Pa, got 0");
 }
 
+TEST(a_solid_has_poissons_ratio_and_what_its_probes_ask_for) {
+  std::string records = "guid {g}\ncounts 4 4 4\nbasis patches\nmass";
+  for (int p = 0; p < 64; ++p) records += " 1";
+  records += "\nyoungs_modulus 2e5\npoissons_ratio 0.4\nprobe all 0.5 0.5 0.5\nprobe_outputs stress von_mises stretch\nprobe none 0 0 0\n";
+  const SceneFile file = parse_scene(small_scene::with_first_line(records));
+  SoftBody body(file.definition);
+  Variables variables(file, body.settings);
+  CHECK(variables.name(reference_of(Family::poissons_ratio)) == "poissons_ratio" && body.settings.poissons_ratio == 0.4);
+  CHECK(variables.name(reference_of(Family::probe_stress_xy)) == "probe.all.stress.xy");
+  CHECK(variables.name(reference_of(Family::probe_stretch, 1)).find("value reference") == 0);
+  variables.apply(body.settings);
+  body.initialize(0);
+  for (const Family family : {Family::probe_stress_xx, Family::probe_stress_yz, Family::probe_von_mises, Family::probe_stretch}) {
+    const fmi2ValueReference reference = reference_of(family);
+    double value = NAN;
+    variables.get(Type::Real, &reference, 1, &value, body, nullptr);
+    CHECK(std::abs(value - (family == Family::probe_stretch ? 1 : 0)) < 1e-9);
+  }
+  const fmi2ValueReference ratio = reference_of(Family::poissons_ratio);
+  const double most = 0.495, more = 0.6;
+  variables.set(stepping, Type::Real, &ratio, 1, &most);
+  CHECK(variables.apply(body.settings) && body.settings.poissons_ratio == 0.495);
+  CHECK(refusal([&] { variables.set(stepping, Type::Real, &ratio, 1, &more); }) == "poissons_ratio: wanted <= 0.495, got 0.6");
+}
+
 TEST(only_changes_of_the_material_ask_for_it_anew) {
   Scene scene;
   for (const FamilyInfo& info : present) {

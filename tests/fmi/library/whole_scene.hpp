@@ -12,7 +12,7 @@ namespace whole_scene {
 
 using namespace softffd::fmi;
 
-/// A scene with every part but the one that its stiffness leaves no place for, and boxes, which need a surface.
+/// A scene with every part but those that its stiffness leaves no place for, and boxes, which need a surface.
 inline const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiffness = 100, .initial = "1 1 1 0 0 0.5 1 0 0 0 0 0"}.text(
     "damping 0.05\ninternal_damping 0.001\ngravity 0 0 -9.81\ninitial_rotation 0 0 0\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 "
     "0.4\nplane lid input 0 0 9 0 0 "
@@ -24,7 +24,9 @@ inline const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiff
 inline const std::vector<FamilyInfo> present = [] {
   std::vector<FamilyInfo> list(std::begin(families), std::end(families));
   std::erase_if(list, [](const FamilyInfo& info) {
-    return info.part == Part::modulus || info.part == Part::input_boxes || info.part == Part::fixed_boxes;
+    const bool of_solids = info.part == Part::solid || info.part == Part::probe_stress || info.part == Part::probe_von_mises ||
+                           info.part == Part::probe_stretch;
+    return of_solids || info.part == Part::modulus || info.part == Part::input_boxes || info.part == Part::fixed_boxes;
   });
   return list;
 }();
