@@ -5,13 +5,13 @@
 #include <cmath>
 #include <utility>
 
+#include "body/rigid_motion.hpp"
 #include "contact/stand_ins.hpp"
 #include "forces/volume.hpp"
 #include "kit/thresholds.hpp"
 #include "matrix/lattice_matrix.hpp"
 #include "model/arithmetic.hpp"
 #include "model/lobatto.hpp"
-#include "model/rigid_motion.hpp"
 #include "stepping/retry.hpp"
 
 namespace softffd {

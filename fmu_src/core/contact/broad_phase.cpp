@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "body/rigid_motion.hpp"
 #include "contact/surface/tangents.hpp"
 #include "model/arithmetic.hpp"
-#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

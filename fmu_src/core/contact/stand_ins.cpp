@@ -1,8 +1,8 @@
 #include "contact/stand_ins.hpp"
 
+#include "body/rigid_motion.hpp"
 #include "contact/broad_phase.hpp"
 #include "contact/surface/tangents.hpp"
-#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

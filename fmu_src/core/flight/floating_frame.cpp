@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "body/rigid_motion.hpp"
 #include "flight/attitude.hpp"
 #include "methods/traits.hpp"
-#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

@@ -6,9 +6,9 @@
 #include <complex>
 #include <limits>
 
+#include "body/rigid_motion.hpp"
 #include "contact/tolerances.hpp"
 #include "flight/attitude.hpp"
-#include "model/rigid_motion.hpp"
 #include "model/rotation.hpp"
 
 namespace softffd {

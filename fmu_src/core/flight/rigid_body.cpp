@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "model/rigid_motion.hpp"
+#include "body/rigid_motion.hpp"
 
 namespace softffd {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body/rigid_motion.hpp"
 #include "kit/outlook.hpp"
-#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "body/rigid_motion.hpp"
 #include "flight/attitude.hpp"
-#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "body/rigid_motion.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
-#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

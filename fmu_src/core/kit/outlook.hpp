@@ -2,8 +2,8 @@
 #pragma once
 #include <limits>
 
+#include "body/rigid_motion.hpp"
 #include "kit/step_context.hpp"
-#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

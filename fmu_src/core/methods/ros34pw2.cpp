@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "body/rigid_motion.hpp"
 #include "model/arithmetic.hpp"
-#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

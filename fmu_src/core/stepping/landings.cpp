@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body/rigid_motion.hpp"
 #include "contact/broad_phase.hpp"
 #include "contact/tolerances.hpp"
 #include "flight/attitude.hpp"
@@ -10,7 +11,6 @@
 #include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
-#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

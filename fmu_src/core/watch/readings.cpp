@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "body/rigid_motion.hpp"
 #include "contact/surface/tangents.hpp"
 #include "methods/traits.hpp"
-#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

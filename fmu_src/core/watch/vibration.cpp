@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "body/rigid_motion.hpp"
 #include "model/arithmetic.hpp"
-#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

@@ -1,9 +1,9 @@
 #include "bodies.hpp"
+#include "body/rigid_motion.hpp"
 #include "check.hpp"
 #include "flight/floating_frame.hpp"
 #include "methods/dop853.hpp"
 #include "methods/traits.hpp"
-#include "model/rigid_motion.hpp"
 
 using namespace softffd;
 

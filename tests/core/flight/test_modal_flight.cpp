@@ -1,9 +1,9 @@
 /// Flights by the modes of the rest shape, against leapfrog in steps that resolve every vibration.
 #include "flight/modal_flight.hpp"
 
+#include "body/rigid_motion.hpp"
 #include "check.hpp"
 #include "methods/leapfrog.hpp"
-#include "model/rigid_motion.hpp"
 #include "stiff_box.hpp"
 
 using namespace softffd;

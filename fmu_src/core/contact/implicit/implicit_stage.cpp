@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body/rigid_motion.hpp"
 #include "contact/implicit/point_touches.hpp"
 #include "contact/implicit/surface_touches.hpp"
 #include "contact/surface/tangents.hpp"
 #include "contact/tolerances.hpp"
-#include "model/rigid_motion.hpp"
 
 namespace softffd {
 

@@ -1,4 +1,4 @@
-#include "model/rigid_motion.hpp"
+#include "body/rigid_motion.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
