@@ -11,7 +11,7 @@ CPP, PYTHON = ROOT / "fmu_src", ROOT / "python"
 
 CPP_ROOMS = [
     *("calls", "instance", "variables", "life_cycle", "messages", "resource"),  # fmi
-    *("estimate", "soft_body", "stepping", "impacts", "kit", "watch", "flight", "methods", "contact", "matrix"),  # core
+    *("estimate", "soft_body", "definition", "stepping", "impacts", "kit", "watch", "flight", "methods", "contact", "matrix"),  # core
     *("embedding", "body", "forces", "model", "machine"),
 ]
 MADE = ("variable_table.hpp", "fmi2FunctionTypes.h", "fmi2Functions.h", "fmi2TypesPlatform.h", "fmi3FunctionTypes.h", "fmi3Functions.h")

@@ -3,6 +3,8 @@
 /// body moves as a whole, nor may its dashpots brake that: balances of momentum and flights rest on it.
 #pragma once
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "forces/blocks.hpp"
@@ -42,6 +44,32 @@ struct Swing {
 
   /// Time in which a velocity is turned round, or internal damping has taken it: then it moves points no further [s].
   double reach(double time_scale) const { return times * time_scale / std::max(1.0, dashpot_time / time_scale); }
+};
+
+/// The largest way that pairs of points swing [m]; infinite unless all is finite.
+class LargestSwing {
+ public:
+  explicit LargestSwing(const Swing& by) : by_(by) {}
+  /// Of p and q, which are as far apart at rest as `length` [m], at x, that move with v.
+  void consider(int p, int q, double length, const Points& x, const Points& v) {
+    const double time_scale = std::min(by_.time_scale[p], by_.time_scale[q]);
+    if (time_scale >= by_.slowest) return;
+    const Vec3 d = row(x, q) - row(x, p), w = row(v, q) - row(v, p);
+    const double r = d.norm(), time = by_.reach(time_scale);
+    if (by_.with_extension) take(std::abs(r - length));
+    if (r == 0) return;
+    take(std::abs(d.dot(w)) / r * time);
+    take(w.squaredNorm() / r * time * time);
+  }
+  double value() const { return std::isfinite(sum_) ? most_ : std::numeric_limits<double>::infinity(); }
+
+ private:
+  void take(double size) {
+    most_ = std::max(most_, size);
+    sum_ += size;
+  }
+  const Swing& by_;
+  double most_ = 0, sum_ = 0;  ///< the sum shows what is not finite
 };
 
 class Energy {

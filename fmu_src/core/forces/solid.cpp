@@ -205,22 +205,9 @@ int Solid::folded_cells(const Points& x) const {
 }
 
 double Solid::swing(const Points& x, const Points& v, const Swing& by) const {
-  double most = 0, sum = 0;  // the sum shows what is not finite
-  const auto consider = [&](double size) {
-    most = std::max(most, size);
-    sum += size;
-  };
-  edges_.visit([&](int p, int q) {
-    const double time_scale = std::min(by.time_scale[p], by.time_scale[q]);
-    if (time_scale >= by.slowest) return;
-    const Vec3 d = row(x, q) - row(x, p), w = row(v, q) - row(v, p);
-    const double r = d.norm(), time = by.reach(time_scale);
-    if (by.with_extension) consider(std::abs(r - (row(rest_, q) - row(rest_, p)).norm()));
-    if (r == 0) return;
-    consider(std::abs(d.dot(w)) / r * time);
-    consider(w.squaredNorm() / r * time * time);
-  });
-  return std::isfinite(sum) ? most : infinity;
+  LargestSwing largest(by);
+  edges_.visit([&](int p, int q) { largest.consider(p, q, (row(rest_, q) - row(rest_, p)).norm(), x, v); });
+  return largest.value();
 }
 
 void Solid::add_dashpot_force(const Points& x, const Points& v, Points& f, double drift) const {

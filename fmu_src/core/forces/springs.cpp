@@ -229,25 +229,12 @@ bool Springs::has_deformed(const Points& x, const Points& x0) const {
 }
 
 double Springs::swing(const Points& x, const Points& v, const Swing& by) const {
-  double most = 0, sum = 0;  // the sum shows what is not finite
-  const auto consider = [&](double size) {
-    most = std::max(most, size);
-    sum += size;
-  };
+  LargestSwing largest(by);
   for (const Row& springs : rows_)
-    for (int lane = 0; lane < springs.lanes(); ++lane) {
-      if (springs.stiffness[lane] == 0) continue;
-      const int p = springs.begin + lane, q = p + springs.offset;
-      const double time_scale = std::min(by.time_scale[p], by.time_scale[q]);
-      if (time_scale >= by.slowest) continue;
-      const Vec3 d = row(x, q) - row(x, p), w = row(v, q) - row(v, p);
-      const double r = d.norm(), time = by.reach(time_scale);
-      if (by.with_extension) consider(std::abs(r - springs.rest_length[lane]));
-      if (r == 0) continue;
-      consider(std::abs(d.dot(w)) / r * time);
-      consider(w.squaredNorm() / r * time * time);
-    }
-  return std::isfinite(sum) ? most : std::numeric_limits<double>::infinity();
+    for (int lane = 0; lane < springs.lanes(); ++lane)
+      if (const int p = springs.begin + lane; springs.stiffness[lane] != 0)
+        largest.consider(p, p + springs.offset, springs.rest_length[lane], x, v);
+  return largest.value();
 }
 
 bool Springs::undecided(const Points& x, const Points& v, const std::vector<bool>& pinned) const {

@@ -103,7 +103,7 @@ std::vector<std::string> strained_by_pins(const SceneFile& scene, const SoftBody
     for (int p : unstretched.pins[a].points) farthest = std::max(farthest, (row(body.state().x, p) - row(start, p)).norm());
     if (farthest > noticed_strain * body.lattice().largest_side())
       texts.push_back("pin " + scene.pins[a].name + " holds its control points up to " + estimate(farthest) +
-                      " m from the initial position of the body, which strains the springs to their neighbours; " +
+                      " m from the initial position of the body, which strains the body beside them; " +
                       (scene.pins[a].moved_by_input
                            ? "start the pin at its rest pose, or move the body there with initial.offset"
                            : "a fixed pin stays at its rest pose: set initial.offset to 0, or give the pin motion = \"input\""));

@@ -22,8 +22,6 @@ namespace {
 
 /// By how much of a side rounding may take a sample out of the box.
 constexpr double outside = 1e-9;
-/// Of a solid: beyond it explicit steps are eleven times those of springs and more.
-constexpr double most_poissons_ratio = 0.495;
 
 /// The words of one record, taken one by one.
 class Record {
@@ -207,7 +205,8 @@ void read_stiffness(Record& r, SceneFile& s) {
 /// The body is a solid, whose points are the nodes of patches.
 void read_poissons_ratio(Record& r, SceneFile& s) {
   s.poissons_ratio = r.at_least(0);
-  if (!(*s.poissons_ratio <= most_poissons_ratio)) r.fail("Poisson's ratio is above its largest value");
+  const auto row = std::ranges::find(families, Family::poissons_ratio, &FamilyInfo::family);
+  if (!(*s.poissons_ratio <= row->max)) r.fail("Poisson's ratio is above its largest value");
 }
 void read_basis(Record& r, SceneFile& s) {
   s.basis = r.choice<Basis>({{"bezier", Basis::bezier}, {"bspline", Basis::bspline}, {"patches", Basis::patches}});

@@ -60,7 +60,8 @@ class Simulation:
 
     scene_or_fmu: a scene, the path of its file, the name of a shipped one, the path of an FMU, or an opened Component, which is closed at
         the end.
-    tolerance: error aimed at in any control point at the end of the run, relative to the box's largest side; the scene's own by default.
+    tolerance: error aimed at in any control point, or node of a solid, at the end of the run, relative to the box's largest side; the
+        scene's own by default.
     method: of the time integration, as `solver.method` in the scene.
     start_values: parameters and inputs by name, numbers or vectors.
     start_time, stop_time: of the run [s]; without a stop time the tolerance holds for a run as long as the scene's, with one no step may

@@ -34,7 +34,8 @@ OF_PROBES_OF_SOLIDS = dict.fromkeys(("stress", "von_mises", "stretch"), "Result.
 """The same of a probe"""
 METHODS, IMPLICIT = ("auto", "leapfrog", "bm4", "rkn12", "dop853"), ("ros34pw2", "backward_euler", "sdirk2")
 WIDEST = 320
-"""Of a solid for which there are matrices, the nodes of a layer: three planes across the axis with the most points"""
+"""Of a solid for which there are matrices, the nodes of a layer: three planes across the axis with the most points
+(fmu_src/core/matrix/lattice_matrix.hpp)"""
 SPREADS = ("box", "vertices", "surface", "volume")
 SOLID, SPRINGS = (f"material.model = {toml_text(model)}" for model in ("solid", "springs"))
 
@@ -68,7 +69,7 @@ def _foreign_in(draft: Draft, section: str, table: dict[str, str], model: str) -
     """The same of the entries of a list."""
     for number, entry in enumerate(getattr(draft.keys, section)):
         for key, instead in table.items():
-            if (value := getattr(entry, key)) not in (None, False):
+            if (value := getattr(entry, key)) is not None and value is not False:
                 yield Fault((section, number, key), _none_beside(model, value, instead))
 
 

@@ -234,7 +234,8 @@ class Contact(Section):
 
 
 class Load(Section):
-    """A total force shared equally by its points, of a solid as a traction on their faces; an input of the FMU."""
+    """A total force shared equally by its points, or by nodes of a solid as their parts of the volume are, which makes a traction on a
+    face; an input of the FMU."""
 
     name: Name = key(..., NAME, examples=["push"])
     points: Selection = key(..., "the loaded control points: a selection of at least one", examples=["x+"])
@@ -295,7 +296,10 @@ class Solver(Section):
         "auto", '"auto": chosen per communication step; "central_difference": as published'
     )
     tolerance: Number = quantity(
-        1e-4, "1", "error allowed in any control point at the end of the run, relative to the largest side of the box", gt=0
+        1e-4,
+        "1",
+        "error allowed in any control point, or node of a solid, at the end of the run, relative to the largest side of the box",
+        gt=0,
     )
     step: Number = quantity(0.0, "s", "internal step; 0: chosen by stability and tolerance", ge=0)
     most_work: Number = key(

@@ -27,9 +27,8 @@ CASES = (
     Case(
         "Elastica under an end load",
         f"{BISSHOPP}; the numbers are quadratures of its equations, to all digits shown",
-        "A beam is clamped at one end, and a dead load P at the other bends it: deflection and shortening of its end by its length L "
-        "at P L2 "
-        "/ (E I) = 1, 2 and 10. Drag brings it to rest, and the next load acts from there.",
+        "A beam is clamped at one end, and a dead load P at the other bends it: deflection and shortening of its end by its length L at "
+        "P L2 / (E I) = 1, 2 and 10. Drag brings it to rest, and the next load acts from there.",
         SLENDER,
         bending.end_load,
         ELASTICA,
@@ -45,24 +44,20 @@ CASES = (
     Case(
         "First frequency of a clamped beam",
         "the beam of Euler and Bernoulli, 1.8751042 / (2 pi) h / L2 sqrt(E / (12 rho)) 1.8751042, in any textbook of vibrations",
-        "A beam of 0.2 x 0.02 x 0.02 m, 1 MPa and 1100 kg/m3 is bent by a small load and let go without damping. The share of the "
-        "first mode "
-        "is read for 20 periods.",
-        "Shear and the inertia of turning, which the reference leaves out, lower it by 0.65 %: Timoshenko's beam with the shear "
-        "factor 5/6 has 2.4195 Hz.",
+        "A beam of 0.2 x 0.02 x 0.02 m, 1 MPa and 1100 kg/m3 is bent by a small load and let go without damping. The share of the first "
+        "mode is read for 20 periods.",
+        "Shear and the inertia of turning, which the reference leaves out, lower it by 0.65 %: Timoshenko's beam with the shear factor "
+        "5/6 has 2.4195 Hz.",
         bending.clamped_frequency,
         (springs(31, 4, 4), solid(0.0, 31, 4, 4)),
     ),
     Case(
         "Strip that falls in its own weight",
         "S. Turek, J. Hron 2006, case CSM3, [doi:10.1007/3-540-34596-5_15](https://doi.org/10.1007/3-540-34596-5_15), the row of 6468 "
-        "unknowns "
-        "and time steps of 5 ms, as [PVade](https://pvade.readthedocs.io) quotes it, whose own numbers are off by 3 to 8 %",
-        "A strip of 0.35 x 0.02 m, 1.4 MPa, Poisson's ratio 0.4 and 1000 kg/m3 in plane strain is clamped at its end and let go under "
-        "2 m/s2. "
-        "Here its sides are free, and it has the modulus of plane strain, E / (1 - nu2), with Poisson's ratio 0: the same for a thin "
-        "strip in "
-        "bending. Middle and amplitude are those of the extremes in 10 s; the way down is u_y.",
+        "unknowns and time steps of 5 ms, as [PVade](https://pvade.readthedocs.io) quotes it, whose own numbers are off by 3 to 8 %",
+        "A strip of 0.35 x 0.02 m, 1.4 MPa, Poisson's ratio 0.4 and 1000 kg/m3 in plane strain is clamped at its end and let go under 2 "
+        "m/s2. Here its sides are free, and it has the modulus of plane strain, E / (1 - nu2), with Poisson's ratio 0: the same for a "
+        "thin strip in bending. Middle and amplitude are those of the extremes in 10 s; the way down is u_y.",
         "The source states no uncertainty. Its material is Saint Venant and Kirchhoff's, which differs from a neo-Hookean one at strains "
         "of some per cent.",
         bending.strip,
@@ -73,16 +68,15 @@ CASES = (
         "case hangingBar of [solids4foam](https://www.solids4foam.com), whose finite volumes are off by 0.2 to 2 %",
         "A bar of 1 m, 210 GPa and 7800 kg/m3, 0.1 m thick, hangs in 9.80665 m/s2: elongation and stress at the top.",
         "The reference is that of one dimension, rho g L2 / (2 E) and rho g L, exact with Poisson's ratio 0; with another ratio the "
-        "clamped end "
-        "cannot contract, which makes the bar shorter by some 0.6 % at this thickness.",
+        "clamped end cannot contract, which makes the bar shorter by some 0.6 % at this thickness.",
         bars.hanging_bar,
         (springs(31, 4, 4), solid(0.0, 31, 4, 4), solid(0.3, 31, 4, 4)),
     ),
     Case(
         "Soft bar under its own weight",
         "test of [Newton](https://github.com/newton-physics/newton), pull request 2901",
-        "A bar of 0.2 x 0.2 x 1 m with both constants of Lame 50 kPa (125 kPa, ratio 1/4) and 1000 kg/m3 hangs in 9.81 m/s2: "
-        "elongation of its end.",
+        "A bar of 0.2 x 0.2 x 1 m with both constants of Lame 50 kPa (125 kPa, ratio 1/4) and 1000 kg/m3 hangs in 9.81 m/s2: elongation "
+        "of its end.",
         "The reference, M g L / (2 A E), is that of small strains; here they are up to 8 %, and the source allows 4 %.",
         bars.soft_hanging_bar,
         (springs(16, 4, 4), solid(0.25, 16, 4, 4)),
@@ -91,18 +85,16 @@ CASES = (
         "Bar that strikes a wall",
         "the wave equation in one dimension, in any textbook of impact",
         "A bar of 0.2 m, 1 MPa and 1000 kg/m3 meets a wall at 0.2 m/s: time of contact 2 L / c, force rho c A v while it lasts, and "
-        "speed of "
-        "rebound, where c is sqrt(E / rho).",
-        "The reference is exact with Poisson's ratio 0. Contact is read every fiftieth of its time. A bar that vibrates after the "
-        "impact leaves "
-        "with less than its speed.",
+        "speed of rebound, where c is sqrt(E / rho).",
+        "The reference is exact with Poisson's ratio 0. Contact is read every fiftieth of its time. A bar that vibrates after the impact "
+        "leaves with less than its speed.",
         bars.striking_bar,
         (springs(31, 4, 4), solid(0.0, 31, 4, 4)),
     ),
     Case(
         "Bonded cube",
-        "finite elements of another program, refined towards the edges until the numbers stand (`tests/data/solid.json` is of the "
-        "same kind)",
+        "finite elements of another program, refined towards the edges until the numbers stand (`tests/data/solid.json` is of the same "
+        "kind)",
         "A cube is bonded to two plates that press it by a millionth of its height: force by area and strain, divided by Young's modulus.",
         "The references are too large by at most 0.01, 0.1 and 0.25 % for the ratios 0.25, 0.45 and 0.49.",
         blocks.bonded_cube,
@@ -112,11 +104,9 @@ CASES = (
         "Bonded blocks of rubber",
         "A. N. Gent, P. B. Lindley 1959, Proceedings of the Institution of Mechanical Engineers 173, page 111",
         "Square blocks of Poisson's ratio 0.49 between bonded plates, of the shape factor S = side / (4 height), under small strain: "
-        "their apparent "
-        "modulus by Young's modulus.",
-        "The reference is an approximation, 1 + 2 S2, for S = 2 with the bulk modulus in a row. Refined finite elements "
-        "give the "
-        "cube, S = 1/4, 1.22 at this ratio and 1.23 at 0.499, 8 to 10 % above it. Springs have Poisson's ratio 1/4 and no such stiffness.",
+        "their apparent modulus by Young's modulus.",
+        "The reference is an approximation, 1 + 2 S2, for S = 2 with the bulk modulus in a row. Refined finite elements give the cube, S "
+        "= 1/4, 1.22 at this ratio and 1.23 at 0.499, 8 to 10 % above it. Springs have Poisson's ratio 1/4 and no such stiffness.",
         blocks.bonded_block,
         (solid(0.49, 7, 7, 7), solid(0.49, 7, 13, 13), solid(0.49, 7, 25, 25), solid(0.49, 4, 25, 25)),
     ),

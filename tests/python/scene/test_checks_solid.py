@@ -52,6 +52,7 @@ REFUSED = [
     *((region(**{key: 1e3}), f"region[0].{key}: wanted none {BESIDE}, got 1000.0; {instead}") for key, instead in (
         ("stiffness", "all of it has material.youngs_modulus"), ("youngs_modulus", "all of it has material.youngs_modulus"),
         ("internal_damping", "all of it has material.internal_damping"), ("density", "give mass, of each of the points"))),
+    (region(stiffness=0.0), f"region[0].stiffness: wanted none {BESIDE}, got 0.0; all of it has material.youngs_modulus"),
     # words
     (solid(mass={"distribution": "uniform"}),
      f'mass.distribution: wanted "box", "vertices", "surface" or "volume" {BESIDE}, got "uniform"'),

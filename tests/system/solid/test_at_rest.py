@@ -36,7 +36,7 @@ END = {"name": "end", "points": "x+"}
 def clamped_cube(n: int, ratio: float, weight: list[float], internal_damping: float = 0.0, method: str = "leapfrog"):
     """Braked so that its slowest vibration, at 0.67 / s, ends within some periods."""
     drag = 0.0 if internal_damping else 1.0 / n**3
-    return solid(n, ratio=ratio, internal_damping=internal_damping, damping=drag, gravity=weight, pin=[WALL], load=[END], method="leapfrog")
+    return solid(n, ratio=ratio, internal_damping=internal_damping, damping=drag, gravity=weight, pin=[WALL], load=[END], method=method)
 
 
 def deflection(scene, axis: int, force: float, time: float = 40.0) -> float:

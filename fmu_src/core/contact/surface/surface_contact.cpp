@@ -153,9 +153,11 @@ void SurfaceContact::find(const StepView& step, const Points& x1, const SurfaceR
   move_planes(step);
   if (solids_) find_tangents(step.around, step.t0, step.t1, step.x0, tangents_.way(step.x0, x1));
   bool any = rows.drift[0] >= 0 || near_ || int(end_.size()) > flat_;
-  const Points& hull = samples_.hull(x1, room_);
-  for (int q = 0; q < flat_ && !any; ++q)  // costs less than gaps
-    any = kernels::behind(step.body.points(), hull.data(), end_[q].normal.data(), end_[q].offset, behind_.data());
+  if (!any) {  // costs less than gaps
+    const Points& hull = samples_.hull(x1, room_);
+    for (int q = 0; q < flat_ && !any; ++q)
+      any = kernels::behind(step.body.points(), hull.data(), end_[q].normal.data(), end_[q].offset, behind_.data());
+  }
   near_ = (any && find_heights(x1)) || rows.drift[0] >= 0;
 }
 

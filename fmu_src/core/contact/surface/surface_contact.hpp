@@ -142,9 +142,9 @@ class SurfaceContact {
   Points start_v_, start_force_;       ///< at the start of a step with contact
   bool near_ = false;                  ///< a control point is behind a plane, or a sample was on one
   std::vector<unsigned char> behind_;  ///< which
-  Points room_;
-  bool arrives_ = false;  ///< a sample with friction comes onto its plane in this step
-  bool lands_ = false;    ///< any sample does
+  Points room_;                        ///< of the surface's hull
+  bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
+  bool lands_ = false;                 ///< any sample does
   Count version_ = -1;
   double h_ = -1;
   Count impacts_ = 0;

@@ -1,0 +1,100 @@
+#include "definition.hpp"
+
+#include <algorithm>
+
+#include "forces/solid.hpp"
+#include "forces/springs.hpp"
+#include "forces/volume.hpp"
+#include "matrix/lattice_matrix.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// Active rows that the state keeps; of more, the first: the others are found again.
+constexpr int most_surface_rows = 512;
+
+std::vector<bool> pinned_points(const Definition& definition) {
+  std::vector<bool> pinned(definition.lattice.points(), false);
+  for (const PinDefinition& pin : definition.pins)
+    for (int p : pin.points) pinned[p] = true;
+  return pinned;
+}
+
+}  // namespace
+
+Vec3 start_centre(const Definition& definition) {
+  const Lattice& lattice = definition.lattice;
+  return lattice.origin + definition.stretch.cwiseProduct(0.5 * lattice.size) + definition.offset;
+}
+
+Points start_positions(const Definition& definition, const Vec3& rotation) {
+  const Lattice& lattice = definition.lattice;
+  Points x = rest_positions(lattice);
+  for (int p = 0; p < lattice.points(); ++p)
+    set_row(x, p, lattice.origin + definition.stretch.cwiseProduct(row(x, p) - lattice.origin) + definition.offset);
+  if (rotation.isZero(0)) return x;
+  const Vec3 centre = start_centre(definition);
+  for (int p = 0; p < lattice.points(); ++p) set_row(x, p, centre + rotated(rotation, row(x, p) - centre));
+  return x;
+}
+
+PinMotion start_pose(const Lattice& lattice, const Vec3& origin, const Vec3& rotation) {
+  const Vec3 centre = lattice.centre();
+  PinMotion pose;
+  pose.position = rotation.isZero(0) ? origin : centre + rotated(rotation, origin - centre);
+  pose.orientation = quaternion(rotation);
+  return pose;
+}
+
+Body make_body(const Definition& definition) {
+  const int n = definition.lattice.points();
+  Body body{.energies = {}, .mass = {}, .damping = {}, .pinned = pinned_points(definition)};
+  if (definition.solid())
+    body.energies.push_back(std::make_shared<Solid>(definition.lattice));
+  else
+    body.energies.push_back(std::make_shared<Springs>(definition.lattice, definition.topology, definition.team));
+  if (definition.volume_stiffness > 0) body.energies.push_back(std::make_shared<Volume>(definition.lattice, definition.volume_stiffness));
+  body.mass = Eigen::Map<const Scalars>(definition.mass.data(), n);
+  body.weight = body.mass;
+  body.damping = Scalars::Zero(n);
+  body.explicit_alone = !LatticeMatrix::exists(definition.lattice);
+  body.length = definition.lattice.largest_side();
+  body.samples = definition.samples;
+  return body;
+}
+
+Pin make_pin(const Definition& definition, const PinDefinition& source, Vec3& origin) {
+  const Points rest = rest_positions(definition.lattice);
+  Pin pin;
+  pin.points = source.points;
+  origin.setZero();
+  for (int p : source.points) origin += row(rest, p) / double(source.points.size());
+  origin = source.origin.value_or(origin);
+  for (int p : source.points) pin.local.push_back(row(rest, p) - origin);
+  return pin;
+}
+
+Run empty_run(const Definition& definition) {
+  const int n = definition.lattice.points();
+  Run run;
+  run.path.exchange.planes.resize(definition.planes);
+  run.path.exchange.pins.resize(definition.pins.size());
+  run.contacts.resize(definition.planes);
+  run.centres.resize(definition.planes, Vec3::Zero());
+  State& motion = run.path.motion;
+  for (Points* points : {&motion.x, &motion.v, &motion.spring}) points->setZero(n, 3);
+  if (definition.planes > 0) run.course.neighbour.x = run.course.neighbour.v = Points::Zero(n, 3);
+  for (MarkedPoints* points : {&motion.previous, &run.course.bound_x, &run.course.factored.x, &run.outside}) points->change().setZero(n, 3);
+  motion.holds.assign(definition.planes, Points::Zero(n, 3));
+  if (definition.samples && definition.planes > 0) {
+    const int rows = std::min({most_surface_rows, 3 * n, definition.samples->count() * definition.planes});
+    SurfaceRows& surface = run.path.surface;
+    surface.drift = surface.close = std::vector<Count>(rows, -1);
+    surface.drift_friction = surface.close_friction = Points::Zero(rows, 3);
+    motion.held_rows = {surface.drift, surface.drift_friction};
+  }
+  return run;
+}
+
+}  // namespace softffd
