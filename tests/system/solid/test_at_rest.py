@@ -33,10 +33,10 @@ WALL = {"name": "wall", "points": "x-"}
 END = {"name": "end", "points": "x+"}
 
 
-def clamped_cube(n: int, ratio: float, weight: list[float], internal_damping: float = 0.0, method: str = "leapfrog"):
+def clamped_cube(n: int, ratio: float, weight: list[float], internal_damping: float = 0.0):
     """Braked so that its slowest vibration, at 0.67 / s, ends within some periods."""
     drag = 0.0 if internal_damping else 1.0 / n**3
-    return solid(n, ratio=ratio, internal_damping=internal_damping, damping=drag, gravity=weight, pin=[WALL], load=[END], method=method)
+    return solid(n, ratio=ratio, internal_damping=internal_damping, damping=drag, gravity=weight, pin=[WALL], load=[END], method="leapfrog")
 
 
 def deflection(scene, axis: int, force: float, time: float = 40.0) -> float:
@@ -57,10 +57,9 @@ def test_a_clamped_cube_deflects_as_the_solid_does(n, ratio):
     assert found == pytest.approx(dict(zip(CUBE[ratio], PER_CENT[n, ratio], strict=True)), abs=0.02)
 
 
-@pytest.mark.parametrize("method", ["leapfrog", "backward_euler", "ros34pw2", "sdirk2"])
-def test_what_brings_it_to_rest_does_not_matter(method):
+def test_what_brings_it_to_rest_does_not_matter():
     by_drag = deflection(clamped_cube(4, 0.45, [0.0, 0.0, 0.0]), 2, SMALL)
-    by_dashpots = deflection(clamped_cube(4, 0.45, [0.0, 0.0, 0.0], 1.5, method), 2, SMALL)
+    by_dashpots = deflection(clamped_cube(4, 0.45, [0.0, 0.0, 0.0], 1.5), 2, SMALL)
     assert by_dashpots == pytest.approx(by_drag, rel=1e-6)
 
 
