@@ -98,7 +98,7 @@ def _scene(title, pins, counts):
         loaded_mesh=None,
         lattice=SimpleNamespace(points=counts),
         lattice_box=SimpleNamespace(size=tuple(SIZE)),
-        material=SimpleNamespace(youngs_modulus=1e4),
+        material=SimpleNamespace(youngs_modulus=1e4, poissons_ratio=0.25),
         region=(),
         environment=SimpleNamespace(gravity=(0.0, 0.0, -9.81)),
         solids=(),
