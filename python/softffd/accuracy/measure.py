@@ -6,9 +6,11 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 
+import numpy as np
+
 from softffd.accuracy.records import Record, Records
 from softffd.accuracy.reference import find_reference
-from softffd.accuracy.rig import Rig, Setting, TooLong
+from softffd.accuracy.rig import NOTHING_MOVES, Rig, Setting, TooLong
 from softffd.errors import FmuError
 from softffd.run.progress import Note, silent
 from softffd.scene.scene import Scene
@@ -72,7 +74,7 @@ def measure(
     methods: some of the values of `solver.method`; all by default. step: communication step [s], the scene's own by default.
     anchors: makes records of other programs, after the FMU's. quick: fewer, shorter runs. repeats: of each run.
     note: told what is being run. A failed run is a record with its message.
-    Raises FmuError for an unknown method and where no reference can be made, Interrupted on Ctrl-C.
+    Raises FmuError for an unknown method, where no reference can be made and where nothing moves, Interrupted on Ctrl-C.
     """
     with Rig(scene, step=step) as rig:
         records = Records(
@@ -80,7 +82,9 @@ def measure(
         )
         chosen = _applicable(rig, methods, records.left_out)
         try:
-            records.reference = find_reference(rig, quick=quick, note=note)
+            reference = records.reference = find_reference(rig, quick=quick, note=note)
+            if np.abs(reference.positions - reference.positions[0]).max() <= rig.rounding:
+                raise FmuError(NOTHING_MOVES)
             for method in chosen:
                 _sweep(rig, method, records, quick, repeats, note)
             for record in anchors(rig, records, quick, note) if anchors else ():

@@ -26,6 +26,11 @@ ENOUGH = 0.4
 SHORT = 0.02
 """A run of less CPU time [s] is repeated up to three times as often."""
 
+ROUNDING = 1e-13
+"""Of the largest coordinate: by less, places at rest move by rounding alone, 2e-14 in 5 s."""
+
+NOTHING_MOVES = "nothing moves; wanted a load, gravity, a start that is not at rest, or a pin or obstacle that moves"
+
 
 class TooLong(FmuError):
     """A run that has needed more time than it was given."""
@@ -83,7 +88,9 @@ class Rig:
         self.communication_step = positive("communication step", step, scene.experiment.communication_step)
         self.stop_time = scene.experiment.stop_time
         self.scene, self._watched = scene, watched
-        self.side = max(scene.lattice_box.size)
+        box = scene.lattice_box
+        self.side = max(box.size)
+        self.rounding = ROUNDING * max(self.side, *(max(abs(o), abs(o + size)) for o, size in zip(box.origin, box.size, strict=True)))
         self.dashpots = internal_damping_present(scene)
         self.damped = spring_damping_present(scene) or self.dashpots
         self.contact = bool(scene.obstacles)

@@ -20,7 +20,7 @@ import numpy as np
 
 from softffd.accuracy.records import Record, Records
 from softffd.accuracy.reference import Reference
-from softffd.accuracy.rig import Rig, Setting
+from softffd.accuracy.rig import NOTHING_MOVES, Rig, Setting
 from softffd.errors import FmuError, SceneError
 from softffd.run.progress import Note, silent
 from softffd.scene.scene import Scene
@@ -132,13 +132,19 @@ def on_lattice(scene: Scene, points: Sequence[int]) -> Scene:
     return scene.replace(changes)
 
 
+def _rounding(rig: Rig) -> dict[str, float]:
+    """How far rounding alone can change each of KINDS: coordinates [m], and force [N] and energy [J] of a strain of that over the side."""
+    energy = (rig.scene.material.youngs_modulus or 0.0) * math.prod(rig.scene.lattice_box.size) * rig.rounding / rig.side
+    return {"places": rig.rounding, "reactions": energy / rig.side, "energies": energy}
+
+
 def measure_space(
     scene: Scene, *, step: float | None = None, quick: bool = False, note: Note = silent
 ) -> tuple[Records, Mapping[str, Continuum]]:
     """Runs a scene on its lattices at its tolerance, a tenth and a hundredth of it; records and what each kind of outputs tends to.
 
-    step: communication step [s], the scene's own by default; quick: fewer lattices. Raises SceneError as `lattices`, FmuError where fewer
-    than two lattices can be run.
+    step: communication step [s], the scene's own by default; quick: fewer lattices. A kind that changes by rounding alone is left out.
+    Raises SceneError as `lattices`, FmuError where fewer than two lattices can be run or nothing moves.
     """
     runs: list[tuple[Record, np.ndarray | None]] = []
     finest: list[np.ndarray] = []
@@ -152,11 +158,14 @@ def measure_space(
     if len(finest) < 2:
         raise FmuError(f"{scene.name}: wanted runs on two lattices, got {len(finest)}: {runs[-1][0].failure}")
     kinds = {kind: [n for n, name in enumerate(rig.names) if re.search(pattern, name)] for kind, pattern in KINDS.items()}
+    rounding = _rounding(rig)
     found = {
         kind: continuum([course[:, which] for course in finest])
         for kind, which in kinds.items()
-        if np.ptp(finest[-1][:, which], axis=0).any()
+        if (np.abs(finest[-1][:, which] - finest[-1][0, which]) > rounding[kind]).any()
     }
+    if not found:
+        raise FmuError(f"{scene.name}: {NOTHING_MOVES}")
     records = Records(
         scene.name, scene.title, rig.communication_step, rig.stop_time, rig.times, len(scene.rest_positions()), scene.solver.tolerance,
         ruler="largest error / largest change", least=1e-3, complete=True,

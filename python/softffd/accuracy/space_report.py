@@ -32,7 +32,7 @@ def report_space(
     """Measures scenes (names or files) and keeps accuracy.csv, accuracy.json, report.html and a SCENE.png of each in `folder`.
 
     Options as in `measure_space`; say: told what has come out. Raises SceneError for an unknown scene or one that belongs to its lattice,
-    FmuError for an unusable step and where fewer than two lattices can be run.
+    FmuError for an unusable step, where fewer than two lattices can be run, and where nothing moves.
     """
     if step is not None:
         positive("communication step", step, None)

@@ -102,6 +102,38 @@ def test_the_command_keeps_table_document_picture_and_page(folder, capsys):
     assert len(Path("out/accuracy.csv").read_text().splitlines()) == 1 + len(scene["runs"])
 
 
+STILL = """
+[material]
+model = "springs"
+youngs_modulus = 1e5
+[[pin]]
+name = "w"
+points = "x-"
+[experiment]
+stop_time = 0.1
+"""
+
+
+@pytest.mark.parametrize("options", [["--space"], []], ids=["over lattices", "methods"])
+@pytest.mark.parametrize("origin", [0.0, -30.0], ids=["at the origin", "far away"])
+@pytest.mark.parametrize("material", ["springs", "solid"])
+def test_a_scene_in_which_nothing_moves_is_refused(folder, capsys, material, origin, options):
+    """Rounding changes its places by 1e-14 of the largest coordinate, and its reactions: no change to compare with."""
+    Path("still.toml").write_text(STILL.replace("springs", material) + f"[lattice]\norigin = [{origin}, 0.0, 0.0]\n")
+    assert main(["accuracy", "still.toml", "--quick", *options]) == 1
+    said = capsys.readouterr().err
+    assert "still: nothing moves; wanted a load, gravity," in said and "Traceback" not in said
+
+
+def test_kinds_that_change_by_rounding_are_left_out(tmp_path):
+    """Without weight and load a moving body keeps its energies."""
+    file = tmp_path / "flight.toml"
+    thrown = "[initial]\nvelocity = [1.0, 0.0, 0.0]\n[outputs]\nenergy = true\n"
+    file.write_text(STILL.replace("springs", "solid").split("[[pin]]")[0] + thrown + "[experiment]\nstop_time = 0.02\n")
+    records, found = measure_space(load_scene(file), quick=True)
+    assert list(found) == ["places"] and all(run.errors.shape == (1,) for run in records.runs)
+
+
 def test_the_standard_set_is_not_compared_over_lattices(capsys):
     assert main(["accuracy", "--space"]) == 1
     assert "wanted a SCENE" in capsys.readouterr().err
