@@ -74,8 +74,10 @@ def scripts() -> list:
 
 @pytest.fixture(scope="module")
 def reader(tmp_path_factory) -> Path:
-    """Where a reader would work: the README's scene under the name that it gives, its FMU, the drivers, their coupling, and a mesh."""
+    """Where a reader would work: the examples, the README's scene under the name that it gives, its FMU, the drivers, their coupling, and a
+    mesh."""
     folder = tmp_path_factory.mktemp("reader")
+    shutil.copytree(ROOT / "examples", folder / "examples")
     for ending in ("toml", "csv"):
         (folder / f"box.{ending}").write_text(next(text for kind, text in blocks(DOCUMENTS[0]) if kind == ending))
     save_mesh(ball(), folder / "cow.obj")

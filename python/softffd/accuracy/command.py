@@ -60,7 +60,7 @@ def report_accuracy(
             say(f"{scene.name}: {scene.title}\n  not measured: {error}")
             keep(folder, measured, refused | missing, about, pictures)
             continue
-        if records.runs:
+        if records.good():
             measured.append(records)
             pictures[scene.name] = front_picture(records)
         else:

@@ -74,7 +74,7 @@ def measure(
     methods: some of the values of `solver.method`; all by default. step: communication step [s], the scene's own by default.
     anchors: makes records of other programs, after the FMU's. quick: fewer, shorter runs. repeats: of each run.
     note: told what is being run. A failed run is a record with its message.
-    Raises FmuError for an unknown method, where no reference can be made and where nothing moves, Interrupted on Ctrl-C.
+    Raises FmuError for an unknown method, where nothing moves, and where no reference or no run can be made, Interrupted on Ctrl-C.
     """
     with Rig(scene, step=step) as rig:
         records = Records(
@@ -89,6 +89,8 @@ def measure(
                 _sweep(rig, method, records, quick, repeats, note)
             for record in anchors(rig, records, quick, note) if anchors else ():
                 records.runs.append(record)
+            if records.runs and not records.good():
+                raise FmuError(f"no run succeeded; the last: {records.runs[-1].failure}")
             records.complete = True
         except KeyboardInterrupt:
             raise Interrupted(records) from None

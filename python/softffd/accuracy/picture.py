@@ -23,8 +23,8 @@ LOOKS: dict[str, dict[str, Any]] = {
 LABELS = {CHOSEN: "auto", PUBLISHED: "central_difference\n(published scheme)"}
 OTHER_COLOURS = ("#7a5195", "#a05d2c", "#3c7a89", "#b0413e")
 ANCHOR_MARKS = {"SciPy DOP853": "v", "SciPy RK45": "<", "SciPy Radau": ">", "SciPy LSODA": "d"}
-LARGEST, SMALLEST = 0.5, 1e-13
-"""Errors shown, relative to the box."""
+LARGEST, LEAST, SMALLEST = 0.5, 1e-9, 1e-13
+"""Errors shown, relative to the box: up to the first, or to twice the smallest if all are larger; down to the second at least."""
 
 BAND = "#f0e2b6"
 
@@ -37,17 +37,18 @@ def front_picture(records: Records) -> bytes:
     words = "error against run time, lower left is better; pale: the front"
     words += f"; {records.stop_time:.4g} s with communication steps of {records.communication_step:.4g} s"
     figure.text(0.02, 0.915, words, fontsize=10.5, color=SOFT, va="center")
-    front = [run for run in records.front() if run.error <= LARGEST]
+    largest = max(LARGEST, 2 * min((run.error for run in records.good()), default=0.0))
+    front = [run for run in records.front() if run.error <= largest]
     axes.plot(*_points(front), color=BAND, linewidth=17, zorder=1, solid_capstyle="round", solid_joinstyle="round")
     for name in drawn_order(records):
-        runs = [run for run in records.good(name) if run.error <= LARGEST]
+        runs = [run for run in records.good(name) if run.error <= largest]
         if runs:
             axes.plot(*_points(runs), label=LABELS.get(name, name), **_look(name, records))
-    _dress_errors(axes, records)
+    _dress_errors(axes, records, largest)
     axes.set_xscale("log")
-    _label_times(axes)
+    label_times(axes)
     axes.set_xlabel("CPU time of the run")
-    axes.set_ylabel(records.ruler)
+    axes.set_ylabel("largest error / largest side of the box")
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), frameon=False, fontsize=10.5, labelspacing=0.8)
     return png_of(figure)
 
@@ -74,7 +75,7 @@ def _look(name: str, records: Records) -> dict[str, Any]:
     return {"linewidth": 1.7, "markersize": 5} | plain
 
 
-def _label_times(axes: Axes) -> None:
+def label_times(axes: Axes) -> None:
     """1, 10, 100 ms; also 2 and 5 where the axis is shorter than a factor of 30."""
     low, high = axes.get_xlim()
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 30 * low else (1.0,)))
@@ -82,10 +83,10 @@ def _label_times(axes: Axes) -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _dress_errors(axes: Axes, records: Records) -> None:
+def _dress_errors(axes: Axes, records: Records, largest: float) -> None:
     axes.set_yscale("log")
     shown = [run.error for run in records.runs if run.error > 0]
-    axes.set_ylim(max(SMALLEST, min([records.least, *shown]) / 4), LARGEST)
+    axes.set_ylim(max(SMALLEST, min([LEAST, *shown]) / 4), largest)
     axes.yaxis.set_major_locator(LogLocator(numticks=20))
     axes.grid(color="#e3e7ed", linewidth=0.8)
     for level in LEVELS:

@@ -89,10 +89,6 @@ class Records:
     """Methods that were not run, and why"""
     complete: bool = False
     """Not interrupted"""
-    ruler: str = "largest error / largest side of the box"
-    """What an error is relative to, in words"""
-    least: float = 1e-9
-    """Pictures show errors down to this at least"""
 
     def names(self, origin: str | None = None) -> list[str]:
         """The methods that were run, in order of appearance."""

@@ -4,7 +4,7 @@ The lattice k has 3 k c + 1 points along an axis, where c are the cells of the s
 patches of a solid, and the same lattices for springs. If an output's error is C k^-p, three lattices in a row say p, and Richardson's
 extrapolation the continuum's answer. Outputs that all lattices have are compared: probes, the scene's own and 27 on its box (corners and
 middles), reactions, energies. An error is the largest over a kind of outputs and all communication points, relative to the largest change
-of that kind.
+of that kind. Scenes with the same answer, such as a body of springs and one of finite elements, are measured against the same continuum.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
@@ -138,10 +138,59 @@ def _rounding(rig: Rig) -> dict[str, float]:
     return {"places": rig.rounding, "reactions": energy / rig.side, "energies": energy}
 
 
-def measure_space(
-    scene: Scene, *, step: float | None = None, quick: bool = False, note: Note = silent
-) -> tuple[Records, Mapping[str, Continuum]]:
-    """Runs a scene on its lattices at its tolerance, a tenth and a hundredth of it; records and what each kind of outputs tends to.
+@dataclass(eq=False)
+class Measured:
+    """A scene on its lattices."""
+
+    records: Records
+    """Errors are those of KINDS that change, against the continuum of the scene `against`"""
+    names: list[str]
+    """The outputs that are compared"""
+    courses: Sequence[Mapping[str, np.ndarray] | None]
+    """Of each run, (T, w) by kind; None where it failed"""
+    own: Mapping[str, Continuum]
+    """What its lattices tend to, by kind"""
+    against: str = ""
+    apart: dict[str, dict[str, float]] = field(default_factory=dict)
+    """How far its continuum is from that of other scenes with the same outputs, by scene and kind, relative to the largest change"""
+
+    @property
+    def uncertainty(self) -> float:
+        """Of its continuum, the largest of all kinds."""
+        return max(each.uncertainty for each in self.own.values())
+
+    def judge(self, by: Measured) -> None:
+        """Tells the errors of its runs against the continuum of a scene, itself or another."""
+        self.against = by.records.scene
+        words = "Richardson's extrapolation over the lattices", "its last change"
+        self.records.reference = Reference(np.empty((0, 0, 3)), by.uncertainty, *words, independent=False)
+        self.records.runs = [
+            replace(run, errors=None if course is None else np.array([each.error(course[kind]) for kind, each in by.own.items()]))
+            for run, course in zip(self.records.runs, self.courses, strict=True)
+        ]
+
+
+def judge_all(measured: Sequence[Measured]) -> None:
+    """Tells the errors of all scenes: each against its own continuum, or that of a scene with the same outputs which is known better and
+    differs by no more than both are uncertain."""
+    for each in measured:
+        same = [each]
+        for other in measured:
+            if other is each or not _comparable(each, other):
+                continue
+            name = other.records.scene
+            each.apart[name] = {kind: continuum.error(each.own[kind].course) for kind, continuum in other.own.items()}
+            if all(apart <= each.own[kind].uncertainty + other.own[kind].uncertainty for kind, apart in each.apart[name].items()):
+                same.append(other)
+        each.judge(min(same, key=lambda scene: scene.uncertainty))
+
+
+def _comparable(one: Measured, other: Measured) -> bool:
+    return one.names == other.names and one.own.keys() == other.own.keys() and np.array_equal(one.records.times, other.records.times)
+
+
+def measure_space(scene: Scene, *, step: float | None = None, quick: bool = False, note: Note = silent) -> Measured:
+    """Runs a scene on its lattices at its tolerance, a tenth and a hundredth of it; errors are against its own continuum.
 
     step: communication step [s], the scene's own by default; quick: fewer lattices. A kind that changes by rounding alone is left out.
     Raises SceneError as `lattices`, FmuError where fewer than two lattices can be run or nothing moves.
@@ -159,25 +208,21 @@ def measure_space(
         raise FmuError(f"{scene.name}: wanted runs on two lattices, got {len(finest)}: {runs[-1][0].failure}")
     kinds = {kind: [n for n, name in enumerate(rig.names) if re.search(pattern, name)] for kind, pattern in KINDS.items()}
     rounding = _rounding(rig)
-    found = {
+    own = {
         kind: continuum([course[:, which] for course in finest])
         for kind, which in kinds.items()
         if (np.abs(finest[-1][:, which] - finest[-1][0, which]) > rounding[kind]).any()
     }
-    if not found:
+    if not own:
         raise FmuError(f"{scene.name}: {NOTHING_MOVES}")
     records = Records(
         scene.name, scene.title, rig.communication_step, rig.stop_time, rig.times, len(scene.rest_positions()), scene.solver.tolerance,
-        ruler="largest error / largest change", least=1e-3, complete=True,
+        runs=[record for record, _ in runs], complete=True,
     )  # fmt: skip
-    uncertainty = max(each.uncertainty for each in found.values())
-    records.reference = Reference(
-        np.empty((0, 0, 3)), uncertainty, "Richardson's extrapolation over the lattices", "its last change", False
-    )
-    for record, course in runs:
-        errors = None if course is None else np.array([each.error(course[:, kinds[kind]]) for kind, each in found.items()])
-        records.runs.append(replace(record, errors=errors))
-    return records, found
+    courses = [None if course is None else {kind: course[:, kinds[kind]] for kind in own} for _, course in runs]
+    measured = Measured(records, rig.names, courses, own)
+    measured.judge(measured)
+    return measured
 
 
 def _runs(rig: Rig, points: tuple[int, ...], scene: Scene, budget: float, note: Note) -> Iterator[tuple[Record, np.ndarray | None]]:

@@ -1,17 +1,18 @@
-"""`softffd accuracy --space`: measures scenes over lattices and tolerances and keeps files: table, document, pictures, page."""
+"""`softffd accuracy --space`: measures scenes over lattices and tolerances and keeps files: table, document, picture, page."""
 
 from __future__ import annotations
 
 import html
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from softffd.accuracy.kept import conditions, csv_text, json_text, keep_files
 from softffd.accuracy.page import NONE, image, page, paragraph, row, section, small, table, time_words
-from softffd.accuracy.picture import front_picture, setting_words
+from softffd.accuracy.picture import setting_words
 from softffd.accuracy.records import CLAIM, Record, Records, level_words
-from softffd.accuracy.space import KINDS, Continuum, measure_space
+from softffd.accuracy.space import KINDS, Measured, judge_all, measure_space
+from softffd.accuracy.space_picture import space_picture
 from softffd.run.drive import positive
 from softffd.run.progress import Note, silent
 from softffd.scene.scene import load_scene
@@ -21,15 +22,14 @@ LEVELS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3)
 
 INTRODUCTION = """<p>The scene ran on finer and finer lattices, at its tolerance, a tenth and a hundredth of it. A time is the CPU time of
 the loop over the communication steps. An error is the largest difference from the answer of the continuum, to which the lattices tend, over
-all outputs of a kind and all communication points, divided by the largest change of that kind.</p>"""
-
-Measured = tuple[Records, Mapping[str, Continuum]]
+all outputs of a kind and all communication points, divided by the largest change of that kind. Scenes whose answers agree within their
+uncertainties are measured against the one that is known best.</p>"""
 
 
 def report_space(
     scenes: Sequence[str], folder: Path, *, step: float | None = None, quick: bool = False, note: Note = silent, say: Note = print
 ) -> list[Measured]:
-    """Measures scenes (names or files) and keeps accuracy.csv, accuracy.json, report.html and a SCENE.png of each in `folder`.
+    """Measures scenes (names or files) and keeps accuracy.csv, accuracy.json, accuracy.png and report.html in `folder` after each.
 
     Options as in `measure_space`; say: told what has come out. Raises SceneError for an unknown scene or one that belongs to its lattice,
     FmuError for an unusable step, where fewer than two lattices can be run, and where nothing moves.
@@ -38,31 +38,31 @@ def report_space(
         positive("communication step", step, None)
     about = conditions(["softffd accuracy --space", *scenes, f"--step {step:g}" if step else "", "--quick" * quick])
     measured: list[Measured] = []
-    pictures: dict[str, bytes] = {}
     for scene in [load_scene(name) for name in scenes]:
-        records, found = measure_space(scene, step=step, quick=quick, note=note)
-        measured.append((records, found))
-        pictures[records.scene] = front_picture(records)
-        sections = [_section(records, found, pictures[records.scene]) for records, found in measured]
+        measured.append(measure_space(scene, step=step, quick=quick, note=note))
+        judge_all(measured)
+        picture = space_picture([each.records for each in measured])
         files: dict[str, bytes | str] = {
-            "accuracy.csv": csv_text(tuple(_row(records, records.runs[0], found)), (_row(*each) for each in _all(measured))),
-            "accuracy.json": json_text(about | {"scenes": [_document(*each) for each in measured]}),
-            "report.html": page("Error against run time over lattices", about, [INTRODUCTION], sections),
+            "accuracy.csv": csv_text(tuple(_row(measured[0], measured[0].records.runs[0])), _rows(measured)),
+            "accuracy.json": json_text(about | {"scenes": [_document(each) for each in measured]}),
+            "accuracy.png": picture,
+            "report.html": page("Error against run time over lattices", about, [INTRODUCTION, image(picture)], map(_section, measured)),
         }
-        keep_files(folder, files | {f"{name}.png": picture for name, picture in pictures.items()})
-        for line in [f"{records.scene}: {records.title}", *(f"  {words}" for words in [*_continua(found), *_costs(records)])]:
+        keep_files(folder, files)
+    for each in measured:
+        for line in [f"{each.records.scene}: {each.records.title}", *(f"  {words}" for words in [*_continua(each), *_costs(each.records)])]:
             say(line)
     return measured
 
 
-def _all(measured: Sequence[Measured]) -> Iterator[tuple[Records, Record, Mapping[str, Continuum]]]:
-    return ((records, run, found) for records, found in measured for run in records.runs)
+def _rows(measured: Sequence[Measured]) -> Iterator[dict[str, Any]]:
+    return (_row(each, run) for each in measured for run in each.records.runs)
 
 
-def _row(records: Records, run: Record, found: Mapping[str, Continuum]) -> dict[str, Any]:
-    errors = _errors(run, found)
+def _row(measured: Measured, run: Record) -> dict[str, Any]:
+    errors = _errors(measured, run)
     return {
-        "scene": records.scene,
+        "scene": measured.records.scene,
         "points_x": run.lattice[0],
         "points_y": run.lattice[1],
         "points_z": run.lattice[2],
@@ -75,26 +75,33 @@ def _row(records: Records, run: Record, found: Mapping[str, Continuum]) -> dict[
     }
 
 
-def _errors(run: Record, found: Mapping[str, Continuum]) -> dict[str, float]:
-    return {} if run.errors is None else dict(zip(found, map(float, run.errors), strict=True))
+def _errors(measured: Measured, run: Record) -> dict[str, float]:
+    return {} if run.errors is None else dict(zip(measured.own, map(float, run.errors), strict=True))
 
 
-def _document(records: Records, found: Mapping[str, Continuum]) -> dict[str, Any]:
+def _document(measured: Measured) -> dict[str, Any]:
     return {
-        "scene": records.scene,
-        "title": records.title,
+        "scene": measured.records.scene,
+        "title": measured.records.title,
         "continuum": {
-            kind: {"order": each.order, "uncertainty": each.uncertainty, "largest_change": each.change} for kind, each in found.items()
+            kind: {"order": each.order, "uncertainty": each.uncertainty, "largest_change": each.change}
+            for kind, each in measured.own.items()
         },
-        "runs": [_row(records, run, found) for run in records.runs],
+        "errors_against": measured.against,
+        "apart": measured.apart,
+        "runs": [_row(measured, run) for run in measured.records.runs],
     }
 
 
-def _continua(found: Mapping[str, Continuum]) -> Iterator[str]:
-    """What the lattices say of the continuum, a line for each kind of outputs."""
-    for kind, each in found.items():
+def _continua(measured: Measured) -> Iterator[str]:
+    """What the lattices say of the continuum, a line for each kind of outputs, and one for each scene with the same outputs."""
+    for kind, each in measured.own.items():
         order = f"order {each.order:.2g}" if each.order == each.order else "no order, the finest lattice is taken"
         yield f"{kind}: {order}; the continuum's answer is known within {each.uncertainty:.1e} of the largest change"
+    for name, kinds in measured.apart.items():
+        differences = ", ".join(f"{each:.1e} ({kind})" for kind, each in kinds.items())
+        taken = "; errors are told against that" * (name == measured.against)
+        yield f"the continuum's answer differs from that of {name} by {differences}{taken}"
 
 
 def _costs(records: Records) -> Iterator[str]:
@@ -108,17 +115,17 @@ def _told(run: Record) -> str:
     return f"{run.name} points, {setting_words(run)}, {time_words(run.cpu_time)}"
 
 
-def _section(records: Records, found: Mapping[str, Continuum], picture: bytes) -> str:
+def _section(measured: Measured) -> str:
+    records = measured.records
     doubt = f"Errors below {CLAIM * records.reference.uncertainty:.1e} are not told apart from that of the extrapolation."
     return section(
         records.title,
-        paragraph(". ".join(_continua(found)) + ".", "soft"),
+        paragraph(". ".join(_continua(measured)) + ".", "soft"),
         paragraph(doubt, "soft"),
-        image(picture),
         "<h3>Lattice and tolerance for an error</h3>",
         table(["error", "lattice and tolerance", "time", "lines of the scene"], _choices(records)),
         "<h3>All runs</h3>",
-        table(["points", "setting", "time", *(f"error of {kind}" for kind in found), "internal steps"], _run_rows(records, found)),
+        table(["points", "setting", "time", *(f"error of {kind}" for kind in measured.own), "internal steps"], _run_rows(measured)),
         name=records.scene,
     )
 
@@ -130,12 +137,12 @@ def _choices(records: Records) -> Iterator[str]:
         yield row(level_words(level), told)
 
 
-def _run_rows(records: Records, found: Mapping[str, Continuum]) -> Iterator[str]:
-    for run in records.runs:
+def _run_rows(measured: Measured) -> Iterator[str]:
+    for run in measured.records.runs:
         if run.failure:
-            yield row(run.name, [setting_words(run) + small(run.failure), *[NONE] * (len(found) + 2)])
+            yield row(run.name, [setting_words(run) + small(run.failure), *[NONE] * (len(measured.own) + 2)])
         else:
-            errors = (f"{error:.1e}" for error in _errors(run, found).values())
+            errors = (f"{error:.1e}" for error in _errors(measured, run).values())
             yield row(run.name, [setting_words(run), time_words(run.cpu_time), *errors, str(run.steps)])
 
 

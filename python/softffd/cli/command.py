@@ -168,7 +168,8 @@ def _accuracy(options: argparse.Namespace) -> None:
     report = report_space if options.space else report_accuracy
     with ProgressLine("measuring") as progress:
         report(options.scenes, options.output, step=options.step, quick=options.quick, note=progress.note, say=progress.say)
-    print(f"kept in {options.output}: report.html, accuracy.csv, accuracy.json, a picture of each scene")
+    pictures = "accuracy.png" if options.space else "a picture of each scene"
+    print(f"kept in {options.output}: report.html, accuracy.csv, accuracy.json, {pictures}")
 
 
 def _drivers(options: argparse.Namespace) -> None:

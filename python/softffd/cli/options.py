@@ -165,7 +165,7 @@ def _accuracy(add: Add) -> None:
     accuracy.add_argument("-o", "--output", type=Path, default=Path("softffd-accuracy"), metavar="DIR", help=folder)
     accuracy.add_argument("--step", type=_number, metavar="H", help="Communication step in s; default: each scene's own.")
     accuracy.add_argument("--quick", action="store_true", help="Make fewer and shorter runs, for a first look.")
-    space = "Compare lattices and tolerances, not methods: error against the continuum that finer lattices tend to."
+    space = "Compare lattices and tolerances of the scenes, not methods: error against the continuum that finer lattices tend to."
     accuracy.add_argument("--space", action="store_true", help=space)
 
 

@@ -81,6 +81,19 @@ def test_a_scene_that_cannot_be_measured_leaves_the_others(folder, few, monkeypa
     assert [scene["scene"] for scene in document["scenes"]] == ["second"] and "out of luck" in document["scenes_not_measured"]["small"]
 
 
+def test_a_scene_in_which_no_run_succeeds_is_not_measured(folder, few, monkeypatch, capsys):
+    plain = Rig.run
+
+    def refusing(rig, setting, **options):
+        if setting.method in ("central_difference", "bm4"):
+            raise FmuError("out of luck")
+        return plain(rig, setting, **options)
+
+    monkeypatch.setattr(Rig, "run", refusing)
+    assert main(["accuracy", "small.toml", "--quick", "-o", "out"]) == 1
+    assert "small: no run succeeded; the last: out of luck" in capsys.readouterr().err and not table_rows()
+
+
 def test_an_unknown_scene_is_refused_before_anything_runs(folder, capsys):
     assert main(["accuracy", "small.toml", "spni", "-o", "out"]) == 1
     assert 'did you mean "spin"?' in capsys.readouterr().err and not Path("out").exists()
