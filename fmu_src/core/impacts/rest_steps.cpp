@@ -241,7 +241,7 @@ RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   const State& from = before_.motion;
   const double h = until - from.time;
   path.clock = {from.time, h, 0};
-  const double most = std::max(use::least_implicit_work, use::doubled_work * h / at.limit);
+  const double most = std::max(at.integrators.patience(), use::doubled_work * h / at.limit);
   const Span span{from.time, 0, h, 1, most};
   const Vec3 faster = obstacle_acceleration(context, from);
   const Outcome outcome = faster.isZero(0) ? at.integrators.take(context, Method::backward_euler, span) : take_in_frame(at, faster, span);

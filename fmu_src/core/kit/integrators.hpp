@@ -1,12 +1,14 @@
 /// All methods of a lattice, by name; and internal steps of any of them, which stop where one goes behind an obstacle that its method does
 /// not know.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <memory>
 
 #include "contact/broad_phase.hpp"
 #include "kit/budget.hpp"
 #include "kit/step_context.hpp"
+#include "kit/thresholds.hpp"
 #include "methods/one_step.hpp"
 #include "methods/traits.hpp"
 
@@ -26,6 +28,10 @@ class Integrators {
   /// Of those with error control.
   OneStep& one_step(Method method) { return static_cast<OneStep&>((*this)[method]); }
   const ImplicitWork& implicit_work() const { return implicit_work_; }
+  /// What an implicit step with contact may take at least before it is given up: not all that the call may.
+  double patience() const {
+    return std::max(thresholds::least_implicit_work, std::min(implicit_work_.patience(), thresholds::patient_share * budget_.left()));
+  }
   /// Number of matrices factored since the start: none unless implicit steps are tried.
   Count factorizations() const;
 

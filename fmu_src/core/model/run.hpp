@@ -166,19 +166,21 @@ static_assert(visits_every_field<TrialRecord>);
 
 /// Implicit steps of second order of a damped body beside obstacles (stepping/damped_steps.hpp).
 struct DampedRecord {
-  double h = 0;           ///< wanted [s]; 0: none yet
-  Count trust = 0;        ///< steps that may be run once
-  Count next_trust = 1;   ///< how many after the next success
-  double share = 1;       ///< error of a step in the bend of its velocities, as of the last one that was run twice [1]
-  Count constraints = 0;  ///< of contact, at the end of the last step
-  Count doubts = 0;       ///< how often explicit steps had to take over, one time after the other
-  double rate = 0;        ///< work of explicit steps in a second, as of the last that took over; 0: not known
-  double force = 0;       ///< largest on an obstacle or a pin so far, as mean of a step [N]
-  double opening = 0;     ///< first step of a communication step, as of the last one where it was cut [s]; 0: it is not
+  double h = 0;               ///< wanted [s]; 0: none yet
+  Count trust = 0;            ///< steps that may be run once
+  Count next_trust = 1;       ///< how many after the next success
+  double share = 1;           ///< error of a step in the bend of its velocities, as of the last one that was run twice [1]
+  Count constraints = 0;      ///< of contact, at the end of the last step
+  Count doubts = 0;           ///< how often explicit steps had to take over, one time after the other
+  double rate = 0;            ///< work of explicit steps in a second, as of the last that took over; 0: not known
+  double explicit_until = 0;  ///< time [s] until which explicit steps have taken over
+  double cost = 0;            ///< work of an implicit step, with what was rejected, as mean of late; 0: not known
+  double force = 0;           ///< largest on an obstacle or a pin so far, as mean of a step [N]
+  double opening = 0;         ///< first step of a communication step, as of the last one where it was cut [s]; 0: it is not
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.trust, s.next_trust, s.share, s.constraints, s.doubts, s.rate, s.force, s.opening);
+    return fields(s.h, s.trust, s.next_trust, s.share, s.constraints, s.doubts, s.rate, s.explicit_until, s.cost, s.force, s.opening);
   }
 };
 static_assert(visits_every_field<DampedRecord>);

@@ -8,14 +8,15 @@
 #include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
+#include "stepping/fixed_steps.hpp"
 #include "watch/vibration.hpp"
 
 namespace softffd {
 
 namespace thresholds {
 
-/// What an implicit step takes that pays in the place of explicit ones: factors, it being run twice, and solutions with each.
-constexpr double damped_runs = 3, damped_solutions = 10;
+/// What an implicit step takes, until that is measured: factors, and solutions with each; weight of the last one in the mean [1].
+constexpr double damped_runs = 2, damped_solutions = 10, last_cost = 0.25;
 /// First step, and explicit steps before implicit ones are tried again, in the shortest that pay; how often the latter get twice as many.
 constexpr double first_damped = 2, damped_turn = 2;
 constexpr Count most_damped_doubts = 6;
@@ -62,15 +63,9 @@ struct DampedSteps::Call {
   double begin, end;  ///< of the communication step [s]
   double limit;       ///< largest stable explicit step [s]
   double memory;      ///< until an error of now is forgotten [s]
-  StepDoubling* others;
+  const ExplicitSteps& others;
 
-  /// Shortest step that costs no more than the explicit ones in its place [s].
-  double worth() const {
-    const double known = context.run.course.damped.rate,
-                 forecast = use::doubled_work * step_work(context.model.body, Method::leapfrog, limit) / limit;
-    const ImplicitWork& work = integrators.implicit_work();
-    return use::damped_runs * (work.factor + use::damped_solutions * work.solution) / (known > 0 ? known : forecast);
-  }
+  double worth() const { return DampedSteps::worth(integrators, context, others); }
   double tolerance() const { return context.request.tolerance * power(context.request.step_factor, 2); }
   double allowed(double h) const {
     const double rounding = use::rounding * std::max(context.model.body.length,
@@ -81,12 +76,28 @@ struct DampedSteps::Call {
   }
 };
 
-StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context, double end, StepDoubling* others) {
+double DampedSteps::ExplicitSteps::times() const { return free ? 1 : use::doubled_work; }
+
+StepStatus DampedSteps::ExplicitSteps::run(Integrators& integrators, const StepContext& context, double until) const {
+  if (free) return run_fitted(integrators, *free, context, Method::leapfrog, until, infinity);
+  return contact->run(integrators, context, until);
+}
+
+double DampedSteps::worth(Integrators& integrators, const StepContext& context, const ExplicitSteps& others) {
+  const double limit = step_limit(context, Method::leapfrog, false), known = context.run.course.damped.rate;
+  const double forecast = others.times() * step_work(context.model.body, Method::leapfrog, limit) / limit;
+  const ImplicitWork& work = integrators.implicit_work();
+  const double guess = use::damped_runs * (work.factor + use::damped_solutions * work.solution), cost = context.run.course.damped.cost;
+  return (cost > 0 ? cost : guess) / (known > 0 ? known : forecast);
+}
+
+StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context, double end, const ExplicitSteps& others) {
   Course& course = context.run.course;
   DampedRecord& record = course.damped;
   const State& motion = context.run.path.motion;
   const double begin = motion.time;
   const Count rejected = course.rejected;
+  double spent = 0;    // on the step that is being looked for
   bool opens = false;  // the first step is no longer than that of the communication step before
   while (motion.time < end) {
     const Call call{integrators, context, begin, end, step_limit(context, Method::leapfrog, false), memory(context), others};
@@ -94,7 +105,7 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
     const double left = end - motion.time;
     if (integrators.budget().spent()) return StepStatus::too_much_work;
     if (!(record.h > 0)) record.h = std::min(use::first_damped * call.worth(), left);
-    if (others && record.h < call.worth()) {
+    if (others.any() && (motion.time < record.explicit_until || record.h < call.worth())) {
       if (const StepStatus status = take_explicit(call); status != StepStatus::ok) return status;
       continue;
     }
@@ -107,10 +118,16 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
     const Count parts = divisions(left, std::min(record.h, left) * context.request.step_factor);
     const double until = parts == 1 ? end : motion.time + left / double(parts);
     const Count constraints = record.constraints;
+    const double worked = course.work;
     if (const StepStatus status = step(call, until); status != StepStatus::ok) return status;
-    if (others && motion.time == until) {
+    spent += course.work - worked;
+    if (motion.time == until) {
+      record.cost += (record.cost > 0 ? use::last_cost : 1) * (spent - record.cost);
+      spent = 0;
+    }
+    if (others.contact && motion.time == until) {
       const Span span{start_.motion.time, 0, until - start_.motion.time, 1, infinity, infinity, use::solved * call.tolerance()};
-      others->landings().follow(integrators, context, start_.motion, Method::sdirk2, span, record.constraints > constraints);
+      others.contact->landings().follow(integrators, context, start_.motion, Method::sdirk2, span, record.constraints > constraints);
     }
     if (!first || motion.time == begin) continue;
     const double h = motion.time - begin;
@@ -136,7 +153,7 @@ DampedSteps::Step DampedSteps::take(const Call& call, double until, bool again) 
   Path& path = context.run.path;
   const double h = until - path.motion.time;
   path.clock = {path.motion.time, h, 0};
-  const double most = std::max(use::least_implicit_work, use::doubled_work * h / call.limit);
+  const double most = std::max(call.integrators.patience(), use::doubled_work * h / call.limit);
   context.run.energy.kinetic_elastic = -1;  // implicit steps have a guard of their own
   const Outcome outcome =
       call.integrators.take(context, Method::sdirk2, {path.motion.time, 0, h, 1, most, infinity, use::solved * call.tolerance(), again});
@@ -208,7 +225,7 @@ StepStatus DampedSteps::step(const Call& call, double until) {
     snapshot.rollback();
     judged = run_halves(call, until, allowed, coarse);
   }
-  const bool last = h <= use::least_doubled * call.limit || (!call.others && h <= use::shortest_damped * call.limit);
+  const bool last = h <= use::least_doubled * call.limit || (!call.others.any() && h <= use::shortest_damped * call.limit);
   if (last && !(judged.error < infinity)) return call.integrators.budget().spent() ? StepStatus::too_much_work : StepStatus::not_finite;
   if (judged.ratio <= 1 || last) {
     accept(call, h, allowed, coarse.bend, judged);
@@ -275,13 +292,17 @@ void DampedSteps::accept(const Call& call, double h, double allowed, double bend
 StepStatus DampedSteps::take_explicit(const Call& call) {
   const StepContext& context = call.context;
   DampedRecord& record = context.run.course.damped;
-  const double begin = context.run.path.motion.time, length = double(Count{1} << record.doubts) * use::damped_turn * call.worth();
-  const double until = begin + length < call.end ? begin + length : call.end;
+  const double begin = context.run.path.motion.time;
+  if (begin >= record.explicit_until) {
+    record.explicit_until = begin + double(Count{1} << record.doubts) * use::damped_turn * call.worth();
+    record.doubts = std::min(record.doubts + 1, use::most_damped_doubts);
+  }
+  const double until = std::min(record.explicit_until, call.end);
   context.run.course.method = Method::leapfrog;
   const double before = context.run.course.work;
-  const StepStatus status = call.others->run(call.integrators, context, until);
+  const StepStatus status = call.others.run(call.integrators, context, until);
   record.rate = (context.run.course.work - before) / (until - begin);
-  record.doubts = std::min(record.doubts + 1, use::most_damped_doubts);
+  record.cost = 0;
   record.h = use::first_damped * call.worth();
   record.constraints = 0;
   return status;

@@ -11,15 +11,28 @@
 /// longer than the one before had to be.
 #pragma once
 #include "kit/slowest_vibration.hpp"
+#include "stepping/calibration.hpp"
 #include "stepping/step_doubling.hpp"
 
 namespace softffd {
 
 class DampedSteps {
  public:
+  /// What takes over where implicit steps do not pay, one of the two: leapfrog through contact, or without obstacles.
+  struct ExplicitSteps {
+    StepDoubling* contact = nullptr;
+    Calibrator* free = nullptr;
+    bool any() const { return contact || free; }
+    /// Work beside that of plain steps [1].
+    double times() const;
+    StepStatus run(Integrators& integrators, const StepContext& context, double until) const;
+  };
+
   DampedSteps(const Lattice& lattice, const Run& run) : slowest_(lattice), start_(run.path), coarse_(run.path) {}
-  /// others: explicit ones, for where implicit ones do not pay; null: never.
-  StepStatus run(Integrators& integrators, const StepContext& context, double end, StepDoubling* others);
+  /// others: for where implicit steps do not pay; none: never.
+  StepStatus run(Integrators& integrators, const StepContext& context, double end, const ExplicitSteps& others);
+  /// Shortest implicit step that costs no more than explicit ones in its place [s].
+  static double worth(Integrators& integrators, const StepContext& context, const ExplicitSteps& others);
 
  private:
   struct Call;

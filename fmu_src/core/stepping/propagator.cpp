@@ -16,9 +16,6 @@ namespace thresholds {
 
 /// Work of a communication step by forecast, relative to what is left, at which it is refused before it is done [1]: forecasts err.
 constexpr double too_long = 1.2;
-/// Explicit steps in what is left of a communication step, from which on a pinned body with internal damping takes implicit ones where no
-/// trial runs have found any [1].
-constexpr double stiff_damping = 500;
 /// What is left per communication step of the length that is remembered of those of late [1].
 constexpr double usual_decay = 0.8;
 /// A winner that needs so many times the forecast runs again [1].
@@ -111,7 +108,7 @@ StepStatus Propagator::carry_out(const StepContext& context, const Plan& plan, d
     case Steps::implicit: return run_implicit(integrators_, context, plan.method, end);
     case Steps::damped:
       return damped_.of(lattice_, context.run)
-          .run(integrators_, context, end, context.drive.planes.empty() ? nullptr : &step_doubling_.of(context.run));
+          .run(integrators_, context, end, {.contact = context.drive.planes.empty() ? nullptr : &step_doubling_.of(context.run)});
     case Steps::doubled: return step_doubling_.of(context.run).run(integrators_, context, end);
     case Steps::counted: return run_counted(integrators_, context, plan.method, counted_units(context.request, H));
     case Steps::controlled: return begun < end ? run_controlled(integrators_, context, plan.method, end, infinity) : StepStatus::ok;
@@ -135,9 +132,10 @@ StepStatus Propagator::run_by_trials(const StepContext& context, double end) {
     const Body& body = context.model.body;
     const bool creeps =
         !context.drive.pins.empty() && body.dashpots() && context.request.method == Method::automatic && !body.explicit_alone;
-    if (creeps && !is_implicit(method) && left / step_limit(context, Method::leapfrog, false) > use::stiff_damping) {
+    const DampedSteps::ExplicitSteps others{.free = &calibrator_.of(context.run)};
+    if (creeps && !is_implicit(method) && left > DampedSteps::worth(integrators_, context, others)) {
       course.reason = Reason::quiet_stiffness;
-      return damped_.of(lattice_, context.run).run(integrators_, context, end, nullptr);
+      return damped_.of(lattice_, context.run).run(integrators_, context, end, others);
     }
     if (course.trials.forecast > use::too_long * budget().left()) return StepStatus::too_much_work;
     const double pause_at = std::min(course.trials.due, course.work + use::overrun * course.trials.forecast + use::shortest_pause);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "kit/limits.hpp"
+#include "kit/outlook.hpp"
 #include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
 #include "methods/ros34pw2.hpp"
@@ -20,8 +21,10 @@ constexpr int trial_rounds = 1, trial_rounds_bm4 = 2, trial_rounds_left = 3;
 /// before the pause was bound to their work: trial runs took 5 to 30 % of a run of a second. Now a tenth at most, and less while the winner
 /// stays.
 constexpr double trial_pause = 10, longest_trial_pause = 160, trial_pause_after_jolt = 3;
-/// Work that a trial of implicit steps may take.
-constexpr double longest_trial = 20'000;
+/// Work that a trial of implicit steps may take; of that of explicit ones in what is left of the run, what its matrices may take [1].
+constexpr double longest_trial = 20'000, trial_share = 0.1;
+/// Matrices that a trial makes at least.
+constexpr double trial_matrices = 2;
 /// By how many steps in the place of one implicit one it is seen that the fastest mode creeps.
 constexpr Count creep_parts = 16;
 /// Vibrations with time scales above this many implicit steps are resolved by their error control [1]. By experience.
@@ -94,7 +97,8 @@ void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const Step
 void TrialRuns::try_implicit(Integrators& integrators, const StepContext& context, double H, double others, Candidates& candidates) {
   const State& motion = context.run.path.motion;
   candidates.implicit = implicit_method(!context.drive.pins.empty(), H * bound(context), turning_limit(context, motion.x, motion.v) < H);
-  const double step_work = integrators.implicit_work().step;
+  const double step_work = integrators.implicit_work().step, matrices = use::trial_matrices * integrators.implicit_work().factor;
+  if (matrices > use::trial_share * others * left_of_run(context) / H) return;
   if (!implicit_may_win(H / step_limit(context, candidates.implicit, false) * step_work, others)) return;
   const double shortest = H * step_work / (use::implicit_gain * others);  // step that would still pay
   if (too_loud(present_vibration(context.equations(), motion, context.model.time_scale, use::resolved * shortest),
