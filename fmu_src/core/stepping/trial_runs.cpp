@@ -23,8 +23,6 @@ constexpr int trial_rounds = 1, trial_rounds_bm4 = 2, trial_rounds_left = 3;
 constexpr double trial_pause = 10, longest_trial_pause = 160, trial_pause_after_jolt = 3;
 /// Work that a trial of implicit steps may take; of that of explicit ones in what is left of the run, what its matrices may take [1].
 constexpr double longest_trial = 20'000, trial_share = 0.1;
-/// Matrices that a trial makes at least.
-constexpr double trial_matrices = 2;
 /// By how many steps in the place of one implicit one it is seen that the fastest mode creeps.
 constexpr Count creep_parts = 16;
 /// Vibrations with time scales above this many implicit steps are resolved by their error control [1]. By experience.
@@ -37,6 +35,12 @@ constexpr double controlled_window = 30;
 namespace {
 
 namespace use = thresholds;
+
+/// Does internal damping leave the fastest modes no vibration?
+bool creeps(const StepContext& context) {
+  const Body& body = context.model.body;
+  return body.dashpots() && body.shortest_time() * bound(context) >= use::creeping;
+}
 
 double fixed_work(const StepContext& context, Method method, double H) {
   const double h = tighter(step_limit(context, method, false), context.run.course.calibration(method).h);
@@ -97,7 +101,8 @@ void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const Step
 void TrialRuns::try_implicit(Integrators& integrators, const StepContext& context, double H, double others, Candidates& candidates) {
   const State& motion = context.run.path.motion;
   candidates.implicit = implicit_method(!context.drive.pins.empty(), H * bound(context), turning_limit(context, motion.x, motion.v) < H);
-  const double step_work = integrators.implicit_work().step, matrices = use::trial_matrices * integrators.implicit_work().factor;
+  const double step_work = integrators.implicit_work().step;
+  const double matrices = (1 + double(creeps(context) ? use::creep_parts : 1)) * integrators.implicit_work().factor;
   if (matrices > use::trial_share * others * left_of_run(context) / H) return;
   if (!implicit_may_win(H / step_limit(context, candidates.implicit, false) * step_work, others)) return;
   const double shortest = H * step_work / (use::implicit_gain * others);  // step that would still pay
@@ -113,12 +118,12 @@ void TrialRuns::try_implicit(Integrators& integrators, const StepContext& contex
 bool TrialRuns::fast_modes_are_quiet(Integrators& integrators, const StepContext& context, Method method, double H) {
   const ImplicitWork& implicit = integrators.implicit_work();
   State& motion = context.run.path.motion;
-  const bool creeps = context.model.body.shortest_time() * bound(context) >= use::creeping && context.model.body.dashpots();
-  const double longest = creeps ? step_limit(context, method, false) : infinity;  // no step of it turns the body further
+  const bool creep = creeps(context);
+  const double longest = creep ? step_limit(context, method, false) : infinity;  // no step of it turns the body further
   const double way = std::min({H, use::calibration_window / bound(context), longest}), begin = motion.time;
-  const Method fine = creeps ? method : Method::leapfrog;
-  const Count steps = creeps ? use::creep_parts : divisions(way, step_limit(context, Method::leapfrog, false));
-  const double each = creeps ? implicit.step : step_work(context.model.body, fine, way / double(steps));
+  const Method fine = creep ? method : Method::leapfrog;
+  const Count steps = creep ? use::creep_parts : divisions(way, step_limit(context, Method::leapfrog, false));
+  const double each = creep ? implicit.step + implicit.factor : step_work(context.model.body, fine, way / double(steps));
   spent_ += double(steps) * each + implicit.step + implicit.factor;
   Snapshot snapshot(context.run, start_);
   if (integrators.take(context, fine, {begin, 0, way / double(steps), steps}).status != StepStatus::ok) return false;
