@@ -1,14 +1,14 @@
-"""Beams: the elastica under an end load and under its own weight, the first frequency of a clamped beam, Turek and Hron's strip."""
+"""Beams: the elastica under an end load and under its own weight, Turek and Hron's strip."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from validation.published.cases import Body, Row
 from validation.published.runs import WALL, Course, Size, drag, scene_of, slowest_bending
+from validation.published.vibration import frequency
 
 MODULUS, DENSITY, HEIGHT = 1e6, 1000.0, 0.01
 """Pa, kg/m3, m, of the elasticas, whose numbers have no dimension"""
@@ -55,53 +55,6 @@ def own_weight(body: Body) -> Iterator[Row]:
     return _elastica(body, OWN_WEIGHT, weight=True)
 
 
-SILICONE: Size = (0.2, 0.02, 0.02)
-"""m; 1 MPa and 1100 kg/m3"""
-PERIODS = 20
-
-
-def clamped_frequency(body: Body) -> Iterator[Row]:
-    """Let go of what a small load has bent, of which the first mode is taken."""
-    modulus, density = 1e6, 1100.0
-    slowest = slowest_bending(SILICONE, modulus, density)
-    brake = drag(body, SILICONE, density, 2 * slowest)
-    scene = scene_of(
-        body, SILICONE, modulus, density, material=brake, pin=[WALL], load=[{"name": "end", "points": "x+"}],
-        solver={"method": "leapfrog", "tolerance": 1e-6},
-    )  # fmt: skip
-    places = np.linspace(0.0, 1.0, body.points[0])
-    mode = _first_mode(places)
-    with Course(scene, {"load.end.z": 1e-4 * modulus * SILICONE[2] ** 4 / 12 / SILICONE[0] ** 2}) as course:
-
-        def of_mode() -> float:
-            return float(mode @ (course.sim.positions[..., 2].mean(axis=(1, 2)) - SILICONE[2] / 2))
-
-        course.rest(of_mode, 1 / slowest)
-        course.sim["load.end.z"], course.sim["damping"] = 0.0, 0.0
-        step = 2 * math.pi / slowest / 50
-        course_of_mode = [of_mode()]
-        for _ in range(50 * PERIODS):
-            course.step(step)
-            course_of_mode.append(of_mode())
-        found = _frequency(np.array(course_of_mode), step)
-        yield Row(body, "first frequency [Hz]", slowest / (2 * math.pi), found, course.steps, course.seconds)
-
-
-def _first_mode(x: np.ndarray) -> np.ndarray:
-    """Of a clamped beam, at places from 0 to 1."""
-    k = 1.87510406871
-    ratio = (math.cosh(k) + math.cos(k)) / (math.sinh(k) + math.sin(k))
-    found: np.ndarray = np.cosh(k * x) - np.cos(k * x) - ratio * (np.sinh(k * x) - np.sin(k * x))
-    return found
-
-
-def _frequency(values: np.ndarray, step: float) -> float:
-    """Of a vibration that is read every `step` [s], by its first and last pass through zero [Hz]."""
-    before = np.flatnonzero(values[:-1] * values[1:] < 0)
-    times = step * (before + values[before] / (values[before] - values[before + 1]))
-    return float((len(times) - 1) / 2 / (times[-1] - times[0]))
-
-
 STRIP: Size = (0.35, 0.02, 0.02)
 
 
@@ -123,4 +76,4 @@ def strip(body: Body) -> Iterator[Row]:
         yield Row(body, f"middle of u_{name} [m]", middle, (high + low) / 2, *spent)
         yield Row(body, f"amplitude of u_{name} [m]", amplitude, (high - low) / 2, *spent)
     moving = way[:, 2] - way[:, 2].mean()
-    yield Row(body, "frequency [Hz]", 1.0995, _frequency(moving, 0.005), *spent)
+    yield Row(body, "frequency [Hz]", 1.0995, frequency(moving, 0.005), *spent)
