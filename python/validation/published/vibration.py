@@ -1,4 +1,4 @@
-"""Frequencies of what is clamped at one end, and their reference: Timoshenko's beam."""
+"""Frequencies of beams and strips clamped at one end, and a reference: Timoshenko's beam."""
 
 from __future__ import annotations
 
@@ -26,6 +26,15 @@ def clamped_beam(body: Body) -> Iterator[Row]:
     for name, reference in zip(CLAMPED, references, strict=False):
         found, spent = mode_frequency(body, SILICONE, 1e6, 1100.0, name)
         yield Row(body, f"{name} frequency [Hz]", float(reference), found, *spent)
+
+
+def wide_strip(body: Body) -> Iterator[Row]:
+    """As wide as cells of equal sides make it."""
+    modulus, density, length = 2e6, 1000.0, 0.2
+    size = (length, length * (body.points[1] - 1) / (body.points[0] - 1), 0.02)
+    found, spent = mode_frequency(body, size, modulus, density, "first")
+    reference = slowest_bending(size, modulus / (1 - body.ratio**2), density) / (2 * math.pi)
+    yield Row(body, f"period [s], width {size[1]:g} m", 1 / reference, 1 / found, *spent)
 
 
 def mode_frequency(body: Body, size: Size, modulus: float, density: float, name: str) -> tuple[float, tuple[int, float]]:

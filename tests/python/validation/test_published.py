@@ -52,6 +52,13 @@ def test_a_beam_of_a_solid_vibrates_as_timoshenkos():
     assert found == pytest.approx(dict.fromkeys(found, 0), abs=0.1)  # 0.05 of it goes with more points across
 
 
+def test_a_wide_plate_vibrates_as_timoshenkos_strip_in_plane_strain():
+    (row,) = case("plane strain").rows(solid(0.25, 13, 31, 4))
+    strip = vibration.timoshenko((0.2, 0.5, 0.02), 2e6 / (1 - 0.25**2), 1000.0, 0.25 / 0.75)[0]
+    assert row.reference == pytest.approx(0.2681, abs=5e-5)  # s, as the source has it
+    assert row.found == pytest.approx(1 / strip, rel=2e-3)  # what its free sides add
+
+
 def test_timoshenkos_beam_is_euler_and_bernoullis_if_it_is_thin():
     thin = vibration.timoshenko((0.2, 0.02, 5e-4), 1e6, 1100.0, 0.25)[:3]
     of_bending = np.array(list(vibration.CLAMPED.values())) ** 2 / 0.2**2 * 5e-4 * np.sqrt(1e6 / 1100 / 12) / (2 * np.pi)
