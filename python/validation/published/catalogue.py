@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from validation.published import bars, bending, blocks, vibration
+from validation.published import bars, bending, blocks, spheres, vibration
 from validation.published.cases import Body, Case
 
 
@@ -103,6 +103,19 @@ CASES = (
         "leaves with less than its speed.",
         bars.striking_bar,
         (springs(31, 4, 4), solid(0.0, 31, 4, 4)),
+    ),
+    Case(
+        "Sphere pressed into a block",
+        "H. Hertz 1882, in K. L. Johnson, Contact Mechanics, chapter 4: 4/3 E / (1 - nu2) R1/2 d3/2",
+        "A rigid sphere of R = 20 mm is pressed without friction into a cube of 40 mm of 1 MPa and Poisson's ratio 1/4, which is held below: "
+        "force at rest at the depths d = 0.5, 1 and 2 mm. The reference is that of a half-space. The cube gives way less than that by "
+        "0.1088 F / (E 40 mm), 1.2, 1.7 and 2.4 % of d, after finite elements of another program for what is left beside Boussinesq's "
+        "solution; the sphere goes less deep by it. Vertices of the surface are 0.75 mm apart.",
+        "The reference is that of a paraboloid and of small strain; for a true sphere I. N. Sneddon's solution is 0.3, 0.5 and 1.0 % "
+        "below it. The radius of the contact is 3.2, 4.5 and 6.3 mm, cells are 1.3 to 3.3 mm: errors are large where the contact is no "
+        "larger than a cell, and fall with it. Twice the distance of the vertices lowers the finest solid's forces by 0.5 to 1.2 %.",
+        spheres.pressed_sphere,
+        (springs(19, 19, 19), springs(25, 25, 25), *(solid(0.25, n, n, n) for n in (13, 19, 31))),
     ),
     Case(
         "Bonded cube",
