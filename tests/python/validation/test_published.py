@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from softffd import SoftffdError
-from validation.published import runs, vibration
+from validation.published import runs, spheres, vibration
 from validation.published.cases import Row
 from validation.published.catalogue import CASES, solid, springs
 from validation.published.report import COLUMNS, report_published
@@ -63,6 +63,22 @@ def test_a_sphere_is_pressed_into_a_solid_with_the_force_of_hertz_the_nearer_the
     coarse, fine = ([abs(row.error) for row in case("Sphere pressed").rows(solid(0.25, n, n, n))] for n in (13, 19))
     assert max(fine) < max(coarse) / 3
     assert max(fine) < 0.035  # of cells of 2.2 mm in a contact of 3.2 to 6.3 mm
+
+
+def test_hertzs_impact_on_a_half_space_takes_the_published_time(monkeypatch):
+    monkeypatch.setattr(spheres, "GIVES", 0.0)
+    period, force = spheres.impact(0.25)
+    mass, speed, modulus = spheres.MASS, spheres.SPEED, spheres.MODULUS / (1 - 0.25**2)
+    assert period == pytest.approx(2.87 * (mass**2 / (spheres.RADIUS * modulus**2 * speed)) ** 0.2, rel=1e-3)  # 2.868
+    deepest = (force / spheres.hertz(0.25, 1.0)) ** (2 / 3)
+    assert 2 / 5 * force * deepest == pytest.approx(mass * speed**2 / 2, rel=1e-9)
+
+
+def test_a_sphere_hits_a_block_as_hertz_says():
+    found = errors(list(case("hits a block").rows(solid(0.25, 13, 13, 13))))
+    assert found["contact time [s]"] == pytest.approx(0, abs=1.5)
+    assert found["largest force [N]"] == pytest.approx(0, abs=1.5)
+    assert -3 < found["rebound / speed"] < 0
 
 
 def test_timoshenkos_beam_is_euler_and_bernoullis_if_it_is_thin():
