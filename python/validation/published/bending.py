@@ -1,8 +1,10 @@
-"""Beams: the elastica under an end load and under its own weight, Turek and Hron's strip."""
+"""Beams: the elastica under an end load and under its own weight, roll-up by a moment, Turek and Hron's strip."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -53,6 +55,53 @@ def end_load(body: Body) -> Iterator[Row]:
 
 def own_weight(body: Body) -> Iterator[Row]:
     return _elastica(body, OWN_WEIGHT, weight=True)
+
+
+TURNS = {"a quarter turn": math.pi / 2, "half a turn": math.pi, "a whole turn": 2 * math.pi}
+"""M L / (E I)"""
+FOLLOWS = 100
+"""How often the couple is turned while the phase of the slowest bending moves on by 1; at 20 it feeds vibrations of the end"""
+
+
+def roll_up(body: Body) -> Iterator[Row]:
+    """Forces on two edges of the end, across the line between them, turn with it. Walls beside the beam hold it in its plane, which it
+    would leave before a whole turn: that couple does not turn out of the plane."""
+    size = (2.5 * HEIGHT * (body.points[0] - 1) / (body.points[2] - 1), HEIGHT, HEIGHT)
+    slowest, stiffness = slowest_bending(size, MODULUS, DENSITY), MODULUS * HEIGHT**4 / 12 / size[0]
+    last, high = body.points[0] - 1, body.points[2] - 1
+    edges = [{"name": f"edge{k}", "points": {"i": [last, last], "k": [k, k]}} for k in (0, high)]
+    walls = [
+        {"name": f"side{way}", "point": [0.0, y, 0.0], "normal": [0.0, float(1 - 2 * way), 0.0], "friction": 0.0}
+        for way, y in enumerate((0.0, HEIGHT))
+    ]
+    scene = scene_of(
+        body, size, MODULUS, DENSITY, material=drag(body, size, DENSITY, 2 * slowest), pin=[WALL], load=edges, plane=walls,
+        solver={"method": "leapfrog"},
+    )  # fmt: skip
+    with Course(scene) as course:
+        start, before, steps, seconds = course.end(), 0.0, 0, 0.0
+
+        def follow(angle: float) -> float:
+            low_edge, high_edge = course.sim.positions[last, :, [0, high]].mean(axis=1)
+            arm = high_edge - low_edge
+            force = angle * stiffness / (arm @ arm) * np.array([arm[2], 0.0, -arm[0]])
+            course.sim.load[f"edge{high}"], course.sim.load["edge0"] = -force, force
+            course.step(1 / slowest / FOLLOWS)
+            return float(course.end()[0])
+
+        def settle(angle: float) -> float:
+            return [follow(angle) for _ in range(FOLLOWS)][-1]
+
+        for name, angle in TURNS.items():
+            for part in np.linspace(before, angle, 10 * FOLLOWS):
+                follow(float(part))
+            course.rest(partial(settle, angle), 1 / slowest / FOLLOWS)
+            moved = (course.end() - start) / size[0]
+            spent = course.steps - steps, course.seconds - seconds
+            if name != "a whole turn":  # of no deflection
+                yield Row(body, f"deflection / L at {name}", (1 - math.cos(angle)) / angle, float(moved[2]), *spent)
+            yield Row(body, f"shortening / L at {name}", 1 - math.sin(angle) / angle, float(-moved[0]), *spent)
+            before, steps, seconds = angle, course.steps, course.seconds
 
 
 STRIP: Size = (0.35, 0.02, 0.02)

@@ -42,6 +42,19 @@ CASES = (
         ELASTICA,
     ),
     Case(
+        "Beam rolled up by a moment",
+        "case V6.04.138 of [code_aster](https://www.code-aster.org) and test CantileverIntoCircle of [MuJoCo](https://mujoco.org): a beam "
+        "that is bent to an arc of M L / (E I) = t has the shortening 1 - sin t / t and the deflection (1 - cos t) / t",
+        "A beam is clamped at one end, and a moment M at the other bends it to a quarter, half and a whole circle. Forces on two edges of "
+        "the end make the moment, and the host turns them with it. Walls without friction hold the beam in its plane. The beam of 31 "
+        "points is 25 times as long as high, that of 25 points 20 times. Of springs there is none: they have Poisson's ratio 1/4, and walls would "
+        "stiffen them.",
+        "The reference is a thin beam of a linear material. Here strains reach 13 and 16 %, and errors are as the square of height by "
+        "length; patches half as long change them by at most a twenty-fifth.",
+        bending.roll_up,
+        (solid(0.0, 31, 4, 4), solid(0.0, 25, 4, 4)),
+    ),
+    Case(
         "Frequencies of a clamped beam",
         "S. Timoshenko 1921, [doi:10.1080/14786442108636264](https://doi.org/10.1080/14786442108636264), with the shear factor of G. R. "
         "Cowper 1966, 10 (1 + nu) / (12 + 11 nu)",
@@ -121,8 +134,8 @@ CASES = (
         "Sphere that hits a block",
         "H. Hertz 1882, in K. L. Johnson, Contact Mechanics, chapter 11: 2.87 (m2 / (R E*2 v))1/5 with E* = E / (1 - nu2)",
         "The same sphere, of 36.86 g, hits the same cube at 1 m/s: time of contact, largest force, and speed of rebound. The sphere moves "
-        "in the host, which takes the reaction of each 400th of the time and gives back place and speed. The cube has 10 kg/m3 and drag, so "
-        "that it follows without waves.",
+        "in the host, which takes the reaction of each 400th of the time and gives back place and speed. The cube has 10 kg/m3 and drag, "
+        "so that it follows without waves.",
         "The reference is the integral for this cube, which gives way by 0.1088 F / (E 40 mm) less than a half-space; that has 6.50 ms "
         "and 20.9 N. Contact is read every 400th of its time. Waves and drag take some of the speed: of the solid of 13 points a side "
         "1.6 %, and 0.04 % if the cube has 1 kg/m3.",
