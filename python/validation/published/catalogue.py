@@ -47,8 +47,8 @@ CASES = (
         "that is bent to an arc of M L / (E I) = t has the shortening 1 - sin t / t and the deflection (1 - cos t) / t",
         "A beam is clamped at one end, and a moment M at the other bends it to a quarter, half and a whole circle. Forces on two edges of "
         "the end make the moment, and the host turns them with it. Walls without friction hold the beam in its plane. The beam of 31 "
-        "points is 25 times as long as high, that of 25 points 20 times. Of springs there is none: they have Poisson's ratio 1/4, and walls would "
-        "stiffen them.",
+        "points is 25 times as long as high, that of 25 points 20 times. Of springs there is none: they have Poisson's ratio 1/4, and "
+        "walls would stiffen them.",
         "The reference is a thin beam of a linear material. Here strains reach 13 and 16 %, and errors are as the square of height by "
         "length; patches half as long change them by at most a twenty-fifth.",
         bending.roll_up,
