@@ -1,14 +1,16 @@
-"""Beams: the elastica under an end load and under its own weight, the first frequency of a clamped beam, Turek and Hron's strip."""
+"""Beams: the elastica under an end load and under its own weight, roll-up by a moment, Turek and Hron's strip."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
 from validation.published.cases import Body, Row
 from validation.published.runs import WALL, Course, Size, drag, scene_of, slowest_bending
+from validation.published.vibration import frequency
 
 MODULUS, DENSITY, HEIGHT = 1e6, 1000.0, 0.01
 """Pa, kg/m3, m, of the elasticas, whose numbers have no dimension"""
@@ -55,51 +57,51 @@ def own_weight(body: Body) -> Iterator[Row]:
     return _elastica(body, OWN_WEIGHT, weight=True)
 
 
-SILICONE: Size = (0.2, 0.02, 0.02)
-"""m; 1 MPa and 1100 kg/m3"""
-PERIODS = 20
+TURNS = {"a quarter turn": math.pi / 2, "half a turn": math.pi, "a whole turn": 2 * math.pi}
+"""M L / (E I)"""
+FOLLOWS = 100
+"""How often the couple is turned while the phase of the slowest bending moves on by 1; at 20 it feeds vibrations of the end"""
 
 
-def clamped_frequency(body: Body) -> Iterator[Row]:
-    """Let go of what a small load has bent, of which the first mode is taken."""
-    modulus, density = 1e6, 1100.0
-    slowest = slowest_bending(SILICONE, modulus, density)
-    brake = drag(body, SILICONE, density, 2 * slowest)
+def roll_up(body: Body) -> Iterator[Row]:
+    """Forces on two edges of the end, across the line between them, turn with it. Walls beside the beam hold it in its plane, which it
+    would leave before a whole turn: that couple does not turn out of the plane."""
+    size = (2.5 * HEIGHT * (body.points[0] - 1) / (body.points[2] - 1), HEIGHT, HEIGHT)
+    slowest, stiffness = slowest_bending(size, MODULUS, DENSITY), MODULUS * HEIGHT**4 / 12 / size[0]
+    last, high = body.points[0] - 1, body.points[2] - 1
+    edges = [{"name": f"edge{k}", "points": {"i": [last, last], "k": [k, k]}} for k in (0, high)]
+    walls = [
+        {"name": f"side{way}", "point": [0.0, y, 0.0], "normal": [0.0, float(1 - 2 * way), 0.0], "friction": 0.0}
+        for way, y in enumerate((0.0, HEIGHT))
+    ]
     scene = scene_of(
-        body, SILICONE, modulus, density, material=brake, pin=[WALL], load=[{"name": "end", "points": "x+"}],
-        solver={"method": "leapfrog", "tolerance": 1e-6},
+        body, size, MODULUS, DENSITY, material=drag(body, size, DENSITY, 2 * slowest), pin=[WALL], load=edges, plane=walls,
+        solver={"method": "leapfrog"},
     )  # fmt: skip
-    places = np.linspace(0.0, 1.0, body.points[0])
-    mode = _first_mode(places)
-    with Course(scene, {"load.end.z": 1e-4 * modulus * SILICONE[2] ** 4 / 12 / SILICONE[0] ** 2}) as course:
+    with Course(scene) as course:
+        start, before, steps, seconds = course.end(), 0.0, 0, 0.0
 
-        def of_mode() -> float:
-            return float(mode @ (course.sim.positions[..., 2].mean(axis=(1, 2)) - SILICONE[2] / 2))
+        def follow(angle: float) -> float:
+            low_edge, high_edge = course.sim.positions[last, :, [0, high]].mean(axis=1)
+            arm = high_edge - low_edge
+            force = angle * stiffness / (arm @ arm) * np.array([arm[2], 0.0, -arm[0]])
+            course.sim.load[f"edge{high}"], course.sim.load["edge0"] = -force, force
+            course.step(1 / slowest / FOLLOWS)
+            return float(course.end()[0])
 
-        course.rest(of_mode, 1 / slowest)
-        course.sim["load.end.z"], course.sim["damping"] = 0.0, 0.0
-        step = 2 * math.pi / slowest / 50
-        course_of_mode = [of_mode()]
-        for _ in range(50 * PERIODS):
-            course.step(step)
-            course_of_mode.append(of_mode())
-        found = _frequency(np.array(course_of_mode), step)
-        yield Row(body, "first frequency [Hz]", slowest / (2 * math.pi), found, course.steps, course.seconds)
+        def settle(angle: float) -> float:
+            return [follow(angle) for _ in range(FOLLOWS)][-1]
 
-
-def _first_mode(x: np.ndarray) -> np.ndarray:
-    """Of a clamped beam, at places from 0 to 1."""
-    k = 1.87510406871
-    ratio = (math.cosh(k) + math.cos(k)) / (math.sinh(k) + math.sin(k))
-    found: np.ndarray = np.cosh(k * x) - np.cos(k * x) - ratio * (np.sinh(k * x) - np.sin(k * x))
-    return found
-
-
-def _frequency(values: np.ndarray, step: float) -> float:
-    """Of a vibration that is read every `step` [s], by its first and last pass through zero [Hz]."""
-    before = np.flatnonzero(values[:-1] * values[1:] < 0)
-    times = step * (before + values[before] / (values[before] - values[before + 1]))
-    return float((len(times) - 1) / 2 / (times[-1] - times[0]))
+        for name, angle in TURNS.items():
+            for part in np.linspace(before, angle, 10 * FOLLOWS):
+                follow(float(part))
+            course.rest(partial(settle, angle), 1 / slowest / FOLLOWS)
+            moved = (course.end() - start) / size[0]
+            spent = course.steps - steps, course.seconds - seconds
+            if name != "a whole turn":  # of no deflection
+                yield Row(body, f"deflection / L at {name}", (1 - math.cos(angle)) / angle, float(moved[2]), *spent)
+            yield Row(body, f"shortening / L at {name}", 1 - math.sin(angle) / angle, float(-moved[0]), *spent)
+            before, steps, seconds = angle, course.steps, course.seconds
 
 
 STRIP: Size = (0.35, 0.02, 0.02)
@@ -123,4 +125,4 @@ def strip(body: Body) -> Iterator[Row]:
         yield Row(body, f"middle of u_{name} [m]", middle, (high + low) / 2, *spent)
         yield Row(body, f"amplitude of u_{name} [m]", amplitude, (high - low) / 2, *spent)
     moving = way[:, 2] - way[:, 2].mean()
-    yield Row(body, "frequency [Hz]", 1.0995, _frequency(moving, 0.005), *spent)
+    yield Row(body, "frequency [Hz]", 1.0995, frequency(moving, 0.005), *spent)
