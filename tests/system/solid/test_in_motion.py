@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from readings import orders
-from softffd import simulate
+from softffd import load_scene, simulate
 from softffd.embedding.basis import weights
 from softffd.embedding.nodes import along_axes, axis_nodes
 from softffd.lattice import to_flat, to_grid
@@ -150,3 +150,17 @@ def test_a_thrown_and_spinning_solid_is_not_braked(method):
     energy = result.outputs["energy.kinetic"] + result.outputs["energy.elastic"]
     assert np.abs(energy / energy[0] - 1).max() < 1e-7
     assert np.abs(result.outputs["energy.dissipated"]).max() < 1e-7 * energy[0]
+
+
+@pytest.mark.parametrize(("tau", "implicit"), [(1.6e-3, True), (1e-6, False)])
+def test_a_clamped_damped_beam_steps_implicitly_where_that_is_less_work(tau, implicit):
+    """Dashpots make explicit steps dear in the one, vibrations implicit ones short in the other."""
+    beam = load_scene("beam").replace({"material.internal_damping": tau, "experiment.stop_time": 0.3})
+    result, exact = simulate(beam), simulate(beam, start_values={"solver.method": "leapfrog"})
+    assert np.abs(nodes(result) - nodes(exact)).max() < 2 * beam.solver.tolerance * max(beam.lattice_box.size)
+    steps, explicit = (each.outputs["solver.steps"][-1] for each in (result, exact))
+    if implicit:
+        assert steps < 0.1 * explicit
+    else:
+        assert 0.9 * explicit < steps
+        assert result.outputs["solver.rejected"][-1] < 0.01 * explicit
