@@ -35,7 +35,7 @@ def space_picture(scenes: Sequence[Records]) -> bytes:
             axes.annotate(run.name, (time, error), xytext=(9, 7), textcoords="offset points", fontsize=9, color=colour)
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.margins(0.09)
+    axes.margins(x=0.13, y=0.09)
     label_times(axes)
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=20))
     axes.yaxis.set_major_formatter(lambda error, _place: f"{100 * error:.3g} %")
