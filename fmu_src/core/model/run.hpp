@@ -173,7 +173,7 @@ struct DampedRecord {
   Count constraints = 0;      ///< of contact, at the end of the last step
   Count doubts = 0;           ///< how often explicit steps had to take over, one time after the other
   double rate = 0;            ///< work of explicit steps in a second, as of the last that took over; 0: not known
-  double explicit_until = 0;  ///< time [s] until which explicit steps have taken over
+  double explicit_until = 0;  ///< time until which they have, the last time [s]
   double cost = 0;            ///< work of an implicit step, with what was rejected, as mean of late; 0: not known
   double force = 0;           ///< largest on an obstacle or a pin so far, as mean of a step [N]
   double opening = 0;         ///< first step of a communication step, as of the last one where it was cut [s]; 0: it is not

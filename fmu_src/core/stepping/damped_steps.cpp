@@ -55,6 +55,9 @@ Outlook ahead(const StepContext& context) {
   return ahead;
 }
 
+/// Have explicit steps taken over until later?
+bool explicit_turn(const DampedRecord& record, double time) { return record.doubts > 0 && time < record.explicit_until; }
+
 }  // namespace
 
 struct DampedSteps::Call {
@@ -105,7 +108,7 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
     const double left = end - motion.time;
     if (integrators.budget().spent()) return StepStatus::too_much_work;
     if (!(record.h > 0)) record.h = std::min(use::first_damped * call.worth(), left);
-    if (others.any() && (motion.time < record.explicit_until || record.h < call.worth())) {
+    if (others.any() && (explicit_turn(record, motion.time) || record.h < call.worth())) {
       if (const StepStatus status = take_explicit(call); status != StepStatus::ok) return status;
       continue;
     }
@@ -293,7 +296,7 @@ StepStatus DampedSteps::take_explicit(const Call& call) {
   const StepContext& context = call.context;
   DampedRecord& record = context.run.course.damped;
   const double begin = context.run.path.motion.time;
-  if (begin >= record.explicit_until) {
+  if (!explicit_turn(record, begin)) {
     record.explicit_until = begin + double(Count{1} << record.doubts) * use::damped_turn * call.worth();
     record.doubts = std::min(record.doubts + 1, use::most_damped_doubts);
   }
