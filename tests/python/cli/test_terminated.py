@@ -87,7 +87,7 @@ def test_a_sweep_counts_no_run_as_failed(tmp_path):
 
 @pytest.mark.full
 def test_a_measurement_names_what_is_missing(tmp_path):
-    (tmp_path / "short.toml").write_text("[experiment]\nstop_time = 0.02\n")
+    (tmp_path / "short.toml").write_text("[environment]\ngravity = [0.0, 0.0, -9.81]\n[experiment]\nstop_time = 0.02\n")
 
     def one_is_kept(process):
         wait_until(process, (tmp_path / "kept" / "accuracy.json").is_file)
