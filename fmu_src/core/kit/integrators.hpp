@@ -30,7 +30,8 @@ class Integrators {
   const ImplicitWork& implicit_work() const { return implicit_work_; }
   /// What an implicit step with contact may take at least before it is given up: not all that the call may.
   double patience() const {
-    return std::max(thresholds::least_implicit_work, std::min(implicit_work_.patience(), thresholds::patient_share * budget_.left()));
+    const double large = std::min(thresholds::patient_matrices * implicit_work_.in_contact(), thresholds::patient_share * budget_.left());
+    return std::max(thresholds::least_implicit_work, large);
   }
   /// Number of matrices factored since the start: none unless implicit steps are tried.
   Count factorizations() const;

@@ -50,8 +50,9 @@ inline constexpr double least_error = 0.1;
 inline constexpr double settling_steps = 200;
 /// Bounds of the change of a step at rest, the last after a loss of energy, which is an impact within the step.
 inline constexpr double rest_growth = 4, loss_shrink = 0.25;
-/// Work that an implicit step with contact may take at least; of what is left to the call, what it may take if matrices are large [1].
-inline constexpr double least_implicit_work = 1e4, patient_share = 0.1;
+/// Work that an implicit step with contact may take at least, which is less than so many matrices where these are large, above 8^3 springs;
+/// then of what is left to the call at most [1].
+inline constexpr double least_implicit_work = 1e4, patient_matrices = 12, patient_share = 0.1;
 /// Returns from rest after each of which the next listening is twice as long.
 inline constexpr Count most_doubts = 4;
 

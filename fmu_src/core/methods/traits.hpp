@@ -44,8 +44,8 @@ bool takes_solid(Method method, const Lattice& lattice);
 struct ImplicitWork {
   double step, factor, solution, frame = 10;
   explicit ImplicitWork(const Lattice& lattice);
-  /// Of a step with contact, by experience at most.
-  double patience() const { return 12 * (factor + 10 * solution); }
+  /// Of a matrix and the solutions with it that contact takes, by experience.
+  double in_contact() const { return factor + 10 * solution; }
 };
 
 }  // namespace softffd

@@ -164,7 +164,7 @@ struct TrialRecord {
 };
 static_assert(visits_every_field<TrialRecord>);
 
-/// Implicit steps of second order of a damped body beside obstacles (stepping/damped_steps.hpp).
+/// Implicit steps of second order of a damped body, beside obstacles or pinned (stepping/damped_steps.hpp).
 struct DampedRecord {
   double h = 0;               ///< wanted [s]; 0: none yet
   Count trust = 0;            ///< steps that may be run once
@@ -174,13 +174,12 @@ struct DampedRecord {
   Count doubts = 0;           ///< how often explicit steps had to take over, one time after the other
   double rate = 0;            ///< work of explicit steps in a second, as of the last that took over; 0: not known
   double explicit_until = 0;  ///< time until which they have, the last time [s]
-  double cost = 0;            ///< work of an implicit step, with what was rejected, as mean of late; 0: not known
   double force = 0;           ///< largest on an obstacle or a pin so far, as mean of a step [N]
   double opening = 0;         ///< first step of a communication step, as of the last one where it was cut [s]; 0: it is not
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.trust, s.next_trust, s.share, s.constraints, s.doubts, s.rate, s.explicit_until, s.cost, s.force, s.opening);
+    return fields(s.h, s.trust, s.next_trust, s.share, s.constraints, s.doubts, s.rate, s.explicit_until, s.force, s.opening);
   }
 };
 static_assert(visits_every_field<DampedRecord>);

@@ -15,8 +15,8 @@ namespace softffd {
 
 namespace thresholds {
 
-/// What an implicit step takes, until that is measured: factors, and solutions with each; weight of the last one in the mean [1].
-constexpr double damped_runs = 2, damped_solutions = 10, last_cost = 0.25;
+/// What an implicit step takes that pays in the place of explicit ones, in matrices: some are run twice, others once [1].
+constexpr double damped_runs = 2;
 /// First step, and explicit steps before implicit ones are tried again, in the shortest that pay; how often the latter get twice as many.
 constexpr double first_damped = 2, damped_turn = 2;
 constexpr Count most_damped_doubts = 6;
@@ -89,9 +89,7 @@ StepStatus DampedSteps::ExplicitSteps::run(Integrators& integrators, const StepC
 double DampedSteps::worth(Integrators& integrators, const StepContext& context, const ExplicitSteps& others) {
   const double limit = step_limit(context, Method::leapfrog, false), known = context.run.course.damped.rate;
   const double forecast = others.times() * step_work(context.model.body, Method::leapfrog, limit) / limit;
-  const ImplicitWork& work = integrators.implicit_work();
-  const double guess = use::damped_runs * (work.factor + use::damped_solutions * work.solution), cost = context.run.course.damped.cost;
-  return (cost > 0 ? cost : guess) / (known > 0 ? known : forecast);
+  return use::damped_runs * integrators.implicit_work().in_contact() / (known > 0 ? known : forecast);
 }
 
 StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context, double end, const ExplicitSteps& others) {
@@ -100,7 +98,6 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
   const State& motion = context.run.path.motion;
   const double begin = motion.time;
   const Count rejected = course.rejected;
-  double spent = 0;    // on the step that is being looked for
   bool opens = false;  // the first step is no longer than that of the communication step before
   while (motion.time < end) {
     const Call call{integrators, context, begin, end, step_limit(context, Method::leapfrog, false), memory(context), others};
@@ -121,13 +118,7 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
     const Count parts = divisions(left, std::min(record.h, left) * context.request.step_factor);
     const double until = parts == 1 ? end : motion.time + left / double(parts);
     const Count constraints = record.constraints;
-    const double worked = course.work;
     if (const StepStatus status = step(call, until); status != StepStatus::ok) return status;
-    spent += course.work - worked;
-    if (motion.time == until) {
-      record.cost += (record.cost > 0 ? use::last_cost : 1) * (spent - record.cost);
-      spent = 0;
-    }
     if (others.contact && motion.time == until) {
       const Span span{start_.motion.time, 0, until - start_.motion.time, 1, infinity, infinity, use::solved * call.tolerance()};
       others.contact->landings().follow(integrators, context, start_.motion, Method::sdirk2, span, record.constraints > constraints);
@@ -305,7 +296,6 @@ StepStatus DampedSteps::take_explicit(const Call& call) {
   const double before = context.run.course.work;
   const StepStatus status = call.others.run(call.integrators, context, until);
   record.rate = (context.run.course.work - before) / (until - begin);
-  record.cost = 0;
   record.h = use::first_damped * call.worth();
   record.constraints = 0;
   return status;

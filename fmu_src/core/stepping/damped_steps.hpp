@@ -1,6 +1,6 @@
-/// A damped body beside obstacles: SDIRK2 with exact contact (contact/implicit/implicit_contact.hpp), each step with h and with two of h /
-/// 2, and the finer run counts. What the two differ by, in the bend of the velocities within the step, gives the error of the next steps,
-/// which are run once for a while.
+/// A damped body beside obstacles, or one that is pinned: SDIRK2 with exact contact (contact/implicit/implicit_contact.hpp), each step with
+/// h and with two of h / 2, and the finer run counts. What the two differ by, in the bend of the velocities within the step, gives the
+/// error of the next steps, which are run once for a while.
 ///
 /// Where constraints of contact change, or something strikes, the error falls with the first power of the step: it is taken so. What rings
 /// is seen by the two runs while a step is no longer than ten radians of it, and beyond by the energy that the step takes; steps grow by a

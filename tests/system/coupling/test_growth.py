@@ -199,7 +199,7 @@ def test_a_mass_on_a_pad_swings_out_as_the_damped_oscillator(drivers, mass, step
 @pytest.mark.full
 @pytest.mark.parametrize("mass", [0.343, 0.1])
 def test_implicit_steps_damp_a_mass_on_a_pad_within_the_error_of_their_force(drivers, mass):
-    """Forces within 1 % of the largest (docs/guarantees.md) are off by half of that a radian at most where all of it lags; within a tenth
+    """Forces within 1 % of the largest (docs/methods.md) are off by half of that a radian at most where all of it lags; within a tenth
     of the default tolerance they are those of leapfrog."""
     step, omega = 1e-4, np.sqrt(PAD_STIFFNESS / mass)
     found = {}
