@@ -11,15 +11,13 @@ void HalfKicks::open(const Points& spring, const Points& external, const Points&
                           x.data());
 }
 
+void HalfKicks::take_masses(const Body& body) { opening_mass_ = closing_mass_ = body.mass; }
+
 void HalfKicks::prepare(const Body& body, double h) {
   if (h == h_ && body.version == version_) return;
   h_ = h;
   version_ = body.version;
   const int n = body.points();
-  if (body.dashpots()) {
-    opening_mass_ = closing_mass_ = body.mass;
-    return;
-  }
   for (int p = 0; p < n; ++p) {
     const double m = body.mass[p], d = body.damping[p], half = 0.5 * h, g = d * half / m;
     const bool strong = g > 1;

@@ -30,6 +30,8 @@ class HalfKicks {
   explicit HalfKicks(int points) : open_(points), close_(points), opening_mass_(points), closing_mass_(points) {}
   /// Coefficients for internal step h; kept while neither h nor the body changes.
   void prepare(const Body& body, double h);
+  /// For kicks of damped_kick.hpp, of which these know the masses alone.
+  void take_masses(const Body& body);
 
   /// With the drift after it, from v0 and x0: v and x.
   void open(const Points& spring, const Points& external, const Points& v0, const Points& x0, Points& v, Points& x) const;
@@ -38,8 +40,8 @@ class HalfKicks {
   /// A closing half kick, the next opening one and the drift after it. even_outside: the outside forces are the same on all points.
   Stage stage(bool even_outside) const { return {{close_.kick(), open_.kick()}, 2, h_, even_outside}; }
 
-  /// The impulse that a velocity change right after the half kick stands for, (points) [N s per m/s]: (h/2) / b; the mass where the kicks
-  /// are those of damped_kick.hpp.
+  /// The impulse that a velocity change right after the half kick stands for, (points) [N s per m/s]: (h/2) / b; the mass after
+  /// take_masses.
   const Scalars& opening_mass() const { return opening_mass_; }
   const Scalars& closing_mass() const { return closing_mass_; }
 

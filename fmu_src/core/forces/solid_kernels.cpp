@@ -46,13 +46,14 @@ struct StrainRate {
 };
 constexpr int first[6] = {0, 1, 2, 0, 0, 1}, second[6] = {0, 1, 2, 1, 2, 2};
 template <int n>
-INNER StrainRate<n> strain_rate(const Nine<n>& f, const Nine<n>& g, double drift) {
+INNER StrainRate<n> strain_rate(const Nine<n>& f, const Nine<n>& g, double drift = 0) {
   StrainRate<n> rate;
   const auto along = [](const Nine<n>& a, int i, const Nine<n>& b, int j)
                          INLINED { return (a(0, i) * b(0, j) + a(1, i) * b(1, j)) + a(2, i) * b(2, j); };
   for (int e = 0; e < 6; ++e) {
     const int i = first[e], j = second[e];
-    rate.s[e] = (along(f, i, g, j) + along(g, i, f, j)) + drift * along(g, i, g, j);
+    rate.s[e] = along(f, i, g, j) + along(g, i, f, j);
+    if (drift != 0) rate.s[e] = rate.s[e] + drift * along(g, i, g, j);
   }
   rate.trace = 0.5 * ((rate.s[0] + rate.s[1]) + rate.s[2]);
   return rate;
@@ -93,19 +94,37 @@ INNER void subtract_divergences(const SolidBody& body, const Rows<n>* P, double*
   for (int c = 0; c < 3; ++c) subtract_divergence<n>(body, P + 3 * c, f + c * body.points);
 }
 
-template <int n>
-INNER void elastic(const SolidBody& body, const double* x, double* f) {
+/// The energy's gradient, and with velocities v what viscosity of this time exerts.
+template <int n, bool damped>
+INNER void subtract_force(const SolidBody& body, double time, const double* x, const double* v, double* f) {
   each_patch(body, [&](std::ptrdiff_t at) INLINED {
-    Rows<n> F[9], q, t;
+    Rows<n> F[9], G[damped ? 9 : 1], q, t;
     gradients<n>(body, x + at, F);
+    if constexpr (damped) {
+      gradients<n>(body, v + at, G);
+      viscous_stress<n>(body, time, 0, F, G);
+    }
     volumes<n>(body, F, q, t);
     for (int r = 0; r < rows; ++r) {
       const Nine<n> here = row_of<n>(F, r), c = cofactors(here);
       const Four<n> w = load_four<n>(body.shape.weight[r]), mu = body.mu * w, p = w * pressure<n>(body, q[r], t[r]).p;
-      for (int i = 0; i < 9; ++i) F[i][r] = mu * here.m[i] + p * c.m[i];
+      for (int i = 0; i < 9; ++i) {
+        F[i][r] = mu * here.m[i] + p * c.m[i];
+        if constexpr (damped) F[i][r] = F[i][r] + w * G[i][r];
+      }
     }
     subtract_divergences<n>(body, F, f + at);
   });
+}
+
+template <int n>
+INNER void elastic(const SolidBody& body, const double* x, double* f) {
+  subtract_force<n, false>(body, 0, x, nullptr, f);
+}
+
+template <int n>
+INNER void damped(const SolidBody& body, double time, const double* x, const double* v, double* f) {
+  subtract_force<n, true>(body, time, x, v, f);
 }
 
 template <int n>
@@ -309,7 +328,7 @@ INNER double power(const SolidBody& body, const double* x, const double* v) {
     gradients<n>(body, x + at, F);
     gradients<n>(body, v + at, G);
     for (int r = 0; r < rows; ++r) {
-      const StrainRate<n> rate = strain_rate(row_of<n>(F, r), row_of<n>(G, r), 0);
+      const StrainRate<n> rate = strain_rate(row_of<n>(F, r), row_of<n>(G, r));
       const Four<n>* s = rate.s;
       squares[r] = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) + 2.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]);
       trace[r] = rate.trace;
@@ -377,6 +396,7 @@ INNER void bounds(const SolidBody& body, const double* x, PatchBounds* each) {
 }  // namespace patch
 
 decltype(subtract_elastic) subtract_elastic = chosen<patch::elastic<2>, patch::elastic<4>>();
+decltype(subtract_damped) subtract_damped = chosen<patch::damped<2>, patch::damped<4>>();
 decltype(subtract_viscous) subtract_viscous = chosen<patch::viscous<2>, patch::viscous<4>>();
 decltype(subtract_tangent) subtract_tangent = chosen<patch::tangent<2>, patch::tangent<4>>();
 decltype(patch_matrix) patch_matrix = chosen<patch::matrix<2>, patch::matrix<4>>();

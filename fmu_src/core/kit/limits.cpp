@@ -26,6 +26,14 @@ constexpr double frame_angle = 1;
 
 namespace {
 
+/// Leapfrog's: shorter steps that carry velocities on where these are less work than the longest.
+double with_dashpots(const StepContext& context, double longest) {
+  const auto work = [&](double h) { return step_work(context.model.body, context.run, Method::leapfrog, h) / h; };
+  damping_bound(context);
+  const double carried = longest_carried(context.run.course);
+  return carried < longest && work(carried) < work(longest) ? carried : longest;
+}
+
 double spin(const Model& model, const Points& x, const Points& v) { return rigid_motion(model.body.mass, x, v).spin.norm(); }
 
 }  // namespace
@@ -56,6 +64,7 @@ double step_limit(const StepContext& context, Method method, bool given) {
   const State& motion = context.run.path.motion;
   if (context.model.stability.elastic()) limit = (given ? t.given : t.automatic) * 2 / bound(context);
   if (!given && t.long_run < 1 && context.request.horizon * bound(context) > thresholds::long_run) limit *= t.long_run;
+  if (!given && method == Method::leapfrog && context.model.body.dashpots()) limit = with_dashpots(context, limit);
   if (t.damping < infinity) limit = std::min(limit, t.damping / damping_bound(context));
   if (!given && t.turning == Turning::straight) limit = tighter(limit, turning_limit(context, motion.x, motion.v));
   if (!given && t.turning == Turning::in_frame)

@@ -67,10 +67,10 @@ Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Sp
   if (model.body.samples && !drive.planes.empty() && !surface_)
     surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
   const Count before = impacts();
-  masses_.prepare(model.body, span.h);
+  masses_.take_masses(model.body);
   const double rate = run.course.damping_bound;
   kick_.prepare(model.body, 0.5 * span.h, rate < 0 ? model.body.fastest_damping : rate);
-  Outcome outcome{.work = double(span.steps) * step_work(model.body, Method::leapfrog, span.h)};
+  Outcome outcome{.work = double(span.steps) * (traits(Method::leapfrog).work + 2 * kick_.products())};
   if (surface_) {
     surface_->begin(model.body, masses_, drive, span.time(0), span.h);
     surface_->allow(span.budget - outcome.work);

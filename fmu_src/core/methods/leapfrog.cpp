@@ -70,18 +70,18 @@ Leapfrog::Leapfrog(int points, int planes)
       keep_until_((points + FusedPass::lanes - 1) / FusedPass::lanes, -1) {}
 
 Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
-  if (model.body.dashpots()) {
+  const bool dashpots = model.body.dashpots();
+  if (dashpots && !carries_velocities(run, std::max(span.h, span.half_of))) {
     if (!damped_) damped_ = std::make_unique<DampedLeapfrog>(model.body.points(), int(drive.planes.size()));
     return damped_->advance(model, drive, span, run);
   }
   if (model.body.samples && !drive.planes.empty() && !surface_)
     surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
-  const auto impacts = [&] { return surface_ ? surface_->impacts() : contact_.impacts(); };
   const Count before = impacts();
   kicks_.prepare(model.body, span.h);
   if (drive.ramped) drive.force_at(span.time(0), force_);
-  const bool free = drive.planes.empty() && drive.pins.empty() && model.body.fused();
-  Outcome outcome{.work = double(span.steps) * traits(Method::leapfrog).work};
+  const bool free = drive.planes.empty() && drive.pins.empty() && model.body.fused() && !dashpots;
+  Outcome outcome{.work = double(span.steps) * step_work(model.body, run, Method::leapfrog, span.h)};
   if (free && !booked(model.body, drive)) {
     glide(model.body, drive, span, run.path.motion);
     return outcome;
@@ -117,10 +117,11 @@ void Leapfrog::glide(const Body& body, const Drive& around, const Span& span, St
 
 StepStatus Leapfrog::run_steps(const Body& body, const Drive& around, const Span& span, Path& path) {
   State& state = path.motion;
-  const bool at_once = around.pins.empty() && body.fused() && !booked(body, around);
+  const bool dashpots = body.dashpots(), at_once = around.pins.empty() && body.fused() && !booked(body, around) && !dashpots;
   const Points& force = around.ramped ? force_ : around.force;
+  if (dashpots) take_dashpots(body, state, state.v);
   const auto view = [&](Count i) {
-    return StepView{body, kicks_, around, state.spring, force, state.x, span.time(i), span.time(i + 1), span.h};
+    return StepView{body, kicks_, around, dashpots ? forces_ : state.spring, force, state.x, span.time(i), span.time(i + 1), span.h};
   };
   StepStatus status = open(view(0), path);
   for (Count i = 1; i < span.steps && status == StepStatus::ok; ++i) {
@@ -128,10 +129,10 @@ StepStatus Leapfrog::run_steps(const Body& body, const Drive& around, const Span
       status = close_and_open(view(i - 1), view(i), path);
       continue;
     }
-    status = close(view(i - 1), path);
+    status = close(view(i - 1), path, false);
     if (status == StepStatus::ok) status = open(view(i), path);
   }
-  return status == StepStatus::ok ? close(view(span.steps - 1), path) : status;
+  return status == StepStatus::ok ? close(view(span.steps - 1), path, true) : status;
 }
 
 /// Up to the end of the drift.
@@ -140,8 +141,9 @@ StepStatus Leapfrog::open(const StepView& view, Path& path) {
   Exchange& exchange = path.exchange;
   const Drive& around = view.around;
   if (losses(view.body, view.around)) start_ = state.v;
+  const Count before = impacts();
   before_.swap(state.v);
-  kicks_.open(state.spring, view.force, before_, state.x, state.v, next_);
+  kicks_.open(view.spring, view.force, before_, state.x, state.v, next_);
   if (!around.pins.empty()) drift_pins(view, before_, state.v, next_, exchange);
   if (!around.planes.empty()) {
     if (surface_ && surface_->spent()) return StepStatus::not_finite;
@@ -149,27 +151,52 @@ StepStatus Leapfrog::open(const StepView& view, Path& path) {
     if (const StepStatus status = position_stage(view, path); status != StepStatus::ok) return status;
   }
   if (around.watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (view.t0 + view.t1), next_ - state.x);
+  landed_ = impacts() > before;
+  if (losses(view.body, view.around)) exchange.dissipated += dashpot_loss(view, state, before_);
   state.x.swap(next_);
   return StepStatus::ok;
 }
 
 /// From there to the end of the step.
-StepStatus Leapfrog::close(const StepView& view, Path& path) {
+StepStatus Leapfrog::close(const StepView& view, Path& path, bool last) {
   State& state = path.motion;
   Exchange& exchange = path.exchange;
   const Drive& around = view.around;
-  view.body.internal_force(state.x, state.spring);
+  renew_forces(view, state, last);
   if (around.ramped) around.force_at(view.t1, force_);
-  if (!around.pins.empty()) before_ = state.v;
-  kicks_.close(state.spring, view.force, state.v);
+  if (!around.pins.empty() || losses(view.body, around)) before_ = state.v;
+  kicks_.close(view.spring, view.force, state.v);
   if (!around.pins.empty()) close_pins(view, before_, state.v, exchange);
   if (!around.planes.empty()) {
     const StepStatus status = surface_ ? surface_->close(view, state.v, path.surface, exchange) : contact_.close(view, state.v, exchange);
     if (status != StepStatus::ok) return status;
     if (surface_ && SurfaceContact::wants_loss(view)) exchange.dissipated += surface_->loss(view, state.v);
   }
-  if (losses(view.body, view.around)) exchange.dissipated += damping_loss(view.body, view.h, start_, state.v);
+  if (losses(view.body, view.around))
+    exchange.dissipated += damping_loss(view.body, view.h, start_, state.v) + dashpot_loss(view, state, before_);
+  if (landed_ && view.body.dashpots()) take_dashpots(view.body, state, state.v);
   return StepStatus::ok;
+}
+
+/// After the drift; those of the energies alone where they are asked for.
+void Leapfrog::renew_forces(const StepView& view, State& state, bool last) {
+  const bool dashpots = view.body.dashpots();
+  if (!dashpots || last || landed_ || losses(view.body, view.around)) view.body.internal_force(state.x, state.spring);
+  if (!dashpots) return;
+  carried_ = 2 * state.v - before_;
+  view.around.visit_pinned(view.t1, [&](const PinnedPoint& held) { set_row(carried_, held.point, held.velocity()); });
+  view.body.damped_force(state.x, carried_, forces_);
+}
+
+/// With velocities v.
+void Leapfrog::take_dashpots(const Body& body, const State& state, const Points& v) {
+  forces_ = state.spring;
+  body.add_dashpot_force(state.x, v, forces_);
+}
+
+/// What the dashpots' impulse takes in half a step from velocities v0 to those of the state [J].
+double Leapfrog::dashpot_loss(const StepView& view, const State& state, const Points& v0) const {
+  return view.body.dashpots() ? -0.25 * view.h * ((forces_ - state.spring) * (v0 + state.v)).sum() : 0;
 }
 
 /// Looks for contact after the free drift.
@@ -204,7 +231,7 @@ StepStatus Leapfrog::position_stage(const StepView& view, Path& path) {
 StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, Path& path) {
   State& state = path.motion;
   if (surface_ && surface_->touched()) {  // which moves all points
-    const StepStatus status = close(last, path);
+    const StepStatus status = close(last, path, false);
     return status == StepStatus::ok ? open(next, path) : status;
   }
   if (last.around.ramped) last.around.force_at(last.t1, force_);

@@ -1,7 +1,7 @@
 /// The methods' own numbers, one row each.
 #pragma once
 #include "body/body.hpp"
-#include "model/method.hpp"
+#include "model/run.hpp"
 
 namespace softffd {
 
@@ -28,8 +28,11 @@ struct Traits {
 
 const Traits& traits(Method method);
 
+/// The longest step of leapfrog that carries velocities on for the dashpots (methods/leapfrog.hpp), and whether one of length h does [s].
+double longest_carried(const Course& course);
+bool carries_velocities(const Run& run, double h);
 /// Work of an explicit step of length h of this body, in evaluations of the spring forces.
-double step_work(const Body& body, Method method, double h);
+double step_work(const Body& body, const Run& run, Method method, double h);
 
 inline bool resolves_contact(Method method) { return traits(method).resolves_contact; }
 inline bool is_implicit(Method method) { return traits(method).solves; }
