@@ -47,10 +47,10 @@ Scene pressed(double friction, double time) {
 }
 
 /// Slope of the error over two halvings of the step, against many steps.
-double order_pressed(double friction, double time) {
+double order_pressed(double friction, double time, Stepping run = run_with<Leapfrog>) {
   const Scene s = pressed(friction, time);
   const Points exact = run_with<Leapfrog>(s, 12800).state.x;
-  return std::log2(distance(run_with<Leapfrog>(s, 200).state.x, exact) / distance(run_with<Leapfrog>(s, 800).state.x, exact)) / 2;
+  return std::log2(distance(run(s, 200).state.x, exact) / distance(run(s, 800).state.x, exact)) / 2;
 }
 
 }  // namespace
@@ -58,4 +58,47 @@ double order_pressed(double friction, double time) {
 TEST(second_order_in_lasting_contact) {
   for (const double friction : {0.0, 0.2})
     for (const double time : {0.0, 0.003, 0.01}) CHECK_NEAR(order_pressed(friction, time), 2.0, 0.15);
+  for (const double friction : {0.0, 0.2}) CHECK_NEAR(order_pressed(friction, 0.003, run_carrying), 2.0, 0.15);
+}
+
+TEST(carried_velocities_give_pins_to_rounding_what_the_body_loses) {
+  Scene s = soft(false, true);
+  pin_ends(s, swinging);
+  s = with_dashpots(s, 0.003);
+  CHECK_NEAR(momentum_lost(s, run_carrying(s, 20)), 0.0, 1e-13);
+}
+
+/// The oscillator swings with omega = 20 / s, its dashpots' rate is tau omega^2.
+TEST(carried_velocities_are_stable_up_to_the_stated_step) {
+  for (const double tau : {0.0, 0.002, 0.02, 0.2})
+    for (const double share : {0.97, 1.03}) {
+      const Oscillator o{.w0 = 0, .tau = tau};
+      const double omega = o.omega(), rate = tau * omega * omega;
+      const double h = 2 * share / (rate + std::sqrt(rate * rate + omega * omega));  // (omega h / 2)^2 + rate h is 1 for a share of 1
+      const State end = run_carrying(scene(o, 400 * h), 400).state;
+      CHECK((std::abs(end.x(1, 0) - end.x(0, 0) - 1) < 2 * o.y0) == (share < 1));
+    }
+}
+
+TEST(carried_velocities_leave_a_pressed_body_at_rest) {
+  Scene s = with_dashpots(soft(false, false, {{2, 2, 2}}), 0.01);
+  const Points x = rest_positions(s.lattice);
+  s.around.force.setZero();
+  s.around.force.col(2).setConstant(-5);
+  s.around.planes.resize(1);
+  for (int p = 0; p < 8; ++p)
+    if (x(p, 2) > 0) s.around.force.row(p).setZero();
+  start_at(s, x, Points::Zero(8, 3));
+  const Result end = run_carrying(s, 100);
+  CHECK_NEAR(distance(end.state.x, x), 0.0, 1e-14);
+  CHECK_NEAR(end.state.v.abs().maxCoeff(), 0.0, 1e-14);
+}
+
+TEST(unwatched_carried_velocities_have_the_same_bits) {
+  const Scene s = with_dashpots(soft(true, true), 0.003);
+  Leapfrog method(s.body.points(), 0);
+  Course course;
+  course.bound = course.damping_bound = 0;
+  const State watched = run_method(method, s, 25, true, course).state, unwatched = run_method(method, s, 25, false, course).state;
+  CHECK((watched.x == unwatched.x).all() && (watched.v == unwatched.v).all() && (watched.spring == unwatched.spring).all());
 }

@@ -9,11 +9,12 @@
 
 namespace softffd {
 
-/// A given number of equal steps of any method.
-inline Result run_method(Integrator& method, const Scene& s, int steps, bool watch = true) {
+/// A given number of equal steps of any method. course: what the run knows of the body.
+inline Result run_method(Integrator& method, const Scene& s, int steps, bool watch = true, const Course& course = {}) {
   Drive drive = s.around;
   drive.watch = watch;
   Run run;
+  run.course = course;
   run.path.motion = s.start;
   run.path.exchange.planes.resize(drive.planes.size());
   run.path.exchange.pins.resize(drive.pins.size());
@@ -26,6 +27,14 @@ template <class Method>
 Result run_with(const Scene& s, int steps) {
   Method method(s.body.points(), int(std::is_same_v<Method, Leapfrog> ? s.around.planes.size() : s.around.pins.size()));
   return run_method(method, s, steps);
+}
+
+/// By leapfrog that carries velocities on for the dashpots, however long its steps.
+inline Result run_carrying(const Scene& s, int steps) {
+  Leapfrog method(s.body.points(), int(s.around.planes.size()));
+  Course course;
+  course.bound = course.damping_bound = 0;
+  return run_method(method, s, steps, true, course);
 }
 
 /// Steps whose forces, kicks and drift are one pass have the bits of those that are watched at every kick.
