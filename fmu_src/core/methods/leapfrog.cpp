@@ -71,13 +71,15 @@ Leapfrog::Leapfrog(int points, int planes)
 
 Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
   const bool dashpots = model.body.dashpots();
-  if (dashpots && !carries_velocities(run, std::max(span.h, span.half_of))) {
+  const Dashpots kind = dashpots ? dashpots_of(run, std::max(span.h, span.half_of)) : Dashpots::carried;
+  if (kind == Dashpots::solved) {
     if (!damped_) damped_ = std::make_unique<DampedLeapfrog>(model.body.points(), int(drive.planes.size()));
     return damped_->advance(model, drive, span, run);
   }
   if (model.body.samples && !drive.planes.empty() && !surface_)
     surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
   const Count before = impacts();
+  anew_ = kind == Dashpots::anew;
   kicks_.prepare(model.body, span.h);
   if (drive.ramped) drive.force_at(span.time(0), force_);
   const bool free = drive.planes.empty() && drive.pins.empty() && model.body.fused() && !dashpots;
@@ -174,14 +176,14 @@ StepStatus Leapfrog::close(const StepView& view, Path& path, bool last) {
   }
   if (losses(view.body, view.around))
     exchange.dissipated += damping_loss(view.body, view.h, start_, state.v) + dashpot_loss(view, state, before_);
-  if (landed_ && view.body.dashpots()) take_dashpots(view.body, state, state.v);
+  if ((anew_ || landed_) && view.body.dashpots()) take_dashpots(view.body, state, state.v);
   return StepStatus::ok;
 }
 
 /// After the drift; those of the energies alone where they are asked for.
 void Leapfrog::renew_forces(const StepView& view, State& state, bool last) {
   const bool dashpots = view.body.dashpots();
-  if (!dashpots || last || landed_ || losses(view.body, view.around)) view.body.internal_force(state.x, state.spring);
+  if (!dashpots || last || anew_ || landed_ || losses(view.body, view.around)) view.body.internal_force(state.x, state.spring);
   if (!dashpots) return;
   carried_ = 2 * state.v - before_;
   view.around.visit_pinned(view.t1, [&](const PinnedPoint& held) { set_row(carried_, held.point, held.velocity()); });

@@ -2,9 +2,13 @@
 /// recurrence in positions loses to round-off; second order, symplectic without damping, one force evaluation per step.
 ///
 /// Weak internal damping is evaluated with the forces, at velocities carried on from the middle of the step to its end, 2 v - v0: what
-/// they err by is of second order, and they are those of the motion in lasting contact too, at rest exactly. Of a vibration such steps are
-/// stable while (omega h / 2)^2 + r h <= 1, r being the rate of its damping: the polynomial of a step has a root at -1 there. At the
-/// beginning of a span and after a landing the velocities themselves are taken. Where damping is stronger DampedLeapfrog takes over.
+/// they err by is of second order, and they are those of the motion in lasting contact too, at rest exactly. The next step begins with
+/// that, or with the velocities themselves, anew: so it is at the beginning of a span and after a landing. Of a vibration whose damping
+/// has the rate r such steps are stable while
+///
+///      carried:  w + z <= 1        anew:  w <= 1 - z/2 + z^2/4 (3/4 at least), z <= 2,        w = (omega h / 2)^2, z = r h,
+///
+/// where the polynomial of a step has a root at -1, or its roots leave the unit circle. Stronger damping is DampedLeapfrog's.
 #pragma once
 #include <memory>
 
@@ -45,6 +49,7 @@ class Leapfrog final : public Integrator {
   std::vector<Count> keep_until_;            ///< (blocks) step up to which what lies between kicks is kept
   Count any_until_ = -1;                     ///< of any
   bool landed_ = false;                      ///< a point came onto an obstacle in this step
+  bool anew_ = false;                        ///< every step takes the dashpots at its own beginning anew
   std::unique_ptr<SurfaceContact> surface_;  ///< for bodies with samples of their surface
   std::unique_ptr<DampedLeapfrog> damped_;   ///< for bodies with internal damping; most have none
 };

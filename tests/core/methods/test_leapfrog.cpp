@@ -34,6 +34,11 @@ TEST(steps_in_contact_have_the_bits_of_those_that_are_watched) {  // which keep 
 
 namespace {
 
+Stepping stepping(Dashpots kind) {
+  if (kind == Dashpots::carried) return [](const Scene& s, int steps) { return run_carrying(s, steps, true); };
+  return [](const Scene& s, int steps) { return run_anew(s, steps, true); };
+}
+
 /// On a plane from the beginning, pressed so that the lower layer stays there, while it slides and the upper one swings.
 Scene pressed(double friction, double time) {
   Scene s = with_dashpots(soft(true, true), time);
@@ -58,47 +63,54 @@ double order_pressed(double friction, double time, Stepping run = run_with<Leapf
 TEST(second_order_in_lasting_contact) {
   for (const double friction : {0.0, 0.2})
     for (const double time : {0.0, 0.003, 0.01}) CHECK_NEAR(order_pressed(friction, time), 2.0, 0.15);
-  for (const double friction : {0.0, 0.2}) CHECK_NEAR(order_pressed(friction, 0.003, run_carrying), 2.0, 0.15);
+  for (const Dashpots kind : {Dashpots::carried, Dashpots::anew})
+    for (const double friction : {0.0, 0.2}) CHECK_NEAR(order_pressed(friction, 0.003, stepping(kind)), 2.0, 0.15);
 }
 
-TEST(carried_velocities_give_pins_to_rounding_what_the_body_loses) {
+TEST(pins_receive_to_rounding_what_a_body_with_dashpots_loses) {
   Scene s = soft(false, true);
   pin_ends(s, swinging);
   s = with_dashpots(s, 0.003);
-  CHECK_NEAR(momentum_lost(s, run_carrying(s, 20)), 0.0, 1e-13);
+  for (const Dashpots kind : {Dashpots::carried, Dashpots::anew}) CHECK_NEAR(momentum_lost(s, stepping(kind)(s, 20)), 0.0, 1e-13);
 }
 
 /// The oscillator swings with omega = 20 / s, its dashpots' rate is tau omega^2.
-TEST(carried_velocities_are_stable_up_to_the_stated_step) {
-  for (const double tau : {0.0, 0.002, 0.02, 0.2})
-    for (const double share : {0.97, 1.03}) {
-      const Oscillator o{.w0 = 0, .tau = tau};
-      const double omega = o.omega(), rate = tau * omega * omega;
-      const double h = 2 * share / (rate + std::sqrt(rate * rate + omega * omega));  // (omega h / 2)^2 + rate h is 1 for a share of 1
-      const State end = run_carrying(scene(o, 400 * h), 400).state;
-      CHECK((std::abs(end.x(1, 0) - end.x(0, 0) - 1) < 2 * o.y0) == (share < 1));
-    }
+TEST(steps_with_dashpots_are_stable_up_to_the_stated_length) {
+  const auto grows = [](Dashpots kind, const Oscillator& o, double h) {
+    const State end = stepping(kind)(scene(o, 1000 * h), 1000).state;
+    return !(std::abs(end.x(1, 0) - end.x(0, 0) - 1) < 2 * o.y0);
+  };
+  for (const double tau : {0.0, 0.002, 0.02, 0.2}) {
+    const Oscillator o{.w0 = 0, .tau = tau};
+    const double omega = o.omega(), rate = tau * omega * omega, carried = 2 / (rate + std::sqrt(rate * rate + omega * omega));
+    CHECK(!grows(Dashpots::carried, o, 0.98 * carried) && grows(Dashpots::carried, o, 1.02 * carried));
+    double anew = 1 / omega;  // (omega h / 2)^2 = 1 - rate h / 2 + (rate h)^2 / 4, or rate h = 2, is the first to come
+    const auto left = [&](double h) { return 1 - rate * h / 2 + rate * rate * h * h / 4 - omega * omega * h * h / 4; };
+    for (double low = 0, high = 2 / std::max(rate, omega); high - low > 1e-9 * high;)
+      anew = 0.5 * (low + high), (left(anew) > 0 ? low : high) = anew;
+    CHECK(!grows(Dashpots::anew, o, 0.98 * anew) && grows(Dashpots::anew, o, 1.02 * anew));
+  }
 }
 
-TEST(carried_velocities_leave_a_pressed_body_at_rest) {
+TEST(dashpots_leave_a_pressed_body_at_rest) {
   Scene s = with_dashpots(soft(false, false, {{2, 2, 2}}), 0.01);
   const Points x = rest_positions(s.lattice);
   s.around.force.setZero();
-  s.around.force.col(2).setConstant(-5);
   s.around.planes.resize(1);
   for (int p = 0; p < 8; ++p)
-    if (x(p, 2) > 0) s.around.force.row(p).setZero();
+    if (x(p, 2) == 0) s.around.force(p, 2) = -5;
   start_at(s, x, Points::Zero(8, 3));
-  const Result end = run_carrying(s, 100);
-  CHECK_NEAR(distance(end.state.x, x), 0.0, 1e-14);
-  CHECK_NEAR(end.state.v.abs().maxCoeff(), 0.0, 1e-14);
+  for (const Dashpots kind : {Dashpots::carried, Dashpots::anew}) {
+    const Result end = stepping(kind)(s, 100);
+    CHECK_NEAR(distance(end.state.x, x), 0.0, 1e-14);
+    CHECK_NEAR(end.state.v.abs().maxCoeff(), 0.0, 1e-14);
+  }
 }
 
-TEST(unwatched_carried_velocities_have_the_same_bits) {
+TEST(unwatched_steps_with_dashpots_have_the_same_bits) {
   const Scene s = with_dashpots(soft(true, true), 0.003);
-  Leapfrog method(s.body.points(), 0);
-  Course course;
-  course.bound = course.damping_bound = 0;
-  const State watched = run_method(method, s, 25, true, course).state, unwatched = run_method(method, s, 25, false, course).state;
-  CHECK((watched.x == unwatched.x).all() && (watched.v == unwatched.v).all() && (watched.spring == unwatched.spring).all());
+  for (const auto& run : {run_carrying, run_anew}) {
+    const State watched = run(s, 25, true).state, unwatched = run(s, 25, false).state;
+    CHECK((watched.x == unwatched.x).all() && (watched.v == unwatched.v).all() && (watched.spring == unwatched.spring).all());
+  }
 }

@@ -9,12 +9,11 @@
 
 namespace softffd {
 
-/// A given number of equal steps of any method. course: what the run knows of the body.
-inline Result run_method(Integrator& method, const Scene& s, int steps, bool watch = true, const Course& course = {}) {
+/// A given number of equal steps of any method. known: what stepping knows of the body and its steps.
+inline Result run_method(Integrator& method, const Scene& s, int steps, bool watch = true, const Run& known = {}) {
   Drive drive = s.around;
   drive.watch = watch;
-  Run run;
-  run.course = course;
+  Run run = known;
   run.path.motion = s.start;
   run.path.exchange.planes.resize(drive.planes.size());
   run.path.exchange.pins.resize(drive.pins.size());
@@ -29,13 +28,16 @@ Result run_with(const Scene& s, int steps) {
   return run_method(method, s, steps);
 }
 
-/// By leapfrog that carries velocities on for the dashpots, however long its steps.
-inline Result run_carrying(const Scene& s, int steps) {
+/// By leapfrog that takes the dashpots in a way that is not its choice by the length of the steps.
+template <Dashpots kind>
+Result run_with_dashpots(const Scene& s, int steps, bool watch = true) {
   Leapfrog method(s.body.points(), int(s.around.planes.size()));
-  Course course;
-  course.bound = course.damping_bound = 0;
-  return run_method(method, s, steps, true, course);
+  Run known;
+  known.course.bound = known.course.damping_bound = 0;
+  known.path.clock.unit = kind == Dashpots::anew ? s.duration / steps : 0;
+  return run_method(method, s, steps, watch, known);
 }
+constexpr auto run_carrying = run_with_dashpots<Dashpots::carried>, run_anew = run_with_dashpots<Dashpots::anew>;
 
 /// Steps whose forces, kicks and drift are one pass have the bits of those that are watched at every kick.
 template <class Method>
