@@ -80,6 +80,7 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
     surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
   const Count before = impacts();
   anew_ = kind == Dashpots::anew;
+  if (dashpots && carried_.size() == 0) carried_ = forces_ = Points(before_.rows(), 3);
   kicks_.prepare(model.body, span.h);
   if (drive.ramped) drive.force_at(span.time(0), force_);
   const bool free = drive.planes.empty() && drive.pins.empty() && model.body.fused() && !dashpots;
@@ -182,12 +183,19 @@ StepStatus Leapfrog::close(const StepView& view, Path& path, bool last) {
 
 /// After the drift; those of the energies alone where they are asked for.
 void Leapfrog::renew_forces(const StepView& view, State& state, bool last) {
-  const bool dashpots = view.body.dashpots();
-  if (!dashpots || last || anew_ || landed_ || losses(view.body, view.around)) view.body.internal_force(state.x, state.spring);
-  if (!dashpots) return;
+  const Body& body = view.body;
+  if (!body.dashpots()) return body.internal_force(state.x, state.spring);
+  const auto flat = [](Points& points) { return Eigen::Map<Scalars>(points.data(), points.size()); };
+  const bool free = view.around.planes.empty();
   carried_ = 2 * state.v - before_;
+  if (free) flat(carried_) -= (0.5 * view.h) * (body.inverse_mass * flat(state.spring));
+  if (free || last || anew_ || landed_ || losses(body, view.around)) body.internal_force(state.x, state.spring);
+  if (free) flat(carried_) += (0.5 * view.h) * (body.inverse_mass * flat(state.spring));
   view.around.visit_pinned(view.t1, [&](const PinnedPoint& held) { set_row(carried_, held.point, held.velocity()); });
-  view.body.damped_force(state.x, carried_, forces_);
+  if (free)
+    take_dashpots(body, state, carried_);
+  else
+    body.damped_force(state.x, carried_, forces_);
 }
 
 /// With velocities v.

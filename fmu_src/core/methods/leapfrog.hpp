@@ -1,14 +1,18 @@
 /// Leapfrog (velocity Verlet): the central difference of Xia & Wang 2009, eq. (13), written in velocities, which keeps the digits that the
 /// recurrence in positions loses to round-off; second order, symplectic without damping, one force evaluation per step.
 ///
-/// Weak internal damping is evaluated with the forces, at velocities carried on from the middle of the step to its end, 2 v - v0: what
-/// they err by is of second order, and they are those of the motion in lasting contact too, at rest exactly. The next step begins with
-/// that, or with the velocities themselves, anew: so it is at the beginning of a span and after a landing. Of a vibration whose damping
-/// has the rate r such steps are stable while
+/// Internal damping that is not strong is evaluated with the forces f, once a step, at velocities carried on from its middle to its end,
+///
+///      v1 = v + (v - v0),      and where there are no obstacles      + (h / 2) (f1 - f0) / m,
+///
+/// which err by what is of second order; with the last term by the damping alone, so that a vibration decays as it should. In contact
+/// they are those of the motion, whatever obstacles exert, and at rest exactly. The next step begins with these dashpots, or with those of
+/// its own velocities, anew: so it is at the beginning of a span and after a landing. Of a vibration that decays with the rate r such steps
+/// are stable while
 ///
 ///      carried:  w + z <= 1        anew:  w <= 1 - z/2 + z^2/4 (3/4 at least), z <= 2,        w = (omega h / 2)^2, z = r h,
 ///
-/// where the polynomial of a step has a root at -1, or its roots leave the unit circle. Stronger damping is DampedLeapfrog's.
+/// and with the last term while w <= 1 and z is not above 1 or 2. Stronger damping is DampedLeapfrog's.
 #pragma once
 #include <memory>
 

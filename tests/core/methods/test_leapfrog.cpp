@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include "method_runs.hpp"
 
 using namespace softffd;
@@ -74,10 +76,14 @@ TEST(pins_receive_to_rounding_what_a_body_with_dashpots_loses) {
   for (const Dashpots kind : {Dashpots::carried, Dashpots::anew}) CHECK_NEAR(momentum_lost(s, stepping(kind)(s, 20)), 0.0, 1e-13);
 }
 
-/// The oscillator swings with omega = 20 / s, its dashpots' rate is tau omega^2.
+/// The oscillator swings with omega = 20 / s, its dashpots' rate is tau omega^2. A plane that it does not come to makes the limits those
+/// of contact.
 TEST(steps_with_dashpots_are_stable_up_to_the_stated_length) {
   const auto grows = [](Dashpots kind, const Oscillator& o, double h) {
-    const State end = stepping(kind)(scene(o, 1000 * h), 1000).state;
+    Scene s = scene(o, 1000 * h);
+    s.around.planes.resize(1);
+    s.around.planes[0].point.z() = -9;
+    const State end = stepping(kind)(s, 1000).state;
     return !(std::abs(end.x(1, 0) - end.x(0, 0) - 1) < 2 * o.y0);
   };
   for (const double tau : {0.0, 0.002, 0.02, 0.2}) {
@@ -89,6 +95,16 @@ TEST(steps_with_dashpots_are_stable_up_to_the_stated_length) {
     for (double low = 0, high = 2 / std::max(rate, omega); high - low > 1e-9 * high;)
       anew = 0.5 * (low + high), (left(anew) > 0 ? low : high) = anew;
     CHECK(!grows(Dashpots::anew, o, 0.98 * anew) && grows(Dashpots::anew, o, 1.02 * anew));
+  }
+}
+
+TEST(dashpots_make_a_vibration_decay_at_their_rate) {  // by solving too: the others err by a 25th to a 500th of (omega h)^2 of it
+  const Oscillator o{.w0 = 0, .tau = 0.005};           // tau omega = 0.1
+  const double rate = 0.5 * o.tau * o.omega() * o.omega(), h = 0.2 / o.omega(), turn = 2 * std::numbers::pi / o.omega();
+  const double period = turn / std::sqrt(1 - power(0.5 * o.tau * o.omega(), 2));
+  for (const Dashpots kind : {Dashpots::carried, Dashpots::anew}) {
+    const State end = stepping(kind)(scene(o, 3 * period), int(std::round(3 * period / h))).state;
+    CHECK_NEAR(std::log(o.y0 / (end.x(1, 0) - end.x(0, 0) - 1)) / (3 * rate * period), 1.0, 2e-3);
   }
 }
 
