@@ -111,6 +111,47 @@ of_scene(
 )
 
 
+def explicit_step(name: str, material: dict[str, Any], **sections: Any) -> None:
+    """A row for an explicit step with an internal damping of 10 us, of the length that the program chooses, while the body lies on a plane."""
+
+    @row("damped contact", f"an explicit step, {name}", "without internal damping", goal=2.3)
+    def damped() -> Iterator[Pair]:
+        bodies = [
+            scene_from(
+                {
+                    "lattice": {"size": [0.1] * 3, "origin": [0.0] * 3},
+                    "material": material | damping,
+                    "environment": {"gravity": [0.0, 0.0, -9.81]},
+                    "initial": {"velocity": [0.3, 0.0, 0.0]},
+                    "plane": PLANE,
+                    "outputs": {"solver": True},
+                    "solver": {"method": "leapfrog", "tolerance": 1e-6},
+                    **sections,
+                }
+            )
+            for damping in ({"internal_damping": 1e-5}, {})
+        ]
+        with Simulation(bodies[0]) as own, Simulation(bodies[1]) as base:
+            counts = []
+            for each in (own, base):
+                each.step(0.2)
+                counts.append(int(each.number("solver.steps")))
+            yield Pair(partial(call, own), partial(call, base), per=counts[0], per_base=counts[1])
+
+
+def call(simulation: Simulation) -> float:
+    """Processor time [s] of a communication step of 0.2 s from the start."""
+    simulation.restart()
+    simulation.initialize()
+    began = time.process_time()
+    simulation.step(0.2)
+    return time.process_time() - began
+
+
+explicit_step("springs", {"stiffness": 1e3, "damping": 0.0}, mass={"total": 0.5})
+explicit_step("a solid", {"model": "solid", "youngs_modulus": 1e5, "poissons_ratio": 0.45, "density": 500.0})
+
+
 def stage_of_size(side: int, seconds: float) -> None:
     """A row for a lattice whose lower face slides on a plane: half a step of SDIRK2, which has two stages."""
     h, count, touching = 1e-3, 40 if side == 4 else 3, side * side
